@@ -1,0 +1,2 @@
+install(DIRECTORY include/limb_ring/ DESTINATION ${LIMB_RING_INCLUDE})
+install(DIRECTORY config launch DESTINATION ${LIMB_RING_SHARE})

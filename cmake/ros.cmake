@@ -1,0 +1,20 @@
+# What ROS conventions ask for: messages, the exported client library, the devel space.
+find_package(catkin REQUIRED COMPONENTS roscpp sensor_msgs std_msgs topic_tools message_generation)
+file(GLOB msg_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/msg msg/*.msg)
+file(GLOB srv_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/srv srv/*.srv)
+if(msg_files)
+  add_message_files(FILES ${msg_files})
+endif()
+if(srv_files)
+  add_service_files(FILES ${srv_files})
+endif()
+generate_messages(DEPENDENCIES std_msgs sensor_msgs)
+catkin_package(
+  INCLUDE_DIRS include
+  LIBRARIES limb_ring_client
+  CATKIN_DEPENDS message_runtime roscpp sensor_msgs std_msgs topic_tools)
+set(LIMB_RING_BIN ${CATKIN_PACKAGE_BIN_DESTINATION})
+set(LIMB_RING_LIB ${CATKIN_PACKAGE_LIB_DESTINATION})
+set(LIMB_RING_INCLUDE ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
+set(LIMB_RING_SHARE ${CATKIN_PACKAGE_SHARE_DESTINATION})
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace limb_ring::config {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+/// What an interrupt pin drives (ours). Factors 0, 1, 2 default to reset, stop, sync.
+struct PinConfig {
+  enum class Action { none, reset, stop, signal, notify, sync, exec } action = Action::none;
+  int signal = 0;                    ///< Action::signal: its number
+  std::vector<std::string> command;  ///< Action::exec: program and arguments
+};
+
+/// Where an interrupt input of the NC leads: pulling it sends INTP `factor` to `node`. (paper)
+struct InputConfig {
+  bool broadcast = false;
+  std::uint8_t node = 0;
+  std::uint8_t factor = 0;
+};
+
+struct CpuConfig {
+  /// none: a built-in sink reads and counts. child: ringd starts `command`. attached: an outside
+  /// process (ring_bridge) connects; until it has, packets are refused.
+  enum class Kind { none, child, attached } kind = Kind::none;
+  std::vector<std::string> command;  ///< program (looked for beside ringd, then on PATH), arguments
+  bool restart_on_exit = true;       ///< child: start it again when it ends by itself
+};
+
+struct JointConfig {
+  std::string name;
+  double lower = -3.14, upper = 3.14;  ///< rad
+  double velocity = 6.0;               ///< rad/s, limit
+  double effort = 50.0;                ///< N m, limit
+  double initial = 0.0;                ///< rad
+  enum class Safe { hold, damp } safe = Safe::hold;
+};
+
+struct SensorConfig {
+  std::string name;
+  enum class Kind { imu, force } kind = Kind::imu;
+  double rate = 100.0;           ///< Hz
+  std::uint8_t priority = 1;     ///< 0..3
+};
+
+/// The link INTO a node; whoever is upstream of it, connects to it so.
+struct LinkConfig {
+  enum class Transport { unix_stream, udp } transport = Transport::unix_stream;
+  std::string address = "127.0.0.1";  ///< udp: the node listens there, and only there
+  std::uint16_t port = 0;             ///< udp: `links.port` + id where not given
+  std::uint64_t rate = 0;             ///< bit/s; 0: as fast as the host
+  nanoseconds delay{0};
+};
+
+struct NodeConfig {
+  std::uint8_t id = 0;
+  std::string name;
+  CpuConfig cpu;
+  std::vector<JointConfig> joints;
+  std::vector<SensorConfig> sensors;
+  std::array<PinConfig, 8> pins;
+  std::array<std::optional<InputConfig>, 8> inputs;
+  LinkConfig link;
+};
+
+struct Limits {
+  unsigned insertion_buffer = 8;    ///< DATPs that may wait in the Packet Manager
+  unsigned interrupt_buffer = 64;   ///< INTPs that may wait there
+  unsigned send_queue = 64;         ///< per priority
+  unsigned receive_buffers = 32;    ///< per priority
+  unsigned clients = 32;            ///< on a host port
+};
+
+struct Timeouts {
+  milliseconds send{100};            ///< least time-out of one try
+  milliseconds refused{1000};        ///< a refused unicast is tried again for so long
+  milliseconds refused_backoff{64};  ///< ceiling of the doubling wait between those tries
+  milliseconds queue{5000};          ///< a send that could not go onto the line by then ends
+  milliseconds stall{50};            ///< a packet in flight without a slice for so long is aborted
+  milliseconds idle{10};             ///< a quiet link sends idle so often
+  milliseconds silence{50};          ///< a link silent for so long counts as broken
+  milliseconds bypass{200};          ///< at start: wait so long for a configured neighbour
+  milliseconds beacon{100};
+  milliseconds cpu_boot{5000};       ///< a child that has not connected by then counts as failed
+  milliseconds command{200};         ///< a joint without a command for so long goes to its safe state
+};
+
+struct Firmware {
+  double state_rate = 100.0;   ///< Hz
+  double bandwidth = 8.0;      ///< Hz, natural frequency of the simulated servo
+  double damping = 0.9;        ///< its damping ratio
+};
+
+/// A ROS topic carried over the ring from one bridge to another.
+struct TopicConfig {
+  std::string input;        ///< topic subscribed at the bridge of `from`
+  std::string output;       ///< topic advertised at the bridge of `to`; default: as `input`
+  std::uint8_t from = 0, to = 0;
+  std::uint8_t priority = 3;
+  unsigned queue = 4;       ///< messages waiting to be sent; the oldest is dropped, counted
+};
+
+struct BridgeConfig {
+  double rate = 50.0;          ///< Hz of joint_states
+  std::vector<TopicConfig> topics;
+};
+
+struct Realtime {
+  std::vector<unsigned> cores;  ///< pin the daemons there; empty: anywhere
+  int fifo = 0;                 ///< SCHED_FIFO priority 1..99; 0: off
+  bool lock_memory = false;
+};
+
+/// One ring, as its YAML file says. Read by every program; config/OPTIONS lists every entry with
+/// default, range and unit.
+struct RingConfig {
+  std::string ring;
+  std::string path;  ///< file it was read from; empty where made by plain_ring()
+  std::vector<NodeConfig> nodes;  ///< in ring order, which is the file's order
+  Limits limits;
+  Timeouts timeouts;
+  Firmware firmware;
+  BridgeConfig bridge;
+  Realtime realtime;
+
+  const NodeConfig* find(std::uint8_t id) const;
+  /// By id ("12") or name ("left_knee").
+  const NodeConfig* find(const std::string& id_or_name) const;
+};
+
+}  // namespace limb_ring::config

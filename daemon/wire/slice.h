@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "wire/bytes.h"
+
+namespace limb_ring::wire {
+
+/// What travels on a link (ours, protocol.md section 6). Slices keep control and data apart, as
+/// the fibre's line code does: any payload byte is legal, an INTP can sit inside a DATP, and a
+/// relay can pass on what has arrived.
+///
+///   | magic 0xA7 | kind 8 | size 16, big-endian | size bytes |
+///
+/// A DATP travels either as one `whole`, or as `start` (`more`)* (`end` | `abort`):
+///   start  header (4 B) and whole words of payload
+///   more   whole words of payload
+///   end    the rest of the payload, trailer and CRC (8 B at least)
+enum class SliceKind : std::uint8_t { start = 1, more, end, whole, interrupt, abort, idle };
+
+struct Slice {
+  SliceKind kind;
+  ByteView bytes;
+};
+
+constexpr std::size_t kSliceHeaderSize = 4;
+constexpr std::uint8_t kSliceMagic = 0xA7;
+constexpr std::size_t kMaxSliceSize = kSliceHeaderSize + 524;
+
+/// True where `size` is one that `kind` may have.
+bool slice_size_fits(SliceKind kind, std::size_t size);
+
+/// Reads one slice from the front of `bytes`.
+/// @return `consumed` bytes were used and `slice` points into `bytes`; `incomplete`: more bytes
+///         are needed; `malformed`: this is no slice, and what follows cannot be trusted.
+struct SliceParse {
+  enum class Status { slice, incomplete, malformed } status;
+  Slice slice;
+  std::size_t consumed;
+};
+SliceParse parse_slice(ByteView bytes);
+
+/// Slices in the order in which they go onto one line, framed, ready to be written.
+class SliceWriter {
+ public:
+  void put(SliceKind kind, ByteView bytes);
+  /// As put, with the bytes left for the caller to fill: `size` bytes, valid until the next call.
+  std::uint8_t* put_space(SliceKind kind, std::size_t size);
+  ByteView view() const { return {buffer_.data(), size_}; }
+  bool empty() const { return size_ == 0; }
+  void clear() { size_ = 0; }
+
+ private:
+  std::vector<std::uint8_t> buffer_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace limb_ring::wire

@@ -1,0 +1,159 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace limb_ring {
+
+/// Destination of a packet to all nodes but its source. (paper)
+constexpr std::uint8_t kBroadcast = 0xFF;
+/// Bytes of data in one packet: 1 to 512. (paper)
+constexpr std::size_t kMaxPayload = 512;
+
+/// How a send ended. Every send has exactly one. (ours, protocol.md section 4)
+enum class Outcome : std::uint8_t {
+  delivered,     ///< taken by the destination's network controller; not: read by its CPU
+  refused,       ///< the destination had no buffer free (or, for an interrupt, no pin wired)
+  no_such_node,  ///< went round and nobody took it
+  lost,          ///< not confirmed; it may have arrived, never twice
+  unconfirmed,   ///< sent into an open chain, from which nothing returns
+  rejected,      ///< never sent: queue full, not in a ring, bad arguments; see the reason
+  cancelled      ///< given up: reset, shutdown, the daemon is gone
+};
+const char* to_string(Outcome outcome);
+
+/// A packet for this CPU. Packets come by priority, 0 first. (paper)
+struct Packet {
+  std::uint8_t source = 0;
+  std::uint8_t destination = 0;  ///< this node's id, or kBroadcast
+  std::uint8_t priority = 0;     ///< 0 (highest) to 3
+  std::uint8_t channel = 0;      ///< 0 user, 2 joint data, 3 topic fragments, 4 to 63 free
+  std::vector<std::uint8_t> data;  ///< 1 to 512 bytes
+};
+
+/// A pin of this node was pulled whose action concerns the CPU.
+struct Interrupt {
+  enum class Action : std::uint8_t { notify, stop } action = Action::notify;
+  std::uint8_t source = 0;
+  std::uint8_t factor = 0;  ///< 0 to 7
+};
+
+/// The end of one send, interrupt or pull.
+struct Result {
+  std::uint32_t token = 0;  ///< what the call returned
+  Outcome outcome = Outcome::rejected;
+  std::chrono::nanoseconds round_trip{0};  ///< first byte out to matched return; 0 where none came
+  unsigned tries = 0;                      ///< times put onto the line
+  std::string reason;                      ///< for people; empty where the outcome says it all
+};
+
+/// Answer to request(): a JSON object. A failed one holds {"error": "..."}.
+struct Reply {
+  std::uint32_t token = 0;
+  std::string json;
+};
+
+/// Something seen by an observer (observe()): a JSON object, one line.
+struct Observed {
+  std::string json;
+};
+
+/// This client read too slowly; so many Observed were left out before the next one.
+struct ObservedLost {
+  std::uint64_t count = 0;
+};
+
+/// The connection has ended. Every send without a Result was reported `cancelled` before this.
+struct Disconnected {
+  std::string reason;
+};
+
+using Message =
+    std::variant<Packet, Interrupt, Result, Reply, Observed, ObservedLost, Disconnected>;
+
+/// Connecting failed; what() names the socket, what went wrong and what would be right.
+struct HostPortError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+enum class Role : std::uint8_t {
+  tool,  ///< any number may send, pull inputs, ask and observe, each getting its own results
+  cpu    ///< the node's CPU, one at a time: also receives packets and interrupts, and is reset
+};
+
+struct ConnectOptions {
+  std::string ring;  ///< empty: the environment's LIMB_RING_RING, else the only ring running
+  std::string node;  ///< id or name; empty: the environment's LIMB_RING_NODE
+  Role role = Role::tool;
+  /// role cpu, not a child of ringd: somebody (roslaunch's respawn) restarts this process when
+  /// a reset kills it. Where nobody does, resets of this node say so.
+  bool restarted_by_owner = false;
+  /// role cpu: promises to call alive() (or anything else) at least this often. 0: no promise.
+  std::chrono::milliseconds alive_period{0};
+  /// How long to go on trying while the daemon is not there yet.
+  std::chrono::milliseconds timeout{2000};
+};
+
+/// The door between a node's network controller (ringd) and the programs beside it.
+///
+/// One thread; nothing is called back. Sends return at once with a token; the Result with that
+/// token comes out of receive(). Writing waits while the daemon's socket is full.
+class HostPort {
+ public:
+  /// @throw HostPortError
+  static HostPort connect(const ConnectOptions& options);
+  HostPort(HostPort&&) noexcept;
+  HostPort& operator=(HostPort&&) noexcept;
+  ~HostPort();
+
+  std::uint8_t id() const;           ///< of the node this port belongs to
+  const std::string& name() const;   ///< its name
+  const std::string& ring() const;   ///< the ring's name
+
+  /// Sends 1 to 512 bytes to a node (0 to 254) or kBroadcast, at priority 0 (highest) to 3.
+  /// @return token of the Result. Bad arguments give a Result `rejected` with the reason.
+  std::uint32_t send(std::uint8_t destination, const std::uint8_t* data, std::size_t size,
+                     std::uint8_t priority = 2, std::uint8_t channel = 0);
+  std::uint32_t send(std::uint8_t destination, const std::vector<std::uint8_t>& data,
+                     std::uint8_t priority = 2, std::uint8_t channel = 0) {
+    return send(destination, data.data(), data.size(), priority, channel);
+  }
+  /// Sends an interrupt packet: pulls pin `factor` (0 to 7) of `destination`. A broadcast to a
+  /// factor that some node has wired to `reset` needs `force`.
+  std::uint32_t interrupt(std::uint8_t destination, std::uint8_t factor, bool force = false);
+  /// Pulls this node's interrupt input (0 to 7), as a watchdog or a button wired to it would.
+  std::uint32_t pull(std::uint8_t input);
+  /// Asks the daemon: a JSON object {"do": "...", ...}; see daemon/host/requests.md.
+  std::uint32_t request(const std::string& json);
+  /// From now on, what passes this node comes as Observed: {"kinds": [...]} as in requests.md.
+  void observe(const std::string& json_filter);
+  /// Says that the CPU is alive (any other call does so too).
+  void alive();
+
+  /// The next message, waiting up to `timeout`; nothing where none came.
+  std::optional<Message> receive(std::chrono::milliseconds timeout);
+  /// The Reply to a request, waiting up to `timeout`; other messages stay for receive().
+  /// @throw HostPortError on time-out, lost connection, or a reply holding "error".
+  std::string ask(const std::string& json, std::chrono::milliseconds timeout);
+  /// The Result of a token, waiting up to `timeout`; other messages stay for receive().
+  /// @throw HostPortError on time-out.
+  Result wait(std::uint32_t token, std::chrono::milliseconds timeout);
+
+  bool connected() const;
+  /// Readable when receive() may have something; for poll() or an event loop. A message that is
+  /// already buffered does not show here: receive(0) until empty first.
+  int fd() const;
+
+ private:
+  struct Impl;
+  explicit HostPort(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace limb_ring

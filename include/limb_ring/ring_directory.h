@@ -1,0 +1,32 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace limb_ring {
+
+/// Where the sockets of the rings of this user live (ours):
+/// `$XDG_RUNTIME_DIR/limb_ring`, or where that is not set `limb_ring-UID` below the system's
+/// temporary folder. Never created here, only named.
+std::string rings_directory();
+
+/// The folder of one ring: `rings_directory()/RING`.
+/// @throw std::invalid_argument where the name is empty, longer than 32 characters, or holds
+///        anything but letters, digits, '-', '_' and '.' (no leading '.').
+std::string ring_directory(const std::string& ring);
+
+/// Creates the folder of a ring (and those above it) with mode 0700.
+/// @throw std::runtime_error naming the folder where it belongs to another user, is a link, is
+///        open to others, or cannot be made.
+std::string make_ring_directory(const std::string& ring);
+
+/// Rings with at least one daemon that answers, by name, sorted.
+std::vector<std::string> running_rings();
+
+/// Path of a node's socket: `DIRECTORY/NODE.host` and the like; NODE is an id or a name (ringd
+/// links the name to the id).
+/// @throw std::invalid_argument where the path is too long for a UNIX socket (107 bytes), saying so.
+std::string socket_path(const std::string& directory, const std::string& node, const char* kind);
+
+}  // namespace limb_ring
