@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "wire/packet.h"
+
+/// What network controllers tell each other: the data of broadcast DATPs on channel 1. (ours)
+namespace limb_ring::wire {
+
+/// A node's first words after a start: "forget what you remember of me".
+///
+///   | type 1 | boot number 64 |      9 bytes
+struct Hello {
+  std::uint64_t boot = 0;  ///< never repeats for one node id
+};
+constexpr std::size_t kHelloSize = 9;
+
+enum class CpuState : std::uint8_t { none, absent, booting, running, silent, failed };
+enum class LinkState : std::uint8_t { down, up, silent };
+const char* to_string(CpuState state);
+const char* to_string(LinkState state);
+
+/// Sent every 100 ms by default and at once on any change.
+///
+///   | type 2 | boot 64 | CPU boots 32 | CPU state 8 | CPU silent for, ms 32 | input state 8 |
+///   | input from 8 | output state 8 | output to 8 | break known 8 | before 8 | behind 8 | 25 bytes
+struct Beacon {
+  std::uint64_t boot = 0;
+  std::uint32_t cpu_boots = 0;      ///< starts of the CPU so far
+  CpuState cpu_state = CpuState::none;
+  std::uint32_t cpu_silent_ms = 0;  ///< since the CPU last spoke
+  LinkState input = LinkState::down;
+  NodeId input_from = 0;            ///< meaningful where input is not down
+  LinkState output = LinkState::down;
+  NodeId output_to = 0;
+  bool break_known = false;         ///< the line between the next two is broken
+  NodeId break_before = 0;
+  NodeId break_behind = 0;
+};
+constexpr std::size_t kBeaconSize = 25;
+
+/// @param out room for kHelloSize, kBeaconSize bytes. @return bytes written
+std::size_t encode(const Hello& hello, std::uint8_t* out);
+std::size_t encode(const Beacon& beacon, std::uint8_t* out);
+
+/// @return nothing where the bytes are no such message
+std::optional<Hello> decode_hello(ByteView data);
+std::optional<Beacon> decode_beacon(ByteView data);
+
+}  // namespace limb_ring::wire

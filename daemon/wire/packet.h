@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+
+#include "wire/bytes.h"
+#include "wire/checksum.h"
+
+/// What DATP and INTP have in common: header, trailer, CRC. (paper, fields' use partly ours)
+///
+///   Header  | Code | SOP | HOP | SID |    4 bytes
+///   Data                                  1..512 bytes, DATP only
+///   Trailer | EOP  | FBC | DID | last |   4 bytes; last is PRI in a DATP, INT in an INTP
+///   CRC     32 bits, big-endian           over everything before it, as it is on that line
+namespace limb_ring::wire {
+
+using NodeId = std::uint8_t;               ///< SID, DID: 0..254
+constexpr NodeId kBroadcast = 0xFF;        ///< as DID: every node but the source
+constexpr std::uint8_t kSop = 0xFB;
+constexpr std::uint8_t kEop = 0xFD;
+constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kFbcUntaken = 0xFF; ///< FBC as the source sends it: nobody took it yet
+constexpr std::uint8_t kFbcMax = 254;      ///< the most free buffers a receiver may write
+
+constexpr std::size_t kHeaderSize = 4;
+constexpr std::size_t kTrailerSize = 4;
+constexpr std::size_t kCrcSize = 4;
+constexpr std::size_t kOverhead = kHeaderSize + kTrailerSize + kCrcSize;
+
+/// Code: bits 7..6 version, 5 kind (0 DATP, 1 INTP), 4..3 try, 2..0 sequence. (ours)
+struct Code {
+  bool interrupt = false;
+  std::uint8_t attempt = 0;   ///< 0 the first, 1..3 retries
+  std::uint8_t sequence = 0;  ///< 0..7
+
+  std::uint8_t byte() const {
+    return static_cast<std::uint8_t>(kVersion << 6 | (interrupt ? 1 << 5 : 0) | (attempt & 3) << 3 |
+                                     (sequence & 7));
+  }
+};
+inline Code code_of(std::uint8_t byte) {
+  return {(byte >> 5 & 1) != 0, static_cast<std::uint8_t>(byte >> 3 & 3),
+          static_cast<std::uint8_t>(byte & 7)};
+}
+
+/// Fields of a packet as it lies in memory, from its first header byte to its last CRC byte.
+/// @pre bytes.size >= kOverhead (header fields alone: >= kHeaderSize)
+struct PacketFields {
+  ByteView bytes;
+
+  std::uint8_t code_byte() const { return bytes[0]; }
+  Code code() const { return code_of(bytes[0]); }
+  std::uint8_t hop() const { return bytes[2]; }
+  NodeId source() const { return bytes[3]; }
+  ByteView data() const { return {bytes.data + kHeaderSize, bytes.size - kOverhead}; }
+  std::uint8_t fbc() const { return bytes[bytes.size - 7]; }
+  NodeId destination() const { return bytes[bytes.size - 6]; }
+  std::uint8_t last() const { return bytes[bytes.size - 5]; }
+  std::uint32_t crc() const { return load_u32(bytes.data + bytes.size - kCrcSize); }
+  bool crc_good() const { return crc32(bytes.first(bytes.size - kCrcSize)) == crc(); }
+};
+
+/// True where the four header bytes can begin a packet of that kind.
+inline bool header_valid(ByteView header, bool interrupt) {
+  return header[0] >> 6 == kVersion && (header[0] >> 5 & 1) == (interrupt ? 1 : 0) &&
+         header[1] == kSop && header[3] != kBroadcast;
+}
+/// True where trailer and size can end one. @pre bytes.size >= kOverhead
+inline bool trailer_valid(ByteView packet) { return packet[packet.size - 8] == kEop; }
+
+/// CRC of a packet after its HOP was XORed with `hop_delta` and its FBC with `fbc_delta`, from the
+/// CRC it came with.
+inline std::uint32_t carried_crc(std::uint32_t crc, std::size_t packet_size, std::uint8_t hop_delta,
+                                 std::uint8_t fbc_delta) {
+  crc ^= crc32_change(hop_delta, packet_size - kCrcSize - 3);
+  return fbc_delta == 0 ? crc : crc ^ crc32_change(fbc_delta, 2);
+}
+
+/// Writes HOP and FBC into a packet and carries its CRC along.
+inline void rewrite(std::uint8_t* packet, std::size_t size, std::uint8_t hop, std::uint8_t fbc) {
+  std::uint8_t* crc = packet + size - kCrcSize;
+  store_u32(crc, carried_crc(load_u32(crc), size, packet[2] ^ hop, packet[size - 7] ^ fbc));
+  packet[2] = hop;
+  packet[size - 7] = fbc;
+}
+
+/// Why bytes are no packet; to_string gives a sentence.
+enum class PacketError { none, size, header, trailer, crc };
+const char* to_string(PacketError error);
+
+/// Checks everything a receiver can check without a context.
+/// @param interrupt true where an INTP is expected (12 bytes), else a DATP (13..524 bytes)
+PacketError check_packet(ByteView packet, bool interrupt);
+
+}  // namespace limb_ring::wire

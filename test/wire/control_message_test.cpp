@@ -1,0 +1,44 @@
+#include "wire/control_message.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace limb_ring::wire {
+namespace {
+
+TEST(ControlMessage, HelloComesBack) {
+  std::array<std::uint8_t, kHelloSize> bytes;
+  encode(Hello{0x0102030405060708}, bytes.data());
+  EXPECT_EQ(bytes, (std::array<std::uint8_t, kHelloSize>{1, 1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(decode_hello({bytes.data(), bytes.size()})->boot, 0x0102030405060708u);
+}
+
+TEST(ControlMessage, BeaconComesBack) {
+  Beacon beacon{42, 3, CpuState::silent, 250, LinkState::up, 4, LinkState::silent, 6, true, 4, 5};
+  std::array<std::uint8_t, kBeaconSize> bytes;
+  ASSERT_EQ(encode(beacon, bytes.data()), kBeaconSize);
+  const auto back = decode_beacon({bytes.data(), bytes.size()});
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->boot, 42u);
+  EXPECT_EQ(back->cpu_boots, 3u);
+  EXPECT_EQ(back->cpu_state, CpuState::silent);
+  EXPECT_EQ(back->cpu_silent_ms, 250u);
+  EXPECT_EQ(back->output, LinkState::silent);
+  EXPECT_EQ(back->output_to, 6);
+  EXPECT_TRUE(back->break_known);
+  EXPECT_EQ(back->break_behind, 5);
+}
+
+TEST(ControlMessage, WrongSizesTypesAndValuesAreNoMessage) {
+  std::array<std::uint8_t, kBeaconSize> bytes;
+  encode(Beacon{}, bytes.data());
+  EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size() - 1}));
+  EXPECT_FALSE(decode_hello({bytes.data(), bytes.size()}));
+  bytes[13] = 99;
+  EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()}));
+  EXPECT_FALSE(decode_hello({}));
+}
+
+}  // namespace
+}  // namespace limb_ring::wire
