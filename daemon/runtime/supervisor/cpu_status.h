@@ -1,0 +1,42 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace limb_ring::runtime {
+
+/// Where a node's CPU comes from.
+enum class CpuKind { none, child, attached };
+
+/// What a node's CPU does.
+enum class CpuState {
+  none,     ///< the node has no CPU: a built-in sink
+  absent,   ///< not there: never attached, gone, or ended with exit 0
+  booting,  ///< its process runs, but has not attached to the host port yet
+  running,  ///< attached
+  silent,   ///< attached, but without a word for three of its declared alive periods
+  failed    ///< ended badly, did not attach in time, or cannot be executed; see last_exit
+};
+
+const char* to_string(CpuKind kind);
+const char* to_string(CpuState state);
+
+struct CpuStatus {
+  CpuKind kind = CpuKind::none;
+  CpuState state = CpuState::none;
+  pid_t pid = -1;           ///< of the process attached, else of the child; -1: neither
+  std::uint32_t boots = 0;  ///< times a CPU attached to the host port: higher means it really runs
+  std::chrono::milliseconds silent{0};        ///< since its last word; 0 where none is attached
+  std::chrono::milliseconds alive_period{0};  ///< promised by it; 0: no promise
+  bool restarted_by_owner = false;            ///< attached: somebody restarts it when it is killed
+  std::uint64_t resets = 0;
+  std::string last_reset_reason;
+  std::uint64_t exits = 0;         ///< ends of children by themselves
+  std::uint64_t failed_boots = 0;  ///< children that did not attach in time, or not at all
+  std::string last_exit;           ///< "exit 3", "signal 9 (Killed)", "cannot execute ..."
+};
+
+}  // namespace limb_ring::runtime

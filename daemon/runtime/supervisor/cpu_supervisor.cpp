@@ -1,0 +1,287 @@
+#include "runtime/supervisor/cpu_supervisor.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/post.hpp>
+#include <csignal>
+#include <cstring>
+
+namespace limb_ring::runtime {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+CpuSupervisor::CpuSupervisor(boost::asio::io_context& io, CpuOptions options, CpuEvents& events)
+    : io_(io), options_(std::move(options)), events_(events), child_(io, options_.by),
+      commands_(io, options_.command_timeout, options_.by), back_off_(options_.back_off),
+      boot_timer_(io), restart_timer_(io), silence_timer_(io), stop_timer_(io) {}
+
+CpuSupervisor::~CpuSupervisor() = default;
+
+/// Calls `action` at `when`, unless the timer has been set anew or we are gone by then.
+template <class Action>
+void CpuSupervisor::after(boost::asio::steady_timer& timer, Time when, Action action) {
+  timer.expires_at(when);
+  timer.async_wait([this, &timer, when, action, alive = std::weak_ptr(alive_)](const auto& error) {
+    if (!error && !alive.expired() && timer.expiry() == when) (this->*action)();
+  });
+}
+
+void CpuSupervisor::changed() {
+  if (std::exchange(event_posted_, true)) return;
+  boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
+    if (alive.expired()) return;
+    event_posted_ = false;
+    events_.on_cpu_changed();
+  });
+}
+
+// --- the child ---------------------------------------------------------------------------------
+
+void CpuSupervisor::start() {
+  if (options_.cpu.kind == config::CpuConfig::Kind::child) start_child();
+}
+
+SpawnRequest CpuSupervisor::request() const {
+  SpawnRequest request;
+  request.arguments = options_.cpu.command;
+  request.environment = options_.environment;
+  request.affinity = options_.affinity;
+  return request;
+}
+
+void CpuSupervisor::start_child() {
+  child_killed_ = boot_failed_ = false;
+  const auto& command = options_.cpu.command;
+  const std::string name = command.empty() ? "" : command.front();
+  const std::string path = find_program(name, options_.program_folder);
+  if (!path.empty()) return start_found(path);
+  could_not_start(not_started("no program '" + name + "' that can be executed (looked in " +
+                              options_.program_folder + " and on PATH)"));
+}
+
+void CpuSupervisor::start_found(const std::string& path) {
+  SpawnRequest child = request();
+  child.path = path;
+  child_.start(child, [this](const ExitStatus& status) { child_ended(status); });
+  watch_boot();
+  changed();
+}
+
+void CpuSupervisor::could_not_start(const ExitStatus& why) {
+  did_not_boot(why.text);
+  restart_later();
+}
+
+void CpuSupervisor::watch_boot() {
+  after(boot_timer_, steady_clock::now() + options_.boot_timeout, &CpuSupervisor::boot_timed_out);
+}
+
+void CpuSupervisor::boot_timed_out() {
+  if (!child_.running() || child_killed_ || attached_) return;
+  boot_failed_ = true;
+  child_.signal_group(SIGKILL);
+}
+
+void CpuSupervisor::child_ended(const ExitStatus& status) {
+  boot_timer_.cancel();
+  if (attached_ && attached_->process().ended()) attached_.reset();
+  if (stopping_) return stopped();
+  if (child_killed_) return start_child();
+  if (boot_failed_) did_not_boot("did not attach to the host port within " +
+                                 std::to_string(options_.boot_timeout.count()) + " ms");
+  else if (!status.executed) did_not_boot(status.text);
+  else return ended_by_itself(status);
+  restart_later();
+}
+
+void CpuSupervisor::ended_by_itself(const ExitStatus& status) {
+  ++counts_.exits;
+  counts_.last_exit = status.text;
+  failed_ = !status.clean;
+  spdlog::warn("CPU {} ended by itself: {}", options_.cpu.command.front(), status.text);
+  if (options_.cpu.restart_on_exit) restart_later();
+  changed();
+}
+
+void CpuSupervisor::did_not_boot(const std::string& why) {
+  ++counts_.failed_boots;
+  failed_ = true;
+  if (counts_.last_exit != why) spdlog::error("CPU does not start: {}", why);
+  counts_.last_exit = why;
+  changed();
+}
+
+void CpuSupervisor::restart_later() {
+  const milliseconds wait = back_off_.after(child_.age());
+  after(restart_timer_, steady_clock::now() + wait, &CpuSupervisor::restart_due);
+}
+
+void CpuSupervisor::restart_due() {
+  if (!stopping_ && !child_.running()) start_child();
+}
+
+// --- on the host port --------------------------------------------------------------------------
+
+bool CpuSupervisor::attached(pid_t pid, bool restarted_by_owner, milliseconds alive_period) {
+  ProcessHandle process(pid, options_.by);
+  const bool dying = (pid == killed_.pid() && !killed_.ended()) ||
+                     ((child_killed_ || boot_failed_) && child_.owns(pid));
+  if (stopping_ || dying || process.ended()) return false;
+  attached_.emplace(std::move(process), restarted_by_owner, alive_period, steady_clock::now());
+  boot_timer_.cancel();
+  failed_ = silent_ = false;
+  ++counts_.boots;
+  watch_silence();
+  changed();
+  return true;
+}
+
+void CpuSupervisor::detached(pid_t pid) {
+  if (!attached_ || attached_->pid() != pid) return;
+  attached_.reset();
+  silence_timer_.cancel();
+  if (child_.running() && !stopping_) watch_boot();
+  changed();
+}
+
+void CpuSupervisor::spoke(Time now) {
+  if (!attached_) return;
+  attached_->spoke(now);
+  if (!silent_) return;
+  silent_ = false;
+  watch_silence();
+  changed();
+}
+
+void CpuSupervisor::watch_silence() {
+  if (attached_->promises())
+    after(silence_timer_, attached_->silent_at(), &CpuSupervisor::silence_due);
+}
+
+void CpuSupervisor::silence_due() {
+  if (!attached_) return;
+  if (!attached_->silent(steady_clock::now())) return watch_silence();  // it spoke meanwhile
+  silent_ = true;
+  changed();
+}
+
+// --- orders ------------------------------------------------------------------------------------
+
+CpuReport CpuSupervisor::reset(const std::string& reason) {
+  if (stopping_) return {false, false, "the daemon is shutting down"};
+  const bool child = options_.cpu.kind == config::CpuConfig::Kind::child;
+  if (!child && !attached_)
+    return {false, false, "no CPU is attached to this node, so there is nothing to reset"};
+  ++counts_.resets;
+  counts_.last_reset_reason = reason;
+  const CpuReport killed = attached_ ? kill_attached() : CpuReport{};
+  changed();
+  return child ? reset_child() : killed;
+}
+
+CpuReport CpuSupervisor::reset_child() {
+  const std::string was = child_.running() ? "killed pid " + std::to_string(child_.pid()) + ", "
+                                           : "it was not running, ";
+  back_off_.reset();
+  restart_timer_.cancel();
+  failed_ = false;
+  child_killed_ = child_.running();
+  if (child_killed_) child_.signal_group(SIGKILL);
+  else start_child();
+  if (failed_) return {false, false, counts_.last_exit};
+  return {true, true, was + "started again"};
+}
+
+CpuReport CpuSupervisor::kill_attached() {
+  const bool killed = attached_->process().signal(SIGKILL);
+  const bool comes_back = attached_->restarted_by_owner();
+  const std::string number = std::to_string(attached_->pid());
+  killed_ = attached_->release();
+  attached_.reset();
+  silence_timer_.cancel();
+  if (!killed) return {false, false, "cannot kill pid " + number + ": it is gone or not ours"};
+  if (comes_back) return {true, true, "killed pid " + number + ", its owner starts it again"};
+  return {true, false, "killed pid " + number + ", and nobody starts it again: do so by hand, or "
+                       "have it connect with restarted_by_owner (roslaunch: respawn)"};
+}
+
+CpuReport CpuSupervisor::signal(int number) {
+  const std::string name = std::to_string(number) + " (" + ::strsignal(number) + ")";
+  const ProcessHandle child(attached_ ? -1 : child_.pid(), options_.by);
+  const ProcessHandle& process = attached_ ? attached_->process() : child;
+  if (!process.signal(number)) return {false, false, "no CPU to send signal " + name + " to"};
+  return {true, false, "sent signal " + name + " to pid " + std::to_string(process.pid())};
+}
+
+CpuReport CpuSupervisor::run(const std::vector<std::string>& command) {
+  if (stopping_) return {false, false, "the daemon is shutting down"};
+  const std::string refused = commands_.run(command, request());
+  if (!refused.empty()) spdlog::warn("command of a pin not run: {}", refused);
+  return {refused.empty(), false, refused.empty() ? "started " + command.front() : refused};
+}
+
+// --- the end -----------------------------------------------------------------------------------
+
+void CpuSupervisor::stop(std::function<void()> done) {
+  stopping_ = true;
+  on_stopped_ = std::move(done);
+  boot_timer_.cancel();
+  restart_timer_.cancel();
+  silence_timer_.cancel();
+  commands_.stop();
+  if (!child_.running()) {
+    boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
+      if (!alive.expired()) stopped();
+    });
+    return;
+  }
+  child_.signal_group(SIGTERM);
+  child_.signal_group(SIGCONT);  // a stopped one would not see it
+  after(stop_timer_, steady_clock::now() + options_.stop_timeout, &CpuSupervisor::force_stop);
+}
+
+void CpuSupervisor::force_stop() {
+  child_.signal_group(SIGKILL);
+  // One that even SIGKILL does not end at once hangs in the kernel; we do not hang with it.
+  after(stop_timer_, steady_clock::now() + options_.stop_timeout, &CpuSupervisor::stopped);
+}
+
+void CpuSupervisor::stopped() {
+  stop_timer_.cancel();
+  if (const auto done = std::exchange(on_stopped_, nullptr)) done();
+}
+
+// --- what it looks like ------------------------------------------------------------------------
+
+CpuKind CpuSupervisor::kind() const {
+  switch (options_.cpu.kind) {
+    case config::CpuConfig::Kind::child: return CpuKind::child;
+    case config::CpuConfig::Kind::attached: return CpuKind::attached;
+    case config::CpuConfig::Kind::none: break;
+  }
+  return attached_ ? CpuKind::attached : CpuKind::none;
+}
+
+CpuState CpuSupervisor::state() const {
+  if (attached_) return silent_ ? CpuState::silent : CpuState::running;
+  if (child_.running()) return CpuState::booting;
+  if (kind() == CpuKind::none) return CpuState::none;
+  return failed_ ? CpuState::failed : CpuState::absent;
+}
+
+pid_t CpuSupervisor::pid() const { return attached_ ? attached_->pid() : child_.pid(); }
+
+CpuStatus CpuSupervisor::status() const {
+  CpuStatus status = counts_;
+  status.kind = kind();
+  status.state = state();
+  status.pid = pid();
+  if (!attached_) return status;
+  status.silent = attached_->silent_for(steady_clock::now());
+  status.alive_period = attached_->alive_period();
+  status.restarted_by_owner = attached_->restarted_by_owner();
+  return status;
+}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+namespace limb_ring::runtime {
+
+/// How a child ended.
+struct ExitStatus {
+  bool executed = true;  ///< false: the program could not be started at all
+  bool clean = false;    ///< exit 0
+  std::string text;      ///< "exit 3", "signal 9 (Killed)", or why it could not be started
+};
+
+/// From what waitpid gives.
+ExitStatus exit_status(int wait_status);
+/// The program at `path` could not be executed.
+ExitStatus not_executed(const std::string& path, int error);
+ExitStatus not_started(std::string why);
+
+}  // namespace limb_ring::runtime

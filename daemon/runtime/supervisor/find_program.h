@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace limb_ring::runtime {
+
+/// Folder of the running executable; empty where it cannot be known.
+std::string own_folder();
+
+/// Path of a program: `name` itself where it holds a '/', else `folder`/name, else the first on
+/// PATH that can be executed. The programs of one build so find each other first.
+/// @return empty where there is none.
+std::string find_program(const std::string& name, const std::string& folder = own_folder());
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/supervisor/child_process.h"
+
+namespace limb_ring::runtime {
+
+/// Runs the commands of pins wired to `exec`: side by side, but few, and none for ever. (ours)
+class PinCommands {
+ public:
+  static constexpr std::size_t kAtOnce = 4;
+  struct Counters {
+    std::uint64_t started = 0;
+    std::uint64_t refused = 0;    ///< kAtOnce were running already
+    std::uint64_t failed = 0;     ///< could not be executed, or ended with other than exit 0
+    std::uint64_t timed_out = 0;  ///< killed at the deadline (also in `failed`)
+  };
+
+  PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline,
+              ProcessHandle::By by);
+
+  /// Starts a command; its output goes to our standard error.
+  /// @return why not; empty where it was started (its end is logged and counted).
+  std::string run(const std::vector<std::string>& command, SpawnRequest request);
+  /// Kills what is running.
+  void stop();
+  std::size_t running() const;
+  const Counters& counters() const { return counters_; }
+
+ private:
+  struct Slot {
+    Slot(boost::asio::io_context& io, ProcessHandle::By by) : child(io, by), deadline(io) {}
+    ChildProcess child;
+    boost::asio::steady_timer deadline;
+    std::string name;
+  };
+  Slot* free_slot();
+  std::string refuse(std::string why);
+  void start(Slot& slot, const SpawnRequest& request);
+  void ended(Slot& slot, const ExitStatus& status);
+  void timed_out(Slot& slot);
+
+  std::chrono::milliseconds deadline_;
+  std::array<Slot, kAtOnce> slots_;
+  Counters counters_;
+  std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by queued handlers
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/supervisor/cpu_supervisor.h"
+
+namespace limb_ring::runtime {
+
+using namespace std::chrono_literals;
+
+/// Generous: reached only where something is wrong.
+constexpr auto kGuard = 20s;
+
+/// Runs the event loop until `condition` holds. @return false where it never did.
+inline bool run_until(boost::asio::io_context& io, const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + kGuard;
+  while (!condition() && std::chrono::steady_clock::now() < deadline) {
+    io.restart();
+    io.run_one_for(5ms);
+  }
+  return condition();
+}
+
+/// 'T' stopped, 'Z' ended but not waited for, ...; ' ' where there is none.
+inline char process_state(pid_t pid) {
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+  std::string text;
+  std::getline(stat, text);
+  const auto after_name = text.rfind(')');
+  return after_name == std::string::npos ? ' ' : text[after_name + 2];
+}
+
+/// A supervisor of real processes, and an event loop to run it with. The test plays the host
+/// port: it says when a process has attached.
+class SupervisorTest : public ::testing::Test, public CpuEvents {
+ protected:
+  void on_cpu_changed() override { ++changes; }
+
+  CpuOptions child(std::vector<std::string> command) {
+    CpuOptions options;
+    options.cpu.kind = config::CpuConfig::Kind::child;
+    options.cpu.command = std::move(command);
+    options.back_off = {1ms, 8ms, 10s};
+    return options;
+  }
+
+  CpuSupervisor& supervise(CpuOptions options) {
+    supervisor = std::make_unique<CpuSupervisor>(io, std::move(options), *this);
+    supervisor->start();
+    return *supervisor;
+  }
+
+  CpuStatus status() const { return supervisor->status(); }
+  bool until(const std::function<bool()>& condition) { return run_until(io, condition); }
+  bool until_new_child(pid_t old) {
+    return until([&] { return status().pid > 0 && status().pid != old; });
+  }
+  bool until_stopped(pid_t pid) {
+    return until([&] { return process_state(pid) == 'T'; });
+  }
+
+  boost::asio::io_context io;
+  std::unique_ptr<CpuSupervisor> supervisor;
+  int changes = 0;
+};
+
+/// A process of nobody's but the test's, killed and waited for at its end.
+class Outsider {
+ public:
+  Outsider() {
+    SpawnRequest request;
+    request.path = "/bin/sleep";
+    request.arguments = {"sleep", "1000"};
+    pid_ = spawn(request).pid;
+  }
+  ~Outsider() { end(); }
+  Outsider(const Outsider&) = delete;
+  Outsider& operator=(const Outsider&) = delete;
+
+  pid_t pid() const { return pid_; }
+  void end() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    reap();
+  }
+  /// Waits for its end. @return its wait status.
+  int reap() {
+    int wait_status = 0;
+    ::waitpid(std::exchange(pid_, -1), &wait_status, 0);
+    return wait_status;
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,87 @@
+// Children die with the daemon, however it ends.
+#include <sys/prctl.h>
+
+#include "runtime/supervisor_fixture.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+struct NoEvents final : CpuEvents {
+  void on_cpu_changed() override {}
+};
+
+/// What a daemon does: starts its CPU, tells its number, and runs.
+[[noreturn]] void be_a_daemon(int pipe) {
+  boost::asio::io_context io;
+  NoEvents events;
+  CpuOptions options;
+  options.cpu.kind = config::CpuConfig::Kind::child;
+  options.cpu.command = {"sleep", "1000"};
+  CpuSupervisor supervisor(io, options, events);
+  supervisor.start();
+  const pid_t pid = supervisor.status().pid;
+  if (::write(pipe, &pid, sizeof pid) != sizeof pid) ::_exit(1);
+  io.run_for(kGuard);
+  ::_exit(0);
+}
+
+class OrphanTest : public ::testing::Test {
+ protected:
+  OrphanTest() {
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // so that the orphan's end can be waited for here
+    int ends[2];
+    if (::pipe(ends) != 0) return;
+    daemon = ::fork();
+    if (daemon == 0) be_a_daemon(ends[1]);
+    UniqueFd read_end(ends[0]), write_end(ends[1]);
+    if (::read(read_end.get(), &cpu, sizeof cpu) != sizeof cpu) cpu = -1;
+  }
+  ~OrphanTest() override { ::prctl(PR_SET_CHILD_SUBREAPER, 0); }
+
+  static int wait_status_of(pid_t pid) {
+    int status = 0;
+    return ::waitpid(pid, &status, 0) == pid ? status : -1;
+  }
+
+  pid_t daemon = -1;
+  pid_t cpu = -1;
+};
+
+TEST_F(OrphanTest, StoppedChildEndsWhenTheDaemonIsKilled) {
+  ASSERT_GT(cpu, 0);
+  ::kill(cpu, SIGSTOP);
+  boost::asio::io_context io;
+  ASSERT_TRUE(run_until(io, [&] { return process_state(cpu) == 'T'; }));
+  ::kill(daemon, SIGKILL);
+  EXPECT_TRUE(WIFSIGNALED(wait_status_of(daemon)));
+  const int status = wait_status_of(cpu);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+}
+
+}  // namespace
+
+TEST(BackOff, DoublesUpToItsLimit) {
+  BackOff back_off({100ms, 350ms, 10s});
+  EXPECT_EQ(back_off.after(0ms), 100ms);
+  EXPECT_EQ(back_off.after(0ms), 200ms);
+  EXPECT_EQ(back_off.after(0ms), 350ms);
+  EXPECT_EQ(back_off.after(9999ms), 350ms);
+}
+
+TEST(BackOff, StartsAgainAfterASteadyRun) {
+  BackOff back_off({100ms, 5s, 10s});
+  back_off.after(0ms);
+  back_off.after(0ms);
+  EXPECT_EQ(back_off.after(10s), 100ms);
+  EXPECT_EQ(back_off.after(0ms), 200ms);
+}
+
+TEST(FindProgram, LooksInItsFolderBeforePath) {
+  EXPECT_EQ(find_program("sh", "/bin"), "/bin/sh");
+  EXPECT_NE(find_program("sh", "/nowhere"), "");
+  EXPECT_EQ(find_program("no_such_program", "/bin"), "");
+  EXPECT_EQ(find_program("/bin/sh"), "/bin/sh");
+  EXPECT_EQ(find_program("/bin"), "") << "a folder is no program";
+}
+
+}  // namespace limb_ring::runtime
