@@ -21,6 +21,9 @@ struct PinConfig {
   std::vector<std::string> command;  ///< Action::exec: program and arguments
 };
 
+/// INT0 reset, INT1 stop, INT2 sync, the rest none.
+std::array<PinConfig, 8> default_pins();
+
 /// Where an interrupt input of the NC leads: pulling it sends INTP `factor` to `node`. (paper)
 struct InputConfig {
   bool broadcast = false;
@@ -56,7 +59,9 @@ struct SensorConfig {
 struct LinkConfig {
   enum class Transport { unix_stream, udp } transport = Transport::unix_stream;
   std::string address = "127.0.0.1";  ///< udp: the node listens there, and only there
-  std::uint16_t port = 0;             ///< udp: `links.port` + id where not given
+  /// udp: `links.port` + id where the node's own is not given; loading fills it in. In
+  /// RingConfig::links: the port of id 0, of the ring's name where not given.
+  std::uint16_t port = 0;
   std::uint64_t rate = 0;             ///< bit/s; 0: as fast as the host
   nanoseconds delay{0};
 };
@@ -67,7 +72,7 @@ struct NodeConfig {
   CpuConfig cpu;
   std::vector<JointConfig> joints;
   std::vector<SensorConfig> sensors;
-  std::array<PinConfig, 8> pins;
+  std::array<PinConfig, 8> pins = default_pins();
   std::array<std::optional<InputConfig>, 8> inputs;
   LinkConfig link;
 };
@@ -120,14 +125,15 @@ struct Realtime {
   bool lock_memory = false;
 };
 
-/// One ring, as its YAML file says. Read by every program; config/OPTIONS lists every entry with
-/// default, range and unit.
+/// One ring, as its YAML file says. Read by every program; config/OPTIONS.md lists every entry
+/// with default, range and unit.
 struct RingConfig {
   std::string ring;
   std::string path;  ///< file it was read from; empty where made by plain_ring()
   std::vector<NodeConfig> nodes;  ///< in ring order, which is the file's order
   Limits limits;
   Timeouts timeouts;
+  LinkConfig links;  ///< what the nodes' links are where they do not say otherwise
   Firmware firmware;
   BridgeConfig bridge;
   Realtime realtime;
@@ -136,5 +142,8 @@ struct RingConfig {
   /// By id ("12") or name ("left_knee").
   const NodeConfig* find(const std::string& id_or_name) const;
 };
+
+/// True where some node has pin `factor` wired to reset: a broadcast of it needs to be forced.
+bool ring_has_reset_on(const RingConfig& ring, unsigned factor);
 
 }  // namespace limb_ring::config

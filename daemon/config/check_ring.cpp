@@ -1,0 +1,97 @@
+#include "config/check_ring.h"
+
+#include <map>
+#include <set>
+#include <utility>
+
+#include "config/quantity.h"
+
+namespace limb_ring::config {
+namespace {
+
+/// Element `index` of the list `name`, which is known to be there.
+Entry element(const Entry& map, const char* name, std::size_t index) {
+  return map.find(name)->items("").at(index);
+}
+
+void check_idle(const Entry& file, const Timeouts& timeouts) {
+  if (timeouts.idle * 2 <= timeouts.silence) return;
+  const Entry section = *file.find("timeouts");
+  const auto idle = section.find("idle");
+  (idle ? *idle : *section.find("silence"))
+      .refuse("idle " + format_time(timeouts.idle) + " is too long for silence " +
+                  format_time(timeouts.silence),
+              "an idle of at most half of silence");
+}
+
+void check_part_names(const Entry& file, const RingConfig& ring) {
+  std::set<std::string> joints, sensors;
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
+    const NodeConfig& node = ring.nodes[n];
+    const auto refuse = [&](const char* list, std::size_t i, const std::string& name) {
+      element(element(file, "nodes", n), list, i)
+          .refuse("'" + name + "' is the name of another one", "each name once in a ring");
+    };
+    for (std::size_t i = 0; i < node.joints.size(); ++i)
+      if (!joints.insert(node.joints[i].name).second) refuse("joints", i, node.joints[i].name);
+    for (std::size_t i = 0; i < node.sensors.size(); ++i)
+      if (!sensors.insert(node.sensors[i].name).second) refuse("sensors", i, node.sensors[i].name);
+  }
+}
+
+/// For unix links too: the command line can make them udp.
+void check_ports(const Entry& file, const RingConfig& ring) {
+  std::map<std::pair<std::string, unsigned>, std::string> taken;
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
+    const LinkConfig& link = ring.nodes[n].link;
+    const auto [other, free] = taken.emplace(std::make_pair(link.address, link.port), ring.nodes[n].name);
+    if (!free)
+      element(file, "nodes", n)
+          .refuse("its link listens at " + link.address + " port " + std::to_string(link.port) +
+                      ", as does node '" + other->second + "'",
+                  "a port of its own");
+  }
+}
+
+void check_inputs(const Entry& file, const RingConfig& ring) {
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n)
+    for (std::size_t i = 0; i < ring.nodes[n].inputs.size(); ++i) {
+      const auto& input = ring.nodes[n].inputs[i];
+      if (!input || !input->broadcast || !ring_has_reset_on(ring, input->factor)) continue;
+      element(file, "nodes", n).find("inputs")->find(std::to_string(i))->refuse(
+          "to all with factor " + std::to_string(input->factor) + " would reset CPUs",
+          "one node, or a factor that no node has wired to reset");
+    }
+}
+
+void check_bridge_at(const Entry& topic, const RingConfig& ring, const char* end, std::uint8_t id) {
+  const NodeConfig& node = *ring.find(id);
+  if (node.cpu.kind == CpuConfig::Kind::none)
+    topic.find(end)->refuse("node '" + node.name + "' has cpu: none, so no bridge",
+                            "a node with cpu: attached, or a command");
+}
+
+void check_topics(const Entry& file, const RingConfig& ring) {
+  std::set<std::pair<unsigned, std::string>> outputs;
+  for (std::size_t t = 0; t < ring.bridge.topics.size(); ++t) {
+    const TopicConfig& topic = ring.bridge.topics[t];
+    const Entry entry = element(*file.find("bridge"), "topics", t);
+    check_bridge_at(entry, ring, "from", topic.from);
+    check_bridge_at(entry, ring, "to", topic.to);
+    if (!outputs.emplace(topic.to, topic.output).second)
+      entry.refuse("output '" + topic.output + "' is another topic's at the same node",
+                   "each output once at a node");
+  }
+}
+
+}  // namespace
+
+void check_ring(const Entry& file, const RingConfig& ring) {
+  check_idle(file, ring.timeouts);
+  check_part_names(file, ring);
+  check_ports(file, ring);
+  check_inputs(file, ring);
+  check_topics(file, ring);
+}
+
+}  // namespace limb_ring::config

@@ -1,0 +1,84 @@
+#include "config/entry.h"
+
+#include <set>
+#include <utility>
+
+namespace limb_ring::config {
+namespace {
+
+/// Fit for one line of an error message, whatever stands in the file.
+std::string printable(const std::string& text) {
+  std::string shown = text.substr(0, 60);
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  return text.size() > 60 ? shown + "..." : shown;
+}
+
+}  // namespace
+
+Entry::Entry(YAML::Node node, std::string path, Document& document)
+    : node_(std::move(node)), path_(std::move(path)), document_(&document) {}
+
+std::string Entry::text(const std::string& allowed) const {
+  if (!node_.IsScalar()) refuse(found() + " stands here", allowed);
+  return node_.Scalar();
+}
+
+std::vector<Entry> Entry::items(const std::string& allowed, std::size_t most) const {
+  if (!node_.IsSequence()) refuse(found() + " is no list", allowed);
+  if (node_.size() > most)
+    refuse("a list of " + std::to_string(node_.size()) + " is too long", allowed);
+  std::vector<Entry> all;
+  for (const auto& item : node_)
+    all.emplace_back(item, path_ + '[' + std::to_string(all.size()) + ']', *document_);
+  return all;
+}
+
+std::vector<Member> Entry::members(const std::string& allowed) const {
+  if (!node_.IsMap()) refuse(found() + " is no map (name: value)", allowed);
+  std::vector<Member> all;
+  std::set<std::string> names;
+  for (const auto& pair : node_) {
+    const std::string name = Entry(pair.first, path_of("?"), *document_).text("a plain name");
+    const Entry key(pair.first, path_of(printable(name)), *document_);
+    if (!names.insert(name).second) key.refuse("is given twice", "once");
+    all.push_back({key, Entry(pair.second, key.path(), *document_), name});
+  }
+  return all;
+}
+
+std::optional<Entry> Entry::find(const std::string& key) const {
+  if (!node_.IsMap()) return std::nullopt;
+  for (const auto& pair : node_)
+    if (pair.first.IsScalar() && pair.first.Scalar() == key)
+      return Entry(pair.second, path_of(key), *document_);
+  return std::nullopt;
+}
+
+void Entry::refuse(const std::string& problem, const std::string& allowed) const {
+  const std::string what = path_.empty() ? "the file" : "entry '" + path_ + "'";
+  throw ConfigError(place() + ": " + what + ": " + problem + "; allowed: " + allowed);
+}
+
+void Entry::refuse_value(const std::string& problem, const std::string& allowed) const {
+  refuse(found() + ' ' + problem, allowed);
+}
+
+std::string Entry::place() const {
+  const YAML::Mark mark = node_.Mark();
+  if (mark.is_null()) return document_->name;
+  return document_->name + ':' + std::to_string(mark.line + 1) + ':' +
+         std::to_string(mark.column + 1);
+}
+
+std::string Entry::found() const {
+  if (node_.IsScalar()) return "'" + printable(node_.Scalar()) + "'";
+  if (node_.IsSequence()) return "a list";
+  return node_.IsMap() ? "a map" : "nothing";
+}
+
+std::string Entry::path_of(const std::string& key) const {
+  return path_.empty() ? key : path_ + '.' + key;
+}
+
+}  // namespace limb_ring::config

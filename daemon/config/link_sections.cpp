@@ -1,0 +1,52 @@
+#include "config/sections.h"
+
+namespace limb_ring::config {
+namespace {
+
+using namespace std::chrono_literals;
+
+Option<LinkConfig> port_option(std::int64_t most, const char* fallback, const char* meaning) {
+  Option<LinkConfig> option = integer_option("port", &LinkConfig::port, {1024, most}, meaning);
+  option.fallback = fallback;
+  return option;
+}
+
+Option<LinkConfig> address_option() {
+  return {"address", LinkConfig{}.address, "an IPv4 or IPv6 address in numbers",
+          "udp: the node listens at this address, and only there.",
+          [](const Entry& entry, LinkConfig& link) { link.address = read_address(entry); }};
+}
+
+Section<LinkConfig> section_with(const Option<LinkConfig>& port) {
+  return {
+      choice_option("transport", &LinkConfig::transport, {"unix", "udp"},
+                    "UNIX stream sockets within a host, or UDP between hosts."),
+      address_option(),
+      port,
+      rate_option("rate", &LinkConfig::rate, "Data rate of the line; unlimited: as fast as the host."),
+      time_option("delay", &LinkConfig::delay, 0s, 1s, "Delay of line and relay together."),
+  };
+}
+
+Section<LinkConfig> with_fallback_to_links(Section<LinkConfig> section) {
+  for (Option<LinkConfig>& option : section)
+    if (option.name != "port") option.fallback = "as in `links`";
+  return section;
+}
+
+}  // namespace
+
+const Section<LinkConfig>& links_section() {
+  static const Section<LinkConfig> section = section_with(port_option(
+      65535 - 254, "of the ring's name, 17000 to 32104",
+      "udp: the port of node 0; the others' are this + id. Rings on one host need different ones."));
+  return section;
+}
+
+const Section<LinkConfig>& link_section() {
+  static const Section<LinkConfig> section = with_fallback_to_links(section_with(
+      port_option(65535, "`links.port` + id", "udp: the node listens at this port.")));
+  return section;
+}
+
+}  // namespace limb_ring::config

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace limb_ring::config {
+
+/// What the names in a configuration may look like (ours), each with its rule in words.
+constexpr const char* kRingNameRule =
+    "1 to 32 letters, digits, '-', '_' and '.', not beginning with '.'";
+constexpr const char* kNodeNameRule =
+    "a letter, then letters, digits and '_', 32 at most, and not the word 'all'";
+constexpr const char* kPartNameRule = "a letter, then letters, digits, '_', '-' and '.', 64 at most";
+constexpr const char* kTopicNameRule =
+    "a ROS topic name: a letter, '/' or '~', then letters, digits, '_' and '/', 200 at most";
+
+bool is_ring_name(const std::string& name);
+bool is_node_name(const std::string& name);
+/// A joint or a sensor.
+bool is_part_name(const std::string& name);
+bool is_topic_name(const std::string& name);
+
+/// The one of `candidates` that `word` was probably meant to be; empty where none is close.
+std::string closest(const std::string& word, const std::vector<std::string>& candidates);
+
+/// "a, b, c"
+std::string join(const std::vector<std::string>& words);
+
+}  // namespace limb_ring::config

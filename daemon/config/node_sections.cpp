@@ -1,0 +1,111 @@
+#include "config/sections.h"
+
+namespace limb_ring::config {
+namespace {
+
+constexpr std::size_t kMostJoints = 32, kMostSensors = 16;
+
+const char* const kAllowedCpus = "none, attached or {command: [PROGRAM, ARGUMENT, ...]}";
+
+void read_cpu(const Entry& entry, NodeConfig& node) {
+  if (entry.is_map()) {
+    node.cpu.kind = CpuConfig::Kind::child;
+    return read_section(entry, cpu_section(), node.cpu);
+  }
+  const std::string word = entry.text(kAllowedCpus);
+  if (word != "none" && word != "attached") entry.refuse_value("is unknown", kAllowedCpus);
+  node.cpu.kind = word == "none" ? CpuConfig::Kind::none : CpuConfig::Kind::attached;
+}
+
+void check_joint(const Entry& entry, const JointConfig& joint) {
+  const std::string range = format_real(joint.lower) + " to " + format_real(joint.upper) + " rad";
+  if (joint.lower >= joint.upper)
+    entry.refuse("joint '" + joint.name + "' has the limits " + range, "lower less than upper");
+  if (joint.initial < joint.lower || joint.initial > joint.upper)
+    entry.refuse("joint '" + joint.name + "' has initial " + format_real(joint.initial) +
+                     ", outside its limits",
+                 range);
+}
+
+void check_sensor(const Entry&, const SensorConfig&) {}
+
+Option<NodeConfig> id_option() {
+  Option<NodeConfig> id = integer_option("id", &NodeConfig::id, {0, 254},
+                                         "Source and destination id of the node; its own.");
+  id.fallback = kRequired;
+  return id;
+}
+
+template <typename T>
+Option<T> part_name_option(const char* meaning) {
+  return name_option("name", &T::name, is_part_name, kPartNameRule, kRequired, meaning);
+}
+
+}  // namespace
+
+const Section<NodeConfig>& node_section() {
+  static const Section<NodeConfig> section{
+      id_option(),
+      name_option("name", &NodeConfig::name, is_node_name, kNodeNameRule, "node and the id",
+                  "What people call the node; its own."),
+      {"cpu", "none", kAllowedCpus,
+       "none: a built-in sink that counts. attached: an outside process connects, such as the "
+       "bridge. command: ringd starts it.",
+       read_cpu},
+      list_option("joints", &NodeConfig::joints, joint_section(), kMostJoints, check_joint,
+                  "The joints this node drives."),
+      list_option("sensors", &NodeConfig::sensors, sensor_section(), kMostSensors, check_sensor,
+                  "The sensors this node reads."),
+      {"pins", "{0: reset, 1: stop, 2: sync}", "a map, see below",
+       "What interrupts from the ring do here.",
+       [](const Entry& entry, NodeConfig& node) { read_section(entry, pins_section(), node); }},
+      {"inputs", "{}", "a map, see below",
+       "Where interrupt inputs lead (a button, a watchdog, a tool).",
+       [](const Entry& entry, NodeConfig& node) { read_section(entry, inputs_section(), node); }},
+      section_option("link", &NodeConfig::link, link_section(),
+                     "The link into this node, from whoever is upstream."),
+  };
+  return section;
+}
+
+const Section<CpuConfig>& cpu_section() {
+  static const Section<CpuConfig> section{
+      {"command", kRequired, kAllowedCommands,
+       "The program is looked for beside ringd, then on PATH. It dies with ringd.",
+       [](const Entry& entry, CpuConfig& cpu) { cpu.command = read_command(entry); }},
+      flag_option("restart_on_exit", &CpuConfig::restart_on_exit,
+                  "Start it again when it ends by itself."),
+  };
+  return section;
+}
+
+const Section<JointConfig>& joint_section() {
+  static const Section<JointConfig> section{
+      part_name_option<JointConfig>("As in the JointState messages; no other joint of the ring has it."),
+      real_option("lower", &JointConfig::lower, {-100, 100, "rad"}, "Lower limit of the angle."),
+      real_option("upper", &JointConfig::upper, {-100, 100, "rad"}, "Upper limit of the angle."),
+      real_option("velocity", &JointConfig::velocity, {0.001, 1000, "rad/s"},
+                  "Limit of the speed, both ways."),
+      real_option("effort", &JointConfig::effort, {0.001, 10000, "N m"},
+                  "Limit of the torque, both ways."),
+      real_option("initial", &JointConfig::initial, {-100, 100, "rad"},
+                  "Angle when the firmware starts."),
+      choice_option("safe", &JointConfig::safe, {"hold", "damp"},
+                    "Safe state: hold the angle, or let go with damping."),
+  };
+  return section;
+}
+
+const Section<SensorConfig>& sensor_section() {
+  static const Section<SensorConfig> section{
+      part_name_option<SensorConfig>("No other sensor of the ring has it."),
+      choice_option("kind", &SensorConfig::kind, {"imu", "force"},
+                    "imu: acceleration and turn rate. force: contact force."),
+      real_option("rate", &SensorConfig::rate, {0.1, 1000, "Hz"}, "How often it is sent."),
+      integer_option("priority", &SensorConfig::priority, {0, 3},
+                     "Of its packets; 0 is the highest."),
+  };
+  return section;
+}
+
+}  // namespace limb_ring::config

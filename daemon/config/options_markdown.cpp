@@ -1,0 +1,49 @@
+#include "config/options_markdown.h"
+
+#include "config/sections.h"
+
+namespace limb_ring::config {
+namespace {
+
+const char* const kHead =
+    "# Options of a ring's file\n"
+    "\n"
+    "<!-- Printed by `ringd --options`; do not edit by hand. -->\n"
+    "\n"
+    "One YAML file describes one ring. An entry that is not listed here is refused, as is a value\n"
+    "that is not allowed. Times are written with their unit (`ns`, `us`, `ms`, `s`), data rates\n"
+    "as `10Mbit/s` (`bit/s`, `kbit/s`, `Mbit/s`, `Gbit/s`; a plain number is bit/s). Angles are\n"
+    "in rad.\n";
+
+/// Bare code where it stands so in a file, plain words where it explains.
+std::string cell(const std::string& fallback) {
+  const bool words = fallback == kRequired || fallback.find('`') != std::string::npos ||
+                     fallback.find_first_of(" ") != std::string::npos;
+  return words && fallback[0] != '{' ? fallback : '`' + fallback + '`';
+}
+
+template <typename T>
+std::string table(const std::string& title, const Section<T>& section) {
+  std::string text = "\n## " + title + "\n\n| entry | default | allowed | meaning |\n|---|---|---|---|\n";
+  for (const Option<T>& option : section)
+    text += "| `" + option.name + "` | " + cell(option.fallback) + " | " + option.allowed + " | " +
+            option.meaning + " |\n";
+  return text;
+}
+
+}  // namespace
+
+std::string options_markdown() {
+  return kHead + table("The file", ring_section()) + table("`limits`", limits_section()) +
+         table("`timeouts`", timeouts_section()) + table("`links`", links_section()) +
+         table("`firmware`", firmware_section()) + table("`realtime`", realtime_section()) +
+         table("`nodes[]`", node_section()) + table("`nodes[].cpu`, a map", cpu_section()) +
+         table("`nodes[].joints[]`", joint_section()) +
+         table("`nodes[].sensors[]`", sensor_section()) + table("`nodes[].pins`", pins_section()) +
+         table("`nodes[].inputs`", inputs_section()) +
+         table("`nodes[].inputs`, each", input_section()) +
+         table("`nodes[].link`", link_section()) + table("`bridge`", bridge_section()) +
+         table("`bridge.topics[]`", topic_section());
+}
+
+}  // namespace limb_ring::config

@@ -1,0 +1,49 @@
+#include "config/plain_ring.h"
+
+#include "config/names.h"
+
+namespace limb_ring::config {
+namespace {
+
+LinkConfig::Transport transport_of(const std::string& word) {
+  if (word == "unix") return LinkConfig::Transport::unix_stream;
+  if (word == "udp") return LinkConfig::Transport::udp;
+  throw ConfigError("transport: '" + word + "' is unknown; allowed: unix, udp");
+}
+
+NodeConfig plain_node(std::uint8_t id, const LinkConfig& links) {
+  NodeConfig node;
+  node.id = id;
+  node.name = "node" + std::to_string(id);
+  node.link = links;
+  node.link.port = static_cast<std::uint16_t>(links.port + id);
+  return node;
+}
+
+}  // namespace
+
+RingConfig plain_ring(const std::string& ring, unsigned nodes) {
+  if (!is_ring_name(ring))
+    throw ConfigError("ring: '" + ring + "' is no ring name; allowed: " + kRingNameRule);
+  if (nodes < 2 || nodes > 255)
+    throw ConfigError("nodes: '" + std::to_string(nodes) + "' is out of range; allowed: 2 to 255");
+  RingConfig config;
+  config.ring = ring;
+  config.links.port = default_first_port(ring);
+  for (unsigned id = 0; id < nodes; ++id)
+    config.nodes.push_back(plain_node(static_cast<std::uint8_t>(id), config.links));
+  return config;
+}
+
+void apply_transport(RingConfig& ring, const std::string& transport) {
+  ring.links.transport = transport_of(transport);
+  for (NodeConfig& node : ring.nodes) node.link.transport = ring.links.transport;
+}
+
+std::uint16_t default_first_port(const std::string& ring) {
+  std::uint32_t hash = 2166136261u;  // FNV-1a: the same number in every process and build
+  for (const char c : ring) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+  return static_cast<std::uint16_t>(17000 + hash % 60 * 256);
+}
+
+}  // namespace limb_ring::config

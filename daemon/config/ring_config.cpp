@@ -1,0 +1,34 @@
+#include "config/ring_config.h"
+
+#include <algorithm>
+
+namespace limb_ring::config {
+
+std::array<PinConfig, 8> default_pins() {
+  std::array<PinConfig, 8> pins;
+  pins[0].action = PinConfig::Action::reset;
+  pins[1].action = PinConfig::Action::stop;
+  pins[2].action = PinConfig::Action::sync;
+  return pins;
+}
+
+const NodeConfig* RingConfig::find(std::uint8_t id) const {
+  const auto found = std::find_if(nodes.begin(), nodes.end(),
+                                  [id](const NodeConfig& node) { return node.id == id; });
+  return found == nodes.end() ? nullptr : &*found;
+}
+
+const NodeConfig* RingConfig::find(const std::string& id_or_name) const {
+  const auto found = std::find_if(nodes.begin(), nodes.end(), [&](const NodeConfig& node) {
+    return node.name == id_or_name || std::to_string(node.id) == id_or_name;
+  });
+  return found == nodes.end() ? nullptr : &*found;
+}
+
+bool ring_has_reset_on(const RingConfig& ring, unsigned factor) {
+  return std::any_of(ring.nodes.begin(), ring.nodes.end(), [factor](const NodeConfig& node) {
+    return factor < node.pins.size() && node.pins[factor].action == PinConfig::Action::reset;
+  });
+}
+
+}  // namespace limb_ring::config

@@ -1,0 +1,69 @@
+#include "config/plain_ring.h"
+#include "config/sections.h"
+
+namespace limb_ring::config {
+namespace {
+
+const char* const kAllowedNodes = "a list of 2 to 255 nodes, in ring order";
+
+/// Ids and names of all nodes, before anything that may refer to them is read.
+void read_roster(const std::vector<Entry>& items) {
+  const Option<NodeConfig>& id_option = node_section()[0];
+  const Option<NodeConfig>& name_option = node_section()[1];
+  for (const Entry& item : items) {
+    check_names(item, names_of(node_section()), {"id"});
+    auto& nodes = item.document().nodes;
+    NodeConfig node;
+    id_option.read(*item.find("id"), node);
+    node.name = "node" + std::to_string(node.id);
+    const auto name = item.find("name");
+    if (name) name_option.read(*name, node);
+    if (!nodes.emplace(std::to_string(node.id), node.id).second)
+      item.find("id")->refuse_value("is another node's id", "ids 0 to 254, each once");
+    if (!nodes.emplace(node.name, node.id).second)
+      (name ? *name : item).refuse("'" + node.name + "' is another node's name", "each name once");
+  }
+}
+
+NodeConfig read_node_map(const Entry& item, const LinkConfig& links) {
+  NodeConfig node;
+  node.link = links;
+  node.link.port = 0;
+  read_section(item, node_section(), node);
+  if (node.name.empty()) node.name = "node" + std::to_string(node.id);
+  if (node.link.port == 0) node.link.port = static_cast<std::uint16_t>(links.port + node.id);
+  return node;
+}
+
+void read_nodes(const Entry& entry, RingConfig& ring) {
+  const std::vector<Entry> items = entry.items(kAllowedNodes, 255);
+  if (items.size() < 2)
+    entry.refuse("a list of " + std::to_string(items.size()) + " is too short", kAllowedNodes);
+  if (ring.links.port == 0) ring.links.port = default_first_port(ring.ring);
+  read_roster(items);
+  for (const Entry& item : items) ring.nodes.push_back(read_node_map(item, ring.links));
+}
+
+}  // namespace
+
+// Read in this order: nodes take their links from `links`, and the bridge's topics name nodes.
+const Section<RingConfig>& ring_section() {
+  static const Section<RingConfig> section{
+      name_option("ring", &RingConfig::ring, is_ring_name, kRingNameRule, kRequired,
+                  "Name of the ring, by which programs find it."),
+      section_option("limits", &RingConfig::limits, limits_section(), "Sizes of the queues."),
+      section_option("timeouts", &RingConfig::timeouts, timeouts_section(), "Waits and periods."),
+      section_option("links", &RingConfig::links, links_section(),
+                     "What every node's link has unless it says otherwise."),
+      section_option("firmware", &RingConfig::firmware, firmware_section(),
+                     "The limb nodes' program and its simulated servos."),
+      section_option("realtime", &RingConfig::realtime, realtime_section(),
+                     "What the daemons ask of the kernel; without the rights they say so and go on."),
+      {"nodes", kRequired, "a list of 2 to 255 maps, see below",
+       "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
+      section_option("bridge", &RingConfig::bridge, bridge_section(), "The ROS side of the ring."),
+  };
+  return section;
+}
+
+}  // namespace limb_ring::config
