@@ -1,0 +1,41 @@
+#include "client/arguments.h"
+
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::client {
+
+namespace {
+
+constexpr std::uint8_t kPriorities = 4;
+constexpr std::uint8_t kChannels = 64;
+constexpr std::uint8_t kControlChannel = 1;
+constexpr std::uint8_t kFactors = 8;
+
+}  // namespace
+
+std::optional<std::string> send_problem(std::size_t size, std::uint8_t priority,
+                                        std::uint8_t channel) {
+  if (size == 0 || size > kMaxPayload) {
+    return "size " + std::to_string(size) + ": a packet holds 1 to 512 bytes";
+  }
+  if (priority >= kPriorities) {
+    return "priority " + std::to_string(priority) + ": allowed are 0 (highest) to 3";
+  }
+  if (channel >= kChannels) return "channel " + std::to_string(channel) + ": allowed are 0 to 63";
+  if (channel == kControlChannel) {
+    return std::string("channel 1: it belongs to the network controllers; allowed are 0 and 2 to 63");
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> interrupt_problem(std::uint8_t factor) {
+  if (factor < kFactors) return std::nullopt;
+  return "factor " + std::to_string(factor) + ": allowed are 0 to 7";
+}
+
+std::optional<std::string> pull_problem(std::uint8_t input) {
+  if (input < kFactors) return std::nullopt;
+  return "input " + std::to_string(input) + ": allowed are 0 to 7";
+}
+
+}  // namespace limb_ring::client

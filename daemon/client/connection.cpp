@@ -1,0 +1,144 @@
+#include "client/connection.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace limb_ring::client {
+
+namespace {
+
+constexpr std::chrono::seconds kWriteDeadline{5};
+constexpr std::chrono::milliseconds kMaxAlivePeriod{24 * 3600 * 1000};
+constexpr const char* kDaemonGone = "the daemon has closed the connection";
+
+}  // namespace
+
+Connection::Connection(UnixSocket socket, const ConnectOptions& options)
+    : socket_(std::move(socket)),
+      role_(options.role),
+      restarted_by_owner_(options.restarted_by_owner),
+      alive_period_(std::clamp(options.alive_period, std::chrono::milliseconds{0}, kMaxAlivePeriod)),
+      last_written_(Clock::now()) {}
+
+Connection::Handshake Connection::greet(const std::string& wanted_ring,
+                                        Clock::time_point deadline) {
+  Greeting greeting;
+  greeting.role = role_;
+  greeting.restarted_by_owner = restarted_by_owner_;
+  greeting.pid = static_cast<std::uint32_t>(::getpid());
+  greeting.alive_period = alive_period_;
+  greeting.ring = wanted_ring;
+  send(greeting);
+  for (read(); connected_ && !welcome_ && Clock::now() < deadline; read()) wait_readable(deadline);
+  if (!connected_) return reason_ == kDaemonGone ? Handshake::closed : Handshake::refused;
+  if (!welcome_) return Handshake::timed_out;
+  if (role_ == Role::cpu) send(Credit{kPacketWindow});
+  return Handshake::welcome;
+}
+
+std::uint32_t Connection::begin(Pending::Ends ends) {
+  const std::uint32_t token = pending_.add(ends);
+  if (!connected_) pending_.cancel_all(reason_, inbox_);
+  return token;
+}
+
+void Connection::reject(std::uint32_t token, const std::string& reason) {
+  pending_.end(token, Outcome::rejected, reason, inbox_);
+}
+
+void Connection::flush() {
+  Clock::time_point deadline{};  // begins when the socket is first found full
+  std::size_t done = 0;
+  while (connected_ && done < out_.size()) {
+    std::size_t written = 0;
+    const wire::ByteView left{out_.data() + done, out_.size() - done};
+    const auto status = socket_.write(left, written);
+    done += written;
+    if (status == UnixSocket::Status::done) deadline = {};
+    // A write that fails may find a last word of the daemon to read; read() ends it all.
+    if (status == UnixSocket::Status::closed) read();
+    if (status == UnixSocket::Status::closed) lose(kDaemonGone);
+    if (status != UnixSocket::Status::would_block) continue;
+    if (deadline == Clock::time_point{}) deadline = Clock::now() + kWriteDeadline;
+    wait_to_write(deadline);
+  }
+  out_.clear();
+  if (alive_period_.count() > 0) last_written_ = Clock::now();
+}
+
+/// Reads meanwhile: a daemon that waits for us to read must not wait for ever.
+void Connection::wait_to_write(Clock::time_point deadline) {
+  const short events = socket_.wait(POLLIN | POLLOUT, deadline);
+  if (events == 0) lose("the daemon has not read for 5 s");
+  if ((events & POLLIN) != 0) read();
+}
+
+void Connection::wait_readable(Clock::time_point deadline) {
+  if (connected_) socket_.wait(POLLIN, deadline);
+}
+
+void Connection::read() {
+  if (!connected_) return;
+  if (inbox_.full()) return lose("65536 messages were left without receive()");
+  const auto status = socket_.read(in_);
+  take_frames();
+  if (status == UnixSocket::Status::closed) lose(kDaemonGone);
+}
+
+void Connection::take_frames() {
+  while (connected_) {
+    const FrameParse parse = parse_frame(in_.view(), kMaxSizeToClient);
+    if (parse.status == FrameParse::Status::incomplete) return;
+    const bool frame = parse.status == FrameParse::Status::frame;
+    std::optional<ToClient> message = frame ? decode_to_client(parse.frame) : std::nullopt;
+    if (!message) return lose("the daemon sent what is no message of this library's version");
+    std::visit([this](auto& kind) { on(std::move(kind)); }, *message);
+    in_.used(parse.consumed);
+  }
+}
+
+void Connection::on(const Welcome& welcome) {
+  welcome_ = true;
+  id = welcome.id;
+  name = std::string(welcome.name);
+  ring = std::string(welcome.ring);
+}
+
+void Connection::on(const Refused& refused) { lose(std::string(refused.reason)); }
+
+void Connection::on(const PacketView& packet) {
+  inbox_.put(Packet{packet.source, packet.destination, packet.priority, packet.channel,
+                    {packet.data.begin(), packet.data.end()}});
+}
+
+void Connection::on(Result result) {
+  if (pending_.remove(result.token)) inbox_.put(std::move(result));
+}
+
+void Connection::on(Reply reply) {
+  if (pending_.remove(reply.token)) inbox_.put(std::move(reply));
+}
+
+void Connection::lose(const std::string& reason) {
+  if (!connected_) return;
+  connected_ = false;
+  reason_ = reason;
+  pending_.cancel_all(reason, inbox_);
+  inbox_.put(Disconnected{reason});
+}
+
+std::optional<Message> Connection::take() {
+  std::optional<Message> message = inbox_.take();
+  if (!message || !std::holds_alternative<Packet>(*message)) return message;
+  if (++credit_owed_ >= kCreditLot) send(Credit{std::exchange(credit_owed_, std::uint16_t{0})});
+  return message;
+}
+
+void Connection::stay_alive() {
+  if (!connected_ || alive_period_.count() == 0) return;
+  if (Clock::now() - last_written_ >= alive_period_ / 4) send(Alive{});
+}
+
+}  // namespace limb_ring::client

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "client/host_message.h"
+#include "client/inbox.h"
+#include "client/pending.h"
+#include "client/unix_socket.h"
+
+namespace limb_ring::client {
+
+using Clock = std::chrono::steady_clock;
+
+/// A CPU grants so many packets at once. Small, so that packets wait in the network controller's
+/// receive buffers, where priority and refusal work.
+constexpr std::uint16_t kPacketWindow = 8;
+/// Credit goes back in lots of this size: one write for several packets.
+constexpr std::uint16_t kCreditLot = 4;
+/// Bytes of JSON in one request or filter.
+constexpr std::size_t kMaxRequest = 60 * 1000;
+
+/// One connection to a daemon: messages out, messages into the inbox, and an orderly end.
+class Connection {
+ public:
+  Connection(UnixSocket socket, const ConnectOptions& options);
+
+  /// Says who we are, and waits for the daemon's word.
+  enum class Handshake { welcome, refused, closed, timed_out };
+  Handshake greet(const std::string& ring, Clock::time_point deadline);
+
+  /// Writes a message, waiting while the socket is full, for 5 s at most.
+  template <typename Kind>
+  void send(const Kind& message) {
+    if (!connected_) return;
+    append(out_, message);
+    flush();
+  }
+  /// A new token. Where the connection has ended, its end is in the inbox at once.
+  std::uint32_t begin(Pending::Ends ends);
+  /// Ends a call without asking the daemon: a Result `rejected`, or a Reply holding the error.
+  void reject(std::uint32_t token, const std::string& reason);
+
+  /// Reads what has come into the inbox, at most 64 kB.
+  void read();
+  void wait_readable(Clock::time_point deadline);
+  std::optional<Message> take();
+  /// Says that the CPU is alive where it has said nothing for a while.
+  void stay_alive();
+
+  bool connected() const { return connected_; }
+  /// Why the connection ended, or the daemon refused.
+  const std::string& reason() const { return reason_; }
+  int fd() const { return socket_.fd(); }
+  Inbox& inbox() { return inbox_; }
+  bool outstanding(std::uint32_t token) const { return pending_.contains(token); }
+
+  std::uint8_t id = 0;
+  std::string name;
+  std::string ring;
+
+ private:
+  void flush();
+  void wait_to_write(Clock::time_point deadline);
+  void take_frames();
+  void lose(const std::string& reason);
+
+  void on(const Welcome& welcome);
+  void on(const Refused& refused);
+  void on(const PacketView& packet);
+  void on(Result result);
+  void on(Reply reply);
+  template <typename Kind>
+  void on(Kind message) {
+    inbox_.put(std::move(message));
+  }
+
+  UnixSocket socket_;
+  Role role_;
+  bool restarted_by_owner_;
+  std::chrono::milliseconds alive_period_;
+  StreamBuffer in_;
+  Bytes out_;
+  Inbox inbox_;
+  Pending pending_;
+  bool connected_ = true;
+  bool welcome_ = false;
+  std::string reason_;
+  std::uint16_t credit_owed_ = 0;
+  Clock::time_point last_written_;
+};
+
+}  // namespace limb_ring::client

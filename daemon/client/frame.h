@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "wire/bytes.h"
+
+namespace limb_ring::client {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// What travels on a host port (ours): frames on a UNIX stream socket.
+///
+///   | size 32, big-endian | type 8 | size - 1 bytes of body |
+///
+/// `size` counts type and body. Each direction has a greatest size; a larger one is malformed.
+constexpr std::size_t kFrameHeaderSize = 5;
+constexpr std::size_t kMaxSizeToDaemon = 64 * 1024;
+constexpr std::size_t kMaxSizeToClient = 1024 * 1024;
+
+struct Frame {
+  std::uint8_t type;
+  wire::ByteView body;
+};
+
+/// Reads one frame from the front of `bytes`.
+/// @return `frame`: `consumed` bytes were used, and `frame` points into `bytes`; `incomplete`:
+///         more bytes are needed; `malformed`: no frame, and what follows cannot be trusted.
+struct FrameParse {
+  enum class Status { frame, incomplete, malformed } status;
+  Frame frame;
+  std::size_t consumed;
+};
+FrameParse parse_frame(wire::ByteView bytes, std::size_t max_size);
+
+/// Appends one frame to `out`: fields in the order of the calls, the size filled in at the end.
+class FrameWriter {
+ public:
+  FrameWriter(Bytes& out, std::uint8_t type);
+  ~FrameWriter();
+  FrameWriter(const FrameWriter&) = delete;
+  FrameWriter& operator=(const FrameWriter&) = delete;
+
+  FrameWriter& u8(std::uint8_t value);
+  FrameWriter& u16(std::uint16_t value);
+  FrameWriter& u32(std::uint32_t value);
+  FrameWriter& u64(std::uint64_t value);
+  /// 16 bits of length, then the text; what is beyond 65535 bytes is cut off.
+  FrameWriter& text(std::string_view value);
+  /// All that is left of the frame.
+  FrameWriter& rest(wire::ByteView bytes);
+  FrameWriter& rest(std::string_view text);
+
+ private:
+  Bytes& out_;
+  std::size_t start_;
+};
+
+/// Takes fields off a body, front to back. A body too short gives zeros and complete() false.
+class FieldReader {
+ public:
+  explicit FieldReader(wire::ByteView body) : left_(body) {}
+
+  std::uint8_t u8();
+  std::uint16_t u16();
+  std::uint32_t u32();
+  std::uint64_t u64();
+  std::string_view text();
+  wire::ByteView rest();
+  std::string_view rest_text();
+  /// True where every field was there and nothing is left over.
+  bool complete() const { return !short_ && left_.empty(); }
+
+ private:
+  wire::ByteView take(std::size_t size);
+
+  wire::ByteView left_;
+  bool short_ = false;
+};
+
+inline std::string_view as_text(wire::ByteView bytes) {
+  return {reinterpret_cast<const char*>(bytes.data), bytes.size};
+}
+
+}  // namespace limb_ring::client

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <variant>
+
+#include "client/frame.h"
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::client {
+
+/// The messages of a host port, both ways; shared by the client library and the daemon. Texts and
+/// data of a decoded message point into the frame it was read from.
+
+/// Changes whenever a message changes: both sides come from one build as a rule.
+constexpr std::uint16_t kHostPortVersion = 1;
+/// A frame's size field and type, then this: what a stranger's bytes hardly are.
+constexpr std::uint32_t kGreetingMagic = 0x4C524850;  // "LRHP"
+
+/// The first message of a client.  | magic 32 | version 16 | role 8 | flags 8 | pid 32 |
+/// alive period 32, ms | ring, text |
+struct Greeting {
+  std::uint16_t version = kHostPortVersion;
+  Role role = Role::tool;
+  bool restarted_by_owner = false;
+  std::uint32_t pid = 0;  ///< informative; the daemon goes by what the kernel says
+  std::chrono::milliseconds alive_period{0};
+  std::string_view ring;
+};
+
+/// | token 32 | destination 8 | priority 8 | channel 8 | data |
+struct SendRequest {
+  std::uint32_t token = 0;
+  std::uint8_t destination = 0;
+  std::uint8_t priority = 0;
+  std::uint8_t channel = 0;
+  wire::ByteView data;
+};
+
+/// | token 32 | destination 8 | factor 8 | force 8 |
+struct InterruptRequest {
+  std::uint32_t token = 0;
+  std::uint8_t destination = 0;
+  std::uint8_t factor = 0;
+  bool force = false;
+};
+
+/// | token 32 | input 8 |
+struct PullRequest {
+  std::uint32_t token = 0;
+  std::uint8_t input = 0;
+};
+
+/// | token 32 | JSON |
+struct JsonRequest {
+  std::uint32_t token = 0;
+  std::string_view json;
+};
+
+/// | JSON |
+struct ObserveRequest {
+  std::string_view json;
+};
+
+/// Empty.
+struct Alive {};
+
+/// | count 16 |  The CPU has room for so many packets more.
+struct Credit {
+  std::uint16_t count = 0;
+};
+
+using ToDaemon = std::variant<Greeting, SendRequest, InterruptRequest, PullRequest, JsonRequest,
+                              ObserveRequest, Alive, Credit>;
+
+/// Answer to a greeting.  | id 8 | name, text | ring, text |
+struct Welcome {
+  std::uint8_t id = 0;
+  std::string_view name;
+  std::string_view ring;
+};
+
+/// The daemon closes the connection.  | reason |
+struct Refused {
+  std::string_view reason;
+};
+
+/// A Packet whose data belongs to someone else.
+/// | source 8 | destination 8 | priority 8 | channel 8 | data, 1 to 512 bytes |
+struct PacketView {
+  std::uint8_t source = 0;
+  std::uint8_t destination = 0;
+  std::uint8_t priority = 0;
+  std::uint8_t channel = 0;
+  wire::ByteView data;
+};
+
+/// limb_ring::Interrupt     | action 8 | source 8 | factor 8 |
+/// limb_ring::Result        | token 32 | outcome 8 | tries 16 | round trip 64, ns | reason |
+/// limb_ring::Reply         | token 32 | JSON |
+/// limb_ring::Observed      | JSON |
+/// limb_ring::ObservedLost  | count 64 |
+using ToClient = std::variant<Welcome, Refused, PacketView, limb_ring::Interrupt, limb_ring::Result,
+                              limb_ring::Reply, limb_ring::Observed, limb_ring::ObservedLost>;
+
+void append(Bytes& out, const Greeting& message);
+void append(Bytes& out, const SendRequest& message);
+void append(Bytes& out, const InterruptRequest& message);
+void append(Bytes& out, const PullRequest& message);
+void append(Bytes& out, const JsonRequest& message);
+void append(Bytes& out, const ObserveRequest& message);
+void append(Bytes& out, const Alive& message);
+void append(Bytes& out, const Credit& message);
+
+void append(Bytes& out, const Welcome& message);
+void append(Bytes& out, const Refused& message);
+void append(Bytes& out, const PacketView& message);
+void append(Bytes& out, const limb_ring::Interrupt& message);
+void append(Bytes& out, const limb_ring::Result& message);
+void append(Bytes& out, const limb_ring::Reply& message);
+void append(Bytes& out, const limb_ring::Observed& message);
+void append(Bytes& out, const limb_ring::ObservedLost& message);
+
+/// Nothing where the frame is none of that direction, too short, too long, or holds a value that
+/// its field may not have. Destinations, priorities and sizes of a SendRequest are not judged
+/// here: they deserve an answer with a reason (arguments.h).
+std::optional<ToDaemon> decode_to_daemon(const Frame& frame);
+std::optional<ToClient> decode_to_client(const Frame& frame);
+
+}  // namespace limb_ring::client

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::client {
+
+/// What has come and was not yet taken by the application.
+///
+/// Interrupts are handed out first. Everything else keeps its order of arrival, but where a
+/// packet's turn has come, it goes to the packet of the highest priority that is here.
+/// Limits: packets by the credit granted to the daemon; Observed to 4096, those beyond are
+/// counted; the rest to 65536, see full().
+class Inbox {
+ public:
+  void put(Packet packet);
+  void put(Interrupt interrupt);
+  void put(Observed observed);
+  void put(ObservedLost lost);
+  void put(Result result) { put_other(std::move(result)); }
+  void put(Reply reply) { put_other(std::move(reply)); }
+  void put(Disconnected end) { put_other(std::move(end)); }
+
+  std::optional<Message> take();
+  std::optional<Result> take_result(std::uint32_t token);
+  std::optional<Reply> take_reply(std::uint32_t token);
+  bool empty() const;
+  /// The application has let so many results and interrupts lie that no more are taken in.
+  bool full() const;
+
+ private:
+  struct Other {
+    std::uint64_t arrival;
+    Message message;
+  };
+  void put_other(Message message);
+  void tell_lost();
+  bool packet_is_next() const;
+  Packet take_packet();
+  Message take_other();
+  template <typename Kind>
+  std::optional<Kind> take_with_token(std::uint32_t token);
+
+  std::uint64_t arrivals_ = 0;
+  std::deque<Interrupt> interrupts_;
+  std::array<std::deque<Packet>, 4> packets_;  // by priority
+  std::deque<std::uint64_t> packet_turns_;     // arrivals of the packets, whichever takes the turn
+  std::deque<Other> others_;
+  std::size_t observed_ = 0;
+  std::uint64_t observed_lost_ = 0;
+};
+
+}  // namespace limb_ring::client

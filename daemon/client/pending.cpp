@@ -1,0 +1,72 @@
+#include "client/pending.h"
+
+#include <cstdio>
+
+namespace limb_ring::client {
+
+namespace {
+
+constexpr const char* kSpace = " \t\r\n";
+
+std::string escaped(char c) {
+  if (c == '"' || c == '\\') return {'\\', c};
+  if (static_cast<unsigned char>(c) >= 0x20) return {c};
+  char code[8];
+  std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(c));
+  return code;
+}
+
+/// True where `json` goes on with `expected` at `at`, spaces before it left out; then `at` is
+/// behind it.
+bool skip(const std::string& json, std::size_t& at, const std::string& expected) {
+  const std::size_t found = json.find_first_not_of(kSpace, at);
+  if (found == std::string::npos || json.compare(found, expected.size(), expected) != 0) {
+    return false;
+  }
+  at = found + expected.size();
+  return true;
+}
+
+}  // namespace
+
+std::uint32_t Pending::add(Ends ends) {
+  const std::uint32_t token = next_++;
+  calls_.emplace(token, ends);
+  return token;
+}
+
+void Pending::end(std::uint32_t token, Outcome outcome, const std::string& reason, Inbox& inbox) {
+  const auto call = calls_.find(token);
+  if (call == calls_.end()) return;
+  if (call->second == Ends::with_result) {
+    inbox.put(Result{token, outcome, std::chrono::nanoseconds{0}, 0, reason});
+  } else {
+    inbox.put(Reply{token, error_json(reason)});
+  }
+  calls_.erase(call);
+}
+
+void Pending::cancel_all(const std::string& reason, Inbox& inbox) {
+  while (!calls_.empty()) end(calls_.begin()->first, Outcome::cancelled, reason, inbox);
+}
+
+std::string error_json(const std::string& reason) {
+  std::string json = "{\"error\": \"";
+  for (const char c : reason) json += escaped(c);
+  return json + "\"}";
+}
+
+std::string error_of(const std::string& json) {
+  std::size_t at = 0;
+  const bool failed = skip(json, at, "{") && skip(json, at, "\"error\"") && skip(json, at, ":");
+  if (!failed) return {};
+  if (!skip(json, at, "\"")) return json.substr(at);
+  std::string text;
+  for (; at < json.size() && json[at] != '"'; ++at) {
+    if (json[at] == '\\' && at + 1 < json.size()) ++at;
+    text += json[at];
+  }
+  return text;
+}
+
+}  // namespace limb_ring::client

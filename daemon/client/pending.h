@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "client/inbox.h"
+
+namespace limb_ring::client {
+
+/// Calls whose end has not come yet, by token. Each gets exactly one: the daemon's, or where the
+/// connection ends first, one from here.
+class Pending {
+ public:
+  enum class Ends : std::uint8_t { with_result, with_reply };
+
+  std::uint32_t add(Ends ends);
+  /// False where nothing of that token is outstanding: a second end, which is not passed on.
+  bool remove(std::uint32_t token) { return calls_.erase(token) > 0; }
+  bool contains(std::uint32_t token) const { return calls_.count(token) > 0; }
+  /// Ends one here: a Result of that outcome, or a Reply holding the reason as its error.
+  void end(std::uint32_t token, Outcome outcome, const std::string& reason, Inbox& inbox);
+  /// Ends all: results `cancelled`, replies with an error.
+  void cancel_all(const std::string& reason, Inbox& inbox);
+
+ private:
+  std::uint32_t next_ = 1;
+  std::map<std::uint32_t, Ends> calls_;
+};
+
+/// {"error": "..."}
+std::string error_json(const std::string& reason);
+/// The text of an error reply, empty where `json` is none. A failed reply has "error" as its first
+/// member; nothing else does.
+std::string error_of(const std::string& json);
+
+}  // namespace limb_ring::client

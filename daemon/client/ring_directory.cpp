@@ -1,0 +1,129 @@
+#include "limb_ring/ring_directory.h"
+
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include "client/unix_socket.h"
+
+namespace limb_ring {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxName = 32;
+constexpr std::size_t kMaxSocketPath = sizeof(sockaddr_un::sun_path) - 1;
+constexpr mode_t kOwnerOnly = 0700;
+constexpr mode_t kGroupAndOthers = 0077;
+
+bool name_fits(const std::string& name) {
+  const auto allowed = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+  };
+  return !name.empty() && name.size() <= kMaxName && name.front() != '.' &&
+         std::all_of(name.begin(), name.end(), allowed);
+}
+
+void require_name(const char* what, const std::string& name) {
+  if (name_fits(name)) return;
+  throw std::invalid_argument(std::string(what) + " '" + name +
+                              "': a name has 1 to 32 letters, digits, '-', '_' or '.', and does "
+                              "not begin with '.'");
+}
+
+/// A folder others could have made or can write to could hold a stranger's sockets.
+void require_private(const std::string& folder) {
+  struct stat status {};
+  if (lstat(folder.c_str(), &status) != 0) {
+    throw std::system_error(errno, std::generic_category(), folder);
+  }
+  if (S_ISLNK(status.st_mode)) {
+    throw std::runtime_error(folder + " is a symbolic link; a folder of this user's own is needed");
+  }
+  if (!S_ISDIR(status.st_mode)) throw std::runtime_error(folder + " is not a folder");
+  if (status.st_uid != geteuid()) {
+    throw std::runtime_error(folder + " belongs to user " + std::to_string(status.st_uid) +
+                             ", not to this one (" + std::to_string(geteuid()) + ")");
+  }
+  if ((status.st_mode & kGroupAndOthers) != 0) {
+    throw std::runtime_error(folder + " is open to others; mode 0700 is needed (chmod 700 " +
+                             folder + ")");
+  }
+}
+
+void make_private(const std::string& folder) {
+  if (mkdir(folder.c_str(), kOwnerOnly) != 0 && errno != EEXIST) {
+    throw std::system_error(errno, std::generic_category(), "cannot make the folder " + folder);
+  }
+  require_private(folder);
+}
+
+bool daemon_answers(const fs::directory_entry& entry) {
+  if (entry.path().extension() != ".host" || entry.is_symlink()) return false;
+  const std::string path = entry.path().string();
+  return path.size() <= kMaxSocketPath && client::UnixSocket::connect(path).has_value();
+}
+
+/// Folders may come and go while they are read: an error reads as "nothing more here".
+bool any_daemon_answers(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (daemon_answers(*it)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string rings_directory() {
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  if (runtime != nullptr && *runtime != '\0') return std::string(runtime) + "/limb_ring";
+  std::error_code error;
+  const fs::path temporary = fs::temp_directory_path(error);
+  const std::string base = error ? std::string("/tmp") : temporary.string();
+  return base + "/limb_ring-" + std::to_string(geteuid());
+}
+
+std::string ring_directory(const std::string& ring) {
+  require_name("ring", ring);
+  return rings_directory() + "/" + ring;
+}
+
+std::string make_ring_directory(const std::string& ring) {
+  const std::string folder = ring_directory(ring);
+  make_private(rings_directory());
+  make_private(folder);
+  return folder;
+}
+
+std::vector<std::string> running_rings() {
+  std::vector<std::string> rings;
+  std::error_code error;
+  for (fs::directory_iterator it(rings_directory(), error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name_fits(name) && any_daemon_answers(it->path())) rings.push_back(name);
+  }
+  std::sort(rings.begin(), rings.end());
+  return rings;
+}
+
+std::string socket_path(const std::string& directory, const std::string& node, const char* kind) {
+  require_name("node", node);
+  std::string path = directory + "/" + node + "." + kind;
+  if (path.size() <= kMaxSocketPath) return path;
+  throw std::invalid_argument("socket path of " + std::to_string(path.size()) +
+                              " bytes, at most " + std::to_string(kMaxSocketPath) +
+                              " are possible: " + path +
+                              " (a shorter XDG_RUNTIME_DIR or ring name helps)");
+}
+
+}  // namespace limb_ring
