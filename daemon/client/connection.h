@@ -17,8 +17,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint16_t kPacketWindow = 8;
 /// Credit goes back in lots of this size: one write for several packets.
 constexpr std::uint16_t kCreditLot = 4;
-/// Bytes of JSON in one request or filter.
-constexpr std::size_t kMaxRequest = 60 * 1000;
 
 /// One connection to a daemon: messages out, messages into the inbox, and an orderly end.
 class Connection {

@@ -19,6 +19,9 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kFrameHeaderSize = 5;
 constexpr std::size_t kMaxSizeToDaemon = 64 * 1024;
 constexpr std::size_t kMaxSizeToClient = 1024 * 1024;
+/// Bytes of JSON in one message, with room for the fields before it.
+constexpr std::size_t kMaxRequest = kMaxSizeToDaemon - 16;
+constexpr std::size_t kMaxReply = kMaxSizeToClient - 16;
 
 struct Frame {
   std::uint8_t type;

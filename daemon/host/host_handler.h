@@ -1,0 +1,49 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "limb_ring/host_port.h"
+#include "wire/bytes.h"
+
+namespace limb_ring::host {
+
+using ClientId = std::uint32_t;  ///< never used twice by one server
+
+struct ClientInfo {
+  ClientId id = 0;
+  Role role = Role::tool;
+  pid_t pid = 0;  ///< by the kernel's word, not the client's
+  bool restarted_by_owner = false;
+  std::chrono::milliseconds alive_period{0};  ///< 0: no promise
+};
+
+/// What the clients of a host port want of the daemon. Called from the event loop only, never
+/// from inside a call to HostServer; calling HostServer from inside is fine. Arguments are within
+/// their ranges already.
+class HostHandler {
+ public:
+  virtual ~HostHandler() = default;
+
+  /// A client has greeted. @return a reason to refuse it
+  virtual std::optional<std::string> on_attach(const ClientInfo& client) = 0;
+  /// A client that was attached is gone. Results for it may still be given; they go nowhere.
+  virtual void on_detach(const ClientInfo& client) = 0;
+  virtual void on_send(ClientId client, std::uint32_t token, std::uint8_t destination,
+                       std::uint8_t priority, std::uint8_t channel, wire::ByteView data) = 0;
+  virtual void on_interrupt(ClientId client, std::uint32_t token, std::uint8_t destination,
+                            std::uint8_t factor, bool force) = 0;
+  virtual void on_pull(ClientId client, std::uint32_t token, std::uint8_t input) = 0;
+  virtual void on_request(ClientId client, std::uint32_t token, const std::string& json) = 0;
+  virtual void on_observe(ClientId client, const std::string& json) = 0;
+  /// A sign of life: called for every message of a client, before the message's own call.
+  virtual void on_alive(ClientId client) = 0;
+  /// The CPU can take packets where it could not: HostServer::cpu_can_take() has become true.
+  virtual void on_credit(ClientId client) = 0;
+};
+
+}  // namespace limb_ring::host

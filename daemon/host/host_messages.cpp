@@ -1,0 +1,108 @@
+// What HostServer does with each message of a client.
+#include "client/arguments.h"
+#include "host/host_server.h"
+
+#include <algorithm>
+
+namespace limb_ring::host {
+
+namespace {
+
+/// A CPU asks for a few packets at a time; one that asks for more gets this many.
+constexpr unsigned kMaxCredit = 64;
+
+}  // namespace
+
+void HostServer::on_message(Session& session, const client::ToDaemon& message) {
+  if (session.attached()) handler_.on_alive(session.info().id);
+  std::visit([&](const auto& kind) { on(session, kind); }, message);
+}
+
+/// The system may show a new CPU's greeting before the old one's end, both being there.
+void HostServer::free_cpu_slot_of_the_dead() {
+  if (cpu_ && cpu_->hung_up()) {
+    const SessionPtr dead = cpu_;
+    dead->end("");
+    retire(*dead);
+  }
+  tell_detached();
+}
+
+std::optional<std::string> HostServer::objection(const client::Greeting& greeting,
+                                                 const ClientInfo& info) {
+  const std::string node = "node " + std::to_string(options_.id) + " (" + options_.name + ")";
+  if (greeting.version != client::kHostPortVersion) {
+    return node + " speaks version " + std::to_string(client::kHostPortVersion) +
+           " of the host port, this client version " + std::to_string(greeting.version);
+  }
+  if (!greeting.ring.empty() && greeting.ring != options_.ring) {
+    return node + " belongs to ring " + options_.ring + ", not to " + std::string(greeting.ring);
+  }
+  if (greeting.role == Role::cpu && cpu_) {
+    return node + " has a CPU already: pid " + std::to_string(cpu_->info().pid);
+  }
+  return handler_.on_attach(info);
+}
+
+void HostServer::on(Session& session, const client::Greeting& greeting) {
+  free_cpu_slot_of_the_dead();
+  ClientInfo info = session.info();
+  info.role = greeting.role;
+  info.restarted_by_owner = greeting.restarted_by_owner;
+  info.alive_period = greeting.alive_period;
+  if (const auto reason = objection(greeting, info)) {
+    ++counters_.refused;
+    return disconnect(info.id, *reason);
+  }
+  if (!session.open()) return;  // the handler has ended it
+  ++counters_.attached;
+  session.attach(info);
+  session.put(client::Welcome{options_.id, options_.name, options_.ring});
+  if (greeting.role == Role::cpu) cpu_ = session.shared_from_this();
+}
+
+bool HostServer::rejected(Session& session, std::uint32_t token,
+                          const std::optional<std::string>& problem) {
+  if (!problem) return false;
+  ++counters_.rejected;
+  session.put(Result{token, Outcome::rejected, std::chrono::nanoseconds{0}, 0, *problem});
+  return true;
+}
+
+void HostServer::on(Session& session, const client::SendRequest& request) {
+  const auto problem =
+      client::send_problem(request.data.size, request.priority, request.channel);
+  if (rejected(session, request.token, problem)) return;
+  handler_.on_send(session.info().id, request.token, request.destination, request.priority,
+                   request.channel, request.data);
+}
+
+void HostServer::on(Session& session, const client::InterruptRequest& request) {
+  if (rejected(session, request.token, client::interrupt_problem(request.factor))) return;
+  handler_.on_interrupt(session.info().id, request.token, request.destination, request.factor,
+                        request.force);
+}
+
+void HostServer::on(Session& session, const client::PullRequest& request) {
+  if (rejected(session, request.token, client::pull_problem(request.input))) return;
+  handler_.on_pull(session.info().id, request.token, request.input);
+}
+
+void HostServer::on(Session& session, const client::JsonRequest& request) {
+  handler_.on_request(session.info().id, request.token, std::string(request.json));
+}
+
+void HostServer::on(Session& session, const client::ObserveRequest& request) {
+  handler_.on_observe(session.info().id, std::string(request.json));
+}
+
+void HostServer::on(Session&, const client::Alive&) {}  // on_message() has said so
+
+void HostServer::on(Session& session, const client::Credit& credit) {
+  if (&session != cpu_.get()) return;
+  const bool had_none = session.credit == 0;
+  session.credit = std::min(session.credit + credit.count, kMaxCredit);
+  if (had_none && session.credit > 0) handler_.on_credit(session.info().id);
+}
+
+}  // namespace limb_ring::host

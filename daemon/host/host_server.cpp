@@ -1,0 +1,169 @@
+#include "host/host_server.h"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <boost/asio/post.hpp>
+#include <utility>
+
+namespace limb_ring::host {
+
+namespace {
+
+constexpr std::chrono::milliseconds kAcceptPause{100};
+
+/// Who is at the other end, by the kernel's word.
+ucred peer_of(Socket& socket) {
+  ucred peer{0, static_cast<uid_t>(-1), static_cast<gid_t>(-1)};
+  socklen_t size = sizeof peer;
+  getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &peer, &size);
+  return peer;
+}
+
+}  // namespace
+
+HostServer::HostServer(boost::asio::io_context& io, HostOptions options, HostHandler& handler)
+    : io_(io),
+      options_(std::move(options)),
+      handler_(handler),
+      listener_(io, options_.directory, options_.id, options_.name),
+      accept_timer_(io) {
+  accept();
+}
+
+HostServer::~HostServer() { close(); }
+
+void HostServer::accept() {
+  listener_.acceptor().async_accept([this](boost::system::error_code error, Socket socket) {
+    if (error == boost::asio::error::operation_aborted) return;
+    if (error) return accept_again_later();
+    admit(std::move(socket));
+    accept();
+  });
+}
+
+/// Too many open files, most likely: trying at once would only burn the processor.
+void HostServer::accept_again_later() {
+  accept_timer_.expires_after(kAcceptPause);
+  accept_timer_.async_wait([this](boost::system::error_code error) {
+    if (!error) accept();
+  });
+}
+
+void HostServer::admit(Socket socket) {
+  const ucred peer = peer_of(socket);
+  ClientInfo info;
+  info.id = ++last_id_;
+  info.pid = peer.pid;
+  SessionOwner& owner = *this;
+  const auto session = std::make_shared<Session>(std::move(socket), info, owner);
+  if (peer.uid != geteuid()) {
+    ++counters_.refused_foreign;
+    return session->end("this ring belongs to user " + std::to_string(geteuid()) + ", not to " +
+                        std::to_string(peer.uid));
+  }
+  if (sessions_.size() >= options_.max_clients) {
+    ++counters_.refused_full;
+    return session->end("node " + std::to_string(options_.id) + " (" + options_.name + ") has " +
+                        std::to_string(options_.max_clients) + " clients already (limits.clients)");
+  }
+  sessions_.emplace(info.id, session);
+  session->start();
+}
+
+Session* HostServer::find(ClientId client) {
+  const auto found = sessions_.find(client);
+  return found == sessions_.end() ? nullptr : found->second.get();
+}
+
+void HostServer::on_end(Session& session, End end) {
+  count(end);
+  retire(session);
+}
+
+void HostServer::count(End end) {
+  switch (end) {
+    case End::closed: return;
+    case End::garbage: ++counters_.garbage; return;
+    case End::never_greeted: ++counters_.never_greeted; return;
+    case End::too_slow: ++counters_.slow_clients; return;
+  }
+}
+
+/// The handler is told later, from the event loop: it may be the one that is calling us.
+void HostServer::retire(Session& session) {
+  const auto found = sessions_.find(session.info().id);
+  if (found == sessions_.end()) return;
+  if (cpu_ == found->second) cpu_.reset();
+  ended_.push_back(std::move(found->second));
+  sessions_.erase(found);
+  boost::asio::post(io_, [this, alive = alive_] {
+    if (*alive) tell_detached();
+  });
+}
+
+void HostServer::tell_detached() {
+  for (const SessionPtr& session : std::exchange(ended_, {})) {
+    if (session->attached()) handler_.on_detach(session->info());
+  }
+}
+
+const ClientInfo* HostServer::cpu() const { return cpu_ ? &cpu_->info() : nullptr; }
+
+bool HostServer::cpu_can_take() const { return cpu_ && cpu_->credit > 0; }
+
+void HostServer::give(const client::PacketView& packet) {
+  if (!cpu_can_take()) return;
+  --cpu_->credit;
+  cpu_->put(packet);
+}
+
+void HostServer::give(const Packet& packet) {
+  give(client::PacketView{packet.source, packet.destination, packet.priority, packet.channel,
+                          {packet.data.data(), packet.data.size()}});
+}
+
+bool HostServer::interrupt(const limb_ring::Interrupt& interrupt) {
+  if (!cpu_) {
+    ++counters_.interrupts_lost;
+    return false;
+  }
+  cpu_->put(interrupt);
+  return true;
+}
+
+void HostServer::result(ClientId client, const Result& result) {
+  if (Session* session = find(client)) session->put(result);
+}
+
+void HostServer::reply(ClientId client, std::uint32_t token, const std::string& json) {
+  Session* session = find(client);
+  if (session == nullptr) return;
+  if (json.size() <= client::kMaxReply) return session->put(Reply{token, json});
+  session->put(Reply{token, "{\"error\": \"the answer has " + std::to_string(json.size()) +
+                                " bytes, more than a host port carries\"}"});
+}
+
+void HostServer::observed(ClientId client, const std::string& json) {
+  Session* session = find(client);
+  if (session != nullptr && !session->put_observed({json})) ++counters_.observed_lost;
+}
+
+void HostServer::disconnect(ClientId client, const std::string& reason) {
+  Session* session = find(client);
+  if (session == nullptr) return;
+  session->end(reason);
+  retire(*session);
+}
+
+void HostServer::close(const std::string& reason) {
+  *alive_ = false;
+  accept_timer_.cancel();
+  listener_.close();
+  for (const auto& [id, session] : sessions_) session->end(reason);
+  sessions_.clear();
+  ended_.clear();
+  cpu_.reset();
+}
+
+}  // namespace limb_ring::host

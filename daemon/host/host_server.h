@@ -1,0 +1,94 @@
+#pragma once
+
+#include <boost/asio/steady_timer.hpp>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "host/host_counters.h"
+#include "host/host_handler.h"
+#include "host/listener.h"
+#include "host/session.h"
+
+namespace limb_ring::host {
+
+struct HostOptions {
+  std::string directory;  ///< make_ring_directory()'s
+  std::string ring;
+  std::uint8_t id = 0;
+  std::string name;
+  unsigned max_clients = 32;  ///< limits.clients
+};
+
+/// The daemon's side of the host port: clients come and go, one of them may be the node's CPU.
+/// Knows nothing of the ring; a HostHandler does.
+class HostServer final : private SessionOwner {
+ public:
+  /// Listens from here on; the caller holds the node's lock.
+  /// @throw std::exception naming the path and what is wrong with it
+  HostServer(boost::asio::io_context& io, HostOptions options, HostHandler& handler);
+  ~HostServer() override;
+
+  /// The attached CPU; nothing where there is none.
+  const ClientInfo* cpu() const;
+  /// The CPU is attached and has room for a packet.
+  bool cpu_can_take() const;
+  /// Hands a packet to the CPU, using one credit. @pre cpu_can_take()
+  void give(const client::PacketView& packet);
+  void give(const Packet& packet);
+  /// Tells the CPU. @return false, and counted, where there is none
+  bool interrupt(const limb_ring::Interrupt& interrupt);
+
+  /// The end of a call. Nothing happens where the client is gone.
+  void result(ClientId client, const Result& result);
+  void reply(ClientId client, std::uint32_t token, const std::string& json);
+  /// Left out, counted and told to the client where it reads too slowly.
+  void observed(ClientId client, const std::string& json);
+
+  /// Ends a client's connection; on_detach() follows from the event loop.
+  void disconnect(ClientId client, const std::string& reason);
+  /// Ends all, the handler is called no more.
+  void close(const std::string& reason = "ringd has ended");
+
+  const HostCounters& counters() const { return counters_; }
+
+ private:
+  using SessionPtr = std::shared_ptr<Session>;
+
+  void accept();
+  void accept_again_later();
+  void admit(Socket socket);
+  void on_message(Session& session, const client::ToDaemon& message) override;
+  void on_end(Session& session, End end) override;
+  void count(End end);
+  void retire(Session& session);
+  void tell_detached();
+  void free_cpu_slot_of_the_dead();
+  std::optional<std::string> objection(const client::Greeting& greeting,
+                                       const ClientInfo& info);
+
+  void on(Session& session, const client::Greeting& greeting);
+  void on(Session& session, const client::SendRequest& request);
+  void on(Session& session, const client::InterruptRequest& request);
+  void on(Session& session, const client::PullRequest& request);
+  void on(Session& session, const client::JsonRequest& request);
+  void on(Session& session, const client::ObserveRequest& request);
+  void on(Session& session, const client::Alive& alive);
+  void on(Session& session, const client::Credit& credit);
+  bool rejected(Session& session, std::uint32_t token, const std::optional<std::string>& problem);
+  Session* find(ClientId client);
+
+  boost::asio::io_context& io_;
+  HostOptions options_;
+  HostHandler& handler_;
+  Listener listener_;
+  boost::asio::steady_timer accept_timer_;
+  std::map<ClientId, SessionPtr> sessions_;
+  std::vector<SessionPtr> ended_;  ///< on_detach() still to be called, where they were attached
+  SessionPtr cpu_;
+  ClientId last_id_ = 0;
+  HostCounters counters_;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  ///< false for handlers posted earlier
+};
+
+}  // namespace limb_ring::host

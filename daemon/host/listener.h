@@ -1,0 +1,35 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <cstdint>
+#include <string>
+
+namespace limb_ring::host {
+
+/// The listening socket DIRECTORY/ID.host, with NAME.host linked to it; both are removed in the
+/// end. What a dead daemon left there is replaced: the caller holds the node's lock.
+class Listener {
+ public:
+  using Acceptor = boost::asio::local::stream_protocol::acceptor;
+
+  /// @throw std::runtime_error naming the path and what is wrong with it
+  Listener(boost::asio::io_context& io, const std::string& directory, std::uint8_t id,
+           const std::string& name);
+  ~Listener();
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  Acceptor& acceptor() { return acceptor_; }
+  void close();
+
+ private:
+  void listen();
+  void link_name() const;
+
+  std::string path_;
+  std::string link_;
+  Acceptor acceptor_;
+};
+
+}  // namespace limb_ring::host

@@ -1,0 +1,74 @@
+#include "host/node_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+namespace limb_ring::host {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+int open_lock_file(const std::string& path) {
+  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (fd < 0) fail("cannot open " + path);
+  return fd;
+}
+
+bool try_lock(int fd) {
+  int result = 0;
+  do {
+    result = flock(fd, LOCK_EX | LOCK_NB);
+  } while (result != 0 && errno == EINTR);
+  return result == 0;
+}
+
+/// "pid 4711 (ringd)", as far as can be known.
+std::string holder_of(const std::string& path) {
+  long pid = 0;
+  std::ifstream(path) >> pid;
+  if (pid <= 0) return "another process";
+  std::string program;
+  std::getline(std::ifstream("/proc/" + std::to_string(pid) + "/comm"), program);
+  const std::string text = "pid " + std::to_string(pid);
+  return program.empty() ? text : text + " (" + program + ")";
+}
+
+void write_pid(int fd, const std::string& path) {
+  const std::string text = std::to_string(getpid()) + "\n";
+  const bool written = ftruncate(fd, 0) == 0 &&
+                       pwrite(fd, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  if (!written) fail("cannot write " + path);
+}
+
+}  // namespace
+
+NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id,
+                   const std::string& name) {
+  const std::string path = directory + "/" + std::to_string(id) + ".lock";
+  fd_ = open_lock_file(path);
+  try {
+    if (!try_lock(fd_)) {
+      if (errno != EWOULDBLOCK) fail("cannot lock " + path);
+      throw std::runtime_error("node " + std::to_string(id) + " (" + name + ") of ring " + ring +
+                               " is held by " + holder_of(path));
+    }
+    write_pid(fd_, path);
+  } catch (...) {
+    close(fd_);
+    throw;
+  }
+}
+
+/// The file stays: removing it would let two daemons lock two files of one name.
+NodeLock::~NodeLock() { close(fd_); }
+
+}  // namespace limb_ring::host

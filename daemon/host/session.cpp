@@ -1,0 +1,174 @@
+#include "host/session.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <boost/asio/post.hpp>
+#include <cerrno>
+#include <utility>
+
+namespace limb_ring::host {
+
+namespace {
+
+/// Read in one turn of the event loop: enough for some full packets, little enough that a client
+/// that floods us does not hold up the ring.
+constexpr std::size_t kReadSize = 8 * 1024;
+
+std::string reason_of(SessionOwner::End how) {
+  switch (how) {
+    case SessionOwner::End::closed: return "";
+    case SessionOwner::End::garbage: return "this is no message of the host port";
+    case SessionOwner::End::never_greeted: return "no greeting came within 2 s";
+    case SessionOwner::End::too_slow: return "the client does not read what is sent to it";
+  }
+  return "";
+}
+
+bool not_now(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
+
+}  // namespace
+
+Session::Session(Socket socket, ClientInfo info, SessionOwner& owner)
+    : socket_(std::move(socket)),
+      greeting_timer_(socket_.get_executor()),
+      info_(info),
+      owner_(&owner) {}
+
+void Session::start() {
+  boost::system::error_code error;
+  socket_.non_blocking(true, error);
+  wait_for_greeting();
+  wait_readable();
+}
+
+void Session::wait_for_greeting() {
+  greeting_timer_.expires_after(kGreetingDeadline);
+  greeting_timer_.async_wait([self = shared_from_this()](boost::system::error_code error) {
+    if (!error && !self->attached_) self->fail(SessionOwner::End::never_greeted);
+  });
+}
+
+void Session::attach(const ClientInfo& info) {
+  attached_ = true;
+  info_ = info;
+  greeting_timer_.cancel();
+}
+
+void Session::wait_readable() {
+  socket_.async_wait(Socket::wait_read,
+                     [self = shared_from_this()](boost::system::error_code error) {
+                       if (!self->open()) return;
+                       if (error) return self->fail(SessionOwner::End::closed);
+                       self->read();
+                     });
+}
+
+void Session::read() {
+  const ssize_t got = ::recv(socket_.native_handle(), in_.space(kReadSize), kReadSize, 0);
+  const bool ended = got == 0 || (got < 0 && !not_now(errno) && errno != EINTR);
+  if (got > 0) in_.added(static_cast<std::size_t>(got));
+  take_frames();
+  if (!open()) return;
+  if (ended) return fail(SessionOwner::End::closed);
+  wait_readable();
+}
+
+void Session::take_frames() {
+  while (open()) {
+    const client::FrameParse parse = client::parse_frame(in_.view(), client::kMaxSizeToDaemon);
+    if (parse.status == client::FrameParse::Status::incomplete) return;
+    const bool frame = parse.status == client::FrameParse::Status::frame;
+    const auto message = frame ? client::decode_to_daemon(parse.frame) : std::nullopt;
+    if (!message) return fail(SessionOwner::End::garbage);
+    const bool greeting = std::holds_alternative<client::Greeting>(*message);
+    if (greeting == attached_) return fail(SessionOwner::End::garbage);
+    owner_->on_message(*this, *message);
+    in_.used(parse.consumed);
+  }
+}
+
+void Session::after_put() {
+  if (queued() > kMaxQueued) return fail(SessionOwner::End::too_slow);
+  flush_soon();
+}
+
+bool Session::put_observed(const Observed& observed) {
+  if (!open()) return true;
+  if (queued() + observed.json.size() > kMaxQueuedForObserved) {
+    ++observed_lost_;
+    return false;
+  }
+  tell_observed_lost();
+  put(observed);
+  return true;
+}
+
+void Session::tell_observed_lost() {
+  const std::uint64_t lost = std::exchange(observed_lost_, 0);
+  if (lost > 0) put(ObservedLost{lost});
+}
+
+void Session::flush_soon() {
+  if (std::exchange(flush_under_way_, true)) return;
+  boost::asio::post(socket_.get_executor(), [self = shared_from_this()] { self->flush(); });
+}
+
+void Session::flush() {
+  flush_under_way_ = false;
+  if (!open()) return;
+  const int error = write_now();
+  if (error != 0 && !not_now(error)) return fail(SessionOwner::End::closed);
+  if (queued() > 0) return wait_writable();
+  tell_observed_lost();
+}
+
+int Session::write_now() {
+  while (queued() > 0) {
+    const ssize_t went = ::send(socket_.native_handle(), out_.data() + written_, queued(),
+                                MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (went < 0 && errno != EINTR) return errno;
+    if (went > 0) written_ += static_cast<std::size_t>(went);
+  }
+  out_.clear();
+  written_ = 0;
+  return 0;
+}
+
+void Session::wait_writable() {
+  drop_written();
+  flush_under_way_ = true;
+  socket_.async_wait(Socket::wait_write,
+                     [self = shared_from_this()](boost::system::error_code) { self->flush(); });
+}
+
+/// Moving the rest to the front costs: done only where at least as much has gone.
+void Session::drop_written() {
+  if (written_ < queued()) return;
+  out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(written_));
+  written_ = 0;
+}
+
+bool Session::hung_up() const {
+  pollfd entry{const_cast<Socket&>(socket_).native_handle(), POLLIN, 0};
+  return ::poll(&entry, 1, 0) > 0 && (entry.revents & (POLLHUP | POLLERR)) != 0;
+}
+
+void Session::end(const std::string& reason) {
+  if (!open()) return;
+  owner_ = nullptr;
+  if (!reason.empty()) append(out_, client::Refused{reason});
+  write_now();
+  greeting_timer_.cancel();
+  boost::system::error_code error;
+  socket_.close(error);
+}
+
+void Session::fail(SessionOwner::End how) {
+  if (!open()) return;
+  SessionOwner& owner = *owner_;
+  end(reason_of(how));
+  owner.on_end(*this, how);
+}
+
+}  // namespace limb_ring::host

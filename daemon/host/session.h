@@ -1,0 +1,92 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "client/host_message.h"
+#include "client/stream_buffer.h"
+#include "host/host_handler.h"
+
+namespace limb_ring::host {
+
+using Socket = boost::asio::local::stream_protocol::socket;
+
+class Session;
+
+/// Whom a session tells.
+class SessionOwner {
+ public:
+  virtual ~SessionOwner() = default;
+  virtual void on_message(Session& session, const client::ToDaemon& message) = 0;
+  enum class End : std::uint8_t { closed, garbage, never_greeted, too_slow };
+  /// Once, unless the owner ended it. May come from inside Session::put(): tell nobody else yet.
+  virtual void on_end(Session& session, End end) = 0;
+};
+
+/// One client's connection: frames in, frames out, and the limits of both.
+///
+/// Output is gathered and written at the end of the event loop's turn: several messages, one
+/// write. What does not fit the socket waits in a bounded queue.
+class Session : public std::enable_shared_from_this<Session> {
+ public:
+  static constexpr std::size_t kMaxQueued = 4 * 1024 * 1024;
+  /// An Observed is left out where more than this is waiting.
+  static constexpr std::size_t kMaxQueuedForObserved = 256 * 1024;
+  static constexpr std::chrono::seconds kGreetingDeadline{2};
+
+  Session(Socket socket, ClientInfo info, SessionOwner& owner);
+
+  void start();
+  /// The greeting was accepted: the client is what `info` says.
+  void attach(const ClientInfo& info);
+  /// Writes what can be written at once, `reason` last, and closes. The owner is not told.
+  void end(const std::string& reason);
+
+  template <typename Kind>
+  void put(const Kind& message) {
+    if (!open()) return;
+    client::append(out_, message);
+    after_put();
+  }
+  /// @return false where it was left out
+  bool put_observed(const Observed& observed);
+
+  bool open() const { return owner_ != nullptr; }
+  bool attached() const { return attached_; }
+  /// True where the other end has gone, though we may not have read so far.
+  bool hung_up() const;
+  const ClientInfo& info() const { return info_; }
+  unsigned credit = 0;  ///< packets the client has room for
+
+ private:
+  void wait_for_greeting();
+  void wait_readable();
+  void read();
+  void take_frames();
+  void after_put();
+  void flush_soon();
+  void flush();
+  int write_now();  ///< 0, or the errno that stopped it
+  void wait_writable();
+  void drop_written();
+  void tell_observed_lost();
+  void fail(SessionOwner::End end);
+  std::size_t queued() const { return out_.size() - written_; }
+
+  Socket socket_;
+  boost::asio::steady_timer greeting_timer_;
+  ClientInfo info_;
+  SessionOwner* owner_;
+  bool attached_ = false;
+  client::StreamBuffer in_;
+  client::Bytes out_;
+  std::size_t written_ = 0;
+  bool flush_under_way_ = false;
+  std::uint64_t observed_lost_ = 0;
+};
+
+}  // namespace limb_ring::host
