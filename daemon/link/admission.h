@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "link/endpoint.h"
+#include "link/head.h"
+
+namespace limb_ring::link {
+
+/// Who may be our upstream neighbour (ours). The nearest living node in ring order is; so one
+/// that is at least as near as the present one takes its place: the same id is a restart.
+class Admission {
+ public:
+  /// @param order all node ids in ring order, `self.id` among them
+  Admission(Identity self, std::vector<std::uint8_t> order);
+
+  /// @param present the upstream neighbour we have and still hear, if any
+  /// @return Refusal::none where the sender of `connect` may come in
+  Refusal judge(const Head& connect, std::optional<std::uint8_t> present) const;
+
+ private:
+  /// Nodes between `from` and us, going upstream: 1 is our neighbour, we ourselves are the
+  /// farthest. 0: no node of the ring.
+  std::size_t distance(std::uint8_t from) const;
+
+  Identity self_;
+  std::vector<std::uint8_t> order_;
+};
+
+}  // namespace limb_ring::link

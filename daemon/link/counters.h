@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+
+namespace limb_ring::link {
+
+/// What happened at the receiving end of a link since the start.
+struct InputCounters {
+  std::uint64_t reads = 0, bytes = 0, slices = 0, idle_slices = 0;
+  std::uint64_t connects = 0;   ///< upstream neighbours that came
+  std::uint64_t losses = 0;     ///< upstream neighbours that went, for whatever reason
+  std::uint64_t silences = 0;   ///< of those: silent for too long
+  std::uint64_t replaced = 0;   ///< of those: a nearer or newer one came
+  std::uint64_t refused = 0;    ///< connects of our ring that we refused
+  std::uint64_t strangers = 0;  ///< garbage, other rings, other users, half-open connections
+  std::uint64_t malformed = 0;  ///< streams or datagrams that held no slice
+  std::uint64_t datagrams = 0;
+  std::uint64_t datagrams_duplicate = 0;  ///< lower or equal sequence: doubled or overtaken
+  std::uint64_t datagrams_lost = 0;       ///< missing from the sequence
+  std::uint64_t datagrams_stale = 0;      ///< of our ring, of no session we have
+  std::uint64_t delay_dropped = 0;        ///< slices that did not fit the delay line
+};
+
+/// What happened at the sending end of a link since the start.
+struct OutputCounters {
+  std::uint64_t writes = 0, bytes = 0, idle_slices = 0;
+  std::uint64_t blocked = 0;    ///< writes the socket did not take at once
+  std::uint64_t discarded = 0;  ///< bytes given or waiting while the link was gone
+  std::uint64_t datagrams = 0;
+  std::uint64_t datagrams_unsent = 0;  ///< the kernel had no room, or no route
+  std::uint64_t attempts = 0;   ///< connections tried
+  std::uint64_t refused = 0;    ///< of those: answered with a refusal
+  std::uint64_t connects = 0;   ///< downstream neighbours won
+  std::uint64_t losses = 0;     ///< downstream neighbours lost, for whatever reason
+  std::uint64_t silences = 0;   ///< of those: silent for too long (dead or frozen)
+};
+
+/// Calls visit(name, value) for every counter.
+template <typename Visit>
+void for_each_counter(const InputCounters& c, Visit&& visit) {
+  visit("reads", c.reads);
+  visit("bytes", c.bytes);
+  visit("slices", c.slices);
+  visit("idle_slices", c.idle_slices);
+  visit("connects", c.connects);
+  visit("losses", c.losses);
+  visit("silences", c.silences);
+  visit("replaced", c.replaced);
+  visit("refused", c.refused);
+  visit("strangers", c.strangers);
+  visit("malformed", c.malformed);
+  visit("datagrams", c.datagrams);
+  visit("datagrams_duplicate", c.datagrams_duplicate);
+  visit("datagrams_lost", c.datagrams_lost);
+  visit("datagrams_stale", c.datagrams_stale);
+  visit("delay_dropped", c.delay_dropped);
+}
+
+template <typename Visit>
+void for_each_counter(const OutputCounters& c, Visit&& visit) {
+  visit("writes", c.writes);
+  visit("bytes", c.bytes);
+  visit("idle_slices", c.idle_slices);
+  visit("blocked", c.blocked);
+  visit("discarded", c.discarded);
+  visit("datagrams", c.datagrams);
+  visit("datagrams_unsent", c.datagrams_unsent);
+  visit("attempts", c.attempts);
+  visit("refused", c.refused);
+  visit("connects", c.connects);
+  visit("losses", c.losses);
+  visit("silences", c.silences);
+}
+
+}  // namespace limb_ring::link

@@ -1,0 +1,80 @@
+#include "link/delayed_input.h"
+
+#include <string>
+
+namespace limb_ring::link {
+
+/// Shared with the timer's handler, which may outlive the DelayedInput.
+struct DelayedInput::Line : std::enable_shared_from_this<Line> {
+  Line(boost::asio::io_context& io, InputHandler& to) : timer(io), next(&to) {}
+
+  void wait() {
+    waiting = true;
+    timer.expires_at(events.front().due);
+    timer.async_wait([self = shared_from_this()](const boost::system::error_code&) {
+      self->waiting = false;
+      if (self->next != nullptr) self->deliver(Clock::now());
+      if (self->next != nullptr && !self->events.empty()) self->wait();
+    });
+  }
+
+  void deliver(Time now) {
+    while (next != nullptr && !events.empty() && events.front().due <= now) {
+      const Event event = std::move(events.front());
+      events.pop_front();
+      size -= event.size;
+      event.deliver(*next);
+    }
+  }
+
+  boost::asio::steady_timer timer;
+  InputHandler* next;
+  std::deque<Event> events;
+  std::size_t size = 0;
+  bool waiting = false;
+};
+
+DelayedInput::DelayedInput(boost::asio::io_context& io, nanoseconds delay, InputHandler& next,
+                           InputCounters& counters)
+    : delay_(delay), counters_(counters), line_(std::make_shared<Line>(io, next)) {}
+
+void DelayedInput::close() {
+  line_->next = nullptr;
+  line_->timer.cancel();
+}
+
+void DelayedInput::on_slice(const wire::Slice& slice) {
+  const std::size_t size = wire::kMaxSliceSize;
+  if (line_->size + size > kLimit) {
+    ++counters_.delay_dropped;
+    return on_input_gap(1);
+  }
+  std::vector<std::uint8_t> bytes(slice.bytes.begin(), slice.bytes.end());
+  add(size, [kind = slice.kind, bytes = std::move(bytes)](InputHandler& next) {
+    next.on_slice({kind, {bytes.data(), bytes.size()}});
+  });
+}
+
+void DelayedInput::on_batch_end() {
+  add(0, [](InputHandler& next) { next.on_batch_end(); });
+}
+
+void DelayedInput::on_input_gap(std::uint32_t lost) {
+  add(0, [lost](InputHandler& next) { next.on_input_gap(lost); });
+}
+
+void DelayedInput::on_input_up(std::uint8_t from) {
+  add(0, [from](InputHandler& next) { next.on_input_up(from); });
+}
+
+void DelayedInput::on_input_lost(std::string_view reason) {
+  add(0, [reason = std::string(reason)](InputHandler& next) { next.on_input_lost(reason); });
+}
+
+void DelayedInput::add(std::size_t size, std::function<void(InputHandler&)> deliver) {
+  line_->events.push_back({Clock::now() + delay_, size, std::move(deliver)});
+  line_->size += size;
+  if (!line_->waiting) line_->wait();
+}
+
+}  // namespace limb_ring::link

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <boost/asio/steady_timer.hpp>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "link/counters.h"
+#include "link/endpoint.h"
+#include "link/input_handler.h"
+
+namespace limb_ring::link {
+
+/// A long line: hands everything on to another handler `delay` later, in order. (ours)
+/// Holds up to kLimit bytes; a slice beyond that is dropped and becomes a gap.
+class DelayedInput : public InputHandler {
+ public:
+  static constexpr std::size_t kLimit = 4 << 20;
+
+  DelayedInput(boost::asio::io_context& io, nanoseconds delay, InputHandler& next,
+               InputCounters& counters);
+  ~DelayedInput() override { close(); }
+  /// Drops what is on the line; no calls after this.
+  void close();
+
+  void on_slice(const wire::Slice& slice) override;
+  void on_batch_end() override;
+  void on_input_gap(std::uint32_t lost) override;
+  void on_input_up(std::uint8_t from) override;
+  void on_input_lost(std::string_view reason) override;
+
+ private:
+  struct Event {
+    Time due;
+    std::size_t size;
+    std::function<void(InputHandler&)> deliver;
+  };
+  struct Line;
+
+  void add(std::size_t size, std::function<void(InputHandler&)> deliver);
+
+  nanoseconds delay_;
+  InputCounters& counters_;
+  std::shared_ptr<Line> line_;
+};
+
+}  // namespace limb_ring::link

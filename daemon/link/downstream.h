@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "link/head.h"
+#include "wire/bytes.h"
+
+namespace limb_ring::link {
+
+/// One connection to a candidate for our downstream neighbour, from the first attempt on. Calls
+/// its owner from the event loop only, never from within a call, and not after close().
+class Downstream {
+ public:
+  struct Owner {
+    virtual void on_accepted(std::size_t candidate) = 0;
+    virtual void on_refused(std::size_t candidate, Refusal refusal) = 0;
+    virtual void on_ended(std::size_t candidate, std::string_view reason) = 0;
+    virtual void on_heard(std::size_t candidate) = 0;  ///< it says that it is alive
+    virtual void on_drained(std::size_t candidate) = 0;  ///< nothing waits inside any more
+
+   protected:
+    ~Owner() = default;
+  };
+
+  virtual ~Downstream() = default;
+  /// @return false: nobody is there; no call follows.
+  virtual bool start() = 0;
+  /// Whole framed slices. What the socket does not take waits inside, up to a limit, beyond
+  /// which the line counts as ended.
+  virtual void write(wire::ByteView slices) = 0;
+  virtual bool drained() const = 0;
+  /// Reads what has come, as if the event loop had said so.
+  virtual void read() = 0;
+  /// Once per `idle`, until accepted: asks again where questions can get lost.
+  virtual void ask_again() = 0;
+  virtual void close() = 0;
+};
+
+}  // namespace limb_ring::link

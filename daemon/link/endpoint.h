@@ -1,0 +1,48 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace limb_ring::link {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using Clock = std::chrono::steady_clock;
+using Time = Clock::time_point;
+
+/// Where a node listens for its upstream neighbour. (ours)
+struct Endpoint {
+  enum class Transport { unix_stream, udp } transport = Transport::unix_stream;
+  std::string path;           ///< unix_stream: the socket, at most 107 bytes
+  std::string address;        ///< udp: a numeric address; bound there and nowhere else
+  std::uint16_t port = 0;     ///< udp
+
+  static Endpoint unix_stream(std::string path) {
+    return {Transport::unix_stream, std::move(path), {}, 0};
+  }
+  static Endpoint udp(std::string address, std::uint16_t port) {
+    return {Transport::udp, {}, std::move(address), port};
+  }
+};
+
+/// As a person would name it: a path, or ADDRESS:PORT.
+std::string to_string(const Endpoint& endpoint);
+
+/// The times both ends of a link live by. (ours, protocol.md section 6)
+struct Timing {
+  milliseconds idle{10};     ///< a quiet end says so this often; also the grain of all else here
+  milliseconds silence{50};  ///< an end silent for so long counts as gone
+  milliseconds bypass{200};  ///< at start: the configured successor is waited for so long
+};
+
+/// Who we are on which ring.
+struct Identity {
+  std::uint64_t ring = 0;  ///< ring_hash() of its name
+  std::uint8_t id = 0;     ///< 0 to 254
+};
+
+/// FNV-1a, 64 bits, of a ring's name: keeps two rings apart, is no secret.
+std::uint64_t ring_hash(const std::string& name);
+
+}  // namespace limb_ring::link

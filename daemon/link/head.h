@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "wire/bytes.h"
+
+namespace limb_ring::link {
+
+/// What the two ends of a link say about the link itself (ours). A UDP datagram is a head and,
+/// where its type is `slices`, one slice. A UNIX stream opens with one `connect` head, goes on
+/// with bare slices, and carries heads the other way.
+///
+///   | magic "LR" | version 8 | type 8 | ring hash 64 | session 64 | sequence 32 | sender 8 | refusal 8 |
+///
+/// Session: the upper half is a random number of the connecting end, the lower half one of the
+/// accepting end. So neither an old connect nor an old datagram can revive an old session.
+enum class HeadType : std::uint8_t { connect = 1, accept, refuse, slices, alive, bye };
+
+enum class Refusal : std::uint8_t {
+  none = 0,
+  busy,             ///< has an upstream nearer to it than the one that asks
+  replaced,         ///< had the asker as its upstream, has a nearer or newer one now
+  wrong_ring,       ///< belongs to a ring of another name
+  not_in_ring,      ///< does not know this node id
+  unknown_session,  ///< has restarted or given up this session: connect again
+  closing           ///< is shutting down
+};
+const char* to_string(Refusal refusal);
+
+constexpr std::size_t kHeadSize = 26;
+constexpr std::uint16_t kHeadMagic = 0x4C52;
+constexpr std::uint8_t kHeadVersion = 1;
+
+struct Head {
+  HeadType type = HeadType::alive;
+  std::uint64_t ring = 0;
+  std::uint64_t session = 0;
+  std::uint32_t sequence = 0;  ///< type slices: 1, 2, ... within the session
+  std::uint8_t sender = 0;     ///< node id
+  Refusal refusal = Refusal::none;
+};
+
+/// @param out kHeadSize bytes
+void store_head(std::uint8_t* out, const Head& head);
+std::array<std::uint8_t, kHeadSize> encode(const Head& head);
+
+/// @return nothing where these are not the first bytes of a head of our version.
+std::optional<Head> parse_head(wire::ByteView bytes);
+
+inline std::uint32_t session_nonce(std::uint64_t session) {
+  return static_cast<std::uint32_t>(session >> 32);
+}
+
+/// A number nobody has used lately, not 0.
+std::uint32_t fresh_nonce();
+
+}  // namespace limb_ring::link

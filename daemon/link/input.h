@@ -1,0 +1,39 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <optional>
+
+#include "link/delayed_input.h"
+#include "link/input_handler.h"
+#include "link/input_line.h"
+
+namespace limb_ring::link {
+
+/// The receiving end of the link INTO a node: listens, has one upstream neighbour at a time, and
+/// takes a nearer one, or the same restarted, in its place. Tells it every `idle` that somebody
+/// is here. One thread, one io_context. Not to be destroyed from within a call of its handler.
+class Input {
+ public:
+  /// @throw std::runtime_error where it cannot listen: names the endpoint, the cause, the cure
+  Input(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler);
+  ~Input() { close(); }
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+
+  /// Hangs up and stops listening. No call of the handler afterwards.
+  void close();
+
+  bool up() const { return from().has_value(); }
+  std::optional<std::uint8_t> from() const { return line_->from(); }
+  const InputCounters& counters() const { return report_.counters; }
+  /// Why the last stranger was turned away; empty where there was none.
+  const std::string& last_stranger() const { return report_.last_stranger; }
+
+ private:
+  InputReport report_;
+  std::unique_ptr<DelayedInput> delay_;
+  std::shared_ptr<InputLine> line_;
+};
+
+}  // namespace limb_ring::link

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "wire/slice.h"
+
+namespace limb_ring::link {
+
+/// What comes out of an Input. Calls come from the event loop, never from inside a call into the
+/// Input. A handler may close() the Input; nothing is called after that.
+struct InputHandler {
+  virtual ~InputHandler() = default;
+  /// In the order sent, each once; never an idle slice. The bytes are valid during the call only.
+  virtual void on_slice(const wire::Slice& slice) = 0;
+  /// After all slices of one read: the moment to write what they led to.
+  virtual void on_batch_end() = 0;
+  /// `lost` datagrams (or a garbled one) are missing here: a packet in flight cannot be finished.
+  virtual void on_input_gap(std::uint32_t lost) = 0;
+  /// An upstream neighbour has connected. Another one's on_input_lost has come before.
+  virtual void on_input_up(std::uint8_t from) = 0;
+  /// It is gone, or another one takes its place. `reason` is for people.
+  virtual void on_input_lost(std::string_view reason) = 0;
+};
+
+}  // namespace limb_ring::link

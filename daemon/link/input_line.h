@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "link/counters.h"
+#include "link/endpoint.h"
+#include "link/input_handler.h"
+
+namespace limb_ring::link {
+
+struct InputSettings {
+  Identity self;
+  Endpoint endpoint;                ///< where we listen
+  std::vector<std::uint8_t> order;  ///< ids of all nodes in ring order, ours among them
+  Timing timing;
+  nanoseconds delay{0};             ///< slices are handed on so much later
+};
+
+/// What an Input keeps account of, whatever its transport.
+struct InputReport {
+  InputCounters counters;
+  std::string last_stranger;  ///< why the last stranger was turned away; for people
+  void stranger(std::string why) {
+    ++counters.strangers;
+    last_stranger = std::move(why);
+  }
+};
+
+/// One transport's receiving end. No calls of the handler after close().
+class InputLine {
+ public:
+  virtual ~InputLine() = default;
+  virtual void close() = 0;
+  virtual std::optional<std::uint8_t> from() const = 0;
+};
+
+}  // namespace limb_ring::link

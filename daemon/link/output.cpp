@@ -1,0 +1,200 @@
+#include "link/output.h"
+
+#include <stdexcept>
+#include <string>
+
+#include "link/udp_downstream.h"
+#include "link/unix_downstream.h"
+#include "wire/slice.h"
+
+namespace limb_ring::link {
+namespace {
+
+/// New attempts per wake-up at most: with 253 dead nodes, asking costs no more than with 8.
+constexpr int kAttemptsAtOnce = 8;
+/// An attempt unanswered for so long is given up and made anew.
+constexpr milliseconds kAttemptLife{1000};
+
+const OutputSettings& checked(const OutputSettings& settings) {
+  if (settings.candidates.empty()) {
+    throw std::invalid_argument("an output needs candidates: the successor first, ourselves last");
+  }
+  for (const Candidate& candidate : settings.candidates) {
+    if (candidate.endpoint.transport == Endpoint::Transport::udp) udp_address(candidate.endpoint);
+  }
+  return settings;
+}
+
+}  // namespace
+
+Output::Output(boost::asio::io_context& io, const OutputSettings& settings, OutputHandler& handler)
+    : io_(io),
+      settings_(checked(settings)),
+      handler_(handler),
+      successor_(settings.candidates.size(), settings.timing, Clock::now()),
+      silence_(settings.timing),
+      ticker_(io, settings.timing.idle, [this](Time now) { tick(now); }) {
+  advance(Clock::now());
+}
+
+void Output::close() {
+  if (closed_) return;
+  closed_ = true;
+  ticker_.stop();
+  for (auto& [candidate, attempt] : attempts_) attempt.line->close();
+  attempts_.clear();
+  if (current_) current_->close();
+  current_.reset();
+}
+
+void Output::write(wire::ByteView framed_slices) {
+  if (!current_) {
+    counters_.discarded += framed_slices.size;
+    return;
+  }
+  counters_.bytes += framed_slices.size;
+  wrote_ = true;
+  current_->write(framed_slices);
+}
+
+void Output::advance(Time now) {
+  for (int i = 0; i < kAttemptsAtOnce && !closed_; ++i) {
+    const auto candidate = successor_.next(now);
+    if (!candidate) return;
+    if (!attempt(*candidate, now)) successor_.absent(*candidate, now);
+  }
+}
+
+bool Output::attempt(std::size_t candidate, Time now) {
+  ++counters_.attempts;
+  auto line = make_line(candidate);
+  if (!line->start()) return false;
+  attempts_[candidate] = {std::move(line), now};
+  return true;
+}
+
+std::shared_ptr<Downstream> Output::make_line(std::size_t candidate) {
+  const Endpoint& endpoint = settings_.candidates[candidate].endpoint;
+  Downstream::Owner& owner = *this;
+  if (endpoint.transport == Endpoint::Transport::udp) {
+    return std::make_shared<UdpDownstream>(io_, udp_address(endpoint), settings_.self, candidate,
+                                           owner, counters_);
+  }
+  return std::make_shared<UnixDownstream>(io_, endpoint.path, settings_.self, candidate, owner,
+                                          counters_);
+}
+
+bool Output::is_current(std::size_t candidate) const {
+  return current_ && successor_.current() == candidate && attempts_.count(candidate) == 0;
+}
+
+void Output::on_accepted(std::size_t candidate) {
+  if (is_current(candidate)) return;
+  if (current_) hang_up("a nearer node is back");
+  if (!closed_) use(candidate);
+}
+
+void Output::use(std::size_t candidate) {
+  const Time now = Clock::now();
+  successor_.accepted(candidate, now);
+  current_ = attempts_.at(candidate).line;
+  attempts_.erase(candidate);
+  while (!attempts_.empty() && attempts_.rbegin()->first > candidate) {
+    abandon(attempts_.rbegin()->first);
+  }
+  ++counters_.connects;
+  silence_.restart(now);
+  write_idle();  // over UDP, this takes up the session
+  handler_.on_output_up(to());
+}
+
+void Output::on_refused(std::size_t candidate, Refusal refusal) {
+  ++counters_.refused;
+  const bool alive = refusal == Refusal::busy || refusal == Refusal::replaced;
+  const Time now = Clock::now();
+  if (is_current(candidate)) {
+    lose(alive ? Successor::Loss::replaced : Successor::Loss::ended, to_string(refusal));
+  } else {
+    abandon(candidate);
+    alive ? successor_.busy(candidate, now) : successor_.absent(candidate, now);
+  }
+  advance(now);
+}
+
+void Output::on_ended(std::size_t candidate, std::string_view reason) {
+  const Time now = Clock::now();
+  if (is_current(candidate)) {
+    lose(Successor::Loss::ended, reason);
+  } else {
+    abandon(candidate);
+    successor_.absent(candidate, now);
+  }
+  advance(now);
+}
+
+void Output::on_heard(std::size_t candidate) {
+  if (is_current(candidate)) silence_.heard();
+}
+
+void Output::on_drained(std::size_t candidate) {
+  if (is_current(candidate)) handler_.on_output_ready();
+}
+
+void Output::abandon(std::size_t candidate) {
+  const auto found = attempts_.find(candidate);
+  if (found == attempts_.end()) return;
+  const auto line = std::move(found->second.line);
+  attempts_.erase(found);
+  line->close();
+}
+
+void Output::lose(Successor::Loss loss, std::string_view reason) {
+  successor_.lost(loss, Clock::now());
+  hang_up(reason);
+}
+
+void Output::hang_up(std::string_view reason) {
+  ++counters_.losses;
+  current_->close();
+  current_.reset();
+  handler_.on_output_lost(reason);
+}
+
+void Output::tick(Time now) {
+  if (current_) tick_current(now);
+  if (!closed_) tick_attempts(now);
+  if (!closed_) advance(now);
+}
+
+void Output::tick_current(Time now) {
+  if (!wrote_) write_idle();
+  wrote_ = false;
+  if (!silence_.tick(now)) return;
+  const auto judged = current_;
+  judged->read();  // we may have been the one that slept
+  if (current_ != judged || !silence_.still()) return;
+  ++counters_.silences;
+  lose(Successor::Loss::silent, "silent: dead or frozen");
+}
+
+void Output::write_idle() {
+  if (!current_->drained()) return;
+  ++counters_.idle_slices;
+  wire::SliceWriter idle;
+  idle.put(wire::SliceKind::idle, {});
+  current_->write(idle.view());
+}
+
+void Output::tick_attempts(Time now) {
+  const auto attempts = attempts_;
+  for (const auto& [candidate, attempt] : attempts) {
+    if (now - attempt.since < kAttemptLife) {
+      attempt.line->ask_again();
+      continue;
+    }
+    abandon(candidate);
+    successor_.absent(candidate, now);
+  }
+}
+
+}  // namespace limb_ring::link

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <map>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "link/counters.h"
+#include "link/downstream.h"
+#include "link/endpoint.h"
+#include "link/silence.h"
+#include "link/successor.h"
+#include "link/ticker.h"
+
+namespace limb_ring::link {
+
+/// What an Output reports. Calls come from the event loop, never from inside a call into the
+/// Output. A handler may close() the Output; nothing is called after that.
+struct OutputHandler {
+  virtual ~OutputHandler() = default;
+  virtual void on_output_up(std::uint8_t to) = 0;
+  /// It is gone, or a nearer one has come back (an on_output_up follows at once).
+  virtual void on_output_lost(std::string_view reason) = 0;
+  /// Something had to wait inside, and has gone out: ready() is true again.
+  virtual void on_output_ready() = 0;
+};
+
+/// A node our output may go to, and where it listens.
+struct Candidate {
+  std::uint8_t id = 0;
+  Endpoint endpoint;
+};
+
+struct OutputSettings {
+  Identity self;
+  std::vector<Candidate> candidates;  ///< ring order: the configured successor first, we last
+  Timing timing;
+};
+
+/// The sending end of the link OUT of a node: connected to the nearest living node in ring order
+/// (bypass). While it bypasses somebody, it goes on asking those, and goes back to the first
+/// that answers. A neighbour that says nothing for `silence` is dead or frozen, and lost.
+/// One thread, one io_context. Not to be destroyed from within a call of its handler.
+class Output final : private Downstream::Owner {
+ public:
+  /// @throw std::invalid_argument without candidates; std::runtime_error where one's UDP address
+  ///        is none
+  Output(boost::asio::io_context& io, const OutputSettings& settings, OutputHandler& handler);
+  ~Output() { close(); }
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  /// @param framed_slices whole slices. All are taken: what the socket does not take waits
+  ///        inside, what is given while down() or after a failure is discarded and counted.
+  void write(wire::ByteView framed_slices);
+  /// Connected, and nothing waits inside.
+  bool ready() const { return current_ && current_->drained(); }
+  bool up() const { return current_ != nullptr; }
+  /// @pre up()
+  std::uint8_t to() const { return settings_.candidates[*successor_.current()].id; }
+  /// How many nodes, dead or frozen, lie between us and to(). @pre up()
+  std::size_t bypassed() const { return *successor_.current(); }
+
+  /// Hangs up. No call of the handler afterwards.
+  void close();
+  const OutputCounters& counters() const { return counters_; }
+
+ private:
+  struct Attempt {
+    std::shared_ptr<Downstream> line;
+    Time since;
+  };
+
+  void on_accepted(std::size_t candidate) override;
+  void on_refused(std::size_t candidate, Refusal refusal) override;
+  void on_ended(std::size_t candidate, std::string_view reason) override;
+  void on_heard(std::size_t candidate) override;
+  void on_drained(std::size_t candidate) override;
+
+  bool is_current(std::size_t candidate) const;
+  void advance(Time now);
+  bool attempt(std::size_t candidate, Time now);
+  std::shared_ptr<Downstream> make_line(std::size_t candidate);
+  void abandon(std::size_t candidate);
+  void use(std::size_t candidate);
+  void lose(Successor::Loss loss, std::string_view reason);
+  void hang_up(std::string_view reason);
+  void tick(Time now);
+  void tick_current(Time now);
+  void tick_attempts(Time now);
+  void write_idle();
+
+  boost::asio::io_context& io_;
+  OutputSettings settings_;
+  OutputHandler& handler_;
+  OutputCounters counters_;
+  Successor successor_;
+  std::map<std::size_t, Attempt> attempts_;
+  std::shared_ptr<Downstream> current_;
+  Silence silence_;
+  Ticker ticker_;
+  bool wrote_ = false;  ///< since the last tick
+  bool closed_ = false;
+};
+
+}  // namespace limb_ring::link

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+namespace limb_ring::link {
+
+/// Keeps order and lets nothing through twice on a line that may do both wrong. (ours)
+class SequenceCheck {
+ public:
+  struct Verdict {
+    bool fresh;          ///< false: lower or equal to one already seen; discard
+    std::uint32_t lost;  ///< so many before this one are missing
+  };
+  /// A session's first number is 1. Numbers wrap.
+  Verdict check(std::uint32_t sequence);
+  void restart() { next_ = 1; }
+
+ private:
+  std::uint32_t next_ = 1;
+};
+
+}  // namespace limb_ring::link

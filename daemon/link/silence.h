@@ -1,0 +1,29 @@
+#pragma once
+
+#include "link/endpoint.h"
+
+namespace limb_ring::link {
+
+/// Judges at every tick whether the other end has fallen silent. (ours)
+/// A tick that comes late counts as two at most: who was not scheduled itself knows nothing
+/// about the others.
+class Silence {
+ public:
+  explicit Silence(const Timing& timing) : timing_(timing) {}
+
+  void restart(Time now);
+  /// Something came. Cheap: called for every read.
+  void heard() { heard_ = true; }
+  /// Call at every tick. @return true: nothing came for `timing.silence`.
+  bool tick(Time now);
+  /// Looks again after a tick that said true, for what a last read may have brought.
+  bool still() const { return !heard_; }
+
+ private:
+  Timing timing_;
+  Time last_tick_{};
+  Clock::duration quiet_{0};
+  bool heard_ = true;
+};
+
+}  // namespace limb_ring::link

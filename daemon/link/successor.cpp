@@ -1,0 +1,79 @@
+#include "link/successor.h"
+
+namespace limb_ring::link {
+
+Successor::Successor(std::size_t candidates, const Timing& timing, Time now)
+    : timing_(timing), candidates_(candidates), patience_(now + timing.bypass) {}
+
+std::optional<std::size_t> Successor::next(Time now) {
+  const std::size_t count = current_ ? *current_ : farthest(now) + 1;
+  for (std::size_t step = 0; step < count; ++step) {
+    const std::size_t i = (round_ + step) % count;
+    if (candidates_[i].state == Candidate::State::trying || candidates_[i].since > now) continue;
+    set(i, Candidate::State::trying, now, candidates_[i].missing);
+    round_ = i + 1;
+    return i;
+  }
+  return {};
+}
+
+void Successor::absent(std::size_t candidate, Time now) {
+  set(candidate, Candidate::State::absent, now + kRetry, true);
+}
+
+void Successor::busy(std::size_t candidate, Time now) {
+  set(candidate, Candidate::State::busy, now + kRetry);
+}
+
+bool Successor::accepted(std::size_t candidate, Time now) {
+  if (current_ && *current_ < candidate) {
+    set(candidate, Candidate::State::untried, now);
+    return false;
+  }
+  for (std::size_t i = candidate; i < candidates_.size(); ++i) candidates_[i] = {};
+  current_ = candidate;
+  up_since_ = now;
+  patience_.reset();
+  return true;
+}
+
+void Successor::lost(Loss loss, Time now) {
+  if (!current_) return;
+  const std::size_t old = *current_;
+  current_.reset();
+  round_ = 0;
+  for (Candidate& c : candidates_) {
+    if (c.state != Candidate::State::trying) c.since = now;
+  }
+  if (loss == Loss::replaced) {
+    busy(old, now);
+  } else if (loss == Loss::silent) {
+    set(old, Candidate::State::absent, now, true);  // passed over at once, and tried beside the others
+  } else if (now - up_since_ < kRetry) {
+    absent(old, now);  // takes us and throws us out again: no hot loop
+  }
+}
+
+std::size_t Successor::farthest(Time now) const {
+  if (patience_ && now < *patience_) return 0;
+  std::size_t i = 0;
+  while (i + 1 < candidates_.size() && passed_over(candidates_[i], now)) ++i;
+  return i;
+}
+
+bool Successor::passed_over(const Candidate& candidate, Time now) const {
+  switch (candidate.state) {
+    case Candidate::State::absent: return true;
+    case Candidate::State::trying: return candidate.missing || now - candidate.since >= timing_.silence;
+    case Candidate::State::untried:
+    case Candidate::State::busy: return false;
+  }
+  return false;
+}
+
+void Successor::set(std::size_t candidate, Candidate::State state, Time since,
+                    bool missing) {
+  candidates_[candidate] = {state, since, missing};
+}
+
+}  // namespace limb_ring::link

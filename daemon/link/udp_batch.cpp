@@ -1,0 +1,97 @@
+#include "link/udp_batch.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "link/udp_socket.h"
+#include "link/unix_socket.h"
+#include "wire/slice.h"
+
+namespace limb_ring::link {
+namespace {
+
+constexpr std::uint32_t kMaxRun = 64;  ///< the kernel's own limit (UDP_MAX_SEGMENTS)
+constexpr std::size_t kMaxRunBytes = 60000;
+
+std::size_t slice_size(wire::ByteView slices) {
+  if (slices.size < wire::kSliceHeaderSize) return slices.size;
+  return std::min(slices.size, wire::kSliceHeaderSize + wire::load_u16(slices.data + 2));
+}
+
+bool no_segments(int error) { return error == EIO || error == EINVAL || error == EOPNOTSUPP; }
+
+}  // namespace
+
+UdpBatch::UdpBatch(const Identity& self, OutputCounters& counters)
+    : counters_(counters), buffer_(kMaxRunBytes + kHeadSize + wire::kMaxSliceSize) {
+  head_.type = HeadType::slices;
+  head_.ring = self.ring;
+  head_.sender = self.id;
+}
+
+void UdpBatch::start_session(std::uint64_t session) {
+  head_.session = session;
+  head_.sequence = 1;
+}
+
+UdpBatch::Result UdpBatch::send(int socket, wire::ByteView slices) {
+  Result result{Status::sent, 0};
+  while (result.taken < slices.size) {
+    const Run run = fill(slices.from(result.taken));
+    if (transmit(socket, run, result.status)) {
+      result.taken += run.slices;
+    } else if (result.status != Status::sent) {
+      break;
+    }
+  }
+  return result;
+}
+
+UdpBatch::Run UdpBatch::fill(wire::ByteView slices) {
+  Run run;
+  size_ = 0;
+  const std::uint32_t most = joined_ ? kMaxRun : 1;
+  while (run.slices < slices.size && run.count < most && size_ < kMaxRunBytes) {
+    const wire::ByteView rest = slices.from(run.slices);
+    const std::size_t size = slice_size(rest);
+    if (run.count == 0) run.segment = kHeadSize + size;
+    if (kHeadSize + size > run.segment) break;
+    append(rest.first(size));
+    ++run.count;
+    run.slices += size;
+    if (kHeadSize + size < run.segment) break;  // only the last one may be shorter
+  }
+  head_.sequence -= run.count;  // until they are sent
+  return run;
+}
+
+void UdpBatch::append(wire::ByteView slice) {
+  std::uint8_t* out = buffer_.data() + size_;
+  store_head(out, head_);
+  std::memcpy(out + kHeadSize, slice.data, slice.size);
+  size_ += kHeadSize + slice.size;
+  ++head_.sequence;
+}
+
+bool UdpBatch::transmit(int socket, const Run& run, Status& status) {
+  const ssize_t sent = send_run(socket, {buffer_.data(), size_}, run.segment);
+  if (sent < 0 && would_block(errno)) {
+    status = Status::blocked;
+    return false;
+  }
+  if (sent < 0 && run.count > 1 && no_segments(errno)) {
+    joined_ = false;
+    return false;
+  }
+  if (sent < 0 && errno == ECONNREFUSED) {
+    status = Status::gone;
+    return false;
+  }
+  ++counters_.writes;
+  (sent < 0 ? counters_.datagrams_unsent : counters_.datagrams) += run.count;
+  head_.sequence += run.count;  // also where unsent: the other end then knows of the loss
+  return true;
+}
+
+}  // namespace limb_ring::link

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "link/counters.h"
+#include "link/endpoint.h"
+#include "link/head.h"
+
+namespace limb_ring::link {
+
+/// Puts slices into datagrams, one each, and sends runs of equal-sized ones in one system call.
+/// The kernel then carries a run through its stack as one piece, which is what makes UDP as fast
+/// as a stream under load.
+class UdpBatch {
+ public:
+  enum class Status { sent, blocked, gone };
+  struct Result {
+    Status status;
+    std::size_t taken;  ///< bytes of slices that need not be given again
+  };
+
+  UdpBatch(const Identity& self, OutputCounters& counters);
+  void start_session(std::uint64_t session);
+  /// @param slices whole slices, framed
+  Result send(int socket, wire::ByteView slices);
+  /// For kernels without UDP_SEGMENT; they are found out by themselves. Also for tests.
+  void send_singly() { joined_ = false; }
+
+ private:
+  struct Run {
+    std::size_t slices = 0;  ///< bytes of slices in it
+    std::size_t segment = 0;
+    std::uint32_t count = 0;
+  };
+  Run fill(wire::ByteView slices);
+  void append(wire::ByteView slice);
+  /// @return true: done with this run. False: `status` says why not.
+  bool transmit(int socket, const Run& run, Status& status);
+
+  Head head_;
+  OutputCounters& counters_;
+  std::vector<std::uint8_t> buffer_;
+  std::size_t size_ = 0;
+  bool joined_ = true;
+};
+
+}  // namespace limb_ring::link

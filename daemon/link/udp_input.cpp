@@ -1,0 +1,223 @@
+#include "link/udp_input.h"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "link/unix_socket.h"
+
+namespace limb_ring::link {
+namespace {
+
+constexpr std::size_t kReadSize = 64 * 1024;
+/// Reads per wake-up at most, so that the timers get their turn under any load.
+constexpr int kReadsPerDrain = 64;
+
+}  // namespace
+
+UdpInput::UdpInput(boost::asio::io_context& io, const InputSettings& settings,
+                   InputHandler& handler, InputReport& report)
+    : settings_(settings),
+      handler_(handler),
+      report_(report),
+      admission_(settings.self, settings.order),
+      socket_(listen_udp(io, settings.endpoint)),
+      buffer_(kReadSize),
+      silence_(settings.timing),
+      ticker_(io, settings.timing.idle, [this](Time now) { tick(now); }) {}
+
+void UdpInput::close() {
+  if (closed_) return;
+  if (from_) tell(HeadType::refuse, session_, Refusal::closing);
+  closed_ = true;
+  ticker_.stop();
+  from_.reset();
+  boost::system::error_code ignored;
+  socket_.close(ignored);
+}
+
+std::optional<std::uint8_t> UdpInput::from() const { return from_; }
+
+void UdpInput::wait() {
+  socket_.async_wait(UdpSocket::wait_read,
+                     [self = shared_from_this()](const boost::system::error_code&) {
+                       if (self->closed_) return;
+                       self->drain();
+                       if (!self->closed_) self->wait();
+                     });
+}
+
+void UdpInput::drain() {
+  UdpAddress sender;
+  for (int i = 0; i < kReadsPerDrain && !closed_; ++i) {
+    const UdpRead read =
+        receive_run(socket_.native_handle(), buffer_.data(), buffer_.size(), sender);
+    if (read.size < 0) break;
+    take_run(static_cast<std::size_t>(read.size), read.segment, sender);
+  }
+  if (batch_ && !closed_) handler_.on_batch_end();
+  batch_ = false;
+}
+
+void UdpInput::take_run(std::size_t size, std::size_t segment, const UdpAddress& sender) {
+  ++report_.counters.reads;
+  report_.counters.bytes += size;
+  wire::ByteView rest{buffer_.data(), size};
+  do {
+    const std::size_t one = std::min(segment, rest.size);
+    ++report_.counters.datagrams;
+    take(rest.first(one), sender);
+    rest = rest.from(one);
+  } while (!rest.empty() && !closed_);
+}
+
+void UdpInput::take(wire::ByteView datagram, const UdpAddress& sender) {
+  const auto head = parse_head(datagram);
+  if (!head) return report_.stranger("a datagram that is none of this protocol");
+  if (head->type == HeadType::connect) return on_connect(*head, sender);
+  if (head->ring != settings_.self.ring) return report_.stranger("a datagram of another ring");
+  if (head->type == HeadType::slices) {
+    take_slices(*head, datagram.from(kHeadSize), sender);
+  } else if (head->type == HeadType::bye && present(*head)) {
+    lose("its end was closed");
+  }
+}
+
+bool UdpInput::present(const Head& head) const {
+  return from_ && *from_ == head.sender && session_.number == head.session;
+}
+
+void UdpInput::take_slices(const Head& head, wire::ByteView bytes, const UdpAddress& sender) {
+  if (!present(head) && !take_up_offer(head)) return on_stale(head, sender);
+  if (closed_) return;
+  silence_.heard();
+  const SequenceCheck::Verdict verdict = sequence_.check(head.sequence);
+  if (!verdict.fresh) {
+    ++report_.counters.datagrams_duplicate;
+    return;
+  }
+  report_.counters.datagrams_lost += verdict.lost;
+  if (verdict.lost != 0) gap(verdict.lost);
+  hand_on(bytes);
+}
+
+void UdpInput::hand_on(wire::ByteView bytes) {
+  while (!bytes.empty() && !closed_) {
+    const wire::SliceParse parse = wire::parse_slice(bytes);
+    if (parse.status != wire::SliceParse::Status::slice) {
+      ++report_.counters.malformed;
+      return gap(1);
+    }
+    bytes = bytes.from(parse.consumed);
+    if (parse.slice.kind == wire::SliceKind::idle) {
+      ++report_.counters.idle_slices;
+      continue;
+    }
+    ++report_.counters.slices;
+    batch_ = true;
+    handler_.on_slice(parse.slice);
+  }
+}
+
+void UdpInput::gap(std::uint32_t lost) {
+  batch_ = true;
+  handler_.on_input_gap(lost);
+}
+
+void UdpInput::on_connect(const Head& head, const UdpAddress& sender) {
+  const Refusal refusal = admission_.judge(head, from_);
+  const Time now = Clock::now();
+  if (refusal == Refusal::wrong_ring) report_.stranger("a node of another ring asked to connect");
+  if (refusal == Refusal::not_in_ring) report_.stranger("a node that is not in this ring");
+  if (refusal == Refusal::busy) ++report_.counters.refused;
+  if (refusal != Refusal::none) {
+    return tell(HeadType::refuse, {head.session, sender, now}, refusal);
+  }
+  if (from_ == head.sender && session_nonce(session_.number) == session_nonce(head.session)) {
+    return tell(HeadType::accept, session_);
+  }
+  Session& offer = offers_[head.sender];
+  if (session_nonce(offer.number) != session_nonce(head.session)) {
+    offer.number = (head.session & 0xFFFFFFFF00000000u) | fresh_nonce();
+  }
+  offer.address = sender;
+  offer.since = now;
+  tell(HeadType::accept, offer);
+}
+
+bool UdpInput::take_up_offer(const Head& head) {
+  const auto found = offers_.find(head.sender);
+  if (found == offers_.end() || found->second.number != head.session) return false;
+  const Session offer = found->second;
+  offers_.erase(found);
+  if (admission_.judge(head, from_) != Refusal::none) {
+    ++report_.counters.refused;
+    tell(HeadType::refuse, offer, Refusal::busy);
+    return false;
+  }
+  if (from_) {
+    ++report_.counters.replaced;
+    tell(HeadType::refuse, session_, Refusal::replaced);
+    lose("replaced by node " + std::to_string(head.sender));
+    if (closed_) return true;
+  }
+  session_ = offer;
+  from_ = head.sender;
+  sequence_.restart();
+  silence_.restart(Clock::now());
+  ++report_.counters.connects;
+  handler_.on_input_up(head.sender);
+  return true;
+}
+
+void UdpInput::on_stale(const Head& head, const UdpAddress& sender) {
+  ++report_.counters.datagrams_stale;
+  if (told_stale_) return;
+  told_stale_ = true;
+  tell(HeadType::refuse, {head.session, sender, {}}, Refusal::unknown_session);
+}
+
+void UdpInput::lose(std::string_view reason) {
+  if (batch_) handler_.on_batch_end();
+  batch_ = false;
+  if (closed_) return;
+  ++report_.counters.losses;
+  from_.reset();
+  handler_.on_input_lost(reason);
+}
+
+void UdpInput::tick(Time now) {
+  told_stale_ = false;
+  drop_old_offers(now);
+  if (!from_) return;
+  tell(HeadType::alive, session_);
+  if (!silence_.tick(now)) return;
+  drain();  // we may have been the one that slept
+  if (!from_ || !silence_.still()) return;
+  ++report_.counters.silences;
+  tell(HeadType::refuse, session_, Refusal::unknown_session);
+  lose("silent");
+}
+
+void UdpInput::drop_old_offers(Time now) {
+  for (auto i = offers_.begin(); i != offers_.end();) {
+    i = now - i->second.since > 4 * settings_.timing.silence ? offers_.erase(i) : std::next(i);
+  }
+}
+
+void UdpInput::tell(HeadType type, const Session& session, Refusal refusal) {
+  if (closed_) return;
+  Head head;
+  head.type = type;
+  head.ring = settings_.self.ring;
+  head.session = session.number;
+  head.sender = settings_.self.id;
+  head.refusal = refusal;
+  const auto bytes = encode(head);
+  // What the kernel does not take is lost, as on the wire: everything told is told again.
+  ::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+           session.address.data(), static_cast<socklen_t>(session.address.size()));
+}
+
+}  // namespace limb_ring::link

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "link/admission.h"
+#include "link/head.h"
+#include "link/input_line.h"
+#include "link/sequence_check.h"
+#include "link/silence.h"
+#include "link/ticker.h"
+#include "link/udp_socket.h"
+
+namespace limb_ring::link {
+
+/// The receiving end on a UDP socket. A connect is answered with the offer of a session; the
+/// first slice in that session takes it up. So a connect that the network has kept for an hour
+/// changes nothing.
+class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput> {
+ public:
+  /// @throw std::runtime_error where it cannot be bound, with the address and the cause
+  UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
+           InputReport& report);
+  void start() { wait(); }
+  void close() override;
+  std::optional<std::uint8_t> from() const override;
+
+ private:
+  struct Session {
+    std::uint64_t number = 0;
+    UdpAddress address;
+    Time since{};
+  };
+
+  void wait();
+  void drain();
+  void take_run(std::size_t size, std::size_t segment, const UdpAddress& sender);
+  void take(wire::ByteView datagram, const UdpAddress& sender);
+  void take_slices(const Head& head, wire::ByteView bytes, const UdpAddress& sender);
+  void hand_on(wire::ByteView bytes);
+  void on_connect(const Head& head, const UdpAddress& sender);
+  bool take_up_offer(const Head& head);
+  void on_stale(const Head& head, const UdpAddress& sender);
+  bool present(const Head& head) const;
+  void gap(std::uint32_t lost);
+  void lose(std::string_view reason);
+  void tick(Time now);
+  void drop_old_offers(Time now);
+  void tell(HeadType type, const Session& session, Refusal refusal = Refusal::none);
+
+  InputSettings settings_;
+  InputHandler& handler_;
+  InputReport& report_;
+  Admission admission_;
+  UdpSocket socket_;
+  std::vector<std::uint8_t> buffer_;
+  std::map<std::uint8_t, Session> offers_;  ///< by node id: at most as many as the ring has
+  std::optional<std::uint8_t> from_;
+  Session session_;
+  SequenceCheck sequence_;
+  Silence silence_;
+  Ticker ticker_;
+  bool batch_ = false;        ///< something was handed on since the last on_batch_end
+  bool told_stale_ = false;   ///< one answer to stale sessions per tick is enough
+  bool closed_ = false;
+};
+
+}  // namespace limb_ring::link

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <vector>
+
+#include "link/admission.h"
+#include "link/input_line.h"
+#include "link/silence.h"
+#include "link/ticker.h"
+#include "link/unix_guest.h"
+#include "link/unix_stream.h"
+
+namespace limb_ring::link {
+
+/// The receiving end on a UNIX-domain stream socket: a door, guests, and one stream.
+class UnixInput final : public InputLine,
+                        public std::enable_shared_from_this<UnixInput>,
+                        private UnixGuest::Host,
+                        private UnixStream::Owner {
+ public:
+  /// @throw std::runtime_error where it cannot listen, with the path and the cause
+  UnixInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
+            InputReport& report);
+  void start() { accept(); }
+  void close() override;
+  std::optional<std::uint8_t> from() const override;
+
+ private:
+  void accept();
+  void welcome(UnixSocket socket);
+  void on_greeted(const std::shared_ptr<UnixGuest>& guest, const Head& connect) override;
+  void on_stranger(const std::shared_ptr<UnixGuest>& guest, std::string_view why) override;
+  void on_heard() override { silence_.heard(); }
+  void on_ended(std::string_view reason) override { lose(reason); }
+
+  void turn_away(UnixGuest& guest, const Head& connect, Refusal refusal);
+  void admit(UnixGuest& guest, const Head& connect);
+  void replace(std::uint8_t by);
+  void lose(std::string_view reason);
+  void let_go(const std::shared_ptr<UnixGuest>& guest);
+  void tick(Time now);
+  void tick_guests(Time now);
+  Head head(HeadType type, Refusal refusal = Refusal::none) const;
+
+  InputSettings settings_;
+  InputHandler& handler_;
+  InputReport& report_;
+  Admission admission_;
+  UnixAcceptor acceptor_;
+  std::vector<std::shared_ptr<UnixGuest>> guests_;
+  std::shared_ptr<UnixStream> stream_;
+  std::uint8_t from_ = 0;
+  Silence silence_;
+  Ticker ticker_;
+  bool accepting_ = false;
+  bool closed_ = false;
+};
+
+}  // namespace limb_ring::link

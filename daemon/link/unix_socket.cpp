@@ -1,0 +1,97 @@
+#include "link/unix_socket.h"
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+namespace limb_ring::link {
+namespace {
+
+constexpr int kBacklog = 128;
+
+std::runtime_error failure(const std::string& path, const std::string& what, int error) {
+  return std::runtime_error("cannot listen at " + path + ": " + what + " (" +
+                            std::generic_category().message(error) + ")");
+}
+
+void remove_leftover(const std::string& path) {
+  struct stat found;
+  if (::lstat(path.c_str(), &found) != 0) return;
+  if (!S_ISSOCK(found.st_mode)) {
+    throw std::runtime_error("cannot listen at " + path +
+                             ": a file that is no socket is there; remove it");
+  }
+  if (::unlink(path.c_str()) != 0) throw failure(path, "cannot remove the old socket", errno);
+}
+
+bool fits(const std::string& path) {
+  return !path.empty() && path.size() < sizeof(sockaddr_un::sun_path);
+}
+
+}  // namespace
+
+UnixAcceptor listen_unix(boost::asio::io_context& io, const std::string& path) {
+  if (!fits(path)) {
+    throw std::runtime_error("cannot listen at '" + path +
+                             "': a socket's path has 1 to 107 bytes; choose a shorter folder");
+  }
+  remove_leftover(path);
+  UnixAcceptor acceptor(io);
+  boost::system::error_code error;
+  acceptor.open({}, error);
+  if (!error) acceptor.bind(path, error);
+  if (!error && ::chmod(path.c_str(), S_IRUSR | S_IWUSR) != 0) {
+    throw failure(path, "cannot set its mode to 0600", errno);
+  }
+  if (!error) acceptor.listen(kBacklog, error);
+  if (error) throw failure(path, "does the folder exist, and is it ours?", error.value());
+  return acceptor;
+}
+
+UnixSocket connect_unix(boost::asio::io_context& io, const std::string& path) {
+  UnixSocket line(io);
+  if (!fits(path)) return line;
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (fd < 0) return line;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.data(), path.size());
+  boost::system::error_code error;
+  const auto* name = reinterpret_cast<const sockaddr*>(&address);
+  const bool connected = ::connect(fd, name, sizeof address) == 0 && same_user(fd);
+  if (connected) line.assign({}, fd, error);
+  if (!connected || error) ::close(fd);
+  if (line.is_open()) enlarge_buffers(fd);
+  return line;
+}
+
+bool same_user(int socket) {
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  return ::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 &&
+         peer.uid == ::geteuid();
+}
+
+void enlarge_buffers(int socket) {
+  // The kernel cuts it down to its limit; what we get then is enough on every stock system.
+  ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kSocketBuffer, sizeof kSocketBuffer);
+  ::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &kSocketBuffer, sizeof kSocketBuffer);
+}
+
+ssize_t send_now(int socket, wire::ByteView bytes) {
+  return ::send(socket, bytes.data, bytes.size, MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+ssize_t receive_now(int socket, std::uint8_t* space, std::size_t size) {
+  return ::recv(socket, space, size, MSG_DONTWAIT);
+}
+
+bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
+
+}  // namespace limb_ring::link
