@@ -44,7 +44,8 @@ void check_ports(const Entry& file, const RingConfig& ring) {
   std::map<std::pair<std::string, unsigned>, std::string> taken;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
     const LinkConfig& link = ring.nodes[n].link;
-    const auto [other, free] = taken.emplace(std::make_pair(link.address, link.port), ring.nodes[n].name);
+    const auto [other, free] =
+        taken.emplace(std::make_pair(link.address, link.port), ring.nodes[n].name);
     if (!free)
       element(file, "nodes", n)
           .refuse("its link listens at " + link.address + " port " + std::to_string(link.port) +

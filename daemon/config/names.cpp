@@ -55,7 +55,7 @@ bool is_topic_name(const std::string& name) {
 std::string closest(const std::string& word, const std::vector<std::string>& candidates) {
   if (word.size() > 64) return {};  // nobody's slip of the pen, and the search is quadratic
   std::string best;
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  std::size_t least = word.size() / 4 + 2;  // two letters changed places are two edits
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
     if (distance >= least) continue;

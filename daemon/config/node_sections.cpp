@@ -81,12 +81,12 @@ const Section<CpuConfig>& cpu_section() {
 
 const Section<JointConfig>& joint_section() {
   static const Section<JointConfig> section{
-      part_name_option<JointConfig>("As in the JointState messages; no other joint of the ring has it."),
+      part_name_option<JointConfig>("As in JointState messages; each name once in a ring."),
       real_option("lower", &JointConfig::lower, {-100, 100, "rad"}, "Lower limit of the angle."),
       real_option("upper", &JointConfig::upper, {-100, 100, "rad"}, "Upper limit of the angle."),
       real_option("velocity", &JointConfig::velocity, {0.001, 1000, "rad/s"},
                   "Limit of the speed, both ways."),
-      real_option("effort", &JointConfig::effort, {0.001, 10000, "N m"},
+      real_option("effort", &JointConfig::effort, {0.001, 2000, "N m"},
                   "Limit of the torque, both ways."),
       real_option("initial", &JointConfig::initial, {-100, 100, "rad"},
                   "Angle when the firmware starts."),
@@ -98,7 +98,7 @@ const Section<JointConfig>& joint_section() {
 
 const Section<SensorConfig>& sensor_section() {
   static const Section<SensorConfig> section{
-      part_name_option<SensorConfig>("No other sensor of the ring has it."),
+      part_name_option<SensorConfig>("Each name once in a ring."),
       choice_option("kind", &SensorConfig::kind, {"imu", "force"},
                     "imu: acceleration and turn rate. force: contact force."),
       real_option("rate", &SensorConfig::rate, {0.1, 1000, "Hz"}, "How often it is sent."),

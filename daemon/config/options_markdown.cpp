@@ -24,7 +24,8 @@ std::string cell(const std::string& fallback) {
 
 template <typename T>
 std::string table(const std::string& title, const Section<T>& section) {
-  std::string text = "\n## " + title + "\n\n| entry | default | allowed | meaning |\n|---|---|---|---|\n";
+  std::string text = "\n## " + title + "\n\n";
+  text += "| entry | default | allowed | meaning |\n|---|---|---|---|\n";
   for (const Option<T>& option : section)
     text += "| `" + option.name + "` | " + cell(option.fallback) + " | " + option.allowed + " | " +
             option.meaning + " |\n";

@@ -102,7 +102,8 @@ std::string format_real(double value) {
 
 std::optional<std::int64_t> parse_integer(const std::string& text) {
   std::int64_t value = 0;
-  const char* begin = text.data() + (text.size() > 1 && text[0] == '+' ? 1 : 0);
+  if (text.rfind("+-", 0) == 0) return std::nullopt;
+  const char* begin = text.data() + (text.rfind('+', 0) == 0 ? 1 : 0);  // from_chars takes no '+'
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end) return std::nullopt;

@@ -7,9 +7,9 @@
 
 namespace limb_ring::config {
 
-/// Numbers with a unit, as they stand in a configuration (ours): "100ms", "512ns", "10Mbit/s". One blank
-/// may part number and unit. Nothing is returned where the text is no such quantity, or beyond
-/// 64 bits.
+/// Numbers with a unit, as they stand in a configuration (ours): "100ms", "512ns", "10Mbit/s".
+/// One blank may part number and unit. Nothing is returned where the text is no such quantity,
+/// or beyond 64 bits.
 
 /// Units: ns, us, ms, s. Rounded to whole nanoseconds.
 std::optional<std::chrono::nanoseconds> parse_time(const std::string& text);

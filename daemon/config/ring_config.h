@@ -96,7 +96,7 @@ struct Timeouts {
   milliseconds bypass{200};          ///< at start: wait so long for a configured neighbour
   milliseconds beacon{100};
   milliseconds cpu_boot{5000};       ///< a child that has not connected by then counts as failed
-  milliseconds command{200};         ///< a joint without a command for so long goes to its safe state
+  milliseconds command{200};         ///< a joint without a command for so long: its safe state
 };
 
 struct Firmware {

@@ -58,7 +58,7 @@ const Section<RingConfig>& ring_section() {
       section_option("firmware", &RingConfig::firmware, firmware_section(),
                      "The limb nodes' program and its simulated servos."),
       section_option("realtime", &RingConfig::realtime, realtime_section(),
-                     "What the daemons ask of the kernel; without the rights they say so and go on."),
+                     "What the daemons ask of the kernel; where refused they say so and go on."),
       {"nodes", kRequired, "a list of 2 to 255 maps, see below",
        "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
       section_option("bridge", &RingConfig::bridge, bridge_section(), "The ROS side of the ring."),

@@ -1,0 +1,40 @@
+#include "config/names.h"
+
+#include <gtest/gtest.h>
+
+namespace limb_ring::config {
+namespace {
+
+TEST(Names, OfRingsMayBecomeFolders) {
+  for (const char* name : {"humanoid16", "a", "left-arm_2.1", "16"})
+    EXPECT_TRUE(is_ring_name(name)) << name;
+  for (const char* name : {"", ".", "..", ".ring", "a/b", "a b", "r\xC3\xB6hre"})
+    EXPECT_FALSE(is_ring_name(name)) << name;
+  EXPECT_TRUE(is_ring_name(std::string(32, 'r')));
+  EXPECT_FALSE(is_ring_name(std::string(33, 'r')));
+}
+
+TEST(Names, OfNodesCannotBeTakenForIds) {
+  for (const char* name : {"left_knee", "n0", "X"}) EXPECT_TRUE(is_node_name(name)) << name;
+  for (const char* name : {"", "0", "12", "_a", "left-knee", "left.knee", "all"})
+    EXPECT_FALSE(is_node_name(name)) << name;
+}
+
+TEST(Names, OfTopicsAreThoseOfRos) {
+  for (const char* name : {"wrench", "/camera/image", "~state", "a/b_c/d1"})
+    EXPECT_TRUE(is_topic_name(name)) << name;
+  for (const char* name : {"", "~", "/", "a//b", "a/", "1a", "a b", "a-b", "a~b"})
+    EXPECT_FALSE(is_topic_name(name)) << name;
+}
+
+TEST(Names, CloseToAWordAreFound) {
+  const std::vector<std::string> words{"send", "silence", "stall"};
+  EXPECT_EQ(closest("sned", words), "send");
+  EXPECT_EQ(closest("sendd", words), "send");
+  EXPECT_EQ(closest("silense", words), "silence");
+  EXPECT_EQ(closest("parsec", words), "");
+  EXPECT_EQ(closest(std::string(100000, 's'), words), "");
+}
+
+}  // namespace
+}  // namespace limb_ring::config

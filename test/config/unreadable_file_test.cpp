@@ -1,0 +1,113 @@
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "config/ring_text.h"
+
+namespace limb_ring::config {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class UnreadableFile : public ::testing::Test {
+ protected:
+  UnreadableFile() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "ring_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~UnreadableFile() override { std::filesystem::remove_all(folder_); }
+
+  std::string file(const std::string& text) const {
+    const std::string path = folder_ + "/ring.yaml";
+    std::ofstream(path) << text;
+    return path;
+  }
+  static std::string refusal_of_file(const std::string& path) {
+    try {
+      load_ring(path);
+      return {};
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+  }
+
+  std::string folder_;
+};
+
+TEST_F(UnreadableFile, IsReadWhereNothingIsWrong) {
+  const std::string path = file(two_nodes());
+  EXPECT_EQ(load_ring(path).path, path);
+}
+
+TEST_F(UnreadableFile, ThatIsNotThere) {
+  EXPECT_EQ(refusal_of_file(folder_ + "/none.yaml"), folder_ + "/none.yaml: there is no such file");
+}
+
+TEST_F(UnreadableFile, ThatIsAFolderOrADevice) {
+  EXPECT_THAT(refusal_of_file(folder_), HasSubstr("is not a file; allowed: a regular file"));
+  EXPECT_THAT(refusal_of_file("/dev/zero"), HasSubstr("is not a file"));
+}
+
+TEST_F(UnreadableFile, ThatMayNotBeRead) {
+  const std::string path = file(two_nodes());
+  std::filesystem::permissions(path, std::filesystem::perms::none);
+  if (::access(path.c_str(), R_OK) == 0) GTEST_SKIP() << "root may read everything";
+  EXPECT_THAT(refusal_of_file(path), HasSubstr("cannot be read: Permission denied"));
+}
+
+TEST_F(UnreadableFile, ThatIsTooLarge) {
+  EXPECT_THAT(refusal_of_file(file(std::string((1 << 20) + 1, '#'))),
+              HasSubstr("is too large; allowed: up to 1 MiB"));
+}
+
+TEST(NotYaml, IsRefusedWithItsPlace) {
+  EXPECT_THAT(refusal_of("ring: pair\nnodes: [{id: 0\n"),
+              AllOf(StartsWith("ring.yaml:3:1: is not YAML: "), HasSubstr("end of map")));
+  EXPECT_THAT(refusal_of("ring: pair\n\tnodes: 1\n"), StartsWith("ring.yaml:2:"));
+  EXPECT_THAT(refusal_of("ring: *nobody\n"),
+              AllOf(StartsWith("ring.yaml:1:"), HasSubstr("anchor")));
+}
+
+TEST(NotYaml, EmptyOrSeveralDocumentsOrNoMap) {
+  EXPECT_THAT(refusal_of(""), HasSubstr("holds 0 YAML documents; allowed: one"));
+  EXPECT_THAT(refusal_of(two_nodes() + "---\n" + two_nodes()), HasSubstr("holds 2 YAML documents"));
+  EXPECT_THAT(refusal_of("- ring\n"), HasSubstr("the file: a list is no map"));
+  EXPECT_THAT(refusal_of("ring\n"), HasSubstr("the file: 'ring' is no map"));
+}
+
+TEST(NotYaml, BracketsWithoutEnd) {
+  EXPECT_THAT(refusal_of("ring: " + std::string(100000, '[')),
+              HasSubstr("brackets are nested too deep"));
+  EXPECT_THAT(refusal_of("ring: " + std::string(100000, '{')), HasSubstr("nested too deep"));
+}
+
+TEST(NotYaml, ListsWithinListsWithoutEnd) {
+  std::string text;
+  for (int i = 0; i < 5000; ++i) text += "- ";
+  EXPECT_THAT(refusal_of(text), StartsWith("ring.yaml"));
+}
+
+TEST(NotYaml, AMapThatHoldsItself) {
+  EXPECT_THAT(refusal_of("&a\nring: r\nnodes: [*a, *a]\n"),
+              HasSubstr("'nodes[0].ring': is unknown"));
+}
+
+TEST(NotYaml, Garbage) {
+  std::string garbage;
+  std::uint32_t state = 1;  // a fixed seed: the same garbage every time
+  for (int i = 0; i < 20000; ++i) {
+    state = state * 1664525 + 1013904223;
+    garbage += static_cast<char>(state >> 24);
+    if (i % 100 == 99) {
+      EXPECT_NE(refusal_of(garbage.substr(garbage.size() - 100)), "");
+    }
+  }
+  EXPECT_NE(refusal_of(garbage), "");
+}
+
+}  // namespace
+}  // namespace limb_ring::config

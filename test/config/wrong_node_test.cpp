@@ -1,0 +1,178 @@
+#include "config/ring_text.h"
+
+namespace limb_ring::config {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Eq;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+// What is added to node_with() begins in line 5, and belongs to nodes[1].
+
+TEST(WrongNodes, NoneOrOneOrTooMany) {
+  EXPECT_THAT(refusal_of("ring: r\n"), HasSubstr("'nodes' is missing"));
+  EXPECT_THAT(
+      refusal_of("ring: r\nnodes: []\n"),
+      StartsWith("ring.yaml:2:8: entry 'nodes': a list of 0 is too short; allowed: a list of "
+                 "2 to 255 nodes"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes: [{id: 0}]\n"), HasSubstr("a list of 1 is too short"));
+  std::string many = "ring: r\nnodes:\n";
+  for (int i = 0; i < 256; ++i) many += "  - {id: 0}\n";
+  EXPECT_THAT(refusal_of(many), HasSubstr("a list of 256 is too long"));
+}
+
+TEST(WrongNodes, NoListOrNoMaps) {
+  EXPECT_THAT(refusal_of("ring: r\nnodes: {id: 0}\n"), HasSubstr("'nodes': a map is no list"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes: [body, knee]\n"),
+              StartsWith("ring.yaml:2:9: entry 'nodes[0]': 'body' is no map"));
+}
+
+TEST(WrongNodes, IdMissingOutOfRangeOrTwice) {
+  EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 0}\n  - {name: a}\n"),
+              StartsWith("ring.yaml:4:5: entry 'nodes[1]': 'id' is missing; allowed: a map of id"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes: [{id: 0}, {id: 255}]\n"),
+              HasSubstr("'nodes[1].id': '255' is out of range; allowed: a whole number, 0 to 254"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 3}\n  - {id: 3}\n"),
+              Eq("ring.yaml:4:10: entry 'nodes[1].id': '3' is another node's id; allowed: ids 0 to "
+                 "254, each once"));
+}
+
+TEST(WrongNodes, NameUnfitOrTwice) {
+  EXPECT_THAT(refusal_of(node_with("    name: 12\n")),
+              AllOf(StartsWith("ring.yaml:5:11: entry 'nodes[1].name': '12' is not a name"),
+                    HasSubstr("allowed: a letter, then")));
+  EXPECT_THAT(refusal_of(node_with("    name: all\n")), HasSubstr("not the word 'all'"));
+  EXPECT_THAT(refusal_of(node_with("    name: knee\n")),
+              StartsWith("ring.yaml:5:11: entry 'nodes[1].name': 'knee' is another node's name"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes: [{id: 0, name: node1}, {id: 1}]\n"),
+              HasSubstr("entry 'nodes[1]': 'node1' is another node's name"));
+}
+
+TEST(WrongNodes, UnknownEntry) {
+  EXPECT_THAT(
+      refusal_of(node_with("    joint: []\n")),
+      StartsWith("ring.yaml:5:5: entry 'nodes[1].joint': is unknown, did you mean 'joints'?; "
+                 "allowed: id, name, cpu, joints"));
+}
+
+TEST(WrongNodes, Cpu) {
+  EXPECT_THAT(refusal_of(node_with("    cpu: yes\n")),
+              HasSubstr("'nodes[1].cpu': 'yes' is unknown; allowed: none, attached or {command:"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: [a]\n")), HasSubstr("a list stands here"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: {}\n")), HasSubstr("'command' is missing"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: {command: []}\n")),
+              HasSubstr("'nodes[1].cpu.command': names no program"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: {command: limb_firmware}\n")),
+              HasSubstr("'limb_firmware' is no list; allowed: a list of program and arguments"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: {command: [a], restart: true}\n")),
+              HasSubstr("'nodes[1].cpu.restart': is unknown"));
+}
+
+TEST(WrongNodes, Joints) {
+  EXPECT_THAT(refusal_of(node_with("    joints: {name: a}\n")), HasSubstr("a map is no list"));
+  EXPECT_THAT(refusal_of(node_with("    joints: [{lower: 0}]\n")),
+              HasSubstr("'nodes[1].joints[0]': 'name' is missing"));
+  EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, lower: 1, upper: 1}]\n")),
+              HasSubstr("joint 'a' has the limits 1 to 1 rad; allowed: lower less than upper"));
+  EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, lower: 1, upper: 2}]\n")),
+              HasSubstr("joint 'a' has initial 0, outside its limits; allowed: 1 to 2 rad"));
+  EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, safe: float}]\n")),
+              HasSubstr("'nodes[1].joints[0].safe': 'float' is unknown; allowed: hold, damp"));
+  EXPECT_THAT(refusal_of(node_with("    joints: [{name: a, lower: low}]\n")),
+              HasSubstr("'low' is not a number; allowed: a number, -100 to 100 rad"));
+}
+
+TEST(WrongNodes, JointsOrSensorsOfOneName) {
+  EXPECT_THAT(
+      refusal_of("ring: r\nnodes:\n  - {id: 0, joints: [{name: a}]}\n"
+                 "  - {id: 1, joints: [{name: b}, {name: a}]}\n"),
+      StartsWith("ring.yaml:4:33: entry 'nodes[1].joints[1]': 'a' is the name of another one"));
+  EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a}, {name: a}]\n")),
+              HasSubstr("'nodes[1].sensors[1]': 'a' is the name of another one"));
+}
+
+TEST(WrongNodes, Sensors) {
+  EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a, kind: camera}]\n")),
+              HasSubstr("'camera' is unknown; allowed: imu, force"));
+  EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a, priority: 4}]\n")),
+              HasSubstr("'4' is out of range; allowed: a whole number, 0 to 3"));
+  EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a, rate: 0}]\n")),
+              HasSubstr("'0' is out of range; allowed: a number, 0.1 to 1000 Hz"));
+}
+
+TEST(WrongNodes, Pins) {
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: restart}\n")),
+              HasSubstr("'nodes[1].pins.3': 'restart' is unknown"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {8: reset}\n")),
+              HasSubstr("'nodes[1].pins.8': is unknown"));
+  EXPECT_THAT(refusal_of(node_with("    pins: [reset]\n")), HasSubstr("a list is no map"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: signal}\n")),
+              HasSubstr("'signal' says not which"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: {}}\n")), HasSubstr("the map is empty"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: {signal: SEGV}}\n")),
+              HasSubstr("'nodes[1].pins.3.signal': 'SEGV' is unknown; allowed: HUP, INT"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: {signal: HUP, exec: [a]}}\n")),
+              HasSubstr("signal and exec are both given"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: {exec: []}}\n")), HasSubstr("names no program"));
+}
+
+TEST(WrongNodes, Inputs) {
+  EXPECT_THAT(
+      refusal_of(node_with("    inputs: {0: {to: kne, factor: 1}}\n")),
+      AllOf(HasSubstr("'nodes[1].inputs.0.to': 'kne' is no node of it, did you mean 'knee'?"),
+            HasSubstr("allowed: id or name of a node of this ring (knee, node0), or all")));
+  EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: knee}}\n")),
+              HasSubstr("'factor' is missing"));
+  EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: knee, factor: 8}}\n")),
+              HasSubstr("'8' is out of range; allowed: a whole number, 0 to 7"));
+  EXPECT_THAT(refusal_of(node_with("    inputs: {9: {to: knee, factor: 1}}\n")),
+              HasSubstr("'nodes[1].inputs.9': is unknown"));
+}
+
+TEST(WrongNodes, AnInputThatWouldResetAll) {
+  EXPECT_THAT(refusal_of(node_with("    inputs: {4: {to: all, factor: 0}}\n")),
+              AllOf(HasSubstr("'nodes[1].inputs.4': to all with factor 0 would reset CPUs"),
+                    HasSubstr("allowed: one node, or a factor that no node has wired to reset")));
+}
+
+TEST(WrongNodes, TwoLinksAtOnePort) {
+  EXPECT_THAT(
+      refusal_of("ring: r\nnodes:\n  - {id: 0, name: a, link: {port: 5000}}\n"
+                 "  - {id: 1, name: b, link: {port: 5000}}\n"),
+      StartsWith("ring.yaml:4:5: entry 'nodes[1]': its link listens at 127.0.0.1 port 5000, "
+                 "as does node 'a'; allowed: a port of its own"));
+}
+
+/// A ring with a bridge at body, and this as its only topics.
+std::string with_topics(const std::string& topics) {
+  return "ring: r\n"
+         "nodes: [{id: 0, name: body, cpu: attached}, {id: 1, name: head, cpu: attached}, {id: "
+         "2}]\n"
+         "bridge:\n"
+         "  topics:\n" +
+         topics;
+}
+
+TEST(WrongTopics, NodesThatAreUnknownTheSameOrWithoutBridge) {
+  EXPECT_THAT(refusal_of(with_topics("    - {input: a, from: body, to: had}\n")),
+              StartsWith("ring.yaml:5:34: entry 'bridge.topics[0].to': 'had' is no node of it, did "
+                         "you mean 'head'?"));
+  EXPECT_THAT(refusal_of(with_topics("    - {input: a, from: body, to: 0}\n")),
+              HasSubstr("'bridge.topics[0]': the topic goes from a node to itself"));
+  EXPECT_THAT(refusal_of(with_topics("    - {input: a, from: body, to: 2}\n")),
+              HasSubstr("'bridge.topics[0].to': node 'node2' has cpu: none, so no bridge"));
+}
+
+TEST(WrongTopics, NamesThatAreMissingUnfitOrTaken) {
+  EXPECT_THAT(refusal_of(with_topics("    - {from: body, to: head}\n")),
+              HasSubstr("'input' is missing"));
+  EXPECT_THAT(refusal_of(with_topics("    - {input: a b, from: body, to: head}\n")),
+              HasSubstr("'a b' is not a name that can be used here; allowed: a ROS topic name"));
+  EXPECT_THAT(refusal_of(with_topics("    - {input: a, from: body, to: head}\n"
+                                     "    - {input: b, output: a, from: body, to: head}\n")),
+              StartsWith("ring.yaml:6:7: entry 'bridge.topics[1]': output 'a' is another topic's"));
+}
+
+}  // namespace
+}  // namespace limb_ring::config
