@@ -1,0 +1,269 @@
+#include "core/controller.h"
+
+#include <algorithm>
+
+namespace limb_ring::core {
+
+using wire::ByteView;
+using wire::PacketFields;
+using wire::SliceKind;
+
+Controller::Controller(const Settings& settings)
+    : settings_(settings),
+      transmit_(settings_, counters_, events_),
+      receive_(settings_, counters_),
+      pins_(settings_, counters_, events_),
+      relay_(settings_, counters_),
+      packet_manager_(settings_, transmit_, counters_, line_),
+      membership_(settings_, transmit_, receive_, pins_, counters_, events_) {}
+
+// ---- the lines ----------------------------------------------------------------------------
+
+void Controller::input_up(NodeId from, Time now) {
+  break_off(counters_.broken_off_packets, now);
+  membership_.input_up(from, now);
+}
+
+void Controller::input_lost(Time now) {
+  break_off(counters_.broken_off_packets, now);
+  membership_.input_lost(now);
+}
+
+void Controller::input_gap(Time now) { break_off(counters_.broken_off_packets, now); }
+
+void Controller::output_up(NodeId to, Time now) {
+  packet_manager_.output_lost();
+  packet_manager_.output_up();
+  relay_.set_successor(to);
+  membership_.output_up(to, now);
+}
+
+void Controller::output_lost(Time now) {
+  packet_manager_.output_lost();
+  membership_.output_lost(now);
+}
+
+void Controller::receive(const wire::Slice& slice, Time now) {
+  switch (slice.kind) {
+    case SliceKind::whole: on_whole(slice.bytes, now); break;
+    case SliceKind::start: on_start(slice.bytes, now); break;
+    case SliceKind::more: on_more(slice.bytes, now); break;
+    case SliceKind::end: on_end(slice.bytes, now); break;
+    case SliceKind::interrupt: on_interrupt(slice.bytes, now); break;
+    case SliceKind::abort:
+      if (incoming_.open())
+        break_off(counters_.aborts_received, now);
+      else
+        ++counters_.stray_slices;
+      break;
+    case SliceKind::idle: break;
+  }
+  membership_.settle(now);
+  // Where the line takes time, everything that comes in at one instant competes for it (run());
+  // where it takes none, what has come in goes on at once, so that a batch never fills the buffer.
+  if (settings_.byte_time_out.count() == 0) packet_manager_.run(now);
+}
+
+Controller::Fate Controller::fate_of_data(ByteView header) {
+  const Fate fate = relay_.fate(header, false);
+  if (fate != Fate::pass_on || packet_manager_.has_room()) return fate;
+  ++counters_.insertion_buffer_full;
+  return Fate::discard;
+}
+
+void Controller::on_whole(ByteView bytes, Time now) {
+  break_off(counters_.broken_off_packets, now);
+  const PacketFields packet{bytes};
+  const Fate fate = fate_of_data(bytes);
+  if (fate == Fate::discard) return;
+  const bool good = check(packet);
+  if (fate == Fate::strip) return data_came_home(packet, good, now);
+  const std::uint8_t fbc = receive_data(packet, good, now);
+  if (fate == Fate::pass_on) packet_manager_.relay_whole(bytes, fbc, now);
+}
+
+void Controller::on_start(ByteView bytes, Time now) {
+  break_off(counters_.broken_off_packets, now);
+  const Fate fate = fate_of_data(bytes);
+  incoming_.begin(fate, bytes, now);
+  if (fate == Fate::pass_on) packet_manager_.relay_begin(bytes, now);
+}
+
+bool Controller::append(ByteView bytes, Time now) {
+  if (!incoming_.open()) {
+    ++counters_.stray_slices;
+    return false;
+  }
+  if (incoming_.append(bytes, now)) return true;
+  break_off(counters_.oversize_packets, now);
+  return false;
+}
+
+void Controller::on_more(ByteView bytes, Time now) {
+  if (append(bytes, now) && incoming_.fate() == Fate::pass_on) packet_manager_.relay_words(bytes);
+}
+
+// An `end` slice is given out as its last odd bytes, trailer and CRC begin: they are in, a few byte
+// times later.
+void Controller::on_end(ByteView bytes, Time now) {
+  if (!append(bytes, now)) return;
+  const PacketFields packet{incoming_.bytes()};
+  if (packet.bytes.size < wire::kMinDataPacketSize) return break_off(counters_.malformed_packets, now);
+  incoming_.close();
+  if (incoming_.fate() == Fate::discard) return;
+  const auto tail = static_cast<std::int64_t>(packet.data().size % 4 + wire::kTrailerSize + wire::kCrcSize);
+  const Time at = now + settings_.byte_time_in * tail;
+  const bool good = check(packet);
+  if (incoming_.fate() == Fate::strip) return data_came_home(packet, good, at);
+  const std::uint8_t fbc = receive_data(packet, good, at);
+  if (incoming_.fate() == Fate::pass_on) packet_manager_.relay_end(bytes, fbc, now);
+}
+
+// A DATP that is coming in will never be whole; every relay passes that on. An INTP that was
+// inside it lives on.
+void Controller::break_off(std::uint64_t& counter, Time now) {
+  if (!incoming_.open()) return;
+  incoming_.close();
+  ++counter;
+  if (incoming_.fate() == Fate::pass_on) packet_manager_.relay_abort();
+  if (incoming_.fate() != Fate::strip) return;
+  ++counters_.returns_damaged;
+  transmit_.data.returned_damaged(now);
+}
+
+void Controller::on_interrupt(ByteView bytes, Time now) {
+  const PacketFields packet{bytes};
+  const Fate fate = relay_.fate(bytes, true);
+  if (fate == Fate::discard) return;
+  const Time at = now + settings_.byte_time_in * static_cast<std::int64_t>(wire::kInterruptPacketSize);
+  const bool good = check(packet);
+  if (fate == Fate::strip) return interrupt_came_home(packet, good, at);
+  const std::uint8_t fbc = good ? pins_.offer(packet, at) : packet.fbc();
+  if (fate != Fate::pass_on) return;
+  wire::InterruptBytes copy;
+  std::copy(bytes.begin(), bytes.end(), copy.begin());
+  wire::rewrite(copy.data(), copy.size(), static_cast<std::uint8_t>(packet.hop() + 1), fbc);
+  packet_manager_.relay_interrupt(copy, now);
+}
+
+// ---- what passes --------------------------------------------------------------------------
+
+bool Controller::check(const PacketFields& packet) {
+  if (!packet.crc_good()) return ++counters_.crc_errors, false;
+  if (!wire::trailer_valid(packet.bytes)) return ++counters_.malformed_packets, false;
+  return true;
+}
+
+std::uint8_t Controller::receive_data(const PacketFields& packet, bool good, Time at) {
+  if (!good) return packet.fbc();
+  if (is_control(packet)) membership_.heard(packet, at);
+  return receive_.offer(packet, at);
+}
+
+void Controller::data_came_home(const PacketFields& packet, bool good, Time at) {
+  if (!good) {
+    ++counters_.returns_damaged;
+    return transmit_.data.returned_damaged(at);
+  }
+  // A packet to oneself is taken when it returns; before the own hello is home it is only stripped.
+  const bool to_self = packet.destination() == settings_.id && membership_.accepts_sends();
+  const std::uint8_t fbc = to_self ? receive_.offer(packet, at) : packet.fbc();
+  const bool matched = transmit_.data.returned(packet, fbc, at);
+  if (matched)
+    membership_.came_home(packet.hop(), at);
+  else
+    ++counters_.returns_unmatched;
+  membership_.own_seen(packet, matched, at);
+}
+
+void Controller::interrupt_came_home(const PacketFields& packet, bool good, Time at) {
+  if (!good) {
+    ++counters_.returns_damaged;
+    return transmit_.interrupts.returned_damaged(at);
+  }
+  const bool to_self = packet.destination() == settings_.id && membership_.accepts_sends();
+  const std::uint8_t fbc = to_self ? pins_.offer(packet, at) : packet.fbc();
+  const bool matched = transmit_.interrupts.returned(packet, fbc, at);
+  if (matched)
+    membership_.came_home(packet.hop(), at);
+  else
+    ++counters_.returns_unmatched;
+}
+
+// ---- the CPU ------------------------------------------------------------------------------
+
+bool Controller::destination_exists(NodeId destination) const {
+  const auto& order = settings_.order;
+  return destination == wire::kBroadcast || std::find(order.begin(), order.end(), destination) != order.end();
+}
+
+Reject Controller::refuse_reason(const SendRequest& request) const {
+  if (request.data.size < 1 || request.data.size > wire::kMaxPayload) return Reject::bad_size;
+  if (request.priority > 3) return Reject::bad_priority;
+  if (request.channel > 63 || request.channel == static_cast<std::uint8_t>(wire::Channel::control))
+    return Reject::bad_channel;
+  if (!destination_exists(request.destination)) return Reject::bad_destination;
+  return membership_.accepts_sends() ? Reject::none : Reject::not_in_ring;
+}
+
+Reject Controller::refuse_reason(const InterruptRequest& request) const {
+  if (request.factor >= wire::kFactors) return Reject::bad_factor;
+  if (!destination_exists(request.destination)) return Reject::bad_destination;
+  return membership_.accepts_sends() ? Reject::none : Reject::not_in_ring;
+}
+
+void Controller::reject(Owner owner, std::uint32_t token, Reject reason, bool interrupt, Time now) {
+  ++counters_.ended_rejected;
+  events_.put(now, SendEnded{owner, token, Outcome::rejected, reason, Duration{0}, 0, interrupt});
+}
+
+void Controller::send(const SendRequest& request, Time now) {
+  Reject reason = refuse_reason(request);
+  if (reason == Reject::none) reason = transmit_.data.enqueue(request, now);
+  if (reason != Reject::none) reject(request.owner, request.token, reason, false, now);
+}
+
+void Controller::interrupt(const InterruptRequest& request, Time now) {
+  Reject reason = refuse_reason(request);
+  if (reason == Reject::none) reason = transmit_.interrupts.enqueue(request, now);
+  if (reason != Reject::none) reject(request.owner, request.token, reason, true, now);
+}
+
+void Controller::pull(Owner owner, std::uint32_t token, unsigned input, Time now) {
+  if (input >= settings_.inputs.size() || !settings_.inputs[input])
+    return reject(owner, token, Reject::input_unwired, true, now);
+  interrupt({owner, token, settings_.inputs[input]->destination, settings_.inputs[input]->factor}, now);
+}
+
+void Controller::cpu_reset(Owner cpu, Time now) {
+  transmit_.cancel(cpu, now);
+  receive_.flush();
+}
+
+// ---- time ---------------------------------------------------------------------------------
+
+Time Controller::stall_deadline() const {
+  return incoming_.open() ? incoming_.last_slice() + settings_.stall + 2 * settings_.byte_time_in * 1024 : kNever;
+}
+
+void Controller::handle_timeout(Time now) {
+  if (stall_deadline() <= now) break_off(counters_.stalled_packets, now);
+  transmit_.handle_timeout(now);
+  membership_.handle_timeout(now);
+  membership_.settle(now);
+}
+
+void Controller::run(Time now) {
+  membership_.settle(now);
+  packet_manager_.run(now);
+  membership_.settle(now);
+}
+
+Time Controller::next_deadline(Time now) const {
+  // Packets that the CPU leaves lying are no reason to wake up.
+  const Time received = receive_.next() > now ? receive_.next() : kNever;
+  return std::min({stall_deadline(), transmit_.deadline(), membership_.deadline(), packet_manager_.deadline(),
+                   events_.next(), received});
+}
+
+}  // namespace limb_ring::core

@@ -1,0 +1,113 @@
+#pragma once
+
+#include "core/counters.h"
+#include "core/events.h"
+#include "core/incoming.h"
+#include "core/membership.h"
+#include "core/packet_manager.h"
+#include "core/pins.h"
+#include "core/receive.h"
+#include "core/relay.h"
+#include "core/send_request.h"
+#include "core/settings.h"
+#include "core/transmit.h"
+#include "wire/slice.h"
+
+namespace limb_ring::core {
+
+/// The network controller of one node: Relay, Transmit, Packet Manager, Receive (paper), pins and
+/// interrupt inputs (paper), membership (ours).
+///
+/// It knows no IO. Bytes and time go in (receive, handle_timeout, send ...); bytes (line), events
+/// (take_event), packets (take) and a next deadline come out. Time never runs backwards. After
+/// the inputs of an instant call run(), which fills line().
+class Controller {
+ public:
+  explicit Controller(const Settings& settings);
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+
+  /// @name The lines
+  ///@{
+  void input_up(NodeId from, Time now);
+  void input_lost(Time now);
+  /// Something was lost on the input: a DATP that is coming in will never be whole.
+  void input_gap(Time now);
+  void output_up(NodeId to, Time now);
+  void output_lost(Time now);
+  void set_output_ready(bool ready) { packet_manager_.set_ready(ready); }
+  /// One slice from upstream.
+  void receive(const wire::Slice& slice, Time now);
+  /// Slices for downstream; whoever writes them clears it.
+  wire::SliceWriter& line() { return line_; }
+  ///@}
+
+  /// @name The CPU and its helpers. Every call ends in exactly one SendEnded event.
+  ///@{
+  void send(const SendRequest& request, Time now);
+  void interrupt(const InterruptRequest& request, Time now);
+  /// Pulls interrupt input 0..7: sends the INTP it is wired to, without the CPU. (paper)
+  void pull(Owner owner, std::uint32_t token, unsigned input, Time now);
+  void cancel(Owner owner, Time now) { transmit_.cancel(owner, now); }
+  ///@}
+
+  /// @name The CPU's state
+  ///@{
+  /// Next packet for the CPU, by priority. @return false where none is due
+  bool take(Time now, ReceivedPacket& out) { return receive_.take(now, out); }
+  void set_cpu_present(bool present) { receive_.set_cpu_present(present); }
+  void set_cpu(const CpuReport& report, Time now) { membership_.set_cpu(report, now); }
+  /// The CPU was reset: empties its send queue and the receive buffers. (ours)
+  void cpu_reset(Owner cpu, Time now);
+  ///@}
+
+  /// @name Time and events
+  ///@{
+  void handle_timeout(Time now);
+  void run(Time now);
+  /// When handle_timeout(), run(), take_event() or take() have something new to do, if nothing else
+  /// happens before.
+  Time next_deadline(Time now) const;
+  bool take_event(Time now, Event& out) { return events_.take(now, out); }
+  ///@}
+
+  const Settings& settings() const { return settings_; }
+  const Counters& counters() const { return counters_; }
+  const Membership& membership() const { return membership_; }
+  std::size_t received_waiting() const { return receive_.waiting(); }
+
+ private:
+  using Fate = Relay::Fate;
+
+  void on_interrupt(wire::ByteView bytes, Time now);
+  void on_whole(wire::ByteView bytes, Time now);
+  void on_start(wire::ByteView bytes, Time now);
+  void on_more(wire::ByteView bytes, Time now);
+  void on_end(wire::ByteView bytes, Time now);
+  Fate fate_of_data(wire::ByteView header);
+  bool append(wire::ByteView bytes, Time now);
+  void break_off(std::uint64_t& counter, Time now);
+  std::uint8_t receive_data(const wire::PacketFields& packet, bool good, Time at);
+  void data_came_home(const wire::PacketFields& packet, bool good, Time at);
+  void interrupt_came_home(const wire::PacketFields& packet, bool good, Time at);
+  bool check(const wire::PacketFields& packet);
+  Reject refuse_reason(const SendRequest& request) const;
+  Reject refuse_reason(const InterruptRequest& request) const;
+  bool destination_exists(NodeId destination) const;
+  void reject(Owner owner, std::uint32_t token, Reject reason, bool interrupt, Time now);
+  Time stall_deadline() const;
+
+  const Settings settings_;
+  Counters counters_;
+  EventQueue events_;
+  wire::SliceWriter line_;
+  Transmit transmit_;
+  Receive receive_;
+  Pins pins_;
+  Relay relay_;
+  PacketManager packet_manager_;
+  Membership membership_;
+  Incoming incoming_;
+};
+
+}  // namespace limb_ring::core

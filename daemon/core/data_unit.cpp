@@ -1,0 +1,220 @@
+#include "core/data_unit.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace limb_ring::core {
+
+void count_outcome(Counters& counters, Outcome outcome) {
+  switch (outcome) {
+    case Outcome::delivered: ++counters.ended_delivered; break;
+    case Outcome::refused: ++counters.ended_refused; break;
+    case Outcome::no_such_node: ++counters.ended_no_such_node; break;
+    case Outcome::lost: ++counters.ended_lost; break;
+    case Outcome::unconfirmed: ++counters.ended_unconfirmed; break;
+    case Outcome::rejected: ++counters.ended_rejected; break;
+    case Outcome::cancelled: ++counters.ended_cancelled; break;
+  }
+}
+
+DataUnit::DataUnit(const Settings& settings, Counters& counters, EventQueue& events)
+    : settings_(settings), counters_(counters), events_(events) {}
+
+void DataUnit::push(Queue& queue, const SendRequest& request, Time now) {
+  queue.emplace_back();
+  Job& job = queue.back();
+  job.owner = request.owner;
+  job.token = request.token;
+  job.destination = request.destination;
+  job.pri = wire::pri_byte(request.priority, request.channel);
+  job.asked = job.not_before = now;
+  job.backoff = settings_.refused_backoff;
+  job.size = static_cast<std::uint16_t>(request.data.size);
+  std::memcpy(job.data.data(), request.data.data, request.data.size);
+}
+
+Reject DataUnit::enqueue(const SendRequest& request, Time now) {
+  Queue& queue = queues_[1 + request.priority];
+  if (queue.size() >= settings_.send_queue) return Reject::queue_full;
+  push(queue, request, now);
+  return Reject::none;
+}
+
+void DataUnit::enqueue_control(wire::ByteView message, std::uint32_t token, Time now) {
+  push(queues_[kControlQueue],
+       {kController, token, wire::kBroadcast, 0, static_cast<std::uint8_t>(wire::Channel::control), message},
+       now);
+}
+
+void DataUnit::set_open_chain(bool open, Time now) {
+  open_chain_ = open;
+  if (open && busy()) finish_flight(Outcome::unconfirmed, now);
+}
+
+Time DataUnit::front_ready(std::size_t queue) const {
+  if (queues_[queue].empty() || gate_ == Gate::closed) return kNever;
+  if (gate_ == Gate::control && queue != kControlQueue) return kNever;
+  return std::max(queues_[queue].front().not_before, free_at_);
+}
+
+Time DataUnit::ready_at() const {
+  if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since();
+  if (flight_.phase() == Flight::Phase::out) return kNever;
+  Time ready = kNever;
+  for (std::size_t q = 0; q < kQueues; ++q) ready = std::min(ready, front_ready(q));
+  return ready;
+}
+
+// A refused unicast stays at the head of its priority and holds only that one back.
+std::size_t DataUnit::choose(Time now) const {
+  std::size_t q = 0;
+  while (front_ready(q) > now) ++q;
+  return q;
+}
+
+void DataUnit::load(Job& job) {
+  const wire::Code code{false, 0, numbers_.next(job.destination)};
+  std::memcpy(flight_.load(code, settings_.id, job.destination, job.pri, job.size), job.data.data(), job.size);
+}
+
+wire::ByteView DataUnit::start(Time now) {
+  if (flight_.idle()) {
+    current_ = choose(now);
+    load(current());
+  } else {
+    ++counters_.retries;
+  }
+  ++counters_.sent_data;
+  ++current().tries;
+  const wire::ByteView image = flight_.launch(now, settings_.send_timeout());
+  if (open_chain_) {
+    finish_flight(Outcome::unconfirmed, now);
+    free_at_ = now + std::max(settings_.worst_lap(), settings_.unconfirmed_pace);
+  }
+  return image;
+}
+
+bool DataUnit::returned(const wire::PacketFields& packet, std::uint8_t fbc, Time at) {
+  if (!flight_.is_return(packet)) return false;
+  ++counters_.returned_data;
+  decide(fbc, at, at - flight_.sent_at());
+  return true;
+}
+
+void DataUnit::decide(std::uint8_t fbc, Time at, Duration round_trip) {
+  const bool sure = !current().repeated;
+  if (fbc == wire::kFbcUntaken) {
+    numbers_.undecided(flight_.destination());
+    return finish_flight(sure ? Outcome::no_such_node : Outcome::lost, at, round_trip);
+  }
+  numbers_.decided(flight_.destination());
+  if (fbc != 0) return finish_flight(Outcome::delivered, at, round_trip);
+  const bool again = current().destination != wire::kBroadcast && !current().told;
+  if (again && at < current().refused_until) return refuse(at);
+  finish_flight(sure ? Outcome::refused : Outcome::lost, at, round_trip);
+}
+
+// The packet is back, so the slot is free; it goes again later, as a new packet.
+void DataUnit::refuse(Time at) {
+  ++counters_.refusals;
+  Job& job = current();
+  if (job.refused_until == kNever) job.refused_until = at + settings_.refused_for;
+  job.not_before = std::min(at + job.backoff, job.refused_until);
+  job.backoff = std::min(2 * job.backoff, settings_.refused_backoff_most);
+  flight_.clear();
+  free_at_ = at;
+}
+
+void DataUnit::returned_damaged(Time at) {
+  if (flight_.phase() == Flight::Phase::out) fail_try(at);
+}
+
+void DataUnit::fail_try(Time at) {
+  current().repeated = true;
+  if (!current().told && flight_.retry(at)) return;
+  give_up(at);
+}
+
+void DataUnit::give_up(Time at) {
+  numbers_.undecided(flight_.destination());
+  finish_flight(Outcome::lost, at);
+}
+
+void DataUnit::finish_flight(Outcome outcome, Time at, Duration round_trip) {
+  flight_.clear();
+  free_at_ = at;
+  finish(current_, outcome, at, round_trip);
+}
+
+void DataUnit::finish(std::size_t queue, Outcome outcome, Time at, Duration round_trip) {
+  tell(queues_[queue].front(), outcome, outcome == Outcome::rejected ? Reject::no_way_out : Reject::none, at,
+       round_trip);
+  queues_[queue].pop_front();
+}
+
+void DataUnit::tell(Job& job, Outcome outcome, Reject reject, Time at, Duration round_trip) {
+  if (job.told) return;
+  job.told = true;
+  const SendEnded ended{job.owner, job.token, outcome, reject, round_trip, job.tries, false};
+  if (job.owner == kController) {
+    control_ends_.push_back(ended);
+    return;
+  }
+  count_outcome(counters_, outcome);
+  events_.put(at, ended);
+}
+
+void DataUnit::handle_timeout(Time now) {
+  if (flight_.deadline() <= now) {
+    ++counters_.timeouts;
+    fail_try(now);
+  }
+  if (flight_.phase() == Flight::Phase::waiting && flight_.waiting_since() + settings_.queue_timeout <= now)
+    give_up(now);
+  for (std::size_t q = 0; q < kQueues; ++q) {
+    const auto overdue = [&] {
+      return !queues_[q].empty() && (flight_.idle() || q != current_) &&
+             queues_[q].front().asked + settings_.queue_timeout <= now;
+    };
+    while (overdue()) finish(q, queues_[q].front().tries == 0 ? Outcome::rejected : Outcome::lost, now);
+  }
+}
+
+Time DataUnit::deadline() const {
+  Time deadline = flight_.deadline();
+  if (flight_.phase() == Flight::Phase::waiting) deadline = flight_.waiting_since() + settings_.queue_timeout;
+  for (std::size_t q = 0; q < kQueues; ++q)
+    if (!queues_[q].empty() && (flight_.idle() || q != current_))
+      deadline = std::min(deadline, queues_[q].front().asked + settings_.queue_timeout);
+  return deadline;
+}
+
+void DataUnit::cancel(Owner owner, Time now) {
+  for (std::size_t q = 0; q < kQueues; ++q) {
+    for (Job& job : queues_[q])
+      if (job.owner == owner) tell(job, Outcome::cancelled, Reject::none, now, Duration{0});
+    const auto keep = queues_[q].begin() + (!flight_.idle() && q == current_ ? 1 : 0);
+    queues_[q].erase(std::remove_if(keep, queues_[q].end(), [](const Job& job) { return job.told; }),
+                     queues_[q].end());
+  }
+}
+
+void DataUnit::restart(Time now) {
+  for (Queue& queue : queues_) {
+    for (Job& job : queue)
+      if (job.owner != kController) tell(job, Outcome::cancelled, Reject::none, now, Duration{0});
+    queue.clear();
+  }
+  control_ends_.clear();
+  flight_.clear();
+  numbers_.restart();
+}
+
+bool DataUnit::take_control_end(SendEnded& out) {
+  if (control_ends_.empty()) return false;
+  out = control_ends_.front();
+  control_ends_.pop_front();
+  return true;
+}
+
+}  // namespace limb_ring::core

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <deque>
+
+#include "core/counters.h"
+#include "core/events.h"
+#include "core/flight.h"
+#include "core/send_request.h"
+#include "core/sequence_numbers.h"
+#include "core/settings.h"
+
+namespace limb_ring::core {
+
+/// What a unit of Transmit may send.
+enum class Gate : std::uint8_t {
+  closed,   ///< nothing
+  control,  ///< the NC's own hello only
+  open
+};
+
+/// The data packet unit of Transmit: a queue per priority, one DATP outstanding, its return the
+/// acknowledgement. (paper) Time-out, retry, refusal and results are ours (protocol.md section 4).
+class DataUnit {
+ public:
+  DataUnit(const Settings& settings, Counters& counters, EventQueue& events);
+
+  /// @return Reject::none where it was queued; its SendEnded comes later
+  Reject enqueue(const SendRequest& request, Time now);
+  /// Hello or beacon: a broadcast on channel 1, before everything else.
+  void enqueue_control(wire::ByteView message, std::uint32_t token, Time now);
+  std::size_t control_waiting() const { return queues_[kControlQueue].size(); }
+
+  void set_gate(Gate gate) { gate_ = gate; }
+  /// Open chain: nothing returns, so every send ends `unconfirmed` as it leaves, at this pace.
+  void set_open_chain(bool open, Time now);
+
+  /// Since when (or from when on) it asks for the line; kNever where it does not.
+  Time ready_at() const;
+  /// The line is its own: the packet that goes now. @pre ready_at() <= now
+  wire::ByteView start(Time now);
+  /// True while a packet is out, or waits for its retry.
+  bool busy() const { return !flight_.idle(); }
+
+  /// An own packet came home with a good CRC; `fbc` what the receivers wrote.
+  /// @return true where it was the one outstanding
+  bool returned(const wire::PacketFields& packet, std::uint8_t fbc, Time at);
+  /// An own packet came home damaged or broken off: a failed try.
+  void returned_damaged(Time at);
+
+  void handle_timeout(Time now);
+  Time deadline() const;
+
+  /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
+  void cancel(Owner owner, Time now);
+  /// Ends everything, the NC's own too, and forgets the numbers: a new life of this node.
+  void restart(Time now);
+  void restart_numbers() { numbers_.restart(); }
+  bool numbers_exhausted() const { return numbers_.exhausted(); }
+
+  /// Ends of the NC's own sends since the last call, at most one at a time.
+  bool take_control_end(SendEnded& out);
+
+ private:
+  struct Job {
+    Owner owner;
+    std::uint32_t token;
+    NodeId destination;
+    std::uint8_t pri;
+    Time asked;
+    Time not_before;            ///< held back after a refusal
+    Duration backoff;           ///< next hold
+    Time refused_until = kNever;
+    unsigned tries = 0;
+    bool repeated = false;      ///< some try had to be repeated: its fate is no longer sure
+    bool told = false;          ///< its result was given already (cancelled while out)
+    std::uint16_t size;
+    std::array<std::uint8_t, wire::kMaxPayload> data;
+  };
+  using Queue = std::deque<Job>;
+  static constexpr std::size_t kControlQueue = 0;
+  static constexpr std::size_t kQueues = 5;  ///< control, then priorities 0 to 3
+
+  void push(Queue& queue, const SendRequest& request, Time now);
+  Time front_ready(std::size_t queue) const;
+  std::size_t choose(Time now) const;
+  void load(Job& job);
+  Job& current() { return queues_[current_].front(); }
+  void fail_try(Time at);
+  void give_up(Time at);
+  void refuse(Time at);
+  void decide(std::uint8_t fbc, Time at, Duration round_trip);
+  void finish(std::size_t queue, Outcome outcome, Time at, Duration round_trip = Duration{0});
+  void tell(Job& job, Outcome outcome, Reject reject, Time at, Duration round_trip);
+  void finish_flight(Outcome outcome, Time at, Duration round_trip = Duration{0});
+
+  const Settings& settings_;
+  Counters& counters_;
+  EventQueue& events_;
+  Gate gate_ = Gate::closed;
+  bool open_chain_ = false;
+  std::array<Queue, kQueues> queues_;
+  std::size_t current_ = 0;  ///< queue whose front is in flight
+  Flight flight_;
+  Time free_at_{};           ///< the tail of the last return is in
+  SequenceNumbers numbers_;
+  std::deque<SendEnded> control_ends_;
+};
+
+/// Counts the end of a send under its outcome.
+void count_outcome(Counters& counters, Outcome outcome);
+
+}  // namespace limb_ring::core

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "wire/packet.h"
+
+namespace limb_ring::core {
+
+/// Exactly once: a receiver remembers, per (SID, kind, unicast or broadcast), the last sequence
+/// number it decided, and its verdict. Links keep order, so the last one is enough. (ours)
+class DuplicateMemory {
+ public:
+  enum class Verdict : std::uint8_t { none, taken, refused };
+
+  /// The verdict on this sequence number, `none` where it is new.
+  Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast) const {
+    const Entry& e = entry(source, code, broadcast);
+    return e.sequence == code.sequence ? e.verdict : Verdict::none;
+  }
+  void remember(wire::NodeId source, wire::Code code, bool broadcast, Verdict verdict) {
+    entry(source, code, broadcast) = {code.sequence, verdict};
+  }
+  void forget(wire::NodeId source) { entries_[source] = {}; }
+  void forget_all() { entries_ = {}; }
+
+ private:
+  struct Entry {
+    std::uint8_t sequence = 0;
+    Verdict verdict = Verdict::none;
+  };
+  static std::size_t place(wire::Code code, bool broadcast) {
+    return (code.interrupt ? 2u : 0u) + (broadcast ? 1u : 0u);
+  }
+  const Entry& entry(wire::NodeId source, wire::Code code, bool broadcast) const {
+    return entries_[source][place(code, broadcast)];
+  }
+  Entry& entry(wire::NodeId source, wire::Code code, bool broadcast) {
+    return entries_[source][place(code, broadcast)];
+  }
+
+  std::array<std::array<Entry, 4>, 256> entries_{};
+};
+
+}  // namespace limb_ring::core

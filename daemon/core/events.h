@@ -1,0 +1,85 @@
+#pragma once
+
+#include <deque>
+#include <variant>
+
+#include "core/outcome.h"
+#include "core/time.h"
+#include "wire/control_message.h"
+#include "wire/packet.h"
+
+namespace limb_ring::core {
+
+using wire::NodeId;
+
+/// Who asked for a send; what a reset or a lost connection cancels. 0 is the NC itself.
+using Owner = std::uint32_t;
+constexpr Owner kController = 0;
+
+/// States a node can be in, as status shows them. (ours)
+enum class NodeState : std::uint8_t {
+  starting,    ///< its links are not there yet
+  joining,     ///< its hello is not home yet
+  up,
+  open_chain,  ///< the ring is broken: everything goes on, unconfirmed
+  folded,      ///< fold-back around a break
+  alone,       ///< the only living node
+  doubled_id   ///< another node has this node's id
+};
+const char* to_string(NodeState state);
+
+/// The end of one send or interrupt.
+struct SendEnded {
+  Owner owner = 0;
+  std::uint32_t token = 0;
+  Outcome outcome = Outcome::rejected;
+  Reject reject = Reject::none;
+  Duration round_trip{0};  ///< of the try that came home; 0 where none did
+  unsigned tries = 0;
+  bool interrupt = false;
+};
+
+/// The pin of that number was pulled by an INTP with a good CRC; once per INTP.
+struct PinPulled {
+  std::uint8_t factor = 0;
+  NodeId source = 0;
+};
+
+struct StateChanged {
+  NodeState before, after;
+};
+
+/// A beacon says something new of its node (state of CPU, links or boots), or is the first.
+struct PeerChanged {
+  NodeId node = 0;
+};
+
+struct Event {
+  Time at{};
+  std::variant<SendEnded, PinPulled, StateChanged, PeerChanged> what;
+};
+
+/// Events in the order of their time. On a paced line the tail of a packet that has been decided
+/// is still coming in, so an event can lie a few byte times ahead: it is given out when due.
+class EventQueue {
+ public:
+  template <class What>
+  void put(Time at, What what) {
+    auto place = events_.end();
+    while (place != events_.begin() && std::prev(place)->at > at) --place;
+    events_.insert(place, Event{at, std::move(what)});
+  }
+  /// @return false where none is due
+  bool take(Time now, Event& out) {
+    if (events_.empty() || events_.front().at > now) return false;
+    out = std::move(events_.front());
+    events_.pop_front();
+    return true;
+  }
+  Time next() const { return events_.empty() ? kNever : events_.front().at; }
+
+ private:
+  std::deque<Event> events_;
+};
+
+}  // namespace limb_ring::core

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <deque>
+
+#include "core/counters.h"
+#include "core/data_unit.h"
+#include "core/events.h"
+#include "core/flight.h"
+#include "core/send_request.h"
+#include "core/sequence_numbers.h"
+#include "core/settings.h"
+
+namespace limb_ring::core {
+
+/// The interrupt packet unit of Transmit, parallel to the data packet unit (paper): one INTP
+/// outstanding, time-out and retries as for data, and never tried again for a refusal. (ours)
+class InterruptUnit {
+ public:
+  InterruptUnit(const Settings& settings, Counters& counters, EventQueue& events);
+
+  Reject enqueue(const InterruptRequest& request, Time now);
+  void set_gate(Gate gate) { gate_ = gate; }
+  void set_open_chain(bool open, Time now);
+
+  Time ready_at() const;
+  wire::ByteView start(Time now);
+  bool busy() const { return !flight_.idle(); }
+
+  bool returned(const wire::PacketFields& packet, std::uint8_t fbc, Time at);
+  void returned_damaged(Time at);
+  void handle_timeout(Time now);
+  Time deadline() const;
+
+  void cancel(Owner owner, Time now);
+  void restart(Time now);
+  void restart_numbers() { numbers_.restart(); }
+  bool numbers_exhausted() const { return numbers_.exhausted(); }
+
+ private:
+  struct Job {
+    InterruptRequest request;
+    Time asked;
+    unsigned tries = 0;
+    bool repeated = false;
+    bool told = false;
+  };
+
+  void fail_try(Time at);
+  void give_up(Time at);
+  void finish(Outcome outcome, Time at, Duration round_trip = Duration{0});
+  void tell(Job& job, Outcome outcome, Time at, Duration round_trip);
+
+  const Settings& settings_;
+  Counters& counters_;
+  EventQueue& events_;
+  Gate gate_ = Gate::closed;
+  bool open_chain_ = false;
+  std::deque<Job> queue_;  ///< the front is in flight unless flight_ is idle
+  Flight flight_;
+  Time free_at_{};
+  SequenceNumbers numbers_;
+};
+
+}  // namespace limb_ring::core

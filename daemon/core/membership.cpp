@@ -1,0 +1,292 @@
+#include "core/membership.h"
+
+#include <algorithm>
+
+namespace limb_ring::core {
+namespace {
+
+constexpr std::uint32_t kHelloToken = 1;
+constexpr std::uint32_t kBeaconToken = 2;
+/// Foreign hellos and beacons under the own id before the id counts as doubled: leftovers of a
+/// former life come past once, a living double keeps talking.
+constexpr unsigned kDoubledSigns = 3;
+
+wire::LinkState link_state(bool up, bool lost) {
+  return up ? wire::LinkState::up : lost ? wire::LinkState::silent : wire::LinkState::down;
+}
+
+}  // namespace
+
+Membership::Membership(const Settings& settings, Transmit& transmit, Receive& receive, Pins& pins,
+                       Counters& counters, EventQueue& events)
+    : settings_(settings),
+      transmit_(transmit),
+      receive_(receive),
+      pins_(pins),
+      counters_(counters),
+      events_(events),
+      boot_(settings.boot) {}
+
+void Membership::enter(NodeState state, Time now) {
+  if (state == state_) return;
+  events_.put(now, StateChanged{state_, state});
+  state_ = state;
+}
+
+// ---- links --------------------------------------------------------------------------------
+
+void Membership::input_up(NodeId from, Time now) {
+  if (input_ == Link::up) input_lost(now);
+  input_ = Link::up;
+  input_from_ = from;
+  break_due_ = kNever;
+  if (break_known_ && break_behind_ == settings_.id) break_known_ = false;
+  links_changed(now);
+}
+
+void Membership::input_lost(Time now) {
+  if (input_ != Link::up) return;
+  input_ = Link::lost;
+  input_was_lost_ = true;
+  break_due_ = now + settings_.break_grace;
+  links_changed(now);
+}
+
+void Membership::output_up(NodeId to, Time now) {
+  if (output_ == Link::up) output_lost(now);
+  output_ = Link::up;
+  output_to_ = to;
+  links_changed(now);
+}
+
+void Membership::output_lost(Time now) {
+  if (output_ != Link::up) return;
+  output_ = Link::lost;
+  output_was_lost_ = true;
+  links_changed(now);
+}
+
+// Both links gone or replaced: this node was bypassed, perhaps only frozen. What it remembers of
+// the others, and they of it, no longer holds. (ours)
+void Membership::links_changed(Time now) {
+  const bool both_up = input_ == Link::up && output_ == Link::up;
+  if (input_was_lost_ && output_was_lost_) start_over(now);
+  if (state_ == NodeState::starting || state_ == NodeState::joining) {
+    if (both_up) say_hello(now);
+  } else {
+    change(now);
+  }
+}
+
+void Membership::start_over(Time now) {
+  input_was_lost_ = output_was_lost_ = false;
+  transmit_.set_open_chain(false, now);
+  transmit_.restart(now);
+  transmit_.set_gate(Gate::closed);
+  receive_.forget_all();
+  pins_.forget_all();
+  receive_.set_joining(true);
+  peers_.forget_all();
+  hello_out_ = renumbering_ = beacon_out_ = break_known_ = false;
+  beacon_due_ = drained_at_ = kNever;
+  ++boot_;
+  ring_size_ = 0;
+  enter(NodeState::starting, now);
+}
+
+// ---- hello --------------------------------------------------------------------------------
+
+void Membership::say_hello(Time now) {
+  if (hello_out_) transmit_.restart(now);
+  hello_out_ = true;
+  ++counters_.hellos;
+  transmit_.set_gate(Gate::control);
+  std::array<std::uint8_t, wire::kHelloSize> bytes;
+  wire::encode(wire::Hello{boot_}, bytes.data());
+  transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kHelloToken, now);
+  if (state_ == NodeState::starting) enter(NodeState::joining, now);
+}
+
+void Membership::hello_ended(const SendEnded& ended, Time now) {
+  hello_out_ = false;
+  const bool home = ended.outcome == Outcome::delivered || ended.outcome == Outcome::no_such_node ||
+                    ended.outcome == Outcome::refused;
+  if (home || state_ == NodeState::open_chain) return joined(now);
+  if (input_ == Link::up && output_ == Link::up) return say_hello(now);
+  if (state_ == NodeState::joining) enter(NodeState::starting, now);
+}
+
+void Membership::joined(Time now) {
+  renumbering_ = false;
+  receive_.forget(settings_.id);
+  pins_.forget(settings_.id);
+  receive_.set_joining(false);
+  transmit_.set_gate(Gate::open);
+  if (state_ != NodeState::open_chain) enter(ring_size_ == 1 ? NodeState::alone : NodeState::up, now);
+  change(now);
+}
+
+// Sequence numbers are used up without a verdict: everyone is told to forget them. (ours)
+void Membership::renumber(Time now) {
+  if (!renumbering_) transmit_.set_gate(Gate::closed);
+  renumbering_ = true;
+  if (!transmit_.idle()) return;
+  transmit_.restart_numbers();
+  ++boot_;
+  say_hello(now);
+}
+
+void Membership::settle(Time now) {
+  SendEnded ended;
+  while (transmit_.data.take_control_end(ended)) {
+    if (ended.token == kHelloToken) {
+      hello_ended(ended, now);
+    } else {
+      beacon_out_ = false;
+      if (beacon_wanted_) send_beacon(now);
+    }
+  }
+  const bool settled = state_ == NodeState::up || state_ == NodeState::alone;
+  if (settled && !hello_out_ && (renumbering_ || transmit_.numbers_exhausted())) renumber(now);
+}
+
+// ---- what comes home ----------------------------------------------------------------------
+
+void Membership::came_home(std::uint8_t hop, Time now) {
+  input_was_lost_ = input_ != Link::up;
+  output_was_lost_ = output_ != Link::up;
+  doubled_signs_ = 0;
+  ring_size_ = hop + 1u;
+  if (state_ == NodeState::doubled_id) enter(NodeState::joining, now);
+  if (state_ == NodeState::up && ring_size_ == 1) enter(NodeState::alone, now);
+  if (state_ == NodeState::alone && ring_size_ > 1) enter(NodeState::up, now);
+}
+
+void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time now) {
+  if (!matched && ring_size_ != 0 && packet.hop() + 1u != ring_size_) ++counters_.doubled_id_signs;
+  if (!is_control(packet)) return;
+  if (const auto hello = wire::decode_hello(packet.data())) own_control_seen(hello->boot, packet.hop(), now);
+  if (const auto beacon = wire::decode_beacon(packet.data())) own_control_seen(beacon->boot, packet.hop(), now);
+}
+
+void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
+  if (boot == boot_) {
+    if (state_ != NodeState::open_chain) return;
+    ring_size_ = hop + 1u;
+    drained_at_ = std::min(drained_at_, now + settings_.send_timeout());
+    return;
+  }
+  if (boot >= settings_.boot && boot < boot_) return;  // said by this very life, before a new hello
+  ++counters_.doubled_id_signs;
+  if (++doubled_signs_ >= kDoubledSigns && state_ != NodeState::starting) enter(NodeState::doubled_id, now);
+}
+
+// ---- the others ---------------------------------------------------------------------------
+
+void Membership::heard(const wire::PacketFields& packet, Time now) {
+  const NodeId source = packet.source();
+  if (const auto hello = wire::decode_hello(packet.data())) {
+    if (!peers_.heard_hello(source, packet.hop(), *hello, now)) return;
+    receive_.forget(source);
+    pins_.forget(source);
+  } else if (const auto beacon = wire::decode_beacon(packet.data())) {
+    if (peers_.heard_beacon(source, packet.hop(), *beacon, now)) events_.put(now, PeerChanged{source});
+    if (beacon->break_known && beacon->break_behind == source) hear_break(*beacon, now);
+  } else {
+    ++counters_.control_malformed;
+  }
+}
+
+void Membership::set_cpu(const CpuReport& report, Time now) {
+  const bool news = report.boots != cpu_.boots || report.state != cpu_.state;
+  cpu_ = report;
+  if (news && accepts_sends()) change(now);
+}
+
+wire::Beacon Membership::beacon(Time now) const {
+  wire::Beacon b;
+  b.boot = boot_;
+  b.cpu_boots = cpu_.boots;
+  b.cpu_state = cpu_.state;
+  const auto silent = std::chrono::duration_cast<std::chrono::milliseconds>(now - cpu_.spoke_at).count();
+  b.cpu_silent_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(silent, 0, UINT32_MAX));
+  b.input = link_state(input_ == Link::up, input_ == Link::lost);
+  b.input_from = input_from_;
+  b.output = link_state(output_ == Link::up, output_ == Link::lost);
+  b.output_to = output_to_;
+  b.break_known = break_known_;
+  b.break_before = break_before_;
+  b.break_behind = break_behind_;
+  return b;
+}
+
+// Something that beacons say has changed: say it at once.
+void Membership::change(Time now) {
+  if (settings_.beacon.count() == 0) return;
+  if (beacon_out_)
+    beacon_wanted_ = true;
+  else
+    send_beacon(now);
+}
+
+void Membership::send_beacon(Time now) {
+  beacon_wanted_ = false;
+  beacon_due_ = now + settings_.beacon;
+  if (hello_out_ || !accepts_sends()) return;
+  beacon_out_ = true;
+  std::array<std::uint8_t, wire::kBeaconSize> bytes;
+  wire::encode(beacon(now), bytes.data());
+  transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kBeaconToken, now);
+}
+
+// ---- a broken ring ------------------------------------------------------------------------
+
+// The node behind the break knows at once; after a grace for the bypass it announces it. (ours)
+void Membership::own_input_broken(Time now) {
+  break_due_ = kNever;
+  break_known_ = true;
+  break_before_ = input_from_;
+  break_behind_ = settings_.id;
+  enter_open_chain(now);
+}
+
+// Only the node behind a break is believed: echoes of its word would outlive the break.
+void Membership::hear_break(const wire::Beacon& beacon, Time now) {
+  if (break_known_ && break_behind_ == settings_.id) return;
+  break_known_ = true;
+  break_before_ = beacon.break_before;
+  break_behind_ = beacon.break_behind;
+  enter_open_chain(now);
+}
+
+void Membership::enter_open_chain(Time now) {
+  drained_at_ = kNever;
+  if (state_ == NodeState::open_chain || output_ != Link::up || state_ == NodeState::doubled_id) return;
+  enter(NodeState::open_chain, now);
+  transmit_.set_open_chain(true, now);
+  if (!hello_out_) transmit_.set_gate(Gate::open);
+  change(now);
+}
+
+void Membership::leave_open_chain(Time now) {
+  drained_at_ = kNever;
+  break_known_ = false;
+  transmit_.set_open_chain(false, now);
+  renumber(now);
+  enter(ring_size_ == 1 ? NodeState::alone : NodeState::up, now);
+}
+
+// ---- time ---------------------------------------------------------------------------------
+
+void Membership::handle_timeout(Time now) {
+  if (break_due_ <= now) own_input_broken(now);
+  if (drained_at_ <= now) leave_open_chain(now);
+  if (beacon_due_ <= now) {
+    beacon_due_ = now + settings_.beacon;
+    change(now);
+  }
+}
+
+Time Membership::deadline() const { return std::min({beacon_due_, break_due_, drained_at_}); }
+
+}  // namespace limb_ring::core

@@ -1,0 +1,108 @@
+#pragma once
+
+#include "core/counters.h"
+#include "core/events.h"
+#include "core/peers.h"
+#include "core/pins.h"
+#include "core/receive.h"
+#include "core/settings.h"
+#include "core/transmit.h"
+
+namespace limb_ring::core {
+
+/// What the NC knows of its own CPU; beacons carry it.
+struct CpuReport {
+  std::uint32_t boots = 0;
+  wire::CpuState state = wire::CpuState::none;
+  Time spoke_at{};  ///< when it last spoke; beacons say how long ago that was
+};
+
+/// This node's place in the ring: hello, beacons, what they say of the others, the learned ring
+/// size, doubled ids, a broken ring. (ours, protocol.md sections 4 and 8)
+class Membership {
+ public:
+  Membership(const Settings& settings, Transmit& transmit, Receive& receive, Pins& pins, Counters& counters,
+             EventQueue& events);
+
+  NodeState state() const { return state_; }
+  std::uint64_t boot() const { return boot_; }
+  /// Nodes in the ring, from the HOP of own packets that came home; 0 while none has.
+  unsigned ring_size() const { return ring_size_; }
+  const Peers& peers() const { return peers_; }
+  /// Users may send.
+  bool accepts_sends() const {
+    return state_ == NodeState::up || state_ == NodeState::alone || state_ == NodeState::open_chain;
+  }
+
+  void input_up(NodeId from, Time now);
+  void input_lost(Time now);
+  void output_up(NodeId to, Time now);
+  void output_lost(Time now);
+  void set_cpu(const CpuReport& report, Time now);
+
+  /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
+  void came_home(std::uint8_t hop, Time now);
+  /// An own packet came home with a good CRC, whether it matched anything or not.
+  void own_seen(const wire::PacketFields& packet, bool matched, Time now);
+  /// A control packet of another node, before Receive decides on it.
+  void heard(const wire::PacketFields& packet, Time now);
+
+  void handle_timeout(Time now);
+  /// After anything that may have ended a send of the NC's own, or used up sequence numbers.
+  void settle(Time now);
+  Time deadline() const;
+
+ private:
+  enum class Link : std::uint8_t { never, up, lost };
+
+  void enter(NodeState state, Time now);
+  void links_changed(Time now);
+  void start_over(Time now);
+  void say_hello(Time now);
+  void hello_ended(const SendEnded& ended, Time now);
+  void joined(Time now);
+  void renumber(Time now);
+
+  void send_beacon(Time now);
+  void change(Time now);
+  wire::Beacon beacon(Time now) const;
+
+  void own_input_broken(Time now);
+  void hear_break(const wire::Beacon& beacon, Time now);
+  void enter_open_chain(Time now);
+  void leave_open_chain(Time now);
+  void own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now);
+
+  const Settings& settings_;
+  Transmit& transmit_;
+  Receive& receive_;
+  Pins& pins_;
+  Counters& counters_;
+  EventQueue& events_;
+
+  NodeState state_ = NodeState::starting;
+  std::uint64_t boot_;
+  unsigned ring_size_ = 0;
+  Peers peers_;
+  CpuReport cpu_;
+
+  Link input_ = Link::never;
+  Link output_ = Link::never;
+  NodeId input_from_ = 0;
+  NodeId output_to_ = 0;
+  bool input_was_lost_ = false;   ///< since an own packet last came home
+  bool output_was_lost_ = false;
+  bool hello_out_ = false;
+  bool renumbering_ = false;
+  bool beacon_out_ = false;
+  bool beacon_wanted_ = false;    ///< something changed while one was out
+  Time beacon_due_ = kNever;
+  Time break_due_ = kNever;       ///< the input, lost, counts as a broken line from then on
+  Time drained_at_ = kNever;      ///< the open chain is closed again and drained then
+  bool break_known_ = false;
+  NodeId break_before_ = 0;
+  NodeId break_behind_ = 0;
+  unsigned doubled_signs_ = 0;    ///< since an own packet last came home
+};
+
+}  // namespace limb_ring::core

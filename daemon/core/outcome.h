@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+namespace limb_ring::core {
+
+/// How a send ended; every send has exactly one. (ours, protocol.md section 4)
+enum class Outcome : std::uint8_t {
+  delivered, refused, no_such_node, lost, unconfirmed, rejected, cancelled
+};
+
+/// Why a send was rejected.
+enum class Reject : std::uint8_t {
+  none, bad_size, bad_destination, bad_priority, bad_channel, bad_factor, input_unwired, queue_full,
+  not_in_ring, no_way_out
+};
+
+/// A sentence for people.
+const char* to_string(Reject reject);
+
+}  // namespace limb_ring::core

@@ -1,0 +1,274 @@
+#include "core/packet_manager.h"
+
+#include <algorithm>
+
+namespace limb_ring::core {
+
+using wire::ByteView;
+using wire::SliceKind;
+
+PacketManager::PacketManager(const Settings& settings, Transmit& transmit, Counters& counters,
+                             wire::SliceWriter& line)
+    : settings_(settings),
+      transmit_(transmit),
+      counters_(counters),
+      line_(line),
+      buffer_(std::max(2u, settings.insertion_buffer)) {}
+
+// ---- from Relay ---------------------------------------------------------------------------
+
+bool PacketManager::can_pass(Time now) const {
+  return !paced() && ready_ && !is_open_ && buffer_.empty() && interrupts_.empty() &&
+         transmit_.data.ready_at() > now && transmit_.interrupts.ready_at() > now;
+}
+
+void PacketManager::relay_whole(ByteView packet, std::uint8_t fbc, Time now) {
+  if (!output_up_) return count_drop(1);
+  ++counters_.relayed_data;
+  const auto hop = static_cast<std::uint8_t>(packet[2] + 1);
+  if (can_pass(now)) {
+    std::uint8_t* place = line_.put_space(SliceKind::whole, packet.size);
+    std::memcpy(place, packet.data, packet.size);
+    return wire::rewrite(place, packet.size, hop, fbc);
+  }
+  RelayedPacket& slot = buffer_.push(now);
+  slot.append(packet);
+  wire::rewrite(slot.bytes.data(), slot.size, hop, fbc);
+  slot.state = RelayedPacket::State::complete;
+  slot.tail_at = now;
+}
+
+void PacketManager::relay_begin(ByteView header_and_words, Time now) {
+  receiving_ = false;
+  if (!output_up_) return count_drop(1);
+  RelayedPacket& slot = buffer_.push(now);
+  receiving_ = true;
+  slot.append(header_and_words);
+  slot.hop_before = slot.bytes[2];
+  ++slot.bytes[2];
+}
+
+void PacketManager::relay_words(ByteView words) {
+  if (receiving_) buffer_.back().append(words);
+}
+
+void PacketManager::relay_end(ByteView rest, std::uint8_t fbc, Time now) {
+  if (!receiving_) return;
+  receiving_ = false;
+  ++counters_.relayed_data;
+  RelayedPacket& slot = buffer_.back();
+  slot.append(rest);
+  slot.tail_at = now;
+  slot.state = RelayedPacket::State::complete;
+  // The CRC still belongs to the HOP that came in, so put it back for the rewriting.
+  const std::uint8_t hop = slot.bytes[2];
+  slot.bytes[2] = slot.hop_before;
+  wire::rewrite(slot.bytes.data(), slot.size, hop, fbc);
+}
+
+void PacketManager::relay_abort() {
+  if (!receiving_) return;
+  receiving_ = false;
+  buffer_.back().state = RelayedPacket::State::aborted;
+}
+
+void PacketManager::relay_interrupt(const wire::InterruptBytes& packet, Time now) {
+  if (!output_up_) return count_drop(1);
+  if (interrupts_.size() >= settings_.interrupt_buffer) {
+    ++counters_.interrupt_buffer_full;
+    return;
+  }
+  ++counters_.relayed_interrupts;
+  interrupts_.push_back({packet, now});
+}
+
+// ---- the line -----------------------------------------------------------------------------
+
+void PacketManager::output_up() {
+  output_up_ = true;
+  ready_ = true;
+}
+
+void PacketManager::output_lost() {
+  count_drop(buffer_.count() + interrupts_.size());
+  buffer_.clear();
+  interrupts_.clear();
+  line_.clear();
+  receiving_ = false;
+  is_open_ = false;
+  output_up_ = false;
+}
+
+void PacketManager::run(Time now) {
+  while (step(now)) {
+  }
+}
+
+bool PacketManager::step(Time now) {
+  if (!output_up_ || !ready_ || free_at_ > now) return false;
+  if (send_interrupt(now)) return true;
+  return is_open_ ? advance_open(now) : start_data(now);
+}
+
+Time PacketManager::deadline() const {
+  if (!output_up_ || !ready_) return kNever;
+  Time next = interrupt_at();
+  if (!is_open_)
+    next = std::min(next, data_since());
+  else if (open_aborted())
+    next = std::min(next, free_at_);
+  else if (open_complete())
+    next = std::min(next, open_end_at());
+  return next == kNever ? kNever : std::max(next, free_at_);
+}
+
+// ---- interrupts ---------------------------------------------------------------------------
+
+bool PacketManager::own_interrupt_first() const {
+  return interrupts_.empty() || transmit_.interrupts.ready_at() <= interrupts_.front().arrived;
+}
+
+Time PacketManager::interrupt_since() const {
+  const Time own = transmit_.interrupts.ready_at();
+  return interrupts_.empty() ? own : std::min(own, interrupts_.front().arrived);
+}
+
+// The instant at which the next INTP may begin: at once, or inside an open DATP at its next word
+// boundary; kNever where it has to wait for the open DATP's last odd bytes, trailer and CRC.
+Time PacketManager::interrupt_at() const {
+  const Time since = interrupt_since();
+  if (since == kNever) return kNever;
+  const Time at = std::max(since, free_at_);
+  if (!is_open_) return at;
+  const Time word = next_word(at);
+  return open_complete() && paced() && word > open_end_at() ? kNever : word;
+}
+
+bool PacketManager::send_interrupt(Time now) {
+  const Time at = interrupt_at();
+  if (at > now) return false;
+  if (is_open_) {
+    put_words_until(at);
+    ++counters_.embedded_interrupts;
+    open_.grid += bytes_time(wire::kInterruptPacketSize);
+  }
+  const wire::InterruptBytes packet = take_interrupt(at);
+  line_.put(SliceKind::interrupt, {packet.data(), packet.size()});
+  free_at_ = at + bytes_time(wire::kInterruptPacketSize);
+  return true;
+}
+
+wire::InterruptBytes PacketManager::take_interrupt(Time at) {
+  wire::InterruptBytes packet;
+  if (own_interrupt_first()) {
+    const ByteView image = transmit_.interrupts.start(at);
+    std::copy(image.begin(), image.end(), packet.begin());
+  } else {
+    packet = interrupts_.front().bytes;
+    interrupts_.pop_front();
+  }
+  return packet;
+}
+
+// ---- the DATP on the line -----------------------------------------------------------------
+
+ByteView PacketManager::open_bytes() const {
+  if (open_.own) return open_.own_bytes;
+  const RelayedPacket& slot = buffer_.front();
+  return {slot.bytes.data(), slot.size};
+}
+
+Time PacketManager::next_word(Time from) const {
+  const Duration word = bytes_time(4);
+  if (word.count() == 0 || from <= open_.grid) return std::max(from, open_.grid);
+  const auto words = (from - open_.grid + word - Duration{1}) / word;
+  return open_.grid + words * word;
+}
+
+// When the end slice goes: after all whole words, not before it came in, nor inside an INTP.
+Time PacketManager::open_end_at() const {
+  const std::size_t payload = open_bytes().size - wire::kOverhead;
+  const Time words_out = open_.grid + bytes_time(payload / 4 * 4);
+  const Time tail_at = open_.own ? words_out : buffer_.front().tail_at;
+  return std::max({words_out, tail_at, free_at_});
+}
+
+// Gives out the whole words of payload that precede the instant `at` on the line, as far as they
+// have come in.
+void PacketManager::put_words_until(Time at) {
+  const ByteView bytes = open_bytes();
+  std::size_t until = bytes.size - (open_complete() ? wire::kTrailerSize + wire::kCrcSize : 0);
+  if (paced()) until = std::min<std::size_t>(until, wire::kHeaderSize + (at - open_.grid) / bytes_time(1));
+  until -= until % 4;
+  if (until <= open_.sent) return;
+  line_.put(SliceKind::more, bytes.from(open_.sent).first(until - open_.sent));
+  open_.sent = until;
+}
+
+bool PacketManager::advance_open(Time now) {
+  if (open_aborted()) {
+    line_.put(SliceKind::abort, {});
+    close_open();
+    return true;
+  }
+  if (!open_complete()) {
+    if (!paced()) put_words_until(now);
+    return false;
+  }
+  const Time end = open_end_at();
+  if (end > now) return false;
+  const ByteView bytes = open_bytes();
+  line_.put(SliceKind::end, bytes.from(open_.sent));
+  const std::size_t odd = (bytes.size - wire::kOverhead) % 4;
+  free_at_ = end + bytes_time(odd + wire::kTrailerSize + wire::kCrcSize);
+  close_open();
+  return true;
+}
+
+void PacketManager::close_open() {
+  is_open_ = false;
+  if (!open_.own) buffer_.pop();
+}
+
+bool PacketManager::own_data_first() const {
+  return buffer_.empty() || transmit_.data.ready_at() <= buffer_.front().arrived;
+}
+
+Time PacketManager::data_since() const {
+  const Time own = transmit_.data.ready_at();
+  return buffer_.empty() ? own : std::min(own, buffer_.front().arrived);
+}
+
+void PacketManager::drop_aborted_fronts() {
+  while (!buffer_.empty() && buffer_.front().state == RelayedPacket::State::aborted) buffer_.pop();
+}
+
+bool PacketManager::start_data(Time now) {
+  drop_aborted_fronts();
+  const Time since = data_since();
+  if (since > now) return false;
+  open_data(std::max(since, free_at_));
+  return true;
+}
+
+void PacketManager::open_data(Time at) {
+  open_ = {};
+  open_.own = own_data_first();
+  if (open_.own) open_.own_bytes = transmit_.data.start(at);
+  is_open_ = true;
+  put_whole_or_start(at);
+}
+
+void PacketManager::put_whole_or_start(Time at) {
+  const ByteView bytes = open_bytes();
+  if (!paced() && open_complete()) {
+    line_.put(SliceKind::whole, bytes);
+    return close_open();
+  }
+  open_.sent = paced() ? wire::kHeaderSize : bytes.size;
+  line_.put(SliceKind::start, bytes.first(open_.sent));
+  free_at_ = at + bytes_time(wire::kHeaderSize);
+  open_.grid = free_at_;
+}
+
+}  // namespace limb_ring::core

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <deque>
+
+#include "core/counters.h"
+#include "core/insertion_buffer.h"
+#include "core/settings.h"
+#include "core/transmit.h"
+#include "wire/interrupt_packet.h"
+#include "wire/slice.h"
+
+namespace limb_ring::core {
+
+/// Packet Manager: chooses what goes onto the outgoing line. What came in first goes first; on a
+/// tie Transmit wins over Relay; an INTP goes before any DATP and is embedded into a DATP already
+/// on its way out, at a word boundary. (paper; word grid and buffer limits ours)
+///
+/// Time on the line: a byte takes `byte_time_out`. A `start` slice is given out as its header
+/// begins, an INTP as it begins, an `end` slice as its last odd bytes, trailer and CRC begin, so
+/// that downstream can decide in the instant a real relay would. With byte time 0 everything
+/// that is there goes at once.
+class PacketManager {
+ public:
+  PacketManager(const Settings& settings, Transmit& transmit, Counters& counters, wire::SliceWriter& line);
+
+  /// @name From Relay: one DATP at a time, whole or begin, words, end or abort
+  /// The packet comes as it came in; HOP (and FBC) are rewritten here and the CRC carried along.
+  ///@{
+  bool has_room() const { return !output_up_ || !buffer_.full(); }
+  void relay_whole(wire::ByteView packet, std::uint8_t fbc, Time now);
+  void relay_begin(wire::ByteView header_and_words, Time now);
+  void relay_words(wire::ByteView words);
+  void relay_end(wire::ByteView rest, std::uint8_t fbc, Time now);
+  void relay_abort();
+  ///@}
+  /// An INTP, HOP and FBC already rewritten.
+  void relay_interrupt(const wire::InterruptBytes& packet, Time now);
+
+  /// The line: there, gone (what waits is dropped and counted), able to take more.
+  void output_up();
+  void output_lost();
+  void set_ready(bool ready) { ready_ = ready; }
+
+  /// Puts onto the line all that may go now.
+  void run(Time now);
+  /// When run() has something to do again, if nothing else happens.
+  Time deadline() const;
+
+ private:
+  struct WaitingInterrupt {
+    wire::InterruptBytes bytes;
+    Time arrived;
+  };
+  /// The DATP whose header is on the line and whose end is not.
+  struct Open {
+    bool own = false;
+    wire::ByteView own_bytes;
+    std::size_t sent = 0;  ///< bytes given out so far
+    Time grid{};           ///< when its first payload byte goes, later by each INTP embedded
+  };
+
+  bool paced() const { return settings_.byte_time_out.count() != 0; }
+  Duration bytes_time(std::size_t bytes) const { return settings_.byte_time_out * static_cast<std::int64_t>(bytes); }
+  bool can_pass(Time now) const;
+  void count_drop(std::uint64_t packets) { counters_.dropped_no_output += packets; }
+  bool step(Time now);
+  void drop_aborted_fronts();
+
+  bool own_interrupt_first() const;
+  Time interrupt_since() const;
+  Time interrupt_at() const;
+  bool send_interrupt(Time now);
+  wire::InterruptBytes take_interrupt(Time at);
+
+  wire::ByteView open_bytes() const;
+  bool open_complete() const { return open_.own || buffer_.front().state == RelayedPacket::State::complete; }
+  bool open_aborted() const { return !open_.own && buffer_.front().state == RelayedPacket::State::aborted; }
+  Time next_word(Time from) const;
+  Time open_end_at() const;
+  void put_words_until(Time at);
+  bool advance_open(Time now);
+  void close_open();
+
+  bool own_data_first() const;
+  Time data_since() const;
+  bool start_data(Time now);
+  void open_data(Time at);
+  void put_whole_or_start(Time at);
+
+  const Settings& settings_;
+  Transmit& transmit_;
+  Counters& counters_;
+  wire::SliceWriter& line_;
+  InsertionBuffer buffer_;
+  std::deque<WaitingInterrupt> interrupts_;
+  bool output_up_ = false;
+  bool ready_ = true;
+  bool receiving_ = false;  ///< buffer_.back() is still coming in
+  bool is_open_ = false;
+  Open open_;
+  Time free_at_{};          ///< header, INTP or tail on the line is through
+};
+
+}  // namespace limb_ring::core

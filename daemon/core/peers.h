@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/time.h"
+#include "wire/control_message.h"
+
+namespace limb_ring::core {
+
+/// What a node knows of another from its hello and beacons.
+struct Peer {
+  bool known = false;          ///< a hello or beacon of it was heard
+  bool beacon_heard = false;
+  std::uint64_t boot = 0;
+  std::uint8_t hop = 0;        ///< relays between it and this node, of its last control packet
+  Time heard_at{};
+  wire::Beacon beacon;         ///< its last one
+};
+
+/// All others, by id.
+class Peers {
+ public:
+  const Peer& operator[](wire::NodeId node) const { return peers_[node]; }
+
+  /// @return true where the boot number is another than the one known (or the first)
+  bool heard_hello(wire::NodeId node, std::uint8_t hop, const wire::Hello& hello, Time now) {
+    Peer& peer = peers_[node];
+    const bool anew = !peer.known || peer.boot != hello.boot;
+    hear(peer, hop, hello.boot, now);
+    return anew;
+  }
+
+  /// @return true where it says something new of CPU, links or break, or is the first
+  bool heard_beacon(wire::NodeId node, std::uint8_t hop, const wire::Beacon& beacon, Time now) {
+    Peer& peer = peers_[node];
+    const wire::Beacon& b = peer.beacon;
+    const bool news = !peer.beacon_heard || b.cpu_boots != beacon.cpu_boots || b.cpu_state != beacon.cpu_state ||
+                      b.input != beacon.input || b.input_from != beacon.input_from || b.output != beacon.output ||
+                      b.output_to != beacon.output_to || b.break_known != beacon.break_known;
+    hear(peer, hop, beacon.boot, now);
+    peer.beacon_heard = true;
+    peer.beacon = beacon;
+    return news;
+  }
+  void forget_all() { peers_ = {}; }
+
+ private:
+  static void hear(Peer& peer, std::uint8_t hop, std::uint64_t boot, Time now) {
+    peer.known = true;
+    peer.boot = boot;
+    peer.hop = hop;
+    peer.heard_at = now;
+  }
+  std::array<Peer, 256> peers_{};
+};
+
+}  // namespace limb_ring::core

@@ -1,0 +1,33 @@
+#include "core/pins.h"
+
+#include <algorithm>
+
+namespace limb_ring::core {
+
+bool Pins::addressed(const wire::PacketFields& packet) const {
+  if (packet.destination() == wire::kBroadcast) return packet.source() != settings_.id;
+  return packet.destination() == settings_.id;
+}
+
+std::uint8_t Pins::offer(const wire::PacketFields& packet, Time at) {
+  if (!addressed(packet)) return packet.fbc();
+  const bool broadcast = packet.destination() == wire::kBroadcast;
+  Verdict verdict = memory_.verdict(packet.source(), packet.code(), broadcast);
+  if (verdict == Verdict::none) {
+    verdict = pull(packet, at) ? Verdict::taken : Verdict::refused;
+    memory_.remember(packet.source(), packet.code(), broadcast, verdict);
+  } else {
+    ++counters_.duplicates;
+  }
+  return std::min<std::uint8_t>(packet.fbc(), verdict == Verdict::taken ? 1 : 0);
+}
+
+bool Pins::pull(const wire::PacketFields& packet, Time at) {
+  const std::uint8_t factor = packet.last() & 7;
+  if (!settings_.wired[factor]) return ++counters_.refused_unwired, false;
+  ++counters_.pins_pulled;
+  events_.put(at, PinPulled{factor, packet.source()});
+  return true;
+}
+
+}  // namespace limb_ring::core

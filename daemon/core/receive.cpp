@@ -1,0 +1,95 @@
+#include "core/receive.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace limb_ring::core {
+
+using wire::PacketFields;
+
+bool Receive::addressed(const PacketFields& packet) const {
+  if (packet.destination() == wire::kBroadcast) return packet.source() != settings_.id;
+  return packet.destination() == settings_.id;
+}
+
+std::size_t Receive::free_buffers(const PacketFields& packet) const {
+  if (is_control(packet)) return wire::kFbcMax;
+  if (!cpu_present_) return 0;
+  const std::size_t used = buffers_[wire::priority_of(packet.last())].size();
+  return settings_.receive_buffers > used ? settings_.receive_buffers - used : 0;
+}
+
+bool Receive::accepts(const PacketFields& packet) {
+  if (is_control(packet)) return true;
+  if (joining_) return ++counters_.refused_joining, false;
+  if (!cpu_present_) return ++counters_.refused_cpu_absent, false;
+  if (free_buffers(packet) == 0) return ++counters_.refused_no_buffer, false;
+  return true;
+}
+
+std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
+  if (!addressed(packet)) return packet.fbc();
+  const bool broadcast = packet.destination() == wire::kBroadcast;
+  const std::size_t free = std::min<std::size_t>(free_buffers(packet), wire::kFbcMax);
+  const auto least = [&](std::size_t value) {
+    return static_cast<std::uint8_t>(std::min<std::size_t>(packet.fbc(), value));
+  };
+  switch (memory_.verdict(packet.source(), packet.code(), broadcast)) {
+    case Verdict::taken: return ++counters_.duplicates, least(std::max<std::size_t>(1, free));
+    case Verdict::refused: return ++counters_.duplicates, std::uint8_t{0};
+    case Verdict::none: break;
+  }
+  const bool taken = accepts(packet);
+  memory_.remember(packet.source(), packet.code(), broadcast, taken ? Verdict::taken : Verdict::refused);
+  if (!taken) return 0;
+  store(packet, at);
+  return least(free);
+}
+
+void Receive::store(const PacketFields& packet, Time at) {
+  if (is_control(packet)) {
+    ++counters_.received_control;
+    return;
+  }
+  ++counters_.received_data;
+  auto& buffer = buffers_[wire::priority_of(packet.last())];
+  buffer.emplace_back();
+  ReceivedPacket& slot = buffer.back();
+  slot.at = at;
+  slot.source = packet.source();
+  slot.destination = packet.destination();
+  slot.priority = wire::priority_of(packet.last());
+  slot.channel = wire::channel_of(packet.last());
+  slot.size = static_cast<std::uint16_t>(packet.data().size);
+  std::memcpy(slot.data.data(), packet.data().data, slot.size);
+}
+
+bool Receive::take(Time now, ReceivedPacket& out) {
+  for (auto& buffer : buffers_) {
+    if (buffer.empty() || buffer.front().at > now) continue;
+    out = buffer.front();
+    buffer.pop_front();
+    return true;
+  }
+  return false;
+}
+
+std::size_t Receive::waiting() const {
+  std::size_t count = 0;
+  for (const auto& buffer : buffers_) count += buffer.size();
+  return count;
+}
+
+Time Receive::next() const {
+  Time next = kNever;
+  for (const auto& buffer : buffers_)
+    if (!buffer.empty()) next = std::min(next, buffer.front().at);
+  return next;
+}
+
+void Receive::flush() {
+  counters_.flushed_on_reset += waiting();
+  for (auto& buffer : buffers_) buffer.clear();
+}
+
+}  // namespace limb_ring::core

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <deque>
+
+#include "core/counters.h"
+#include "core/duplicate_memory.h"
+#include "core/settings.h"
+#include "wire/data_packet.h"
+
+namespace limb_ring::core {
+
+/// A DATP in a receive buffer, for the CPU.
+struct ReceivedPacket {
+  Time at{};                   ///< its last bit was in
+  NodeId source = 0;
+  NodeId destination = 0;      ///< this node, or wire::kBroadcast
+  std::uint8_t priority = 0;   ///< 0..3
+  std::uint8_t channel = 0;    ///< 0..63
+  std::uint16_t size = 0;      ///< 1..512
+  std::array<std::uint8_t, wire::kMaxPayload> data;
+
+  wire::ByteView bytes() const { return {data.data(), size}; }
+};
+
+/// Receive: works in parallel with Relay on the same input, takes packets addressed to this node
+/// or broadcast, by priority, and ignores the rest. (paper) Verdicts and exactly-once are ours.
+class Receive {
+ public:
+  Receive(const Settings& settings, Counters& counters) : settings_(settings), counters_(counters) {}
+
+  /// A packet with a good CRC passes.
+  /// @return the FBC it goes on with
+  std::uint8_t offer(const wire::PacketFields& packet, Time at);
+
+  /// The next packet for the CPU, highest priority first. @return false where none is there yet
+  bool take(Time now, ReceivedPacket& out);
+  std::size_t waiting() const;
+  /// When take() may have something, kNever where all buffers are empty.
+  Time next() const;
+
+  void set_cpu_present(bool present) { cpu_present_ = present; }
+  void set_joining(bool joining) { joining_ = joining; }
+  /// A reset of the CPU: no stale command is acted on.
+  void flush();
+
+  void forget(NodeId source) { memory_.forget(source); }
+  void forget_all() { memory_.forget_all(); }
+
+ private:
+  using Verdict = DuplicateMemory::Verdict;
+  bool addressed(const wire::PacketFields& packet) const;
+  std::size_t free_buffers(const wire::PacketFields& packet) const;
+  bool accepts(const wire::PacketFields& packet);
+  void store(const wire::PacketFields& packet, Time at);
+
+  const Settings& settings_;
+  Counters& counters_;
+  DuplicateMemory memory_;
+  std::array<std::deque<ReceivedPacket>, 4> buffers_;
+  bool cpu_present_ = false;
+  bool joining_ = true;
+};
+
+/// True for the network controllers' own channel.
+inline bool is_control(const wire::PacketFields& packet) {
+  return wire::channel_of(packet.last()) == static_cast<std::uint8_t>(wire::Channel::control);
+}
+
+}  // namespace limb_ring::core

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/time.h"
+#include "wire/packet.h"
+
+namespace limb_ring::core {
+
+using wire::NodeId;
+
+/// An interrupt input of the NC: pulling it sends this INTP, without the CPU. (paper)
+struct InterruptInput {
+  NodeId destination = 0;
+  std::uint8_t factor = 0;
+};
+
+/// What one network controller is told at its start.
+struct Settings {
+  NodeId id = 0;
+  std::vector<NodeId> order{0};  ///< all configured nodes in ring order, this one among them
+  std::uint64_t boot = 1;        ///< first boot number; must be higher than any used before
+
+  Duration byte_time_out{0};     ///< of the output line; 0: as fast as it takes them
+  Duration byte_time_in{0};      ///< of the input line
+  Duration relay_delay{0};       ///< d of protocol.md section 7; only time-outs use it here
+
+  unsigned insertion_buffer = 8;   ///< DATPs, at least 2
+  unsigned interrupt_buffer = 64;  ///< INTPs
+  unsigned send_queue = 64;        ///< sends per priority, and interrupts
+  unsigned receive_buffers = 32;   ///< DATPs per priority
+
+  Duration send_timeout_least = std::chrono::milliseconds(100);
+  Duration refused_for = std::chrono::seconds(1);
+  Duration refused_backoff = std::chrono::milliseconds(1);
+  Duration refused_backoff_most = std::chrono::milliseconds(64);
+  Duration queue_timeout = std::chrono::seconds(5);
+  Duration stall = std::chrono::milliseconds(50);
+  Duration beacon = std::chrono::milliseconds(100);  ///< 0: no beacons
+  Duration break_grace = std::chrono::milliseconds(200);  ///< input lost so long: a broken line
+  Duration unconfirmed_pace = std::chrono::microseconds(100);  ///< open chain, unpaced links
+
+  std::array<bool, 8> wired{};  ///< pins wired to something
+  std::array<std::optional<InterruptInput>, 8> inputs{};
+
+  unsigned nodes() const { return static_cast<unsigned>(order.size()); }
+  /// One lap of largest packets in the worst case: N * (T + d), INTPs cutting in once per node.
+  Duration worst_lap() const {
+    return nodes() * (byte_time_out * static_cast<int>(524 + wire::kOverhead) + relay_delay);
+  }
+  /// Time-out of one try: two laps, and never less than send_timeout_least. (ours)
+  Duration send_timeout() const { return std::max(send_timeout_least, 2 * worst_lap()); }
+};
+
+}  // namespace limb_ring::core

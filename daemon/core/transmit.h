@@ -1,0 +1,46 @@
+#pragma once
+
+#include "core/data_unit.h"
+#include "core/interrupt_unit.h"
+
+namespace limb_ring::core {
+
+/// Transmit: sends what the node asks for. Data packets and interrupt packets have separate,
+/// parallel units. (paper)
+struct Transmit {
+  Transmit(const Settings& settings, Counters& counters, EventQueue& events)
+      : data(settings, counters, events), interrupts(settings, counters, events) {}
+
+  DataUnit data;
+  InterruptUnit interrupts;
+
+  void set_gate(Gate gate) {
+    data.set_gate(gate);
+    interrupts.set_gate(gate);
+  }
+  void set_open_chain(bool open, Time now) {
+    data.set_open_chain(open, now);
+    interrupts.set_open_chain(open, now);
+  }
+  bool idle() const { return !data.busy() && !interrupts.busy(); }
+  bool numbers_exhausted() const { return data.numbers_exhausted() || interrupts.numbers_exhausted(); }
+  void restart_numbers() {
+    data.restart_numbers();
+    interrupts.restart_numbers();
+  }
+  void restart(Time now) {
+    data.restart(now);
+    interrupts.restart(now);
+  }
+  void cancel(Owner owner, Time now) {
+    data.cancel(owner, now);
+    interrupts.cancel(owner, now);
+  }
+  void handle_timeout(Time now) {
+    data.handle_timeout(now);
+    interrupts.handle_timeout(now);
+  }
+  Time deadline() const { return std::min(data.deadline(), interrupts.deadline()); }
+};
+
+}  // namespace limb_ring::core

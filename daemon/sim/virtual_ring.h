@@ -1,0 +1,130 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <queue>
+#include <set>
+#include <vector>
+
+#include "core/controller.h"
+
+namespace limb_ring::sim {
+
+using core::Controller;
+using core::Duration;
+using core::Time;
+using wire::NodeId;
+
+struct VirtualRingOptions {
+  unsigned nodes = 4;                                ///< 1 to 255; their ids are 0, 1, 2 ...
+  Duration byte_time{0};                             ///< on every line; 8 ns is 1 Gbit/s
+  Duration relay_delay = std::chrono::nanoseconds(512);  ///< d: line and NC, before the Packet Manager
+  bool start = true;                                 ///< false: nodes stay dead until start()
+  /// Last changes to a node's settings.
+  std::function<void(core::Settings&)> adjust = [](core::Settings&) {};
+};
+
+/// What one node was given: its events and packets, in order.
+struct NodeLog {
+  std::vector<core::Event> events;
+  std::vector<core::ReceivedPacket> packets;
+};
+
+/// A ring of network controllers, the very ones of the daemon, under a virtual clock: no socket,
+/// no thread, no waiting. Lines are intact and in order unless a tap says otherwise; a dead node
+/// is bypassed at once, as the daemon's links do it.
+class VirtualRing {
+ public:
+  explicit VirtualRing(const VirtualRingOptions& options);
+
+  Time now() const { return now_; }
+  Controller& node(NodeId id) { return *nodes_[id].controller; }
+  const core::Counters& counters(NodeId id) const { return nodes_[id].controller->counters(); }
+  NodeLog& log(NodeId id) { return nodes_[id].log; }
+  bool alive(NodeId id) const { return nodes_[id].alive; }
+
+  /// Node `id` sends; @return the token its SendEnded will carry (owner 1)
+  std::uint32_t send(NodeId id, NodeId destination, const std::vector<std::uint8_t>& data,
+                     std::uint8_t priority = 0, std::uint8_t channel = 0);
+  std::uint32_t interrupt(NodeId id, NodeId destination, std::uint8_t factor);
+  std::uint32_t pull(NodeId id, unsigned input);
+  /// The end of that send; null where it has not ended.
+  const core::SendEnded* ended(NodeId id, std::uint32_t token) const;
+
+  /// Does `action` at that instant, before any node decides what to put onto its line in it.
+  void at(Time time, std::function<void()> action);
+  /// Runs everything that happens up to and at `until`.
+  void run_until(Time until);
+  void run_for(Duration duration) { run_until(now_ + duration); }
+  /// Runs until `done`, checked after every instant. @return false where `limit` was reached first
+  bool run_until(const std::function<bool()>& done, Duration limit);
+  /// Runs until every living node has joined. @return false where 10 s were not enough
+  bool join();
+
+  /// The node's process ends; its neighbours bypass it, or the line is left open.
+  void kill(NodeId id);
+  /// A new process of that node, with a higher boot number.
+  void start(NodeId id);
+  /// The wire out of node `id`: cut, whole again. The node behind learns of it at once.
+  void cut(NodeId id);
+  void heal(NodeId id);
+
+  /// Sees every slice that leaves node `id` and may change what arrives: put what shall arrive
+  /// into `arriving` (empty: lost).
+  using Tap = std::function<void(const wire::Slice& slice, Time now, wire::SliceWriter& arriving)>;
+  void tap(NodeId id, Tap tap) { nodes_[id].tap = std::move(tap); }
+  /// Called for each event and packet as it comes out of a node; may send.
+  std::function<void(NodeId, const core::Event&)> on_event = [](NodeId, const core::Event&) {};
+  std::function<void(NodeId, const core::ReceivedPacket&)> on_packet = [](NodeId, const core::ReceivedPacket&) {};
+  /// Whether the CPU of a node takes its packets (true); false: it reads nothing.
+  std::vector<bool> cpu_reads;
+
+ private:
+  struct Node {
+    std::unique_ptr<Controller> controller;
+    bool alive = false;
+    bool wire_cut = false;       ///< the line out of it
+    int successor = -1;
+    int predecessor = -1;
+    std::uint64_t line_epoch = 0;  ///< bytes under way on a line that was replaced are lost
+    std::uint64_t lives = 0;
+    std::uint32_t next_token = 1;
+    Time wake = core::kNever;
+    NodeLog log;
+    Tap tap;
+  };
+  struct Arrival {
+    Time at;
+    std::uint64_t order;
+    NodeId from, to;
+    std::uint64_t epoch;
+    std::vector<std::uint8_t> bytes;  ///< slices; empty: a wake-up of `to`, or an action
+    std::function<void()> action;
+    bool operator>(const Arrival& other) const {
+      return at != other.at ? at > other.at : order > other.order;
+    }
+  };
+
+  core::Settings settings_of(NodeId id) const;
+  void connect(NodeId id);
+  void disconnect_output(NodeId id);
+  int next_alive(NodeId id) const;
+  int previous_alive(NodeId id) const;
+  void touch(NodeId id) { touched_.insert(id); }
+  void step();
+  void deliver(const Arrival& arrival);
+  void settle_touched();
+  void settle(NodeId id);
+  void carry_line(NodeId id);
+  void give_out(NodeId id);
+  void schedule_wake(NodeId id);
+
+  VirtualRingOptions options_;
+  Time now_{};
+  std::uint64_t order_ = 0;
+  std::vector<Node> nodes_;
+  std::set<NodeId> touched_;
+  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<Arrival>> arrivals_;
+};
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::core {
+
+using sim::VirtualRing;
+using sim::VirtualRingOptions;
+using namespace std::chrono_literals;
+using Bytes = std::vector<std::uint8_t>;
+
+inline Bytes text(const std::string& s) { return {s.begin(), s.end()}; }
+
+/// Payload whose every byte differs from its neighbours.
+inline Bytes pattern(std::size_t size, unsigned start = 0) {
+  Bytes bytes(size);
+  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(start + i);
+  return bytes;
+}
+
+/// The ring of protocol.md section 7: 1 Gbit/s, d = 512 ns; joined, beacons off.
+inline VirtualRingOptions gigabit(unsigned nodes) {
+  VirtualRingOptions options;
+  options.nodes = nodes;
+  options.byte_time = 8ns;
+  options.relay_delay = 512ns;
+  options.adjust = [](Settings& settings) {
+    settings.beacon = Duration{0};
+    settings.send_timeout_least = Duration{0};
+  };
+  return options;
+}
+
+/// A ring without data rate and beacons: what is sent arrives one relay delay later.
+inline VirtualRingOptions quick(unsigned nodes) {
+  VirtualRingOptions options;
+  options.nodes = nodes;
+  options.relay_delay = 1us;
+  options.adjust = [](Settings& settings) { settings.beacon = Duration{0}; };
+  return options;
+}
+
+inline std::vector<Bytes> payloads(const sim::NodeLog& log) {
+  std::vector<Bytes> out;
+  for (const ReceivedPacket& p : log.packets) out.emplace_back(p.bytes().begin(), p.bytes().end());
+  return out;
+}
+
+inline std::vector<unsigned> pins(const sim::NodeLog& log) {
+  std::vector<unsigned> out;
+  for (const Event& e : log.events)
+    if (const auto* pin = std::get_if<PinPulled>(&e.what)) out.push_back(pin->factor);
+  return out;
+}
+
+/// Waits in virtual time for the end of a send; fails the test where it does not come.
+inline SendEnded outcome_of(VirtualRing& ring, NodeId node, std::uint32_t token, Duration limit = 10s) {
+  const bool came = ring.run_until([&] { return ring.ended(node, token) != nullptr; }, limit);
+  EXPECT_TRUE(came) << "send " << token << " of node " << int{node} << " never ended";
+  return came ? *ring.ended(node, token) : SendEnded{};
+}
+
+}  // namespace limb_ring::core
