@@ -38,9 +38,21 @@ class OrphanTest : public ::testing::Test {
   }
   ~OrphanTest() override { ::prctl(PR_SET_CHILD_SUBREAPER, 0); }
 
+  static bool until(const std::function<bool()>& condition) {
+    boost::asio::io_context io;
+    return run_until(io, condition);
+  }
+  /// -1 where it does not end.
   static int wait_status_of(pid_t pid) {
-    int status = 0;
-    return ::waitpid(pid, &status, 0) == pid ? status : -1;
+    int status = -1;
+    until([&] { return ::waitpid(pid, &status, WNOHANG) == pid; });
+    return status;
+  }
+  /// Its own program runs by now, no longer the copy of its parent that fork made.
+  bool cpu_has_booted() const {
+    std::ifstream file("/proc/" + std::to_string(cpu) + "/comm");
+    std::string name;
+    return file >> name && name == "sleep";
   }
 
   pid_t daemon = -1;
@@ -49,9 +61,9 @@ class OrphanTest : public ::testing::Test {
 
 TEST_F(OrphanTest, StoppedChildEndsWhenTheDaemonIsKilled) {
   ASSERT_GT(cpu, 0);
+  ASSERT_TRUE(until([&] { return cpu_has_booted(); }));
   ::kill(cpu, SIGSTOP);
-  boost::asio::io_context io;
-  ASSERT_TRUE(run_until(io, [&] { return process_state(cpu) == 'T'; }));
+  ASSERT_TRUE(until([&] { return process_state(cpu) == 'T'; }));
   ::kill(daemon, SIGKILL);
   EXPECT_TRUE(WIFSIGNALED(wait_status_of(daemon)));
   const int status = wait_status_of(cpu);
