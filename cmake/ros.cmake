@@ -1,5 +1,6 @@
 # What ROS conventions ask for: messages, the exported client library, the devel space.
-find_package(catkin REQUIRED COMPONENTS roscpp sensor_msgs std_msgs topic_tools message_generation)
+find_package(catkin REQUIRED COMPONENTS
+  roscpp sensor_msgs geometry_msgs std_msgs topic_tools message_generation)
 file(GLOB msg_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/msg msg/*.msg)
 file(GLOB srv_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/srv srv/*.srv)
 if(msg_files)
@@ -12,7 +13,7 @@ generate_messages(DEPENDENCIES std_msgs sensor_msgs)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES limb_ring_client
-  CATKIN_DEPENDS message_runtime roscpp sensor_msgs std_msgs topic_tools)
+  CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools)
 set(LIMB_RING_BIN ${CATKIN_PACKAGE_BIN_DESTINATION})
 set(LIMB_RING_LIB ${CATKIN_PACKAGE_LIB_DESTINATION})
 set(LIMB_RING_INCLUDE ${CATKIN_PACKAGE_INCLUDE_DESTINATION})

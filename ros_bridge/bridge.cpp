@@ -1,0 +1,62 @@
+#include "ros_bridge/bridge.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+// Ten times within the period the bridge has promised to the daemon.
+const ros::WallDuration kAlive{0.1};
+
+void tell_connection(const std::string& node, const std::string& problem) {
+  if (problem.empty())
+    ROS_INFO("connected to ringd of node '%s' as its CPU", node.c_str());
+  else
+    ROS_WARN("node '%s': %s (trying again)", node.c_str(), problem.c_str());
+}
+
+}  // namespace
+
+Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
+    : nodes_(std::move(nodes)),
+      parameters_(std::move(parameters)),
+      port_(parameters_.door),
+      joints_(nodes_, parameters_.ring, parameters_.rate, port_, counters_),
+      topics_out_(nodes_, parameters_.ring, parameters_.ring.find(parameters_.door.node)->id, port_,
+                  counters_),
+      commands_(nodes_, parameters_.ring, port_, counters_),
+      status_(nodes_, parameters_.ring, parameters_.door, port_, joints_, counters_,
+              [this](std::uint8_t node) { on_boot(node); }),
+      services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.door, commands_)) {
+  make_topics();
+  port_.on_connection(
+      [node = parameters_.door.node](const auto& problem) { tell_connection(node, problem); });
+  port_.on_interrupt([](const Interrupt& interrupt) {
+    ROS_WARN("interrupt %u from node %u: %s", interrupt.factor, interrupt.source,
+             interrupt.action == Interrupt::Action::stop ? "stop" : "notice");
+  });
+  port_.start();
+  status_.start();
+  // From the thread that serves the topics: what it proves is that this one is alive.
+  alive_ = nodes_.createWallTimer(kAlive, [this](const ros::WallTimerEvent&) { port_.alive(); });
+}
+
+// Calls under way end with the ring still there; the ring thread ends before what it calls into.
+Bridge::~Bridge() {
+  services_.reset();
+  port_.stop();
+}
+
+void Bridge::make_topics() {
+  const auto own = parameters_.ring.find(parameters_.door.node)->id;
+  const auto& topics = parameters_.ring.bridge.topics;
+  for (std::size_t i = 0; i < topics.size(); ++i)
+    if (topics[i].from == own)
+      topics_in_.push_back(std::make_unique<TopicIn>(nodes_, static_cast<std::uint8_t>(i),
+                                                     topics[i], port_, counters_));
+}
+
+void Bridge::on_boot(std::uint8_t node) {
+  for (auto& topic : topics_in_)
+    if (topic->topic().to == node) topic->far_side_restarted();
+}
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <ros/ros.h>
+
+#include <memory>
+#include <vector>
+
+#include "ros_bridge/command_in.h"
+#include "ros_bridge/counters.h"
+#include "ros_bridge/joint_data_out.h"
+#include "ros_bridge/parameters.h"
+#include "ros_bridge/ring_port.h"
+#include "ros_bridge/services.h"
+#include "ros_bridge/status_out.h"
+#include "ros_bridge/topic_in.h"
+#include "ros_bridge/topic_out.h"
+
+namespace limb_ring::bridge {
+
+/// The CPU of one node of the ring, as ROS sees it: one class per direction, put together here.
+///
+///   ROS -> ring   CommandIn, TopicIn (one per topic), Services
+///   ring -> ROS   JointDataOut, TopicOut, StatusOut
+class Bridge {
+ public:
+  Bridge(ros::NodeHandle nodes, Parameters parameters);
+  ~Bridge();
+
+ private:
+  void make_topics();
+  void on_boot(std::uint8_t node);
+
+  ros::NodeHandle nodes_;
+  Parameters parameters_;
+  Counters counters_;
+  RingPort port_;
+  JointDataOut joints_;
+  TopicOut topics_out_;
+  CommandIn commands_;
+  std::vector<std::unique_ptr<TopicIn>> topics_in_;
+  StatusOut status_;
+  std::unique_ptr<Services> services_;
+  ros::WallTimer alive_;
+};
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,104 @@
+#include "ros_bridge/command_in.h"
+
+#include <stdexcept>
+
+#include "payload/packet_type.h"
+#include "ros_bridge/outcome_word.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+constexpr unsigned kUnderWay = 2;
+constexpr std::size_t kWarnedLimit = 1000;  // names; a broken sender must not fill the memory
+constexpr std::uint8_t kCommandPriority = 0;
+
+}  // namespace
+
+CommandIn::CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port,
+                     Counters& counters)
+    : joints_(ring),
+      valid_for_us_(static_cast<std::uint32_t>(
+          std::chrono::microseconds(ring.timeouts.command).count())),
+      port_(port),
+      counters_(counters),
+      subscriber_(nodes.subscribe("joint_commands", 10, &CommandIn::on_command, this,
+                                  ros::TransportHints().tcpNoDelay())) {}
+
+void CommandIn::on_command(const sensor_msgs::JointState::ConstPtr& message) {
+  counters_.add("commands_in");
+  try {
+    auto split = split_command(*message, joints_);
+    for (auto& part : split.parts) stamp(part.command);
+    if (!split.unknown.empty()) warn_unknown(split.unknown);
+    const bool posted = port_.post([this, parts = std::move(split.parts)] {
+      for (const auto& part : parts) offer(part);
+    });
+    if (!posted) counters_.add("commands_dropped_busy");
+  } catch (const std::invalid_argument& error) {
+    counters_.add("commands_refused");
+    if (refusal_.allow())
+      ROS_WARN("%s: command refused: %s", subscriber_.getTopic().c_str(), error.what());
+  }
+}
+
+void CommandIn::stamp(payload::JointCommand& command) const {
+  command.stamp_ns = static_cast<std::int64_t>(ros::WallTime::now().toNSec());
+  command.valid_for_us = valid_for_us_;
+}
+
+void CommandIn::warn_unknown(const std::vector<std::string>& names) {
+  counters_.add("commands_unknown_joint", names.size());
+  for (const auto& name : names) {
+    if (warned_.size() >= kWarnedLimit || !warned_.insert(name).second) continue;
+    ROS_WARN("%s: no node of the ring owns joint '%s'; there are: %s",
+             subscriber_.getTopic().c_str(), name.c_str(), joints_.names().c_str());
+  }
+}
+
+void CommandIn::offer(const CommandSplit::Part& part) {
+  Lane& lane = lanes_[part.node];
+  if (!port_.connected()) return counters_.add("commands_dropped_disconnected");
+  auto done = [this, node = part.node](const Result& result) { on_result(node, result); };
+  if (lane.under_way < kUnderWay) return send(part.node, part.command, done);
+  if (lane.waiting) counters_.add("commands_superseded");
+  lane.waiting = part.command;
+}
+
+void CommandIn::send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done) {
+  Lane& lane = lanes_[node];
+  command.sequence = lane.sequence++;
+  const auto bytes = payload::encode(command);
+  if (!bytes) {
+    // Only a configuration with more joints per node than a packet holds gets here.
+    ROS_ERROR_ONCE("command to node %u cannot be written: %s", node,
+                   payload::to_string(bytes.error()).c_str());
+    return counters_.add("commands_refused");
+  }
+  ++lane.under_way;
+  port_.send({node, kCommandPriority, payload::kJointChannel, *bytes}, std::move(done));
+}
+
+void CommandIn::on_result(std::uint8_t node, const Result& result) {
+  counters_.add("commands_" + outcome_word(result.outcome));
+  Lane& lane = lanes_[node];
+  --lane.under_way;
+  if (!lane.waiting) return;
+  auto next = std::move(*lane.waiting);
+  lane.waiting.reset();
+  if (!port_.connected()) return counters_.add("commands_dropped_disconnected");
+  send(node, std::move(next), [this, node](const Result& r) { on_result(node, r); });
+}
+
+bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {
+  return port_.post([this, node, done = std::move(done)] {
+    payload::JointCommand command;
+    command.resume = true;
+    stamp(command);
+    send(node, command, [this, node, done](const Result& result) {
+      on_result(node, result);
+      done(result);
+    });
+  });
+}
+
+}  // namespace limb_ring::bridge

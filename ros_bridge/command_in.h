@@ -1,0 +1,55 @@
+#pragma once
+
+#include <ros/ros.h>
+#include <sensor_msgs/JointState.h>
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "ros_bridge/conversions.h"
+#include "ros_bridge/counters.h"
+#include "ros_bridge/ring_port.h"
+#include "ros_bridge/throttle.h"
+
+namespace limb_ring::bridge {
+
+/// `joint_commands` from ROS, spread over the nodes that own the joints: one packet per node,
+/// channel 2, priority 0, stamped with the wall clock and expiring after `timeouts.command`.
+///
+/// At most two commands to a node are under way. A newer one replaces the one that waits: an old
+/// command is worth nothing, and a node that does not answer must not fill the send queue.
+class CommandIn {
+ public:
+  CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port,
+            Counters& counters);
+
+  /// Any thread: ends a latched stop of a node; `done` is called once, from the ring thread.
+  /// False where the ring thread has too much to do.
+  bool resume(std::uint8_t node, RingPort::OnResult done);
+
+ private:
+  struct Lane {
+    unsigned under_way = 0;
+    std::optional<payload::JointCommand> waiting;
+    std::uint16_t sequence = 0;
+  };
+  void on_command(const sensor_msgs::JointState::ConstPtr& message);
+  void stamp(payload::JointCommand& command) const;
+  void warn_unknown(const std::vector<std::string>& names);
+  void offer(const CommandSplit::Part& part);
+  void send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done);
+  void on_result(std::uint8_t node, const Result& result);
+
+  JointMap joints_;
+  std::uint32_t valid_for_us_;
+  RingPort& port_;
+  Counters& counters_;
+  std::set<std::string> warned_;
+  Throttle refusal_{std::chrono::seconds(1)};
+  std::map<std::uint8_t, Lane> lanes_;  // ring thread only
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,111 @@
+#include "ros_bridge/conversions.h"
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+namespace limb_ring::bridge {
+namespace {
+
+using Values = std::vector<double>;
+
+void check_array(const char* name, const Values& values, const std::vector<std::string>& joints) {
+  if (!values.empty() && values.size() != joints.size())
+    throw std::invalid_argument(std::string("'") + name + "' has " +
+                                std::to_string(values.size()) + " entries for " +
+                                std::to_string(joints.size()) +
+                                " names; it must be empty or have one for each name");
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]))
+      throw std::invalid_argument(std::string("'") + name + "' of joint '" + joints[i] + "' is " +
+                                  std::to_string(values[i]) + "; it must be a finite number");
+}
+
+void check(const sensor_msgs::JointState& message) {
+  if (message.name.empty()) throw std::invalid_argument("'name' is empty; it must name the joints");
+  check_array("position", message.position, message.name);
+  check_array("velocity", message.velocity, message.name);
+  check_array("effort", message.effort, message.name);
+  std::set<std::string> seen;
+  for (const auto& name : message.name)
+    if (!seen.insert(name).second)
+      throw std::invalid_argument("joint '" + name + "' is named twice");
+}
+
+payload::JointCommand::Joint joint_at(const sensor_msgs::JointState& message, std::size_t i) {
+  payload::JointCommand::Joint joint;
+  if (!message.position.empty()) joint.position = message.position[i];
+  if (!message.velocity.empty()) joint.velocity = message.velocity[i];
+  if (!message.effort.empty()) joint.effort = message.effort[i];
+  return joint;
+}
+
+geometry_msgs::Vector3 to_vector(const std::array<double, 3>& v) {
+  geometry_msgs::Vector3 vector;
+  vector.x = v[0];
+  vector.y = v[1];
+  vector.z = v[2];
+  return vector;
+}
+
+}  // namespace
+
+ros::Time to_ros_time(std::int64_t stamp_ns) {
+  constexpr std::int64_t kSecond = 1000000000;
+  return {static_cast<std::uint32_t>(stamp_ns / kSecond),
+          static_cast<std::uint32_t>(stamp_ns % kSecond)};
+}
+
+CommandSplit split_command(const sensor_msgs::JointState& message, const JointMap& joints) {
+  check(message);
+  CommandSplit split;
+  std::vector<payload::JointCommand> commands(joints.nodes());
+  for (std::size_t i = 0; i < message.name.size(); ++i) {
+    const auto place = joints.find(message.name[i]);
+    if (!place) {
+      split.unknown.push_back(message.name[i]);
+      continue;
+    }
+    auto& list = commands[place->node].joints;
+    list.resize(joints.joints(place->node));
+    list[place->joint] = joint_at(message, i);
+  }
+  for (std::size_t node = 0; node < commands.size(); ++node)
+    if (!commands[node].joints.empty())
+      split.parts.push_back({joints.id(node), std::move(commands[node])});
+  return split;
+}
+
+sensor_msgs::JointState to_joint_state(const JointStore::Snapshot& snapshot) {
+  sensor_msgs::JointState message;
+  message.header.stamp = to_ros_time(snapshot.oldest_stamp_ns);
+  for (const auto& joint : snapshot.fresh) {
+    message.name.push_back(joint.name);
+    message.position.push_back(joint.state.position);
+    message.velocity.push_back(joint.state.velocity);
+    message.effort.push_back(joint.state.effort);
+  }
+  return message;
+}
+
+sensor_msgs::Imu to_imu(const payload::SensorReading& reading, const std::string& frame) {
+  sensor_msgs::Imu message;
+  message.header.stamp = to_ros_time(reading.stamp_ns);
+  message.header.frame_id = frame;
+  message.orientation_covariance[0] = -1;
+  message.linear_acceleration = to_vector(reading.linear);
+  message.angular_velocity = to_vector(reading.angular);
+  return message;
+}
+
+geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading,
+                                       const std::string& frame) {
+  geometry_msgs::WrenchStamped message;
+  message.header.stamp = to_ros_time(reading.stamp_ns);
+  message.header.frame_id = frame;
+  message.wrench.force = to_vector(reading.linear);
+  message.wrench.torque = to_vector(reading.angular);
+  return message;
+}
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <geometry_msgs/WrenchStamped.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/JointState.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "payload/joint_command.h"
+#include "payload/sensor_reading.h"
+#include "ros_bridge/joint_map.h"
+#include "ros_bridge/joint_store.h"
+
+namespace limb_ring::bridge {
+
+/// Nanoseconds since 1970, not negative, as ROS writes them (until the year 2106).
+ros::Time to_ros_time(std::int64_t stamp_ns);
+
+/// One command of the robot, taken apart for the nodes that own its joints.
+struct CommandSplit {
+  struct Part {
+    std::uint8_t node;  ///< id
+    payload::JointCommand command;
+  };
+  std::vector<Part> parts;           ///< in ring order, nodes with a commanded joint only
+  std::vector<std::string> unknown;  ///< joints that no node owns, as named in the message
+};
+
+/// Stamp, sequence and validity are left for the sender to set: ROS time may be simulated.
+/// @throw std::invalid_argument where nothing of it may be obeyed: no names, an array that is
+///        neither empty nor as long as `name`, a value that is not finite, a joint named twice.
+CommandSplit split_command(const sensor_msgs::JointState& message, const JointMap& joints);
+
+/// Stamp: of the oldest sample in it. Empty where no joint is fresh.
+sensor_msgs::JointState to_joint_state(const JointStore::Snapshot& snapshot);
+
+/// Covariances are unknown, orientation is not given (first covariance -1). (REP 145)
+sensor_msgs::Imu to_imu(const payload::SensorReading& reading, const std::string& frame);
+geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading,
+                                       const std::string& frame);
+
+}  // namespace limb_ring::bridge

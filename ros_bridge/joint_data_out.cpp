@@ -1,0 +1,114 @@
+#include "ros_bridge/joint_data_out.h"
+
+#include "payload/packet_type.h"
+#include "ros_bridge/conversions.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using Kind = config::SensorConfig::Kind;
+
+wire::ByteView view(const Packet& packet) { return {packet.data.data(), packet.data.size()}; }
+
+std::chrono::nanoseconds period_of(double rate) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(1 / rate));
+}
+
+bool is_kind(payload::SensorReading::Kind read, Kind configured) {
+  return (read == payload::SensorReading::Kind::imu) == (configured == Kind::imu);
+}
+
+}  // namespace
+
+JointDataOut::JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate,
+                           RingPort& port, Counters& counters)
+    : port_(port),
+      counters_(counters),
+      store_(ring),
+      states_(nodes.advertise<sensor_msgs::JointState>("joint_states", 10)) {
+  advertise_samples(nodes, ring);
+  port_.on_packet(payload::kJointChannel, [this](const Packet& packet) { on_packet(packet); });
+  port_.every(period_of(rate), [this] { publish_states(); });
+}
+
+void JointDataOut::advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring) {
+  for (const auto& node : ring.nodes) {
+    Sampled& sampled = sampled_[node.id];
+    for (const auto& joint : node.joints) sampled.joints.push_back(joint.name);
+    if (!node.joints.empty())
+      sampled.states = nodes.advertise<sensor_msgs::JointState>("states/" + node.name, 100);
+    for (const auto& sensor : node.sensors) {
+      const auto topic = "sensors/" + sensor.name;
+      sampled.sensors.push_back(
+          {sensor.name, sensor.kind,
+           sensor.kind == Kind::imu ? nodes.advertise<sensor_msgs::Imu>(topic, 10)
+                                    : nodes.advertise<geometry_msgs::WrenchStamped>(topic, 10)});
+    }
+  }
+}
+
+void JointDataOut::on_packet(const Packet& packet) {
+  if (payload::is_type(view(packet), payload::PacketType::joint_state)) return take_state(packet);
+  take_reading(packet);
+}
+
+void JointDataOut::take_state(const Packet& packet) {
+  const auto state = payload::decode_joint_state(view(packet));
+  if (!state) return counters_.add("joint_packets_malformed");
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (!store_.take(packet.source, *state, JointStore::Clock::now()))
+      return counters_.add("joint_packets_unfit");
+  }
+  counters_.add("states_in");
+  publish_sample(packet.source, *state);
+}
+
+void JointDataOut::publish_sample(std::uint8_t node, const payload::JointState& state) {
+  const Sampled& sampled = sampled_.at(node);
+  if (sampled.states.getNumSubscribers() == 0) return;
+  JointStore::Snapshot sample;
+  sample.oldest_stamp_ns = state.stamp_ns;
+  for (std::size_t i = 0; i < sampled.joints.size(); ++i)
+    sample.fresh.push_back({sampled.joints[i], state.joints[i]});
+  sampled.states.publish(to_joint_state(sample));
+}
+
+void JointDataOut::take_reading(const Packet& packet) {
+  const auto reading = payload::decode_sensor_reading(view(packet));
+  if (!reading) return counters_.add("joint_packets_malformed");
+  const auto& sensors = sampled_[packet.source].sensors;
+  if (reading->sensor >= sensors.size() ||
+      !is_kind(reading->kind, sensors[reading->sensor].kind))
+    return counters_.add("joint_packets_unfit");
+  const Sensor& sensor = sensors[reading->sensor];
+  counters_.add("readings_in");
+  if (sensor.kind == Kind::imu)
+    sensor.publisher.publish(to_imu(*reading, sensor.name));
+  else
+    sensor.publisher.publish(to_wrench(*reading, sensor.name));
+}
+
+void JointDataOut::publish_states() {
+  JointStore::Snapshot snapshot;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (!port_.connected()) store_.forget();
+    snapshot = store_.snapshot(JointStore::Clock::now());
+    silent_ = snapshot.silent;
+  }
+  if (!snapshot.fresh.empty()) states_.publish(to_joint_state(snapshot));
+}
+
+std::vector<std::string> JointDataOut::silent_joints() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return silent_;
+}
+
+JointStore::Received JointDataOut::received(std::uint8_t node) const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return store_.received(node);
+}
+
+}  // namespace limb_ring::bridge

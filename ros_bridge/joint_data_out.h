@@ -1,0 +1,56 @@
+#pragma once
+
+#include <ros/ros.h>
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "ros_bridge/counters.h"
+#include "ros_bridge/joint_store.h"
+#include "ros_bridge/ring_port.h"
+
+namespace limb_ring::bridge {
+
+/// Joint states and sensor readings from the ring to ROS: `joint_states` at a set rate, of all
+/// joints that are not silent; `states/NODE` (where somebody listens) and `sensors/NAME` as each
+/// sample comes. Stamps are those of the samples, by the wall clock of the node that took them.
+class JointDataOut {
+ public:
+  JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate,
+               RingPort& port, Counters& counters);
+
+  /// Any thread: as of the last `joint_states`.
+  std::vector<std::string> silent_joints() const;
+  /// Any thread.
+  JointStore::Received received(std::uint8_t node) const;
+
+ private:
+  void on_packet(const Packet& packet);
+  void take_state(const Packet& packet);
+  void take_reading(const Packet& packet);
+  void publish_states();
+  void advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring);
+  void publish_sample(std::uint8_t node, const payload::JointState& state);
+
+  RingPort& port_;
+  Counters& counters_;
+  mutable std::mutex mutex_;  // the store and the list are read by the status too
+  JointStore store_;
+  std::vector<std::string> silent_;
+  ros::Publisher states_;
+  struct Sensor {
+    std::string name;
+    config::SensorConfig::Kind kind;
+    ros::Publisher publisher;
+  };
+  struct Sampled {
+    std::vector<std::string> joints;
+    ros::Publisher states;
+    std::vector<Sensor> sensors;
+  };
+  std::map<std::uint8_t, Sampled> sampled_;  // by node
+};
+
+}  // namespace limb_ring::bridge

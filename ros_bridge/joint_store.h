@@ -1,0 +1,62 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "payload/joint_state.h"
+
+namespace limb_ring::bridge {
+
+/// The newest state of every node's joints, and which of them can still be believed.
+///
+/// A node is silent when no state of it has come for three state periods. Its joints are then
+/// named, never shown. Time is an argument.
+class JointStore {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  struct Joint {
+    std::string name;
+    payload::JointState::Joint state;
+  };
+  struct Snapshot {
+    std::vector<Joint> fresh;         ///< in the configuration's order
+    std::int64_t oldest_stamp_ns = 0; ///< of the samples in `fresh`; wall clock
+    std::vector<std::string> silent;  ///< joints left out
+  };
+  /// What has come from one node.
+  struct Received {
+    std::uint64_t states = 0;
+    std::uint64_t missing = 0;  ///< left out in the sequence of states, restarts not counted
+    bool stopped = false;       ///< a stop interrupt is latched there
+  };
+
+  explicit JointStore(const config::RingConfig& ring);
+
+  /// @return false where the node is not configured, or has another number of joints.
+  bool take(std::uint8_t node, const payload::JointState& state, Clock::time_point now);
+  /// Everything is silent until it speaks again: the connection to the ring was lost.
+  void forget();
+  Snapshot snapshot(Clock::time_point now) const;
+  Received received(std::uint8_t node) const;
+
+ private:
+  struct Node {
+    std::vector<std::string> joints;
+    bool heard = false;
+    Clock::time_point arrived{};
+    payload::JointState state;
+    Received received;
+  };
+  bool is_fresh(const Node& node, Clock::time_point now) const;
+
+  Clock::duration silence_;
+  std::vector<std::uint8_t> order_;
+  std::map<std::uint8_t, Node> nodes_;
+};
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,81 @@
+#include "ros_bridge/parameters.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "config/load_ring.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using Kind = config::CpuConfig::Kind;
+
+// The spinner's timer calls alive() ten times in this.
+constexpr auto kAlivePeriod = std::chrono::seconds(1);
+constexpr double kMaxRate = 1000.0;
+
+// roslaunch turns a value such as 12 into a number, whatever it was meant for.
+std::string text_parameter(const ros::NodeHandle& own, const std::string& name) {
+  std::string text;
+  if (own.getParam(name, text)) return text;
+  int number = 0;
+  return own.getParam(name, number) ? std::to_string(number) : "";
+}
+
+std::string candidates(const config::RingConfig& ring) {
+  std::string names;
+  for (const auto& node : ring.nodes)
+    if (node.cpu.kind == Kind::attached) names += (names.empty() ? "" : ", ") + node.name;
+  return names.empty() ? "none; give one of them 'cpu: attached'" : names;
+}
+
+double rate_parameter(const ros::NodeHandle& own, double configured) {
+  const double rate = own.param("rate", 0.0);
+  if (rate == 0.0) return configured;
+  if (!std::isfinite(rate) || rate < 0 || rate > kMaxRate)
+    throw std::invalid_argument("parameter ~rate is " + std::to_string(rate) +
+                                "; it must be 0 (as configured) to 1000 Hz");
+  return rate;
+}
+
+}  // namespace
+
+const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std::string& named) {
+  const config::NodeConfig* chosen = named.empty() ? nullptr : ring.find(named);
+  if (!named.empty() && !chosen)
+    throw std::invalid_argument("parameter ~node: no node '" + named + "' in " + ring.path +
+                                "; nodes for a bridge: " + candidates(ring));
+  if (chosen && chosen->cpu.kind != Kind::attached)
+    throw std::invalid_argument("parameter ~node: node '" + named + "' has a CPU of its own in " +
+                                ring.path + "; nodes for a bridge: " + candidates(ring));
+  for (const auto& node : ring.nodes) {
+    if (!named.empty() || node.cpu.kind != Kind::attached) continue;
+    if (chosen)
+      throw std::invalid_argument("parameter ~node is needed: " + ring.path +
+                                  " has several nodes for a bridge: " + candidates(ring));
+    chosen = &node;
+  }
+  if (!chosen)
+    throw std::invalid_argument("nodes for a bridge in " + ring.path + ": " + candidates(ring));
+  return *chosen;
+}
+
+Parameters read_parameters(const ros::NodeHandle& own) {
+  const auto path = text_parameter(own, "config");
+  if (path.empty())
+    throw std::invalid_argument("parameter ~config is needed: the ring's YAML file");
+  Parameters parameters;
+  parameters.ring = config::load_ring(path);
+  const auto ring = text_parameter(own, "ring");
+  if (!ring.empty()) parameters.ring.ring = ring;
+  parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
+  parameters.door.ring = parameters.ring.ring;
+  parameters.door.node = bridge_node(parameters.ring, text_parameter(own, "node")).name;
+  parameters.door.role = Role::cpu;
+  parameters.door.alive_period = kAlivePeriod;
+  parameters.door.restarted_by_owner = own.param("respawn", false);
+  parameters.door.timeout = std::chrono::milliseconds(0);
+  return parameters;
+}
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,197 @@
+#include "ros_bridge/ring_port.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <system_error>
+
+namespace limb_ring::bridge {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kRetry = 200ms;       // between tries to connect
+constexpr auto kLongestWait = 100ms; // so that alive() is passed on
+constexpr std::size_t kPostLimit = 1024;
+constexpr int kMessagesAtOnce = 256; // then posted work and ticks have their turn
+
+int make_wake() {
+  const int fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  if (fd < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  return fd;
+}
+
+void ring_bell(int fd) {
+  const std::uint64_t one = 1;
+  // A full counter means that the bell is ringing already.
+  if (write(fd, &one, sizeof one) < 0) return;
+}
+
+void quiet_bell(int fd) {
+  std::uint64_t count = 0;
+  if (read(fd, &count, sizeof count) < 0) return;
+}
+
+Result cancelled(std::uint32_t token, const std::string& reason) {
+  Result result;
+  result.token = token;
+  result.outcome = Outcome::cancelled;
+  result.reason = reason;
+  return result;
+}
+
+}  // namespace
+
+RingPort::RingPort(ConnectOptions options) : options_(std::move(options)), wake_(make_wake()) {}
+
+RingPort::~RingPort() {
+  stop();
+  close(wake_);
+}
+
+void RingPort::every(Clock::duration period, std::function<void()> tick) {
+  ticks_.push_back({period, Clock::now() + period, std::move(tick)});
+}
+
+void RingPort::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void RingPort::stop() {
+  stopping_ = true;
+  ring_bell(wake_);
+  if (thread_.joinable()) thread_.join();
+}
+
+bool RingPort::post(std::function<void()> work) {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (posted_.size() >= kPostLimit) return false;
+    posted_.push_back(std::move(work));
+  }
+  ring_bell(wake_);
+  return true;
+}
+
+void RingPort::run() {
+  while (!stopping_) {
+    if (!port_) try_connect();
+    wait_for_something();
+    // Everything that talks to the daemon is below; a connection that breaks ends up here.
+    try {
+      take_messages();
+      run_posted();
+      run_ticks();
+      if (port_ && post_alive_.exchange(false)) port_->alive();
+    } catch (const HostPortError& error) {
+      lost(error.what());
+    }
+  }
+  port_.reset();
+}
+
+void RingPort::try_connect() {
+  if (Clock::now() < next_try_) return;
+  next_try_ = Clock::now() + kRetry;
+  try {
+    port_.emplace(HostPort::connect(options_));
+    report("");
+  } catch (const HostPortError& error) {
+    report(error.what());
+  }
+}
+
+void RingPort::report(const std::string& problem) {
+  if (problem == problem_) return;
+  problem_ = problem;
+  for (const auto& handler : connection_) handler(problem);
+}
+
+RingPort::Clock::time_point RingPort::next_deadline() const {
+  auto deadline = Clock::now() + kLongestWait;
+  for (const Tick& tick : ticks_) deadline = std::min(deadline, tick.due);
+  if (!port_) deadline = std::min(deadline, next_try_);
+  return deadline;
+}
+
+void RingPort::wait_for_something() {
+  pollfd fds[2] = {{wake_, POLLIN, 0}, {port_ ? port_->fd() : -1, POLLIN, 0}};
+  const auto wait = more_to_take_ ? 0ns : std::max<Clock::duration>(0ns, next_deadline() - Clock::now());
+  const timespec timeout{wait / 1s, (wait % 1s).count()};
+  // Interrupted or not: everything is looked at below in any case.
+  if (ppoll(fds, 2, &timeout, nullptr) < 0) return;
+  if (fds[0].revents) quiet_bell(wake_);
+}
+
+void RingPort::take_messages() {
+  more_to_take_ = false;
+  for (int i = 0; port_ && i < kMessagesAtOnce; ++i) {
+    auto message = port_->receive(0ms);
+    if (!message) return;
+    take(std::move(*message));
+  }
+  more_to_take_ = port_.has_value();
+}
+
+void RingPort::take(Message message) {
+  if (auto* packet = std::get_if<Packet>(&message)) {
+    if (packet->channel < packets_.size() && packets_[packet->channel])
+      packets_[packet->channel](*packet);
+  } else if (auto* result = std::get_if<Result>(&message)) {
+    auto entry = results_.extract(result->token);
+    if (entry && entry.mapped()) entry.mapped()(*result);
+  } else if (auto* interrupt = std::get_if<Interrupt>(&message)) {
+    if (interrupt_) interrupt_(*interrupt);
+  } else if (auto* end = std::get_if<Disconnected>(&message)) {
+    lost(end->reason);
+  }
+}
+
+void RingPort::lost(const std::string& reason) {
+  port_.reset();
+  more_to_take_ = false;
+  next_try_ = Clock::now() + kRetry;
+  auto open = std::move(results_);
+  results_.clear();
+  for (auto& [token, handler] : open)
+    if (handler) handler(cancelled(token, reason));
+  report("the daemon is gone: " + reason);
+}
+
+void RingPort::run_posted() {
+  std::deque<std::function<void()>> now;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    now.swap(posted_);
+  }
+  for (auto& work : now) work();
+  auto unsendable = std::move(unsendable_);
+  unsendable_.clear();
+  for (auto& on_result : unsendable) on_result(cancelled(0, "not connected"));
+}
+
+void RingPort::run_ticks() {
+  for (Tick& tick : ticks_) {
+    const auto now = Clock::now();
+    if (now < tick.due) continue;
+    tick.call();
+    // Late ticks are left out, not made up for: nobody wants old states in a burst.
+    do tick.due += tick.period;
+    while (tick.due <= now);
+  }
+}
+
+void RingPort::send(const Outgoing& packet, OnResult on_result) {
+  if (!port_) {
+    // Later, as promised, so that a sender that goes on from its result does not recurse.
+    if (on_result) unsendable_.push_back(std::move(on_result));
+    ring_bell(wake_);
+    return;
+  }
+  const auto token = port_->send(packet.destination, packet.data, packet.priority, packet.channel);
+  results_[token] = std::move(on_result);
+}
+
+}  // namespace limb_ring::bridge

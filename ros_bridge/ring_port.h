@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <unordered_map>
+#include <vector>
+
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::bridge {
+
+/// A packet on its way out.
+struct Outgoing {
+  std::uint8_t destination = 0;
+  std::uint8_t priority = 2;
+  std::uint8_t channel = 0;
+  std::vector<std::uint8_t> data;
+};
+
+/// The bridge's place at the ring: one thread, the *ring thread*, owns the host port and calls
+/// everything that was registered here. So whatever is used from these calls alone needs no lock.
+///
+/// Where the daemon is gone, sends end `cancelled`, and the connection is tried again, for ever.
+class RingPort {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using OnPacket = std::function<void(const Packet&)>;
+  using OnInterrupt = std::function<void(const Interrupt&)>;
+  using OnResult = std::function<void(const Result&)>;
+  /// `problem` is empty where the connection stands.
+  using OnConnection = std::function<void(const std::string& problem)>;
+
+  explicit RingPort(ConnectOptions options);
+  RingPort(const RingPort&) = delete;
+  RingPort& operator=(const RingPort&) = delete;
+  ~RingPort();
+
+  /// @name Before start()
+  /// @{
+  void on_packet(std::uint8_t channel, OnPacket handler) { packets_[channel] = std::move(handler); }
+  void on_interrupt(OnInterrupt handler) { interrupt_ = std::move(handler); }
+  void on_connection(OnConnection handler) { connection_.push_back(std::move(handler)); }
+  /// Called at absolute deadlines, after everything that has come in was taken: what has arrived
+  /// while this process was not scheduled is not judged as missing.
+  void every(Clock::duration period, std::function<void()> tick);
+  void start();
+  /// @}
+
+  /// Ends the ring thread. No handler is called after it.
+  void stop();
+
+  /// Any thread: runs `work` on the ring thread. False where 1024 wait already.
+  bool post(std::function<void()> work);
+  /// Any thread: this process is alive; passed on to the daemon.
+  void alive() { post_alive_ = true; }
+
+  /// Ring thread only.
+  bool connected() const { return port_.has_value(); }
+  /// Ring thread only. `on_result` is called once, later, never from within send().
+  void send(const Outgoing& packet, OnResult on_result);
+
+ private:
+  struct Tick {
+    Clock::duration period;
+    Clock::time_point due;
+    std::function<void()> call;
+  };
+  void run();
+  void try_connect();
+  void wait_for_something();
+  void take_messages();
+  void take(Message message);
+  void lost(const std::string& reason);
+  void report(const std::string& problem);
+  void run_posted();
+  void run_ticks();
+  Clock::time_point next_deadline() const;
+
+  ConnectOptions options_;
+  std::array<OnPacket, 64> packets_;
+  OnInterrupt interrupt_;
+  std::vector<OnConnection> connection_;
+  std::vector<Tick> ticks_;
+
+  std::optional<HostPort> port_;
+  std::string problem_ = "not tried yet";
+  Clock::time_point next_try_{};
+  bool more_to_take_ = false;
+  std::unordered_map<std::uint32_t, OnResult> results_;
+  std::vector<OnResult> unsendable_;  // asked for while not connected
+
+  std::mutex mutex_;
+  std::deque<std::function<void()>> posted_;
+  std::atomic<bool> post_alive_{false};
+  std::atomic<bool> stopping_{false};
+  int wake_ = -1;
+  std::thread thread_;
+};
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,80 @@
+#include "ros_bridge/ring_watch.h"
+
+#include "ros_bridge/status_conversion.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+constexpr auto kConnect = 100ms;
+constexpr auto kAnswer = 500ms;
+constexpr auto kRetry = 1s;  // a node that is not there, or on another host, is not asked in vain all the time
+
+const json& heard_in(const json& row) {
+  static const json nobody = json::array();
+  const auto found = row.find("heard");
+  return found != row.end() && found->is_array() ? *found : nobody;
+}
+
+json essence(const json& object, std::initializer_list<const char*> members) {
+  json result = json::array();
+  for (const char* member : members)
+    result.push_back(object.is_object() && object.contains(member) ? object[member] : json());
+  return result;
+}
+
+}  // namespace
+
+RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& door)
+    : ring_(ring), door_(door) {
+  door_.role = Role::tool;
+  door_.alive_period = 0ms;
+  door_.timeout = kConnect;
+}
+
+std::optional<json> RingWatch::ask(const std::string& node) {
+  Peer& peer = peers_[node];
+  if (!peer.port && Clock::now() < peer.next_try) return std::nullopt;
+  try {
+    if (!peer.port) {
+      auto door = door_;
+      door.node = node;
+      peer.port.emplace(HostPort::connect(door));
+    }
+    return json::parse(peer.port->ask(R"({"do":"status"})", kAnswer));
+  } catch (const std::exception&) {
+    // A node that does not answer shows as such in the status; there is no one to tell.
+    peer.port.reset();
+    peer.next_try = Clock::now() + kRetry;
+    return std::nullopt;
+  }
+}
+
+std::string RingWatch::digest() {
+  const auto row = ask(door_.node);
+  if (!row) return "";
+  json digest = essence(*row, {"state", "ring_size"});
+  if (row->contains("cpu")) digest.push_back(essence((*row)["cpu"], {"state", "boots"}));
+  for (const auto& heard : heard_in(*row))
+    digest.push_back(essence(heard, {"id", "boot", "cpu_boots", "cpu_state"}));
+  return digest.dump();
+}
+
+std::vector<NodeStatus> RingWatch::look() {
+  const auto own = ask(door_.node);
+  std::vector<NodeStatus> all;
+  for (const auto& node : ring_.nodes) {
+    NodeStatus status = unheard_node(node);
+    const auto row = node.name == door_.node ? own : ask(node.name);
+    if (row) merge_status_row(*row, status);
+    if (own)
+      for (const auto& heard : heard_in(*own))
+        if (heard.is_object() && heard.value("id", -1) == node.id) merge_beacon(heard, status);
+    all.push_back(std::move(status));
+  }
+  return all;
+}
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <limb_ring/NodeStatus.h>
+
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::bridge {
+
+/// Asks the daemons of a ring how they are, as any tool may: its own node's in any case, and
+/// those of the others that run on this host. One thread.
+class RingWatch {
+ public:
+  /// `door` says how to reach the daemon of the bridge's own node; its role is ignored.
+  RingWatch(const config::RingConfig& ring, const ConnectOptions& door);
+
+  /// What own node and the beacons it hears say about states, CPUs and boots, as text: where it
+  /// differs from the last, look() is worth its cost. Empty where the own daemon is silent.
+  std::string digest();
+  /// All configured nodes, in ring order.
+  std::vector<NodeStatus> look();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Peer {
+    std::optional<HostPort> port;
+    Clock::time_point next_try{};
+  };
+  std::optional<nlohmann::json> ask(const std::string& node);
+
+  const config::RingConfig& ring_;
+  ConnectOptions door_;
+  std::map<std::string, Peer> peers_;  // by name
+};
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,172 @@
+#include "ros_bridge/services.h"
+
+#include <cmath>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "ros_bridge/outcome_word.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using std::chrono::milliseconds;
+
+constexpr int kThreads = 3;
+constexpr auto kConnect = 1s;
+constexpr auto kAnswer = 10s;          // a send ends after timeouts.queue and its tries
+constexpr auto kMargin = 2s;           // for the answer, beside the time a reset is given
+constexpr double kDefaultReset = 3.0;  // s
+constexpr double kLongestReset = 60.0; // s
+
+std::string known_nodes(const config::RingConfig& ring) {
+  std::string names;
+  for (const auto& node : ring.nodes)
+    names += (names.empty() ? "" : ", ") + node.name + " (" + std::to_string(node.id) + ")";
+  return names;
+}
+
+double in_seconds(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+milliseconds reset_timeout(double seconds) {
+  if (!std::isfinite(seconds) || seconds < 0 || seconds > kLongestReset)
+    throw std::invalid_argument("timeout " + std::to_string(seconds) +
+                                " s; it must be 0 (for 3 s) to 60 s");
+  return milliseconds(std::lround((seconds > 0 ? seconds : kDefaultReset) * 1000));
+}
+
+json ask(HostPort& port, const json& request, milliseconds timeout) {
+  return json::parse(port.ask(request.dump(), timeout));
+}
+
+template <typename Response>
+void fill(Response& response, const std::string& outcome, double round_trip,
+          const std::string& message) {
+  response.outcome = outcome_word(outcome);
+  response.success = response.outcome == "delivered";
+  response.round_trip = round_trip;
+  response.message = message;
+}
+
+// Whatever goes wrong becomes the answer: a service that just fails gives its caller no reason.
+template <typename Response, typename Call>
+bool answered(Response& response, Call call) {
+  try {
+    call();
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  return true;
+}
+
+}  // namespace
+
+Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
+                   ConnectOptions door, CommandIn& commands)
+    : ring_(ring), door_(std::move(door)), commands_(commands), nodes_(nodes),
+      threads_(kThreads, &queue_) {
+  door_.role = Role::tool;
+  door_.alive_period = 0ms;
+  door_.timeout = kConnect;
+  nodes_.setCallbackQueue(&queue_);
+  servers_ = {nodes_.advertiseService("reset_node", &Services::reset_node, this),
+              nodes_.advertiseService("send_interrupt", &Services::send_interrupt, this),
+              nodes_.advertiseService("stop", &Services::stop, this),
+              nodes_.advertiseService("resume", &Services::resume, this)};
+  threads_.start();
+}
+
+Services::~Services() {
+  for (auto& server : servers_) server.shutdown();
+  threads_.stop();
+}
+
+std::uint8_t Services::one_node(const std::string& node) const {
+  if (const auto* found = ring_.find(node)) return found->id;
+  throw std::invalid_argument("no node '" + node + "' in ring " + ring_.ring +
+                              "; there are: " + known_nodes(ring_));
+}
+
+std::uint8_t Services::destination(const std::string& node) const {
+  return node == "all" ? kBroadcast : one_node(node);
+}
+
+bool Services::reset_node(ResetNode::Request& request, ResetNode::Response& response) {
+  return answered(response, [&] {
+    const auto id = one_node(request.node);
+    const auto timeout = reset_timeout(request.timeout);
+    auto port = HostPort::connect(door_);
+    if (id == port.id())
+      throw std::invalid_argument("node '" + request.node + "' is this bridge's own: it would be " +
+                                  "killed before it could answer; use ringctl reset");
+    const auto reply = ask(
+        port, {{"do", "reset"}, {"node", std::to_string(id)}, {"timeout_ms", timeout.count()}},
+        timeout + kMargin);
+    response.success = reply.value("success", false);
+    response.message = reply.value("message", "");
+    response.round_trip = reply.value("round_trip_us", 0.0) * 1e-6;
+    response.boots = reply.value("boots", 0u);
+  });
+}
+
+bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Response& response) {
+  return answered(response, [&] {
+    if (request.factor > 7)
+      throw std::invalid_argument("factor " + std::to_string(request.factor) + "; it must be 0 to 7");
+    const auto to = destination(request.node);
+    auto port = HostPort::connect(door_);
+    const auto result = port.wait(port.interrupt(to, request.factor, request.force), kAnswer);
+    fill(response, to_string(result.outcome), in_seconds(result.round_trip), result.reason);
+  });
+}
+
+bool Services::stop(Stop::Request& request, Stop::Response& response) {
+  return answered(response, [&] {
+    json ask_stop = {{"do", "stop"}};
+    if (!request.node.empty() && request.node != "all")
+      ask_stop["node"] = std::to_string(one_node(request.node));
+    auto port = HostPort::connect(door_);
+    const auto reply = ask(port, ask_stop, kAnswer);
+    fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,
+         reply.value("reason", ""));
+  });
+}
+
+std::vector<std::uint8_t> Services::nodes_with_joints(std::uint8_t destination) const {
+  std::vector<std::uint8_t> ids;
+  for (const auto& node : ring_.nodes)
+    if (!node.joints.empty() && (destination == kBroadcast || destination == node.id))
+      ids.push_back(node.id);
+  return ids;
+}
+
+Result Services::resume_one(std::uint8_t node) {
+  const auto done = std::make_shared<std::promise<Result>>();
+  auto result = done->get_future();
+  const bool asked = commands_.resume(node, [done](const Result& r) { done->set_value(r); });
+  if (!asked || result.wait_for(kAnswer) != std::future_status::ready)
+    throw std::runtime_error("node " + std::to_string(node) + ": no result in time");
+  return result.get();
+}
+
+bool Services::resume(Resume::Request& request, Resume::Response& response) {
+  return answered(response, [&] {
+    const auto ids = nodes_with_joints(request.node.empty() ? kBroadcast : destination(request.node));
+    if (ids.empty()) throw std::invalid_argument("node '" + request.node + "' has no joints");
+    response.success = true;
+    for (const auto id : ids) {
+      const auto result = resume_one(id);
+      if (result.outcome == Outcome::delivered) continue;
+      response.success = false;
+      response.message += "node " + std::to_string(id) + ": " + to_string(result.outcome) + " " +
+                          result.reason + "; ";
+    }
+  });
+}
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <limb_ring/ResetNode.h>
+#include <limb_ring/Resume.h>
+#include <limb_ring/SendInterrupt.h>
+#include <limb_ring/Stop.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <string>
+
+#include "config/ring_config.h"
+#include "ros_bridge/command_in.h"
+
+namespace limb_ring::bridge {
+
+/// `reset_node`, `send_interrupt`, `stop`, `resume`.
+///
+/// A call may take seconds, so calls have a queue and threads of their own, and each opens a
+/// connection of its own to the daemon, as any tool may: joint data does not wait for them.
+/// Every call ends by a deadline; what went wrong is in its message.
+class Services {
+ public:
+  /// `door` says how to reach the daemon of this bridge's node; its role is ignored.
+  Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions door,
+           CommandIn& commands);
+  ~Services();
+
+ private:
+  bool reset_node(ResetNode::Request& request, ResetNode::Response& response);
+  bool send_interrupt(SendInterrupt::Request& request, SendInterrupt::Response& response);
+  bool stop(Stop::Request& request, Stop::Response& response);
+  bool resume(Resume::Request& request, Resume::Response& response);
+  Result resume_one(std::uint8_t node);
+
+  /// Id of a node by id or name, kBroadcast for "all".
+  /// @throw std::invalid_argument naming the nodes there are
+  std::uint8_t destination(const std::string& node) const;
+  std::uint8_t one_node(const std::string& node) const;
+  std::vector<std::uint8_t> nodes_with_joints(std::uint8_t destination) const;
+
+  const config::RingConfig& ring_;
+  ConnectOptions door_;
+  CommandIn& commands_;
+  ros::CallbackQueue queue_;
+  ros::NodeHandle nodes_;
+  ros::AsyncSpinner threads_;
+  std::vector<ros::ServiceServer> servers_;
+};
+
+}  // namespace limb_ring::bridge

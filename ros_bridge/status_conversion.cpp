@@ -1,0 +1,87 @@
+#include "ros_bridge/status_conversion.h"
+
+#include <tuple>
+
+namespace limb_ring::bridge {
+namespace {
+
+using nlohmann::json;
+
+const json& member(const json& object, const char* name) {
+  static const json nothing;
+  if (!object.is_object()) return nothing;
+  const auto found = object.find(name);
+  return found == object.end() ? nothing : *found;
+}
+
+template <typename Field>
+void take_number(const json& object, const char* name, Field& field, double scale = 1) {
+  const json& value = member(object, name);
+  if (!value.is_number()) return;
+  if (scale == 1 && value.is_number_integer())
+    field = static_cast<Field>(value.get<std::int64_t>());
+  else
+    field = static_cast<Field>(value.get<double>() * scale);
+}
+
+void take_text(const json& object, const char* name, std::string& field) {
+  const json& value = member(object, name);
+  if (value.is_string()) field = value.get<std::string>();
+}
+
+void take_counters(const json& counters, NodeStatus& status) {
+  if (!counters.is_object()) return;
+  status.counter_names.clear();
+  status.counter_values.clear();
+  for (const auto& [name, value] : counters.items()) {
+    if (!value.is_number_integer()) continue;
+    status.counter_names.push_back(name);
+    status.counter_values.push_back(value.get<std::uint64_t>());
+  }
+}
+
+auto substance(const NodeStatus& s) {
+  return std::tie(s.id, s.state, s.pid, s.cpu_state, s.cpu_pid, s.cpu_boots, s.ring_size);
+}
+
+}  // namespace
+
+NodeStatus unheard_node(const config::NodeConfig& node) {
+  NodeStatus status;
+  status.id = node.id;
+  status.name = node.name;
+  status.state = "down";
+  status.cpu_state = "unknown";
+  status.beacon_age = -1;
+  return status;
+}
+
+void merge_status_row(const json& row, NodeStatus& status) {
+  constexpr double kMicroseconds = 1e-6;
+  take_text(row, "state", status.state);
+  take_number(row, "pid", status.pid);
+  take_number(row, "ring_size", status.ring_size);
+  const json& cpu = member(row, "cpu");
+  take_text(cpu, "state", status.cpu_state);
+  take_number(cpu, "pid", status.cpu_pid);
+  take_number(cpu, "boots", status.cpu_boots);
+  const json& trip = member(row, "round_trip_us");
+  take_number(trip, "p50", status.round_trip_p50, kMicroseconds);
+  take_number(trip, "p99", status.round_trip_p99, kMicroseconds);
+  take_number(trip, "max", status.round_trip_max, kMicroseconds);
+  take_counters(member(row, "counters"), status);
+}
+
+void merge_beacon(const json& heard, NodeStatus& status) {
+  if (status.state == "down") status.state = "up";
+  if (status.cpu_state == "unknown") take_text(heard, "cpu_state", status.cpu_state);
+  if (status.cpu_boots == 0) take_number(heard, "cpu_boots", status.cpu_boots);
+  take_number(heard, "hop", status.hop);
+  take_number(heard, "age_ms", status.beacon_age, 1e-3);
+}
+
+bool differs_in_substance(const NodeStatus& a, const NodeStatus& b) {
+  return substance(a) != substance(b);
+}
+
+}  // namespace limb_ring::bridge

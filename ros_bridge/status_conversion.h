@@ -1,0 +1,25 @@
+#pragma once
+
+#include <limb_ring/NodeStatus.h>
+
+#include <nlohmann/json.hpp>
+
+#include "config/ring_config.h"
+
+namespace limb_ring::bridge {
+
+/// A node of which nothing is known: state "down".
+NodeStatus unheard_node(const config::NodeConfig& node);
+
+/// Fills in a status row, as daemon/host/requests.md describes it. Members that are missing or
+/// of another type leave the field as it is.
+void merge_status_row(const nlohmann::json& row, NodeStatus& status);
+
+/// Fills in what the beacons of a node told another: an entry of a row's `heard`. A node heard
+/// of, but whose own row could not be had, is `up`.
+void merge_beacon(const nlohmann::json& heard, NodeStatus& status);
+
+/// True where a subscriber should hear at once: states, CPUs and boots, not times and counters.
+bool differs_in_substance(const NodeStatus& a, const NodeStatus& b);
+
+}  // namespace limb_ring::bridge

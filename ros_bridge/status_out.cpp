@@ -1,0 +1,115 @@
+#include "ros_bridge/status_out.h"
+
+#include <algorithm>
+
+namespace limb_ring::bridge {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kGlance = 100ms;  // between looks for a change
+constexpr auto kPeriod = 1s;
+
+}  // namespace
+
+StatusOut::StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring,
+                     const ConnectOptions& door, RingPort& port, const JointDataOut& joints,
+                     const Counters& counters, OnBoot on_boot)
+    : ring_(ring),
+      own_node_(door.node),
+      watch_(ring, door),
+      joints_(joints),
+      counters_(counters),
+      on_boot_(std::move(on_boot)),
+      publisher_(nodes.advertise<RingStatus>("ring_status", 1, /*latch=*/true)) {
+  port.on_connection([this](const std::string& problem) {
+    std::lock_guard<std::mutex> lock(mutex_);
+    problem_ = problem;
+    wake_.notify_all();
+  });
+}
+
+StatusOut::~StatusOut() {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void StatusOut::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void StatusOut::run() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!stopping_) {
+    lock.unlock();
+    if (is_due()) publish();
+    lock.lock();
+    if (!stopping_) wake_.wait_for(lock, kGlance);
+  }
+}
+
+std::string StatusOut::problem() {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return problem_;
+}
+
+bool StatusOut::is_due() {
+  auto digest = watch_.digest();
+  auto silent = joints_.silent_joints();
+  auto now_wrong = problem();
+  const bool changed =
+      digest != last_digest_ || silent != last_silent_ || now_wrong != last_problem_;
+  last_digest_ = std::move(digest);
+  last_silent_ = std::move(silent);
+  last_problem_ = std::move(now_wrong);
+  return changed || Clock::now() - last_time_ >= kPeriod;
+}
+
+void StatusOut::publish() {
+  last_time_ = Clock::now();
+  RingStatus status;
+  fill_header(status);
+  status.nodes = watch_.look();
+  for (auto& node : status.nodes) fill_joints(node);
+  const auto own = std::find_if(status.nodes.begin(), status.nodes.end(),
+                                [this](const auto& node) { return node.name == own_node_; });
+  if (own != status.nodes.end()) status.ring_size = own->ring_size;
+  notice_boots(status);
+  publisher_.publish(status);
+}
+
+void StatusOut::fill_header(RingStatus& status) {
+  const auto now = ros::WallTime::now();
+  status.header.stamp = ros::Time(now.sec, now.nsec);
+  status.ring = ring_.ring;
+  status.node = own_node_;
+  status.message = last_problem_;
+  status.connected = last_problem_.empty();
+  status.silent_joints = last_silent_;
+  for (const auto& [name, value] : counters_.all()) {
+    status.counter_names.push_back(name);
+    status.counter_values.push_back(value);
+  }
+}
+
+void StatusOut::fill_joints(NodeStatus& node) const {
+  const auto received = joints_.received(node.id);
+  node.states_received = received.states;
+  node.states_missing = received.missing;
+  node.stopped = received.stopped;
+}
+
+void StatusOut::notice_boots(const RingStatus& status) {
+  for (const auto& node : status.nodes) {
+    auto [known, is_new] = boots_.emplace(node.id, node.cpu_boots);
+    if (!is_new && known->second != node.cpu_boots) on_boot_(node.id);
+    known->second = node.cpu_boots;
+  }
+}
+
+}  // namespace limb_ring::bridge

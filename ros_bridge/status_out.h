@@ -1,0 +1,61 @@
+#pragma once
+
+#include <limb_ring/RingStatus.h>
+#include <ros/ros.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "ros_bridge/counters.h"
+#include "ros_bridge/joint_data_out.h"
+#include "ros_bridge/ring_watch.h"
+
+namespace limb_ring::bridge {
+
+/// `ring_status`, latched: once a second, and at once when a node or CPU changes its state, a
+/// joint falls silent or the daemon goes. A thread of its own asks the daemons.
+class StatusOut {
+ public:
+  /// The CPU of a node (by id) has started anew.
+  using OnBoot = std::function<void(std::uint8_t node)>;
+
+  StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door,
+            RingPort& port, const JointDataOut& joints, const Counters& counters, OnBoot on_boot);
+  ~StatusOut();
+  void start();
+
+ private:
+  void run();
+  bool is_due();
+  void publish();
+  void fill_header(RingStatus& status);
+  void fill_joints(NodeStatus& node) const;
+  void notice_boots(const RingStatus& status);
+  std::string problem();
+
+  const config::RingConfig& ring_;
+  std::string own_node_;
+  RingWatch watch_;
+  const JointDataOut& joints_;
+  const Counters& counters_;
+  OnBoot on_boot_;
+  ros::Publisher publisher_;
+
+  std::map<std::uint8_t, std::uint32_t> boots_;
+  std::string last_digest_, last_problem_;
+  std::vector<std::string> last_silent_;
+  std::chrono::steady_clock::time_point last_time_{};
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stopping_ = false;
+  std::string problem_ = "not connected yet";
+  std::thread thread_;
+};
+
+}  // namespace limb_ring::bridge

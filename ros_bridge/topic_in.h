@@ -1,0 +1,37 @@
+#pragma once
+
+#include <ros/ros.h>
+#include <topic_tools/shape_shifter.h>
+
+#include <deque>
+#include <mutex>
+
+#include "ros_bridge/topic_sender.h"
+
+namespace limb_ring::bridge {
+
+/// A ROS topic of any type, subscribed here and sent to the node the configuration names.
+class TopicIn {
+ public:
+  TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic,
+          RingPort& port, Counters& counters);
+
+  /// Any thread: the CPU of the node this topic goes to has started anew.
+  void far_side_restarted();
+  const config::TopicConfig& topic() const { return topic_; }
+
+ private:
+  using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
+  void on_message(const Event& event);
+  void hand_over();
+
+  config::TopicConfig topic_;
+  RingPort& port_;
+  Counters& counters_;
+  TopicSender sender_;  // ring thread only
+  std::mutex mutex_;
+  std::deque<TopicMessage> handed_in_;  // at most topic_.queue
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,129 @@
+#include "ros_bridge/topic_sender.h"
+
+#include "payload/packet_type.h"
+#include "ros_bridge/outcome_word.h"
+
+namespace limb_ring::bridge {
+
+using payload::Fragment;
+
+TopicSender::TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send,
+                         Counters& counters)
+    : fragmenter_(number), topic_(topic), send_(std::move(send)), counters_(counters),
+      prefix_("topic_" + topic.input + "_") {}
+
+void TopicSender::offer(TopicMessage message) {
+  message.type.name = topic_.output;
+  if (waiting_.size() >= topic_.queue) {
+    waiting_.pop_front();
+    count("dropped_queue");
+  }
+  waiting_.push_back(std::move(message));
+  pump();
+}
+
+void TopicSender::announce() {
+  announce_due_ = type_.has_value();
+  pump();
+}
+
+void TopicSender::far_side_restarted() {
+  type_is_known_ = false;
+  if (latched_ && waiting_.empty()) waiting_.push_back(*latched_);
+  announce();
+}
+
+void TopicSender::pump() {
+  while (under_way_ < kWindow && has_fragment()) send_fragment();
+}
+
+// A message may follow another while that is still under way. An announcement waits until all
+// that went before it is answered for: it starts the topic afresh at the far side.
+bool TopicSender::has_fragment() {
+  if (!fragmenter_.done() && !given_up_) return true;
+  const bool changed = !waiting_.empty() && !(type_ && *type_ == waiting_.front().type);
+  if (changed) type_ = waiting_.front().type;
+  if (announce_due_ || changed) {
+    announce_due_ = true;
+    return under_way_ == 0 && start_announcement();
+  }
+  return start_message();
+}
+
+bool TopicSender::start_announcement() {
+  announce_due_ = false;
+  type_is_known_ = false;
+  const auto bytes = payload::encode(*type_);
+  if (!bytes || !fragmenter_.start(Fragment::Kind::announcement, *bytes)) {
+    count("dropped_type_too_large");
+    waiting_.clear();
+    return false;
+  }
+  begin_flight(true);
+  return true;
+}
+
+bool TopicSender::start_message() {
+  while (type_is_known_ && !waiting_.empty()) {
+    TopicMessage message = std::move(waiting_.front());
+    waiting_.pop_front();
+    latched_.reset();
+    if (message.type.latching) latched_ = message;
+    if (fragmenter_.start(Fragment::Kind::data, std::move(message.bytes))) {
+      begin_flight(false);
+      return true;
+    }
+    count("dropped_too_large");
+  }
+  return false;
+}
+
+void TopicSender::begin_flight(bool announcement) {
+  flights_[++serial_].announcement = announcement;
+  given_up_ = false;
+}
+
+void TopicSender::send_fragment() {
+  Flight& flight = flights_[serial_];
+  ++under_way_;
+  ++flight.unanswered;
+  Outgoing packet{topic_.to, topic_.priority, payload::kTopicChannel, fragmenter_.next()};
+  flight.all_sent = fragmenter_.done();
+  send_(packet, [this, serial = serial_](const Result& result) { on_result(serial, result); });
+}
+
+void TopicSender::on_result(std::uint64_t serial, const Result& result) {
+  Flight& flight = flights_[serial];
+  --under_way_;
+  --flight.unanswered;
+  const bool arrived =
+      result.outcome == Outcome::delivered || result.outcome == Outcome::unconfirmed;
+  if (!arrived && !flight.failed) {
+    fail(flight, result.outcome);
+    given_up_ = given_up_ || serial == serial_;
+  }
+  if (flight.unanswered == 0 && (flight.all_sent || flight.failed)) {
+    finish(flight);
+    flights_.erase(serial);
+  }
+  pump();
+}
+
+// After a failed announcement nothing is sent until the next announce(): there may be nobody to
+// listen, and asking again at once would only load the ring.
+void TopicSender::fail(Flight& flight, Outcome outcome) {
+  flight.failed = true;
+  type_is_known_ = false;
+  announce_due_ = !flight.announcement;
+  count((flight.announcement ? "announcement_" : "dropped_") + outcome_word(outcome));
+}
+
+void TopicSender::finish(const Flight& flight) {
+  if (flight.failed) return;
+  if (flight.announcement)
+    type_is_known_ = true;
+  else
+    count("sent");
+}
+
+}  // namespace limb_ring::bridge

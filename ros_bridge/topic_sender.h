@@ -1,0 +1,82 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "payload/announcement.h"
+#include "payload/fragmenter.h"
+#include "ros_bridge/counters.h"
+#include "ros_bridge/ring_port.h"
+
+namespace limb_ring::bridge {
+
+/// A serialized ROS message and what it is.
+struct TopicMessage {
+  payload::Announcement type;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// Sends the messages of one topic to one node, in fragments, on channel 3. No ROS, no threads.
+///
+/// At most `kWindow` fragments are under way, so that a large message never fills the
+/// controller's send queue. The topic's type goes before its first message, whenever it
+/// changes, and once a second (announce()), because the far side may have started anew. After a
+/// fragment that was not delivered the rest of its message is not sent.
+class TopicSender {
+ public:
+  static constexpr unsigned kWindow = 4;
+  using Send = std::function<void(const Outgoing&, RingPort::OnResult)>;
+
+  /// `number` is the topic's place in the configuration's list, the same at both ends.
+  TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send, Counters& counters);
+
+  /// Queues a message; at `topic.queue` the oldest one waiting is dropped, and counted.
+  void offer(TopicMessage message);
+  /// Says the type again, as soon as the message under way has gone.
+  void announce();
+  /// The far side has started anew: type first, and a latched topic's last message again.
+  void far_side_restarted();
+
+ private:
+  /// A message some of whose fragments are under way.
+  struct Flight {
+    bool announcement = false;
+    bool failed = false;
+    bool all_sent = false;
+    unsigned unanswered = 0;
+  };
+  void pump();
+  bool has_fragment();
+  bool start_announcement();
+  bool start_message();
+  void begin_flight(bool announcement);
+  void send_fragment();
+  void on_result(std::uint64_t serial, const Result& result);
+  void fail(Flight& flight, Outcome outcome);
+  void finish(const Flight& flight);
+  void count(const std::string& what) { counters_.add(prefix_ + what); }
+
+  payload::Fragmenter fragmenter_;
+  config::TopicConfig topic_;
+  Send send_;
+  Counters& counters_;
+  std::string prefix_;
+
+  std::deque<TopicMessage> waiting_;
+  std::optional<payload::Announcement> type_;  // announced last
+  std::optional<TopicMessage> latched_;
+  bool announce_due_ = false;   // announce before the next message
+  bool type_is_known_ = false;  // the announcement arrived: messages may follow
+
+  std::map<std::uint64_t, Flight> flights_;  // by serial number
+  std::uint64_t serial_ = 0;                 // of the message in the fragmenter
+  bool given_up_ = false;                    // the rest of it is not sent
+  unsigned under_way_ = 0;  // fragments, of all flights
+};
+
+}  // namespace limb_ring::bridge

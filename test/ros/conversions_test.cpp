@@ -1,0 +1,125 @@
+#include "ros_bridge/conversions.h"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "ros/small_robot.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class SplitCommand : public ::testing::Test {
+ protected:
+  std::string refusal() const {
+    try {
+      split_command(message, joints);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "not refused";
+  }
+
+  JointMap joints{small_robot()};
+  sensor_msgs::JointState message;
+};
+
+TEST_F(SplitCommand, GivesEachNodeItsJointsInItsOwnOrder) {
+  message.name = {"hip_roll", "knee_pitch", "hip_pitch"};
+  message.position = {1, 2, 3};
+  const auto split = split_command(message, joints);
+  ASSERT_EQ(split.parts.size(), 2u);
+  EXPECT_EQ(split.parts[0].node, 7);
+  EXPECT_EQ(split.parts[0].command.joints.at(0).position, 2);
+  EXPECT_EQ(split.parts[1].node, 3);
+  EXPECT_EQ(split.parts[1].command.joints.at(0).position, 3);
+  EXPECT_EQ(split.parts[1].command.joints.at(1).position, 1);
+}
+
+TEST_F(SplitCommand, SendsNothingToNodesThatAreNotCommanded) {
+  message.name = {"knee_pitch"};
+  message.position = {0.5};
+  const auto split = split_command(message, joints);
+  ASSERT_EQ(split.parts.size(), 1u);
+  EXPECT_EQ(split.parts[0].node, 7);
+}
+
+TEST_F(SplitCommand, LeavesAJointOfACommandedNodeAloneThatIsNotNamed) {
+  message.name = {"hip_roll"};
+  message.effort = {4};
+  const auto split = split_command(message, joints);
+  const auto& hip = split.parts.at(0).command.joints;
+  EXPECT_FALSE(hip.at(0).effort.has_value());
+  EXPECT_EQ(hip.at(1).effort, 4);
+  EXPECT_FALSE(hip.at(1).position.has_value());
+}
+
+TEST_F(SplitCommand, ObeysTheKnownJointsAndNamesTheUnknown) {
+  message.name = {"tail", "knee_pitch"};
+  message.position = {1, 2};
+  const auto split = split_command(message, joints);
+  EXPECT_THAT(split.unknown, ElementsAre("tail"));
+  EXPECT_EQ(split.parts.size(), 1u);
+}
+
+TEST_F(SplitCommand, RefusesAnArrayOfAnotherLengthNamingBoth) {
+  message.name = {"knee_pitch", "hip_roll"};
+  message.velocity = {1};
+  EXPECT_THAT(refusal(), HasSubstr("'velocity' has 1 entries for 2 names"));
+}
+
+TEST_F(SplitCommand, RefusesWhatIsNotANumberNamingTheJoint) {
+  message.name = {"knee_pitch", "hip_roll"};
+  message.position = {0, std::numeric_limits<double>::quiet_NaN()};
+  EXPECT_THAT(refusal(), HasSubstr("'position' of joint 'hip_roll' is nan"));
+  message.position = {std::numeric_limits<double>::infinity(), 0};
+  EXPECT_THAT(refusal(), HasSubstr("'position' of joint 'knee_pitch' is inf"));
+}
+
+TEST_F(SplitCommand, RefusesAMessageWithoutNamesAndAJointNamedTwice) {
+  message.position = {1};
+  EXPECT_THAT(refusal(), HasSubstr("'name' is empty"));
+  message.name = {"hip_roll", "hip_roll"};
+  message.position = {1, 2};
+  EXPECT_THAT(refusal(), HasSubstr("'hip_roll' is named twice"));
+}
+
+TEST(RosTime, KeepsEveryNanosecond) {
+  const auto time = to_ros_time(1602256052650440123);
+  EXPECT_EQ(time.sec, 1602256052u);
+  EXPECT_EQ(time.nsec, 650440123u);
+}
+
+TEST(SensorMessages, CarryAxesStampAndFrame) {
+  payload::SensorReading reading;
+  reading.stamp_ns = 5000000007;
+  reading.linear = {1, 2, 3};
+  reading.angular = {4, 5, 6};
+  const auto imu = to_imu(reading, "hip_imu");
+  EXPECT_EQ(imu.header.frame_id, "hip_imu");
+  EXPECT_EQ(imu.header.stamp, ros::Time(5, 7));
+  EXPECT_EQ(imu.linear_acceleration.y, 2);
+  EXPECT_EQ(imu.angular_velocity.z, 6);
+  EXPECT_EQ(imu.orientation_covariance[0], -1) << "orientation is not known (REP 145)";
+  const auto wrench = to_wrench(reading, "hip_force");
+  EXPECT_EQ(wrench.wrench.force.x, 1);
+  EXPECT_EQ(wrench.wrench.torque.x, 4);
+}
+
+TEST(JointStateMessage, HasOneEntryPerFreshJointInEveryArray) {
+  JointStore::Snapshot snapshot;
+  snapshot.oldest_stamp_ns = 3000000000;
+  snapshot.fresh = {{"a", {1, 2, 3}}, {"b", {4, 5, 6}}};
+  const auto message = to_joint_state(snapshot);
+  EXPECT_EQ(message.header.stamp, ros::Time(3, 0));
+  EXPECT_THAT(message.name, ElementsAre("a", "b"));
+  EXPECT_THAT(message.position, ElementsAre(1, 4));
+  EXPECT_THAT(message.velocity, ElementsAre(2, 5));
+  EXPECT_THAT(message.effort, ElementsAre(3, 6));
+}
+
+}  // namespace
+}  // namespace limb_ring::bridge

@@ -1,0 +1,93 @@
+#include "ros_bridge/joint_store.h"
+
+#include <gmock/gmock.h>
+
+#include "ros/small_robot.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr std::uint8_t kKnee = 7, kHip = 3;
+
+class Joints : public ::testing::Test {
+ protected:
+  bool take(std::uint8_t node, std::uint16_t sequence, std::int64_t stamp,
+            std::vector<double> positions) {
+    payload::JointState state;
+    state.sequence = sequence;
+    state.stamp_ns = stamp;
+    for (const double position : positions) state.joints.push_back({position, 0, 0});
+    return store.take(node, state, now);
+  }
+  std::vector<std::string> fresh() const {
+    std::vector<std::string> names;
+    for (const auto& joint : store.snapshot(now).fresh) names.push_back(joint.name);
+    return names;
+  }
+
+  JointStore store{small_robot()};  // 100 Hz: silent after 30 ms
+  JointStore::Clock::time_point now{1h};
+};
+
+TEST_F(Joints, AreSilentUntilTheirNodeSpeaks) {
+  EXPECT_THAT(fresh(), IsEmpty());
+  EXPECT_THAT(store.snapshot(now).silent, ElementsAre("knee_pitch", "hip_pitch", "hip_roll"));
+  take(kHip, 0, 100, {1, 2});
+  EXPECT_THAT(fresh(), ElementsAre("hip_pitch", "hip_roll"));
+  EXPECT_THAT(store.snapshot(now).silent, ElementsAre("knee_pitch"));
+}
+
+TEST_F(Joints, CarryTheStampOfTheOldestSample) {
+  take(kHip, 0, 200, {1, 2});
+  take(kKnee, 0, 100, {3});
+  EXPECT_EQ(store.snapshot(now).oldest_stamp_ns, 100);
+  take(kKnee, 1, 300, {3});
+  EXPECT_EQ(store.snapshot(now).oldest_stamp_ns, 200);
+}
+
+TEST_F(Joints, AreLeftOutAfterThreePeriodsAndTheirStampWithThem) {
+  take(kKnee, 0, 100, {3});
+  now += 20ms;
+  take(kHip, 0, 200, {1, 2});
+  now += 10ms;
+  EXPECT_THAT(store.snapshot(now).silent, IsEmpty());
+  now += 1ns;
+  EXPECT_THAT(store.snapshot(now).silent, ElementsAre("knee_pitch"));
+  EXPECT_EQ(store.snapshot(now).oldest_stamp_ns, 200);
+}
+
+TEST_F(Joints, AreSilentAtOnceWhenTheConnectionIsLost) {
+  take(kKnee, 0, 100, {3});
+  store.forget();
+  EXPECT_THAT(fresh(), IsEmpty());
+}
+
+TEST_F(Joints, OfUnknownNodesOrAnotherNumberAreRefused) {
+  EXPECT_FALSE(take(99, 0, 100, {1}));
+  EXPECT_FALSE(take(0, 0, 100, {})) << "a body without joints sends no states";
+  EXPECT_FALSE(take(kHip, 0, 100, {1}));
+  EXPECT_EQ(store.received(kHip).states, 0u);
+}
+
+TEST_F(Joints, CountWhatIsMissingInTheSequence) {
+  take(kKnee, 65534, 100, {1});
+  take(kKnee, 65535, 101, {1});
+  take(kKnee, 0, 102, {1});
+  EXPECT_EQ(store.received(kKnee).missing, 0u) << "the number wraps";
+  take(kKnee, 4, 103, {1});
+  EXPECT_EQ(store.received(kKnee).missing, 3u);
+  EXPECT_EQ(store.received(kKnee).states, 4u);
+}
+
+TEST_F(Joints, OfARestartedCpuAreNotCountedAsMissing) {
+  take(kKnee, 500, 100, {1});
+  take(kKnee, 0, 101, {1});
+  EXPECT_EQ(store.received(kKnee).missing, 0u);
+}
+
+}  // namespace
+}  // namespace limb_ring::bridge

@@ -1,0 +1,64 @@
+#include "ros_bridge/status_conversion.h"
+
+#include <gmock/gmock.h>
+
+#include "ros/small_robot.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+
+class Status : public ::testing::Test {
+ protected:
+  const config::RingConfig ring = small_robot();
+  NodeStatus status = unheard_node(ring.nodes.at(1));
+};
+
+TEST_F(Status, OfANodeNobodyHearsIsDown) {
+  EXPECT_EQ(status.id, 7);
+  EXPECT_EQ(status.name, "knee");
+  EXPECT_EQ(status.state, "down");
+  EXPECT_EQ(status.cpu_state, "unknown");
+}
+
+TEST_F(Status, TakesARowInSecondsAndWithItsCounters) {
+  merge_status_row(json::parse(R"({"state": "up", "pid": 4711,
+      "cpu": {"pid": 4712, "boots": 2, "state": "running"}, "ring_size": 16,
+      "round_trip_us": {"p50": 61.5, "p99": 90, "max": 120.25},
+      "counters": {"lost": 3, "relayed_data": 12345678901}})"),
+                   status);
+  EXPECT_EQ(status.state, "up");
+  EXPECT_EQ(status.pid, 4711);
+  EXPECT_EQ(status.cpu_pid, 4712);
+  EXPECT_EQ(status.cpu_boots, 2u);
+  EXPECT_EQ(status.ring_size, 16);
+  EXPECT_DOUBLE_EQ(status.round_trip_p50, 61.5e-6);
+  EXPECT_DOUBLE_EQ(status.round_trip_p99, 90e-6);
+  EXPECT_THAT(status.counter_names, ElementsAre("lost", "relayed_data"));
+  EXPECT_THAT(status.counter_values, ElementsAre(3u, 12345678901u));
+}
+
+TEST_F(Status, SurvivesARowOfWrongTypes) {
+  merge_status_row(json::parse(R"({"state": 3, "pid": "x", "cpu": [], "round_trip_us": null,
+      "counters": "many"})"),
+                   status);
+  merge_status_row(json::parse("[1, 2]"), status);
+  EXPECT_EQ(status.state, "down");
+  EXPECT_EQ(status.pid, 0);
+}
+
+TEST_F(Status, OfANodeOnAnotherHostComesFromItsBeacons) {
+  merge_beacon(json::parse(R"({"id": 7, "cpu_boots": 4, "cpu_state": "silent", "hop": 9,
+                               "age_ms": 20})"),
+               status);
+  EXPECT_EQ(status.state, "up");
+  EXPECT_EQ(status.cpu_state, "silent");
+  EXPECT_EQ(status.cpu_boots, 4u);
+  EXPECT_EQ(status.hop, 9);
+  EXPECT_DOUBLE_EQ(status.beacon_age, 0.02);
+}
+
+}  // namespace
+}  // namespace limb_ring::bridge
