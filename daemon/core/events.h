@@ -54,9 +54,14 @@ struct PeerChanged {
   NodeId node = 0;
 };
 
+/// The own beacon came home: the ring is closed, and this is how long it takes.
+struct BeaconHome {
+  Duration round_trip{0};
+};
+
 struct Event {
   Time at{};
-  std::variant<SendEnded, PinPulled, StateChanged, PeerChanged> what;
+  std::variant<SendEnded, PinPulled, StateChanged, PeerChanged, BeaconHome> what;
 };
 
 /// Events in the order of their time. On a paced line the tail of a packet that has been decided

@@ -143,6 +143,7 @@ void Membership::settle(Time now) {
       hello_ended(ended, now);
     } else {
       beacon_out_ = false;
+      if (ended.outcome == Outcome::delivered) events_.put(now, BeaconHome{ended.round_trip});
       if (beacon_wanted_) send_beacon(now);
     }
   }
@@ -208,6 +209,7 @@ wire::Beacon Membership::beacon(Time now) const {
   b.boot = boot_;
   b.cpu_boots = cpu_.boots;
   b.cpu_state = cpu_.state;
+  b.cpu_comes_back = cpu_.comes_back;
   const auto silent = std::chrono::duration_cast<std::chrono::milliseconds>(now - cpu_.spoke_at).count();
   b.cpu_silent_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(silent, 0, UINT32_MAX));
   b.input = link_state(input_ == Link::up, input_ == Link::lost);

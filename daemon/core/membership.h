@@ -14,6 +14,7 @@ namespace limb_ring::core {
 struct CpuReport {
   std::uint32_t boots = 0;
   wire::CpuState state = wire::CpuState::none;
+  bool comes_back = true;  ///< somebody starts it again when a reset kills it
   Time spoke_at{};  ///< when it last spoke; beacons say how long ago that was
 };
 

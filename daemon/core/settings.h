@@ -28,6 +28,9 @@ struct Settings {
   Duration byte_time_in{0};      ///< of the input line
   Duration relay_delay{0};       ///< d of protocol.md section 7; only time-outs use it here
 
+  /// Worst lap of the whole ring where its lines differ; 0: nodes() times the own line's T + d.
+  Duration lap{0};
+
   unsigned insertion_buffer = 8;   ///< DATPs, at least 2
   unsigned interrupt_buffer = 64;  ///< INTPs
   unsigned send_queue = 64;        ///< sends per priority, and interrupts
@@ -49,6 +52,7 @@ struct Settings {
   unsigned nodes() const { return static_cast<unsigned>(order.size()); }
   /// One lap of largest packets in the worst case: N * (T + d), INTPs cutting in once per node.
   Duration worst_lap() const {
+    if (lap.count() != 0) return lap;
     return nodes() * (byte_time_out * static_cast<int>(524 + wire::kOverhead) + relay_delay);
   }
   /// Time-out of one try: two laps, and never less than send_timeout_least. (ours)

@@ -52,6 +52,7 @@ std::size_t encode(const Beacon& b, std::uint8_t* out) {
   out[22] = b.break_known ? 1 : 0;
   out[23] = b.break_before;
   out[24] = b.break_behind;
+  out[25] = b.cpu_comes_back ? 1 : 0;
   return kBeaconSize;
 }
 
@@ -65,7 +66,7 @@ std::optional<Beacon> decode_beacon(ByteView data) {
   const std::uint8_t* p = data.data;
   const bool legal = p[13] <= static_cast<std::uint8_t>(CpuState::failed) &&
                      p[18] <= static_cast<std::uint8_t>(LinkState::silent) &&
-                     p[20] <= static_cast<std::uint8_t>(LinkState::silent) && p[22] <= 1;
+                     p[20] <= static_cast<std::uint8_t>(LinkState::silent) && p[22] <= 1 && p[25] <= 1;
   if (!legal) return std::nullopt;
   Beacon b;
   b.boot = load_u64(p + 1);
@@ -79,6 +80,7 @@ std::optional<Beacon> decode_beacon(ByteView data) {
   b.break_known = p[22] == 1;
   b.break_before = p[23];
   b.break_behind = p[24];
+  b.cpu_comes_back = p[25] == 1;
   return b;
 }
 

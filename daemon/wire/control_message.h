@@ -24,7 +24,8 @@ const char* to_string(LinkState state);
 /// Sent every 100 ms by default and at once on any change.
 ///
 ///   | type 2 | boot 64 | CPU boots 32 | CPU state 8 | CPU silent for, ms 32 | input state 8 |
-///   | input from 8 | output state 8 | output to 8 | break known 8 | before 8 | behind 8 | 25 bytes
+///   | input from 8 | output state 8 | output to 8 | break known 8 | before 8 | behind 8 |
+///   | CPU comes back 8 |                                                    26 bytes
 struct Beacon {
   std::uint64_t boot = 0;
   std::uint32_t cpu_boots = 0;      ///< starts of the CPU so far
@@ -37,8 +38,9 @@ struct Beacon {
   bool break_known = false;         ///< the line between the next two is broken
   NodeId break_before = 0;
   NodeId break_behind = 0;
+  bool cpu_comes_back = true;       ///< somebody starts the CPU again when a reset kills it
 };
-constexpr std::size_t kBeaconSize = 25;
+constexpr std::size_t kBeaconSize = 26;
 
 /// @param out room for kHelloSize, kBeaconSize bytes. @return bytes written
 std::size_t encode(const Hello& hello, std::uint8_t* out);

@@ -15,7 +15,7 @@ TEST(ControlMessage, HelloComesBack) {
 }
 
 TEST(ControlMessage, BeaconComesBack) {
-  Beacon beacon{42, 3, CpuState::silent, 250, LinkState::up, 4, LinkState::silent, 6, true, 4, 5};
+  Beacon beacon{42, 3, CpuState::silent, 250, LinkState::up, 4, LinkState::silent, 6, true, 4, 5, false};
   std::array<std::uint8_t, kBeaconSize> bytes;
   ASSERT_EQ(encode(beacon, bytes.data()), kBeaconSize);
   const auto back = decode_beacon({bytes.data(), bytes.size()});
@@ -28,6 +28,7 @@ TEST(ControlMessage, BeaconComesBack) {
   EXPECT_EQ(back->output_to, 6);
   EXPECT_TRUE(back->break_known);
   EXPECT_EQ(back->break_behind, 5);
+  EXPECT_FALSE(back->cpu_comes_back);
 }
 
 TEST(ControlMessage, WrongSizesTypesAndValuesAreNoMessage) {
