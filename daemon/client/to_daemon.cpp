@@ -19,17 +19,18 @@ constexpr std::uint8_t kRestartedByOwner = 1;
 
 std::optional<ToDaemon> read_greeting(FieldReader reader) {
   Greeting message;
-  const bool known = reader.u32() == kGreetingMagic;
-  message.version = reader.u16();
+  const bool magic = reader.u32() == kGreetingMagic;
+  message.version = reader.u16();  // 0: none was there
   const std::uint8_t role = reader.u8();
   message.role = static_cast<Role>(role);
   message.restarted_by_owner = (reader.u8() & kRestartedByOwner) != 0;
   message.pid = reader.u32();
   message.alive_period = std::chrono::milliseconds{reader.u32()};
   message.ring = reader.text();
-  if (!known || role > static_cast<std::uint8_t>(Role::cpu)) return std::nullopt;
+  if (!magic || message.version == 0) return std::nullopt;
   // A later version may say more; its number is what the daemon has to see then.
-  if (!reader.complete() && message.version == kHostPortVersion) return std::nullopt;
+  const bool sound = reader.complete() && role <= static_cast<std::uint8_t>(Role::cpu);
+  if (!sound && message.version == kHostPortVersion) return std::nullopt;
   return message;
 }
 

@@ -1,0 +1,165 @@
+// Daemons that end, say nonsense, or do not read.
+#include <gmock/gmock.h>
+
+#include <future>
+
+#include "client/fake_daemon.h"
+#include "limb_ring/host_port.h"
+#include "support/runtime_folder.h"
+#include "support/thrown.h"
+
+namespace limb_ring {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+constexpr seconds kGuard{30};
+
+class StubbornDaemon : public testing::Test {
+ protected:
+  HostPort connect(Role role = Role::tool, milliseconds alive_period = milliseconds{0}) {
+    ConnectOptions options;
+    options.ring = "r";
+    options.node = "3";
+    options.role = role;
+    options.alive_period = alive_period;
+    auto port = std::async([&] { return HostPort::connect(options); });
+    daemon.welcome();
+    return port.get();
+  }
+
+  test::RuntimeFolder folder;
+  test::FakeDaemon daemon;
+};
+
+template <typename Kind>
+Kind next(HostPort& port) {
+  return std::get<Kind>(port.receive(kGuard).value());
+}
+
+TEST_F(StubbornDaemon, EndingCancelsWhatIsOutstandingBeforeItIsToldAbout) {
+  HostPort port = connect();
+  const std::uint32_t sent = port.send(4, {1});
+  const std::uint32_t interrupted = port.interrupt(4, 0);
+  const std::uint32_t asked = port.request("{}");
+  daemon.hang_up();
+  const auto first = next<Result>(port);
+  EXPECT_EQ(first.token, sent);
+  EXPECT_EQ(first.outcome, Outcome::cancelled);
+  EXPECT_EQ(next<Result>(port).token, interrupted);
+  EXPECT_EQ(next<Reply>(port).token, asked);
+  EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("closed the connection"));
+  EXPECT_FALSE(port.connected());
+  EXPECT_FALSE(port.receive(kGuard));
+}
+
+TEST_F(StubbornDaemon, BeingGoneCancelsLaterCallsToo) {
+  HostPort port = connect();
+  daemon.hang_up();
+  next<Disconnected>(port);
+  EXPECT_EQ(port.wait(port.send(4, {1}), kGuard).outcome, Outcome::cancelled);
+  EXPECT_THAT(test::thrown<HostPortError>([&] { port.ask("{}", kGuard); }),
+              HasSubstr("closed the connection"));
+}
+
+TEST_F(StubbornDaemon, EndingWhileAskedEndsTheQuestion) {
+  HostPort port = connect();
+  auto answer = std::async([&] { return port.ask("{}", kGuard); });
+  daemon.hear(1);
+  daemon.hang_up();
+  EXPECT_THROW(answer.get(), HostPortError);
+}
+
+TEST_F(StubbornDaemon, GivesItsReasonForEndingAConnection) {
+  HostPort port = connect();
+  daemon.say(client::Refused{"reset"});
+  daemon.hang_up();
+  EXPECT_EQ(next<Disconnected>(port).reason, "reset");
+}
+
+TEST_F(StubbornDaemon, SayingNonsenseIsLeft) {
+  HostPort port = connect();
+  daemon.say_bytes({0, 0, 0, 1, 0x55});
+  EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("no message"));
+}
+
+TEST_F(StubbornDaemon, ClaimingAHugeMessageIsLeft) {
+  HostPort port = connect();
+  daemon.say_bytes({0xFF, 0xFF, 0xFF, 0xFF, 0x85});
+  EXPECT_THAT(next<Disconnected>(port).reason, HasSubstr("no message"));
+}
+
+TEST_F(StubbornDaemon, AnsweringACallTwiceIsHeardOnce) {
+  HostPort port = connect();
+  const std::uint32_t token = port.send(4, {1});
+  daemon.say(Result{token, Outcome::delivered, {}, 1, ""});
+  daemon.say(Result{token, Outcome::lost, {}, 1, ""});
+  daemon.say(Result{token + 1, Outcome::lost, {}, 1, ""});
+  daemon.say(Observed{"last"});
+  EXPECT_EQ(next<Result>(port).outcome, Outcome::delivered);
+  EXPECT_EQ(next<Observed>(port).json, "last");
+}
+
+TEST_F(StubbornDaemon, SayingAMessageByteByByteIsUnderstood) {
+  HostPort port = connect();
+  client::Bytes bytes;
+  client::append(bytes, Observed{"in pieces"});
+  for (const std::uint8_t byte : bytes) {
+    EXPECT_FALSE(port.receive(milliseconds{0}));
+    daemon.say_bytes({byte});
+  }
+  EXPECT_EQ(next<Observed>(port).json, "in pieces");
+}
+
+TEST_F(StubbornDaemon, NotReadingEndsTheConnectionInsteadOfHangingTheClient) {
+  HostPort port = connect();
+  const std::vector<std::uint8_t> data(512);
+  while (port.connected()) port.send(4, data);
+  bool told = false;
+  while (const auto message = port.receive(milliseconds{0})) {
+    const auto* end = std::get_if<Disconnected>(&*message);
+    if (end != nullptr) told = end->reason.find("has not read for 5 s") != std::string::npos;
+  }
+  EXPECT_TRUE(told);
+}
+
+TEST_F(StubbornDaemon, NotAnsweringInTimeIsSaid) {
+  HostPort port = connect();
+  const std::uint32_t token = port.send(4, {1});
+  EXPECT_THAT(test::thrown<HostPortError>([&] { port.wait(token, milliseconds{1}); }),
+              HasSubstr("no result within 1 ms"));
+  EXPECT_THAT(test::thrown<HostPortError>([&] { port.wait(token + 1, milliseconds{1}); }),
+              HasSubstr("no result is outstanding"));
+  EXPECT_THAT(test::thrown<HostPortError>([&] { port.ask("{}", milliseconds{1}); }),
+              HasSubstr("did not answer within 1 ms"));
+}
+
+TEST_F(StubbornDaemon, BadArgumentsNeverReachIt) {
+  HostPort port = connect();
+  const std::vector<std::uint8_t> large(513);
+  const Result size = port.wait(port.send(4, large), kGuard);
+  EXPECT_EQ(size.outcome, Outcome::rejected);
+  EXPECT_THAT(size.reason, HasSubstr("513"));
+  EXPECT_EQ(port.wait(port.send(4, nullptr, 0), kGuard).outcome, Outcome::rejected);
+  EXPECT_EQ(port.wait(port.send(4, {1}, 4), kGuard).outcome, Outcome::rejected);
+  EXPECT_EQ(port.wait(port.send(4, {1}, 0, 64), kGuard).outcome, Outcome::rejected);
+  EXPECT_EQ(port.wait(port.interrupt(4, 8), kGuard).outcome, Outcome::rejected);
+  EXPECT_EQ(port.wait(port.pull(8), kGuard).outcome, Outcome::rejected);
+  EXPECT_THROW(port.ask(std::string(100000, 'x'), kGuard), HostPortError);
+  EXPECT_THROW(port.observe(std::string(100000, 'x')), HostPortError);
+}
+
+TEST_F(StubbornDaemon, HearsFromACpuThatOnlyReceives) {
+  HostPort port = connect(Role::cpu, milliseconds{4});
+  const std::ptrdiff_t greeting_and_credit = (5 + 16 + 2 + 1) + (5 + 2);
+  auto heard = std::async([&] { return daemon.hear(greeting_and_credit + 5); });
+  while (heard.wait_for(seconds{0}) != std::future_status::ready) port.receive(milliseconds{1});
+  const client::Bytes bytes = heard.get();
+  const auto third = bytes.begin() + greeting_and_credit;
+  EXPECT_THAT(client::Bytes(third, third + 5), testing::ElementsAre(0, 0, 0, 1, 7));  // Alive
+}
+
+}  // namespace
+}  // namespace limb_ring
