@@ -1,0 +1,119 @@
+#include "firmware/cpu_loop.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+
+#include <unistd.h>
+
+#include "firmware/stop_signal.h"
+
+namespace limb_ring::firmware {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kMessagesPerTurn = 64;  // then the joints are due again, however many wait
+constexpr nanoseconds kSpeakEvery = kAlivePeriod / 4;
+
+nanoseconds read_clock(clockid_t clock) {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
+}
+
+/// One run of the CPU: what a turn of the loop needs.
+class Run {
+ public:
+  Run(HostPort& port, NodeCpu& cpu, std::optional<nanoseconds> hang_after)
+      : port_(port), cpu_(cpu) {
+    if (hang_after) hang_at_ = read_clocks().monotonic + *hang_after;
+  }
+
+  int loop() {
+    while (!exit_code_ && !stop_requested()) {
+      take_messages();
+      if (exit_code_) break;
+      cpu_.advance(read_clocks());
+      send();
+      obey();
+      if (!exit_code_) wait();
+    }
+    return exit_code_.value_or(0);
+  }
+
+ private:
+  void take_messages() {
+    more_waiting_ = true;
+    for (int i = 0; i < kMessagesPerTurn && !exit_code_; ++i) {
+      const auto message = port_.receive(milliseconds(0));
+      if (!message) {
+        more_waiting_ = false;
+        return;
+      }
+      std::visit([this](const auto& content) { take(content); }, *message);
+    }
+  }
+
+  void take(const Packet& packet) { cpu_.receive(packet, read_clocks()); }
+  void take(const Interrupt& interrupt) { cpu_.receive(interrupt, read_clocks()); }
+  void take(const Result& result) { cpu_.receive(result); }
+  void take(const Disconnected& end) {
+    std::fprintf(stderr, "limb_firmware %s: the daemon is gone: %s\n", port_.name().c_str(),
+                 end.reason.c_str());
+    exit_code_ = 1;
+  }
+  void take(const Reply&) {}
+  void take(const Observed&) {}
+  void take(const ObservedLost&) {}
+
+  void send() {
+    const auto outgoing = cpu_.take_outgoing();
+    for (const auto& packet : outgoing)
+      port_.send(packet.destination, packet.data, packet.priority, packet.channel);
+    const auto now = read_clocks().monotonic;
+    if (outgoing.empty() && now >= speak_at_) port_.alive();
+    if (!outgoing.empty() || now >= speak_at_) speak_at_ = now + kSpeakEvery;
+  }
+
+  void obey() {
+    const auto& order = cpu_.order();
+    const bool overdue = hang_at_ && read_clocks().monotonic >= *hang_at_;
+    if (overdue || (order && order->kind == Order::Kind::hang)) {
+      std::fprintf(stderr, "limb_firmware %s: hangs on purpose (pid %d)\n", port_.name().c_str(),
+                   static_cast<int>(getpid()));
+      hang();
+    }
+    if (!order) return;
+    std::fprintf(stderr, "limb_firmware %s: ends on purpose with code %d\n", port_.name().c_str(),
+                 order->code);
+    exit_code_ = order->code;
+  }
+
+  void wait() const {
+    if (more_waiting_) return;
+    nanoseconds until = speak_at_;
+    if (const auto due = cpu_.due()) until = std::min(until, *due);
+    if (hang_at_) until = std::min(until, *hang_at_);
+    wait_readable(port_.fd(), until - read_clocks().monotonic);
+  }
+
+  HostPort& port_;
+  NodeCpu& cpu_;
+  std::optional<nanoseconds> hang_at_;
+  std::optional<int> exit_code_;
+  nanoseconds speak_at_{0};
+  bool more_waiting_ = false;
+};
+
+}  // namespace
+
+Moment read_clocks() {
+  return {read_clock(CLOCK_MONOTONIC), read_clock(CLOCK_REALTIME).count()};
+}
+
+int run(HostPort& port, NodeCpu& cpu, std::optional<nanoseconds> hang_after) {
+  return Run(port, cpu, hang_after).loop();
+}
+
+}  // namespace limb_ring::firmware

@@ -1,0 +1,48 @@
+#include <cstdio>
+#include <exception>
+
+#include "firmware/cpu_loop.h"
+#include "firmware/node_setup.h"
+#include "firmware/options.h"
+#include "firmware/stop_signal.h"
+
+namespace {
+
+using namespace limb_ring;
+
+int fail(const std::exception& error, int code) {
+  std::fprintf(stderr, "limb_firmware: %s\n", error.what());
+  return code;
+}
+
+HostPort connect(const firmware::Options& options, const firmware::ProgramSetup& setup) {
+  ConnectOptions connection;
+  connection.ring = setup.ring;
+  connection.node = options.node;
+  connection.role = Role::cpu;
+  connection.alive_period = firmware::kAlivePeriod;
+  return HostPort::connect(connection);
+}
+
+int run_cpu(const firmware::Options& options) {
+  const auto setup = firmware::make_setup(options);
+  HostPort port = connect(options, setup);
+  firmware::catch_stop_signals();
+  firmware::NodeCpu cpu(setup.cpu, firmware::read_clocks());
+  const int code = firmware::run(port, cpu, options.hang_after);
+  std::fprintf(stderr, "limb_firmware %s: %s\n", port.name().c_str(), cpu.summary().c_str());
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const auto options = firmware::parse_options(argc, argv);
+  if (!options.help) return run_cpu(options);
+  std::fputs(firmware::usage().c_str(), stdout);
+  return 0;
+} catch (const limb_ring::HostPortError& error) {
+  return fail(error, 1);
+} catch (const std::exception& error) {
+  return fail(error, 2);
+}

@@ -1,0 +1,111 @@
+#include "firmware/node_cpu.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "payload/packet_type.h"
+
+namespace limb_ring::firmware {
+namespace {
+
+constexpr std::size_t kMostWithoutResult = 8;
+constexpr std::uint8_t kStatePriority = 0;
+
+wire::ByteView view(const std::vector<std::uint8_t>& bytes) { return {bytes.data(), bytes.size()}; }
+
+}  // namespace
+
+NodeCpu::NodeCpu(const NodeSetup& setup, const Moment& now)
+    : limb_(setup.node, setup.firmware, setup.command_timeout, now), state_to_(setup.state_to) {
+  if (!setup.node.joints.empty()) states_.emplace(setup.firmware.state_rate, now.monotonic);
+  for (const auto& sensor : setup.node.sensors)
+    sensors_.emplace_back(sensor, static_cast<std::uint8_t>(sensors_.size()), now.monotonic);
+}
+
+void NodeCpu::receive(const Packet& packet, const Moment& now) {
+  const auto bytes = view(packet.data);
+  const bool joint_data = packet.channel == payload::kJointChannel;
+  if (joint_data && payload::is_type(bytes, payload::PacketType::joint_command)) {
+    limb_.command(bytes, now);
+    return;
+  }
+  const auto order = packet.channel == payload::kUserChannel ? parse_order(bytes) : std::nullopt;
+  if (!order)
+    ++counters_.ignored;
+  else if (!order_)
+    order_ = order;
+}
+
+void NodeCpu::receive(const Interrupt& interrupt, const Moment& now) {
+  if (interrupt.action == Interrupt::Action::notify) {
+    ++counters_.notifies;
+    return;
+  }
+  ++counters_.stops;
+  limb_.stop(now);
+}
+
+void NodeCpu::receive(const limb_ring::Result& result) {
+  if (without_result_ > 0) --without_result_;
+  if (result.outcome != Outcome::delivered) ++counters_.not_delivered;
+}
+
+void NodeCpu::advance(const Moment& now) {
+  limb_.advance(now.monotonic);
+  if (states_ && states_->take(now.monotonic) && may_send())
+    send(payload::encode(limb_.sample(now)), kStatePriority);
+  for (auto& sensor : sensors_)
+    if (sensor.take(now.monotonic) && may_send())
+      send(payload::encode(sensor.sample(limb_, now)), sensor.priority());
+}
+
+bool NodeCpu::may_send() {
+  if (without_result_ < kMostWithoutResult) return true;
+  ++counters_.skipped;
+  return false;
+}
+
+void NodeCpu::send(const payload::Encoded& bytes, std::uint8_t priority) {
+  if (!bytes) {
+    ++counters_.unreadable;
+    return;
+  }
+  ++without_result_;
+  ++counters_.sent;
+  outgoing_.push_back({state_to_, priority, payload::kJointChannel, *bytes});
+}
+
+std::vector<NodeCpu::Outgoing> NodeCpu::take_outgoing() {
+  std::vector<Outgoing> taken;
+  taken.swap(outgoing_);
+  return taken;
+}
+
+std::optional<nanoseconds> NodeCpu::due() const {
+  std::optional<nanoseconds> earliest;
+  if (states_) earliest = states_->due();
+  for (const auto& sensor : sensors_)
+    earliest = earliest ? std::min(*earliest, sensor.due()) : sensor.due();
+  return earliest;
+}
+
+std::uint64_t NodeCpu::missed() const {
+  std::uint64_t sum = states_ ? states_->missed() : 0;
+  for (const auto& sensor : sensors_) sum += sensor.missed();
+  return sum;
+}
+
+std::string NodeCpu::summary() const {
+  std::ostringstream text;
+  text << "sent " << counters_.sent << ", not delivered " << counters_.not_delivered
+       << ", left out " << counters_.skipped + missed() << "; commands:";
+  for (int i = 0; i <= static_cast<int>(Verdict::malformed); ++i) {
+    const auto verdict = static_cast<Verdict>(i);
+    const auto count = limb_.count(verdict);
+    if (count > 0 || verdict == Verdict::obey) text << ' ' << to_string(verdict) << ' ' << count;
+  }
+  text << "; stops " << counters_.stops << ", ignored packets " << counters_.ignored;
+  return text.str();
+}
+
+}  // namespace limb_ring::firmware

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace limb_ring::firmware {
+
+struct Options {
+  std::string ring;    ///< --ring, else LIMB_RING_RING, else the configuration's, else the only one
+  std::string node;    ///< --node, else LIMB_RING_NODE: id or name
+  std::string config;  ///< --config, else LIMB_RING_CONFIG; empty: a plain ring, no joints
+  std::optional<std::chrono::nanoseconds> hang_after;  ///< --hang-after
+  bool help = false;
+};
+
+/// what() names the argument and what would be right.
+struct OptionsError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads the command line, and where it says nothing the environment that ringd gives its CPU.
+/// @throw OptionsError
+Options parse_options(int argc, const char* const* argv);
+/// What --help prints.
+std::string usage();
+
+}  // namespace limb_ring::firmware

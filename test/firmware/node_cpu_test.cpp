@@ -1,0 +1,164 @@
+#include "firmware/node_cpu.h"
+
+#include <gmock/gmock.h>
+
+#include "firmware/firmware_bench.h"
+#include "firmware/state_destination.h"
+#include "payload/packet_type.h"
+
+namespace limb_ring::firmware {
+namespace {
+
+using namespace bench;
+using testing::Each;
+using testing::Field;
+using Outgoing = NodeCpu::Outgoing;
+
+NodeSetup setup(config::NodeConfig node) {
+  NodeSetup setup;
+  setup.node = std::move(node);
+  setup.command_timeout = 200ms;
+  setup.state_to = 3;
+  return setup;
+}
+
+Packet packet(std::uint8_t channel, Bytes data) {
+  Packet packet;
+  packet.channel = channel;
+  packet.data = std::move(data);
+  return packet;
+}
+
+limb_ring::Result ended(Outcome outcome) {
+  limb_ring::Result result;
+  result.outcome = outcome;
+  return result;
+}
+
+/// A CPU whose sends are confirmed at once, stepped from deadline to deadline in virtual time.
+class NodeCpuTest : public testing::Test {
+ protected:
+  std::vector<Outgoing> run_until(nanoseconds end) {
+    std::vector<Outgoing> all;
+    for (auto due = cpu.due(); due && *due <= at(end).monotonic; due = cpu.due()) {
+      cpu.advance(at(*due - at(0ms).monotonic));
+      for (auto& outgoing : cpu.take_outgoing()) {
+        all.push_back(std::move(outgoing));
+        if (confirm) cpu.receive(ended(Outcome::delivered));
+      }
+    }
+    return all;
+  }
+
+  NodeCpu cpu{setup(leg()), at(0ms)};
+  bool confirm = true;
+};
+
+std::size_t count(const std::vector<Outgoing>& all, payload::PacketType type) {
+  return static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [&](const auto& outgoing) {
+    return payload::is_type(view(outgoing.data), type);
+  }));
+}
+
+TEST_F(NodeCpuTest, SendsStatesAndReadingsAtTheirRates) {
+  const auto all = run_until(1s);
+  EXPECT_EQ(count(all, payload::PacketType::joint_state), 100U);
+  EXPECT_EQ(count(all, payload::PacketType::imu), 50U);
+  EXPECT_EQ(count(all, payload::PacketType::force), 10U);
+  EXPECT_THAT(all, Each(Field(&Outgoing::destination, 3)));
+  EXPECT_THAT(all, Each(Field(&Outgoing::channel, 2)));
+  for (const auto& outgoing : all) {
+    const bool imu = payload::is_type(view(outgoing.data), payload::PacketType::imu);
+    const bool force = payload::is_type(view(outgoing.data), payload::PacketType::force);
+    EXPECT_EQ(outgoing.priority, imu ? 1 : force ? 2 : 0);
+  }
+}
+
+TEST_F(NodeCpuTest, StampsAndNumbersItsReadings) {
+  std::uint16_t next = 0;
+  for (const auto& outgoing : run_until(200ms)) {
+    const auto reading = payload::decode_sensor_reading(view(outgoing.data));
+    if (!reading || reading->kind != payload::SensorReading::Kind::imu) continue;
+    EXPECT_EQ(reading->sequence, next++);
+    EXPECT_EQ(reading->sensor, 0);
+    EXPECT_EQ(reading->stamp_ns, at(20ms * next).wall_ns);
+    EXPECT_DOUBLE_EQ(reading->linear[2], 9.80665);
+  }
+  EXPECT_EQ(next, 10);
+}
+
+TEST_F(NodeCpuTest, ObeysACommandAndShowsTheJointsOnTheirWay) {
+  cpu.receive(packet(2, bytes_of(positions(0ms, {0.5, 0.5}))), at(0ms));
+  const auto all = run_until(100ms);
+  double before = 0;
+  for (const auto& outgoing : all) {
+    const auto state = payload::decode_joint_state(view(outgoing.data));
+    if (!state) continue;
+    EXPECT_TRUE(state->mode.commanded);
+    EXPECT_GT(state->joints[0].position, before);
+    before = state->joints[0].position;
+  }
+  EXPECT_GT(before, 0.3);
+}
+
+TEST_F(NodeCpuTest, StopsAtAStopInterrupt) {
+  Interrupt stop;
+  stop.action = Interrupt::Action::stop;
+  cpu.receive(stop, at(0ms));
+  EXPECT_TRUE(cpu.limb().stopped());
+  EXPECT_EQ(cpu.counters().stops, 1U);
+}
+
+TEST_F(NodeCpuTest, OnlyCountsANotifyInterrupt) {
+  cpu.receive(Interrupt{}, at(0ms));
+  EXPECT_FALSE(cpu.limb().stopped());
+  EXPECT_EQ(cpu.counters().notifies, 1U);
+}
+
+TEST_F(NodeCpuTest, LeavesOutSamplesWhileEightHaveNoResult) {
+  confirm = false;
+  EXPECT_EQ(run_until(1s).size(), 8U);
+  EXPECT_EQ(cpu.counters().skipped, 152U);
+  cpu.receive(ended(Outcome::lost));
+  EXPECT_EQ(run_until(1100ms).size(), 1U);
+  EXPECT_EQ(cpu.counters().not_delivered, 1U);
+}
+
+TEST_F(NodeCpuTest, TakesOrdersFromUserPacketsOnly) {
+  cpu.receive(packet(4, {'h', 'a', 'n', 'g'}), at(0ms));
+  cpu.receive(packet(2, {'h', 'a', 'n', 'g'}), at(0ms));
+  EXPECT_FALSE(cpu.order());
+  EXPECT_EQ(cpu.counters().ignored, 2U);
+  cpu.receive(packet(0, {'h', 'a', 'n', 'g'}), at(0ms));
+  cpu.receive(packet(0, {'?'}), at(0ms));
+  ASSERT_TRUE(cpu.order());
+  EXPECT_EQ(cpu.order()->kind, Order::Kind::hang);
+}
+
+TEST_F(NodeCpuTest, SaysWhatItDidInOneLine) {
+  run_until(1s);
+  cpu.receive(packet(2, bytes_of(positions(0ms, {0.5}))), at(1s));
+  EXPECT_EQ(cpu.summary(),
+            "sent 160, not delivered 0, left out 0; commands: obeyed 0 expired 1; stops 0, "
+            "ignored packets 0");
+}
+
+TEST(NodeCpu, WithoutJointsAndSensorsHasNothingToSay) {
+  NodeCpu cpu(setup({}), at(0ms));
+  EXPECT_FALSE(cpu.due());
+  cpu.advance(at(10s));
+  EXPECT_TRUE(cpu.take_outgoing().empty());
+}
+
+TEST(StateDestination, IsTheFirstAttachedCpuElseTheFirstNode) {
+  config::RingConfig ring;
+  ring.nodes.resize(3);
+  for (std::uint8_t i = 0; i < 3; ++i) ring.nodes[i].id = static_cast<std::uint8_t>(7 + i);
+  EXPECT_EQ(state_destination(ring), 7);
+  ring.nodes[1].cpu.kind = config::CpuConfig::Kind::attached;
+  ring.nodes[2].cpu.kind = config::CpuConfig::Kind::attached;
+  EXPECT_EQ(state_destination(ring), 8);
+}
+
+}  // namespace
+}  // namespace limb_ring::firmware

@@ -1,0 +1,133 @@
+#include "firmware/options.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <initializer_list>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "config/config_error.h"
+#include "firmware/node_setup.h"
+
+namespace limb_ring::firmware {
+namespace {
+
+using testing::HasSubstr;
+using namespace std::chrono_literals;
+
+/// Arguments and environment of one call; the environment is as it was afterwards.
+class OptionsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"LIMB_RING_CONFIG", "LIMB_RING_NODE", "LIMB_RING_RING"}) unsetenv(name);
+  }
+  void TearDown() override { SetUp(); }
+
+  static Options parse(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "limb_firmware");
+    return parse_options(static_cast<int>(arguments.size()), arguments.data());
+  }
+  static std::string refusal(std::vector<const char*> arguments) {
+    try {
+      parse(std::move(arguments));
+    } catch (const OptionsError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+};
+
+TEST_F(OptionsTest, ComeFromTheCommandLine) {
+  const auto options =
+      parse({"--config", "a.yaml", "--node=left_knee", "--ring", "r", "--hang-after", "1.5"});
+  EXPECT_EQ(options.config, "a.yaml");
+  EXPECT_EQ(options.node, "left_knee");
+  EXPECT_EQ(options.ring, "r");
+  EXPECT_EQ(options.hang_after, nanoseconds(1500ms));
+}
+
+TEST_F(OptionsTest, ElseFromTheEnvironmentThatTheDaemonGives) {
+  setenv("LIMB_RING_CONFIG", "b.yaml", 1);
+  setenv("LIMB_RING_NODE", "12", 1);
+  setenv("LIMB_RING_RING", "s", 1);
+  const auto options = parse({"--node", "13"});
+  EXPECT_EQ(options.config, "b.yaml");
+  EXPECT_EQ(options.node, "13");
+  EXPECT_EQ(options.ring, "s");
+  EXPECT_FALSE(options.hang_after);
+}
+
+TEST_F(OptionsTest, AreRefusedWithWhatWouldBeRight) {
+  EXPECT_THAT(refusal({}), HasSubstr("Give --node ID or NAME, or LIMB_RING_NODE"));
+  EXPECT_THAT(refusal({"--node", "1", "--hang-after", "-1"}), HasSubstr("0 to 1e9 seconds"));
+  EXPECT_THAT(refusal({"--node", "1", "--hang-after", "nan"}), HasSubstr("0 to 1e9 seconds"));
+  EXPECT_THAT(refusal({"--node", "1", "--hang-after", "soon"}), HasSubstr("hang-after"));
+  EXPECT_THAT(refusal({"--nod3", "1"}), HasSubstr("--nod3"));
+  EXPECT_THAT(refusal({"left_knee"}), HasSubstr("--help"));
+}
+
+TEST_F(OptionsTest, NeedNoNodeForHelp) {
+  EXPECT_TRUE(parse({"--help"}).help);
+  EXPECT_THAT(usage(), HasSubstr("--hang-after"));
+}
+
+class SetupTest : public OptionsTest {
+ protected:
+  void SetUp() override {
+    OptionsTest::SetUp();
+    folder = testing::TempDir() + "limb_firmware_XXXXXX";
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    path = folder + "/ring.yaml";
+    std::ofstream(path) << "ring: two\n"
+                           "timeouts: {command: 300ms}\n"
+                           "nodes:\n"
+                           "  - {id: 4, name: arm, joints: [{name: elbow}]}\n"
+                           "  - {id: 9, name: body, cpu: attached}\n";
+  }
+  void TearDown() override {
+    std::remove(path.c_str());
+    std::remove(folder.c_str());
+    OptionsTest::TearDown();
+  }
+
+  std::string folder, path;
+};
+
+TEST_F(SetupTest, TakesTheNodesPartOfTheFile) {
+  for (const char* node : {"arm", "4"}) {
+    const auto setup = make_setup(parse({"--config", path.c_str(), "--node", node}));
+    EXPECT_EQ(setup.ring, "two");
+    EXPECT_EQ(setup.cpu.node.id, 4);
+    EXPECT_EQ(setup.cpu.node.joints.at(0).name, "elbow");
+    EXPECT_EQ(setup.cpu.state_to, 9);
+    EXPECT_EQ(setup.cpu.command_timeout, nanoseconds(300ms));
+  }
+}
+
+TEST_F(SetupTest, LetsTheCommandLineNameTheRing) {
+  EXPECT_EQ(make_setup(parse({"--config", path.c_str(), "--node", "4", "--ring", "x"})).ring, "x");
+}
+
+TEST_F(SetupTest, NamesTheNodesThereAreForOneThatIsNot) {
+  try {
+    make_setup(parse({"--config", path.c_str(), "--node", "leg"}));
+    FAIL() << "an unknown node was accepted";
+  } catch (const OptionsError& error) {
+    EXPECT_EQ(error.what(), "no node 'leg' in " + path + "; it has: 4 arm, 9 body");
+  }
+}
+
+TEST_F(SetupTest, PassesOnWhatIsWrongWithTheFile) {
+  EXPECT_THROW(make_setup(parse({"--config", "/nonexistent.yaml", "--node", "4"})),
+               config::ConfigError);
+}
+
+TEST_F(SetupTest, WithoutAFileHasNoJoints) {
+  const auto setup = make_setup(parse({"--node", "4"}));
+  EXPECT_TRUE(setup.cpu.node.joints.empty() && setup.cpu.node.sensors.empty());
+}
+
+}  // namespace
+}  // namespace limb_ring::firmware
