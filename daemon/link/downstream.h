@@ -32,7 +32,7 @@ class Downstream {
   virtual bool drained() const = 0;
   /// Reads what has come, as if the event loop had said so.
   virtual void read() = 0;
-  /// Once per `idle`, until accepted: asks again where questions can get lost.
+  /// Called now and then until accepted: asks again where questions can get lost.
   virtual void ask_again() = 0;
   virtual void close() = 0;
 };

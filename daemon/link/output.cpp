@@ -10,8 +10,6 @@
 namespace limb_ring::link {
 namespace {
 
-/// New attempts per wake-up at most: with 253 dead nodes, asking costs no more than with 8.
-constexpr int kAttemptsAtOnce = 8;
 /// An attempt unanswered for so long is given up and made anew.
 constexpr milliseconds kAttemptLife{1000};
 
@@ -58,9 +56,8 @@ void Output::write(wire::ByteView framed_slices) {
 }
 
 void Output::advance(Time now) {
-  for (int i = 0; i < kAttemptsAtOnce && !closed_; ++i) {
-    const auto candidate = successor_.next(now);
-    if (!candidate) return;
+  if (closed_) return;
+  while (const auto candidate = successor_.next(now)) {
     if (!attempt(*candidate, now)) successor_.absent(*candidate, now);
   }
 }
@@ -186,14 +183,16 @@ void Output::write_idle() {
 }
 
 void Output::tick_attempts(Time now) {
+  ++ticks_;
   const auto attempts = attempts_;
+  const std::size_t turns = 2 + attempts.size() / 8;  // however many are dead, asking stays cheap
   for (const auto& [candidate, attempt] : attempts) {
-    if (now - attempt.since < kAttemptLife) {
+    if (now - attempt.since >= kAttemptLife) {
+      abandon(candidate);
+      successor_.absent(candidate, now);
+    } else if ((ticks_ + candidate) % turns == 0) {
       attempt.line->ask_again();
-      continue;
     }
-    abandon(candidate);
-    successor_.absent(candidate, now);
   }
 }
 

@@ -100,6 +100,7 @@ class Output final : private Downstream::Owner {
   std::shared_ptr<Downstream> current_;
   Silence silence_;
   Ticker ticker_;
+  std::size_t ticks_ = 0;
   bool wrote_ = false;  ///< since the last tick
   bool closed_ = false;
 };

@@ -3,26 +3,25 @@
 namespace limb_ring::link {
 
 Successor::Successor(std::size_t candidates, const Timing& timing, Time now)
-    : timing_(timing), candidates_(candidates), patience_(now + timing.bypass) {}
+    : timing_(timing), candidates_(candidates), patience_(now + timing.bypass),
+      retry_(kRetry * (1 + (candidates - 1) / 16)) {}
 
 std::optional<std::size_t> Successor::next(Time now) {
   const std::size_t count = current_ ? *current_ : farthest(now) + 1;
-  for (std::size_t step = 0; step < count; ++step) {
-    const std::size_t i = (round_ + step) % count;
+  for (std::size_t i = 0; i < count; ++i) {
     if (candidates_[i].state == Candidate::State::trying || candidates_[i].since > now) continue;
     set(i, Candidate::State::trying, now, candidates_[i].missing);
-    round_ = i + 1;
     return i;
   }
   return {};
 }
 
 void Successor::absent(std::size_t candidate, Time now) {
-  set(candidate, Candidate::State::absent, now + kRetry, true);
+  set(candidate, Candidate::State::absent, now + retry_, true);
 }
 
 void Successor::busy(std::size_t candidate, Time now) {
-  set(candidate, Candidate::State::busy, now + kRetry);
+  set(candidate, Candidate::State::busy, now + retry_);
 }
 
 bool Successor::accepted(std::size_t candidate, Time now) {
@@ -41,7 +40,6 @@ void Successor::lost(Loss loss, Time now) {
   if (!current_) return;
   const std::size_t old = *current_;
   current_.reset();
-  round_ = 0;
   for (Candidate& c : candidates_) {
     if (c.state != Candidate::State::trying) c.since = now;
   }

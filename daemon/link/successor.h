@@ -16,7 +16,8 @@ namespace limb_ring::link {
 /// then our line is cut, and the ring is an open chain.
 class Successor {
  public:
-  /// How soon one that was not there is tried again.
+  /// How soon one that was not there is tried again, in a ring of up to 16 nodes. Larger ones
+  /// take their time in proportion, so that asking for the dead stays cheap.
   static constexpr milliseconds kRetry{20};
 
   Successor(std::size_t candidates, const Timing& timing, Time now);
@@ -49,7 +50,7 @@ class Successor {
   std::optional<std::size_t> current_;
   std::optional<Time> patience_;  ///< at start: the configured successor only, until then
   Time up_since_{};
-  std::size_t round_ = 0;  ///< where the search goes on, so that each gets its turn
+  milliseconds retry_;
 };
 
 }  // namespace limb_ring::link

@@ -19,7 +19,7 @@ void UnixStream::read() {
   const auto self = shared_from_this();  // the handler may close the input
   const auto got = receive_now(socket_.native_handle(), feed_.space(), feed_.space_size());
   if (got > 0) return take(static_cast<std::size_t>(got));
-  if (got == 0) return owner_->on_ended("its end was closed");
+  if (got == 0 || (got < 0 && errno == ECONNRESET)) return owner_->on_ended("its end was closed");
   if (would_block(errno)) return;
   owner_->on_ended("reading failed: " + std::generic_category().message(errno));
 }

@@ -1,0 +1,53 @@
+#include "link/head.h"
+
+#include <gmock/gmock.h>
+
+#include "link/endpoint.h"
+
+namespace limb_ring::link {
+namespace {
+
+Head example() {
+  Head head;
+  head.type = HeadType::refuse;
+  head.ring = 0x0102030405060708;
+  head.session = 0x1112131415161718;
+  head.sequence = 0x21222324;
+  head.sender = 254;
+  head.refusal = Refusal::busy;
+  return head;
+}
+
+TEST(Head, LooksOnTheWireAsDrawn) {
+  EXPECT_THAT(encode(example()),
+              testing::ElementsAre('L', 'R', 1, 3, 1, 2, 3, 4, 5, 6, 7, 8, 0x11, 0x12, 0x13, 0x14,
+                                   0x15, 0x16, 0x17, 0x18, 0x21, 0x22, 0x23, 0x24, 254, 1));
+}
+
+TEST(Head, ComesBackFromItsBytes) {
+  const auto bytes = encode(example());
+  const auto head = parse_head({bytes.data(), bytes.size()});
+  ASSERT_TRUE(head);
+  EXPECT_EQ(encode(*head), bytes);
+  EXPECT_EQ(head->session, example().session);
+  EXPECT_EQ(head->refusal, Refusal::busy);
+}
+
+TEST(Head, IsRefusedWhereItIsShortOrOfAnotherKindOrVersion) {
+  const auto good = encode(example());
+  EXPECT_FALSE(parse_head({good.data(), good.size() - 1}));
+  for (const std::size_t at : {0, 1, 2, 3, 25}) {
+    auto bad = good;
+    bad[at] = 200;
+    EXPECT_FALSE(parse_head({bad.data(), bad.size()})) << "byte " << at;
+  }
+}
+
+TEST(RingHash, IsFnv1aOf64Bits) {
+  EXPECT_EQ(ring_hash(""), 0xCBF29CE484222325u);
+  EXPECT_EQ(ring_hash("a"), 0xAF63DC4C8601EC8Cu);
+  EXPECT_NE(ring_hash("left"), ring_hash("right"));
+}
+
+}  // namespace
+}  // namespace limb_ring::link

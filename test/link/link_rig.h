@@ -1,0 +1,183 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <boost/asio/io_context.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "link/input.h"
+#include "link/output.h"
+#include "link/recording_handler.h"
+#include "link/udp_socket.h"
+
+namespace limb_ring::link {
+
+/// A fresh folder for sockets, gone with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "link_test_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string file(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// One node's two link ends, with an event loop of its own so that it can be frozen alone.
+struct RigNode {
+  boost::asio::io_context io;
+  RecordingInput heard;
+  RecordingOutput said;
+  std::unique_ptr<Input> input;
+  std::unique_ptr<Output> output;
+  bool frozen = false;
+};
+
+/// Nodes 0 to N-1 in ring order, in one process, stepped until a condition holds.
+class LinkRig {
+ public:
+  using Transport = Endpoint::Transport;
+  static constexpr std::uint64_t kRing = 42;
+
+  LinkRig(std::size_t nodes, Transport transport, Timing timing = {}) : timing_(timing) {
+    for (std::size_t i = 0; i < nodes; ++i) {
+      nodes_.push_back(std::make_unique<RigNode>());
+      order_.push_back(static_cast<std::uint8_t>(i));
+    }
+    if (transport == Transport::unix_stream) {
+      for (std::size_t i = 0; i < nodes; ++i) {
+        endpoints_.push_back(Endpoint::unix_stream(folder_.file(std::to_string(i))));
+      }
+    } else {
+      find_ports(nodes);
+    }
+  }
+
+  RigNode& node(std::size_t i) { return *nodes_[i]; }
+  const Endpoint& endpoint(std::size_t i) const { return endpoints_[i]; }
+  const TemporaryFolder& folder() const { return folder_; }
+  std::size_t size() const { return nodes_.size(); }
+
+  InputSettings input_settings(std::size_t i) const {
+    InputSettings settings;
+    settings.self = {kRing, static_cast<std::uint8_t>(i)};
+    settings.endpoint = endpoints_[i];
+    settings.order = order_;
+    settings.timing = timing_;
+    return settings;
+  }
+  OutputSettings output_settings(std::size_t i) const {
+    OutputSettings settings;
+    settings.self = {kRing, static_cast<std::uint8_t>(i)};
+    settings.timing = timing_;
+    for (std::size_t step = 1; step <= size(); ++step) {
+      const std::size_t to = (i + step) % size();
+      settings.candidates.push_back({static_cast<std::uint8_t>(to), endpoints_[to]});
+    }
+    return settings;
+  }
+
+  void start_input(std::size_t i) {
+    node(i).input = std::make_unique<Input>(node(i).io, input_settings(i), node(i).heard);
+  }
+  void start_output(std::size_t i) {
+    node(i).output = std::make_unique<Output>(node(i).io, output_settings(i), node(i).said);
+  }
+  void start(std::size_t i) {
+    start_input(i);
+    start_output(i);
+  }
+  void start_all() {
+    for (std::size_t i = 0; i < size(); ++i) start(i);
+  }
+  void end(std::size_t i) {
+    node(i).output.reset();
+    node(i).input.reset();
+  }
+
+  /// @return false where the condition did not come true; the guard is generous.
+  template <typename Condition>
+  bool until(Condition&& condition) {
+    const Time deadline = Clock::now() + std::chrono::seconds(30);
+    while (!condition()) {
+      if (Clock::now() > deadline) return false;
+      step();
+    }
+    return true;
+  }
+  /// Lets everybody run on for a while, for what must not happen meanwhile.
+  void run_for(milliseconds time) {
+    const Time end = Clock::now() + time;
+    until([&] { return Clock::now() >= end; });
+  }
+
+  bool linked(std::size_t from, std::size_t to) {
+    return node(from).output && node(from).output->up() && node(from).output->to() == to &&
+           node(to).input && node(to).input->from() == from;
+  }
+  bool whole() {
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (!linked(i, (i + 1) % size())) return false;
+    }
+    return true;
+  }
+
+ private:
+  void step() {
+    for (auto& node : nodes_) {
+      if (node->frozen) continue;
+      node->io.restart();
+      node->io.run_one_for(std::chrono::microseconds(100));
+      node->io.poll();
+    }
+  }
+
+  void find_ports(std::size_t nodes) {
+    std::vector<UdpSocket> sockets;
+    boost::asio::io_context io;
+    for (std::size_t i = 0; i < nodes; ++i) {
+      sockets.push_back(listen_udp(io, Endpoint::udp("127.0.0.1", 0)));
+      endpoints_.push_back(Endpoint::udp("127.0.0.1", sockets.back().local_endpoint().port()));
+    }
+  }
+
+  TemporaryFolder folder_;
+  Timing timing_;
+  std::vector<std::uint8_t> order_;
+  std::vector<Endpoint> endpoints_;
+  std::vector<std::unique_ptr<RigNode>> nodes_;
+};
+
+/// A framed `whole` slice of `size` bytes, all of value `fill`.
+inline void put_whole(wire::SliceWriter& writer, std::size_t size, std::uint8_t fill) {
+  const std::vector<std::uint8_t> bytes(size, fill);
+  writer.put(wire::SliceKind::whole, {bytes.data(), bytes.size()});
+}
+
+/// Tests that hold on either transport.
+struct OnBothTransports : testing::TestWithParam<Endpoint::Transport> {
+  bool udp() const { return GetParam() == Endpoint::Transport::udp; }
+};
+
+inline std::string transport_name(const testing::TestParamInfo<Endpoint::Transport>& info) {
+  return info.param == Endpoint::Transport::udp ? "Udp" : "Unix";
+}
+
+#define LIMB_RING_ON_BOTH_TRANSPORTS(suite)                                     \
+  INSTANTIATE_TEST_SUITE_P(On, suite,                                           \
+                           testing::Values(Endpoint::Transport::unix_stream,    \
+                                           Endpoint::Transport::udp),           \
+                           transport_name)
+
+}  // namespace limb_ring::link

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "link/input_handler.h"
+#include "link/output.h"
+
+namespace limb_ring::link {
+
+/// Writes down what an Input and an Output say, in order.
+struct RecordingInput : InputHandler {
+  void on_slice(const wire::Slice& slice) override {
+    slices.emplace_back(slice.bytes.begin(), slice.bytes.end());
+    kinds.push_back(slice.kind);
+    log.push_back("slice");
+  }
+  void on_batch_end() override {
+    ++batches;
+    log.push_back("batch end");
+  }
+  void on_input_gap(std::uint32_t lost) override { log.push_back("gap " + std::to_string(lost)); }
+  void on_input_up(std::uint8_t from) override { log.push_back("up " + std::to_string(from)); }
+  void on_input_lost(std::string_view reason) override {
+    log.push_back("lost: " + std::string(reason));
+  }
+
+  std::vector<std::vector<std::uint8_t>> slices;
+  std::vector<wire::SliceKind> kinds;
+  std::vector<std::string> log;
+  int batches = 0;
+};
+
+struct RecordingOutput : OutputHandler {
+  void on_output_up(std::uint8_t to) override { log.push_back("up " + std::to_string(to)); }
+  void on_output_lost(std::string_view reason) override {
+    log.push_back("lost: " + std::string(reason));
+  }
+  void on_output_ready() override { ++ready; }
+
+  std::vector<std::string> log;
+  int ready = 0;
+};
+
+}  // namespace limb_ring::link

@@ -1,0 +1,129 @@
+#include <gmock/gmock.h>
+
+#include "link/head.h"
+#include "link/link_rig.h"
+#include "link/unix_socket.h"
+
+namespace limb_ring::link {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Node 1 with node 0 upstream; whatever a stranger does, that stays so.
+struct Stranger : testing::Test {
+  LinkRig rig{2, Endpoint::Transport::unix_stream};
+  boost::asio::io_context io;
+
+  void SetUp() override {
+    rig.start_all();
+    ASSERT_TRUE(rig.until([&] { return rig.whole(); }));
+  }
+  void TearDown() override {
+    EXPECT_TRUE(rig.whole());
+    EXPECT_THAT(rig.node(1).heard.log, ElementsAre("up 0"));
+  }
+  UnixSocket knock() { return connect_unix(io, rig.endpoint(1).path); }
+  void say(UnixSocket& socket, const Head& head) {
+    const auto bytes = encode(head);
+    send_now(socket.native_handle(), {bytes.data(), bytes.size()});
+  }
+  std::uint64_t strangers() { return rig.node(1).input->counters().strangers; }
+  /// The head that comes back; nothing where the line is closed without a word.
+  std::optional<Head> answer(UnixSocket& socket) {
+    std::array<std::uint8_t, kHeadSize> bytes;
+    ssize_t got = -1;
+    const bool came = rig.until([&] {
+      got = receive_now(socket.native_handle(), bytes.data(), bytes.size());
+      return got >= 0;
+    });
+    EXPECT_TRUE(came) << "neither an answer nor an end";
+    return parse_head({bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0))});
+  }
+};
+
+TEST_F(Stranger, ThatTalksGarbageIsClosedAndCounted) {
+  UnixSocket socket = knock();
+  const std::string garbage(100, 'x');
+  send_now(socket.native_handle(),
+           {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
+  ASSERT_TRUE(rig.until([&] { return strangers() == 1; }));
+  EXPECT_THAT(rig.node(1).input->last_stranger(), HasSubstr("no greeting"));
+}
+
+TEST_F(Stranger, ThatLeavesWithoutAWordIsCounted) {
+  knock().close();
+  EXPECT_TRUE(rig.until([&] { return strangers() == 1; }));
+}
+
+TEST_F(Stranger, ThatSaysNothingIsClosedInTime) {
+  UnixSocket socket = knock();
+  EXPECT_FALSE(answer(socket));
+  EXPECT_EQ(strangers(), 1u);
+  EXPECT_THAT(rig.node(1).input->last_stranger(), HasSubstr("did not say"));
+}
+
+TEST_F(Stranger, OfAnotherRingIsToldSo) {
+  UnixSocket socket = knock();
+  Head head;
+  head.type = HeadType::connect;
+  head.ring = LinkRig::kRing + 1;
+  say(socket, head);
+  const auto answered = answer(socket);
+  ASSERT_TRUE(answered);
+  EXPECT_EQ(answered->refusal, Refusal::wrong_ring);
+  EXPECT_EQ(strangers(), 1u);
+}
+
+TEST_F(Stranger, OfNoNodeOfTheRingIsToldSo) {
+  UnixSocket socket = knock();
+  Head head;
+  head.type = HeadType::connect;
+  head.ring = LinkRig::kRing;
+  head.sender = 77;
+  say(socket, head);
+  const auto answered = answer(socket);
+  ASSERT_TRUE(answered);
+  EXPECT_EQ(answered->refusal, Refusal::not_in_ring);
+}
+
+TEST_F(Stranger, AsAFartherNodeIsToldThatWeAreBusy) {
+  UnixSocket socket = knock();
+  Head head;
+  head.type = HeadType::connect;
+  head.ring = LinkRig::kRing;
+  head.sender = 1;  // we ourselves
+  say(socket, head);
+  const auto answered = answer(socket);
+  ASSERT_TRUE(answered);
+  EXPECT_EQ(answered->refusal, Refusal::busy);
+  EXPECT_EQ(rig.node(1).input->counters().refused, 1u);
+}
+
+TEST_F(Stranger, InACrowdKeepsNobodyOut) {
+  std::vector<UnixSocket> crowd;
+  for (int i = 0; i < 50; ++i) crowd.push_back(knock());
+  ASSERT_TRUE(rig.until([&] { return strangers() == 50; }));
+}
+
+TEST_F(Stranger, WithADatagramSocketThatIsNotOursDoesNothing) {
+  LinkRig udp(2, Endpoint::Transport::udp);
+  udp.start_all();
+  ASSERT_TRUE(udp.until([&] { return udp.whole(); }));
+  UdpSocket socket = connect_udp(io, udp_address(udp.endpoint(1)));
+  const std::string garbage(700, 'x');
+  send_now(socket.native_handle(),
+           {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
+  Head other;
+  other.type = HeadType::connect;
+  other.ring = LinkRig::kRing + 1;
+  const auto bytes = encode(other);
+  send_now(socket.native_handle(), {bytes.data(), bytes.size()});
+  EXPECT_TRUE(udp.until([&] { return udp.node(1).input->counters().strangers == 2; }));
+  EXPECT_TRUE(udp.whole());
+  EXPECT_THAT(udp.node(1).heard.slices, IsEmpty());
+}
+
+}  // namespace
+}  // namespace limb_ring::link

@@ -1,0 +1,207 @@
+#include <gmock/gmock.h>
+
+#include "link/head.h"
+#include "link/link_rig.h"
+#include "link/udp_batch.h"
+#include "link/unix_socket.h"
+
+namespace limb_ring::link {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Node 1's input, with this test as node 0 sending datagrams by hand.
+struct UdpInputFromHand : testing::Test {
+  LinkRig rig{3, Endpoint::Transport::udp};
+  boost::asio::io_context io;
+  UdpSocket line{io};
+  std::uint64_t session = 0;
+  RecordingInput& heard = rig.node(1).heard;
+
+  void SetUp() override {
+    rig.start_input(1);
+    line = connect_udp(io, udp_address(rig.endpoint(1)));
+    session = ask_for_session(7);
+    datagram(1, {});
+    ASSERT_TRUE(rig.until([&] { return rig.node(1).input->from() == 0; }));
+  }
+  Head head(HeadType type, std::uint64_t number, std::uint8_t sender = 0) {
+    Head head;
+    head.type = type;
+    head.ring = LinkRig::kRing;
+    head.session = number;
+    head.sender = sender;
+    return head;
+  }
+  void send(const Head& head, wire::ByteView slices = {}) {
+    std::vector<std::uint8_t> bytes(kHeadSize);
+    store_head(bytes.data(), head);
+    bytes.insert(bytes.end(), slices.begin(), slices.end());
+    ASSERT_EQ(send_now(line.native_handle(), {bytes.data(), bytes.size()}),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  /// A datagram of the session with one slice holding `value`, or an idle one.
+  void datagram(std::uint32_t sequence, std::optional<std::uint8_t> value) {
+    wire::SliceWriter writer;
+    if (value) {
+      put_whole(writer, 20, *value);
+    } else {
+      writer.put(wire::SliceKind::idle, {});
+    }
+    Head h = head(HeadType::slices, session);
+    h.sequence = sequence;
+    send(h, writer.view());
+  }
+  std::optional<Head> answer(HeadType wanted) {
+    std::optional<Head> found;
+    rig.until([&] {
+      std::array<std::uint8_t, kHeadSize> bytes;
+      const auto got = receive_now(line.native_handle(), bytes.data(), bytes.size());
+      if (got > 0) found = parse_head({bytes.data(), static_cast<std::size_t>(got)});
+      return found && found->type == wanted;
+    });
+    return found;
+  }
+  std::uint64_t ask_for_session(std::uint32_t nonce) {
+    send(head(HeadType::connect, std::uint64_t{nonce} << 32));
+    const auto accept = answer(HeadType::accept);
+    return accept ? accept->session : 0;
+  }
+  const InputCounters& counters() { return rig.node(1).input->counters(); }
+  bool until_datagrams(std::uint64_t count) {
+    return rig.until([&] { return counters().datagrams >= count; });
+  }
+  std::vector<std::uint8_t> values() {
+    std::vector<std::uint8_t> all;
+    for (const auto& slice : heard.slices) all.push_back(slice.front());
+    return all;
+  }
+};
+
+TEST_F(UdpInputFromHand, HandsADoubledDatagramOnOnce) {
+  for (const std::uint32_t i : {2u, 2u, 3u, 3u, 2u}) datagram(i, static_cast<std::uint8_t>(i));
+  ASSERT_TRUE(until_datagrams(7));
+  EXPECT_THAT(values(), ElementsAre(2, 3));
+  EXPECT_EQ(counters().datagrams_duplicate, 3u);
+  EXPECT_EQ(counters().datagrams_lost, 0u);
+}
+
+TEST_F(UdpInputFromHand, SaysWhereDatagramsAreMissing) {
+  datagram(2, 2);
+  datagram(6, 6);
+  ASSERT_TRUE(until_datagrams(4));
+  EXPECT_THAT(heard.log, ElementsAre("up 0", "slice", "gap 3", "slice", "batch end"));
+  EXPECT_EQ(counters().datagrams_lost, 3u);
+}
+
+TEST_F(UdpInputFromHand, DiscardsAnOvertakenDatagram) {
+  for (const std::uint32_t i : {3u, 2u, 4u}) datagram(i, static_cast<std::uint8_t>(i));
+  ASSERT_TRUE(until_datagrams(5));
+  EXPECT_THAT(values(), ElementsAre(3, 4));
+  EXPECT_EQ(counters().datagrams_lost, 1u);
+  EXPECT_EQ(counters().datagrams_duplicate, 1u);
+}
+
+TEST_F(UdpInputFromHand, DiscardsDatagramsOfASessionItDoesNotHaveAndSaysSo) {
+  session += 1;
+  datagram(2, 2);
+  const auto refuse = answer(HeadType::refuse);
+  ASSERT_TRUE(refuse);
+  EXPECT_EQ(refuse->refusal, Refusal::unknown_session);
+  EXPECT_EQ(counters().datagrams_stale, 1u);
+  EXPECT_THAT(heard.slices, IsEmpty());
+}
+
+TEST_F(UdpInputFromHand, StartsAfreshInANewSessionOnly) {
+  datagram(2, 2);
+  const std::uint64_t old = session;
+  session = ask_for_session(8);
+  EXPECT_NE(session, old);
+  datagram(1, 10);
+  ASSERT_TRUE(rig.until([&] { return counters().replaced == 1; }));
+  session = old;
+  datagram(3, 3);
+  ASSERT_TRUE(rig.until([&] { return counters().datagrams_stale == 1; }));
+  EXPECT_THAT(values(), ElementsAre(2, 10));
+}
+
+TEST_F(UdpInputFromHand, IsNotMovedByAnOldConnectThatComesLate) {
+  ask_for_session(6);  // answered with an offer, which nobody takes up
+  datagram(2, 2);
+  ASSERT_TRUE(rig.until([&] { return heard.slices.size() == 1; }));
+  EXPECT_EQ(heard.log.front(), "up 0");
+  EXPECT_EQ(counters().connects, 1u);
+}
+
+TEST_F(UdpInputFromHand, GivesADoubledConnectTheSameSession) {
+  EXPECT_EQ(ask_for_session(7), session);
+  const std::uint64_t offer = ask_for_session(9);
+  EXPECT_EQ(ask_for_session(9), offer);
+}
+
+TEST_F(UdpInputFromHand, MakesAGapOfAGarbledDatagram) {
+  Head h = head(HeadType::slices, session);
+  h.sequence = 2;
+  const std::vector<std::uint8_t> garbage(10, 0xEE);
+  send(h, {garbage.data(), garbage.size()});
+  ASSERT_TRUE(rig.until([&] { return counters().malformed == 1; }));
+  EXPECT_THAT(heard.log, ElementsAre("up 0", "gap 1", "batch end"));
+  EXPECT_TRUE(rig.node(1).input->up());
+}
+
+TEST_F(UdpInputFromHand, IsLostOnGoodbyeAndOnSilence) {
+  send(head(HeadType::bye, session));
+  ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
+  session = ask_for_session(8);
+  datagram(1, {});
+  ASSERT_TRUE(rig.until([&] { return rig.node(1).input->up(); }));
+  ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
+  EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("closed"), "up 0", "lost: silent"));
+}
+
+TEST_F(UdpInputFromHand, TakesRunsOfDatagramsInFewerReadsWhereTheKernelCan) {
+  OutputCounters sent;
+  UdpBatch batch({LinkRig::kRing, 0}, sent);
+  batch.start_session(session);
+  wire::SliceWriter writer;
+  for (int i = 0; i < 30; ++i) put_whole(writer, 524, static_cast<std::uint8_t>(i));
+  put_whole(writer, 20, 30);
+  ASSERT_EQ(batch.send(line.native_handle(), writer.view()).taken, writer.view().size);
+  ASSERT_TRUE(until_datagrams(32));
+  ASSERT_EQ(heard.slices.size(), 30u);  // sequence 1 was the greeting's: discarded
+  EXPECT_EQ(values().front(), 1);
+  EXPECT_EQ(values().back(), 30);
+  EXPECT_LE(sent.writes, 31u);
+}
+
+TEST_F(UdpInputFromHand, TakesTheSameDatagramsFromAKernelThatSendsThemSingly) {
+  OutputCounters sent;
+  UdpBatch batch({LinkRig::kRing, 0}, sent);
+  batch.start_session(session);
+  batch.send_singly();
+  wire::SliceWriter writer;
+  for (int i = 0; i < 5; ++i) put_whole(writer, 524, static_cast<std::uint8_t>(i));
+  batch.send(line.native_handle(), writer.view());
+  ASSERT_TRUE(until_datagrams(6));
+  EXPECT_THAT(values(), ElementsAre(1, 2, 3, 4));
+  EXPECT_EQ(sent.writes, 5u);
+}
+
+TEST(UdpInputAddress, ThatIsNoNumberIsRefused) {
+  LinkRig rig(1, Endpoint::Transport::udp);
+  InputSettings settings = rig.input_settings(0);
+  settings.endpoint.address = "localhost";
+  EXPECT_THROW(Input(rig.node(0).io, settings, rig.node(0).heard), std::runtime_error);
+}
+
+TEST(UdpInputAddress, ThatIsTakenIsRefused) {
+  LinkRig rig(1, Endpoint::Transport::udp);
+  rig.start_input(0);
+  EXPECT_THROW(Input(rig.node(0).io, rig.input_settings(0), rig.node(0).heard),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace limb_ring::link
