@@ -3,4 +3,23 @@ set(LIMB_RING_BIN lib/limb_ring)
 set(LIMB_RING_LIB lib)
 set(LIMB_RING_INCLUDE include/limb_ring)
 set(LIMB_RING_SHARE share/limb_ring)
-set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/devel/lib/limb_ring)
+set(LIMB_RING_DEVEL ${PROJECT_BINARY_DIR}/devel)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${LIMB_RING_DEVEL}/${LIMB_RING_BIN})
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${LIMB_RING_DEVEL}/${LIMB_RING_LIB})
+
+# What catkin_package() does with ROS: find_package(limb_ring) from the build and from an install.
+include(CMakePackageConfigHelpers)
+function(limb_ring_export prefix include output)
+  set(export_include ${include})
+  set(export_library ${prefix}/${LIMB_RING_LIB}/liblimb_ring_client.a)
+  configure_package_config_file(cmake/limb_ringConfig.cmake.in ${output}/limb_ringConfig.cmake
+    INSTALL_DESTINATION ${prefix}/${LIMB_RING_SHARE}/cmake INSTALL_PREFIX ${prefix}
+    PATH_VARS export_include export_library)
+  write_basic_package_version_file(${output}/limb_ringConfig-version.cmake
+    VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
+endfunction()
+limb_ring_export(${LIMB_RING_DEVEL} ${PROJECT_SOURCE_DIR}/include
+  ${LIMB_RING_DEVEL}/${LIMB_RING_SHARE}/cmake)
+limb_ring_export(${CMAKE_INSTALL_PREFIX} ${CMAKE_INSTALL_PREFIX}/include
+  ${PROJECT_BINARY_DIR}/install_config)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/install_config/ DESTINATION ${LIMB_RING_SHARE}/cmake)

@@ -1,0 +1,31 @@
+# Configures, builds and runs project/ in a fresh folder, against the build or an install of it.
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "failed (${result}): ${ARGV}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${SCRATCH})
+file(MAKE_DIRECTORY ${SCRATCH}/runtime)
+set(prefix ${BUILD}/devel)
+if(INSTALL)
+  set(prefix ${SCRATCH}/prefix)
+  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+endif()
+if(SANITIZE)
+  set(flags -fsanitize=${SANITIZE})
+endif()
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/project -B ${SCRATCH}/build
+  "-DCMAKE_PREFIX_PATH=${prefix};${SEARCH}" -DCMAKE_CXX_COMPILER=${COMPILER}
+  -DCMAKE_CXX_FLAGS=${flags} -DECHO_CPU=${PROJECT_SOURCE}/examples/echo_cpu.cpp)
+run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
+
+# Without a ring the example has to say so.
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -E env XDG_RUNTIME_DIR=${SCRATCH}/runtime
+          ${SCRATCH}/build/echo_cpu nowhere 3
+  RESULT_VARIABLE result ERROR_VARIABLE said)
+if(NOT result EQUAL 1 OR NOT said MATCHES "nowhere/3.host")
+  message(FATAL_ERROR "echo_cpu without a ring ended with ${result} and said: ${said}")
+endif()
