@@ -18,7 +18,8 @@ std::string environment(const char* name) {
 
 po::options_description description() {
   const auto text = [](const char* variable) {
-    return po::value<std::string>()->default_value(environment(variable), std::string("$") + variable);
+    const auto shown = std::string("$") + variable;
+    return po::value<std::string>()->default_value(environment(variable), shown);
   };
   po::options_description options("limb_firmware: the CPU of a limb node, with simulated joints");
   options.add_options()
@@ -68,9 +69,9 @@ Options parse_options(int argc, const char* const* argv) {
 std::string usage() {
   std::ostringstream text;
   text << description()
-       << "\nEnds with 0 on SIGTERM and SIGINT, 1 when its daemon is gone or not there, 2 on wrong\n"
-          "arguments or configuration, N when a user packet (channel 0) says \"exit N\".\n"
-          "A user packet \"hang\" makes it hang: it reads nothing, says nothing, ignores SIGTERM.\n";
+       << "\nEnds with 0 on SIGTERM and SIGINT, 1 when its daemon is gone or not there, 2 on\n"
+          "wrong arguments or configuration, N when a user packet (channel 0) says \"exit N\".\n"
+          "A user packet \"hang\" makes it hang: reads nothing, says nothing, ignores SIGTERM.\n";
   return text.str();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <ctime>
 
 #include <poll.h>
@@ -35,7 +36,8 @@ bool stop_requested() { return requested != 0; }
 
 void wait_readable(int fd, std::chrono::nanoseconds timeout) {
   const auto left = std::max<std::int64_t>(timeout.count(), 0);
-  const timespec span{static_cast<time_t>(left / 1'000'000'000), static_cast<long>(left % 1'000'000'000)};
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const timespec span{static_cast<time_t>(left / kSecond), static_cast<long>(left % kSecond)};
   pollfd readable{fd, POLLIN, 0};
   ppoll(&readable, 1, &span, &mask_while_waiting);
 }

@@ -48,7 +48,8 @@ std::optional<DecodeError> get(ByteReader& reader, Joint& joint) {
   return std::nullopt;
 }
 
-std::optional<DecodeError> get_joints(ByteReader& reader, std::size_t count, JointCommand& command) {
+std::optional<DecodeError> get_joints(ByteReader& reader, std::size_t count,
+                                      JointCommand& command) {
   if (count > kMaxCommandJoints) return DecodeError::bad_count;
   command.joints.resize(count);
   for (auto& joint : command.joints)

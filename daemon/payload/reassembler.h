@@ -32,10 +32,10 @@ class Reassembler {
   struct Counters {
     std::uint64_t messages = 0;       ///< put together, announcements not included
     std::uint64_t announcements = 0;  ///< put together and understood
-    std::uint64_t lost = 0;           ///< a piece is missing, or the next message began before its end
+    std::uint64_t lost = 0;           ///< a piece is missing, or the next message began too early
     std::uint64_t unannounced = 0;    ///< data of a topic nobody announced
     std::uint64_t too_large = 0;      ///< longer than Limits::message
-    std::uint64_t no_memory = 0;      ///< Limits::total is full of announcements or of this very message
+    std::uint64_t no_memory = 0;      ///< Limits::total has no room left beside the announcements
     std::uint64_t evicted = 0;        ///< longest idle, given up for a newer one
     std::uint64_t corrupt = 0;        ///< checksum wrong, or an announcement that is none
     std::uint64_t malformed = 0;      ///< packets that are no fragment

@@ -63,7 +63,8 @@ Decoded<SensorReading> decode_sensor_reading(wire::ByteView packet) {
   get(reader, reading.linear, reading.kind);
   get(reader, reading.angular, reading.kind);
   if (const auto wrong = reader.finish()) return *wrong;
-  if ((flags & ~kSaturated) != 0 || zero != 0 || reading.stamp_ns < 0) return DecodeError::bad_field;
+  const bool unknown = (flags & ~kSaturated) != 0 || zero != 0;
+  if (unknown || reading.stamp_ns < 0) return DecodeError::bad_field;
   reading.saturated = flags != 0;
   return reading;
 }

@@ -8,11 +8,12 @@
 
 namespace limb_ring::payload {
 
-/// One sample of an IMU or of a force and torque sensor, from a CPU to the body, on channel 2. (ours)
+/// One sample of an IMU or of a force and torque sensor, from a CPU to the body, on channel 2.
+/// (ours)
 ///
-///    0      1         2          4                12       13      14        16        28        40
-///   | type | version | sequence | stamp           | sensor | flags | zero     | linear  | angular |
-///   | 8    | 8       | 16       | 64, signed, ns  | 8      | 8     | 16       | 3 x i32 | 3 x i32 |
+///    0      1         2          4                12       13      14     16        28
+///   | type | version | sequence | stamp           | sensor | flags | zero | linear  | angular |
+///   | 8    | 8       | 16       | 64, signed, ns  | 8      | 8     | 16   | 3 x i32 | 3 x i32 |
 ///
 ///   type 3, imu:   acceleration in 1e-6 m/s^2, angular velocity in 1e-6 rad/s
 ///   type 4, force: force in 1e-5 N, torque in 1e-5 N m

@@ -21,7 +21,9 @@ using namespace std::chrono_literals;
 class OptionsTest : public testing::Test {
  protected:
   void SetUp() override {
-    for (const char* name : {"LIMB_RING_CONFIG", "LIMB_RING_NODE", "LIMB_RING_RING"}) unsetenv(name);
+    unsetenv("LIMB_RING_CONFIG");
+    unsetenv("LIMB_RING_NODE");
+    unsetenv("LIMB_RING_RING");
   }
   void TearDown() override { SetUp(); }
 

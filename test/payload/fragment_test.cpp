@@ -93,10 +93,10 @@ TEST(AnnouncementFormat, HasTheseBytesAndReadsBack) {
   const Announcement announcement{"a", "b/C", "", "x", true};
   const auto bytes = encode(announcement);
   ASSERT_TRUE(bytes);
-  EXPECT_THAT(*bytes, testing::ElementsAreArray(Bytes{1, 1,                      // version, latching
-                                                      0, 1, 'a',                 //
-                                                      0, 3, 'b', '/', 'C',       //
-                                                      0, 0,                      //
+  EXPECT_THAT(*bytes, testing::ElementsAreArray(Bytes{1, 1,                 // version, latching
+                                                      0, 1, 'a',            //
+                                                      0, 3, 'b', '/', 'C',  //
+                                                      0, 0,                 //
                                                       0, 0, 0, 1, 'x'}));
   EXPECT_TRUE(*decode_announcement(view(*bytes)) == announcement);
   expect_every_truncation_is_refused(*bytes, decode_announcement);

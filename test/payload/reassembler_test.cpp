@@ -22,7 +22,8 @@ Packets cut(Fragmenter& fragmenter, Kind kind, const Bytes& message) {
 
 Bytes pattern(std::size_t size, unsigned salt = 0) {
   Bytes bytes(size);
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(i * 7 + i / 256 + salt);
+  for (std::size_t i = 0; i < size; ++i)
+    bytes[i] = static_cast<std::uint8_t>(i * 7 + i / 256 + salt);
   return bytes;
 }
 

@@ -1,0 +1,166 @@
+// The program itself, as a child of this test, at a host port whose daemon is this test.
+#include <algorithm>
+#include <fstream>
+
+#include "firmware/child.h"
+#include "host/host_fixture.h"
+#include "payload/joint_command.h"
+#include "payload/joint_state.h"
+
+namespace limb_ring::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::int64_t wall_ns() {
+  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+class ProgramTest : public HostTest {
+ protected:
+  ProgramTest() {
+    std::ofstream(config()) << "ring: r\n"
+                               "nodes:\n"
+                               "  - {id: 0, name: body, cpu: attached}\n"
+                               "  - {id: 3, name: left_knee, joints: [{name: l_knee}]}\n";
+    handler.when_sent = [this](const FakeHandler::Call& call) {
+      Result delivered;
+      delivered.token = call.token;
+      delivered.outcome = Outcome::delivered;
+      server->result(call.client, delivered);
+      if (const auto state = decode(call)) last = *state;
+    };
+  }
+
+  std::string config() const { return folder.path() + "/ring.yaml"; }
+  void start(std::vector<std::string> arguments = {}) {
+    arguments.insert(arguments.begin(),
+                     {LIMB_FIRMWARE, "--node", "left_knee", "--config", config()});
+    child = std::make_unique<Child>(std::move(arguments), folder.path() + "/stderr");
+    until([this] { return server->cpu_can_take(); });
+  }
+  void until_ended() {
+    until([this] { return child->ended(); });
+  }
+  void give(std::uint8_t channel, const std::vector<std::uint8_t>& data) {
+    Packet packet;
+    packet.channel = channel;
+    packet.data = data;
+    server->give(packet);
+  }
+  void give(std::uint8_t channel, const std::string& text) {
+    give(channel, std::vector<std::uint8_t>(text.begin(), text.end()));
+  }
+  static payload::JointCommand move_to(double position, std::int64_t stamp_ns) {
+    payload::JointCommand command;
+    command.stamp_ns = stamp_ns;
+    command.valid_for_us = 30'000'000;
+    command.joints.resize(1);
+    command.joints[0].position = position;
+    return command;
+  }
+  static std::optional<payload::JointState> decode(const FakeHandler::Call& call) {
+    const auto state = payload::decode_joint_state(
+        {reinterpret_cast<const std::uint8_t*>(call.data.data()), call.data.size()});
+    return state ? std::optional(*state) : std::nullopt;
+  }
+
+  std::optional<payload::JointState> last;  ///< the last state sent
+  std::unique_ptr<Child> child;
+};
+
+TEST_F(ProgramTest, IsTheNodesCpuAndPromisesToBeHeard) {
+  start();
+  ASSERT_NE(server->cpu(), nullptr);
+  EXPECT_EQ(server->cpu()->pid, child->pid());
+  EXPECT_GT(server->cpu()->alive_period.count(), 0);
+}
+
+TEST_F(ProgramTest, SendsItsStatesToTheBodyAtTheHighestPriorityInOrder) {
+  start();
+  until([this] { return handler.sends.size() >= 20; });
+  for (std::uint16_t i = 0; i < 20; ++i) {
+    const auto& sent = handler.sends[i];
+    EXPECT_EQ(sent.destination, 0);
+    EXPECT_EQ(sent.priority, 0);
+    EXPECT_EQ(sent.channel, 2);
+    ASSERT_TRUE(decode(sent));
+    EXPECT_EQ(decode(sent)->sequence, i);
+    EXPECT_TRUE(decode(sent)->mode.safe);
+  }
+}
+
+TEST_F(ProgramTest, MovesOnCommandAndGoesSafeWithoutOne) {
+  start();
+  until([this] {
+    if (server->cpu_can_take()) give(2, *encode(move_to(0.5, wall_ns())));
+    return last && last->mode.commanded && last->joints[0].position > 0.1;
+  });
+  until([this] { return !last->mode.commanded && last->mode.safe && last->mode.hold; });
+}
+
+TEST_F(ProgramTest, RefusesAStaleCommandAndSaysSoInItsState) {
+  start();
+  constexpr std::int64_t kHour = 3'600'000'000'000;
+  give(2, *encode(move_to(0.5, wall_ns() - kHour)));
+  until([this] { return last && last->refused == 1; });
+  EXPECT_EQ(last->joints[0].position, 0);
+  EXPECT_EQ(std::count_if(handler.sends.begin(), handler.sends.end(), [](const auto& sent) {
+    const auto state = decode(sent);
+    return state && state->mode.command_refused;
+  }), 1);
+}
+
+TEST_F(ProgramTest, ShowsAStopInItsState) {
+  start();
+  Interrupt stop;
+  stop.action = Interrupt::Action::stop;
+  ASSERT_TRUE(server->interrupt(stop));
+  until([this] { return last && last->mode.stopped; });
+}
+
+TEST_F(ProgramTest, EndsWithTheCodeItIsTold) {
+  start();
+  give(0, "exit 7");
+  until_ended();
+  EXPECT_EQ(child->code(), 7);
+  EXPECT_THAT(child->said(), HasSubstr("ends on purpose with code 7"));
+}
+
+TEST_F(ProgramTest, HangsWhenToldAndThenNotEvenSigtermEndsIt) {
+  start();
+  give(0, "hang");
+  until([this] { return child->said().find("hangs on purpose") != std::string::npos; });
+  child->kill(SIGTERM);
+  until([this] { return child->leaves_pending(SIGTERM); });
+  EXPECT_FALSE(child->ended());
+}
+
+TEST_F(ProgramTest, HangsAfterTheTimeGiven) {
+  start({"--hang-after", "0.05"});
+  until([this] { return child->said().find("hangs on purpose") != std::string::npos; });
+}
+
+TEST_F(ProgramTest, EndsCleanlyOnSigtermAndSigint) {
+  for (int signal : {SIGTERM, SIGINT}) {
+    handler.sends.clear();
+    start();
+    until([this] { return !handler.sends.empty(); });
+    child->kill(signal);
+    until_ended();
+    EXPECT_EQ(child->code(), 0);
+    EXPECT_THAT(child->said(), HasSubstr("left_knee: sent "));
+    until([this] { return server->cpu() == nullptr; });
+  }
+}
+
+TEST_F(ProgramTest, EndsWithAMessageWhenItsDaemonIsGone) {
+  start();
+  server.reset();
+  until_ended();
+  EXPECT_EQ(child->code(), 1);
+  EXPECT_THAT(child->said(), HasSubstr("left_knee: the daemon is gone"));
+}
+
+}  // namespace
+}  // namespace limb_ring::test
