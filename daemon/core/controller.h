@@ -75,6 +75,8 @@ class Controller {
   const Counters& counters() const { return counters_; }
   const Membership& membership() const { return membership_; }
   std::size_t received_waiting() const { return receive_.waiting(); }
+  /// Relayed DATPs in the insertion buffer, at most settings().insertion_buffer.
+  std::size_t insertion_waiting() const { return packet_manager_.waiting(); }
 
  private:
   using Fate = Relay::Fate;

@@ -27,6 +27,7 @@ class PacketManager {
   /// The packet comes as it came in; HOP (and FBC) are rewritten here and the CRC carried along.
   ///@{
   bool has_room() const { return !output_up_ || !buffer_.full(); }
+  std::size_t waiting() const { return buffer_.count(); }
   void relay_whole(wire::ByteView packet, std::uint8_t fbc, Time now);
   void relay_begin(wire::ByteView header_and_words, Time now);
   void relay_words(wire::ByteView words);

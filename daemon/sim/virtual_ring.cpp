@@ -79,7 +79,8 @@ void VirtualRing::connect(NodeId id) {
   touch(static_cast<NodeId>(next));
 }
 
-void VirtualRing::kill(NodeId id) {
+// The neighbours close the ring without this node.
+void VirtualRing::leave(NodeId id) {
   const int before = previous_alive(id);
   if (before >= 0 && before != id) disconnect_output(static_cast<NodeId>(before));
   disconnect_output(id);
@@ -88,31 +89,55 @@ void VirtualRing::kill(NodeId id) {
   if (before >= 0 && before != id) connect(static_cast<NodeId>(before));
 }
 
-void VirtualRing::start(NodeId id) {
-  Node& n = nodes_[id];
-  ++n.lives;
-  n.controller = std::make_unique<Controller>(settings_of(id));
-  n.controller->set_cpu_present(true);
-  n.alive = true;
-  n.wake = kNever;
+// The neighbours close the ring with this node in it.
+void VirtualRing::enter(NodeId id) {
+  nodes_[id].alive = true;
+  nodes_[id].wake = kNever;
   const int before = previous_alive(id);
   if (before != id) connect(static_cast<NodeId>(before));
   connect(id);
 }
 
+void VirtualRing::kill(NodeId id) {
+  if (alive(id)) leave(id);
+}
+
+void VirtualRing::start(NodeId id) {
+  if (alive(id)) return;
+  Node& n = nodes_[id];
+  ++n.lives;
+  n.controller = std::make_unique<Controller>(settings_of(id));
+  n.controller->set_cpu_present(true);
+  enter(id);
+}
+
+void VirtualRing::freeze(NodeId id) { kill(id); }
+
+void VirtualRing::thaw(NodeId id) {
+  if (alive(id)) return;
+  node(id).input_lost(now_);
+  node(id).output_lost(now_);
+  enter(id);
+}
+
 void VirtualRing::cut(NodeId id) {
-  nodes_[id].wire_cut = true;
-  Node& to = nodes_[nodes_[id].successor];
-  ++nodes_[id].line_epoch;  // what is under way is gone; the node before the cut does not notice
-  to.controller->input_lost(now_);
-  touch(static_cast<NodeId>(nodes_[id].successor));
+  Node& from = nodes_[id];
+  if (from.wire_cut) return;
+  from.wire_cut = true;
+  ++from.line_epoch;  // what is under way is gone
+  if (from.successor < 0) return;
+  nodes_[from.successor].controller->input_lost(now_);
+  touch(static_cast<NodeId>(from.successor));
 }
 
 void VirtualRing::heal(NodeId id) {
-  nodes_[id].wire_cut = false;
-  ++nodes_[id].line_epoch;
-  nodes_[nodes_[id].successor].controller->input_up(id, now_);
-  touch(static_cast<NodeId>(nodes_[id].successor));
+  Node& from = nodes_[id];
+  if (!from.wire_cut) return;
+  from.wire_cut = false;
+  ++from.line_epoch;
+  if (from.successor < 0) return connect(id);
+  nodes_[from.successor].controller->input_up(id, now_);
+  touch(static_cast<NodeId>(from.successor));
 }
 
 // ---- traffic ------------------------------------------------------------------------------

@@ -65,7 +65,11 @@ class VirtualRing {
   void kill(NodeId id);
   /// A new process of that node, with a higher boot number.
   void start(NodeId id);
-  /// The wire out of node `id`: cut, whole again. The node behind learns of it at once.
+  /// The node's process stops and is bypassed; later it goes on, and finds both its links gone.
+  void freeze(NodeId id);
+  void thaw(NodeId id);
+  /// The wire out of node `id`: cut, whole again. The node behind learns of it at once, the one
+  /// before it does not.
   void cut(NodeId id);
   void heal(NodeId id);
 
@@ -108,6 +112,8 @@ class VirtualRing {
   core::Settings settings_of(NodeId id) const;
   void connect(NodeId id);
   void disconnect_output(NodeId id);
+  void leave(NodeId id);
+  void enter(NodeId id);
   int next_alive(NodeId id) const;
   int previous_alive(NodeId id) const;
   void touch(NodeId id) { touched_.insert(id); }
