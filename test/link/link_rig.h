@@ -144,8 +144,8 @@ class LinkRig {
   }
 
   void find_ports(std::size_t nodes) {
-    std::vector<UdpSocket> sockets;
     boost::asio::io_context io;
+    std::vector<UdpSocket> sockets;
     for (std::size_t i = 0; i < nodes; ++i) {
       sockets.push_back(listen_udp(io, Endpoint::udp("127.0.0.1", 0)));
       endpoints_.push_back(Endpoint::udp("127.0.0.1", sockets.back().local_endpoint().port()));
