@@ -173,11 +173,23 @@ TEST(Reassembler, FollowsASenderThatDiedWhileAnnouncing) {
   Reassembler reassembler;
   const Announcement about{"camera", "t", "m", std::string(2000, 'd')};
   Topic before(reassembler, 1, 2);
-  before.deliver({before.announcement(about)[0]});
+  const auto pieces = before.announcement(about);
+  before.deliver({pieces[0], pieces[2]});  // one is lost, then the sender dies
   Topic after(reassembler, 1, 2);
   after.deliver(after.announcement(about));
   ASSERT_NE(reassembler.announcement(1, 2), nullptr);
   EXPECT_EQ(after.deliver(after.data(pattern(10))).size(), 1U);
+}
+
+TEST(Reassembler, TakesTheSameAnnouncementAgain) {
+  Reassembler reassembler;
+  for (int start = 0; start < 2; ++start) {
+    Topic topic(reassembler, 1, 2);
+    topic.announce();
+    EXPECT_EQ(topic.deliver(topic.data(pattern(600))).size(), 1U);
+  }
+  EXPECT_EQ(reassembler.counters().announcements, 2U);
+  EXPECT_EQ(reassembler.held(), encode(*reassembler.announcement(1, 2))->size());
 }
 
 TEST(Reassembler, DropsMessagesLongerThanItsLimit) {
