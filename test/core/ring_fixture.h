@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,46 @@ inline std::vector<unsigned> pins(const sim::NodeLog& log) {
   std::vector<unsigned> out;
   for (const Event& e : log.events)
     if (const auto* pin = std::get_if<PinPulled>(&e.what)) out.push_back(pin->factor);
+  return out;
+}
+
+/// The same with further changes to every node's settings.
+template <class Adjust>
+VirtualRingOptions with(VirtualRingOptions options, Adjust adjust) {
+  options.adjust = [before = options.adjust, adjust](Settings& settings) {
+    before(settings);
+    adjust(settings);
+  };
+  return options;
+}
+
+/// A tap that loses the next slices for which `which` is true, `count` of them.
+template <class Which>
+VirtualRing::Tap lose(int count, Which which) {
+  return [=](const wire::Slice& slice, Time, wire::SliceWriter& arriving) mutable {
+    if (which(slice) && count-- > 0) return;
+    arriving.put(slice.kind, slice.bytes);
+  };
+}
+
+/// A tap that turns a bit of byte `at` in the next slices for which `which` is true.
+template <class Which>
+VirtualRing::Tap damage(int count, std::size_t at, Which which) {
+  return [=](const wire::Slice& slice, Time, wire::SliceWriter& arriving) mutable {
+    std::uint8_t* bytes = arriving.put_space(slice.kind, slice.bytes.size);
+    std::copy(slice.bytes.begin(), slice.bytes.end(), bytes);
+    if (which(slice) && count-- > 0) bytes[at] ^= 0x10;
+  };
+}
+
+inline bool is_data(const wire::Slice& slice) { return slice.kind == wire::SliceKind::whole; }
+inline bool is_interrupt(const wire::Slice& slice) { return slice.kind == wire::SliceKind::interrupt; }
+
+/// The ends of all sends of a node, in the order in which they ended.
+inline std::vector<std::uint32_t> ended_tokens(const sim::NodeLog& log) {
+  std::vector<std::uint32_t> out;
+  for (const Event& e : log.events)
+    if (const auto* end = std::get_if<SendEnded>(&e.what)) out.push_back(end->token);
   return out;
 }
 

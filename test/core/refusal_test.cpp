@@ -1,0 +1,150 @@
+// FBC, and what a receiver without a buffer does to a send.
+#include "core/ring_fixture.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// One receive buffer per priority, and CPUs 1 to 3 read nothing.
+struct Refusal : testing::Test {
+  VirtualRing ring{with(quick(4), [](Settings& s) {
+    s.receive_buffers = 1;
+    s.refused_for = 20ms;
+  })};
+  void SetUp() override {
+    ASSERT_TRUE(ring.join());
+    for (NodeId id : {1, 2, 3}) ring.cpu_reads[id] = false;
+  }
+  SendEnded send(NodeId from, NodeId to, const Bytes& data, std::uint8_t priority = 0) {
+    return outcome_of(ring, from, ring.send(from, to, data, priority));
+  }
+};
+
+TEST_F(Refusal, UnicastIsRefusedAfterItsDeadline) {
+  EXPECT_EQ(send(0, 1, text("first")).outcome, Outcome::delivered);
+  const Time asked = ring.now();
+  const SendEnded end = send(0, 1, text("second"));
+  EXPECT_EQ(end.outcome, Outcome::refused);
+  EXPECT_GE(ring.now() - asked, 20ms);
+  EXPECT_LE(ring.now() - asked, 21ms);
+  EXPECT_GT(end.tries, 3u) << "each one a new packet";
+  EXPECT_EQ(ring.counters(1).refused_no_buffer, end.tries);
+  EXPECT_EQ(ring.counters(0).retries, 0u);
+  ring.cpu_reads[1] = true;
+  ring.send(3, 1, text("third"));
+  ring.run_for(5ms);
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("first"), text("third")));
+}
+
+TEST_F(Refusal, UnicastGoesAgainUntilABufferIsFree) {
+  send(0, 1, text("first"));
+  const auto second = ring.send(0, 1, text("second"));
+  ring.run_for(5ms);
+  EXPECT_EQ(ring.ended(0, second), nullptr);
+  ring.cpu_reads[1] = true;
+  ring.send(2, 1, text("other"), 3);  // wakes the reader
+  EXPECT_EQ(outcome_of(ring, 0, second).outcome, Outcome::delivered);
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("first"), text("other"), text("second")));
+}
+
+TEST_F(Refusal, WaitDoublesUpToItsLimit) {
+  send(0, 1, text("first"));
+  std::vector<Time> sent;
+  ring.tap(0, [&](const wire::Slice& slice, Time now, wire::SliceWriter& arriving) {
+    sent.push_back(now);
+    arriving.put(slice.kind, slice.bytes);
+  });
+  send(0, 1, text("second"));
+  std::vector<Duration> waits;
+  for (std::size_t i = 1; i < sent.size(); ++i) waits.push_back(sent[i] - sent[i - 1] - 4us);
+  ASSERT_GE(waits.size(), 5u);
+  EXPECT_THAT(std::vector<Duration>(waits.begin(), waits.begin() + 4), ElementsAre(1ms, 2ms, 4ms, 8ms));
+}
+
+TEST_F(Refusal, HoldsOnlyItsOwnPriorityBack) {
+  send(0, 1, text("first"), 1);
+  const auto refused = ring.send(0, 1, text("refused"), 1);
+  const auto behind = ring.send(0, 2, text("behind"), 1);
+  const auto urgent = ring.send(0, 2, text("urgent"), 0);
+  const auto slow = ring.send(0, 2, text("slow"), 3);
+  EXPECT_EQ(outcome_of(ring, 0, refused).outcome, Outcome::refused);
+  EXPECT_EQ(outcome_of(ring, 0, behind).outcome, Outcome::delivered);
+  EXPECT_THAT(ended_tokens(ring.log(0)), ElementsAre(1, urgent, slow, refused, behind));
+}
+
+TEST_F(Refusal, BroadcastIsNotSentAgain) {
+  send(0, 2, text("full"));
+  const SendEnded end = send(0, wire::kBroadcast, text("all"));
+  EXPECT_EQ(end.outcome, Outcome::refused) << "FBC is the least any receiver wrote";
+  EXPECT_EQ(end.tries, 1u);
+  EXPECT_EQ(ring.node(1).received_waiting(), 1u);
+  EXPECT_EQ(ring.node(2).received_waiting(), 1u);
+  EXPECT_EQ(ring.node(3).received_waiting(), 1u);
+}
+
+TEST_F(Refusal, BuffersAreCountedPerPriority) {
+  for (std::uint8_t priority = 0; priority < 4; ++priority)
+    EXPECT_EQ(send(0, 1, text("one"), priority).outcome, Outcome::delivered);
+  EXPECT_EQ(send(0, 1, text("two"), 2).outcome, Outcome::refused);
+}
+
+TEST_F(Refusal, AbsentCpuRefuses) {
+  ring.node(3).set_cpu_present(false);
+  EXPECT_EQ(send(0, 3, text("a")).outcome, Outcome::refused);
+  EXPECT_GT(ring.counters(3).refused_cpu_absent, 0u);
+  ring.node(3).set_cpu_present(true);
+  EXPECT_EQ(send(0, 3, text("b")).outcome, Outcome::delivered);
+}
+
+TEST_F(Refusal, CpuOutcomeIsNeverDelivered) {
+  ring.node(3).set_cpu_present(false);
+  send(0, 3, text("a"));
+  ring.cpu_reads[3] = true;
+  ring.run_for(10ms);
+  EXPECT_THAT(ring.log(3).packets, IsEmpty());
+}
+
+TEST_F(Refusal, OverdueInTheQueueAfterOnlyRefusalsEndsRefused) {
+  VirtualRing impatient(with(quick(4), [](Settings& s) {
+    s.receive_buffers = 1;
+    s.queue_timeout = 10ms;
+  }));
+  ASSERT_TRUE(impatient.join());
+  impatient.cpu_reads[1] = false;
+  impatient.send(0, 1, text("first"));
+  const auto second = impatient.send(0, 1, text("second"));
+  EXPECT_EQ(outcome_of(impatient, 0, second).outcome, Outcome::refused);
+}
+
+/// FBC as it leaves node 3, on its way home to node 0.
+struct FreeBuffers : testing::Test {
+  VirtualRing ring{with(quick(4), [](Settings& s) { s.receive_buffers = s.id == 1 ? 5 : s.id == 2 ? 3 : 400; })};
+  std::uint8_t fbc = 0;
+  void SetUp() override {
+    ASSERT_TRUE(ring.join());
+    for (NodeId id : {1, 2, 3}) ring.cpu_reads[id] = false;
+    ring.tap(3, [this](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+      fbc = wire::PacketFields{slice.bytes}.fbc();
+      arriving.put(slice.kind, slice.bytes);
+    });
+  }
+  std::uint8_t fbc_after(NodeId to, std::uint8_t priority = 0) {
+    outcome_of(ring, 0, ring.send(0, to, text("a"), priority));
+    return fbc;
+  }
+};
+
+TEST_F(FreeBuffers, ReceiverWritesItsFreeBuffersBeforeTakingThisOne) {
+  EXPECT_EQ(fbc_after(1), 5);
+  EXPECT_EQ(fbc_after(1), 4);
+  EXPECT_EQ(fbc_after(1, 2), 5) << "of that priority";
+}
+
+TEST_F(FreeBuffers, BroadcastCarriesTheMinimumOfAllReceivers) { EXPECT_EQ(fbc_after(wire::kBroadcast), 3); }
+TEST_F(FreeBuffers, AtMost254IsWritten) { EXPECT_EQ(fbc_after(3), 254); }
+TEST_F(FreeBuffers, NobodyWritesWhereNobodyIsAddressed) { EXPECT_EQ(fbc_after(0), wire::kFbcUntaken); }
+
+}  // namespace
+}  // namespace limb_ring::core

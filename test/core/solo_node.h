@@ -1,0 +1,143 @@
+#pragma once
+
+#include "core/ring_fixture.h"
+#include "wire/interrupt_packet.h"
+
+namespace limb_ring::core {
+
+/// One network controller with id 1 in a ring of 4, both its lines in the hands of the test: what
+/// comes from upstream is written by hand, what goes downstream is read back.
+class SoloNode {
+ public:
+  struct Out {
+    wire::SliceKind kind;
+    Bytes bytes;
+  };
+
+  explicit SoloNode(Duration byte_time = Duration{0}, std::function<void(Settings&)> adjust = [](Settings&) {})
+      : node_(settings(byte_time, adjust)) {
+    node_.set_cpu_present(true);
+    node_.input_up(0, now_);
+    node_.output_up(2, now_);
+  }
+
+  Controller& node() { return node_; }
+  const Counters& counters() const { return node_.counters(); }
+  Time now() const { return now_; }
+
+  void receive(wire::SliceKind kind, const Bytes& bytes) {
+    node_.receive({kind, {bytes.data(), bytes.size()}}, now_);
+    run();
+  }
+  void run() {
+    node_.handle_timeout(now_);
+    node_.run(now_);
+    collect();
+  }
+  /// Time goes on; the node wakes whenever it asked for it.
+  void run_for(Duration duration) {
+    const Time until = now_ + duration;
+    for (Time next = node_.next_deadline(now_); next <= until; next = node_.next_deadline(now_)) {
+      now_ = std::max(now_, next);
+      run();
+    }
+    now_ = until;
+    run();
+  }
+
+  /// Slices put onto the line since the last call.
+  std::vector<Out> line() { return std::exchange(line_, {}); }
+  std::vector<wire::SliceKind> kinds() {
+    std::vector<wire::SliceKind> out;
+    for (const Out& slice : line()) out.push_back(slice.kind);
+    return out;
+  }
+  std::vector<Bytes> packets() {
+    std::vector<Bytes> out;
+    ReceivedPacket packet;
+    while (node_.take(now_, packet)) out.emplace_back(packet.bytes().begin(), packet.bytes().end());
+    return out;
+  }
+  std::vector<SendEnded> ends() {
+    std::vector<SendEnded> out;
+    for (const Event& event : events_)
+      if (const auto* end = std::get_if<SendEnded>(&event.what)) out.push_back(*end);
+    return out;
+  }
+  const std::vector<Event>& events() const { return events_; }
+
+  /// What the node has put out, as it comes back after a lap of 3 relays.
+  static Bytes home(Bytes packet, std::uint8_t fbc, std::uint8_t hop = 3) {
+    wire::rewrite(packet.data(), packet.size(), hop, fbc);
+    return packet;
+  }
+  /// Lets the hello come home, so that the node is up.
+  void join() {
+    run_for(1us);
+    const auto out = line();
+    ASSERT_FALSE(out.empty());
+    Bytes hello;
+    for (const Out& slice : out) hello.insert(hello.end(), slice.bytes.begin(), slice.bytes.end());
+    receive(wire::SliceKind::whole, home(hello, wire::kFbcMax));
+    ASSERT_EQ(node_.membership().state(), NodeState::up);
+  }
+
+ private:
+  static Settings settings(Duration byte_time, const std::function<void(Settings&)>& adjust) {
+    Settings s;
+    s.id = 1;
+    s.order = {0, 1, 2, 3};
+    s.boot = 100;
+    s.byte_time_in = s.byte_time_out = byte_time;
+    s.beacon = Duration{0};
+    s.wired = {true, true, true};
+    adjust(s);
+    return s;
+  }
+  void collect() {
+    wire::ByteView rest = node_.line().view();
+    while (!rest.empty()) {
+      const wire::SliceParse parse = wire::parse_slice(rest);
+      line_.push_back({parse.slice.kind, Bytes(parse.slice.bytes.begin(), parse.slice.bytes.end())});
+      rest = rest.from(parse.consumed);
+    }
+    node_.line().clear();
+    Event event;
+    while (node_.take_event(now_, event)) events_.push_back(event);
+  }
+
+  Controller node_;
+  Time now_{};
+  std::vector<Out> line_;
+  std::vector<Event> events_;
+};
+
+/// A DATP as another node has sent it.
+struct Foreign {
+  NodeId source = 0, destination = 1;
+  std::uint8_t sequence = 0, attempt = 0, hop = 0, pri = 0, fbc = wire::kFbcUntaken;
+
+  Bytes with(const Bytes& data) const {
+    Bytes out(data.size() + wire::kOverhead);
+    wire::encode({{false, attempt, sequence}, hop, source, fbc, destination, pri, {data.data(), data.size()}},
+                 out.data());
+    return out;
+  }
+};
+
+inline Bytes foreign_interrupt(NodeId source, NodeId destination, std::uint8_t factor, std::uint8_t sequence = 0,
+                               std::uint8_t attempt = 0) {
+  const auto bytes = wire::encode(
+      wire::InterruptPacket{{true, attempt, sequence}, 0, source, wire::kFbcUntaken, destination, factor});
+  return {bytes.begin(), bytes.end()};
+}
+
+/// The header and all whole words of the payload; the rest, trailer and CRC.
+inline Bytes head_of(const Bytes& packet) {
+  return {packet.begin(), packet.begin() + static_cast<long>((packet.size() - 8) / 4 * 4)};
+}
+inline Bytes tail_of(const Bytes& packet) {
+  return {packet.begin() + static_cast<long>((packet.size() - 8) / 4 * 4), packet.end()};
+}
+
+}  // namespace limb_ring::core
