@@ -164,6 +164,12 @@ void DataUnit::tell(Job& job, Outcome outcome, Reject reject, Time at, Duration 
   events_.put(at, ended);
 }
 
+// One that waits after a try was refused: every other end is final.
+Outcome DataUnit::overdue_outcome(const Job& job) {
+  if (job.tries == 0) return Outcome::rejected;
+  return job.repeated ? Outcome::lost : Outcome::refused;
+}
+
 void DataUnit::handle_timeout(Time now) {
   if (flight_.deadline() <= now) {
     ++counters_.timeouts;
@@ -176,7 +182,7 @@ void DataUnit::handle_timeout(Time now) {
       return !queues_[q].empty() && (flight_.idle() || q != current_) &&
              queues_[q].front().asked + settings_.queue_timeout <= now;
     };
-    while (overdue()) finish(q, queues_[q].front().tries == 0 ? Outcome::rejected : Outcome::lost, now);
+    while (overdue()) finish(q, overdue_outcome(queues_[q].front()), now);
   }
 }
 

@@ -86,6 +86,7 @@ class DataUnit {
   std::size_t choose(Time now) const;
   void load(Job& job);
   Job& current() { return queues_[current_].front(); }
+  static Outcome overdue_outcome(const Job& job);
   void fail_try(Time at);
   void give_up(Time at);
   void refuse(Time at);
