@@ -40,6 +40,18 @@ void apply_transport(RingConfig& ring, const std::string& transport) {
   for (NodeConfig& node : ring.nodes) node.link.transport = ring.links.transport;
 }
 
+void rename_ring(RingConfig& ring, const std::string& name) {
+  if (!is_ring_name(name))
+    throw ConfigError("ring: '" + name + "' is no ring name; allowed: " + kRingNameRule);
+  const std::uint16_t before = default_first_port(ring.ring);
+  const std::uint16_t after = default_first_port(name);
+  ring.ring = name;
+  if (ring.links.port != before) return;
+  ring.links.port = after;
+  for (NodeConfig& node : ring.nodes)
+    if (node.link.port == before + node.id) node.link.port = static_cast<std::uint16_t>(after + node.id);
+}
+
 std::uint16_t default_first_port(const std::string& ring) {
   std::uint32_t hash = 2166136261u;  // FNV-1a: the same number in every process and build
   for (const char c : ring) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;

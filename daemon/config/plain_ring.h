@@ -16,6 +16,11 @@ RingConfig plain_ring(const std::string& ring, unsigned nodes);
 /// @throw ConfigError for any other word.
 void apply_transport(RingConfig& ring, const std::string& transport);
 
+/// Gives the ring another name (a second ring of one file on a host). UDP ports that came from the
+/// old name move to the new one's.
+/// @throw ConfigError where it is no ring name.
+void rename_ring(RingConfig& ring, const std::string& name);
+
 /// Where a ring's UDP ports begin unless its file says otherwise: id 0 has this one, id n the
 /// n-th after it. Of the ring's name, so that rings side by side on a host do not meet; 17000 to
 /// 32104 in steps of 256, below the ports Linux gives out by itself. (ours)

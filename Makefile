@@ -1,0 +1,45 @@
+# Two commands on a fresh machine: make demo, make test. Each installs what is missing (apt),
+# builds, and runs. See README.md.
+
+# The system's Python: another one in front of PATH (conda, pyenv) has no catkin_pkg and no rospy.
+PYTHON ?= /usr/bin/python3
+JOBS ?= $(shell nproc)
+BUILD := build
+SANITIZE ?=
+DURATION ?=
+BENCH_ARGS ?=
+ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
+WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
+
+.PHONY: all build test demo bench deps clean
+all: build
+
+deps:
+	@scripts/install_dependencies
+
+$(BUILD)/CMakeCache.txt: | deps
+	$(WITH_ROS) cmake -S . -B $(BUILD) -DPYTHON_EXECUTABLE=$(PYTHON)
+
+build: deps $(BUILD)/CMakeCache.txt
+	$(WITH_ROS) cmake --build $(BUILD) -j$(JOBS)
+	@echo "Built. The programs are in $(BUILD)/devel/lib/limb_ring; '. $(BUILD)/devel/setup.bash' finds them."
+
+ifeq ($(SANITIZE),)
+test: build
+	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest --output-on-failure
+else
+# What needs no ROS, under sanitizers.
+test: deps
+	cmake -S . -B $(BUILD)-sanitize -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=$(SANITIZE) -DPYTHON_EXECUTABLE=$(PYTHON)
+	cmake --build $(BUILD)-sanitize -j$(JOBS)
+	cd $(BUILD)-sanitize && ctest --output-on-failure
+endif
+
+demo: build
+	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/demo $(if $(DURATION),--duration $(DURATION))
+
+bench: build
+	$(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)
+
+clean:
+	rm -rf $(BUILD) $(BUILD)-sanitize

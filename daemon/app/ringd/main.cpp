@@ -1,0 +1,65 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+
+#include "app/ringd/options.h"
+#include "config/config_error.h"
+#include "config/options_markdown.h"
+#include "runtime/node.h"
+#include "runtime/realtime.h"
+
+namespace {
+
+using namespace limb_ring;
+
+void set_up_log(const config::RingConfig& ring, const config::NodeConfig& node) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("ringd"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ [" + ring.ring + "/" + node.name + "] %v");
+  spdlog::flush_on(spdlog::level::info);
+}
+
+int run(const config::RingConfig& ring, const config::NodeConfig& config) {
+  boost::asio::io_context io(1);
+  runtime::Node node(io, ring, config);
+  runtime::apply_realtime(ring.realtime);
+  boost::asio::signal_set signals(io, SIGINT, SIGTERM);
+  signals.async_wait([&](const boost::system::error_code& error, int number) {
+    if (error) return;
+    spdlog::info("{}: ending", number == SIGINT ? "SIGINT" : "SIGTERM");
+    node.stop([&io] { io.stop(); });
+  });
+  node.start();
+  io.run();
+  return 0;
+}
+
+int complain(const char* what, int code) {
+  std::cerr << "ringd: " << what << '\n';
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    const auto options = ringd::parse_options(argc, argv);
+    if (!options) return 0;
+    if (options->list_options) return std::fputs(config::options_markdown().c_str(), stdout) < 0 ? 1 : 0;
+    const config::RingConfig ring = ringd::ring_of(*options);
+    const config::NodeConfig& node = ringd::node_of(*options, ring);
+    set_up_log(ring, node);
+    return run(ring, node);
+  } catch (const ringd::UsageError& error) {
+    return complain(error.what(), 2);
+  } catch (const config::ConfigError& error) {
+    return complain(error.what(), 2);
+  } catch (const std::exception& error) {
+    return complain(error.what(), 1);
+  }
+}

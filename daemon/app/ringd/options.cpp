@@ -1,0 +1,84 @@
+#include "app/ringd/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "config/load_ring.h"
+#include "config/plain_ring.h"
+
+namespace limb_ring::ringd {
+namespace {
+
+constexpr const char* kPlainName = "plain";
+
+bool from_roslaunch(const std::string& argument) {
+  return argument.rfind("__", 0) == 0 && argument.find(":=") != std::string::npos;
+}
+
+std::vector<std::string> own_arguments(int argc, const char* const* argv) {
+  std::vector<std::string> arguments;
+  for (int i = argc - 1; i > 0; --i)  // CLI11 takes a vector from its end
+    if (!from_roslaunch(argv[i])) arguments.emplace_back(argv[i]);
+  return arguments;
+}
+
+void check_node_count(const Options& options, const config::RingConfig& ring) {
+  if (options.nodes && *options.nodes != ring.nodes.size())
+    throw UsageError("--nodes is " + std::to_string(*options.nodes) + ", but " + options.config + " has " +
+                     std::to_string(ring.nodes.size()) + " nodes; make them the same, or leave --nodes out");
+}
+
+}  // namespace
+
+std::optional<Options> parse_options(int argc, const char* const* argv) {
+  Options o;
+  CLI::App app{
+      "The network controller of one node of a limb_ring, and the keeper of its CPU.\n"
+      "Usually started by roslaunch (ring.launch) or 'ringctl up'.\n"
+      "Exit codes: 0 ended as asked, 1 could not run, 2 wrong usage or configuration."};
+  app.name("ringd");
+  app.add_option("--config", o.config, "YAML file of the ring; without it a plain ring of --nodes nodes");
+  app.add_option("--node", o.node, "this node: its id or name");
+  app.add_option("--index", o.index, "this node: its place in ring order, from 0 (instead of --node)");
+  app.add_option("--nodes", o.nodes, "number of nodes; with --config it must be the configuration's");
+  app.add_option("--ring", o.ring, "name of the ring (default: the configuration's, or 'plain')");
+  app.add_option("--transport", o.transport, "unix or udp, for every link (default: the configuration's)");
+  app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
+  try {
+    app.parse(own_arguments(argc, argv));
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + "; see ringd --help");
+  }
+  return o;
+}
+
+config::RingConfig ring_of(const Options& options) {
+  if (options.config.empty() && !options.nodes)
+    throw UsageError("--config FILE, or --nodes N for a plain ring, is needed; see ringd --help");
+  config::RingConfig ring =
+      options.config.empty()
+          ? config::plain_ring(options.ring.empty() ? kPlainName : options.ring, *options.nodes)
+          : config::load_ring(options.config);
+  check_node_count(options, ring);
+  if (!options.ring.empty()) config::rename_ring(ring, options.ring);
+  if (!options.transport.empty()) config::apply_transport(ring, options.transport);
+  return ring;
+}
+
+const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring) {
+  if (options.node.empty() == !options.index)
+    throw UsageError("one of --node (id or name) and --index (place in ring order) is needed; see ringd --help");
+  if (options.index) {
+    if (*options.index < ring.nodes.size()) return ring.nodes[*options.index];
+    throw UsageError("--index " + std::to_string(*options.index) + ": ring " + ring.ring + " has " +
+                     std::to_string(ring.nodes.size()) + " nodes, so 0 to " + std::to_string(ring.nodes.size() - 1));
+  }
+  if (const config::NodeConfig* node = ring.find(options.node)) return *node;
+  std::string names;
+  for (const auto& node : ring.nodes) names += " " + std::to_string(node.id) + "/" + node.name;
+  throw UsageError("ring " + ring.ring + " has no node '" + options.node + "'; it has (id/name):" + names);
+}
+
+}  // namespace limb_ring::ringd

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "config/ring_config.h"
+
+namespace limb_ring::ringd {
+
+/// What one ringd is to be, from its command line.
+struct Options {
+  std::string config;                 ///< YAML file; empty: a plain ring of `nodes`
+  std::string node;                   ///< id or name
+  std::optional<unsigned> index;      ///< or its place in ring order, from 0
+  std::optional<unsigned> nodes;      ///< must be the configuration's number
+  std::string ring;                   ///< another name for the ring
+  std::string transport;              ///< unix or udp for every link
+  bool list_options = false;          ///< print config/OPTIONS.md and end
+};
+
+/// The command line is wrong; what() says what would be right.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads the command line; arguments that roslaunch adds (__name:=, __log:=) are passed over.
+/// @return nothing where --help was asked for, and printed
+/// @throw UsageError
+std::optional<Options> parse_options(int argc, const char* const* argv);
+
+/// The ring these options mean. @throw UsageError, config::ConfigError
+config::RingConfig ring_of(const Options& options);
+
+/// This daemon's node in it. @throw UsageError
+const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring);
+
+}  // namespace limb_ring::ringd

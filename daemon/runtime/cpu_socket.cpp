@@ -1,0 +1,110 @@
+#include "runtime/cpu_socket.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+static_assert(static_cast<int>(CpuState::failed) == static_cast<int>(wire::CpuState::failed) &&
+                  static_cast<int>(CpuState::running) == static_cast<int>(wire::CpuState::running),
+              "beacons and the supervisor count the CPU's states alike");
+
+}  // namespace
+
+CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& engine, host::HostServer& host,
+                     std::function<void()> changed)
+    : kind_(options.cpu.kind),
+      engine_(engine),
+      host_(host),
+      changed_(std::move(changed)),
+      supervisor_(io, std::move(options), *this) {}
+
+void CpuSocket::start() {
+  supervisor_.start();
+  engine_.controller().set_cpu_present(is_sink());
+  report();
+}
+
+std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
+  if (is_sink()) return "this node is configured with 'cpu: none'; 'cpu: attached' would let a process be its CPU";
+  if (!supervisor_.attached(client.pid, client.restarted_by_owner, client.alive_period))
+    return "this process has ended or is being reset";
+  engine_.controller().set_cpu_present(true);
+  return std::nullopt;
+}
+
+// What waited for the old CPU is stale for the next one.
+void CpuSocket::detach(const host::ClientInfo& client) {
+  supervisor_.detached(client.pid);
+  if (host_.cpu() != nullptr && host_.cpu()->id != client.id) return;
+  engine_.controller().set_cpu_present(false);
+  engine_.controller().cpu_reset(client.id, engine_.now());
+}
+
+void CpuSocket::spoke() {
+  supervisor_.spoke(CpuSupervisor::Time::clock::now());
+  reported_.spoke_at = engine_.now();
+  engine_.controller().set_cpu(reported_, engine_.now());
+}
+
+void CpuSocket::hand_over() {
+  core::ReceivedPacket packet;
+  core::Controller& controller = engine_.controller();
+  while ((is_sink() || host_.cpu_can_take()) && controller.take(engine_.now(), packet)) {
+    if (is_sink())
+      ++read_by_sink_;
+    else
+      host_.give(client::PacketView{packet.source, packet.destination, packet.priority, packet.channel,
+                                    packet.bytes()});
+  }
+}
+
+CpuReport CpuSocket::reset(const std::string& reason) {
+  if (is_sink()) {
+    ++sink_boots_;
+    ++sink_resets_;
+    read_by_sink_ = 0;
+    engine_.controller().cpu_reset(core::kController, engine_.now());
+    report();
+    return {true, true, "the built-in sink was reset"};
+  }
+  const CpuReport done = supervisor_.reset(reason);
+  drop_client();
+  return done;
+}
+
+void CpuSocket::drop_client() {
+  if (host_.cpu() == nullptr) return;
+  const host::ClientInfo client = *host_.cpu();
+  engine_.controller().set_cpu_present(false);
+  engine_.controller().cpu_reset(client.id, engine_.now());
+  host_.disconnect(client.id, "the CPU was reset");
+}
+
+void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor) {
+  if (is_sink())
+    ++interrupts_of_sink_;
+  else
+    host_.interrupt({action, source, factor});
+}
+
+CpuStatus CpuSocket::status() const {
+  CpuStatus status = supervisor_.status();
+  if (!is_sink()) return status;
+  status.boots = sink_boots_;
+  status.resets = sink_resets_;
+  status.restarted_by_owner = true;
+  return status;
+}
+
+void CpuSocket::on_cpu_changed() { report(); }
+
+void CpuSocket::report() {
+  const CpuStatus now = status();
+  reported_.boots = now.boots;
+  reported_.state = static_cast<wire::CpuState>(now.state);
+  reported_.comes_back = now.kind != CpuKind::attached || now.restarted_by_owner;
+  engine_.controller().set_cpu(reported_, engine_.now());
+  changed_();
+  engine_.pump();
+}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "config/ring_config.h"
+#include "host/host_server.h"
+#include "runtime/engine.h"
+#include "runtime/supervisor/cpu_supervisor.h"
+
+namespace limb_ring::runtime {
+
+/// Where the node's CPU sits: between the network controller, the host port and the supervisor.
+/// A node without a CPU has a built-in sink that reads and counts.
+class CpuSocket final : private CpuEvents {
+ public:
+  /// `changed` is called after anything that status() shows has changed.
+  CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& engine, host::HostServer& host,
+            std::function<void()> changed);
+
+  void start();
+  void stop(std::function<void()> done) { supervisor_.stop(std::move(done)); }
+
+  /// @name From the host port
+  ///@{
+  std::optional<std::string> attach(const host::ClientInfo& client);
+  void detach(const host::ClientInfo& client);
+  void spoke();
+  ///@}
+
+  /// Hands over what the receive buffers hold, by priority, as far as the CPU takes it.
+  void hand_over();
+
+  /// @name Pins
+  ///@{
+  /// Kills and restarts the CPU, whatever state it is in; nothing stale is left for the new one.
+  CpuReport reset(const std::string& reason);
+  void interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor);
+  CpuReport signal(int number) { return supervisor_.signal(number); }
+  CpuReport run(const std::vector<std::string>& command) { return supervisor_.run(command); }
+  ///@}
+
+  CpuStatus status() const;
+  std::uint64_t read_by_sink() const { return read_by_sink_; }
+  std::uint64_t interrupts_of_sink() const { return interrupts_of_sink_; }
+
+ private:
+  bool is_sink() const { return kind_ == config::CpuConfig::Kind::none; }
+  void on_cpu_changed() override;
+  void report();
+  void drop_client();
+
+  config::CpuConfig::Kind kind_;
+  Engine& engine_;
+  host::HostServer& host_;
+  std::function<void()> changed_;
+  CpuSupervisor supervisor_;
+  core::CpuReport reported_;
+  std::uint32_t sink_boots_ = 1;
+  std::uint64_t sink_resets_ = 0;
+  std::uint64_t read_by_sink_ = 0;
+  std::uint64_t interrupts_of_sink_ = 0;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <string_view>
+
+#include "core/controller.h"
+#include "link/input.h"
+#include "link/output.h"
+#include "runtime/clock.h"
+#include "runtime/settings.h"
+
+namespace limb_ring::runtime {
+
+/// What comes out of the network controller. Handlers may call into the controller.
+struct EngineListener {
+  virtual ~EngineListener() = default;
+  virtual void on_event(const core::Event& event) = 0;
+  /// After all else of a round: packets may wait for the CPU.
+  virtual void on_round_end() = 0;
+  /// A link came or went; for people.
+  virtual void on_link(std::string_view what) = 0;
+};
+
+/// Drives the core: bytes from the links and the time go in, what comes out goes onto the output
+/// link and to the listener. One read, one write: all slices of a batch are handed in before
+/// anything is written.
+class Engine final : private link::InputHandler, private link::OutputHandler {
+ public:
+  Engine(boost::asio::io_context& io, const core::Settings& core, const link::InputSettings& input,
+         const link::OutputSettings& output, EngineListener& listener);
+  ~Engine() override { close(); }
+
+  core::Controller& controller() { return controller_; }
+  const core::Controller& controller() const { return controller_; }
+  const link::Input& input() const { return input_; }
+  const link::Output& output() const { return output_; }
+  const Clock& clock() const { return clock_; }
+  core::Time now() const { return clock_.now(); }
+
+  /// To be called after anything was asked of the controller. Calling it from within a handler
+  /// only makes another round follow.
+  void pump();
+  void close();
+
+ private:
+  void on_slice(const wire::Slice& slice) override;
+  void on_batch_end() override;
+  void on_input_gap(std::uint32_t lost) override;
+  void on_input_up(std::uint8_t from) override;
+  void on_input_lost(std::string_view reason) override;
+  void on_output_up(std::uint8_t to) override;
+  void on_output_lost(std::string_view reason) override;
+  void on_output_ready() override;
+
+  void round();
+  void write_line();
+  void arm_timer();
+
+  Clock clock_;
+  EngineListener& listener_;
+  core::Controller controller_;
+  boost::asio::steady_timer timer_;
+  core::Time armed_for_ = core::kNever;
+  core::Time deadline_{};
+  core::Time batch_at_{};
+  bool in_batch_ = false;
+  bool pumping_ = false;
+  bool again_ = false;
+  bool closed_ = false;
+  link::Input input_;
+  link::Output output_;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,193 @@
+#include "runtime/node.h"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "limb_ring/ring_directory.h"
+#include "runtime/owners.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+static_assert(static_cast<int>(core::Outcome::cancelled) == static_cast<int>(Outcome::cancelled) &&
+                  static_cast<int>(core::Outcome::lost) == static_cast<int>(Outcome::lost),
+              "core and client library count outcomes alike");
+
+/// Boot numbers never repeat for one node: nanoseconds of the wall clock at the start, counted up
+/// by one for each new hello.
+std::uint64_t boot_number() {
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                        std::chrono::system_clock::now().time_since_epoch())
+                                        .count());
+}
+
+CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig& node) {
+  CpuOptions options;
+  options.cpu = node.cpu;
+  options.environment = {
+      {"LIMB_RING_RING", ring.ring}, {"LIMB_RING_NODE", std::to_string(node.id)}, {"LIMB_RING_CONFIG", ring.path}};
+  options.boot_timeout = ring.timeouts.cpu_boot;
+  cpu_set_t cores;  // as they are before the daemon pins itself: the CPUs are not to share its core
+  if (!ring.realtime.cores.empty() && ::sched_getaffinity(0, sizeof cores, &cores) == 0) options.affinity = cores;
+  return options;
+}
+
+host::HostOptions host_options(const config::RingConfig& ring, const config::NodeConfig& node,
+                               const std::string& directory) {
+  return {directory, ring.ring, node.id, node.name, ring.limits.clients};
+}
+
+std::int64_t clock_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config)
+    : ring_(ring),
+      config_(config),
+      directory_(make_ring_directory(ring.ring)),
+      lock_(directory_, ring.ring, config.id, config.name),
+      engine_(io, core_settings(ring, config, boot_number()), input_settings(ring, config, directory_),
+              output_settings(ring, config, directory_), *this),
+      host_(io, host_options(ring, config, directory_), *this),
+      observers_(host_),
+      cpu_(io, cpu_options(ring, config), engine_, host_, [this] { cpu_changed(); }),
+      pins_(config.pins, cpu_),
+      traffic_(io, engine_),
+      orders_(io, engine_, [this](wire::NodeId node) { return cpu_of(node); }),
+      requests_(*this) {}
+
+void Node::start() { cpu_.start(); }
+
+void Node::stop(std::function<void()> done) {
+  traffic_.stop();
+  orders_.stop();
+  engine_.close();
+  host_.close();
+  cpu_.stop(std::move(done));
+}
+
+// ---- from the network controller ----------------------------------------------------------
+
+void Node::on_event(const core::Event& event) {
+  std::visit([this](const auto& what) { handle(what); }, event.what);
+}
+
+void Node::on_round_end() {
+  if (engine_.controller().received_waiting() != 0) cpu_.hand_over();
+}
+
+void Node::on_link(std::string_view what) {
+  spdlog::info("{}", what);
+  observers_.tell("link", {{"what", std::string(what)}});
+}
+
+void Node::handle(const core::SendEnded& ended) {
+  if (ended.outcome == core::Outcome::delivered) round_trips_.add(ended.round_trip);
+  if (ended.owner == kTrafficOwner) return traffic_.on_ended(ended);
+  if (ended.owner == kOrdersOwner) return orders_.on_ended(ended);
+  const auto round_trip = std::chrono::duration_cast<std::chrono::nanoseconds>(ended.round_trip);
+  host_.result(ended.owner, {ended.token, static_cast<Outcome>(ended.outcome), round_trip, ended.tries,
+                             core::to_string(ended.reject)});
+  if (observers_.any())
+    observers_.tell("sent", {{"outcome", to_string(static_cast<Outcome>(ended.outcome))},
+                             {"interrupt", ended.interrupt},
+                             {"tries", ended.tries},
+                             {"round_trip_us", static_cast<double>(round_trip.count()) / 1000}});
+}
+
+void Node::handle(const core::PinPulled& pin) {
+  const std::string done = pins_.pull(pin.factor, pin.source, clock_ns());
+  spdlog::info("{}", done);
+  observers_.tell("pin", {{"factor", pin.factor}, {"source", pin.source}, {"what", done}});
+}
+
+void Node::handle(const core::StateChanged& change) {
+  const auto& membership = engine_.controller().membership();
+  spdlog::info("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size());
+  observers_.tell("state", {{"before", to_string(change.before)},
+                            {"after", to_string(change.after)},
+                            {"ring_size", membership.ring_size()}});
+}
+
+void Node::handle(const core::PeerChanged& peer) { orders_.on_cpu_changed(peer.node); }
+
+void Node::handle(const core::BeaconHome& beacon) { round_trips_.add(beacon.round_trip); }
+
+// ---- from the host port -------------------------------------------------------------------
+
+std::optional<std::string> Node::on_attach(const host::ClientInfo& client) {
+  return client.role == Role::cpu ? cpu_.attach(client) : std::nullopt;
+}
+
+void Node::on_detach(const host::ClientInfo& client) {
+  engine_.controller().cancel(client.id, engine_.now());
+  observers_.remove(client.id);
+  if (client.role == Role::cpu) cpu_.detach(client);
+  engine_.pump();
+}
+
+void Node::on_send(host::ClientId client, std::uint32_t token, std::uint8_t destination, std::uint8_t priority,
+                   std::uint8_t channel, wire::ByteView data) {
+  engine_.controller().send({client, token, destination, priority, channel, data}, engine_.now());
+  engine_.pump();
+}
+
+void Node::on_interrupt(host::ClientId client, std::uint32_t token, std::uint8_t destination, std::uint8_t factor,
+                        bool force) {
+  if (destination == wire::kBroadcast && !force && config::ring_has_reset_on(ring_, factor)) {
+    host_.result(client, {token, Outcome::rejected, {}, 0,
+                          "factor " + std::to_string(factor) +
+                              " is wired to reset: to reset all CPUs at once, force it"});
+    return;
+  }
+  engine_.controller().interrupt({client, token, destination, factor}, engine_.now());
+  engine_.pump();
+}
+
+void Node::on_pull(host::ClientId client, std::uint32_t token, std::uint8_t input) {
+  engine_.controller().pull(client, token, input, engine_.now());
+  engine_.pump();
+}
+
+void Node::on_request(host::ClientId client, std::uint32_t token, const std::string& json) {
+  requests_.handle(json, [this, client, token](const nlohmann::json& answer) {
+    host_.reply(client, token, answer.dump());
+  });
+}
+
+void Node::on_observe(host::ClientId client, const std::string& json) {
+  try {
+    observers_.add(client, json);
+  } catch (const std::exception& error) {
+    host_.observed(client, nlohmann::json{{"error", error.what()}}.dump());
+  }
+}
+
+void Node::on_alive(host::ClientId client) {
+  if (host_.cpu() != nullptr && host_.cpu()->id == client) cpu_.spoke();
+}
+
+void Node::on_credit(host::ClientId) { cpu_.hand_over(); }
+
+// ---- CPU ----------------------------------------------------------------------------------
+
+void Node::cpu_changed() {
+  const CpuStatus status = cpu_.status();
+  spdlog::info("CPU {} (pid {}, boot {})", to_string(status.state), status.pid, status.boots);
+  observers_.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
+  orders_.on_cpu_changed(config_.id);
+}
+
+Orders::Cpu Node::cpu_of(wire::NodeId node) const {
+  if (node == config_.id) {
+    const CpuStatus status = cpu_.status();
+    return {status.boots, status.kind != CpuKind::attached || status.restarted_by_owner};
+  }
+  const core::Peer& peer = engine_.controller().membership().peers()[node];
+  return {peer.beacon.cpu_boots, peer.beacon.cpu_comes_back};
+}
+
+}  // namespace limb_ring::runtime

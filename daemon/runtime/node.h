@@ -1,0 +1,87 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <memory>
+
+#include "config/ring_config.h"
+#include "host/host_server.h"
+#include "host/node_lock.h"
+#include "runtime/cpu_socket.h"
+#include "runtime/engine.h"
+#include "runtime/observers.h"
+#include "runtime/orders.h"
+#include "runtime/pin_board.h"
+#include "runtime/requests.h"
+#include "runtime/round_trips.h"
+#include "runtime/traffic.h"
+
+namespace limb_ring::runtime {
+
+/// One node of a ring, complete: network controller and links (Engine), host port, CPU, pins.
+/// What comes in at the host port goes to the controller; what comes out of the controller goes
+/// to whoever asked for it.
+class Node final : private EngineListener, private host::HostHandler {
+ public:
+  /// @throw std::exception where the node is held by another daemon, or a socket cannot be had
+  Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config);
+
+  void start();
+  /// Ends everything cleanly; `done` is called from the event loop.
+  void stop(std::function<void()> done);
+
+  /// @name For requests and status
+  ///@{
+  const config::RingConfig& ring() const { return ring_; }
+  const config::NodeConfig& config() const { return config_; }
+  Engine& engine() { return engine_; }
+  CpuSocket& cpu() { return cpu_; }
+  PinBoard& pins() { return pins_; }
+  Traffic& traffic() { return traffic_; }
+  Orders& orders() { return orders_; }
+  const RoundTrips& round_trips() const { return round_trips_; }
+  const host::HostServer& host() const { return host_; }
+  ///@}
+
+ private:
+  void on_event(const core::Event& event) override;
+  void on_round_end() override;
+  void on_link(std::string_view what) override;
+
+  void handle(const core::SendEnded& ended);
+  void handle(const core::PinPulled& pin);
+  void handle(const core::StateChanged& change);
+  void handle(const core::PeerChanged& peer);
+  void handle(const core::BeaconHome& beacon);
+
+  std::optional<std::string> on_attach(const host::ClientInfo& client) override;
+  void on_detach(const host::ClientInfo& client) override;
+  void on_send(host::ClientId client, std::uint32_t token, std::uint8_t destination, std::uint8_t priority,
+               std::uint8_t channel, wire::ByteView data) override;
+  void on_interrupt(host::ClientId client, std::uint32_t token, std::uint8_t destination, std::uint8_t factor,
+                    bool force) override;
+  void on_pull(host::ClientId client, std::uint32_t token, std::uint8_t input) override;
+  void on_request(host::ClientId client, std::uint32_t token, const std::string& json) override;
+  void on_observe(host::ClientId client, const std::string& json) override;
+  void on_alive(host::ClientId client) override;
+  void on_credit(host::ClientId client) override;
+
+  void cpu_changed();
+  Orders::Cpu cpu_of(wire::NodeId node) const;
+
+  const config::RingConfig& ring_;
+  const config::NodeConfig& config_;
+  std::string directory_;
+  host::NodeLock lock_;
+  Engine engine_;
+  host::HostServer host_;
+  Observers observers_;
+  CpuSocket cpu_;
+  PinBoard pins_;
+  Traffic traffic_;
+  Orders orders_;
+  RoundTrips round_trips_;
+  Requests requests_;
+};
+
+}  // namespace limb_ring::runtime

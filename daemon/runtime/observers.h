@@ -1,0 +1,30 @@
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "host/host_server.h"
+
+namespace limb_ring::runtime {
+
+/// Clients that want to see what happens at this node. Nothing is spent while there are none.
+class Observers {
+ public:
+  explicit Observers(host::HostServer& host) : host_(host) {}
+
+  /// `filter`: {"kinds": [...]} of state, link, pin, cpu, sent; all where not given.
+  /// @throw std::invalid_argument naming what is wrong
+  void add(host::ClientId client, const std::string& filter);
+  void remove(host::ClientId client) { wanted_.erase(client); }
+  bool any() const { return !wanted_.empty(); }
+  /// `what` gets "kind" and "time_ns" (CLOCK_REALTIME) added.
+  void tell(const std::string& kind, nlohmann::json what);
+
+ private:
+  host::HostServer& host_;
+  std::map<host::ClientId, std::set<std::string>> wanted_;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,45 @@
+#include "runtime/request_fields.h"
+
+#include "wire/packet.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+std::string word(const nlohmann::json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
+std::string names_of(const config::RingConfig& ring) {
+  std::string names;
+  for (const auto& node : ring.nodes)
+    names += (names.empty() ? "" : ", ") + std::to_string(node.id) + " " + node.name;
+  return names;
+}
+
+}  // namespace
+
+std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,
+                        std::uint64_t least, std::uint64_t most) {
+  if (!request.contains(field)) return otherwise;
+  const auto& value = request[field];
+  if (value.is_number_integer() && value.get<std::int64_t>() >= 0 && value.get<std::uint64_t>() >= least &&
+      value.get<std::uint64_t>() <= most)
+    return value.get<std::uint64_t>();
+  throw RequestError(field + ": " + word(value) + " is not a whole number from " + std::to_string(least) + " to " +
+                     std::to_string(most));
+}
+
+const config::NodeConfig& node_in(const config::RingConfig& ring, const nlohmann::json& request,
+                                  const std::string& field) {
+  if (!request.contains(field)) throw RequestError(field + " is missing: a node's id or name");
+  const config::NodeConfig* node = ring.find(word(request[field]));
+  if (node == nullptr)
+    throw RequestError(field + ": ring " + ring.ring + " has no node '" + word(request[field]) +
+                       "'; it has: " + names_of(ring));
+  return *node;
+}
+
+std::uint8_t nodes_in(const config::RingConfig& ring, const nlohmann::json& request, const std::string& field) {
+  if (!request.contains(field) || request[field] == "all") return wire::kBroadcast;
+  return node_in(ring, request, field).id;
+}
+
+}  // namespace limb_ring::runtime

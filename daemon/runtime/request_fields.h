@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "config/ring_config.h"
+
+namespace limb_ring::runtime {
+
+/// A request that cannot be done; what() is its answer.
+struct RequestError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A whole number within `least` and `most`, `otherwise` where the field is missing.
+/// @throw RequestError naming the field and what is allowed
+std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,
+                        std::uint64_t least, std::uint64_t most);
+
+/// The node a field names, by id or name. @throw RequestError listing the nodes there are
+const config::NodeConfig& node_in(const config::RingConfig& ring, const nlohmann::json& request,
+                                  const std::string& field);
+
+/// As node_in, or every node: "all", or the field is missing. @return its id, or wire::kBroadcast
+std::uint8_t nodes_in(const config::RingConfig& ring, const nlohmann::json& request, const std::string& field);
+
+}  // namespace limb_ring::runtime

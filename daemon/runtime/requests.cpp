@@ -1,0 +1,127 @@
+#include "runtime/requests.h"
+
+#include <unistd.h>
+
+#include <csignal>
+#include <map>
+
+#include "limb_ring/host_port.h"
+#include "runtime/node.h"
+#include "runtime/request_fields.h"
+#include "runtime/status.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+using Action = config::PinConfig::Action;
+
+double microseconds(core::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }
+
+/// The first pin of a node wired to `action`. @throw RequestError where there is none
+std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std::string& name) {
+  for (std::uint8_t factor = 0; factor < node.pins.size(); ++factor)
+    if (node.pins[factor].action == action) return factor;
+  throw RequestError("node " + node.name + " has no pin wired to " + name);
+}
+
+nlohmann::json end_of(const core::SendEnded& ended) {
+  return {{"outcome", to_string(static_cast<Outcome>(ended.outcome))},
+          {"reason", core::to_string(ended.reject)},
+          {"round_trip_us", microseconds(ended.round_trip)},
+          {"tries", ended.tries}};
+}
+
+}  // namespace
+
+void Requests::handle(const std::string& text, const Answer& answer) {
+  using Handler = void (Requests::*)(const Json&, const Answer&);
+  static const std::map<std::string, Handler> handlers{
+      {"config", &Requests::config}, {"latch", &Requests::latch},   {"ping", &Requests::ping},
+      {"reset", &Requests::reset},   {"shutdown", &Requests::shutdown}, {"status", &Requests::status},
+      {"stop", &Requests::stop},     {"sync", &Requests::sync}};
+  try {
+    const Json request = Json::parse(text, nullptr, false);
+    if (!request.is_object() || !request.contains("do") || !request["do"].is_string())
+      throw RequestError("a request is a JSON object {\"do\": \"...\", ...}");
+    const auto handler = handlers.find(request["do"].get<std::string>());
+    if (handler == handlers.end())
+      throw RequestError("no request '" + request["do"].get<std::string>() +
+                         "'; there are config, latch, ping, reset, shutdown, status, stop, sync");
+    (this->*handler->second)(request, answer);
+  } catch (const std::exception& error) {
+    answer({{"error", error.what()}});
+  }
+}
+
+void Requests::config(const Json&, const Answer& answer) {
+  Json nodes = Json::array();
+  for (const auto& node : node_.ring().nodes) nodes.push_back({{"id", node.id}, {"name", node.name}});
+  answer({{"ring", node_.ring().ring}, {"path", node_.ring().path}, {"nodes", nodes}});
+}
+
+void Requests::status(const Json&, const Answer& answer) {
+  Json row = status_row(node_);
+  row["ring"] = node_.ring().ring;
+  answer(row);
+}
+
+void Requests::latch(const Json&, const Answer& answer) {
+  const ClockLatch& latch = node_.pins().last_latch();
+  answer({{"latched", latch.count != 0}, {"source", latch.source}, {"count", latch.count},
+          {"clock_ns", latch.clock_ns}});
+}
+
+void Requests::ping(const Json& request, const Answer& answer) {
+  TrafficOrder order;
+  order.to = node_in(node_.ring(), request, "to").id;
+  order.count = number_in(request, "count", 10, 1, Traffic::kMostPackets);
+  order.size = number_in(request, "size", 512, 4, wire::kMaxPayload);
+  order.priority = static_cast<std::uint8_t>(number_in(request, "priority", 2, 0, 3));
+  order.interval = std::chrono::microseconds(number_in(request, "interval_us", 0, 0, 10'000'000));
+  order.deadline = std::chrono::milliseconds(number_in(request, "deadline_ms", 60'000, 1, 3'600'000));
+  if (!node_.traffic().start(order, answer))
+    throw RequestError("this node makes traffic for " + std::to_string(Traffic::kMostRuns) + " others already");
+}
+
+void Requests::reset(const Json& request, const Answer& answer) {
+  const auto& target = node_in(node_.ring(), request, "node");
+  const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
+  const std::uint8_t factor = factor_of(target, Action::reset, "reset");
+  node_.orders().reset(target.id, factor, timeout, [answer](const ResetReport& report) {
+    answer({{"success", report.success},
+            {"message", report.message},
+            {"round_trip_us", microseconds(report.round_trip)},
+            {"boots", report.boots},
+            {"confirmed_ms", report.confirmed.count()}});
+  });
+}
+
+// A broadcast is not received by its source (paper), but "stop all" means this CPU too.
+void Requests::stop(const Json& request, const Answer& answer) {
+  const std::uint8_t to = nodes_in(node_.ring(), request, "node");
+  const config::NodeConfig& target = to == wire::kBroadcast ? node_.config() : *node_.ring().find(to);
+  const std::uint8_t factor = factor_of(target, Action::stop, "stop");
+  if (to == wire::kBroadcast) node_.pins().pull(factor, node_.config().id, 0);
+  node_.orders().interrupt(to, factor, [answer](const core::SendEnded& ended) { answer(end_of(ended)); });
+}
+
+void Requests::sync(const Json&, const Answer& answer) {
+  const std::uint8_t factor = factor_of(node_.config(), Action::sync, "sync");
+  const auto clock =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch());
+  node_.pins().latch(node_.config().id, clock.count());
+  node_.orders().interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
+    Json json = end_of(ended);
+    json["ring_size"] = node_.engine().controller().membership().ring_size();
+    json["clock_ns"] = clock.count();
+    answer(json);
+  });
+}
+
+// As SIGTERM would: the one way to end cleanly.
+void Requests::shutdown(const Json&, const Answer& answer) {
+  answer(Json::object());
+  ::kill(::getpid(), SIGTERM);
+}
+
+}  // namespace limb_ring::runtime

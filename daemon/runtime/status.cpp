@@ -1,0 +1,89 @@
+#include "runtime/status.h"
+
+#include <unistd.h>
+
+#include "runtime/node.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+using nlohmann::json;
+
+json cpu_json(CpuSocket& cpu) {
+  const CpuStatus s = cpu.status();
+  return {{"kind", to_string(s.kind)},
+          {"pid", s.pid > 0 ? json(s.pid) : json()},
+          {"boots", s.boots},
+          {"state", to_string(s.state)},
+          {"silent_ms", s.silent.count()},
+          {"alive_period_ms", s.alive_period.count()},
+          {"restarted_by_owner", s.restarted_by_owner},
+          {"resets", s.resets},
+          {"last_reset", s.last_reset_reason},
+          {"exits", s.exits},
+          {"failed_boots", s.failed_boots},
+          {"last_exit", s.last_exit}};
+}
+
+json counters_json(Node& node) {
+  json all = json::object();
+  node.engine().controller().counters().each(
+      [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
+  link::for_each_counter(node.engine().input().counters(),
+                         [&](const char* name, std::uint64_t value) { all[std::string("input_") + name] = value; });
+  link::for_each_counter(node.engine().output().counters(),
+                         [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
+  const host::HostCounters& h = node.host().counters();
+  all["host_refused"] = h.refused + h.refused_foreign + h.refused_full;
+  all["host_garbage"] = h.garbage + h.never_greeted;
+  all["host_slow_clients"] = h.slow_clients;
+  all["host_observed_lost"] = h.observed_lost;
+  all["host_interrupts_lost"] = h.interrupts_lost;
+  return all;
+}
+
+json heard_json(Node& node) {
+  json heard = json::array();
+  const core::Peers& peers = node.engine().controller().membership().peers();
+  for (const auto& config : node.ring().nodes) {
+    const core::Peer& peer = peers[config.id];
+    if (!peer.known) continue;
+    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(node.engine().now() - peer.heard_at);
+    heard.push_back({{"id", config.id},
+                     {"name", config.name},
+                     {"boot", peer.boot},
+                     {"hop", peer.hop},
+                     {"age_ms", age.count()},
+                     {"cpu_boots", peer.beacon.cpu_boots},
+                     {"cpu_state", wire::to_string(peer.beacon.cpu_state)},
+                     {"cpu_silent_ms", peer.beacon.cpu_silent_ms},
+                     {"cpu_comes_back", peer.beacon.cpu_comes_back}});
+  }
+  return heard;
+}
+
+}  // namespace
+
+json status_row(Node& node) {
+  const Engine& engine = node.engine();
+  const core::Membership& membership = engine.controller().membership();
+  const auto& input = engine.input();
+  const auto& output = engine.output();
+  return {{"id", node.config().id},
+          {"name", node.config().name},
+          {"state", to_string(membership.state())},
+          {"pid", ::getpid()},
+          {"cpu", cpu_json(node.cpu())},
+          {"ring_size", membership.ring_size()},
+          {"boot", membership.boot()},
+          {"uptime_s", std::chrono::duration<double>(engine.clock().uptime()).count()},
+          {"input", {{"state", input.up() ? "up" : "down"}, {"from", input.up() ? json(*input.from()) : json()}}},
+          {"output", {{"state", output.up() ? "up" : "down"}, {"to", output.up() ? json(output.to()) : json()}}},
+          {"round_trip_us", to_json(node.round_trips().get())},
+          {"received", engine.controller().counters().received_data},
+          {"waiting", engine.controller().received_waiting()},
+          {"counters", counters_json(node)},
+          {"heard", heard_json(node)}};
+}
+
+}  // namespace limb_ring::runtime

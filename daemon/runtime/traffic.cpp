@@ -1,0 +1,87 @@
+#include "runtime/traffic.h"
+
+#include "limb_ring/host_port.h"
+#include "runtime/owners.h"
+#include "runtime/round_trips.h"
+
+namespace limb_ring::runtime {
+
+bool Traffic::start(const TrafficOrder& order, Done done) {
+  if (runs_.size() >= kMostRuns) return false;
+  const std::uint32_t id = ++last_id_;
+  auto& run = *runs_.emplace(id, std::make_unique<Run>(io_, order, std::move(done))).first->second;
+  run.begun = run.last_end = engine_.now();
+  run.round_trips.reserve(order.count);
+  run.deadline.expires_after(order.deadline);
+  run.deadline.async_wait([this, id](const boost::system::error_code& error) {
+    const auto it = runs_.find(id);
+    if (error || it == runs_.end()) return;
+    it->second->overdue = true;
+    finish(id);
+  });
+  send(id, run);
+  engine_.pump();
+  return true;
+}
+
+void Traffic::send(std::uint32_t id, Run& run) {
+  wire::store_u32(run.data.data(), static_cast<std::uint32_t>(run.sent));  // no two alike
+  ++run.sent;
+  run.out = true;
+  engine_.controller().send(
+      {kTrafficOwner, id, run.order.to, run.order.priority, 0, {run.data.data(), run.order.size}}, engine_.now());
+}
+
+void Traffic::send_later(std::uint32_t id, Run& run) {
+  run.next.expires_after(run.order.interval);
+  run.next.async_wait([this, id](const boost::system::error_code& error) {
+    const auto it = runs_.find(id);
+    if (error || it == runs_.end()) return;
+    send(id, *it->second);
+    engine_.pump();
+  });
+}
+
+void Traffic::on_ended(const core::SendEnded& ended) {
+  const auto it = runs_.find(ended.token);
+  if (it == runs_.end()) return;
+  Run& run = *it->second;
+  run.out = false;
+  run.last_end = engine_.now();
+  ++run.outcomes[static_cast<std::size_t>(ended.outcome)];
+  if (ended.outcome == core::Outcome::delivered) run.round_trips.push_back(ended.round_trip);
+  if (run.sent >= run.order.count) return finish(ended.token);
+  // Rejected comes back at once: going on at once would never let the loop breathe.
+  if (run.order.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
+    send_later(ended.token, run);
+  else
+    send(ended.token, run);
+}
+
+nlohmann::json Traffic::report(Run& run) {
+  nlohmann::json other = nlohmann::json::object();
+  for (std::size_t i = 0; i < run.outcomes.size(); ++i) {
+    const auto outcome = static_cast<Outcome>(i);
+    if (run.outcomes[i] != 0 && outcome != Outcome::delivered && outcome != Outcome::lost)
+      other[to_string(outcome)] = run.outcomes[i];
+  }
+  const std::uint64_t delivered = run.outcomes[static_cast<std::size_t>(Outcome::delivered)];
+  const double seconds = std::chrono::duration<double>(run.last_end - run.begun).count();
+  return {{"sent", run.sent},
+          {"delivered", delivered},
+          {"lost", run.outcomes[static_cast<std::size_t>(Outcome::lost)]},
+          {"other", other},
+          {"overdue", run.overdue},
+          {"round_trip_us", to_json(percentiles(run.round_trips))},
+          {"seconds", seconds},
+          {"packets_per_second", seconds > 0 ? static_cast<double>(delivered) / seconds : 0.0}};
+}
+
+void Traffic::finish(std::uint32_t id) {
+  const auto it = runs_.find(id);
+  const std::unique_ptr<Run> run = std::move(it->second);
+  runs_.erase(it);
+  run->done(report(*run));
+}
+
+}  // namespace limb_ring::runtime

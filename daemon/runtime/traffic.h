@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "runtime/engine.h"
+
+namespace limb_ring::runtime {
+
+/// One run of packets, each sent as the last one ends.
+struct TrafficOrder {
+  wire::NodeId to = 0;
+  std::uint64_t count = 10;          ///< packets, 1 to kMostPackets
+  std::size_t size = 512;            ///< bytes of data, 1 to 512
+  std::uint8_t priority = 2;
+  std::chrono::microseconds interval{0};     ///< 0: the next as the last returns
+  std::chrono::milliseconds deadline{60000}; ///< the run ends then, finished or not
+};
+
+/// Makes traffic inside the daemon and times it from first byte out to matched return: ping and
+/// benchmarks, with no process between. At most kMostRuns at a time.
+class Traffic {
+ public:
+  using Done = std::function<void(const nlohmann::json& report)>;
+  static constexpr std::uint64_t kMostPackets = 1'000'000;
+  static constexpr std::size_t kMostRuns = 32;
+
+  Traffic(boost::asio::io_context& io, Engine& engine) : io_(io), engine_(engine) {}
+
+  /// `done` gets {"sent","delivered","lost","other","round_trip_us","seconds",...} once.
+  /// @return false where too many runs are under way
+  bool start(const TrafficOrder& order, Done done);
+  void on_ended(const core::SendEnded& ended);
+  void stop() { runs_.clear(); }
+
+ private:
+  struct Run {
+    Run(boost::asio::io_context& io, TrafficOrder o, Done d)
+        : order(o), done(std::move(d)), next(io), deadline(io) {}
+    TrafficOrder order;
+    Done done;
+    boost::asio::steady_timer next;
+    boost::asio::steady_timer deadline;
+    std::uint64_t sent = 0;
+    bool out = false;
+    bool overdue = false;
+    core::Time begun{};
+    core::Time last_end{};
+    std::array<std::uint64_t, 7> outcomes{};
+    std::vector<core::Duration> round_trips;
+    std::array<std::uint8_t, wire::kMaxPayload> data{};
+  };
+
+  void send(std::uint32_t id, Run& run);
+  void send_later(std::uint32_t id, Run& run);
+  void finish(std::uint32_t id);
+  static nlohmann::json report(Run& run);
+
+  boost::asio::io_context& io_;
+  Engine& engine_;
+  std::uint32_t last_id_ = 0;
+  std::map<std::uint32_t, std::unique_ptr<Run>> runs_;
+};
+
+}  // namespace limb_ring::runtime
