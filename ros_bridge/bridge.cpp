@@ -22,7 +22,8 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       joints_(nodes_, parameters_.ring, parameters_.rate, port_, counters_),
       topics_out_(nodes_, parameters_.ring, parameters_.ring.find(parameters_.door.node)->id, port_,
                   counters_),
-      commands_(nodes_, parameters_.ring, port_, counters_),
+      commands_(nodes_, parameters_.ring, port_,
+                [this](std::uint8_t node) { return joints_.speaks(node); }, counters_),
       status_(nodes_, parameters_.ring, parameters_.door, port_, joints_, counters_,
               [this](std::uint8_t node) { on_boot(node); }),
       services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.door, commands_)) {

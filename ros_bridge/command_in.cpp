@@ -15,11 +15,12 @@ constexpr std::uint8_t kCommandPriority = 0;
 }  // namespace
 
 CommandIn::CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port,
-                     Counters& counters)
+                     Speaks speaks, Counters& counters)
     : joints_(ring),
       valid_for_us_(static_cast<std::uint32_t>(
           std::chrono::microseconds(ring.timeouts.command).count())),
       port_(port),
+      speaks_(std::move(speaks)),
       counters_(counters),
       subscriber_(nodes.subscribe("joint_commands", 10, &CommandIn::on_command, this,
                                   ros::TransportHints().tcpNoDelay())) {}
@@ -58,6 +59,7 @@ void CommandIn::warn_unknown(const std::vector<std::string>& names) {
 void CommandIn::offer(const CommandSplit::Part& part) {
   Lane& lane = lanes_[part.node];
   if (!port_.connected()) return counters_.add("commands_dropped_disconnected");
+  if (!speaks_(part.node)) return counters_.add("commands_withheld_silent");
   auto done = [this, node = part.node](const Result& result) { on_result(node, result); };
   if (lane.under_way < kUnderWay) return send(part.node, part.command, done);
   if (lane.waiting) counters_.add("commands_superseded");

@@ -3,6 +3,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -19,10 +20,15 @@ namespace limb_ring::bridge {
 /// channel 2, priority 0, stamped with the wall clock and expiring after `timeouts.command`.
 ///
 /// At most two commands to a node are under way. A newer one replaces the one that waits: an old
-/// command is worth nothing, and a node that does not answer must not fill the send queue.
+/// command is worth nothing. A node whose joints are silent gets none: its controller would
+/// refuse them, each tried again for a second at the head of the priority, and a hung knee would
+/// keep the commands from the whole body.
 class CommandIn {
  public:
-  CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port,
+  /// Whether a node (by id) sends states of its joints; asked on the ring thread.
+  using Speaks = std::function<bool(std::uint8_t node)>;
+
+  CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port, Speaks speaks,
             Counters& counters);
 
   /// Any thread: ends a latched stop of a node; `done` is called once, from the ring thread.
@@ -45,6 +51,7 @@ class CommandIn {
   JointMap joints_;
   std::uint32_t valid_for_us_;
   RingPort& port_;
+  Speaks speaks_;
   Counters& counters_;
   std::set<std::string> warned_;
   Throttle refusal_{std::chrono::seconds(1)};

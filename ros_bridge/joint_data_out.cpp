@@ -111,4 +111,9 @@ JointStore::Received JointDataOut::received(std::uint8_t node) const {
   return store_.received(node);
 }
 
+bool JointDataOut::speaks(std::uint8_t node) const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return store_.speaks(node, JointStore::Clock::now());
+}
+
 }  // namespace limb_ring::bridge

@@ -69,6 +69,11 @@ JointStore::Snapshot JointStore::snapshot(Clock::time_point now) const {
   return snapshot;
 }
 
+bool JointStore::speaks(std::uint8_t id, Clock::time_point now) const {
+  const auto found = nodes_.find(id);
+  return found != nodes_.end() && is_fresh(found->second, now);
+}
+
 JointStore::Received JointStore::received(std::uint8_t id) const {
   const auto found = nodes_.find(id);
   return found == nodes_.end() ? Received{} : found->second.received;

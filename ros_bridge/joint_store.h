@@ -43,6 +43,8 @@ class JointStore {
   void forget();
   Snapshot snapshot(Clock::time_point now) const;
   Received received(std::uint8_t node) const;
+  /// The node owns joints, and they are not silent.
+  bool speaks(std::uint8_t node, Clock::time_point now) const;
 
  private:
   struct Node {

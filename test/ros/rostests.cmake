@@ -1,1 +1,52 @@
+# Tests of the whole: a master, a ring, a bridge. Names are limb_ring's, ports are rostest's.
+if(NOT CATKIN_ENABLE_TESTING)
+  return()
+endif()
+find_package(rostest REQUIRED)
 
+# Recordings of real robots, kept beside the project, not in it.
+set(recordings "$ENV{LIMB_RING_DATA}")
+if(NOT recordings)
+  set(recordings "${PROJECT_SOURCE_DIR}/../shared/data")
+endif()
+
+# ring_rostest(NAME SECONDS): test/ros/NAME.test, ended by ctest after so many seconds.
+function(ring_rostest name seconds)
+  add_rostest(${name}.test)
+  set_tests_properties(_ctest_${PROJECT_NAME}_rostest_test_ros_${name}.test PROPERTIES
+    TIMEOUT ${seconds}
+    RUN_SERIAL TRUE  # each is some 40 processes
+    ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home;LIMB_RING_DATA=${recordings};LIMB_RING_TEST_FILES=${CMAKE_CURRENT_BINARY_DIR}")
+endfunction()
+
+# The same, shown as skipped by ctest where the recordings are missing.
+function(recording_rostest name seconds)
+  foreach(recording ${ARGN})
+    if(NOT EXISTS ${recordings}/${recording})
+      add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} -E echo
+        "skipped: ${recordings}/${recording} is missing (set LIMB_RING_DATA and configure again)")
+      set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION "skipped:")
+      return()
+    endif()
+  endforeach()
+  ring_rostest(${name} ${seconds})
+endfunction()
+
+# The humanoid with every CPU an outside process: the tests play the joints.
+set_property(DIRECTORY APPEND PROPERTY
+  CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/config/humanoid16.yaml)
+file(READ ${PROJECT_SOURCE_DIR}/config/humanoid16.yaml humanoid)
+string(REPLACE "{command: [limb_firmware]}" "attached" humanoid "${humanoid}")
+file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/humanoid16_attached.yaml "${humanoid}")
+
+add_executable(walking_recording_test walking_recording_test.cpp)
+target_include_directories(walking_recording_test PRIVATE ${PROJECT_SOURCE_DIR}/test)
+target_link_libraries(walking_recording_test PRIVATE limb_ring_bridge gmock gtest)
+
+ring_rostest(launch_arguments 300)
+ring_rostest(bringup 300)
+ring_rostest(recovery 360)
+ring_rostest(simulated_time 240)
+ring_rostest(topics 300)
+recording_rostest(walking_recording 300 icub_walking/walking.csv)
+recording_rostest(recorded_topics 300 realsense_frames/frames jsk_force_torque)

@@ -1,0 +1,102 @@
+#!/usr/bin/python3
+"""A hung CPU, a killed daemon and a killed bridge come back, and the others do not notice."""
+import unittest
+
+import rospy
+import rostest
+from limb_ring.srv import ResetNode, Resume, SendInterrupt, Stop
+from sensor_msgs.msg import JointState
+
+from ring_testing import Newest, Ring, is_alive, kill_process, stop_process, wait_for
+
+
+def service(name, kind):
+    rospy.wait_for_service(name, 30)
+    return rospy.ServiceProxy(name, kind)
+
+
+class Recovery(unittest.TestCase):
+    def setUp(self):
+        self.ring = Ring()
+        self.states = Newest('joint_states', JointState)
+        self.ring.wait_until_up()
+
+    def others(self, *names):
+        return {n.name: n for n in self.ring.status.get().nodes if n.name not in names}
+
+    def test_a_frozen_cpu_falls_silent_and_is_brought_back_by_a_reset(self):
+        before = self.ring.node('left_knee')
+        calm = self.others('left_knee')
+        stop_process(before.cpu_pid)
+        self.ring.status.wait(lambda s: s.silent_joints == ['l_knee'], 'the knee to fall silent')
+        self.states.wait(lambda s: 'l_knee' not in s.name and len(s.name) == 25,
+                         'joint states without the knee')
+
+        answer = service('reset_node', ResetNode)(node='left_knee', timeout=10.0)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(answer.boots, before.cpu_boots + 1)
+        self.assertGreater(answer.round_trip, 0)
+
+        after = self.ring.wait_for_node(
+            'left_knee', lambda n: n.cpu_boots == answer.boots and n.cpu_pid > 0, 'the new process')
+        self.assertNotEqual(after.cpu_pid, before.cpu_pid)
+        wait_for(lambda: not is_alive(before.cpu_pid), 'the frozen process to be gone')
+        self.states.wait(lambda s: 'l_knee' in s.name and len(s.name) == 26, 'the knee again')
+        for name, node in self.others('left_knee').items():
+            self.assertEqual(node.cpu_pid, calm[name].cpu_pid, name)
+            self.assertEqual(node.states_missing, calm[name].states_missing, name)
+
+    def test_a_reset_that_cannot_be_says_why(self):
+        reset = service('reset_node', ResetNode)
+        answer = reset(node='left_tail', timeout=0)
+        self.assertFalse(answer.success)
+        self.assertIn("no node 'left_tail'", answer.message)
+        self.assertIn('left_knee (10)', answer.message)
+        self.assertIn('own', reset(node='body', timeout=0).message)
+        self.assertIn('timeout', reset(node='left_knee', timeout=-1).message)
+
+    def test_an_interrupt_tells_its_outcome(self):
+        send = service('send_interrupt', SendInterrupt)
+        answer = send(node='head', factor=2, force=False)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(answer.outcome, 'delivered')
+        self.assertEqual(send(node='head', factor=7, force=False).outcome, 'refused')
+        self.assertIn('0 to 7', send(node='head', factor=8, force=False).message)
+        self.assertFalse(send(node='all', factor=0, force=False).success, 'a reset of all needs force')
+
+    def test_a_stop_of_all_is_latched_until_resumed(self):
+        self.assertTrue(service('stop', Stop)(node='').success)
+        with_joints = [n.name for n in self.ring.status.get().nodes if n.states_received]
+        for name in with_joints:
+            self.ring.wait_for_node(name, lambda n: n.stopped, 'stopped')
+        answer = service('resume', Resume)(node='all')
+        self.assertTrue(answer.success, answer.message)
+        for name in with_joints:
+            self.ring.wait_for_node(name, lambda n: not n.stopped, 'resumed')
+
+    def test_a_killed_daemon_comes_back_with_its_cpu(self):
+        before = self.ring.node('right_elbow')
+        kill_process(before.pid)
+        after = self.ring.wait_for_node('right_elbow', lambda n: n.pid not in (0, before.pid) and
+                                        n.state == 'up' and n.cpu_state == 'running', 'to return')
+        self.assertNotEqual(after.cpu_pid, before.cpu_pid)
+        wait_for(lambda: not is_alive(before.cpu_pid), 'the old CPU to be gone')
+        self.states.wait(lambda s: len(s.name) == 26, 'all joints')
+        self.ring.wait_until_up()
+
+    def test_a_killed_bridge_comes_back_and_the_ring_does_not_notice(self):
+        before = self.ring.wait_until_up()
+        kill_process(self.ring.node('body').cpu_pid)
+        after = self.ring.status.wait(
+            lambda s: s.connected and s.nodes[0].cpu_boots > before.nodes[0].cpu_boots and
+            s.nodes[0].cpu_pid != before.nodes[0].cpu_pid, 'the new bridge')
+        for old, new in zip(before.nodes[1:], after.nodes[1:]):
+            self.assertEqual((new.pid, new.cpu_pid, new.cpu_boots),
+                             (old.pid, old.cpu_pid, old.cpu_boots), new.name)
+        self.states.wait_for_more(10, 'joint states again')
+        self.ring.wait_until_up()
+
+
+if __name__ == '__main__':
+    rospy.init_node('recovery_test')
+    rostest.rosrun('limb_ring', 'recovery', Recovery)

@@ -1,0 +1,96 @@
+"""What the rostests share: waiting for conditions, the newest message of a topic, the ring's status."""
+import os
+import signal
+import threading
+import time
+
+import rospy
+
+from limb_ring.msg import RingStatus
+
+GUARD = 60.0  # s; generous, since a ring shares few cores with other tests
+
+
+def wait_for(condition, what, guard=GUARD):
+    """The first true value of condition(); fails after `guard` seconds of the wall clock."""
+    deadline = time.monotonic() + guard
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > deadline:
+            raise AssertionError('waited %g s in vain for %s' % (guard, what))
+        time.sleep(0.02)
+
+
+class Newest:
+    """The newest message of a topic, and how many have come."""
+
+    def __init__(self, topic, message_type):
+        self._lock = threading.Lock()
+        self._message, self._count = None, 0
+        self._subscriber = rospy.Subscriber(topic, message_type, self._take, tcp_nodelay=True)
+
+    def _take(self, message):
+        with self._lock:
+            self._message, self._count = message, self._count + 1
+
+    def get(self):
+        with self._lock:
+            return self._message
+
+    def count(self):
+        with self._lock:
+            return self._count
+
+    def wait(self, condition, what):
+        """The newest message, once condition(message) is true."""
+        def look():
+            message = self.get()
+            return message if message is not None and condition(message) else None
+        return wait_for(look, what)
+
+    def wait_for_more(self, number, what):
+        before = self.count()
+        wait_for(lambda: self.count() >= before + number, what)
+
+
+class Ring:
+    """The ring as `ring_status` shows it."""
+
+    def __init__(self, topic='ring_status'):
+        self.status = Newest(topic, RingStatus)
+
+    def wait_until_up(self, cpus=True):
+        def is_up(status):
+            return status.connected and status.nodes and all(
+                node.state == 'up' and (not cpus or node.cpu_state in ('running', 'none'))
+                for node in status.nodes) and not (cpus and status.silent_joints)
+        return self.status.wait(is_up, 'all nodes up')
+
+    def node(self, name):
+        return {node.name: node for node in self.status.get().nodes}[name]
+
+    def wait_for_node(self, name, condition, what):
+        wait_for(lambda: condition(self.node(name)), '%s: %s' % (name, what))
+        return self.node(name)
+
+    def counter(self, name):
+        status = self.status.get()
+        return dict(zip(status.counter_names, status.counter_values)).get(name, 0)
+
+
+def stop_process(pid):
+    os.kill(pid, signal.SIGSTOP)
+
+
+def kill_process(pid):
+    os.kill(pid, signal.SIGKILL)
+
+
+def is_alive(pid):
+    try:
+        with open('/proc/%d/stat' % pid) as stat:
+            return stat.read().rsplit(')', 1)[1].split()[0] != 'Z'
+    except OSError:
+        return False

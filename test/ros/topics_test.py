@@ -1,0 +1,62 @@
+#!/usr/bin/python3
+"""Topics of any type cross the ring from one bridge to another, byte for byte."""
+import random
+import unittest
+
+import rospy
+import rostest
+from std_msgs.msg import String
+
+from ring_testing import Newest, Ring, kill_process, wait_for
+from topic_testing import Received, open_the_way, publisher_across, serialized
+
+
+class Topics(unittest.TestCase):
+    def setUp(self):
+        self.ring = Ring('/body/ring_status')
+        self.ring.wait_until_up()
+
+    def test_a_message_arrives_with_its_type_and_definition(self):
+        received = Received('/head/text_there')
+        text = publisher_across('/body/text', String)
+        open_the_way(text, String('across'), received)
+        first = received.all()[0]
+        self.assertEqual(first._connection_header['type'], String._type)
+        self.assertEqual(first._connection_header['md5sum'], String._md5sum)
+        self.assertEqual(first._connection_header['message_definition'].strip(),
+                         String._full_text.strip())
+        self.assertEqual(first._buff, serialized(String('across')))
+
+    def test_messages_of_all_sizes_arrive_byte_for_byte_in_order(self):
+        received = Received('/body/frames_here')
+        frames = publisher_across('/head/frames', String)
+        open_the_way(frames, String('first'), received)
+        noise = random.Random(1)
+        sizes = [0, 1, 491, 492, 493, 70000, 1 << 20] + [noise.randrange(3000) for _ in range(40)]
+        sent = [String(''.join(noise.choices('0123456789abcdef', k=size))) for size in sizes]
+        for message in sent:
+            frames.publish(message)
+        first = serialized(String('first'))
+        wait_for(lambda: len([m for m in received.bytes() if m != first]) == len(sent),
+                 'all messages')
+        self.assertEqual([m for m in received.bytes() if m != first],
+                         [serialized(m) for m in sent])
+
+    def test_a_latched_message_stays_for_late_subscribers_and_a_new_far_bridge(self):
+        latched = publisher_across('/body/text', String, latch=True)
+        latched.publish('keep me')
+        text = Newest('/head/text_there', String)
+        text.wait(lambda m: m.data == 'keep me', 'the latched text')
+        late = Newest('/head/text_there', String)
+        late.wait(lambda m: m.data == 'keep me', 'the latched text, late')
+
+        kill_process(self.ring.node('head').cpu_pid)
+        Ring('/head/ring_status').wait_until_up(cpus=False)
+        after = Newest('/head/text_there', String)
+        after.wait(lambda m: m.data == 'keep me', 'the latched text after the restart')
+        latched.unregister()
+
+
+if __name__ == '__main__':
+    rospy.init_node('topics_test')
+    rostest.rosrun('limb_ring', 'topics', Topics)
