@@ -1,0 +1,183 @@
+// What cannot be finished is aborted, what is no packet is discarded, and all of it is counted.
+#include "core/solo_node.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using wire::SliceKind;
+
+struct BrokenPacket : testing::Test {
+  SoloNode solo;
+  const Bytes packet = Foreign{0, 1}.with(pattern(22));
+  void SetUp() override { solo.join(); }
+};
+
+TEST_F(BrokenPacket, WholeInPiecesPassesAndIsTaken) {
+  solo.receive(SliceKind::start, {packet.begin(), packet.begin() + 8});
+  solo.receive(SliceKind::more, {packet.begin() + 8, packet.begin() + 20});
+  solo.receive(SliceKind::end, {packet.begin() + 20, packet.end()});
+  Bytes passed;
+  const auto out = solo.line();
+  for (const auto& slice : out) passed.insert(passed.end(), slice.bytes.begin(), slice.bytes.end());
+  EXPECT_EQ(out.front().kind, SliceKind::start) << "cut-through: passed on before its end was in";
+  EXPECT_EQ(passed, SoloNode::home(packet, 32, 1));
+  EXPECT_THAT(solo.packets(), ElementsAre(pattern(22)));
+}
+
+TEST_F(BrokenPacket, AbortIsPassedOnAndNothingIsTaken) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.receive(SliceKind::abort, {});
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
+  EXPECT_THAT(solo.packets(), IsEmpty());
+  EXPECT_EQ(solo.counters().aborts_received, 1u);
+}
+
+TEST_F(BrokenPacket, ThatStallsIsAborted) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.run_for(49ms);
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start));
+  solo.run_for(1ms);
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::abort));
+  EXPECT_EQ(solo.counters().stalled_packets, 1u);
+  solo.receive(SliceKind::end, tail_of(packet));
+  EXPECT_THAT(solo.line(), IsEmpty());
+  EXPECT_EQ(solo.counters().stray_slices, 1u);
+}
+
+TEST_F(BrokenPacket, EverySliceWindsTheStallClockUp) {
+  solo.receive(SliceKind::start, {packet.begin(), packet.begin() + 4});
+  for (std::size_t at = 4; at < 24; at += 4) {
+    solo.run_for(49ms);
+    solo.receive(SliceKind::more, {packet.begin() + static_cast<long>(at), packet.begin() + static_cast<long>(at) + 4});
+  }
+  solo.run_for(49ms);
+  solo.receive(SliceKind::end, {packet.begin() + 24, packet.end()});
+  EXPECT_THAT(solo.packets(), ElementsAre(pattern(22)));
+}
+
+TEST_F(BrokenPacket, LongerThan524BytesIsAborted) {
+  solo.receive(SliceKind::start, head_of(Foreign{0, 1}.with(pattern(512))));
+  solo.receive(SliceKind::more, pattern(12));
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
+  EXPECT_EQ(solo.counters().oversize_packets, 1u);
+}
+
+TEST_F(BrokenPacket, ShorterThan13BytesIsAborted) {
+  solo.receive(SliceKind::start, {packet.begin(), packet.begin() + 4});
+  solo.receive(SliceKind::end, Bytes(8));
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
+  EXPECT_EQ(solo.counters().malformed_packets, 1u);
+}
+
+TEST_F(BrokenPacket, AnotherBeginningInsideItBreaksItOff) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.receive(SliceKind::whole, packet);
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort, SliceKind::whole));
+  EXPECT_EQ(solo.counters().broken_off_packets, 1u);
+  EXPECT_THAT(solo.packets(), ElementsAre(pattern(22)));
+}
+
+TEST_F(BrokenPacket, LostInputBreaksItOff) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.node().input_lost(solo.now());
+  solo.run();
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
+}
+
+TEST_F(BrokenPacket, ReplacedInputBreaksItOff) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.node().input_up(3, solo.now());
+  solo.run();
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
+}
+
+TEST_F(BrokenPacket, GapBreaksItOff) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.node().input_gap(solo.now());
+  solo.run();
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
+  EXPECT_EQ(solo.counters().broken_off_packets, 1u);
+}
+
+TEST_F(BrokenPacket, InterruptInsideItLivesOn) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 2, 1));
+  solo.receive(SliceKind::abort, {});
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::interrupt, SliceKind::abort));
+}
+
+TEST_F(BrokenPacket, InterruptInsideAStrippedOneLivesOn) {
+  const Bytes own = Foreign{1, 2}.with(pattern(20));
+  solo.receive(SliceKind::start, head_of(own));
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 2, 1));
+  solo.receive(SliceKind::end, tail_of(own));
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::interrupt));
+}
+
+TEST_F(BrokenPacket, StraySlicesAreCounted) {
+  solo.receive(SliceKind::more, Bytes(4));
+  solo.receive(SliceKind::end, Bytes(8));
+  solo.receive(SliceKind::abort, {});
+  EXPECT_EQ(solo.counters().stray_slices, 3u);
+  EXPECT_THAT(solo.line(), IsEmpty());
+}
+
+TEST_F(BrokenPacket, WithoutAValidHeaderIsDiscarded) {
+  for (std::size_t at : {0u, 1u}) {  // Code's version, SOP
+    Bytes wrong = packet;
+    wrong[at] ^= 0xC0;
+    solo.receive(SliceKind::whole, wrong);
+    solo.receive(SliceKind::start, head_of(wrong));
+    solo.receive(SliceKind::end, tail_of(wrong));
+  }
+  Bytes broadcast_source = packet;
+  broadcast_source[3] = wire::kBroadcast;
+  solo.receive(SliceKind::whole, broadcast_source);
+  solo.receive(SliceKind::interrupt, {packet.begin(), packet.begin() + 12});
+  EXPECT_THAT(solo.line(), IsEmpty());
+  EXPECT_EQ(solo.counters().malformed_packets, 6u);
+}
+
+TEST_F(BrokenPacket, WithAGoodCrcButNoEopIsNotTaken) {
+  Bytes wrong = packet;
+  wrong[wrong.size() - 8] = 0;
+  wire::store_u32(wrong.data() + wrong.size() - 4, wire::crc32({wrong.data(), wrong.size() - 4}));
+  solo.receive(SliceKind::whole, wrong);
+  EXPECT_THAT(solo.packets(), IsEmpty());
+  EXPECT_EQ(solo.counters().malformed_packets, 1u);
+}
+
+TEST_F(BrokenPacket, WithABadCrcIsPassedOnStillBadAndNotTaken) {
+  for (std::size_t at = 4; at < packet.size(); ++at) {
+    Bytes wrong = packet;
+    wrong[at] ^= 0x20;
+    solo.receive(SliceKind::whole, wrong);
+    const auto out = solo.line();
+    ASSERT_EQ(out.size(), 1u) << at;
+    EXPECT_FALSE((wire::PacketFields{{out[0].bytes.data(), out[0].bytes.size()}}.crc_good())) << at;
+  }
+  EXPECT_THAT(solo.packets(), IsEmpty());
+  EXPECT_EQ(solo.counters().crc_errors, packet.size() - 4);
+}
+
+TEST_F(BrokenPacket, InterruptWithABadCrcPullsNoPinAndStaysBad) {
+  Bytes wrong = foreign_interrupt(0, 1, 1);
+  wrong[7] ^= 1;
+  solo.receive(SliceKind::interrupt, wrong);
+  EXPECT_EQ(solo.counters().pins_pulled, 0u);
+  const auto out = solo.line();
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_FALSE((wire::PacketFields{{out[0].bytes.data(), out[0].bytes.size()}}.crc_good()));
+}
+
+TEST_F(BrokenPacket, IdleIsNothing) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.receive(SliceKind::idle, {});
+  solo.receive(SliceKind::end, tail_of(packet));
+  EXPECT_THAT(solo.packets(), ElementsAre(pattern(22)));
+}
+
+}  // namespace
+}  // namespace limb_ring::core
