@@ -1,0 +1,77 @@
+#include "app/ringctl/answers.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kTick{200};
+constexpr std::size_t kAskers = 32;
+
+[[noreturn]] void no_answer(const HostPort& port, milliseconds timeout) {
+  throw HostPortError("node " + label({port.id(), port.name()}) + " of ring " + port.ring() +
+                      " did not answer within " + std::to_string(timeout.count()) + " ms");
+}
+
+nlohmann::json checked(const HostPort& port, const std::string& text) {
+  const nlohmann::json answer = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!answer.is_object())
+    throw HostPortError("node " + label({port.id(), port.name()}) + " answered no JSON object");
+  if (answer.contains("error") && answer["error"].is_string())
+    throw NotDone(answer["error"].get<std::string>());
+  return answer;
+}
+
+std::optional<nlohmann::json> ask_one(const std::string& ring, const NodeName& node,
+                                      const nlohmann::json& request) {
+  try {
+    HostPort port = connect_node(ring, std::to_string(node.id));
+    return checked(port, port.ask(request.dump(), kAnswerTime));
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds timeout) {
+  const auto deadline = steady_clock::now() + timeout;
+  const std::uint32_t token = port.request(request.dump());
+  Progress progress;
+  while (steady_clock::now() < deadline) {
+    const auto message = port.receive(kTick);
+    if (!message) progress.tell("waiting for node " + label({port.id(), port.name()}));
+    else if (const auto* reply = std::get_if<Reply>(&*message); reply && reply->token == token)
+      return checked(port, reply->json);
+    else if (const auto* end = std::get_if<Disconnected>(&*message))
+      throw HostPortError(end->reason);
+  }
+  no_answer(port, timeout);
+}
+
+std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring,
+                                                   const std::vector<NodeName>& nodes,
+                                                   const nlohmann::json& request) {
+  std::vector<std::optional<nlohmann::json>> answers(nodes.size());
+  std::atomic<std::size_t> next{0};
+  const auto ask_some = [&] {
+    for (std::size_t i = next++; i < nodes.size(); i = next++)
+      answers[i] = ask_one(ring, nodes[i], request);
+  };
+  // In parallel: a daemon that is stopped takes its whole time-out.
+  std::vector<std::thread> askers;
+  for (std::size_t i = 0; i < std::min(kAskers, nodes.size()); ++i) askers.emplace_back(ask_some);
+  for (auto& asker : askers) asker.join();
+  return answers;
+}
+
+}  // namespace limb_ring::ringctl

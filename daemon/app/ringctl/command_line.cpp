@@ -1,0 +1,79 @@
+#include "app/ringctl/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "app/ringctl/commands.h"
+#include "app/ringctl/problems.h"
+#include "config/config_error.h"
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::ringctl {
+
+CLI::App* add_command(CLI::App& app, const char* name, const char* description) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->fallthrough();
+  command->footer(kExitCodesHelp);
+  return command;
+}
+
+void add_json(CLI::App& command, bool& json) {
+  command.add_flag("--json", json, "Print JSON, for programs");
+}
+
+namespace {
+
+void add_commands(CLI::App& app, Context& context) {
+  add_up(app, context);
+  add_down(app, context);
+  add_status(app, context);
+  add_send(app, context);
+  add_interrupt(app, context);
+  add_pull(app, context);
+  add_sync(app, context);
+  add_stop(app, context);
+  add_reset(app, context);
+  add_ping(app, context);
+  add_observe(app, context);
+  // add_bench(app, context): its place is here.
+}
+
+int failed(const std::exception& problem, ExitCode code) {
+  std::cerr << "ringctl: " << problem.what() << '\n';
+  return code;
+}
+
+int act(const Context& context) {
+  try {
+    return context.action();
+  } catch (const UsageError& problem) {
+    return failed(problem, kUsage);
+  } catch (const config::ConfigError& problem) {
+    return failed(problem, kUsage);
+  } catch (const NoRing& problem) {
+    return failed(problem, kNoRing);
+  } catch (const HostPortError& problem) {
+    return failed(problem, kNoRing);
+  } catch (const std::exception& problem) {
+    return failed(problem, kNotDone);
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  Context context;
+  CLI::App app("Starts, asks and steers rings of limb_ring daemons (ringd).", "ringctl");
+  app.footer(kExitCodesHelp);
+  app.require_subcommand(1);
+  app.add_option("--ring", context.ring, "Name of the ring; default: the only one running");
+  add_commands(app, context);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& problem) {
+    return app.exit(problem) == 0 ? kDone : kUsage;  // --help is no error
+  }
+  return act(context);
+}
+
+}  // namespace limb_ring::ringctl

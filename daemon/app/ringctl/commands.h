@@ -1,0 +1,20 @@
+#pragma once
+
+#include "app/ringctl/context.h"
+
+namespace limb_ring::ringctl {
+
+// One subcommand each, in a file of its name.
+void add_up(CLI::App& app, Context& context);
+void add_down(CLI::App& app, Context& context);
+void add_status(CLI::App& app, Context& context);
+void add_send(CLI::App& app, Context& context);
+void add_interrupt(CLI::App& app, Context& context);
+void add_pull(CLI::App& app, Context& context);
+void add_sync(CLI::App& app, Context& context);
+void add_stop(CLI::App& app, Context& context);
+void add_reset(CLI::App& app, Context& context);
+void add_ping(CLI::App& app, Context& context);
+void add_observe(CLI::App& app, Context& context);
+
+}  // namespace limb_ring::ringctl

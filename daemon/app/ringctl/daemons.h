@@ -1,0 +1,50 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/ringctl/ring_plan.h"
+#include "app/ringctl/signal_wait.h"
+#include "runtime/supervisor/exit_status.h"
+#include "runtime/supervisor/spawn.h"
+
+namespace limb_ring::ringctl {
+
+/// A ringd that `up` has started.
+struct Daemon {
+  NodeName node;
+  runtime::Spawned process;
+  std::string log;  ///< file of its output; empty: it goes to ours
+  std::optional<runtime::ExitStatus> ended;
+
+  /// "node 3 (left_knee) ended: exit 2", with the last lines of its log
+  std::string obituary() const;
+};
+
+/// All daemons of a ring that `up` has started.
+class Daemons {
+ public:
+  enum class Mode {
+    foreground,  ///< they end with us, whatever ends us
+    detached     ///< they go on without us, each with a log file in the ring's folder
+  };
+
+  /// Starts one ringd per node. @throw NotDone where there is none to start
+  Daemons(const RingPlan& plan, Mode mode);
+
+  /// Notes which have ended. @return the ones that have since the last call
+  std::vector<const Daemon*> reap();
+  bool any_running() const;
+  const std::vector<Daemon>& all() const { return daemons_; }
+  const Daemon* first_ended() const;
+  void signal(int number) const;
+  /// Ends all: SIGTERM, after `grace`, or a second request to end, SIGKILL.
+  void end(SignalWait& signals, std::chrono::milliseconds grace);
+
+ private:
+  std::vector<Daemon> daemons_;
+};
+
+}  // namespace limb_ring::ringctl

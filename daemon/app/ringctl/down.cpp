@@ -1,0 +1,87 @@
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "app/ringctl/answers.h"
+#include "app/ringctl/commands.h"
+#include "app/ringctl/lock_files.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
+#include "limb_ring/ring_directory.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kTick{20};
+constexpr milliseconds kPatience{3000};  // a daemon ends its CPU first
+
+std::vector<NodeName> nodes_with_sockets(const std::string& ring) {
+  std::vector<NodeName> nodes;
+  for (const std::uint8_t id : node_sockets(ring)) nodes.push_back({id, std::to_string(id)});
+  return nodes;
+}
+
+/// @return true where no node is held any more
+bool wait_until_gone(const std::string& folder, Progress& progress) {
+  const auto deadline = steady_clock::now() + kPatience;
+  for (;;) {
+    const auto held = held_nodes(folder);
+    if (held.empty()) return true;
+    if (steady_clock::now() >= deadline) return false;
+    progress.tell("waiting for " + std::to_string(held.size()) + " daemons to end");
+    std::this_thread::sleep_for(kTick);
+  }
+}
+
+/// A daemon that holds a lock wrote its own pid into it: no stranger is hit.
+void signal_holders(const std::string& folder, int number) {
+  for (const HeldNode& node : held_nodes(folder))
+    if (node.pid > 0) ::kill(node.pid, number);
+}
+
+bool end_ring(const std::string& ring, const std::string& folder) {
+  Progress progress;
+  ask_all(ring, nodes_with_sockets(ring), {{"do", "shutdown"}});
+  if (wait_until_gone(folder, progress)) return true;
+  signal_holders(folder, SIGTERM);
+  signal_holders(folder, SIGCONT);  // one that is stopped would not see it
+  if (wait_until_gone(folder, progress)) return true;
+  signal_holders(folder, SIGKILL);
+  return wait_until_gone(folder, progress);
+}
+
+int run(const std::string& name) {
+  const std::string ring = choose_ring(name);
+  const std::string folder = ring_directory(ring);
+  if (held_nodes(folder).empty()) {
+    remove_leftovers(folder);
+    throw NoRing("ring " + ring + " is not running");
+  }
+  if (!end_ring(ring, folder))
+    throw NotDone("ring " + ring + ": " + std::to_string(held_nodes(folder).size()) +
+                  " daemons do not end, not even by SIGKILL");
+  remove_leftovers(folder);
+  std::cout << "ring " << ring << " is down" << std::endl;
+  return kDone;
+}
+
+}  // namespace
+
+void add_down(CLI::App& app, Context& context) {
+  auto ring = std::make_shared<std::string>();
+  CLI::App* command = add_command(
+      app, "down", "End a ring: ask its daemons to, then SIGTERM, then SIGKILL; tidy its folder");
+  command->add_option("RING", *ring, "Its name; default: the only one running");
+  command->callback([&context, ring] {
+    context.action = [&context, ring] { return run(ring->empty() ? context.ring : *ring); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,61 @@
+#include "app/ringctl/lock_files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <array>
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "runtime/supervisor/unique_fd.h"
+
+namespace limb_ring::ringctl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<fs::path> files_in(const std::string& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    files.push_back(it->path());
+  return files;
+}
+
+/// The kernel frees a lock with its holder, so one that cannot be had has a holder that lives.
+bool is_held(const fs::path& lock) {
+  const runtime::UniqueFd file(::open(lock.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  return file.valid() && ::flock(file.get(), LOCK_EX | LOCK_NB) != 0;
+}
+
+pid_t pid_in(const fs::path& lock) {
+  pid_t pid = -1;
+  std::ifstream(lock) >> pid;
+  return pid > 1 ? pid : -1;
+}
+
+bool is_leftover(const fs::path& file) {
+  const std::array<const char*, 5> ours{".host", ".link", ".lock", ".log", ".sock"};
+  return std::any_of(ours.begin(), ours.end(),
+                     [&](const char* extension) { return file.extension() == extension; });
+}
+
+}  // namespace
+
+std::vector<HeldNode> held_nodes(const std::string& folder) {
+  std::vector<HeldNode> held;
+  for (const fs::path& file : files_in(folder))
+    if (file.extension() == ".lock" && is_held(file)) held.push_back({file.string(), pid_in(file)});
+  return held;
+}
+
+void remove_leftovers(const std::string& folder) {
+  std::error_code ignored;
+  for (const fs::path& file : files_in(folder))
+    if (is_leftover(file)) fs::remove(file, ignored);
+  fs::remove(folder, ignored);  // stays where something else is in it
+}
+
+}  // namespace limb_ring::ringctl

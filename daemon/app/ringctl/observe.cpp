@@ -1,0 +1,64 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/ringctl/commands.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/ring_access.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+struct Options {
+  std::string node;
+  std::vector<std::string> kinds;
+  std::uint64_t count = 0;
+};
+
+void print_lost(const ObservedLost& lost) {
+  std::cerr << "ringctl: read too slowly, " << lost.count << " left out" << std::endl;
+}
+
+/// Lines until `count` are out (0: without end) or the daemon is gone.
+int print_lines(HostPort& port, std::uint64_t count) {
+  for (std::uint64_t lines = 0; count == 0 || lines < count;) {
+    const auto message = port.receive(std::chrono::seconds(1));
+    if (!message) continue;
+    if (const auto* seen = std::get_if<Observed>(&*message)) {
+      std::cout << seen->json << std::endl;
+      ++lines;
+    } else if (const auto* lost = std::get_if<ObservedLost>(&*message)) {
+      print_lost(*lost);
+    } else if (const auto* end = std::get_if<Disconnected>(&*message)) {
+      throw HostPortError(end->reason);
+    }
+  }
+  return kDone;
+}
+
+int run(const Context& context, const Options& options) {
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.node);
+  HostPort port = ring.connect(ring.node(options.node));
+  nlohmann::json filter = nlohmann::json::object();
+  if (!options.kinds.empty()) filter["kinds"] = options.kinds;
+  port.observe(filter.dump());
+  return print_lines(port, options.count);
+}
+
+}  // namespace
+
+void add_observe(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(
+      app, "observe", "Print what passes a node, a line of JSON each, until interrupted");
+  command->add_option("NODE", options->node, "Node, id or name")->required();
+  command->add_option("--kinds", options->kinds, "Only these kinds of events")->delimiter(',');
+  command->add_option("--count", options->count, "End after so many lines; default 0: never");
+  command->callback([&context, options] {
+    context.action = [&context, options] { return run(context, *options); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

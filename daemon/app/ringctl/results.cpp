@@ -1,0 +1,102 @@
+#include "app/ringctl/results.h"
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+
+#include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
+#include "app/ringctl/text_table.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr std::chrono::milliseconds kTick{200};
+constexpr std::chrono::seconds kGuard{120};
+constexpr unsigned kOutstanding = 16;  // well below a node's send queue
+
+double microseconds_of(const Result& result) {
+  return static_cast<double>(result.round_trip.count()) / 1000.0;
+}
+
+bool delivered(const Result& result) { return result.outcome == Outcome::delivered; }
+
+}  // namespace
+
+namespace {
+
+/// @return false where nothing came
+bool take_one(HostPort& port, std::vector<Result>& results) {
+  const auto message = port.receive(kTick);
+  if (!message) return false;
+  if (const auto* result = std::get_if<Result>(&*message)) results.push_back(*result);
+  if (const auto* end = std::get_if<Disconnected>(&*message)) throw HostPortError(end->reason);
+  return true;
+}
+
+}  // namespace
+
+std::vector<Result> send_all(HostPort& port, unsigned count,
+                             const std::function<std::uint32_t()>& send) {
+  auto deadline = steady_clock::now() + kGuard;
+  Progress progress;
+  std::vector<Result> results;
+  for (unsigned sent = 0; results.size() < count;) {
+    for (; sent < count && sent - results.size() < kOutstanding; ++sent) send();
+    if (take_one(port, results)) deadline = steady_clock::now() + kGuard;
+    if (steady_clock::now() > deadline)
+      throw HostPortError("no result within " + std::to_string(kGuard.count()) + " s");
+    progress.tell(std::to_string(results.size()) + " of " + std::to_string(count) + " ended");
+  }
+  return results;
+}
+
+nlohmann::json to_json(const Result& result) {
+  return {{"outcome", to_string(result.outcome)},
+          {"round_trip_us", microseconds_of(result)},
+          {"tries", result.tries},
+          {"reason", result.reason}};
+}
+
+std::string to_text(const Result& result) {
+  std::string text = to_string(result.outcome);
+  if (!result.reason.empty()) text += ": " + result.reason;
+  if (result.round_trip.count() > 0) text += " in " + number(microseconds_of(result)) + " us";
+  if (result.tries > 1) text += " after " + std::to_string(result.tries) + " tries";
+  return text;
+}
+
+namespace {
+
+void print_json(const std::vector<Result>& results, std::size_t good) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Result& result : results) list.push_back(to_json(result));
+  const nlohmann::json all{{"sent", results.size()}, {"delivered", good}, {"results", list}};
+  std::cout << all.dump(2) << '\n';
+}
+
+void print_text(const std::vector<Result>& results) {
+  if (results.size() == 1) {
+    std::cout << to_text(results.front()) << '\n';
+    return;
+  }
+  std::map<std::string, unsigned> ends;
+  for (const Result& result : results)
+    ++ends[to_string(result.outcome) + (result.reason.empty() ? "" : ": " + result.reason)];
+  for (const auto& [end, count] : ends) std::cout << count << ' ' << end << '\n';
+}
+
+}  // namespace
+
+int report(const std::vector<Result>& results, bool json) {
+  const auto good = static_cast<std::size_t>(
+      std::count_if(results.begin(), results.end(), delivered));
+  if (json) print_json(results, good);
+  else print_text(results);
+  return good == results.size() ? kDone : kNotDone;
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::ringctl {
+
+/// Makes `count` sends, a few of them outstanding at a time, and waits for their results, with
+/// progress on standard error. Every send ends by itself within the configured time-outs; the
+/// guard is above all of them.
+/// @param send makes one and returns its token
+/// @throw HostPortError
+std::vector<Result> send_all(HostPort& port, unsigned count,
+                             const std::function<std::uint32_t()>& send);
+
+/// Prints one result, or how many ended how, or all as JSON. @return kDone where all were delivered, else kNotDone
+int report(const std::vector<Result>& results, bool json);
+
+nlohmann::json to_json(const Result& result);
+/// "delivered in 61.2 us", "refused: no pin wired (in 70.1 us)", "lost after 4 tries"
+std::string to_text(const Result& result);
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,148 @@
+#include "app/ringctl/ring_access.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/ringctl/answers.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
+#include "limb_ring/ring_directory.h"
+
+namespace limb_ring::ringctl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string valid(const std::string& ring) {
+  try {
+    ring_directory(ring);
+  } catch (const std::invalid_argument& problem) {
+    throw UsageError(problem.what());
+  }
+  return ring;
+}
+
+/// The id in "12.host"; nothing for another file, such as the link of the node's name.
+std::optional<std::uint8_t> socket_id(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  const bool number = !stem.empty() && stem.size() <= 3 &&
+                      stem.find_first_not_of("0123456789") == std::string::npos;
+  if (file.extension() != ".host" || !number || std::stoul(stem) >= kBroadcast) return {};
+  return static_cast<std::uint8_t>(std::stoul(stem));
+}
+
+std::vector<NodeName> names_of(const nlohmann::json& config) {
+  std::vector<NodeName> nodes;
+  for (const auto& node : config.at("nodes"))
+    nodes.push_back({node.at("id").get<std::uint8_t>(), node.at("name").get<std::string>()});
+  return nodes;
+}
+
+std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
+  const auto found = std::find_if(nodes.begin(), nodes.end(),
+                                  [id](const NodeName& node) { return node.id == id; });
+  if (found == nodes.end()) throw NoRing("a daemon that is not in its own ring: " +
+                                         std::to_string(id));
+  return static_cast<std::size_t>(found - nodes.begin());
+}
+
+RingAccess described_by(const std::string& ring, const std::string& node) {
+  HostPort port = connect_node(ring, node);
+  const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime);
+  const std::vector<NodeName> nodes = names_of(config);
+  return RingAccess(ring, config.value("path", ""), nodes, index_of(nodes, port.id()));
+}
+
+std::vector<std::string> whom_to_ask(const std::string& ring, const std::string& first) {
+  std::vector<std::string> nodes;
+  if (!first.empty() && first != "all") nodes.push_back(first);
+  for (const std::uint8_t id : node_sockets(ring)) nodes.push_back(std::to_string(id));
+  return nodes;
+}
+
+}  // namespace
+
+std::string label(const NodeName& node) {
+  return std::to_string(node.id) + " (" + node.name + ")";
+}
+
+std::string choose_ring(const std::string& given) {
+  if (!given.empty()) return valid(given);
+  const char* environment = std::getenv("LIMB_RING_RING");
+  if (environment != nullptr && *environment != '\0') return valid(environment);
+  const std::vector<std::string> rings = running_rings();
+  if (rings.empty()) throw NoRing("no ring is running (looked in " + rings_directory() + ")");
+  if (rings.size() == 1) return rings.front();
+  throw UsageError("several rings are running: " + joined(rings) + "; choose one with --ring");
+}
+
+std::vector<std::uint8_t> node_sockets(const std::string& ring) {
+  std::vector<std::uint8_t> ids;
+  std::error_code error;
+  const fs::directory_iterator folder(ring_directory(ring), error);
+  for (auto it = fs::begin(folder); !error && it != fs::end(folder); it.increment(error))
+    if (const auto id = socket_id(it->path())) ids.push_back(*id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
+  std::string why = "it has no sockets in " + ring_directory(ring);
+  Progress progress;
+  for (const std::string& node : whom_to_ask(ring, first)) {
+    try {
+      return described_by(ring, node);
+    } catch (const HostPortError& problem) {
+      why = problem.what();
+    }
+    progress.tell("node " + node + " does not answer, asking another");
+  }
+  throw NoRing("ring " + ring + " does not run: " + why);
+}
+
+RingAccess::RingAccess(std::string ring, std::string path, std::vector<NodeName> nodes,
+                       std::size_t answered)
+    : ring_(std::move(ring)), path_(std::move(path)), nodes_(std::move(nodes)),
+      answered_(answered) {}
+
+const NodeName& RingAccess::node(const std::string& id_or_name) const {
+  std::vector<std::string> labels;
+  for (const NodeName& node : nodes_) {
+    if (id_or_name == node.name || id_or_name == std::to_string(node.id)) return node;
+    labels.push_back(label(node));
+  }
+  throw UsageError("unknown node '" + id_or_name + "'; ring " + ring_ + " has: " +
+                   joined(labels));
+}
+
+std::uint8_t RingAccess::destination(const std::string& id_or_name_or_all) const {
+  return id_or_name_or_all == "all" ? kBroadcast : node(id_or_name_or_all).id;
+}
+
+const NodeName& RingAccess::source(const std::string& id_or_name) const {
+  return id_or_name.empty() ? nodes_[answered_] : node(id_or_name);
+}
+
+HostPort RingAccess::connect(const NodeName& node) const {
+  return connect_node(ring_, std::to_string(node.id));
+}
+
+HostPort connect_node(const std::string& ring, const std::string& node) {
+  ConnectOptions options;
+  options.ring = ring;
+  options.node = node;
+  options.timeout = std::chrono::milliseconds(0);
+  return HostPort::connect(options);
+}
+
+}  // namespace limb_ring::ringctl

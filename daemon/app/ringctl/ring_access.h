@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::ringctl {
+
+struct NodeName {
+  std::uint8_t id = 0;
+  std::string name;
+};
+
+/// "12 (left_knee)"
+std::string label(const NodeName& node);
+
+/// The ring meant: the one given, else the environment's LIMB_RING_RING, else the only one
+/// running. @throw NoRing where none runs; UsageError listing them where several do.
+std::string choose_ring(const std::string& given);
+
+/// Ids of the nodes whose daemon has a socket in the ring's folder, answering or not, sorted.
+std::vector<std::uint8_t> node_sockets(const std::string& ring);
+
+/// A running ring, as one of its daemons describes it.
+class RingAccess {
+ public:
+  /// Asks `first` (id or name; may be empty), then one daemon after the other, how the ring is
+  /// configured. @throw NoRing where none answers
+  static RingAccess open(const std::string& ring, const std::string& first = {});
+  /// `answered`: index of the node that said all this.
+  RingAccess(std::string ring, std::string path, std::vector<NodeName> nodes,
+             std::size_t answered);
+
+  const std::string& ring() const { return ring_; }
+  const std::string& path() const { return path_; }  ///< of its YAML file; may be empty
+  const std::vector<NodeName>& nodes() const { return nodes_; }  ///< in ring order
+
+  /// @throw UsageError listing the nodes there are
+  const NodeName& node(const std::string& id_or_name) const;
+  /// Id of a node, or kBroadcast for "all". @throw UsageError
+  std::uint8_t destination(const std::string& id_or_name_or_all) const;
+  /// As node(); for an empty text the node that described the ring.
+  const NodeName& source(const std::string& id_or_name) const;
+  /// @throw HostPortError
+  HostPort connect(const NodeName& node) const;
+
+ private:
+  std::string ring_, path_;
+  std::vector<NodeName> nodes_;
+  std::size_t answered_;
+};
+
+/// Connects to a daemon that is there, or not at all. @throw HostPortError
+HostPort connect_node(const std::string& ring, const std::string& node);
+
+}  // namespace limb_ring::ringctl

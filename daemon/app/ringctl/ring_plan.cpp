@@ -1,0 +1,63 @@
+#include "app/ringctl/ring_plan.h"
+
+#include <filesystem>
+
+#include "app/ringctl/problems.h"
+#include "config/load_ring.h"
+#include "config/plain_ring.h"
+#include "limb_ring/ring_directory.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+constexpr const char* kPlainRing = "plain";
+
+config::RingConfig load(const UpRequest& request) {
+  if (!request.config.empty()) return config::load_ring(request.config);
+  return config::plain_ring(request.ring.empty() ? kPlainRing : request.ring, request.nodes);
+}
+
+std::string ring_name(const UpRequest& request, const config::RingConfig& config) {
+  const std::string name = request.ring.empty() ? config.ring : request.ring;
+  try {
+    socket_path(ring_directory(name), "255", "host");
+  } catch (const std::invalid_argument& problem) {
+    throw UsageError(problem.what());
+  }
+  return name;
+}
+
+std::vector<std::string> daemon_arguments(const UpRequest& request, const std::string& ring,
+                                          std::size_t nodes) {
+  std::vector<std::string> arguments;
+  if (request.config.empty()) arguments = {"--nodes", std::to_string(nodes)};
+  else arguments = {"--config", std::filesystem::absolute(request.config).string()};
+  arguments.insert(arguments.end(), {"--ring", ring});
+  if (!request.transport.empty())
+    arguments.insert(arguments.end(), {"--transport", request.transport});
+  return arguments;
+}
+
+}  // namespace
+
+std::vector<std::string> RingPlan::arguments_of(const NodeName& node) const {
+  std::vector<std::string> all = arguments;
+  all.insert(all.end(), {"--node", std::to_string(node.id)});
+  return all;
+}
+
+RingPlan plan_ring(const UpRequest& request) {
+  if (request.config.empty() == (request.nodes == 0))
+    throw UsageError("give either CONFIG, the ring's YAML file, or --nodes N for a plain ring");
+  const config::RingConfig config = load(request);
+  RingPlan plan;
+  plan.ring = ring_name(request, config);
+  plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
+  for (const auto& node : config.nodes)
+    plan.nodes.push_back(
+        {{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});
+  return plan;
+}
+
+}  // namespace limb_ring::ringctl

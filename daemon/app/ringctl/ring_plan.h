@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/ringctl/ring_access.h"
+
+namespace limb_ring::ringctl {
+
+/// What `ringctl up` was asked for.
+struct UpRequest {
+  std::string config;     ///< path of a YAML file; empty: a plain ring of `nodes`
+  unsigned nodes = 0;
+  std::string ring;       ///< name instead of the file's; a plain ring's default is "plain"
+  std::string transport;  ///< unix or udp instead of the file's; empty: as the file says
+};
+
+struct PlannedNode {
+  NodeName node;
+  bool has_child = false;  ///< its CPU is a process that ringd starts
+};
+
+/// A ring to be started: known to be well configured, one daemon for each node.
+struct RingPlan {
+  std::string ring;
+  std::vector<PlannedNode> nodes;
+  std::vector<std::string> arguments;  ///< of every ringd, without --node
+
+  /// Command line of the daemon of one node, without the program.
+  std::vector<std::string> arguments_of(const NodeName& node) const;
+};
+
+/// @throw config::ConfigError, UsageError
+RingPlan plan_ring(const UpRequest& request);
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,52 @@
+#include "app/ringctl/ring_watch.h"
+
+#include "app/ringctl/answers.h"
+
+namespace limb_ring::ringctl {
+
+using nlohmann::json;
+
+namespace {
+
+std::string cpu_missing(const json& cpu) {
+  const std::string state = cpu.value("state", "unknown");
+  if (state == "running") return {};
+  const std::string why = cpu.contains("last_exit") && cpu["last_exit"].is_string()
+                              ? cpu["last_exit"].get<std::string>() : "";
+  return "its CPU is " + state + (why.empty() ? "" : " (" + why + ")");
+}
+
+}  // namespace
+
+std::string missing(const PlannedNode& planned, const json& status, std::size_t nodes) {
+  const std::string state = status.value("state", "unknown");
+  if (state != "up") return "it is " + state;
+  const std::size_t size = status.value("ring_size", std::size_t{0});
+  if (size != nodes)
+    return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
+  return planned.has_child ? cpu_missing(status.value("cpu", json::object())) : "";
+}
+
+RingWatch::RingWatch(const RingPlan& plan) : plan_(plan) { ports_.resize(plan.nodes.size()); }
+
+std::string RingWatch::not_ready() {
+  for (std::size_t i = 0; i < plan_.nodes.size(); ++i) {
+    const std::string lack = not_ready(i);
+    if (!lack.empty()) return "node " + label(plan_.nodes[i].node) + ": " + lack;
+  }
+  return {};
+}
+
+std::string RingWatch::not_ready(std::size_t index) {
+  auto& port = ports_[index];
+  const PlannedNode& planned = plan_.nodes[index];
+  try {
+    if (!port) port.emplace(connect_node(plan_.ring, std::to_string(planned.node.id)));
+    return missing(planned, ask(*port, {{"do", "status"}}, kAnswerTime), plan_.nodes.size());
+  } catch (const std::exception& problem) {
+    port.reset();
+    return problem.what();
+  }
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,88 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "app/ringctl/commands.h"
+#include "app/ringctl/hex.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/results.h"
+#include "app/ringctl/ring_access.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+struct Options {
+  std::string from, to, text, hex;
+  unsigned priority = 2, channel = 0, size = 0, count = 1;
+  bool json = false;
+};
+
+/// `size` bytes 0, 1, 2 ... 255, 0 ...
+std::vector<std::uint8_t> pattern(unsigned size) {
+  std::vector<std::uint8_t> bytes(size);
+  for (unsigned i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(i);
+  return bytes;
+}
+
+std::vector<std::uint8_t> data_of(const Options& options) {
+  if (options.size > 0) return pattern(options.size);
+  if (!options.hex.empty()) return parse_hex(options.hex);
+  return {options.text.begin(), options.text.end()};
+}
+
+std::vector<std::uint8_t> checked_data(const Options& options) {
+  const std::vector<std::uint8_t> data = data_of(options);
+  if (!data.empty() && data.size() <= kMaxPayload) return data;
+  throw UsageError(std::to_string(data.size()) + " bytes of data; a packet holds 1 to " +
+                   std::to_string(kMaxPayload));
+}
+
+int run(const Context& context, const Options& options) {
+  const std::vector<std::uint8_t> data = checked_data(options);
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
+  const std::uint8_t to = ring.destination(options.to);
+  HostPort port = ring.connect(ring.node(options.from));
+  const auto send = [&] {
+    return port.send(to, data, static_cast<std::uint8_t>(options.priority),
+                     static_cast<std::uint8_t>(options.channel));
+  };
+  return report(send_all(port, options.count, send), options.json);
+}
+
+/// Channel 1 is the network controllers' own.
+std::string check_channel(const std::string& text) {
+  return text == "1" ? "channel 1 belongs to the network controllers; 0 and 2 to 63 are allowed"
+                     : "";
+}
+
+void add_data_options(CLI::App& command, Options& options) {
+  CLI::App& data = *command.add_option_group("data", "What to send, one of:");
+  data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")
+      ->check(CLI::Range(1, 512));
+  data.add_option("--data", options.text, "This text, 1 to 512 bytes");
+  data.add_option("--hex", options.hex, "These bytes, two hexadecimal digits each");
+  data.require_option(1);
+}
+
+}  // namespace
+
+void add_send(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(app, "send", "Send data packets, and say how they ended");
+  command->add_option("--from", options->from, "Node that sends, id or name")->required();
+  command->add_option("--to", options->to, "Node to send to, id or name, or all")->required();
+  command->add_option("--priority", options->priority, "0 (highest) to 3; default 2")
+      ->check(CLI::Range(0, 3));
+  command->add_option("--channel", options->channel, "0 (user, default), 2 to 63")
+      ->check(CLI::Range(0, 63))
+      ->check(check_channel);
+  command->add_option("--count", options->count, "How many, 1 to 1000000; default 1")
+      ->check(CLI::Range(1, 1000000));
+  add_data_options(*command, *options);
+  add_json(*command, options->json);
+  command->callback([&context, options] {
+    context.action = [&context, options] { return run(context, *options); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,22 @@
+#include "app/ringctl/signal_wait.h"
+
+#include <algorithm>
+
+namespace limb_ring::ringctl {
+
+SignalWait::SignalWait() {
+  ::sigemptyset(&ours_);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) ::sigaddset(&ours_, signal);
+  ::sigprocmask(SIG_BLOCK, &ours_, &before_);
+}
+
+SignalWait::~SignalWait() { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
+
+int SignalWait::next(std::chrono::milliseconds timeout) {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+  const timespec wait{static_cast<time_t>(seconds.count()),
+                      static_cast<long>((timeout - seconds).count() * 1000000)};
+  return std::max(0, ::sigtimedwait(&ours_, nullptr, &wait));
+}
+
+}  // namespace limb_ring::ringctl

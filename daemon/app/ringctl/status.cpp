@@ -1,0 +1,53 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "app/ringctl/answers.h"
+#include "app/ringctl/commands.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/status_table.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+std::vector<nlohmann::json> rows_of(const RingAccess& ring) {
+  const auto answers = ask_all(ring.ring(), ring.nodes(), {{"do", "status"}});
+  std::vector<nlohmann::json> rows;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    rows.push_back(answers[i] ? *answers[i] : down_row(ring.nodes()[i]));
+    rows.back().erase("ring");  // once is enough
+  }
+  return rows;
+}
+
+std::string summary(const std::vector<nlohmann::json>& rows) {
+  std::size_t up = 0;
+  for (const auto& row : rows) up += row.value("state", "") == "up" ? 1 : 0;
+  return std::to_string(up) + " of " + std::to_string(rows.size()) + " nodes up";
+}
+
+int run(const Context& context, bool json) {
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const std::vector<nlohmann::json> rows = rows_of(ring);
+  if (json) {
+    const nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
+    std::cout << all.dump(2) << '\n';
+  } else {
+    std::cout << "ring " << ring.ring() << ": " << summary(rows) << '\n' << status_table(rows);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, Context& context) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command =
+      add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down'");
+  add_json(*command, *json);
+  command->callback(
+      [&context, json] { context.action = [&context, json] { return run(context, *json); }; });
+}
+
+}  // namespace limb_ring::ringctl

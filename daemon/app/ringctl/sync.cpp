@@ -1,0 +1,126 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <memory>
+
+#include "app/ringctl/answers.h"
+#include "app/ringctl/clock_offsets.h"
+#include "app/ringctl/commands.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/text_table.h"
+
+namespace limb_ring::ringctl {
+
+using nlohmann::json;
+
+namespace {
+
+struct Options {
+  std::string from;
+  bool json = false;
+};
+
+struct Sync {
+  std::size_t source = 0;  ///< index in ring order
+  std::string outcome;
+  double round_trip_us = 0;
+  unsigned ring_size = 0;
+  std::vector<ClockOffset> offsets;
+};
+
+std::size_t index_of(const RingAccess& ring, std::uint8_t id) {
+  std::size_t index = 0;
+  while (ring.nodes()[index].id != id) ++index;
+  return index;
+}
+
+/// What this node latched since `before`, on a sync of `source`.
+std::optional<std::int64_t> new_latch(const std::optional<json>& before,
+                                      const std::optional<json>& after, std::uint8_t source) {
+  const auto count = [](const std::optional<json>& answer) {
+    return answer ? answer->value("count", std::uint64_t{0}) : 0;
+  };
+  if (!after || count(after) == count(before)) return std::nullopt;
+  if (after->value("source", 256u) != source) return std::nullopt;
+  return after->value("clock_ns", std::int64_t{0});
+}
+
+Sync synchronize(const RingAccess& ring, const NodeName& from) {
+  Sync sync;
+  sync.source = index_of(ring, from.id);
+  const auto before = ask_all(ring.ring(), ring.nodes(), {{"do", "latch"}});
+  HostPort port = ring.connect(from);
+  const json answer = ask(port, {{"do", "sync"}}, std::chrono::seconds(10));
+  const auto after = ask_all(ring.ring(), ring.nodes(), {{"do", "latch"}});
+  sync.outcome = answer.at("outcome").get<std::string>();
+  sync.round_trip_us = answer.value("round_trip_us", 0.0);
+  sync.ring_size = answer.value("ring_size", 0u);
+  std::vector<std::optional<std::int64_t>> latches;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    latches.push_back(new_latch(before[i], after[i], from.id));
+  latches[sync.source] = answer.at("clock_ns").get<std::int64_t>();
+  sync.offsets = clock_offsets(latches, sync.source, sync.round_trip_us, sync.ring_size);
+  return sync;
+}
+
+json row_json(const NodeName& node, const ClockOffset& offset) {
+  json row{{"id", node.id}, {"name", node.name}, {"latched", offset.offset_us.has_value()}};
+  row["hops"] = offset.offset_us ? json(offset.hops) : json(nullptr);
+  row["offset_us"] = offset.offset_us ? json(*offset.offset_us) : json(nullptr);
+  return row;
+}
+
+void print_json(const RingAccess& ring, const Sync& sync) {
+  json rows = json::array();
+  for (std::size_t i = 0; i < sync.offsets.size(); ++i)
+    rows.push_back(row_json(ring.nodes()[i], sync.offsets[i]));
+  const json all{{"ring", ring.ring()},           {"from", ring.nodes()[sync.source].id},
+                 {"outcome", sync.outcome},       {"round_trip_us", sync.round_trip_us},
+                 {"ring_size", sync.ring_size},   {"nodes", rows}};
+  std::cout << all.dump(2) << '\n';
+}
+
+void print_text(const RingAccess& ring, const Sync& sync) {
+  std::vector<std::vector<std::string>> table{{"id", "name", "hops", "offset us"}};
+  for (std::size_t i = 0; i < sync.offsets.size(); ++i) {
+    const auto& [hops, offset] = sync.offsets[i];
+    table.push_back({std::to_string(ring.nodes()[i].id), ring.nodes()[i].name,
+                     offset ? std::to_string(hops) : "-", offset ? number(*offset) : "-"});
+  }
+  std::cout << "sync " << sync.outcome << ", round trip " << number(sync.round_trip_us) << " us\n"
+            << text_table(table);
+}
+
+bool all_latched(const Sync& sync) {
+  for (const auto& offset : sync.offsets)
+    if (!offset.offset_us) return false;
+  return sync.outcome == to_string(Outcome::delivered);
+}
+
+int run(const Context& context, const Options& options) {
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
+  const Sync sync = synchronize(ring, ring.source(options.from));
+  if (options.json) print_json(ring, sync);
+  else print_text(ring, sync);
+  return all_latched(sync) ? kDone : kNotDone;
+}
+
+}  // namespace
+
+void add_sync(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(
+      app, "sync",
+      "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off.\n"
+      "The offset of a node h hops downstream of the source is its latch time, less the\n"
+      "source's, less h * round trip / ring size. Nodes on one host share a clock: what is\n"
+      "printed for them is how unevenly the interrupt travelled. Not done (exit code 1) where a\n"
+      "node did not latch: it is down, or has no pin wired to sync.");
+  command->add_option("--from", options->from, "Node that sends; default: the first that answers");
+  add_json(*command, options->json);
+  command->callback([&context, options] {
+    context.action = [&context, options] { return run(context, *options); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

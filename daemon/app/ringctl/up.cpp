@@ -1,0 +1,120 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "app/ringctl/commands.h"
+#include "app/ringctl/daemons.h"
+#include "app/ringctl/lock_files.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
+#include "app/ringctl/ring_watch.h"
+#include "limb_ring/ring_directory.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kTick{50};
+constexpr milliseconds kGrace{3000};
+
+struct Options {
+  UpRequest request;
+  bool detach = false;
+  double timeout_s = 10;
+
+  Daemons::Mode mode() const {
+    return detach ? Daemons::Mode::detached : Daemons::Mode::foreground;
+  }
+};
+
+void require_not_running(const std::string& ring) {
+  if (held_nodes(ring_directory(ring)).empty()) return;
+  throw NotDone("ring " + ring + " is running already; 'ringctl down " + ring + "' ends it");
+}
+
+/// Waits until the ring is closed. @return why it is not; empty where it is
+std::string wait_until_closed(const RingPlan& plan, Daemons& daemons, SignalWait& signals,
+                              double timeout_s) {
+  const auto deadline = steady_clock::now() + milliseconds(static_cast<int>(timeout_s * 1000));
+  RingWatch watch(plan);
+  Progress progress;
+  for (;;) {
+    const std::string lack = watch.not_ready();
+    daemons.reap();
+    if (const Daemon* dead = daemons.first_ended()) return dead->obituary();
+    if (lack.empty()) return {};
+    if (steady_clock::now() >= deadline)
+      return "not closed within " + std::to_string(static_cast<int>(timeout_s)) + " s; " + lack;
+    if (SignalWait::asks_to_end(signals.next(kTick))) return "interrupted";
+    progress.tell("waiting for " + lack);
+  }
+}
+
+void announce(const RingPlan& plan) {
+  std::cout << "ring " << plan.ring << " is closed: " << plan.nodes.size() << " nodes up"
+            << std::endl;
+}
+
+void tell_ended(Daemons& daemons) {
+  for (const Daemon* daemon : daemons.reap())
+    if (!daemon->ended->clean) std::cerr << "ringctl: " << daemon->obituary() << std::endl;
+}
+
+/// Until a signal, or until all daemons have ended by themselves (ringctl down).
+int stay(Daemons& daemons, SignalWait& signals) {
+  while (daemons.any_running()) {
+    if (SignalWait::asks_to_end(signals.next(milliseconds(1000)))) {
+      daemons.end(signals, kGrace);
+      return kDone;
+    }
+    tell_ended(daemons);
+  }
+  const bool clean = std::all_of(daemons.all().begin(), daemons.all().end(),
+                                 [](const Daemon& daemon) { return daemon.ended->clean; });
+  return clean ? kDone : kNotDone;
+}
+
+int run(const Options& options) {
+  const RingPlan plan = plan_ring(options.request);
+  require_not_running(plan.ring);
+  SignalWait signals;
+  Daemons daemons(plan, options.mode());
+  const std::string problem = wait_until_closed(plan, daemons, signals, options.timeout_s);
+  if (!problem.empty()) {
+    daemons.end(signals, kGrace);
+    throw NotDone("ring " + plan.ring + ": " + problem);
+  }
+  announce(plan);
+  return options.detach ? kDone : stay(daemons, signals);
+}
+
+}  // namespace
+
+void add_up(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  UpRequest& request = options->request;
+  CLI::App* command = add_command(
+      app, "up", "Start a ring, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
+  command->add_option("CONFIG", request.config, "YAML file of the ring");
+  command->add_option("--nodes", request.nodes,
+                      "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255")
+      ->check(CLI::Range(2, 255));
+  command->add_option("--transport", request.transport, "unix or udp, whatever CONFIG says")
+      ->check(CLI::IsMember({"unix", "udp"}));
+  command->add_flag("--detach", options->detach,
+                    "Return when the ring is closed; its daemons go on, each with a log file "
+                    "NODE.log in the ring's folder");
+  command->add_option("--timeout", options->timeout_s,
+                      "Seconds until the ring must be closed, 0.1 to 600; default 10")
+      ->check(CLI::Range(0.1, 600.0));
+  command->callback([&context, options] {
+    options->request.ring = context.ring;
+    context.action = [options] { return run(*options); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,128 @@
+// What ringctl says to wrong command lines, before it looks for any daemon.
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "app/ringctl/command_line.h"
+#include "app/ringctl/own_folder.h"
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct Said {
+  int code = -1;
+  std::string text;
+};
+
+Said ringctl(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "ringctl");
+  std::vector<char*> argv;
+  for (auto& argument : arguments) argv.push_back(argument.data());
+  ::testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
+  const std::string out = ::testing::internal::GetCapturedStdout();
+  return {code, out + ::testing::internal::GetCapturedStderr()};
+}
+
+using Usage = OwnFolder;
+
+TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
+  for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop",
+                              "reset", "ping", "observe"}) {
+    const Said said = ringctl({command, "--help"});
+    EXPECT_EQ(said.code, kDone) << command;
+    EXPECT_THAT(said.text, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
+  }
+}
+
+TEST_F(Usage, NoSubcommandIsRefused) { EXPECT_EQ(ringctl({}).code, kUsage); }
+
+TEST_F(Usage, UnknownSubcommandIsRefused) { EXPECT_EQ(ringctl({"fly"}).code, kUsage); }
+
+TEST_F(Usage, SizesOutsideAPacketAreRefusedWithTheRange) {
+  for (const char* size : {"0", "513", "-1", "many"}) {
+    const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", size});
+    EXPECT_EQ(said.code, kUsage) << size;
+    EXPECT_THAT(said.text, AllOf(HasSubstr("--size"), HasSubstr("1"), HasSubstr("512"))) << size;
+    EXPECT_EQ(ringctl({"ping", "--from", "0", "--to", "1", "--size", size}).code, kUsage);
+  }
+}
+
+TEST_F(Usage, BadPriorityIsRefusedWithTheRange) {
+  const Said said =
+      ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--priority", "4"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.text, AllOf(HasSubstr("--priority"), HasSubstr("4"), HasSubstr("3")));
+}
+
+TEST_F(Usage, ChannelOfTheNetworkControllersIsRefused) {
+  const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "1"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.text, HasSubstr("network controllers"));
+}
+
+TEST_F(Usage, SendNeedsExactlyOneKindOfData) {
+  EXPECT_EQ(ringctl({"send", "--from", "0", "--to", "1"}).code, kUsage);
+  EXPECT_EQ(ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--data", "x"}).code,
+            kUsage);
+}
+
+TEST_F(Usage, TooLongATextIsRefusedWithTheRange) {
+  const Said said = ringctl({"send", "--from", "0", "--to", "1", "--data", std::string(513, 'x')});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.text, AllOf(HasSubstr("513 bytes"), HasSubstr("1 to 512")));
+}
+
+TEST_F(Usage, BadHexadecimalDigitIsNamed) {
+  const Said said = ringctl({"send", "--from", "0", "--to", "1", "--hex", "0xfg"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.text, HasSubstr("'g' at position 4"));
+}
+
+TEST_F(Usage, FactorsAndInputsEndAtSeven) {
+  EXPECT_EQ(ringctl({"interrupt", "--from", "0", "--to", "1", "8"}).code, kUsage);
+  EXPECT_EQ(ringctl({"pull", "0", "8"}).code, kUsage);
+}
+
+TEST_F(Usage, WhereNoRingRunsThatIsSaid) {
+  const Said said = ringctl({"status"});
+  EXPECT_EQ(said.code, kNoRing);
+  EXPECT_THAT(said.text, AllOf(HasSubstr("no ring is running"), HasSubstr(folder)));
+}
+
+TEST_F(Usage, RingThatDoesNotRunIsNamed) {
+  for (const char* command : {"status", "sync", "stop", "down"}) {
+    const Said said = ringctl({command, "--ring", "legs"});
+    EXPECT_EQ(said.code, kNoRing) << command;
+    EXPECT_THAT(said.text, HasSubstr("ring legs")) << command;
+  }
+}
+
+TEST_F(Usage, RingNameThatIsNoneIsRefused) {
+  EXPECT_EQ(ringctl({"--ring", "../etc", "status"}).code, kUsage);
+  EXPECT_EQ(ringctl({"up", "--nodes", "2", "--ring", "a/b"}).code, kUsage);
+}
+
+TEST_F(Usage, UpRefusesABrokenFileBeforeAnythingStarts) {
+  const std::string file = write("broken.yaml", "ring: r\nnodes: [{id: 999, name: a}, {id: 1, name: b}]\n");
+  const Said said = ringctl({"up", file});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.text, AllOf(HasSubstr(file), HasSubstr("999")));
+  EXPECT_FALSE(std::filesystem::exists(folder + "/limb_ring"));
+}
+
+TEST_F(Usage, UpNeedsAFileOrANumberOfNodes) {
+  EXPECT_EQ(ringctl({"up"}).code, kUsage);
+  EXPECT_EQ(ringctl({"up", "ring.yaml", "--nodes", "4"}).code, kUsage);
+  EXPECT_EQ(ringctl({"up", "--nodes", "1"}).code, kUsage);
+  EXPECT_EQ(ringctl({"up", "--nodes", "4", "--transport", "smoke"}).code, kUsage);
+}
+
+}  // namespace
+}  // namespace limb_ring::ringctl
