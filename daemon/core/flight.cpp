@@ -24,7 +24,7 @@ wire::ByteView Flight::launch(Time now, Duration timeout) {
   const std::size_t covered = size_ - wire::kCrcSize;
   wire::store_u32(bytes_.data() + covered, wire::crc32({bytes_.data(), covered}));
   phase_ = Phase::out;
-  since_ = now;
+  since_ = sent_at_ = now;
   deadline_ = now + timeout;
   return image();
 }

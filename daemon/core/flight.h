@@ -20,7 +20,7 @@ class Flight {
   bool idle() const { return phase_ == Phase::idle; }
   Time waiting_since() const { return since_; }
   Time deadline() const { return phase_ == Phase::out ? deadline_ : kNever; }
-  Time sent_at() const { return since_; }
+  Time sent_at() const { return sent_at_; }
   wire::ByteView image() const { return {bytes_.data(), size_}; }
   wire::NodeId destination() const { return bytes_[size_ - 6]; }
 
@@ -40,6 +40,7 @@ class Flight {
   Phase phase_ = Phase::idle;
   wire::Code code_;
   Time since_{};
+  Time sent_at_{};  ///< first byte of the last try
   Time deadline_{};
   std::size_t size_ = 0;
   std::array<std::uint8_t, wire::kMaxDataPacketSize> bytes_{};
