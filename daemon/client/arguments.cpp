@@ -23,7 +23,7 @@ std::optional<std::string> send_problem(std::size_t size, std::uint8_t priority,
   }
   if (channel >= kChannels) return "channel " + std::to_string(channel) + ": allowed are 0 to 63";
   if (channel == kControlChannel) {
-    return std::string("channel 1: it belongs to the network controllers; allowed are 0 and 2 to 63");
+    return std::string("channel 1 is the network controllers' own: allowed are 0 and 2 to 63");
   }
   return std::nullopt;
 }

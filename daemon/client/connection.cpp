@@ -10,7 +10,9 @@ namespace limb_ring::client {
 namespace {
 
 constexpr std::chrono::seconds kWriteDeadline{5};
-constexpr std::chrono::milliseconds kMaxAlivePeriod{24 * 3600 * 1000};
+using Milliseconds = std::chrono::milliseconds;
+constexpr Milliseconds kMaxAlivePeriod{24 * 3600 * 1000};
+constexpr const char* kUnreceived = "65536 messages were left without receive()";
 constexpr const char* kDaemonGone = "the daemon has closed the connection";
 
 }  // namespace
@@ -19,7 +21,7 @@ Connection::Connection(UnixSocket socket, const ConnectOptions& options)
     : socket_(std::move(socket)),
       role_(options.role),
       restarted_by_owner_(options.restarted_by_owner),
-      alive_period_(std::clamp(options.alive_period, std::chrono::milliseconds{0}, kMaxAlivePeriod)),
+      alive_period_(std::clamp(options.alive_period, Milliseconds{0}, kMaxAlivePeriod)),
       last_written_(Clock::now()) {}
 
 Connection::Handshake Connection::greet(const std::string& wanted_ring,
@@ -39,6 +41,7 @@ Connection::Handshake Connection::greet(const std::string& wanted_ring,
 }
 
 std::uint32_t Connection::begin(Pending::Ends ends) {
+  if (inbox_.full()) lose(kUnreceived);
   const std::uint32_t token = pending_.add(ends);
   if (!connected_) pending_.cancel_all(reason_, inbox_);
   return token;
@@ -81,7 +84,7 @@ void Connection::wait_readable(Clock::time_point deadline) {
 
 void Connection::read() {
   if (!connected_) return;
-  if (inbox_.full()) return lose("65536 messages were left without receive()");
+  if (inbox_.full()) return lose(kUnreceived);
   const auto status = socket_.read(in_);
   take_frames();
   if (status == UnixSocket::Status::closed) lose(kDaemonGone);

@@ -42,7 +42,9 @@ std::string only_running_ring(Clock::time_point deadline) {
     rings = running_rings();
   }
   if (rings.size() == 1) return rings.front();
-  if (rings.empty()) throw HostPortError("no ring is running (looked in " + rings_directory() + ")");
+  if (rings.empty()) {
+    throw HostPortError("no ring is running (looked in " + rings_directory() + ")");
+  }
   throw HostPortError("several rings are running: " + joined(rings) +
                       "; name one (option ring, or LIMB_RING_RING)");
 }

@@ -88,7 +88,8 @@ class HostServer final : private SessionOwner {
   SessionPtr cpu_;
   ClientId last_id_ = 0;
   HostCounters counters_;
-  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);  ///< false for handlers posted earlier
+  /// False once closed: what was posted before must not call the handler then.
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 
 }  // namespace limb_ring::host

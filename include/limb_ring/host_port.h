@@ -103,7 +103,8 @@ struct ConnectOptions {
 /// The door between a node's network controller (ringd) and the programs beside it.
 ///
 /// One thread; nothing is called back. Sends return at once with a token; the Result with that
-/// token comes out of receive(). Writing waits while the daemon's socket is full.
+/// token comes out of receive(). Writing waits while the daemon's socket is full, for 5 s at most:
+/// then the connection ends. It ends as well where 65536 messages are left without receive().
 class HostPort {
  public:
   /// @throw HostPortError
@@ -133,10 +134,14 @@ class HostPort {
   std::uint32_t request(const std::string& json);
   /// From now on, what passes this node comes as Observed: {"kinds": [...]} as in requests.md.
   void observe(const std::string& json_filter);
-  /// Says that the CPU is alive (any other call does so too).
+  /// Says that the CPU is alive (any other call that sends, receives or waits does so too; one
+  /// that is itself waiting does not).
   void alive();
 
-  /// The next message, waiting up to `timeout`; nothing where none came.
+  /// The next message, waiting up to `timeout`; nothing where none came, or after Disconnected.
+  /// Interrupts come first, then in order of arrival; a packet's turn goes to the one of highest
+  /// priority that is here. A CPU is given at most 8 packets ahead of receive(): further ones wait
+  /// in the network controller, which refuses more when its receive buffers are full.
   std::optional<Message> receive(std::chrono::milliseconds timeout);
   /// The Reply to a request, waiting up to `timeout`; other messages stay for receive().
   /// @throw HostPortError on time-out, lost connection, or a reply holding "error".

@@ -26,7 +26,8 @@ std::vector<std::string> running_rings();
 
 /// Path of a node's socket: `DIRECTORY/NODE.host` and the like; NODE is an id or a name (ringd
 /// links the name to the id).
-/// @throw std::invalid_argument where the path is too long for a UNIX socket (107 bytes), saying so.
+/// @throw std::invalid_argument where the path is too long for a UNIX socket (107 bytes), or
+///        NODE is no name (as a ring's), saying so.
 std::string socket_path(const std::string& directory, const std::string& node, const char* kind);
 
 }  // namespace limb_ring
