@@ -1,5 +1,6 @@
-# Everything a user gets. Programs lie where roslaunch and rosrun look for a package's own.
-foreach(program ringd ringctl limb_firmware ring_sim ring_bridge echo_cpu)
+# What a user gets, beside the programs whose own folders install them. Programs lie where
+# roslaunch and rosrun look for a package's own.
+foreach(program ringd ring_sim echo_cpu)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION ${LIMB_RING_BIN})
   endif()
