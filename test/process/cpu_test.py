@@ -1,0 +1,167 @@
+"""A node's CPU: reset whatever state it is in, restarted, never left behind."""
+
+import os
+import signal
+
+import host_port
+import ring_process
+from ring_process import RingTest, is_gone, plain_nodes, process_state
+
+
+def limb_at(node, count=3):
+    nodes = plain_nodes(count)
+    nodes[node]['cpu'] = {'command': ['limb_firmware']}
+    return nodes
+
+
+class Reset(RingTest):
+    def hang(self, node):
+        pid = self.wait_cpu(node, 'running')['pid']
+        os.kill(pid, signal.SIGSTOP)
+        self.wait('CPU stopped', lambda: process_state(pid) == 'T')
+        return pid
+
+    def test_hung_cpu_is_reset_while_others_lose_nothing(self):
+        self.start_ring(limb_at(1))
+        old = self.hang(1)
+        silent = self.wait_cpu(1, 'silent')
+        ping = self.port(0)
+        run = ping.request({'do': 'ping', 'to': 2, 'count': 3000, 'interval_us': 200})
+        reset = self.ctl_json('reset', 'node1', '--from', 2, '--timeout', 30)
+        self.assertTrue(reset['success'], reset)
+        self.assertEqual(reset['boots'], silent['boots'] + 1)
+        cpu = self.wait_cpu(1, 'running')
+        self.assertNotEqual(cpu['pid'], old)
+        self.assertEqual(cpu['boots'], silent['boots'] + 1)
+        self.assertTrue(is_gone(old))
+        done = ping.next_of(host_port.REPLY, timeout=ring_process.GUARD)
+        self.assertEqual(done[0], run)
+        self.assertEqual((done[1]['sent'], done[1]['delivered']), (3000, 3000))
+
+    def test_interrupt_packet_alone_resets_a_hung_cpu(self):
+        self.start_ring(limb_at(2))
+        boots, old = self.wait_cpu(2, 'running')['boots'], self.hang(2)
+        self.ctl_json('interrupt', '--from', 0, '--to', 'node2', 0)
+        self.wait('a new CPU', lambda: self.row(2)['cpu']['boots'] == boots + 1)
+        self.assertNotEqual(self.row(2)['cpu']['pid'], old)
+
+    def test_reset_of_a_node_itself_goes_round(self):
+        self.start_ring(limb_at(0))
+        self.wait_cpu(0, 'running')
+        self.assertTrue(self.ctl_json('reset', 0, '--from', 0, '--timeout', 30)['success'])
+
+    def test_attached_cpu_that_nobody_restarts_is_said_so(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes)
+        cpu = self.start('cpu', [ring_process.program('echo_cpu'), self.ring, '1'])
+        self.wait_cpu(1, 'running')
+        self.wait('beacon of the CPU', lambda: any(
+            peer['id'] == 1 and peer['cpu_state'] == 'running' for peer in self.row(0)['heard']))
+        reset = self.ctl_json('reset', 1, '--from', 0, code=1)
+        self.assertIn('nobody restarts it', reset['message'])
+        self.assertEqual(self.wait_exit(cpu), -signal.SIGKILL)
+
+    def test_reset_clears_what_waited_for_the_old_cpu(self):
+        self.start_ring(limb_at(1), limits={'receive_buffers': 4})
+        self.hang(1)
+        port = self.port(0)
+        taken = [port.result(port.send(1, b'stale'))['outcome'] for _ in range(12)]
+        self.assertEqual(taken, ['delivered'] * 12)  # 8 in the CPU's socket, 4 in the buffers
+        self.assertTrue(self.ctl_json('reset', 1, '--from', 0, '--timeout', 30)['success'])
+        row = self.row(1)
+        self.assertEqual(row['counters']['flushed_on_reset'], 4)
+        self.assertEqual(row['waiting'], 0)
+
+
+class Children(RingTest):
+    def test_child_that_exits_is_restarted(self):
+        self.start_ring(limb_at(1))
+        first = self.wait_cpu(1, 'running')
+        self.ctl_json('send', '--from', 0, '--to', 1, '--data', 'exit 7')
+        cpu = self.wait('a second boot', lambda: (lambda c: c['boots'] == 2 and c)(self.row(1)['cpu']))
+        self.assertNotEqual(cpu['pid'], first['pid'])
+        self.assertEqual(cpu['exits'], 1)
+        self.assertIn('7', cpu['last_exit'])
+
+    def test_child_that_must_not_be_restarted_stays_failed(self):
+        nodes = limb_at(1)
+        nodes[1]['cpu']['restart_on_exit'] = False
+        self.start_ring(nodes)
+        self.wait_cpu(1, 'running')
+        self.ctl_json('send', '--from', 0, '--to', 1, '--data', 'exit 3')
+        self.assertEqual(self.wait_cpu(1, 'failed')['boots'], 1)
+        self.assertTrue(self.ctl_json('reset', 1, '--timeout', 30)['success'])
+
+    def test_children_die_with_a_daemon_that_is_killed(self):
+        for stopped in (False, True):
+            with self.subTest(stopped=stopped):
+                self.ring += 'k'
+                daemons = self.start_ring(limb_at(1))
+                pid = self.wait_cpu(1, 'running')['pid']
+                if stopped:
+                    os.kill(pid, signal.SIGSTOP)
+                    self.wait('CPU stopped', lambda: process_state(pid) == 'T')
+                daemons[1].kill()
+                self.wait('CPU gone', lambda: is_gone(pid))
+
+    def test_children_die_with_a_daemon_that_is_ended(self):
+        daemons = self.start_ring(limb_at(1))
+        pid = self.wait_cpu(1, 'running')['pid']
+        os.kill(pid, signal.SIGSTOP)
+        self.wait('CPU stopped', lambda: process_state(pid) == 'T')
+        daemons[1].terminate()
+        self.assertEqual(self.wait_exit(daemons[1]), 0)
+        self.assertTrue(is_gone(pid))
+
+    def test_unknown_program_fails_with_the_reason_and_the_relay_goes_on(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = {'command': ['no_such_program', '--at', 'all']}
+        self.start_ring(nodes)
+        cpu = self.wait_cpu(1, 'failed')
+        self.assertIn("no program 'no_such_program'", cpu['last_exit'])
+        self.assertEqual(self.ctl_json('ping', '--from', 0, '--to', 2)['delivered'], 10)
+        reset = self.ctl_json('reset', 1, '--timeout', 0.5, code=1)
+        self.assertFalse(reset['success'])
+
+    def test_program_that_never_attaches_counts_as_failed_boots(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = {'command': ['sleep', '1000']}
+        self.start_ring(nodes, timeouts={'cpu_boot': '50ms'})
+        self.wait('two failed boots', lambda: self.row(1)['cpu']['failed_boots'] >= 2)
+        self.assertIn('did not attach', self.row(1)['cpu']['last_exit'])
+
+
+class Presence(RingTest):
+    def test_absent_cpu_refuses(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes, timeouts={'refused': '50ms'})
+        self.assertEqual(self.row(1)['cpu']['state'], 'absent')
+        sent = self.ctl_json('send', '--from', 0, '--to', 1, '--size', 8, code=1)
+        self.assertEqual(sent['results'][0]['outcome'], 'refused')
+        self.assertGreater(self.counters(1)['refused_cpu_absent'], 1)
+
+    def test_node_without_cpu_reads_and_counts(self):
+        self.start_ring(plain_nodes(2))
+        before = self.row(1)
+        self.assertEqual(before['cpu']['state'], 'none')
+        self.ctl_json('send', '--from', 0, '--to', 1, '--size', 512, '--count', 100)
+        after = self.row(1)
+        self.assertEqual(after['received'] - before['received'], 100)
+        self.assertEqual(after['waiting'], 0)
+
+    def test_second_cpu_is_refused_and_the_first_goes_on(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes)
+        cpu = self.port(1, role=host_port.CPU)
+        with self.assertRaises(ConnectionRefusedError) as refused:
+            self.port(1, role=host_port.CPU)
+        self.assertIn('CPU', str(refused.exception))
+        self.ctl_json('send', '--from', 0, '--to', 1, '--data', 'still here')
+        self.assertEqual(cpu.next_of(host_port.PACKET)['data'], b'still here')
+
+
+if __name__ == '__main__':
+    ring_process.main()

@@ -1,0 +1,79 @@
+"""The ring's folder: private, possible, tidy."""
+
+import os
+import stat
+
+import ring_process
+from ring_process import RingTest, plain_nodes
+
+
+class Folder(RingTest):
+    def make_ring_folder(self):
+        for folder in (os.path.dirname(self.ring_folder()), self.ring_folder()):
+            os.makedirs(folder, 0o700, exist_ok=True)
+
+    def assert_cannot_run(self, *expected):
+        config = self.write_ring(plain_nodes(2))
+        ended = self.run_ringd('--config', config, '--node', 0)
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        for part in expected:
+            self.assertIn(part, ended.stderr)
+
+    def test_is_private(self):
+        self.start_ring(plain_nodes(2))
+        for folder in (os.path.dirname(self.ring_folder()), self.ring_folder()):
+            self.assertEqual(stat.S_IMODE(os.stat(folder).st_mode), 0o700)
+        self.assertEqual(stat.S_IMODE(os.stat(self.socket_of(0)).st_mode), 0o600)
+
+    def test_open_to_others_is_refused(self):
+        self.make_ring_folder()
+        os.chmod(self.ring_folder(), 0o755)
+        self.assert_cannot_run(self.ring_folder(), '0700')
+
+    def test_link_in_its_place_is_refused(self):
+        os.makedirs(os.path.join(self.folder, 'elsewhere'), 0o700)
+        os.makedirs(os.path.dirname(self.ring_folder()), 0o700)
+        os.symlink(os.path.join(self.folder, 'elsewhere'), self.ring_folder())
+        self.assert_cannot_run(self.ring_folder(), 'symbolic link')
+
+    def test_that_cannot_be_made_is_named(self):
+        self.environment['XDG_RUNTIME_DIR'] = self.write('a_file', '')
+        self.assert_cannot_run('a_file')
+        self.environment['XDG_RUNTIME_DIR'] = os.path.join(self.folder, 'missing')
+        self.assert_cannot_run('missing')
+
+    def test_too_long_for_a_socket_is_refused(self):
+        deep = os.path.join(self.folder, 'd' * 60)
+        os.makedirs(deep, 0o700)
+        self.environment['XDG_RUNTIME_DIR'] = deep
+        self.ring = 'r' * 32
+        self.assert_cannot_run('107', deep)
+        up = self.ctl('up', os.path.join(self.folder, 'ring.yaml'), '--detach')
+        self.assertEqual(up.returncode, 2)
+        self.assertIn('107', up.stderr)
+
+    def test_something_else_at_a_sockets_place_is_not_removed(self):
+        for kind in ('host', 'link'):
+            with self.subTest(kind=kind):
+                self.ring += 's'
+                self.make_ring_folder()
+                with open(self.socket_of(0, kind), 'w') as file:
+                    file.write('precious')
+                self.assert_cannot_run(self.socket_of(0, kind))
+                self.assertTrue(os.path.isfile(self.socket_of(0, kind)))
+
+    def test_without_runtime_folder_one_of_ones_own_below_the_temporary_one(self):
+        del self.environment['XDG_RUNTIME_DIR']
+        self.environment['TMPDIR'] = self.folder
+        self.runtime = self.folder
+        config = self.write_ring(plain_nodes(2))
+        for node in range(2):
+            self.ringd(config, node)
+        folder = os.path.join(self.folder, 'limb_ring-%d' % os.geteuid())
+        os.symlink(folder, os.path.join(self.folder, 'limb_ring'))
+        self.wait_closed([0, 1])
+        self.assertEqual(stat.S_IMODE(os.stat(folder).st_mode), 0o700)
+
+
+if __name__ == '__main__':
+    ring_process.main()

@@ -1,0 +1,117 @@
+"""Tools at a host port: own results, observers, status, shutdown."""
+
+import os
+
+import host_port
+import ring_process
+from ring_process import RingTest, plain_nodes
+
+
+class Tools(RingTest):
+    def test_each_client_gets_its_own_results(self):
+        self.start_ring(plain_nodes(3))
+        clients = [self.port(0) for _ in range(5)]  # 50 sends: the queue holds 64
+        tokens = [[client.send(1 + i % 2, b'%d' % i) for i in range(8 + c)]
+                  for c, client in enumerate(clients)]
+        for client, sent in zip(clients, tokens):
+            results = [client.result() for _ in sent]
+            self.assertEqual([r['token'] for r in results], sent)
+            self.assertEqual({r['outcome'] for r in results}, {'delivered'})
+            with self.assertRaises(TimeoutError):
+                client.receive(timeout=0.05)
+
+    def test_client_that_leaves_takes_its_sends_along(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = 'attached'  # absent: refuses, so sends wait
+        self.start_ring(nodes, timeouts={'refused': '60s', 'queue': '60s'})
+        leaving = self.port(0)
+        for _ in range(30):
+            leaving.send(1, b'never')
+        self.wait('refusals', lambda: self.counters(0)['refusals'] > 0)
+        leaving.close()
+        self.wait('cancelled', lambda: self.counters(0)['ended_cancelled'] == 30)
+
+    def test_full_send_queue_rejects_with_the_reason(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes, limits={'send_queue': 4}, timeouts={'refused': '60s', 'queue': '60s'})
+        port = self.port(0)
+        for _ in range(10):
+            port.send(1, b'full')
+        result = port.result()
+        self.assertEqual(result['outcome'], 'rejected')
+        self.assertIn('queue', result['reason'])
+
+    def test_observer_sees_what_happens(self):
+        nodes = plain_nodes(3)
+        nodes[1].update(cpu='attached', pins={'3': 'notify'})
+        daemons = self.start_ring(nodes)
+        observer = self.port(1)
+        observer.observe('pin', 'state', 'link', 'cpu')
+        observer.ask({'do': 'latch'})  # answered after it has become one
+        self.ctl_json('interrupt', '--from', 0, '--to', 1, 3)
+        seen = observer.next_of(host_port.OBSERVED)
+        self.assertEqual((seen['kind'], seen['factor'], seen['source']), ('pin', 3, 0))
+        cpu = self.port(1, role=host_port.CPU)
+        self.assertEqual(observer.next_of(host_port.OBSERVED)['state'], 'running')
+        daemons[2].kill()
+        self.assertEqual(observer.next_of(host_port.OBSERVED)['kind'], 'link')
+        cpu.close()
+
+    def test_observer_with_a_wrong_filter_is_told(self):
+        self.start_ring(plain_nodes(2))
+        observer = self.port(0)
+        observer.observe('weather')
+        self.assertIn('weather', observer.next_of(host_port.OBSERVED)['error'])
+
+    def test_status_holds_what_is_promised(self):
+        daemons = self.start_ring(plain_nodes(3))
+        daemons[2].kill()
+        self.wait_closed([0, 1])
+        status = self.ctl_json('status')
+        self.assertEqual(status['ring'], self.ring)
+        self.assertEqual([(n['id'], n['name'], n['state']) for n in status['nodes']],
+                         [(0, 'node0', 'up'), (1, 'node1', 'up'), (2, 'node2', 'down')])
+        row = status['nodes'][1]
+        self.assertEqual((row['pid'], row['ring_size']), (daemons[1].pid, 2))
+        self.assertLessEqual({'pid', 'boots', 'state'}, set(row['cpu']))
+        self.assertLessEqual({'p50', 'p99', 'max'}, set(row['round_trip_us']))
+        self.assertGreater(row['counters']['relayed_data'], 0)
+
+    def test_shutdown_ends_the_daemon_cleanly(self):
+        daemons = self.start_ring(plain_nodes(2))
+        self.assertEqual(self.port(1).ask({'do': 'shutdown'}), {})
+        self.assertEqual(self.wait_exit(daemons[1]), 0)
+        self.assertFalse(os.path.exists(self.socket_of(1)))
+
+    def test_sends_under_way_end_when_the_daemon_goes(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = 'attached'
+        daemons = self.start_ring(nodes, timeouts={'refused': '60s', 'queue': '60s'})
+        port = self.port(0)
+        port.send(1, b'waits')
+        daemons[0].terminate()
+        with self.assertRaises(ConnectionError):
+            while True:
+                port.receive()
+        self.assertEqual(self.wait_exit(daemons[0]), 0)
+
+    def test_packet_to_oneself_and_packet_to_all(self):
+        nodes = plain_nodes(3)
+        for node in nodes:
+            node['cpu'] = 'attached'
+        self.start_ring(nodes)
+        cpus = [self.port(node, role=host_port.CPU) for node in range(3)]
+        own = cpus[0].send(0, b'to me', priority=1, channel=5)
+        self.assertEqual(cpus[0].result(own)['outcome'], 'delivered')
+        self.assertEqual(cpus[0].next_of(host_port.PACKET),
+                         {'source': 0, 'destination': 0, 'priority': 1, 'channel': 5, 'data': b'to me'})
+        cpus[0].send(host_port.BROADCAST, b'to all')
+        for cpu in cpus[1:]:
+            self.assertEqual(cpu.next_of(host_port.PACKET)['data'], b'to all')
+        with self.assertRaises(TimeoutError):
+            cpus[0].next_of(host_port.PACKET, timeout=0.05)  # not received by its source
+
+
+if __name__ == '__main__':
+    ring_process.main()

@@ -1,0 +1,90 @@
+"""UNIX and UDP links, in any mix, and a line slow enough to see who overtakes whom."""
+
+import json
+import os
+
+import ring_process
+from ring_process import RingTest, free_udp_ports, plain_nodes
+
+
+class Transport(RingTest):
+    def assert_carries(self, count):
+        for node in range(count):
+            ping = self.ctl_json('ping', '--from', node, '--to', (node + 2) % count, '--count', 100)
+            self.assertEqual(ping['delivered'], 100)
+
+    def test_unix_and_udp_links_in_one_ring(self):
+        ports = free_udp_ports(4)
+        nodes = plain_nodes(4)
+        for node in (1, 2):
+            nodes[node]['link'] = {'transport': 'udp', 'port': ports + node}
+        daemons = self.start_ring(nodes)
+        self.assert_carries(4)
+        self.assertGreater(self.counters(1)['input_datagrams'], 0)
+        self.assertEqual(self.counters(3)['input_datagrams'], 0)
+        daemons[2].kill()  # now the UDP sender goes on over UNIX
+        self.wait_closed([0, 1, 3])
+        self.ringd(os.path.join(self.folder, 'ring.yaml'), 2)
+        self.wait_closed(range(4))
+        self.assert_carries(4)
+
+    def test_udp_ring_with_a_kill_and_a_return(self):
+        daemons = self.start_ring(plain_nodes(4), links={'transport': 'udp', 'port': free_udp_ports(4)})
+        self.assert_carries(4)
+        daemons[1].kill()
+        self.wait_closed([0, 2, 3])
+        self.ringd(os.path.join(self.folder, 'ring.yaml'), 1)
+        self.wait_closed(range(4))
+        self.assert_carries(4)
+
+    def test_transport_by_argument(self):
+        config = self.write_ring(plain_nodes(2), links={'port': free_udp_ports(2)})
+        for node in range(2):
+            self.ringd(config, node, '--transport', 'udp')
+        self.wait_closed([0, 1])
+        self.assertGreater(self.counters(0)['input_datagrams'], 0)
+
+    def test_udp_port_that_is_taken_is_named(self):
+        port = free_udp_ports(2)
+        self.start_ring(plain_nodes(2), links={'transport': 'udp', 'port': port})
+        path = self.write('other.yaml', json.dumps({
+            'ring': self.ring + 'b', 'nodes': plain_nodes(2), 'links': {'transport': 'udp', 'port': port}}))
+        second = self.run_ringd('--config', path, '--node', 1)
+        self.assertEqual(second.returncode, 1)
+        self.assertIn(str(port + 1), second.stderr)
+
+
+class SlowLine(RingTest):
+    def setUp(self):
+        super().setUp()
+        config = os.path.join(ring_process.CONFIG, 'slow_line.yaml')
+        for node in range(4):
+            self.ringd(config, node, '--ring', self.ring)
+        self.wait_closed(range(4))
+
+    def test_interrupt_sent_after_a_large_packet_ends_before_it(self):
+        port = self.port(0)
+        for _ in range(10):
+            data = port.send(2, bytes(512))
+            interrupt = port.interrupt(2, 2)
+            self.assertEqual([port.result()['token'], port.result()['token']], [interrupt, data])
+        self.assertGreater(self.counters(0)['embedded_interrupts'], 0)
+
+    def test_interrupt_overtakes_the_data_of_others(self):
+        sender, other = self.port(3), self.port(0)
+        data = [sender.send(2, bytes(512)) for _ in range(20)]
+        interrupt = other.interrupt(2, 2)
+        self.assertEqual(other.result(interrupt)['outcome'], 'delivered')
+        self.assertEqual([sender.result(t)['outcome'] for t in data], ['delivered'] * 20)
+
+    def test_higher_priority_ends_first(self):
+        port = self.port(0)
+        tokens = [port.send(2, bytes(512), priority=3) for _ in range(6)]
+        urgent = port.send(2, b'urgent', priority=0)
+        order = [port.result()['token'] for _ in range(7)]
+        self.assertLess(order.index(urgent), order.index(tokens[2]))
+        self.assertEqual([t for t in order if t != urgent], tokens)
+
+
+if __name__ == '__main__':
+    ring_process.main()
