@@ -75,7 +75,7 @@ void Requests::ping(const Json& request, const Answer& answer) {
   TrafficOrder order;
   order.to = node_in(node_.ring(), request, "to").id;
   order.count = number_in(request, "count", 10, 1, Traffic::kMostPackets);
-  order.size = number_in(request, "size", 512, 4, wire::kMaxPayload);
+  order.size = number_in(request, "size", 512, 1, wire::kMaxPayload);
   order.priority = static_cast<std::uint8_t>(number_in(request, "priority", 2, 0, 3));
   order.interval = std::chrono::microseconds(number_in(request, "interval_us", 0, 0, 10'000'000));
   order.deadline = std::chrono::milliseconds(number_in(request, "deadline_ms", 60'000, 1, 3'600'000));
