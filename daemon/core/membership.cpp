@@ -118,8 +118,7 @@ void Membership::hello_ended(const SendEnded& ended, Time now) {
 
 void Membership::joined(Time now) {
   renumbering_ = false;
-  receive_.forget(settings_.id);
-  pins_.forget(settings_.id);
+  forget(settings_.id);
   receive_.set_joining(false);
   transmit_.set_gate(Gate::open);
   if (state_ != NodeState::open_chain) enter(ring_size_ == 1 ? NodeState::alone : NodeState::up, now);
@@ -185,17 +184,30 @@ void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now
 // ---- the others ---------------------------------------------------------------------------
 
 void Membership::heard(const wire::PacketFields& packet, Time now) {
-  const NodeId source = packet.source();
-  if (const auto hello = wire::decode_hello(packet.data())) {
-    if (!peers_.heard_hello(source, packet.hop(), *hello, now)) return;
-    receive_.forget(source);
-    pins_.forget(source);
-  } else if (const auto beacon = wire::decode_beacon(packet.data())) {
-    if (peers_.heard_beacon(source, packet.hop(), *beacon, now)) events_.put(now, PeerChanged{source});
-    if (beacon->break_known && beacon->break_behind == source) hear_break(*beacon, now);
-  } else {
+  if (const auto hello = wire::decode_hello(packet.data()))
+    heard_hello(packet, *hello, now);
+  else if (const auto beacon = wire::decode_beacon(packet.data()))
+    heard_beacon(packet, *beacon, now);
+  else
     ++counters_.control_malformed;
-  }
+}
+
+void Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now) {
+  if (peers_.heard_hello(packet.source(), packet.hop(), hello, now)) forget(packet.source());
+}
+
+// Where nothing is confirmed a hello can be missed; the boot number of the beacons after it still
+// tells of the new life. A first beacon tells of none. (ours)
+void Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
+  const NodeId source = packet.source();
+  if (peers_[source].known && peers_[source].boot != beacon.boot) forget(source);
+  if (peers_.heard_beacon(source, packet.hop(), beacon, now)) events_.put(now, PeerChanged{source});
+  if (beacon.break_known && beacon.break_behind == source) hear_break(beacon, now);
+}
+
+void Membership::forget(NodeId source) {
+  receive_.forget(source);
+  pins_.forget(source);
 }
 
 void Membership::set_cpu(const CpuReport& report, Time now) {
@@ -239,43 +251,6 @@ void Membership::send_beacon(Time now) {
   std::array<std::uint8_t, wire::kBeaconSize> bytes;
   wire::encode(beacon(now), bytes.data());
   transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kBeaconToken, now);
-}
-
-// ---- a broken ring ------------------------------------------------------------------------
-
-// The node behind the break knows at once; after a grace for the bypass it announces it. (ours)
-void Membership::own_input_broken(Time now) {
-  break_due_ = kNever;
-  break_known_ = true;
-  break_before_ = input_from_;
-  break_behind_ = settings_.id;
-  enter_open_chain(now);
-}
-
-// Only the node behind a break is believed: echoes of its word would outlive the break.
-void Membership::hear_break(const wire::Beacon& beacon, Time now) {
-  if (break_known_ && break_behind_ == settings_.id) return;
-  break_known_ = true;
-  break_before_ = beacon.break_before;
-  break_behind_ = beacon.break_behind;
-  enter_open_chain(now);
-}
-
-void Membership::enter_open_chain(Time now) {
-  drained_at_ = kNever;
-  if (state_ == NodeState::open_chain || output_ != Link::up || state_ == NodeState::doubled_id) return;
-  enter(NodeState::open_chain, now);
-  transmit_.set_open_chain(true, now);
-  if (!hello_out_) transmit_.set_gate(Gate::open);
-  change(now);
-}
-
-void Membership::leave_open_chain(Time now) {
-  drained_at_ = kNever;
-  break_known_ = false;
-  transmit_.set_open_chain(false, now);
-  renumber(now);
-  enter(ring_size_ == 1 ? NodeState::alone : NodeState::up, now);
 }
 
 // ---- time ---------------------------------------------------------------------------------

@@ -64,6 +64,10 @@ class Membership {
   void joined(Time now);
   void renumber(Time now);
 
+  void heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);
+  void heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
+  void forget(NodeId source);
+
   void send_beacon(Time now);
   void change(Time now);
   wire::Beacon beacon(Time now) const;
