@@ -1,0 +1,132 @@
+"""What scripts/demo stands on: a roslaunch with a master of its own, and the ring as ROS shows it."""
+import os
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+
+GUARD = 60.0     # s that each step may take; a busy machine is slow
+
+
+class DemoFailed(Exception):
+    """What was to be seen was not."""
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(('127.0.0.1', 0))
+        return probe.getsockname()[1]
+
+
+class Launch:
+    """roslaunch with a master of its own, ended with all it started."""
+
+    def __init__(self, port, ring):
+        self.port = port
+        self.log = tempfile.NamedTemporaryFile('w', prefix='limb_ring_demo_', suffix='.log',
+                                               delete=False)
+        self.process = subprocess.Popen(
+            ['roslaunch', '-p', str(port), 'limb_ring', 'demo.launch', 'ring:=' + ring],
+            stdout=self.log, stderr=subprocess.STDOUT, start_new_session=True)
+
+    def wait_for_master(self):
+        deadline = time.monotonic() + GUARD
+        while True:
+            self.check()
+            try:
+                socket.create_connection(('127.0.0.1', self.port), 1).close()
+                return
+            except OSError:
+                if time.monotonic() > deadline:
+                    raise DemoFailed('the ROS master did not start; see ' + self.log.name)
+                time.sleep(0.05)
+
+    def check(self):
+        if self.process.poll() is not None:
+            raise DemoFailed('roslaunch ended by itself; its output is in ' + self.log.name)
+
+    def stop(self):
+        for sign, wait in ((signal.SIGINT, 30), (signal.SIGTERM, 10), (signal.SIGKILL, 5)):
+            if self.process.poll() is not None:
+                break
+            self.process.send_signal(sign)
+            try:
+                self.process.wait(wait)
+            except subprocess.TimeoutExpired:
+                pass
+        # Interrupted while it starts, roslaunch leaves processes behind, the master among them.
+        for sign in (signal.SIGTERM, signal.SIGKILL):
+            deadline = time.monotonic() + 5
+            for pid in session_members(self.process.pid):
+                send_signal(pid, sign)
+            while session_members(self.process.pid) and time.monotonic() < deadline:
+                time.sleep(0.05)
+
+
+def session_members(session):
+    """Processes of the session that roslaunch was started in."""
+    members = []
+    for entry in os.listdir('/proc'):
+        try:
+            if entry.isdigit() and os.getsid(int(entry)) == session:
+                members.append(int(entry))
+        except OSError:
+            pass
+    return members
+
+
+def send_signal(pid, sign):
+    try:
+        os.kill(pid, sign)
+    except ProcessLookupError:
+        pass
+
+
+class Robot:
+    """What the ROS side of the ring shows."""
+
+    def __init__(self):
+        import rospy
+        from limb_ring.msg import RingStatus
+        from sensor_msgs.msg import JointState
+        self._lock = threading.Lock()
+        self._status, self._state, self._states, self._commands = None, None, 0, 0
+        rospy.init_node('demo', disable_signals=True)
+        self._subscribers = [
+            rospy.Subscriber('ring_status', RingStatus, self._on_status),
+            rospy.Subscriber('joint_states', JointState, self._on_state, tcp_nodelay=True),
+            rospy.Subscriber('joint_commands', JointState, self._on_command, tcp_nodelay=True)]
+
+    def _on_status(self, status):
+        with self._lock:
+            self._status = status
+
+    def _on_state(self, state):
+        with self._lock:
+            self._state, self._states = state, self._states + 1
+
+    def _on_command(self, _):
+        with self._lock:
+            self._commands += 1
+
+    def status(self):
+        with self._lock:
+            return self._status
+
+    def joints(self):
+        with self._lock:
+            return dict(zip(self._state.name, self._state.position)) if self._state else {}
+
+    def counts(self):
+        with self._lock:
+            return self._states, self._commands
+
+    def node(self, name):
+        return {node.name: node for node in self.status().nodes}[name]
+
+    def is_up(self):
+        status = self.status()
+        return (status is not None and status.connected and not status.silent_joints and
+                all(node.state == 'up' and node.cpu_state == 'running' for node in status.nodes))
