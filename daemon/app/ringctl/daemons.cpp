@@ -90,8 +90,10 @@ bool reap_one(Daemon& daemon) {
 
 std::string Daemon::obituary() const {
   const std::string how = ended ? ended->text : "still runs";
-  return "node " + label(node) + " ended: " + how + (log.empty() ? "" : last_lines(log));
+  return "node " + label(node) + " ended: " + how + last_words();
 }
+
+std::string Daemon::last_words() const { return log.empty() ? "" : last_lines(log); }
 
 Daemons::Daemons(const RingPlan& plan, Mode mode) {
   const std::string ringd = find_ringd();

@@ -19,8 +19,10 @@ struct Daemon {
   std::string log;  ///< file of its output; empty: it goes to ours
   std::optional<runtime::ExitStatus> ended;
 
-  /// "node 3 (left_knee) ended: exit 2", with the last lines of its log
+  /// "node 3 (left_knee) ended: exit 2", with its last words
   std::string obituary() const;
+  /// The last lines of its log, each on a line of its own; empty where it has none.
+  std::string last_words() const;
 };
 
 /// All daemons of a ring that `up` has started.

@@ -1,6 +1,7 @@
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -46,12 +47,24 @@ void signal_holders(const std::string& folder, int number) {
     if (node.pid > 0) ::kill(node.pid, number);
 }
 
-bool end_ring(const std::string& ring, const std::string& folder) {
-  Progress progress;
-  ask_all(ring, nodes_with_sockets(ring), {{"do", "shutdown"}});
-  if (wait_until_gone(folder, progress)) return true;
+/// @return true where every daemon has a socket and has said yes
+bool ask_to_end(const std::string& ring, std::size_t daemons) {
+  const auto answers = ask_all(ring, nodes_with_sockets(ring), {{"do", "shutdown"}});
+  const auto agreed = std::count_if(answers.begin(), answers.end(),
+                                    [](const auto& answer) { return answer.has_value(); });
+  return static_cast<std::size_t>(agreed) == daemons;
+}
+
+void terminate(const std::string& folder) {
   signal_holders(folder, SIGTERM);
   signal_holders(folder, SIGCONT);  // one that is stopped would not see it
+}
+
+bool end_ring(const std::string& ring, const std::string& folder) {
+  Progress progress;
+  if (!ask_to_end(ring, held_nodes(folder).size())) terminate(folder);
+  if (wait_until_gone(folder, progress)) return true;
+  terminate(folder);
   if (wait_until_gone(folder, progress)) return true;
   signal_holders(folder, SIGKILL);
   return wait_until_gone(folder, progress);

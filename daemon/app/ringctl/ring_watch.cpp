@@ -29,15 +29,15 @@ std::string missing(const PlannedNode& planned, const json& status, std::size_t 
 
 RingWatch::RingWatch(const RingPlan& plan) : plan_(plan) { ports_.resize(plan.nodes.size()); }
 
-std::string RingWatch::not_ready() {
+std::optional<RingWatch::NotReady> RingWatch::first_not_ready() {
   for (std::size_t i = 0; i < plan_.nodes.size(); ++i) {
-    const std::string lack = not_ready(i);
-    if (!lack.empty()) return "node " + label(plan_.nodes[i].node) + ": " + lack;
+    const std::string lack = lack_of(i);
+    if (!lack.empty()) return NotReady{i, "node " + label(plan_.nodes[i].node) + ": " + lack};
   }
-  return {};
+  return std::nullopt;
 }
 
-std::string RingWatch::not_ready(std::size_t index) {
+std::string RingWatch::lack_of(std::size_t index) {
   auto& port = ports_[index];
   const PlannedNode& planned = plan_.nodes[index];
   try {

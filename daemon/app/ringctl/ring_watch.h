@@ -18,12 +18,15 @@ class RingWatch {
  public:
   explicit RingWatch(const RingPlan& plan);
 
-  /// Looks at the nodes in order. @return what the first one that is not ready lacks, with its
-  /// name; empty where the ring is closed
-  std::string not_ready();
+  struct NotReady {
+    std::size_t index;  ///< of the node, in ring order
+    std::string lack;   ///< "node 3 (left_knee): it is joining"
+  };
+  /// The first node that is not ready; nothing where the ring is closed.
+  std::optional<NotReady> first_not_ready();
 
  private:
-  std::string not_ready(std::size_t index);
+  std::string lack_of(std::size_t index);
 
   const RingPlan& plan_;
   std::vector<std::optional<HostPort>> ports_;

@@ -43,14 +43,14 @@ std::string wait_until_closed(const RingPlan& plan, Daemons& daemons, SignalWait
   RingWatch watch(plan);
   Progress progress;
   for (;;) {
-    const std::string lack = watch.not_ready();
+    const auto waiting = watch.first_not_ready();
     daemons.reap();
     if (const Daemon* dead = daemons.first_ended()) return dead->obituary();
-    if (lack.empty()) return {};
+    if (!waiting) return {};
     if (steady_clock::now() >= deadline)
-      return "not closed within " + std::to_string(static_cast<int>(timeout_s)) + " s; " + lack;
+      return "not closed in time; " + waiting->lack + daemons.all()[waiting->index].last_words();
     if (SignalWait::asks_to_end(signals.next(kTick))) return "interrupted";
-    progress.tell("waiting for " + lack);
+    progress.tell("waiting for " + waiting->lack);
   }
 }
 
