@@ -74,7 +74,9 @@ void Requests::latch(const Json&, const Answer& answer) {
 void Requests::ping(const Json& request, const Answer& answer) {
   TrafficOrder order;
   order.to = node_in(node_.ring(), request, "to").id;
-  order.count = number_in(request, "count", 10, 1, Traffic::kMostPackets);
+  order.duration = std::chrono::milliseconds(number_in(request, "duration_ms", 0, 0, 600'000));
+  const std::uint64_t count = order.duration.count() == 0 ? 10 : Traffic::kMostPackets;
+  order.count = number_in(request, "count", count, 1, Traffic::kMostPackets);
   order.size = number_in(request, "size", 512, 1, wire::kMaxPayload);
   order.priority = static_cast<std::uint8_t>(number_in(request, "priority", 2, 0, 3));
   order.interval = std::chrono::microseconds(number_in(request, "interval_us", 0, 0, 10'000'000));

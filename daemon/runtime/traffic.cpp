@@ -50,12 +50,17 @@ void Traffic::on_ended(const core::SendEnded& ended) {
   run.last_end = engine_.now();
   ++run.outcomes[static_cast<std::size_t>(ended.outcome)];
   if (ended.outcome == core::Outcome::delivered) run.round_trips.push_back(ended.round_trip);
-  if (run.sent >= run.order.count) return finish(ended.token);
+  if (complete(run)) return finish(ended.token);
   // Rejected comes back at once: going on at once would never let the loop breathe.
   if (run.order.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
     send_later(ended.token, run);
   else
     send(ended.token, run);
+}
+
+bool Traffic::complete(const Run& run) {
+  if (run.sent >= run.order.count) return true;
+  return run.order.duration.count() > 0 && run.last_end - run.begun >= run.order.duration;
 }
 
 nlohmann::json Traffic::report(Run& run) {

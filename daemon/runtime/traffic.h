@@ -17,6 +17,7 @@ namespace limb_ring::runtime {
 struct TrafficOrder {
   wire::NodeId to = 0;
   std::uint64_t count = 10;          ///< packets, 1 to kMostPackets
+  std::chrono::milliseconds duration{0};     ///< no new packet after it; 0: `count` alone decides
   std::size_t size = 512;            ///< bytes of data, 1 to 512
   std::uint8_t priority = 2;
   std::chrono::microseconds interval{0};     ///< 0: the next as the last returns
@@ -60,6 +61,7 @@ class Traffic {
   void send(std::uint32_t id, Run& run);
   void send_later(std::uint32_t id, Run& run);
   void finish(std::uint32_t id);
+  static bool complete(const Run& run);
   static nlohmann::json report(Run& run);
 
   boost::asio::io_context& io_;

@@ -35,7 +35,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_reset(app, context);
   add_ping(app, context);
   add_observe(app, context);
-  // add_bench(app, context): its place is here.
+  add_bench(app, context);
 }
 
 int failed(const std::exception& problem, ExitCode code) {

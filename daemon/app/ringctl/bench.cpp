@@ -1,0 +1,71 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "app/ringctl/commands.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/signal_wait.h"
+#include "bench/report_text.h"
+#include "bench/suite.h"
+#include "runtime/supervisor/find_program.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+struct Options {
+  bench::Setup setup;
+  bool json = false;
+  bool no_ros = false;
+};
+
+/// humanoid16.yaml as installed or in the devel space's source; empty where it, or the program
+/// that is its CPU, is not there.
+std::string find_humanoid() {
+  if (runtime::find_program("limb_firmware").empty()) return {};
+  const std::string installed = runtime::own_folder() + "/../../share/limb_ring/config/humanoid16.yaml";
+  for (const std::string& path : {installed, std::string(LIMB_RING_CONFIG_FOLDER "/humanoid16.yaml")})
+    if (std::filesystem::exists(path)) return path;
+  return {};
+}
+
+int run(Options& options) {
+  SignalWait signals;
+  options.setup.ros = !options.no_ros;
+  options.setup.humanoid = find_humanoid();
+  options.setup.tell = [](const std::string& what) { std::cerr << "bench: " << what << std::endl; };
+  options.setup.breathe = [&signals] {
+    if (SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) throw NotDone("interrupted");
+  };
+  const bench::PrivateFolder folder;
+  const bench::Report report = bench::run_suite(options.setup, folder);
+  if (options.json) std::cout << bench::to_json(report).dump(2) << '\n';
+  else std::cout << bench::to_text(report);
+  return kDone;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  bench::Setup& setup = options->setup;
+  CLI::App* command = add_command(
+      app, "bench", "Measure rings of our own beside a bare reference ring; takes about a minute");
+  command->add_option("--nodes", setup.nodes, "Nodes in each ring, 2 to 64; default 16")
+      ->check(CLI::Range(2, 64));
+  command->add_option("--payload", setup.payload, "Bytes of data in a packet, 4 to 512; default 512")
+      ->check(CLI::Range(4, 512));
+  command->add_option("--seconds", setup.seconds, "Seconds per case, 0.1 to 60; default 2")
+      ->check(CLI::Range(0.1, 60.0));
+  command->add_option("--rounds", setup.rounds,
+                      "Reference and rings take turns so many times, 1 to 100; default 3")
+      ->check(CLI::Range(1, 100));
+  command->add_flag("--no-ros", options->no_ros, "Leave the chain of topic_tools/relay out");
+  add_json(*command, options->json);
+  command->callback([&context, options] {
+    context.action = [options] { return run(*options); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,101 @@
+#include "bench/cpu_to_cpu.h"
+
+#include <atomic>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "bench/cores.h"
+#include "bench/samples.h"
+#include "bench/shared.h"
+#include "bench/worker.h"
+
+namespace limb_ring::bench {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLongestLap{1000};
+constexpr milliseconds kTick{5};
+constexpr milliseconds kPatience{10'000};
+
+struct Outcome {
+  std::atomic<bool> echo_ready{false}, done{false};
+  Measurement measured;
+};
+
+std::size_t across(const PrivateRing& ring) { return ring.config().nodes.size() / 2; }
+
+/// The next packet for this CPU, past results. @return nothing where none comes in time
+std::optional<Packet> next_packet(HostPort& port) {
+  const auto deadline = Samples::Clock::now() + kLongestLap;
+  while (port.connected() && Samples::Clock::now() < deadline) {
+    auto message = port.receive(kLongestLap);
+    if (!message) continue;
+    if (auto* packet = std::get_if<Packet>(&*message)) return std::move(*packet);
+  }
+  return {};
+}
+
+void echo(HostPort port, std::atomic<bool>& ready) {
+  ready = true;
+  while (port.connected())
+    if (const auto packet = next_packet(port)) port.send(packet->source, packet->data);
+}
+
+void measure(HostPort port, std::uint8_t to, const Setup& setup, Outcome& outcome) {
+  const std::vector<std::uint8_t> data(setup.payload);
+  Samples samples(setup.round_seconds());
+  std::uint64_t failed = 0;
+  samples.begin(Samples::Clock::now());
+  bool go_on = true;
+  while (go_on && failed < 10) {
+    port.send(to, data);
+    if (next_packet(port)) go_on = samples.lap(Samples::Clock::now());
+    else ++failed;
+  }
+  outcome.measured = samples.measurement();
+  outcome.measured.failed = failed;
+  outcome.done = true;
+}
+
+void wait_until(const std::atomic<bool>& flag, const Setup& setup, Worker& worker, milliseconds patience) {
+  const auto deadline = Samples::Clock::now() + patience;
+  while (!flag) {
+    setup.breathe();
+    if (!worker.running() || Samples::Clock::now() > deadline)
+      throw std::runtime_error("two CPUs could not talk over the ring");
+    std::this_thread::sleep_for(kTick);
+  }
+}
+
+}  // namespace
+
+std::string write_two_cpus(const Setup& setup, const PrivateFolder& folder) {
+  const std::string path = folder.path() + "/two_cpus.yaml";
+  std::ofstream file(path);
+  file << "ring: two_cpus\nnodes:\n";
+  for (unsigned id = 0; id < setup.nodes; ++id)
+    file << "  - {id: " << id << ", name: node" << id
+         << ", cpu: " << (id == 0 || id == setup.nodes / 2 ? "attached" : "none") << "}\n";
+  return path;
+}
+
+Measurement measure_cpu_to_cpu(const Setup& setup, const PrivateRing& ring, Pinning pinning) {
+  const auto cores = cores_for(pinning);
+  Shared<Outcome> outcome(1);
+  Worker echoes([&] {
+    stay_on(cores);
+    echo(ring.connect(across(ring), Role::cpu), outcome[0].echo_ready);
+  });
+  wait_until(outcome[0].echo_ready, setup, echoes, kPatience);
+  Worker sender([&] {
+    stay_on(cores);
+    measure(ring.connect(0, Role::cpu), ring.config().nodes[across(ring)].id, setup, outcome[0]);
+  });
+  wait_until(outcome[0].done, setup, sender, kPatience + milliseconds(static_cast<int>(setup.seconds * 1000)));
+  return outcome[0].measured;
+}
+
+}  // namespace limb_ring::bench

@@ -1,0 +1,127 @@
+#include "bench/private_ring.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "bench/cores.h"
+#include "config/load_ring.h"
+#include "config/plain_ring.h"
+
+namespace limb_ring::bench {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kAnswerTime{5000};
+constexpr milliseconds kClosingTime{20'000};
+constexpr milliseconds kTick{20};
+
+/// Never the same twice: UDP ports come from it, and an old ring's may still be taken.
+std::string fresh_name() {
+  static unsigned count = 0;
+  return "bench-" + std::to_string(::getpid()) + "-" + std::to_string(++count);
+}
+
+config::RingConfig configure(const Setup& setup, const RingRequest& request) {
+  const std::string name = fresh_name();
+  config::RingConfig ring =
+      request.config.empty() ? config::plain_ring(name, setup.nodes) : config::load_ring(request.config);
+  config::rename_ring(ring, name);
+  return ring;
+}
+
+std::vector<std::string> arguments_of(const config::RingConfig& ring, const RingRequest& request) {
+  std::vector<std::string> arguments = {"--nodes", std::to_string(ring.nodes.size()), "--ring", ring.ring};
+  if (!request.config.empty()) arguments.insert(arguments.end(), {"--config", request.config});
+  if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
+  return arguments;
+}
+
+bool node_is_ready(const nlohmann::json& status, const config::RingConfig& ring, const config::NodeConfig& node) {
+  const bool in_ring = status.value("state", "") == "up" && status.value("ring_size", 0u) == ring.nodes.size();
+  if (node.cpu.kind != config::CpuConfig::Kind::child) return in_ring;
+  return in_ring && status.at("cpu").value("state", "") == "running";
+}
+
+}  // namespace
+
+nlohmann::json ask(HostPort& port, const nlohmann::json& request) {
+  return nlohmann::json::parse(port.ask(request.dump(), kAnswerTime));
+}
+
+PrivateRing::PrivateRing(const Setup& setup, const PrivateFolder& folder, const RingRequest& request)
+    : config_(configure(setup, request)) {
+  start(folder, request);
+  wait_until_closed(setup);
+}
+
+PrivateRing::~PrivateRing() {
+  for (ChildProgram& daemon : daemons_) daemon.ask_to_end();
+}
+
+void PrivateRing::start(const PrivateFolder& folder, const RingRequest& request) {
+  for (std::size_t i = 0; i < config_.nodes.size(); ++i) {
+    ProgramRequest program;
+    program.name = "ringd";
+    program.arguments = arguments_of(config_, request);
+    program.arguments.insert(program.arguments.end(), {"--index", std::to_string(i)});
+    program.log = folder.path() + "/" + std::to_string(i) + ".log";
+    program.cores = cores_for(request.pinning);
+    daemons_.emplace_back(program);
+  }
+}
+
+void PrivateRing::require_running() {
+  for (ChildProgram& daemon : daemons_)
+    if (!daemon.running()) throw std::runtime_error("a ringd has ended:\n" + daemon.last_words());
+}
+
+bool PrivateRing::closed() {
+  for (std::size_t i = 0; i < config_.nodes.size(); ++i) {
+    try {
+      HostPort port = connect(i);
+      if (!node_is_ready(ask(port, {{"do", "status"}}), config_, config_.nodes[i])) return false;
+    } catch (const HostPortError&) {
+      return false;  // not there yet
+    }
+  }
+  return true;
+}
+
+void PrivateRing::wait_until_closed(const Setup& setup) {
+  const auto deadline = steady_clock::now() + kClosingTime;
+  while (!closed()) {
+    setup.breathe();
+    require_running();
+    if (steady_clock::now() > deadline)
+      throw std::runtime_error("a ring of " + std::to_string(config_.nodes.size()) + " nodes did not close within " +
+                               std::to_string(kClosingTime.count() / 1000) + " s:\n" + daemons_[0].last_words());
+    std::this_thread::sleep_for(kTick);
+  }
+}
+
+HostPort PrivateRing::connect(std::size_t index, Role role) const {
+  ConnectOptions options;
+  options.ring = config_.ring;
+  options.node = std::to_string(config_.nodes[index].id);
+  options.role = role;
+  options.timeout = milliseconds(0);
+  return HostPort::connect(options);
+}
+
+std::vector<pid_t> PrivateRing::processes() {
+  std::vector<pid_t> all;
+  for (std::size_t i = 0; i < daemons_.size(); ++i) {
+    all.push_back(daemons_[i].pid());
+    HostPort port = connect(i);
+    const nlohmann::json cpu = ask(port, {{"do", "status"}}).at("cpu");
+    if (cpu.value("kind", "") == "child") all.push_back(cpu.at("pid").get<pid_t>());
+  }
+  return all;
+}
+
+}  // namespace limb_ring::bench

@@ -1,0 +1,87 @@
+#include "bench/report_text.h"
+
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace limb_ring::bench {
+namespace {
+
+using nlohmann::json;
+
+const char* key_of(Pinning pinning) { return pinning == Pinning::one_core ? "one_core" : "unpinned"; }
+const char* key_of(Sending sending) { return sending == Sending::one ? "one_sender" : "all_sending"; }
+
+/// Two decimals: more would be noise.
+double rounded(double value) { return std::round(value * 100) / 100; }
+
+json row_json(const Row& row) {
+  const RoundTrip& time = row.measured.round_trip_us;
+  return {{"round_trip_us", {{"p50", rounded(time.p50)}, {"p99", rounded(time.p99)}, {"max", rounded(time.max)}}},
+          {"packets_per_second", rounded(row.measured.packets_per_second)},
+          {"reference_ratio", rounded(row.reference_ratio)},
+          {"packets", row.measured.packets},
+          {"failed", row.measured.failed}};
+}
+
+json percent(const std::optional<double>& value) { return value ? json(rounded(*value)) : json(); }
+
+std::string label(const Row& row) {
+  if (row.what == "reference") return "bare reference ring (UNIX)";
+  if (row.what == "unix") return "limb_ring over UNIX stream";
+  if (row.what == "udp") return "limb_ring over UDP";
+  if (row.what == "cpu_to_cpu") return "limb_ring, CPU to CPU and back";
+  return "chain of topic_tools/relay";
+}
+
+void print_line(std::ostream& out, const Row& row) {
+  const RoundTrip& time = row.measured.round_trip_us;
+  out << "  " << std::left << std::setw(32) << label(row) << std::right << std::setw(9) << time.p50 << std::setw(9)
+      << time.p99 << std::setw(10) << time.max << std::setw(11) << std::setprecision(0)
+      << row.measured.packets_per_second << std::setprecision(2) << std::setw(8) << row.reference_ratio << "x";
+  if (row.measured.failed != 0) out << "  " << row.measured.failed << " FAILED";
+  out << std::setprecision(1) << '\n';
+}
+
+void print_table(std::ostream& out, const Report& report, Pinning pinning, Sending sending) {
+  out << (sending == Sending::one ? "one sender, " : "all sending, ")
+      << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
+  for (const char* what : {"reference", "unix", "udp", "cpu_to_cpu", "relay_chain"})
+    if (const Row* row = report.find(what, pinning, sending)) print_line(out, *row);
+}
+
+void print_idle(std::ostream& out, const char* ring, const std::optional<double>& share) {
+  if (share) out << "  " << std::left << std::setw(32) << ring << std::right << std::setw(9) << *share << " %\n";
+}
+
+}  // namespace
+
+json to_json(const Report& report) {
+  json all = {{"nodes", report.nodes}, {"payload", report.payload}, {"seconds_per_case", report.seconds}};
+  for (const Row& row : report.rows) {
+    all[row.what][key_of(row.pinning)][key_of(row.sending)] = row_json(row);
+    if (row.what == "unix" && row.pinning == Pinning::one_core) all[key_of(row.sending)] = row_json(row);
+  }
+  if (!report.relay_chain_skipped.empty()) all["relay_chain"] = {{"skipped", report.relay_chain_skipped}};
+  all["idle_cpu_percent"] = {{"plain", percent(report.idle_plain_percent)},
+                             {"humanoid16", percent(report.idle_humanoid_percent)}};
+  return all;
+}
+
+std::string to_text(const Report& report) {
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(1);
+  out << report.nodes << " nodes, " << report.payload << " bytes of payload, round trips in us\n\n";
+  out << std::setw(43) << "p50" << std::setw(9) << "p99" << std::setw(10) << "max" << std::setw(11) << "packets/s"
+      << "  reference\n";
+  for (const Pinning pinning : {Pinning::one_core, Pinning::free})
+    for (const Sending sending : {Sending::one, Sending::all}) print_table(out, report, pinning, sending);
+  if (!report.relay_chain_skipped.empty())
+    out << "chain of topic_tools/relay: skipped, " << report.relay_chain_skipped << '\n';
+  out << "idle rings, CPU of all processes together, of one core\n";
+  print_idle(out, "plain ring", report.idle_plain_percent);
+  print_idle(out, "humanoid16 with its CPUs", report.idle_humanoid_percent);
+  return out.str();
+}
+
+}  // namespace limb_ring::bench

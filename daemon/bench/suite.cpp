@@ -1,0 +1,132 @@
+#include "bench/suite.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+
+#include "bench/cpu_to_cpu.h"
+#include "bench/idle_share.h"
+#include "bench/private_ring.h"
+#include "bench/reference_ring.h"
+#include "bench/relay_chain.h"
+#include "bench/ring_traffic.h"
+
+namespace limb_ring::bench {
+namespace {
+
+constexpr Pinning kPinnings[] = {Pinning::one_core, Pinning::free};
+constexpr Sending kSendings[] = {Sending::one, Sending::all};
+
+std::string words(Pinning pinning) { return pinning == Pinning::one_core ? "one core" : "unpinned"; }
+std::string words(Sending sending) { return sending == Sending::one ? "one sender" : "all sending"; }
+
+/// The rounds of one case.
+struct Case {
+  std::vector<Measurement> rounds;
+  std::vector<double> ratios;
+};
+
+/// Measures everything at one pinning, round by round.
+class Rounds {
+ public:
+  Rounds(const Setup& setup, const PrivateFolder& folder, Pinning pinning)
+      : setup_(setup), folder_(folder), pinning_(pinning) {}
+
+  void run() {
+    const std::string two_cpus = write_two_cpus(setup_, folder_);
+    for (unsigned round = 1; round <= setup_.rounds; ++round) {
+      where_ = words(pinning_) + ", round " + std::to_string(round) + " of " + std::to_string(setup_.rounds);
+      ring("unix", {"", "unix", pinning_});
+      ring("udp", {"", "udp", pinning_});
+      cpu_to_cpu({two_cpus, "unix", pinning_});
+    }
+  }
+
+  void add_rows(std::vector<Row>& rows) const {
+    for (const auto& [key, measured] : cases_)
+      rows.push_back({key.first, pinning_, key.second, of_rounds(measured.rounds), median(measured.ratios)});
+  }
+
+ private:
+  void ring(const std::string& what, const RingRequest& request) {
+    std::map<Sending, double> reference;
+    for (const Sending sending : kSendings) reference[sending] = measure_reference_p50(sending);
+    const PrivateRing ring(setup_, folder_, request);
+    for (const Sending sending : kSendings) {
+      tell(what, sending);
+      add(what, sending, measure_traffic(setup_, ring, sending), reference[sending]);
+    }
+  }
+
+  void cpu_to_cpu(const RingRequest& request) {
+    const double reference = measure_reference_p50(Sending::one);
+    const PrivateRing ring(setup_, folder_, request);
+    tell("cpu_to_cpu", Sending::one);
+    add("cpu_to_cpu", Sending::one, measure_cpu_to_cpu(setup_, ring, pinning_), reference);
+  }
+
+  double measure_reference_p50(Sending sending) {
+    tell("reference", sending);
+    const Measurement measured = measure_reference(setup_, pinning_, sending);
+    add("reference", sending, measured, measured.round_trip_us.p50);
+    return measured.round_trip_us.p50;
+  }
+
+  void add(const std::string& what, Sending sending, const Measurement& measured, double reference_p50) {
+    Case& all = cases_[{what, sending}];
+    all.rounds.push_back(measured);
+    all.ratios.push_back(measured.round_trip_us.p50 / reference_p50);
+  }
+
+  void tell(const std::string& what, Sending sending) const {
+    setup_.tell(where_ + ": " + what + ", " + words(sending));
+  }
+
+  const Setup& setup_;
+  const PrivateFolder& folder_;
+  Pinning pinning_;
+  std::string where_;
+  std::map<std::pair<std::string, Sending>, Case> cases_;
+};
+
+void add_relay_chain(const Setup& setup, const PrivateFolder& folder, Report& report) {
+  for (const Pinning pinning : kPinnings) {
+    setup.tell("chain of topic_tools/relay, " + words(pinning));
+    const RelayChainResult result = measure_relay_chain(setup, folder, pinning);
+    report.relay_chain_skipped = result.skipped;
+    if (!result.skipped.empty()) return;
+    const Row* reference = report.find("reference", pinning, Sending::one);
+    const double ratio = result.measured.round_trip_us.p50 / reference->measured.round_trip_us.p50;
+    report.rows.push_back({"relay_chain", pinning, Sending::one, result.measured, ratio});
+  }
+}
+
+double idle_percent(const Setup& setup, const PrivateFolder& folder, const std::string& config) {
+  setup.tell("idle ring " + (config.empty() ? "without CPUs" : "of " + config));
+  PrivateRing ring(setup, folder, {config, "", Pinning::free});
+  return measure_idle_percent(setup, ring);
+}
+
+}  // namespace
+
+const Row* Report::find(const std::string& what, Pinning pinning, Sending sending) const {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) {
+    return row.what == what && row.pinning == pinning && row.sending == sending;
+  });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+Report run_suite(const Setup& setup, const PrivateFolder& folder) {
+  Report report{setup.nodes, setup.payload, setup.seconds, {}, {}, {}, {}};
+  for (const Pinning pinning : kPinnings) {
+    Rounds rounds(setup, folder, pinning);
+    rounds.run();
+    rounds.add_rows(report.rows);
+  }
+  add_relay_chain(setup, folder, report);
+  report.idle_plain_percent = idle_percent(setup, folder, "");
+  if (!setup.humanoid.empty()) report.idle_humanoid_percent = idle_percent(setup, folder, setup.humanoid);
+  return report;
+}
+
+}  // namespace limb_ring::bench

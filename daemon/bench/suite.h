@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/measurement.h"
+#include "bench/private_folder.h"
+#include "bench/setup.h"
+
+namespace limb_ring::bench {
+
+/// One thing measured in every way, beside the reference of the same rounds.
+struct Row {
+  std::string what;  ///< reference, unix, udp, cpu_to_cpu, relay_chain
+  Pinning pinning = Pinning::one_core;
+  Sending sending = Sending::one;
+  Measurement measured;
+  double reference_ratio = 1;  ///< p50 by the reference's, pinned and sending alike: median of rounds
+};
+
+struct Report {
+  unsigned nodes = 0;
+  std::size_t payload = 0;
+  double seconds = 0;
+  std::vector<Row> rows;
+  std::string relay_chain_skipped;               ///< why; empty where it was measured
+  std::optional<double> idle_plain_percent;      ///< of one core, all processes together
+  std::optional<double> idle_humanoid_percent;
+
+  const Row* find(const std::string& what, Pinning pinning, Sending sending) const;
+};
+
+/// Runs everything. Takes about 20 times Setup::seconds. @throw std::runtime_error
+Report run_suite(const Setup& setup, const PrivateFolder& folder);
+
+}  // namespace limb_ring::bench

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""smoke_test.py RINGCTL: a small benchmark runs, says what it promises, and leaves nothing behind."""
+import glob
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+RINGCTL = sys.argv.pop(1) if len(sys.argv) > 1 else "ringctl"
+
+
+def bench(folder, *arguments):
+    environment = dict(os.environ, TMPDIR=folder, XDG_RUNTIME_DIR=os.path.join(folder, "mine"))
+    return subprocess.run([RINGCTL, "bench", *arguments], env=environment, timeout=100,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+
+
+class SmallBenchmark(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="bench_")
+        cls.run_ = bench(cls.folder.name, "--nodes", "4", "--seconds", "0.2", "--rounds", "1",
+                         "--payload", "100", "--no-ros", "--json")
+        cls.report = json.loads(cls.run_.stdout) if cls.run_.returncode == 0 else {}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def setUp(self):
+        self.assertEqual(self.run_.returncode, 0, self.run_.stderr)
+
+    def check_case(self, case):
+        self.assertGreater(case["packets"], 0)
+        self.assertGreater(case["packets_per_second"], 0)
+        self.assertGreater(case["reference_ratio"], 0)
+        times = case["round_trip_us"]
+        self.assertLessEqual(times["p50"], times["p99"])
+        self.assertLessEqual(times["p99"], times["max"])
+
+    def test_says_what_was_measured(self):
+        self.assertEqual(self.report["nodes"], 4)
+        self.assertEqual(self.report["payload"], 100)
+
+    def test_one_sender_and_all_sending_are_the_ring_over_unix_on_one_core(self):
+        for sending in ("one_sender", "all_sending"):
+            self.check_case(self.report[sending])
+            self.assertEqual(self.report[sending], self.report["unix"]["one_core"][sending])
+
+    def test_packets_flowed_in_every_case(self):
+        for what in ("reference", "unix", "udp"):
+            for pinning in ("one_core", "unpinned"):
+                for sending in ("one_sender", "all_sending"):
+                    with self.subTest(what=what, pinning=pinning, sending=sending):
+                        self.check_case(self.report[what][pinning][sending])
+        for pinning in ("one_core", "unpinned"):
+            self.check_case(self.report["cpu_to_cpu"][pinning]["one_sender"])
+
+    def test_a_part_left_out_says_so(self):
+        self.assertIn("--no-ros", self.report["relay_chain"]["skipped"])
+
+    def test_the_idle_ring_takes_some_of_a_core(self):
+        self.assertGreater(self.report["idle_cpu_percent"]["plain"], 0)
+
+    def test_leaves_nothing_behind(self):
+        self.assertEqual(glob.glob(self.folder.name + "/*"), [])
+
+
+class WrongArguments(unittest.TestCase):
+    def test_are_refused_as_usage(self):
+        for wrong in (["--nodes", "1"], ["--payload", "513"], ["--seconds", "0"], ["--rounds", "no"]):
+            with self.subTest(wrong=wrong), tempfile.TemporaryDirectory(prefix="bench_") as folder:
+                self.assertEqual(bench(folder, *wrong).returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
