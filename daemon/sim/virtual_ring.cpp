@@ -26,7 +26,7 @@ core::Settings VirtualRing::settings_of(NodeId id) const {
   settings.id = id;
   settings.order.clear();
   for (unsigned other = 0; other < options_.nodes; ++other) settings.order.push_back(static_cast<NodeId>(other));
-  settings.boot = (nodes_[id].lives + 1) << 32;
+  settings.boot = (nodes_[id].lives + 1) << 32 | std::uint64_t{id} << 24;
   settings.byte_time_in = settings.byte_time_out = options_.byte_time;
   settings.relay_delay = options_.relay_delay;
   settings.wired = {true, true, true, false, false, false, false, false};
@@ -238,7 +238,7 @@ void VirtualRing::settle_touched() {
 }
 
 void VirtualRing::settle(NodeId id) {
-  Controller& controller = node(id);
+  Controller& controller = *nodes_[id].controller;
   controller.handle_timeout(now_);
   controller.run(now_);
   carry_line(id);
@@ -267,14 +267,15 @@ void VirtualRing::carry_line(NodeId id) {
 }
 
 void VirtualRing::give_out(NodeId id) {
+  Controller& controller = *nodes_[id].controller;
   core::Event event;
-  while (node(id).take_event(now_, event)) {
+  while (controller.take_event(now_, event)) {
     nodes_[id].log.events.push_back(event);
     on_event(id, event);
     touch(id);
   }
   core::ReceivedPacket packet;
-  while (cpu_reads[id] && node(id).take(now_, packet)) {
+  while (cpu_reads[id] && controller.take(now_, packet)) {
     nodes_[id].log.packets.push_back(packet);
     on_packet(id, packet);
     touch(id);
@@ -282,7 +283,7 @@ void VirtualRing::give_out(NodeId id) {
 }
 
 void VirtualRing::schedule_wake(NodeId id) {
-  const Time deadline = node(id).next_deadline(now_);
+  const Time deadline = nodes_[id].controller->next_deadline(now_);
   if (deadline == kNever || deadline >= nodes_[id].wake) return;
   nodes_[id].wake = std::max(deadline, now_);
   arrivals_.push({nodes_[id].wake, order_++, id, id, 0, {}, nullptr});

@@ -38,8 +38,13 @@ class VirtualRing {
   explicit VirtualRing(const VirtualRingOptions& options);
 
   Time now() const { return now_; }
-  Controller& node(NodeId id) { return *nodes_[id].controller; }
+  /// The node is given the line, and its events are taken, before time goes on.
+  Controller& node(NodeId id) {
+    touch(id);
+    return *nodes_[id].controller;
+  }
   const core::Counters& counters(NodeId id) const { return nodes_[id].controller->counters(); }
+  std::size_t insertion_waiting(NodeId id) const { return nodes_[id].controller->insertion_waiting(); }
   NodeLog& log(NodeId id) { return nodes_[id].log; }
   bool alive(NodeId id) const { return nodes_[id].alive; }
 

@@ -8,6 +8,7 @@ namespace limb_ring::core {
 namespace {
 
 constexpr unsigned kSteps = 1200;
+constexpr unsigned kInsertionBuffer = 8;
 
 bool may_have_arrived(Outcome outcome) {
   return outcome == Outcome::lost || outcome == Outcome::unconfirmed || outcome == Outcome::cancelled;
@@ -59,6 +60,7 @@ void RandomRun::make_ring() {
     s.stall = 50us;
     s.beacon = 1ms;
     s.break_grace = 300us;
+    s.insertion_buffer = kInsertionBuffer;
     s.receive_buffers = 3;
     s.send_queue = 6;
     s.wired = {true, false, true, true, true, true, true, true};
@@ -97,8 +99,7 @@ void RandomRun::pass(NodeId node, const wire::Slice& slice, wire::SliceWriter& a
 
 void RandomRun::watch_buffers() {
   for (unsigned node = 0; node < nodes_; ++node) {
-    const Controller& c = ring_->node(static_cast<NodeId>(node));
-    if (c.insertion_waiting() > c.settings().insertion_buffer) complain("insertion buffer beyond its limit");
+    if (ring_->insertion_waiting(static_cast<NodeId>(node)) > kInsertionBuffer) complain("insertion buffer beyond its limit");
   }
 }
 

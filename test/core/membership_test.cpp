@@ -1,0 +1,256 @@
+// Nodes come and go, and each knows the ring it is in.
+#include <numeric>
+
+#include "core/ring_fixture.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::Each;
+
+VirtualRingOptions talking(unsigned nodes) {
+  VirtualRingOptions options = quick(nodes);
+  options.adjust = [](Settings& s) { s.beacon = 100ms; };
+  return options;
+}
+
+struct Membership16 : testing::Test {
+  VirtualRing ring{talking(16)};
+
+  void expect_ring_of(unsigned size) {
+    for (unsigned id = 0; id < 16; ++id) {
+      if (!ring.alive(static_cast<NodeId>(id))) continue;
+      const Membership& m = ring.node(static_cast<NodeId>(id)).membership();
+      EXPECT_EQ(m.state(), size == 1 ? NodeState::alone : NodeState::up) << id << " is " << to_string(m.state());
+      EXPECT_EQ(m.ring_size(), size) << id;
+    }
+  }
+  void expect_delivery(NodeId from, NodeId to) {
+    EXPECT_EQ(outcome_of(ring, from, ring.send(from, to, text("alive"))).outcome, Outcome::delivered)
+        << int{from} << " to " << int{to};
+  }
+};
+
+TEST_F(Membership16, AllAtOnceJoinAndLearnTheSize) {
+  ASSERT_TRUE(ring.join());
+  expect_ring_of(16);
+}
+
+TEST_F(Membership16, HelloIsTheFirstPacketOfEveryNode) {
+  VirtualRingOptions options = talking(3);
+  options.start = false;
+  VirtualRing three(options);
+  std::vector<Bytes> first;
+  for (NodeId id : {0, 1, 2}) {
+    three.tap(id, [&first, id, seen = false](const wire::Slice& slice, Time, wire::SliceWriter& arriving) mutable {
+      const wire::PacketFields packet{slice.bytes};
+      if (!seen && packet.source() == id) first.emplace_back(packet.data().begin(), packet.data().end());
+      seen = seen || packet.source() == id;
+      arriving.put(slice.kind, slice.bytes);
+    });
+    three.start(id);
+  }
+  ASSERT_TRUE(three.join());
+  ASSERT_EQ(first.size(), 3u);
+  for (const Bytes& data : first) EXPECT_TRUE(wire::decode_hello({data.data(), data.size()}).has_value());
+}
+
+TEST_F(Membership16, OneByOneInAnyOrderTheSizeFollows) {
+  VirtualRingOptions options = talking(16);
+  options.start = false;
+  for (unsigned stride : {1u, 3u, 5u, 15u}) {
+    VirtualRing growing(options);
+    for (unsigned i = 0; i < 16; ++i) {
+      growing.start(static_cast<NodeId>(i * stride % 16));
+      ASSERT_TRUE(growing.join()) << stride << " " << i;
+      growing.run_for(250ms);
+      for (unsigned j = 0; j <= i; ++j) {
+        const Membership& m = growing.node(static_cast<NodeId>(j * stride % 16)).membership();
+        EXPECT_EQ(m.ring_size(), i + 1);
+        EXPECT_EQ(m.state(), i == 0 ? NodeState::alone : NodeState::up);
+      }
+    }
+  }
+}
+
+TEST_F(Membership16, EachNodeMayDieAndComeBack) {
+  ASSERT_TRUE(ring.join());
+  for (NodeId id = 0; id < 16; ++id) {
+    ring.kill(id);
+    ring.run_for(250ms);
+    expect_ring_of(15);
+    expect_delivery((id + 15) % 16, (id + 1) % 16);
+    ring.start(id);
+    ASSERT_TRUE(ring.join());
+    ring.run_for(250ms);
+    expect_ring_of(16);
+    expect_delivery((id + 8) % 16, id);
+    expect_delivery(id, (id + 8) % 16);
+  }
+}
+
+TEST_F(Membership16, DownToTwoThenAloneAndBack) {
+  ASSERT_TRUE(ring.join());
+  for (NodeId id = 2; id < 16; ++id) ring.kill(id);
+  ring.run_for(1s);
+  expect_ring_of(2);
+  expect_delivery(0, 1);
+  expect_delivery(1, 0);
+  ring.kill(1);
+  ring.run_for(1s);
+  expect_ring_of(1);
+  expect_delivery(0, 0);
+  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 1, text("a"))).outcome, Outcome::no_such_node);
+  for (NodeId id = 15; id >= 1; --id) ring.start(id);
+  ASSERT_TRUE(ring.join());
+  ring.run_for(250ms);
+  expect_ring_of(16);
+  expect_delivery(0, 15);
+}
+
+TEST_F(Membership16, AllMayRestartAtOnce) {
+  ASSERT_TRUE(ring.join());
+  for (NodeId id = 0; id < 16; ++id) ring.kill(id);
+  ring.run_for(1s);
+  for (NodeId id = 0; id < 16; ++id) ring.start(id);
+  ASSERT_TRUE(ring.join());
+  ring.run_for(250ms);
+  expect_ring_of(16);
+  expect_delivery(3, 2);
+}
+
+TEST_F(Membership16, HelloThatIsLostIsSaidAgain) {
+  ring.tap(4, lose(4 * 16, is_data));
+  ASSERT_TRUE(ring.join());
+  EXPECT_GT(ring.counters(9).hellos, 1u);
+  expect_ring_of(16);
+}
+
+TEST_F(Membership16, BeaconsCarryTheCpuToAllOthersAtOnce) {
+  ASSERT_TRUE(ring.join());
+  ring.run_for(10ms);
+  ring.node(5).set_cpu({3, wire::CpuState::running, true, ring.now()}, ring.now());
+  ring.run_for(20us);
+  for (NodeId id = 0; id < 16; ++id) {
+    if (id == 5) continue;
+    const Peer& peer = ring.node(id).membership().peers()[5];
+    ASSERT_TRUE(peer.beacon_heard);
+    EXPECT_EQ(peer.beacon.cpu_boots, 3u);
+    EXPECT_EQ(peer.beacon.cpu_state, wire::CpuState::running);
+    EXPECT_EQ(peer.hop, (id + 16 - 5 - 1) % 16);
+    EXPECT_EQ(peer.beacon.input_from, 4);
+    EXPECT_EQ(peer.beacon.output_to, 6);
+  }
+}
+
+TEST_F(Membership16, BeaconsSayHowLongTheCpuHasBeenSilent) {
+  ASSERT_TRUE(ring.join());
+  ring.node(5).set_cpu({1, wire::CpuState::running, true, ring.now()}, ring.now());
+  ring.run_for(1s);
+  EXPECT_NEAR(ring.node(0).membership().peers()[5].beacon.cpu_silent_ms, 950, 60);
+}
+
+TEST_F(Membership16, BeaconsComeEveryPeriodAndStopWithTheirNode) {
+  ASSERT_TRUE(ring.join());
+  ring.run_for(1s);
+  ring.kill(5);
+  ring.run_for(1s);
+  const Membership& m = ring.node(0).membership();
+  EXPECT_GE(ring.now() - m.peers()[5].heard_at, 990ms);
+  EXPECT_LE(ring.now() - m.peers()[6].heard_at, 101ms);
+}
+
+TEST_F(Membership16, NewsIsAnEventRepetitionIsNone) {
+  ASSERT_TRUE(ring.join());
+  ring.run_for(500ms);
+  const auto news = [&] {
+    const auto& events = ring.log(0).events;
+    return std::count_if(events.begin(), events.end(), [](const Event& e) {
+      const auto* change = std::get_if<PeerChanged>(&e.what);
+      return change && change->node == 5;
+    });
+  };
+  const auto before = news();
+  ring.run_for(500ms);
+  EXPECT_EQ(news(), before);
+  ring.node(5).set_cpu({2, wire::CpuState::booting, true, ring.now()}, ring.now());
+  ring.run_for(200ms);
+  EXPECT_EQ(news(), before + 1);
+}
+
+TEST_F(Membership16, BeaconWaitingForTheLineDoesNotGoAheadOfANewHello) {
+  ASSERT_TRUE(ring.join());
+  ring.run_for(20ms);
+  ring.kill(9);
+  ring.run_for(5ms);
+  for (int i = 0; i < 5; ++i) outcome_of(ring, 0, ring.send(0, 9, text("a")));
+  ring.send(0, 9, text("the sixth"));
+  ring.run_for(2us);
+  ring.node(0).set_cpu({9, wire::CpuState::running, true, ring.now()}, ring.now());  // a beacon waits
+  std::vector<Bytes> sent;
+  ring.tap(0, [&](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+    const wire::PacketFields packet{slice.bytes};
+    if (packet.source() == 0) sent.emplace_back(packet.data().begin(), packet.data().end());
+    arriving.put(slice.kind, slice.bytes);
+  });
+  ring.run_for(1ms);
+  ASSERT_GE(sent.size(), 2u);
+  EXPECT_TRUE(wire::decode_hello({sent[0].data(), sent[0].size()}).has_value());
+  const auto beacon = wire::decode_beacon({sent[1].data(), sent[1].size()});
+  ASSERT_TRUE(beacon.has_value());
+  EXPECT_EQ(beacon->cpu_boots, 9u);
+}
+
+// ---- a doubled id -----------------------------------------------------------------------------
+
+/// A ring of six in which the node at place 4 believes to be node 3.
+struct DoubledId : testing::Test {
+  VirtualRing ring{with(talking(6), [](Settings& s) { s.id = s.id == 4 ? 3 : s.id; })};
+  NodeState state(NodeId place) { return ring.node(place).membership().state(); }
+};
+
+TEST_F(DoubledId, BothNodesSaySoAndTheOthersWork) {
+  ring.run_for(2s);
+  EXPECT_EQ(state(3), NodeState::doubled_id);
+  EXPECT_EQ(state(4), NodeState::doubled_id);
+  EXPECT_EQ(state(0), NodeState::up);
+  EXPECT_GT(ring.counters(3).doubled_id_signs, 0u);
+  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 5, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 5, text("a"))).reject, Reject::not_in_ring);
+}
+
+TEST_F(DoubledId, EndsWhenTheOtherIsGone) {
+  ring.run_for(2s);
+  ring.kill(4);
+  ring.run_for(2s);
+  EXPECT_EQ(state(3), NodeState::up);
+  EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 0, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 3, text("a"))).outcome, Outcome::delivered);
+}
+
+TEST_F(DoubledId, IsFoundAndLeftByANodeThatWasUpBefore) {
+  ring.kill(4);
+  ring.run_for(2s);
+  ASSERT_EQ(state(3), NodeState::up);
+  const auto waiting = ring.send(3, 0, text("waiting"), 3);
+  ring.start(4);
+  ring.run_for(2s);
+  EXPECT_EQ(state(3), NodeState::doubled_id);
+  EXPECT_NE(ring.ended(3, waiting), nullptr);
+  ring.kill(4);
+  ring.run_for(2s);
+  EXPECT_EQ(state(3), NodeState::up);
+  EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 0, text("a"))).outcome, Outcome::delivered);
+}
+
+TEST_F(DoubledId, EndsAlsoWhenItsLinksWereLostMeanwhile) {
+  ring.run_for(2s);
+  ring.kill(5);
+  ring.kill(4);
+  ring.kill(2);
+  ring.run_for(2s);
+  EXPECT_EQ(state(3), NodeState::up);
+}
+
+}  // namespace
+}  // namespace limb_ring::core
