@@ -125,6 +125,14 @@ TEST_F(SupervisorTest, ProgramThatIsNotThereFailsWithItsName) {
   EXPECT_THAT(report.message, HasSubstr("'no_such_firmware'"));
 }
 
+TEST_F(SupervisorTest, WaitBeforeEachNewStartDoubles) {
+  for (const char* program : {"no_such_firmware", "false"}) {
+    supervise(child({program}));
+    EXPECT_TRUE(until([&] { return status().restart_wait == 8ms; })) << program;
+    EXPECT_GE(status().failed_boots + status().exits, 4u) << "after 1, 2 and 4 ms";
+  }
+}
+
 TEST_F(SupervisorTest, ProgramThatCannotBeExecutedFailsWithTheReason) {
   std::string path = ::testing::TempDir() + "limb_ring_XXXXXX";
   UniqueFd file(::mkstemp(path.data()));
@@ -184,7 +192,7 @@ TEST_F(SupervisorTest, StopKillsAChildThatDoesNotListen) {
   bool stopped = false;
   supervisor->stop([&] { stopped = true; });
   EXPECT_TRUE(until([&] { return stopped; }));
-  EXPECT_TRUE(process.ended());
+  EXPECT_TRUE(until([&] { return process.ended(); }));
 }
 
 TEST_F(SupervisorTest, SignalReachesTheChild) {

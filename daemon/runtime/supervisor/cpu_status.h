@@ -36,6 +36,7 @@ struct CpuStatus {
   std::string last_reset_reason;
   std::uint64_t exits = 0;         ///< ends of children by themselves
   std::uint64_t failed_boots = 0;  ///< children that did not attach in time, or not at all
+  std::chrono::milliseconds restart_wait{0};  ///< last time that was waited before a new start
   std::string last_exit;           ///< "exit 3", "signal 9 (Killed)", "cannot execute ..."
 };
 

@@ -11,6 +11,10 @@ namespace limb_ring::runtime {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
+namespace {
+constexpr milliseconds kKilledTimeout{2000};
+}
+
 CpuSupervisor::CpuSupervisor(boost::asio::io_context& io, CpuOptions options, CpuEvents& events)
     : io_(io), options_(std::move(options)), events_(events), child_(io, options_.by),
       commands_(io, options_.command_timeout, options_.by), back_off_(options_.back_off),
@@ -70,7 +74,7 @@ void CpuSupervisor::start_found(const std::string& path) {
 
 void CpuSupervisor::could_not_start(const ExitStatus& why) {
   did_not_boot(why.text);
-  restart_later();
+  restart_later(milliseconds(0));
 }
 
 void CpuSupervisor::watch_boot() {
@@ -92,7 +96,7 @@ void CpuSupervisor::child_ended(const ExitStatus& status) {
                                  std::to_string(options_.boot_timeout.count()) + " ms");
   else if (!status.executed) did_not_boot(status.text);
   else return ended_by_itself(status);
-  restart_later();
+  restart_later(child_.age());
 }
 
 void CpuSupervisor::ended_by_itself(const ExitStatus& status) {
@@ -100,7 +104,7 @@ void CpuSupervisor::ended_by_itself(const ExitStatus& status) {
   counts_.last_exit = status.text;
   failed_ = !status.clean;
   spdlog::warn("CPU {} ended by itself: {}", options_.cpu.command.front(), status.text);
-  if (options_.cpu.restart_on_exit) restart_later();
+  if (options_.cpu.restart_on_exit) restart_later(child_.age());
   changed();
 }
 
@@ -112,9 +116,9 @@ void CpuSupervisor::did_not_boot(const std::string& why) {
   changed();
 }
 
-void CpuSupervisor::restart_later() {
-  const milliseconds wait = back_off_.after(child_.age());
-  after(restart_timer_, steady_clock::now() + wait, &CpuSupervisor::restart_due);
+void CpuSupervisor::restart_later(milliseconds ran) {
+  counts_.restart_wait = back_off_.after(ran);
+  after(restart_timer_, steady_clock::now() + counts_.restart_wait, &CpuSupervisor::restart_due);
 }
 
 void CpuSupervisor::restart_due() {
@@ -244,7 +248,7 @@ void CpuSupervisor::stop(std::function<void()> done) {
 void CpuSupervisor::force_stop() {
   child_.signal_group(SIGKILL);
   // One that even SIGKILL does not end at once hangs in the kernel; we do not hang with it.
-  after(stop_timer_, steady_clock::now() + options_.stop_timeout, &CpuSupervisor::stopped);
+  after(stop_timer_, steady_clock::now() + kKilledTimeout, &CpuSupervisor::stopped);
 }
 
 void CpuSupervisor::stopped() {

@@ -103,7 +103,7 @@ class CpuSupervisor {
   void child_ended(const ExitStatus& status);
   void ended_by_itself(const ExitStatus& status);
   void did_not_boot(const std::string& why);
-  void restart_later();
+  void restart_later(std::chrono::milliseconds ran);
   void restart_due();
   CpuReport reset_child();
   CpuReport kill_attached();
