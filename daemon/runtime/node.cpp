@@ -184,10 +184,11 @@ void Node::cpu_changed() {
 Orders::Cpu Node::cpu_of(wire::NodeId node) const {
   if (node == config_.id) {
     const CpuStatus status = cpu_.status();
-    return {status.boots, status.kind != CpuKind::attached || status.restarted_by_owner};
+    return {status.boots, status.kind != CpuKind::attached || status.restarted_by_owner,
+            status.state == CpuState::absent};
   }
   const core::Peer& peer = engine_.controller().membership().peers()[node];
-  return {peer.beacon.cpu_boots, peer.beacon.cpu_comes_back};
+  return {peer.beacon.cpu_boots, peer.beacon.cpu_comes_back, peer.beacon.cpu_state == wire::CpuState::absent};
 }
 
 }  // namespace limb_ring::runtime

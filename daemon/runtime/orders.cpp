@@ -46,6 +46,8 @@ void Orders::reset_ended(Reset* reset, const core::SendEnded& ended) {
     if (ended.reject != core::Reject::none) why += std::string(": ") + core::to_string(ended.reject);
     return finish(place, false, why);
   }
+  if (!place->before.comes_back && place->before.absent)
+    return finish(place, false, "the reset pin was pulled, but no CPU is attached to that node: nothing to reset");
   if (!place->before.comes_back)
     return finish(place, false, "the CPU was killed, but nobody restarts it: it did not declare that its owner does");
   on_cpu_changed(place->node);

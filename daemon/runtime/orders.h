@@ -28,6 +28,7 @@ class Orders {
   struct Cpu {
     std::uint32_t boots = 0;
     bool comes_back = true;  ///< somebody starts it again when it is killed
+    bool absent = false;     ///< there is none to kill
   };
   using CpuOf = std::function<Cpu(wire::NodeId)>;
 
