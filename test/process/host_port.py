@@ -53,7 +53,7 @@ class HostPort:
             connection.close()
             raise ConnectionRefusedError(value)
         if role == CPU:
-            connection.sendall(frame(CREDIT, struct.pack('>H', credit)))
+            port.give_credit(credit)
         return port
 
     def close(self):
@@ -78,6 +78,9 @@ class HostPort:
     def request(self, order):
         return self._order(REQUEST, json.dumps(order).encode())
 
+    def give_credit(self, count):
+        self.connection.sendall(frame(CREDIT, struct.pack('>H', count)))
+
     def observe(self, *kinds):
         self.connection.sendall(frame(OBSERVE, json.dumps({'kinds': kinds}).encode()))
 
@@ -88,6 +91,17 @@ class HostPort:
         if self.messages:
             return self.messages.pop(0)
         return self._read(timeout)
+
+    def received(self, kind):
+        """All messages of a kind that are here by now, without waiting."""
+        try:
+            while True:
+                self.messages.append(self._read(0.001))
+        except TimeoutError:
+            pass
+        found = [value for what, value in self.messages if what == kind]
+        self.messages = [message for message in self.messages if message[0] != kind]
+        return found
 
     def result(self, token=None, timeout=30):
         """The next Result, or that of a token: {'token', 'outcome', 'tries', 'reason'}."""
@@ -120,6 +134,8 @@ class HostPort:
                 if len(self.buffer) >= end:
                     kind, body = self.buffer[4], self.buffer[5:end]
                     self.buffer = self.buffer[end:]
+                    if kind == PACKET:
+                        self.give_credit(1)
                     return kind, decode(kind, body)
             self._fill(deadline - time.monotonic())
 

@@ -57,7 +57,7 @@ class Lifecycle(RingTest):
         self.assertEqual(port.result(port.interrupt(1, 2))['outcome'], 'no such node')
 
     def test_frozen_node_is_bypassed_and_comes_back_by_a_new_hello(self):
-        daemons = self.start_ring(plain_nodes(4))
+        daemons = self.start_ring(plain_nodes(4), timeouts={'silence': '200ms'})
         boot, hellos = self.row(2)['boot'], self.counters(2)['hellos']
         daemons[2].send_signal(signal.SIGSTOP)
         self.wait_closed([0, 1, 3])

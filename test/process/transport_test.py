@@ -2,9 +2,12 @@
 
 import json
 import os
+import re
 
 import ring_process
 from ring_process import RingTest, free_udp_ports, plain_nodes
+
+SEEN_SOON = {'silence': '500ms'}  # UDP tells of no end
 
 
 class Transport(RingTest):
@@ -18,7 +21,7 @@ class Transport(RingTest):
         nodes = plain_nodes(4)
         for node in (1, 2):
             nodes[node]['link'] = {'transport': 'udp', 'port': ports + node}
-        daemons = self.start_ring(nodes)
+        daemons = self.start_ring(nodes, timeouts=SEEN_SOON)
         self.assert_carries(4)
         self.assertGreater(self.counters(1)['input_datagrams'], 0)
         self.assertEqual(self.counters(3)['input_datagrams'], 0)
@@ -29,7 +32,8 @@ class Transport(RingTest):
         self.assert_carries(4)
 
     def test_udp_ring_with_a_kill_and_a_return(self):
-        daemons = self.start_ring(plain_nodes(4), links={'transport': 'udp', 'port': free_udp_ports(4)})
+        daemons = self.start_ring(plain_nodes(4), links={'transport': 'udp', 'port': free_udp_ports(4)},
+                                  timeouts=SEEN_SOON)
         self.assert_carries(4)
         daemons[1].kill()
         self.wait_closed([0, 2, 3])
@@ -54,10 +58,17 @@ class Transport(RingTest):
         self.assertIn(str(port + 1), second.stderr)
 
 
+def patient(text):
+    for name, value in ring_process.PATIENT.items():
+        text = re.sub(r'^  %s: \w+' % name, '  %s: %s' % (name, value), text, flags=re.MULTILINE)
+    return text
+
+
 class SlowLine(RingTest):
     def setUp(self):
         super().setUp()
-        config = os.path.join(ring_process.CONFIG, 'slow_line.yaml')
+        with open(os.path.join(ring_process.CONFIG, 'slow_line.yaml')) as shipped:
+            config = self.write('slow.yaml', patient(shipped.read()))
         for node in range(4):
             self.ringd(config, node, '--ring', self.ring)
         self.wait_closed(range(4))

@@ -70,7 +70,7 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('down').returncode, 0)
 
     def test_ring_of_64_nodes(self):
-        self.up('--nodes', 64)
+        self.up(self.write_ring(plain_nodes(64)))
         self.assertEqual(self.ctl_json('ping', '--from', 0, '--to', 63, '--count', 50)['delivered'], 50)
         self.assertEqual(self.ctl_json('ping', '--from', 'node63', '--to', 'node0')['delivered'], 10)
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
