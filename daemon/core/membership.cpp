@@ -69,10 +69,9 @@ void Membership::output_lost(Time now) {
 // Both links gone or replaced: this node was bypassed, perhaps only frozen. What it remembers of
 // the others, and they of it, no longer holds. (ours)
 void Membership::links_changed(Time now) {
-  const bool both_up = input_ == Link::up && output_ == Link::up;
   if (input_was_lost_ && output_was_lost_) start_over(now);
-  if (state_ == NodeState::starting || state_ == NodeState::joining) {
-    if (both_up) say_hello(now);
+  if (state_ == NodeState::starting || state_ == NodeState::joining || state_ == NodeState::doubled_id) {
+    if (links_up()) say_hello(now);
   } else {
     change(now);
   }
@@ -81,17 +80,22 @@ void Membership::links_changed(Time now) {
 void Membership::start_over(Time now) {
   input_was_lost_ = output_was_lost_ = false;
   transmit_.set_open_chain(false, now);
+  new_life(now);
+  peers_.forget_all();
+  ring_size_ = 0;
+  enter(NodeState::starting, now);
+}
+
+// Sends end cancelled, and everything is as after a start, until the next hello is home.
+void Membership::new_life(Time now) {
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed);
   receive_.forget_all();
   pins_.forget_all();
   receive_.set_joining(true);
-  peers_.forget_all();
   hello_out_ = renumbering_ = beacon_out_ = break_known_ = false;
   beacon_due_ = drained_at_ = kNever;
   ++boot_;
-  ring_size_ = 0;
-  enter(NodeState::starting, now);
 }
 
 // ---- hello --------------------------------------------------------------------------------
@@ -112,7 +116,7 @@ void Membership::hello_ended(const SendEnded& ended, Time now) {
   const bool home = ended.outcome == Outcome::delivered || ended.outcome == Outcome::no_such_node ||
                     ended.outcome == Outcome::refused;
   if (home || state_ == NodeState::open_chain) return joined(now);
-  if (input_ == Link::up && output_ == Link::up) return say_hello(now);
+  if (links_up()) return say_hello(now);
   if (state_ == NodeState::joining) enter(NodeState::starting, now);
 }
 
@@ -178,7 +182,17 @@ void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now
   }
   if (boot >= settings_.boot && boot < boot_) return;  // said by this very life, before a new hello
   ++counters_.doubled_id_signs;
-  if (++doubled_signs_ >= kDoubledSigns && state_ != NodeState::starting) enter(NodeState::doubled_id, now);
+  const bool can_tell = state_ != NodeState::starting && state_ != NodeState::doubled_id;
+  if (++doubled_signs_ >= kDoubledSigns && can_tell) found_double(now);
+}
+
+// The two take each other's packets off the ring, so nothing can be confirmed. It goes on saying
+// hello: the one that comes home is the sign that the other is gone. (ours)
+void Membership::found_double(Time now) {
+  transmit_.set_open_chain(false, now);
+  new_life(now);
+  enter(NodeState::doubled_id, now);
+  if (links_up()) say_hello(now);
 }
 
 // ---- the others ---------------------------------------------------------------------------

@@ -58,7 +58,10 @@ class Membership {
 
   void enter(NodeState state, Time now);
   void links_changed(Time now);
+  bool links_up() const { return input_ == Link::up && output_ == Link::up; }
   void start_over(Time now);
+  void new_life(Time now);
+  void found_double(Time now);
   void say_hello(Time now);
   void hello_ended(const SendEnded& ended, Time now);
   void joined(Time now);
