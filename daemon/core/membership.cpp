@@ -48,7 +48,6 @@ void Membership::input_lost(Time now) {
   if (input_ != Link::up) return;
   input_ = Link::lost;
   input_was_lost_ = true;
-  break_due_ = now + settings_.break_grace;
   links_changed(now);
 }
 
@@ -70,6 +69,7 @@ void Membership::output_lost(Time now) {
 // the others, and they of it, no longer holds. (ours)
 void Membership::links_changed(Time now) {
   if (input_was_lost_ && output_was_lost_) start_over(now);
+  watch_for_break(now);
   if (state_ == NodeState::starting || state_ == NodeState::joining || state_ == NodeState::doubled_id) {
     if (links_up()) say_hello(now);
   } else {
@@ -94,7 +94,7 @@ void Membership::new_life(Time now) {
   pins_.forget_all();
   receive_.set_joining(true);
   hello_out_ = renumbering_ = beacon_out_ = break_known_ = false;
-  beacon_due_ = drained_at_ = kNever;
+  beacon_due_ = break_due_ = drained_at_ = kNever;
   ++boot_;
 }
 

@@ -75,6 +75,7 @@ class Membership {
   void change(Time now);
   wire::Beacon beacon(Time now) const;
 
+  void watch_for_break(Time now);
   void own_input_broken(Time now);
   void hear_break(const wire::Beacon& beacon, Time now);
   void enter_open_chain(Time now);
