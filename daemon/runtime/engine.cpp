@@ -75,12 +75,14 @@ void Engine::round() {
   const core::Time at = now();
   if (deadline_ <= at) controller_.handle_timeout(at);
   controller_.run(at);
-  write_line();
   core::Event event;
   while (controller_.take_event(at, event)) {
     listener_.on_event(event);
     again_ = true;
   }
+  // One write for what passes and for what the listener asks for: written apart, an own packet
+  // would lag behind the others for ever, and every node would be woken for it alone.
+  if (!again_) write_line();
   listener_.on_round_end();
   deadline_ = controller_.next_deadline(at);
 }
