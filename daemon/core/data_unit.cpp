@@ -89,7 +89,7 @@ wire::ByteView DataUnit::start(Time now) {
   const wire::ByteView image = flight_.launch(now, settings_.send_timeout());
   if (open_chain_) {
     finish_flight(Outcome::unconfirmed, now);
-    free_at_ = now + std::max(settings_.worst_lap(), settings_.unconfirmed_pace);
+    free_at_ = now + settings_.open_chain_pace();
   }
   return image;
 }

@@ -34,7 +34,10 @@ wire::ByteView InterruptUnit::start(Time now) {
   ++counters_.sent_interrupts;
   ++queue_.front().tries;
   const wire::ByteView image = flight_.launch(now, settings_.send_timeout());
-  if (open_chain_) finish(Outcome::unconfirmed, now);
+  if (open_chain_) {
+    finish(Outcome::unconfirmed, now);
+    free_at_ = now + settings_.open_chain_interrupt_pace();
+  }
   return image;
 }
 

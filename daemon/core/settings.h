@@ -55,6 +55,11 @@ struct Settings {
     if (lap.count() != 0) return lap;
     return nodes() * (byte_time_out * static_cast<int>(524 + wire::kOverhead) + relay_delay);
   }
+  /// Least time between two packets of a kind in an open chain, where no return says when.
+  Duration open_chain_pace() const { return std::max(worst_lap(), unconfirmed_pace); }
+  Duration open_chain_interrupt_pace() const {
+    return std::max(nodes() * (byte_time_out * static_cast<int>(2 * wire::kOverhead) + relay_delay), unconfirmed_pace);
+  }
   /// Time-out of one try: two laps, and never less than send_timeout_least. (ours)
   Duration send_timeout() const { return std::max(send_timeout_least, 2 * worst_lap()); }
 };
