@@ -12,6 +12,7 @@ from ring_process import RingTest, plain_nodes
 
 RECEIVER, SENDERS, NODES = 2, (0, 4), 5
 OUTSTANDING = 16
+SHIPPED = {'silence': '50ms', 'stall': '50ms', 'send': '100ms'}  # as a ring has them by default
 MAY_HAVE_ARRIVED = {'lost', 'unconfirmed', 'cancelled'}
 NEVER_ARRIVED = {'no such node', 'refused', 'rejected'}
 
@@ -47,7 +48,7 @@ class Chaos(RingTest):
     def start_traffic(self):
         nodes = plain_nodes(NODES)
         nodes[RECEIVER]['cpu'] = 'attached'
-        self.daemons = self.start_ring(nodes)
+        self.daemons = self.start_ring(nodes, timeouts=SHIPPED)
         self.cpu = self.port(RECEIVER, role=host_port.CPU)
         self.senders = [Sender(node, self.port(node)) for node in SENDERS]
         self.arrived = {node: [] for node in SENDERS}

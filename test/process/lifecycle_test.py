@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -79,8 +80,9 @@ class Lifecycle(RingTest):
         self.wait_closed(range(4))
 
     def test_signals_end_it_cleanly(self):
-        daemons = self.start_ring(plain_nodes(2))
-        for node, number in ((0, signal.SIGTERM), (1, signal.SIGINT)):
+        self.addCleanup(signal.signal, signal.SIGHUP, signal.signal(signal.SIGHUP, signal.SIG_DFL))
+        daemons = self.start_ring(plain_nodes(3))
+        for node, number in enumerate((signal.SIGTERM, signal.SIGINT, signal.SIGHUP)):
             daemons[node].send_signal(number)
             self.assertEqual(self.wait_exit(daemons[node]), 0)
             self.assertEqual([f for f in os.listdir(self.ring_folder())
@@ -93,6 +95,23 @@ class Lifecycle(RingTest):
         self.assertIn('node 1 (node1)', second.stderr)
         self.assertIn('held by pid %d' % daemons[1].pid, second.stderr)
         self.assertTrue(self.is_closed([0, 1]))
+
+    def test_log_that_nobody_reads_holds_nothing_up(self):
+        config = self.write_ring(plain_nodes(2))
+        unread = subprocess.Popen([ring_process.program('ringd'), '--config', config, '--node', '0'],
+                                  env=self.environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        self.addCleanup(unread.stderr.close)
+        self.addCleanup(unread.wait)
+        self.addCleanup(unread.kill)
+        self.ringd(config, 1)
+        self.wait_closed([0, 1])
+        port = self.port(1)
+        for _ in range(3000):  # a line each: far more than a pipe holds
+            self.assertEqual(port.result(port.interrupt(0, 2))['outcome'], 'delivered')
+        while 'lines left out' not in unread.stderr.readline().decode():
+            port.interrupt(0, 2)
+        unread.terminate()
+        self.assertEqual(self.wait_exit(unread), 0)
 
     def test_arguments_that_roslaunch_adds_are_passed_over(self):
         config = self.write_ring(plain_nodes(2))

@@ -1,13 +1,15 @@
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <iostream>
+#include <memory>
 
 #include "app/ringd/options.h"
+#include "app/ringd/stderr_sink.h"
 #include "config/config_error.h"
 #include "config/options_markdown.h"
 #include "runtime/node.h"
@@ -16,11 +18,18 @@
 namespace {
 
 using namespace limb_ring;
+using ringd::StderrSink;
 
 void set_up_log(const config::RingConfig& ring, const config::NodeConfig& node) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("ringd"));
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("ringd", std::make_shared<StderrSink>()));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ [" + ring.ring + "/" + node.name + "] %v");
   spdlog::flush_on(spdlog::level::info);
+}
+
+/// As nohup has it: the daemon is to outlive its terminal.
+bool is_ignored(int signal) {
+  struct sigaction action {};
+  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
 int run(const config::RingConfig& ring, const config::NodeConfig& config) {
@@ -28,9 +37,10 @@ int run(const config::RingConfig& ring, const config::NodeConfig& config) {
   runtime::Node node(io, ring, config);
   runtime::apply_realtime(ring.realtime);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
+  if (!is_ignored(SIGHUP)) signals.add(SIGHUP);
   signals.async_wait([&](const boost::system::error_code& error, int number) {
     if (error) return;
-    spdlog::info("{}: ending", number == SIGINT ? "SIGINT" : "SIGTERM");
+    spdlog::info("signal {} ({}): ending", number, ::strsignal(number));
     node.stop([&io] { io.stop(); });
   });
   node.start();
