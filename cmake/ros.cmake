@@ -1,4 +1,7 @@
 # What ROS conventions ask for: messages, the exported client library, the devel space.
+# catkin keeps the tests' environment as it is now, without folders that do not exist yet: a fresh
+# build's tests would find no Python messages.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/devel/lib/python3/dist-packages)
 find_package(catkin REQUIRED COMPONENTS
   roscpp sensor_msgs geometry_msgs std_msgs topic_tools message_generation)
 file(GLOB msg_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/msg msg/*.msg)
