@@ -44,6 +44,10 @@ class LaunchArguments(unittest.TestCase):
         self.assertEqual({'/ringd_%d' % i for i in range(255)} | {'/ring_check'}, set(names))
         self.assertEqual(len(names), 256)
 
+    def test_a_bag_is_played_where_one_is_given(self):
+        self.assertIn('/play', launched_nodes('bag:=any.bag'))
+        self.assertNotIn('/play', launched_nodes())
+
     def test_without_arguments_it_is_the_humanoid_with_its_bridge(self):
         names = launched_nodes()
         self.assertIn('/ring_bridge', names)

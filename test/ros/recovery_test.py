@@ -84,6 +84,17 @@ class Recovery(unittest.TestCase):
         self.states.wait(lambda s: len(s.name) == 26, 'all joints')
         self.ring.wait_until_up()
 
+    def test_a_bridge_outlives_its_daemon_and_says_that_it_is_gone(self):
+        before = self.ring.node('body')
+        kill_process(before.pid)
+        gone = self.ring.status.wait(lambda s: not s.connected, 'the bridge to notice')
+        self.assertTrue(gone.message)
+        self.assertEqual(len(self.ring.status.wait(lambda s: s.silent_joints, 'silence').silent_joints), 26)
+        self.ring.wait_until_up()
+        self.assertNotEqual(self.ring.node('body').pid, before.pid)
+        self.assertEqual(self.ring.node('body').cpu_pid, before.cpu_pid, 'the same bridge')
+        self.states.wait_for_more(10, 'joint states again')
+
     def test_a_killed_bridge_comes_back_and_the_ring_does_not_notice(self):
         before = self.ring.wait_until_up()
         kill_process(self.ring.node('body').cpu_pid)

@@ -35,6 +35,9 @@ class Newest:
         with self._lock:
             self._message, self._count = message, self._count + 1
 
+    def unregister(self):
+        self._subscriber.unregister()
+
     def get(self):
         with self._lock:
             return self._message

@@ -43,18 +43,20 @@ class Topics(unittest.TestCase):
                          [serialized(m) for m in sent])
 
     def test_a_latched_message_stays_for_late_subscribers_and_a_new_far_bridge(self):
-        latched = publisher_across('/body/text', String, latch=True)
+        latched = publisher_across('/body/map', String, latch=True)
         latched.publish('keep me')
-        text = Newest('/head/text_there', String)
+        text = Newest('/head/map_there', String)
         text.wait(lambda m: m.data == 'keep me', 'the latched text')
-        late = Newest('/head/text_there', String)
+        text.unregister()
+        late = Newest('/head/map_there', String)
         late.wait(lambda m: m.data == 'keep me', 'the latched text, late')
+        late.unregister()
 
+        boots = self.ring.node('head').cpu_boots
         kill_process(self.ring.node('head').cpu_pid)
-        Ring('/head/ring_status').wait_until_up(cpus=False)
-        after = Newest('/head/text_there', String)
+        self.ring.wait_for_node('head', lambda n: n.cpu_boots > boots, 'a new bridge')
+        after = Newest('/head/map_there', String)
         after.wait(lambda m: m.data == 'keep me', 'the latched text after the restart')
-        latched.unregister()
 
 
 if __name__ == '__main__':
