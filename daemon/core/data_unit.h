@@ -29,7 +29,8 @@ class DataUnit {
   Reject enqueue(const SendRequest& request, Time now);
   /// Hello or beacon: a broadcast on channel 1, before everything else.
   void enqueue_control(wire::ByteView message, std::uint32_t token, Time now);
-  std::size_t control_waiting() const { return queues_[kControlQueue].size(); }
+  /// Takes the NC's own packets out of the queue, without an end. @pre !busy()
+  void drop_control() { queues_[kControlQueue].clear(); }
 
   void set_gate(Gate gate) { gate_ = gate; }
   /// Open chain: nothing returns, so every send ends `unconfirmed` as it leaves, at this pace.

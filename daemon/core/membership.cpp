@@ -134,6 +134,8 @@ void Membership::renumber(Time now) {
   if (!renumbering_) transmit_.set_gate(Gate::closed);
   renumbering_ = true;
   if (!transmit_.idle()) return;
+  transmit_.data.drop_control();  // nothing goes before the hello; its beacon follows it
+  beacon_out_ = hello_out_ = false;
   transmit_.restart_numbers();
   ++boot_;
   say_hello(now);
