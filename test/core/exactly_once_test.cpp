@@ -192,8 +192,30 @@ TEST_F(ExactlyOnceRing, ReceiverThatRestartsDuringATryEndsItOneWay) {
   ring.run_for(10us);
   ring.kill(1);
   ring.start(1);
-  EXPECT_EQ(outcome_of(ring, 0, token).outcome, Outcome::delivered);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a"), text("a"))) << "once per life: the first forgot";
+  EXPECT_EQ(outcome_of(ring, 0, token).outcome, Outcome::lost);
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a"))) << "what a former life may have taken is not repeated";
+}
+
+// Its neighbours restarted or it was frozen; its CPU is the one that took the first try.
+TEST_F(ExactlyOnceRing, ReceiverThatWasBypassedDuringATryTakesItOnce) {
+  ring.tap(3, lose(1, is_data));
+  const auto token = ring.send(0, 1, text("a"));
+  ring.run_for(10us);
+  ring.freeze(1);
+  ring.thaw(1);
+  EXPECT_EQ(outcome_of(ring, 0, token).outcome, Outcome::lost);
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a")));
+  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 1, text("b"))).outcome, Outcome::delivered);
+}
+
+TEST_F(ExactlyOnceRing, InterruptOfABypassedReceiverPullsOnce) {
+  ring.tap(3, lose(1, is_interrupt));
+  const auto token = ring.interrupt(0, 1, 2);
+  ring.run_for(10us);
+  ring.freeze(1);
+  ring.thaw(1);
+  outcome_of(ring, 0, token);
+  EXPECT_EQ(ring.counters(1).pins_pulled, 1u);
 }
 
 TEST_F(ExactlyOnceRing, SixSendsWithoutAVerdictAreFollowedByANewHello) {

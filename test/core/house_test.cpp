@@ -1,0 +1,107 @@
+// The arrows of the house, read from the #include lines: wire and core know no IO, nothing points
+// upwards, ROS never sees the core.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using testing::IsEmpty;
+
+const fs::path kSource = LIMB_RING_SOURCE;
+
+struct Include {
+  std::string file, name;
+  bool own;  ///< in quotes
+};
+
+std::vector<Include> includes_below(const fs::path& folder) {
+  std::vector<Include> out;
+  const std::regex line(R"(\s*#\s*include\s*([<"])([^>"]+)[>"].*)");
+  if (!fs::exists(folder)) return out;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string extension = entry.path().extension();
+    if (extension != ".h" && extension != ".cpp") continue;
+    std::ifstream file(entry.path());
+    for (std::string text; std::getline(file, text);) {
+      std::smatch match;
+      if (std::regex_match(text, match, line))
+        out.push_back({entry.path().lexically_relative(kSource), match[2], match[1] == "\""});
+    }
+  }
+  return out;
+}
+
+/// Headers of the C++ standard library have neither a folder nor an extension.
+bool standard(const std::string& name) { return name.find_first_of("./") == std::string::npos; }
+
+std::string part_of(const std::string& name) { return name.substr(0, name.find('/')); }
+
+std::vector<std::string> beyond(const fs::path& folder, const std::set<std::string>& parts) {
+  std::vector<std::string> wrong;
+  for (const Include& i : includes_below(folder))
+    if (i.own && parts.count(part_of(i.name)) == 0) wrong.push_back(i.file + " includes " + i.name);
+  return wrong;
+}
+
+std::vector<std::string> not_standard(const fs::path& folder) {
+  std::vector<std::string> wrong;
+  for (const Include& i : includes_below(folder)) {
+    const bool crc = i.name == "isa-l/crc.h" && i.file == "daemon/wire/checksum.cpp";
+    if (!i.own && !standard(i.name) && !crc) wrong.push_back(i.file + " includes <" + i.name + ">");
+  }
+  return wrong;
+}
+
+TEST(House, TheTestReadsTheSources) {
+  EXPECT_GT(includes_below(kSource / "daemon" / "core").size(), 50u);
+  EXPECT_THAT(beyond(kSource / "daemon" / "core", {"core"}), testing::Not(IsEmpty()));
+}
+
+TEST(House, WireCoreAndSimUseTheStandardLibraryAlone) {
+  for (const char* part : {"wire", "core", "sim"}) EXPECT_THAT(not_standard(kSource / "daemon" / part), IsEmpty());
+}
+
+TEST(House, CoreHasNoThreadsClocksOrStreams) {
+  const std::set<std::string> forbidden{"thread", "mutex",  "future",  "condition_variable", "iostream",
+                                        "fstream", "cstdio", "ctime", "random"};
+  std::vector<std::string> wrong;
+  for (const char* part : {"wire", "core"})
+    for (const Include& i : includes_below(kSource / "daemon" / part))
+      if (forbidden.count(i.name) != 0) wrong.push_back(i.file + " includes <" + i.name + ">");
+  EXPECT_THAT(wrong, IsEmpty());
+}
+
+TEST(House, ArrowsPointOneWay) {
+  const std::map<std::string, std::set<std::string>> may{
+      {"wire", {"wire"}},
+      {"core", {"wire", "core"}},
+      {"sim", {"wire", "core", "sim"}},
+      {"config", {"wire", "config", "limb_ring"}},
+      {"payload", {"wire", "payload", "limb_ring"}},
+      {"client", {"wire", "client", "limb_ring"}},
+      {"link", {"wire", "link"}},
+      {"host", {"wire", "client", "host", "limb_ring"}},
+      {"firmware", {"wire", "payload", "config", "client", "firmware", "limb_ring"}},
+      {"runtime", {"wire", "core", "link", "config", "host", "client", "payload", "runtime", "limb_ring"}},
+  };
+  for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;
+}
+
+TEST(House, TheBridgeKnowsNothingOfTheDaemonsInside) {
+  std::vector<std::string> wrong;
+  for (const Include& i : includes_below(kSource / "ros_bridge"))
+    for (const char* inside : {"core/", "link/", "host/", "runtime/", "sim/"})
+      if (i.name.rfind(inside, 0) == 0) wrong.push_back(i.file + " includes " + i.name);
+  EXPECT_THAT(wrong, IsEmpty());
+}
+
+}  // namespace

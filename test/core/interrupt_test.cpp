@@ -1,0 +1,118 @@
+// Interrupts: pins, inputs, and what overtakes what.
+#include "core/solo_node.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using wire::SliceKind;
+
+struct Interrupts : testing::Test {
+  VirtualRing ring{with(quick(4), [](Settings& s) {
+    s.inputs[2] = InterruptInput{3, 1};
+    s.inputs[5] = InterruptInput{wire::kBroadcast, 2};
+  })};
+  void SetUp() override { ASSERT_TRUE(ring.join()); }
+};
+
+TEST_F(Interrupts, PullThePinOfTheirNumberAtTheirDestination) {
+  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 2, 1)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(2)), ElementsAre(1));
+  for (NodeId other : {0, 1, 3}) EXPECT_THAT(pins(ring.log(other)), IsEmpty());
+}
+
+TEST_F(Interrupts, PinSaysWhoPulledIt) {
+  outcome_of(ring, 3, ring.interrupt(3, 2, 1));
+  EXPECT_EQ(std::get<PinPulled>(ring.log(2).events.back().what).source, 3);
+}
+
+TEST_F(Interrupts, BroadcastPullsThePinOfAllOthers) {
+  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, wire::kBroadcast, 2)).outcome, Outcome::delivered);
+  for (NodeId other : {1, 2, 3}) EXPECT_THAT(pins(ring.log(other)), ElementsAre(2));
+  EXPECT_THAT(pins(ring.log(0)), IsEmpty());
+}
+
+TEST_F(Interrupts, MayGoToTheirOwnNode) {
+  EXPECT_EQ(outcome_of(ring, 1, ring.interrupt(1, 1, 0)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(1)), ElementsAre(0));
+}
+
+TEST_F(Interrupts, UnwiredPinRefusesAndIsNotTriedAgain) {
+  const SendEnded end = outcome_of(ring, 0, ring.interrupt(0, 2, 7));
+  EXPECT_EQ(end.outcome, Outcome::refused);
+  EXPECT_EQ(end.tries, 1u);
+  EXPECT_EQ(ring.counters(2).refused_unwired, 1u);
+  EXPECT_THAT(pins(ring.log(2)), IsEmpty());
+}
+
+TEST_F(Interrupts, ToADeadNodeFindNobody) {
+  ring.kill(2);
+  ring.run_for(1ms);
+  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 2, 1)).outcome, Outcome::no_such_node);
+}
+
+TEST_F(Interrupts, InputsSendWithoutTheCpu) {
+  ring.node(1).set_cpu_present(false);
+  ring.cpu_reads[1] = false;
+  EXPECT_EQ(outcome_of(ring, 1, ring.pull(1, 2)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(3)), ElementsAre(1));
+  outcome_of(ring, 1, ring.pull(1, 5));
+  EXPECT_THAT(pins(ring.log(0)), ElementsAre(2));
+}
+
+TEST_F(Interrupts, PinsArePulledAtANodeWhoseCpuIsGone) {
+  ring.node(2).set_cpu_present(false);
+  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 2, 0)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(2)), ElementsAre(0));
+}
+
+TEST_F(Interrupts, EverySecondOneToTheSamePinPullsItAgain) {
+  for (int i = 0; i < 20; ++i) outcome_of(ring, 0, ring.interrupt(0, 2, 1));
+  EXPECT_EQ(pins(ring.log(2)).size(), 20u);
+}
+
+TEST(InterruptOnALine, IsEmbeddedIntoADatpThatIsBeingSent) {
+  VirtualRing ring(gigabit(4));
+  ASSERT_TRUE(ring.join());
+  ring.send(0, 1, Bytes(512));
+  ring.run_for(1us);
+  ring.interrupt(0, 1, 1);
+  Time pin{}, packet{};
+  ring.on_event = [&](NodeId id, const Event& e) { if (id == 1 && std::holds_alternative<PinPulled>(e.what)) pin = e.at; };
+  ring.on_packet = [&](NodeId, const ReceivedPacket& p) { packet = p.at; };
+  ring.run_for(100us);
+  EXPECT_EQ(ring.counters(0).embedded_interrupts, 1u);
+  EXPECT_LT(pin, packet);
+  EXPECT_NE(pin, Time{});
+}
+
+// Protocol section 7: behind another INTP, trailer and CRC at every node.
+TEST(InterruptOnALine, RoundTripStaysWithinItsBoundUnderFullLoad) {
+  VirtualRing ring(gigabit(16));
+  ASSERT_TRUE(ring.join());
+  Duration most{0};
+  unsigned ends = 0;
+  ring.on_event = [&](NodeId id, const Event& event) {
+    const auto* end = std::get_if<SendEnded>(&event.what);
+    if (!end) return;
+    if (!end->interrupt) {
+      ring.send(id, (id + 3) % 16, Bytes(512));
+    } else {
+      ++ends;
+      most = std::max(most, end->round_trip);
+      ring.at(event.at + Duration{1ns} * ((ends * 7919u) % 5000u), [&, id] { ring.interrupt(id, (id + 5) % 16, 1); });
+    }
+  };
+  for (NodeId id = 0; id < 16; ++id) {
+    ring.send(id, (id + 3) % 16, Bytes(512));
+    ring.interrupt(id, (id + 5) % 16, 1);
+  }
+  ring.run_for(5ms);
+  EXPECT_GT(ends, 4000u);
+  EXPECT_LE(most, 10752ns);
+  EXPECT_GT(most, 16 * 512ns + 96ns) << "the load was one";
+}
+
+}  // namespace
+}  // namespace limb_ring::core
