@@ -80,6 +80,7 @@ void DataUnit::load(Job& job) {
 wire::ByteView DataUnit::start(Time now) {
   if (flight_.idle()) {
     current_ = choose(now);
+    current().forgotten = false;
     load(current());
   } else {
     ++counters_.retries;
@@ -109,7 +110,9 @@ void DataUnit::decide(std::uint8_t fbc, Time at, Duration round_trip) {
   }
   numbers_.decided(flight_.destination());
   if (fbc != 0) return finish_flight(Outcome::delivered, at, round_trip);
-  const bool again = current().destination != wire::kBroadcast && !current().told;
+  // A new life's refusal says nothing of an earlier try.
+  const bool doubtful = current().forgotten && !sure;
+  const bool again = current().destination != wire::kBroadcast && !current().told && !doubtful;
   if (again && at < current().refused_until) return refuse(at);
   finish_flight(sure ? Outcome::refused : Outcome::lost, at, round_trip);
 }
@@ -131,7 +134,7 @@ void DataUnit::returned_damaged(Time at) {
 
 void DataUnit::fail_try(Time at) {
   current().repeated = true;
-  if (!current().told && flight_.retry(at)) return;
+  if (!current().told && !current().forgotten && flight_.retry(at)) return;
   give_up(at);
 }
 
@@ -193,6 +196,13 @@ Time DataUnit::deadline() const {
     if (!queues_[q].empty() && (flight_.idle() || q != current_))
       deadline = std::min(deadline, queues_[q].front().asked + settings_.queue_timeout);
   return deadline;
+}
+
+void DataUnit::forgotten_by(NodeId peer, Time now) {
+  if (flight_.idle() || current().owner == kController) return;
+  if (current().destination != peer && current().destination != wire::kBroadcast) return;
+  current().forgotten = true;
+  if (flight_.phase() == Flight::Phase::waiting && current().repeated) give_up(now);
 }
 
 void DataUnit::cancel(Owner owner, Time now) {

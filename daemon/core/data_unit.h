@@ -52,6 +52,10 @@ class DataUnit {
   void handle_timeout(Time now);
   Time deadline() const;
 
+  /// `peer` has begun a new life and forgotten what it took: what it may have taken before is not
+  /// repeated, or it would take it twice. (ours)
+  void forgotten_by(NodeId peer, Time now);
+
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
   void cancel(Owner owner, Time now);
   /// Ends everything, the NC's own too, and forgets the numbers: a new life of this node.
@@ -74,6 +78,7 @@ class DataUnit {
     Time refused_until = kNever;
     unsigned tries = 0;
     bool repeated = false;      ///< some try had to be repeated: its fate is no longer sure
+    bool forgotten = false;     ///< by a receiver, while out: not repeated
     bool told = false;          ///< its result was given already (cancelled while out)
     std::uint16_t size;
     std::array<std::uint8_t, wire::kMaxPayload> data;

@@ -16,19 +16,34 @@ class DuplicateMemory {
   /// The verdict on this sequence number, `none` where it is new.
   Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast) const {
     const Entry& e = entry(source, code, broadcast);
-    return e.sequence == code.sequence ? e.verdict : Verdict::none;
+    const bool match = e.sequence == code.sequence && (!e.aged || code.attempt > 0);
+    return match ? e.verdict : Verdict::none;
   }
   void remember(wire::NodeId source, wire::Code code, bool broadcast, Verdict verdict) {
-    entry(source, code, broadcast) = {code.sequence, verdict};
+    entry(source, code, broadcast) = {code.sequence, verdict, false};
   }
   void forget(wire::NodeId source) { entries_[source] = {}; }
   void forget_all() { entries_ = {}; }
+  /// From now on a first try is new, whatever its number; a retry is still known. For a node that
+  /// was bypassed, until its hello is home: until then a source may repeat what was taken before.
+  void age_all() { each([](Entry& e) { e.aged = true; }); }
+  void forget_aged() {
+    each([](Entry& e) {
+      if (e.aged) e = {};
+    });
+  }
 
  private:
   struct Entry {
     std::uint8_t sequence = 0;
     Verdict verdict = Verdict::none;
+    bool aged = false;
   };
+  template <class Visit>
+  void each(Visit visit) {
+    for (auto& source : entries_)
+      for (Entry& e : source) visit(e);
+  }
   static std::size_t place(wire::Code code, bool broadcast) {
     return (code.interrupt ? 2u : 0u) + (broadcast ? 1u : 0u);
   }

@@ -62,7 +62,7 @@ void InterruptUnit::returned_damaged(Time at) {
 
 void InterruptUnit::fail_try(Time at) {
   queue_.front().repeated = true;
-  if (!queue_.front().told && flight_.retry(at)) return;
+  if (!queue_.front().told && !queue_.front().forgotten && flight_.retry(at)) return;
   give_up(at);
 }
 
@@ -101,6 +101,14 @@ Time InterruptUnit::deadline() const {
   if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since() + settings_.queue_timeout;
   if (!flight_.idle()) return flight_.deadline();
   return queue_.empty() ? kNever : queue_.front().asked + settings_.queue_timeout;
+}
+
+void InterruptUnit::forgotten_by(NodeId peer, Time now) {
+  if (flight_.idle()) return;
+  const NodeId destination = queue_.front().request.destination;
+  if (destination != peer && destination != wire::kBroadcast) return;
+  queue_.front().forgotten = true;
+  if (flight_.phase() == Flight::Phase::waiting && queue_.front().repeated) give_up(now);
 }
 
 void InterruptUnit::cancel(Owner owner, Time now) {

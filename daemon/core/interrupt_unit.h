@@ -31,6 +31,8 @@ class InterruptUnit {
   void handle_timeout(Time now);
   Time deadline() const;
 
+  /// As DataUnit's.
+  void forgotten_by(NodeId peer, Time now);
   void cancel(Owner owner, Time now);
   void restart(Time now);
   void restart_numbers() { numbers_.restart(); }
@@ -42,6 +44,7 @@ class InterruptUnit {
     Time asked;
     unsigned tries = 0;
     bool repeated = false;
+    bool forgotten = false;  ///< by a receiver, while out: not repeated
     bool told = false;
   };
 

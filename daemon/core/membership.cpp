@@ -91,7 +91,7 @@ void Membership::new_life(Time now) {
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed);
   receive_.forget_all();
-  pins_.forget_all();
+  pins_.start_over();
   receive_.set_joining(true);
   hello_out_ = renumbering_ = beacon_out_ = break_known_ = false;
   beacon_due_ = break_due_ = drained_at_ = kNever;
@@ -124,6 +124,7 @@ void Membership::joined(Time now) {
   renumbering_ = false;
   forget(settings_.id);
   receive_.set_joining(false);
+  pins_.joined();
   transmit_.set_gate(Gate::open);
   if (state_ != NodeState::open_chain) enter(ring_size_ == 1 ? NodeState::alone : NodeState::up, now);
   change(now);
@@ -209,16 +210,22 @@ void Membership::heard(const wire::PacketFields& packet, Time now) {
 }
 
 void Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now) {
-  if (peers_.heard_hello(packet.source(), packet.hop(), hello, now)) forget(packet.source());
+  if (peers_.heard_hello(packet.source(), packet.hop(), hello, now)) new_life(packet.source(), now);
 }
 
 // Where nothing is confirmed a hello can be missed; the boot number of the beacons after it still
 // tells of the new life. A first beacon tells of none. (ours)
 void Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
   const NodeId source = packet.source();
-  if (peers_[source].known && peers_[source].boot != beacon.boot) forget(source);
+  if (peers_[source].known && peers_[source].boot != beacon.boot) new_life(source, now);
   if (peers_.heard_beacon(source, packet.hop(), beacon, now)) events_.put(now, PeerChanged{source});
   if (beacon.break_known && beacon.break_behind == source) hear_break(beacon, now);
+}
+
+// It has forgotten us as we forget it.
+void Membership::new_life(NodeId source, Time now) {
+  forget(source);
+  transmit_.forgotten_by(source, now);
 }
 
 void Membership::forget(NodeId source) {

@@ -69,6 +69,7 @@ class Membership {
 
   void heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);
   void heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
+  void new_life(NodeId source, Time now);
   void forget(NodeId source);
 
   void send_beacon(Time now);

@@ -19,7 +19,10 @@ class Pins {
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
 
   void forget(NodeId source) { memory_.forget(source); }
-  void forget_all() { memory_.forget_all(); }
+  /// Unlike data, interrupts are taken while the own hello is out: retries of what was taken before
+  /// have to be known until it is home.
+  void start_over() { memory_.age_all(); }
+  void joined() { memory_.forget_aged(); }
 
  private:
   using Verdict = DuplicateMemory::Verdict;

@@ -32,6 +32,10 @@ struct Transmit {
     data.restart(now);
     interrupts.restart(now);
   }
+  void forgotten_by(NodeId peer, Time now) {
+    data.forgotten_by(peer, now);
+    interrupts.forgotten_by(peer, now);
+  }
   void cancel(Owner owner, Time now) {
     data.cancel(owner, now);
     interrupts.cancel(owner, now);
