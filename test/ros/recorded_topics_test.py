@@ -12,7 +12,7 @@ from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import CompressedImage, JointState
 
 from ring_testing import Ring, wait_for
-from topic_testing import Received, open_the_way, publisher_across, serialized
+from topic_testing import Received, open_the_way, publisher_across
 
 LIMBS = ('shoulder', 'elbow')
 
