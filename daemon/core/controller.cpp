@@ -44,8 +44,10 @@ void Controller::output_lost(Time now) {
 }
 
 void Controller::receive(const wire::Slice& slice, Time now) {
+  // The usual case: it has passed straight to the line, and nothing else has changed.
+  if (slice.kind == SliceKind::whole && on_whole(slice.bytes, now)) return;
   switch (slice.kind) {
-    case SliceKind::whole: on_whole(slice.bytes, now); break;
+    case SliceKind::whole: break;
     case SliceKind::start: on_start(slice.bytes, now); break;
     case SliceKind::more: on_more(slice.bytes, now); break;
     case SliceKind::end: on_end(slice.bytes, now); break;
@@ -71,15 +73,18 @@ Controller::Fate Controller::fate_of_data(ByteView header) {
   return Fate::discard;
 }
 
-void Controller::on_whole(ByteView bytes, Time now) {
+bool Controller::on_whole(ByteView bytes, Time now) {
   break_off(counters_.broken_off_packets, now);
   const PacketFields packet{bytes};
   const Fate fate = fate_of_data(bytes);
-  if (fate == Fate::discard) return;
+  if (fate == Fate::discard) return false;
   const bool good = check(packet);
-  if (fate == Fate::strip) return data_came_home(packet, good, now);
+  if (fate == Fate::strip) {
+    data_came_home(packet, good, now);
+    return false;
+  }
   const std::uint8_t fbc = receive_data(packet, good, now);
-  if (fate == Fate::pass_on) packet_manager_.relay_whole(bytes, fbc, now);
+  return fate == Fate::pass_on && packet_manager_.relay_whole(bytes, fbc, now);
 }
 
 void Controller::on_start(ByteView bytes, Time now) {

@@ -82,7 +82,8 @@ class Controller {
   using Fate = Relay::Fate;
 
   void on_interrupt(wire::ByteView bytes, Time now);
-  void on_whole(wire::ByteView bytes, Time now);
+  /// @return true where it went straight on, and nothing else is to be done
+  bool on_whole(wire::ByteView bytes, Time now);
   void on_start(wire::ByteView bytes, Time now);
   void on_more(wire::ByteView bytes, Time now);
   void on_end(wire::ByteView bytes, Time now);

@@ -22,20 +22,25 @@ bool PacketManager::can_pass(Time now) const {
          transmit_.data.ready_at() > now && transmit_.interrupts.ready_at() > now;
 }
 
-void PacketManager::relay_whole(ByteView packet, std::uint8_t fbc, Time now) {
-  if (!output_up_) return count_drop(1);
+bool PacketManager::relay_whole(ByteView packet, std::uint8_t fbc, Time now) {
+  if (!output_up_) {
+    count_drop(1);
+    return false;
+  }
   ++counters_.relayed_data;
   const auto hop = static_cast<std::uint8_t>(packet[2] + 1);
   if (can_pass(now)) {
     std::uint8_t* place = line_.put_space(SliceKind::whole, packet.size);
     std::memcpy(place, packet.data, packet.size);
-    return wire::rewrite(place, packet.size, hop, fbc);
+    wire::rewrite(place, packet.size, hop, fbc);
+    return true;
   }
   RelayedPacket& slot = buffer_.push(now);
   slot.append(packet);
   wire::rewrite(slot.bytes.data(), slot.size, hop, fbc);
   slot.state = RelayedPacket::State::complete;
   slot.tail_at = now;
+  return false;
 }
 
 void PacketManager::relay_begin(ByteView header_and_words, Time now) {

@@ -28,7 +28,8 @@ class PacketManager {
   ///@{
   bool has_room() const { return !output_up_ || !buffer_.full(); }
   std::size_t waiting() const { return buffer_.count(); }
-  void relay_whole(wire::ByteView packet, std::uint8_t fbc, Time now);
+  /// @return true where the line was free, so that it is on it already
+  bool relay_whole(wire::ByteView packet, std::uint8_t fbc, Time now);
   void relay_begin(wire::ByteView header_and_words, Time now);
   void relay_words(wire::ByteView words);
   void relay_end(wire::ByteView rest, std::uint8_t fbc, Time now);

@@ -53,7 +53,7 @@ std::uint32_t crc32(ByteView bytes) {
 std::uint32_t crc32_change(std::uint8_t delta, std::size_t bytes_after) {
   const auto& row = change_table[bytes_after];
   std::uint32_t change = 0;
-  for (int bit = 0; bit < 8; ++bit) change ^= row[bit] & -(std::uint32_t{delta} >> bit & 1u);
+  for (unsigned bits = delta; bits != 0; bits &= bits - 1) change ^= row[__builtin_ctz(bits)];
   return change;
 }
 
