@@ -2,6 +2,8 @@
 
 #include <sys/types.h>
 
+#include <boost/asio/basic_datagram_socket.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 
 #include "link/endpoint.h"
@@ -9,7 +11,7 @@
 
 namespace limb_ring::link {
 
-using UdpSocket = boost::asio::ip::udp::socket;
+using UdpSocket = boost::asio::basic_datagram_socket<boost::asio::ip::udp, boost::asio::io_context::executor_type>;
 using UdpAddress = boost::asio::ip::udp::endpoint;
 
 /// @throw std::runtime_error where the address is not numeric, saying so

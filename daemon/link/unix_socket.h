@@ -2,6 +2,9 @@
 
 #include <sys/types.h>
 
+#include <boost/asio/basic_socket_acceptor.hpp>
+#include <boost/asio/basic_stream_socket.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <string>
 
@@ -9,8 +12,10 @@
 
 namespace limb_ring::link {
 
-using UnixSocket = boost::asio::local::stream_protocol::socket;
-using UnixAcceptor = boost::asio::local::stream_protocol::acceptor;
+// With the event loop's own executor: one of any kind costs time at every packet.
+using LoopExecutor = boost::asio::io_context::executor_type;
+using UnixSocket = boost::asio::basic_stream_socket<boost::asio::local::stream_protocol, LoopExecutor>;
+using UnixAcceptor = boost::asio::basic_socket_acceptor<boost::asio::local::stream_protocol, LoopExecutor>;
 
 /// What a line's socket holds at most, as far as the kernel lets us: more than a ring of 254
 /// full packets.

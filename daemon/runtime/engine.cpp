@@ -20,15 +20,12 @@ void Engine::close() {
 }
 
 void Engine::on_slice(const wire::Slice& slice) {
-  if (!in_batch_) batch_at_ = now();
+  if (!in_batch_) at_ = clock_.now();
   in_batch_ = true;
-  controller_.receive(slice, batch_at_);
+  controller_.receive(slice, at_);
 }
 
-void Engine::on_batch_end() {
-  in_batch_ = false;
-  pump();
-}
+void Engine::on_batch_end() { pump(); }
 
 void Engine::on_input_gap(std::uint32_t) { controller_.input_gap(now()); }
 
@@ -64,6 +61,8 @@ void Engine::on_output_ready() {
 void Engine::pump() {
   again_ = true;
   if (pumping_ || closed_) return;
+  if (!in_batch_) at_ = clock_.now();
+  in_batch_ = false;
   pumping_ = true;
   while (again_ && !closed_) round();
   pumping_ = false;
@@ -72,11 +71,10 @@ void Engine::pump() {
 
 void Engine::round() {
   again_ = false;
-  const core::Time at = now();
-  if (deadline_ <= at) controller_.handle_timeout(at);
-  controller_.run(at);
+  if (deadline_ <= at_) controller_.handle_timeout(at_);
+  controller_.run(at_);
   core::Event event;
-  while (controller_.take_event(at, event)) {
+  while (controller_.take_event(at_, event)) {
     listener_.on_event(event);
     again_ = true;
   }
@@ -84,7 +82,7 @@ void Engine::round() {
   // would lag behind the others for ever, and every node would be woken for it alone.
   if (!again_) write_line();
   listener_.on_round_end();
-  deadline_ = controller_.next_deadline(at);
+  deadline_ = controller_.next_deadline(at_);
 }
 
 void Engine::write_line() {

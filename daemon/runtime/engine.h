@@ -36,7 +36,8 @@ class Engine final : private link::InputHandler, private link::OutputHandler {
   const link::Input& input() const { return input_; }
   const link::Output& output() const { return output_; }
   const Clock& clock() const { return clock_; }
-  core::Time now() const { return clock_.now(); }
+  /// One instant for all that a batch, and what follows from it, sets off: that it came in at.
+  core::Time now() const { return in_batch_ || pumping_ ? at_ : clock_.now(); }
 
   /// To be called after anything was asked of the controller. Calling it from within a handler
   /// only makes another round follow.
@@ -63,7 +64,7 @@ class Engine final : private link::InputHandler, private link::OutputHandler {
   boost::asio::steady_timer timer_;
   core::Time armed_for_ = core::kNever;
   core::Time deadline_{};
-  core::Time batch_at_{};
+  core::Time at_{};
   bool in_batch_ = false;
   bool pumping_ = false;
   bool again_ = false;
