@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -23,19 +22,22 @@ struct Include {
   bool own;  ///< in quotes
 };
 
+void read_includes(const fs::path& path, std::vector<Include>& out) {
+  std::ifstream file(path);
+  for (std::string text; std::getline(file, text);) {
+    const auto start = text.find_first_of("<\"");
+    if (text.rfind("#include", 0) != 0 || start == std::string::npos) continue;
+    const auto end = text.find_first_of(">\"", start + 1);
+    out.push_back({path.lexically_relative(kSource), text.substr(start + 1, end - start - 1), text[start] == '"'});
+  }
+}
+
 std::vector<Include> includes_below(const fs::path& folder) {
   std::vector<Include> out;
-  const std::regex line(R"(\s*#\s*include\s*([<"])([^>"]+)[>"].*)");
   if (!fs::exists(folder)) return out;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string extension = entry.path().extension();
-    if (extension != ".h" && extension != ".cpp") continue;
-    std::ifstream file(entry.path());
-    for (std::string text; std::getline(file, text);) {
-      std::smatch match;
-      if (std::regex_match(text, match, line))
-        out.push_back({entry.path().lexically_relative(kSource), match[2], match[1] == "\""});
-    }
+    if (extension == ".h" || extension == ".cpp") read_includes(entry.path(), out);
   }
   return out;
 }
