@@ -1,12 +1,18 @@
-# Configures, builds and runs project/ in a fresh folder, against the build or an install of it.
+# Configures, builds and runs project/ in a fresh folder, against the build or an install of it. The
+# folder is not below the package: an install there would be a second limb_ring to roslaunch.
+function(fail why)
+  file(REMOVE_RECURSE ${SCRATCH})
+  message(FATAL_ERROR "${why}")
+endfunction()
+
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result)
   if(NOT result EQUAL 0)
-    message(FATAL_ERROR "failed (${result}): ${ARGV}")
+    fail("failed (${result}): ${ARGV}")
   endif()
 endfunction()
 
-file(REMOVE_RECURSE ${SCRATCH})
+execute_process(COMMAND mktemp -d OUTPUT_VARIABLE SCRATCH OUTPUT_STRIP_TRAILING_WHITESPACE)
 file(MAKE_DIRECTORY ${SCRATCH}/runtime)
 set(prefix ${BUILD}/devel)
 if(INSTALL)
@@ -27,5 +33,6 @@ execute_process(
           ${SCRATCH}/build/echo_cpu nowhere 3
   RESULT_VARIABLE result ERROR_VARIABLE said)
 if(NOT result EQUAL 1 OR NOT said MATCHES "nowhere/3.host")
-  message(FATAL_ERROR "echo_cpu without a ring ended with ${result} and said: ${said}")
+  fail("echo_cpu without a ring ended with ${result} and said: ${said}")
 endif()
+file(REMOVE_RECURSE ${SCRATCH})
