@@ -2,6 +2,8 @@
 # builds, and runs. See README.md.
 
 # The system's Python: another one in front of PATH (conda, pyenv) has no catkin_pkg and no rospy.
+SHELL := /bin/bash
+MAKEFLAGS += --no-print-directory
 PYTHON ?= /usr/bin/python3
 JOBS ?= $(shell nproc)
 BUILD := build
