@@ -135,7 +135,7 @@ void VirtualRing::heal(NodeId id) {
   if (!from.wire_cut) return;
   from.wire_cut = false;
   ++from.line_epoch;
-  if (from.successor != next_alive(id)) return connect(id);
+  if (from.successor < 0 || from.successor != next_alive(id)) return connect(id);
   nodes_[from.successor].controller->input_up(id, now_);
   touch(static_cast<NodeId>(from.successor));
 }
