@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -49,6 +50,13 @@ void write_pid(int fd, const std::string& path) {
   if (!written) fail("cannot write " + path);
 }
 
+/// 'ringctl down' removes the lock files of a ring that has ended, perhaps just after we opened ours.
+bool is_still_at(const std::string& path, int fd) {
+  struct stat ours {}, there {};
+  return fstat(fd, &ours) == 0 && stat(path.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+         ours.st_dev == there.st_dev;
+}
+
 }  // namespace
 
 NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id,
@@ -56,6 +64,10 @@ NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::u
   const std::string path = directory + "/" + std::to_string(id) + ".lock";
   fd_ = open_lock_file(path);
   try {
+    while (try_lock(fd_) && !is_still_at(path, fd_)) {
+      close(fd_);
+      fd_ = open_lock_file(path);
+    }
     if (!try_lock(fd_)) {
       if (errno != EWOULDBLOCK) fail("cannot lock " + path);
       throw std::runtime_error("node " + std::to_string(id) + " (" + name + ") of ring " + ring +
