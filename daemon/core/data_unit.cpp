@@ -199,10 +199,19 @@ Time DataUnit::deadline() const {
 }
 
 void DataUnit::forgotten_by(NodeId peer, Time now) {
+  end_doubtful_refused(peer, now);
   if (flight_.idle() || current().owner == kController) return;
   if (current().destination != peer && current().destination != wire::kBroadcast) return;
   current().forgotten = true;
   if (flight_.phase() == Flight::Phase::waiting && current().repeated) give_up(now);
+}
+
+// A repeated try that was refused may have been refused by the new life, and taken by the former.
+void DataUnit::end_doubtful_refused(NodeId peer, Time now) {
+  for (std::size_t q = 1; q < kQueues; ++q) {
+    const bool waits = !queues_[q].empty() && (flight_.idle() || q != current_);
+    if (waits && queues_[q].front().repeated && queues_[q].front().destination == peer) finish(q, Outcome::lost, now);
+  }
 }
 
 void DataUnit::cancel(Owner owner, Time now) {

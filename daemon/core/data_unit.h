@@ -93,6 +93,7 @@ class DataUnit {
   void load(Job& job);
   Job& current() { return queues_[current_].front(); }
   static Outcome overdue_outcome(const Job& job);
+  void end_doubtful_refused(NodeId peer, Time now);
   void fail_try(Time at);
   void give_up(Time at);
   void refuse(Time at);

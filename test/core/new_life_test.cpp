@@ -1,0 +1,190 @@
+// Exactly once while nodes restart, are bypassed, and run out of sequence numbers.
+#include "core/solo_node.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using wire::SliceKind;
+
+/// A source whose try was repeated, and whose receiver has begun a new life in between.
+struct NewLifeOfTheReceiver : testing::Test {
+  SoloNode solo;
+  Bytes sent() { return solo.line().at(0).bytes; }
+  void hello_of_2(std::uint64_t boot, std::uint8_t sequence) {
+    Bytes bytes(wire::kHelloSize);
+    wire::encode(wire::Hello{boot}, bytes.data());
+    solo.receive(SliceKind::whole, Foreign{2, wire::kBroadcast, sequence, 0, 1, wire::pri_byte(0, 1)}.with(bytes));
+    solo.line();
+  }
+  void SetUp() override {
+    solo.join();
+    hello_of_2(7, 0);
+    solo.node().send({1, 1, 2, 0, 0, {text("x").data(), 1}}, solo.now());
+    solo.run_for(100ms);
+    ASSERT_EQ(solo.line().size(), 2u) << "the first try, and the second as it is overdue";
+  }
+};
+
+TEST_F(NewLifeOfTheReceiver, RepeatsNothingTheFormerMayHaveTaken) {
+  hello_of_2(8, 0);
+  solo.run_for(1s);
+  EXPECT_THAT(solo.line(), IsEmpty());
+  EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::lost)));
+}
+
+TEST_F(NewLifeOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) {
+  solo.node().send({1, 2, 3, 0, 0, {text("y").data(), 1}}, solo.now());
+  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2, 0, 1}.with(text("x")), 0));
+  EXPECT_EQ(solo.counters().refusals, 1u);
+  hello_of_2(8, 0);
+  ASSERT_EQ(solo.ends().size(), 1u);
+  EXPECT_EQ(solo.ends()[0].outcome, Outcome::lost);
+  solo.run_for(50ms);
+  EXPECT_EQ(solo.counters().sent_data, 1u + 2u + 1u) << "hello, two tries, and the next in the queue";
+}
+
+TEST_F(NewLifeOfTheReceiver, DeliversWhatComesHomeTaken) {
+  hello_of_2(8, 0);
+  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2, 0, 1}.with(text("x")), 5));
+  EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::delivered)));
+}
+
+// ---- a whole ring ---------------------------------------------------------------------------
+
+struct ExactlyOnceRing : testing::Test {
+  VirtualRing ring{quick(4)};
+  void SetUp() override { ASSERT_TRUE(ring.join()); }
+};
+
+TEST_F(ExactlyOnceRing, LostReturnsDoNotDeliverTwice) {
+  ring.tap(3, lose(3, is_data));
+  const SendEnded end = outcome_of(ring, 0, ring.send(0, 1, text("a")));
+  EXPECT_EQ(end.outcome, Outcome::delivered);
+  EXPECT_EQ(end.tries, 4u);
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a")));
+}
+
+TEST_F(ExactlyOnceRing, DamageOnAnyLineDoesNotDeliverTwiceOrWrong) {
+  for (NodeId line : {0, 1, 2, 3}) {
+    ring.tap(line, damage(2, 4, is_data));
+    const SendEnded end = outcome_of(ring, 0, ring.send(0, 2, text("a")));
+    EXPECT_EQ(end.outcome, Outcome::delivered) << int{line};
+    EXPECT_EQ(end.tries, 3u);
+  }
+  EXPECT_THAT(payloads(ring.log(2)), ElementsAre(text("a"), text("a"), text("a"), text("a")));
+}
+
+TEST_F(ExactlyOnceRing, PinIsPulledOnceUnderRetries) {
+  ring.tap(2, lose(2, is_interrupt));
+  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 1, 2)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(1)), ElementsAre(2));
+}
+
+TEST_F(ExactlyOnceRing, SourceThatRestartsIsHeardAnew) {
+  for (int life = 0; life < 3; ++life) {
+    ring.send(0, 1, text("word " + std::to_string(life)));
+    ring.run_for(1500ns);  // taken, not home yet
+    ring.kill(0);
+    ring.start(0);
+    ASSERT_TRUE(ring.join());
+  }
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("word 0"), text("word 1"), text("word 2")));
+}
+
+TEST_F(ExactlyOnceRing, ReceiverThatRestartsDuringATryEndsItOneWay) {
+  ring.tap(3, lose(1, is_data));
+  const auto token = ring.send(0, 1, text("a"));
+  ring.run_for(10us);
+  ring.kill(1);
+  ring.start(1);
+  EXPECT_EQ(outcome_of(ring, 0, token).outcome, Outcome::lost);
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a"))) << "what a former life may have taken is not repeated";
+}
+
+// Its neighbours restarted or it was frozen; its CPU is the one that took the first try.
+TEST_F(ExactlyOnceRing, ReceiverThatWasBypassedDuringATryTakesItOnce) {
+  ring.tap(3, lose(1, is_data));
+  const auto token = ring.send(0, 1, text("a"));
+  ring.run_for(10us);
+  ring.freeze(1);
+  ring.thaw(1);
+  EXPECT_EQ(outcome_of(ring, 0, token).outcome, Outcome::lost);
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a")));
+  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 1, text("b"))).outcome, Outcome::delivered);
+}
+
+TEST_F(ExactlyOnceRing, InterruptOfABypassedReceiverPullsOnce) {
+  ring.tap(3, lose(1, is_interrupt));
+  const auto token = ring.interrupt(0, 1, 2);
+  ring.run_for(10us);
+  ring.freeze(1);
+  ring.thaw(1);
+  outcome_of(ring, 0, token);
+  EXPECT_EQ(ring.counters(1).pins_pulled, 1u);
+}
+
+TEST_F(ExactlyOnceRing, SixSendsWithoutAVerdictAreFollowedByANewHello) {
+  ring.kill(2);
+  ring.run_for(1ms);
+  const std::uint64_t boot = ring.node(0).membership().boot();
+  const auto hellos = ring.counters(0).hellos;
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 2, text("a"))).outcome, Outcome::no_such_node);
+  EXPECT_EQ(ring.counters(0).hellos, hellos);
+  outcome_of(ring, 0, ring.send(0, 2, text("a")));
+  ring.run_for(1ms);
+  EXPECT_EQ(ring.counters(0).hellos, hellos + 1);
+  EXPECT_GT(ring.node(0).membership().boot(), boot);
+  EXPECT_EQ(ring.node(1).membership().peers()[0].boot, ring.node(0).membership().boot());
+  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 1, text("b"))).outcome, Outcome::delivered);
+}
+
+TEST_F(ExactlyOnceRing, VerdictInBetweenStartsTheCountAnew) {
+  const auto hellos = ring.counters(0).hellos;
+  for (int round = 0; round < 3; ++round) {
+    ring.kill(2);
+    ring.run_for(1ms);
+    for (int i = 0; i < 5; ++i) outcome_of(ring, 0, ring.send(0, 2, text("a")));
+    ring.start(2);
+    ASSERT_TRUE(ring.join());
+    EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 2, text("b"))).outcome, Outcome::delivered);
+  }
+  EXPECT_EQ(ring.counters(0).hellos, hellos);
+}
+
+TEST_F(ExactlyOnceRing, NewHelloWaitsForTheInterruptSlot) {
+  ring.kill(2);
+  ring.run_for(1ms);
+  for (int i = 0; i < 5; ++i) outcome_of(ring, 0, ring.send(0, 2, text("a")));
+  const auto hellos = ring.counters(0).hellos;
+  ring.tap(3, lose(1, is_interrupt));
+  const auto interrupt = ring.interrupt(0, 1, 1);
+  outcome_of(ring, 0, ring.send(0, 2, text("a")));
+  ring.run_for(50ms);
+  EXPECT_EQ(ring.counters(0).hellos, hellos);
+  EXPECT_EQ(outcome_of(ring, 0, interrupt).outcome, Outcome::delivered);
+  ring.run_for(1ms);
+  EXPECT_EQ(ring.counters(0).hellos, hellos + 1);
+}
+
+TEST_F(ExactlyOnceRing, NodeThatWasBypassedCancelsItsSendsAndStartsOver) {
+  ring.tap(0, lose(99, is_data));
+  const auto out = ring.send(0, 2, text("old"));
+  const auto queued = ring.send(0, 2, text("older"), 3);
+  ring.run_for(10us);
+  const std::uint64_t boot = ring.node(0).membership().boot();
+  ring.freeze(0);
+  ring.run_for(1s);
+  ring.tap(0, nullptr);
+  ring.thaw(0);
+  ASSERT_TRUE(ring.join());
+  EXPECT_EQ(outcome_of(ring, 0, out).outcome, Outcome::cancelled);
+  EXPECT_EQ(outcome_of(ring, 0, queued).outcome, Outcome::cancelled);
+  EXPECT_GT(ring.node(0).membership().boot(), boot);
+  EXPECT_EQ(ring.node(2).membership().peers()[0].boot, ring.node(0).membership().boot());
+  EXPECT_THAT(ring.log(2).packets, IsEmpty());
+}
+
+}  // namespace
+}  // namespace limb_ring::core
