@@ -87,6 +87,17 @@ TEST(InterruptOnALine, IsEmbeddedIntoADatpThatIsBeingSent) {
   EXPECT_NE(pin, Time{});
 }
 
+TEST(InterruptOnALine, DelayTheDatpAroundThemByTheirOwnLength) {
+  VirtualRing ring(gigabit(4));
+  ASSERT_TRUE(ring.join());
+  const auto data = ring.send(0, 1, Bytes(512));
+  ring.run_for(1us);
+  ring.interrupt(0, 1, 1);
+  ring.run_for(1us);
+  ring.interrupt(0, 1, 1);  // goes when the first is home, still inside the DATP
+  EXPECT_EQ(outcome_of(ring, 0, data).round_trip, 8ns * 524 + 4 * 512ns + 2 * 96ns);
+}
+
 // Protocol section 7: behind another INTP, trailer and CRC at every node.
 TEST(InterruptOnALine, RoundTripStaysWithinItsBoundUnderFullLoad) {
   VirtualRing ring(gigabit(16));
