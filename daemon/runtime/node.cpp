@@ -5,6 +5,7 @@
 
 #include "limb_ring/ring_directory.h"
 #include "runtime/owners.h"
+#include "setup/core_settings.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -49,7 +50,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       config_(config),
       directory_(make_ring_directory(ring.ring)),
       lock_(directory_, ring.ring, config.id, config.name),
-      engine_(io, core_settings(ring, config, boot_number()), input_settings(ring, config, directory_),
+      engine_(io, setup::core_settings(ring, config, boot_number()), input_settings(ring, config, directory_),
               output_settings(ring, config, directory_), *this),
       host_(io, host_options(ring, config, directory_), *this),
       observers_(host_),

@@ -1,6 +1,7 @@
 #include "runtime/settings.h"
 
 #include "limb_ring/ring_directory.h"
+#include "setup/core_settings.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -8,35 +9,6 @@ namespace {
 using config::LinkConfig;
 using config::NodeConfig;
 using config::RingConfig;
-
-std::size_t index_of(const RingConfig& ring, const NodeConfig& node) {
-  std::size_t i = 0;
-  while (ring.nodes[i].id != node.id) ++i;
-  return i;
-}
-
-const NodeConfig& successor_of(const RingConfig& ring, const NodeConfig& node) {
-  return ring.nodes[(index_of(ring, node) + 1) % ring.nodes.size()];
-}
-
-/// 0 where the line is as fast as the host.
-core::Duration byte_time(const LinkConfig& link) {
-  constexpr std::uint64_t kPicosecondsPerByte = 8'000'000'000'000;
-  return core::Duration{link.rate == 0 ? 0 : static_cast<std::int64_t>(kPicosecondsPerByte / link.rate)};
-}
-
-/// Lines may differ: a lap is the sum over all of T + d, INTPs cutting in once per node.
-core::Duration worst_lap(const RingConfig& ring) {
-  core::Duration lap{0};
-  for (const NodeConfig& node : ring.nodes) lap += byte_time(node.link) * (524 + 12) + node.link.delay;
-  return lap;
-}
-
-std::vector<std::uint8_t> order_of(const RingConfig& ring) {
-  std::vector<std::uint8_t> order;
-  for (const NodeConfig& node : ring.nodes) order.push_back(node.id);
-  return order;
-}
 
 link::Endpoint endpoint_of(const NodeConfig& node, const std::string& directory) {
   if (node.link.transport == LinkConfig::Transport::udp)
@@ -54,41 +26,13 @@ link::Identity identity_of(const RingConfig& ring, const NodeConfig& node) {
 
 }  // namespace
 
-core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std::uint64_t boot) {
-  core::Settings s;
-  s.id = node.id;
-  s.order = order_of(ring);
-  s.boot = boot;
-  s.byte_time_in = byte_time(node.link);
-  s.byte_time_out = byte_time(successor_of(ring, node).link);
-  s.relay_delay = node.link.delay;
-  s.lap = worst_lap(ring);
-  s.insertion_buffer = ring.limits.insertion_buffer;
-  s.interrupt_buffer = ring.limits.interrupt_buffer;
-  s.send_queue = ring.limits.send_queue;
-  s.receive_buffers = ring.limits.receive_buffers;
-  s.send_timeout_least = ring.timeouts.send;
-  s.refused_for = ring.timeouts.refused;
-  s.refused_backoff_most = ring.timeouts.refused_backoff;
-  s.queue_timeout = ring.timeouts.queue;
-  s.stall = ring.timeouts.stall;
-  s.beacon = ring.timeouts.beacon;
-  s.break_grace = ring.timeouts.bypass;
-  for (unsigned factor = 0; factor < 8; ++factor) {
-    s.wired[factor] = node.pins[factor].action != config::PinConfig::Action::none;
-    if (const auto& input = node.inputs[factor])
-      s.inputs[factor] = core::InterruptInput{input->broadcast ? wire::kBroadcast : input->node, input->factor};
-  }
-  return s;
-}
-
 link::InputSettings input_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
-  return {identity_of(ring, node), endpoint_of(node, directory), order_of(ring), timing_of(ring), node.link.delay};
+  return {identity_of(ring, node), endpoint_of(node, directory), setup::order_of(ring), timing_of(ring), node.link.delay};
 }
 
 link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
   link::OutputSettings s{identity_of(ring, node), {}, timing_of(ring)};
-  const std::size_t at = index_of(ring, node);
+  const std::size_t at = setup::index_of(ring, node);
   for (std::size_t i = 1; i <= ring.nodes.size(); ++i) {
     const NodeConfig& next = ring.nodes[(at + i) % ring.nodes.size()];
     s.candidates.push_back({next.id, endpoint_of(next, directory)});

@@ -5,7 +5,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/commands.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/text_table.h"
+#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 
@@ -32,7 +32,7 @@ nlohmann::json request_of(const RingAccess& ring, const Options& options,
 std::string microseconds(const nlohmann::json& answer, const char* which) {
   const auto pointer = nlohmann::json::json_pointer(std::string("/round_trip_us/") + which);
   if (!answer.contains(pointer) || !answer.at(pointer).is_number()) return "-";
-  return number(answer.at(pointer).get<double>());
+  return app::number(answer.at(pointer).get<double>());
 }
 
 void print_text(const nlohmann::json& answer) {

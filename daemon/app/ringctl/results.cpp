@@ -6,7 +6,7 @@
 
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
-#include "app/ringctl/text_table.h"
+#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 
@@ -64,7 +64,7 @@ nlohmann::json to_json(const Result& result) {
 std::string to_text(const Result& result) {
   std::string text = to_string(result.outcome);
   if (!result.reason.empty()) text += ": " + result.reason;
-  if (result.round_trip.count() > 0) text += " in " + number(microseconds_of(result)) + " us";
+  if (result.round_trip.count() > 0) text += " in " + app::number(microseconds_of(result)) + " us";
   if (result.tries > 1) text += " after " + std::to_string(result.tries) + " tries";
   return text;
 }

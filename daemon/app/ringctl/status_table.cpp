@@ -1,6 +1,6 @@
 #include "app/ringctl/status_table.h"
 
-#include "app/ringctl/text_table.h"
+#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 
@@ -13,7 +13,7 @@ std::string cell(const json& row, const char* pointer, int decimals = 0) {
   if (!row.contains(path)) return "-";
   const json& value = row.at(path);
   if (value.is_string()) return value.get<std::string>();
-  if (value.is_number_float()) return number(value.get<double>(), decimals);
+  if (value.is_number_float()) return app::number(value.get<double>(), decimals);
   if (value.is_number()) return value.get<double>() < 0 ? "-" : value.dump();
   return "-";
 }
@@ -44,7 +44,7 @@ std::string status_table(const std::vector<json>& rows) {
   std::vector<std::vector<std::string>> table{{"id", "name", "state", "pid", "ring", "p50 us",
                                                "p99 us", "max us", "cpu", "cpu pid", "boots"}};
   for (const json& row : rows) table.push_back(cells(row));
-  return text_table(table);
+  return app::text_table(table);
 }
 
 }  // namespace limb_ring::ringctl

@@ -5,7 +5,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/commands.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/text_table.h"
+#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 
@@ -26,7 +26,7 @@ int run(const Context& context, const Options& options) {
   const nlohmann::json answer = ask(port, request, std::chrono::seconds(10));
   const std::string outcome = answer.at("outcome").get<std::string>();
   if (options.json) std::cout << answer.dump(2) << '\n';
-  else std::cout << "stop " << outcome << " in " << number(answer.value("round_trip_us", 0.0))
+  else std::cout << "stop " << outcome << " in " << app::number(answer.value("round_trip_us", 0.0))
                  << " us\n";
   return outcome == to_string(Outcome::delivered) ? kDone : kNotDone;
 }

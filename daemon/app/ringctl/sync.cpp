@@ -7,7 +7,7 @@
 #include "app/ringctl/clock_offsets.h"
 #include "app/ringctl/commands.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/text_table.h"
+#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 
@@ -85,10 +85,10 @@ void print_text(const RingAccess& ring, const Sync& sync) {
   for (std::size_t i = 0; i < sync.offsets.size(); ++i) {
     const auto& [hops, offset] = sync.offsets[i];
     table.push_back({std::to_string(ring.nodes()[i].id), ring.nodes()[i].name,
-                     offset ? std::to_string(hops) : "-", offset ? number(*offset) : "-"});
+                     offset ? std::to_string(hops) : "-", offset ? app::number(*offset) : "-"});
   }
-  std::cout << "sync " << sync.outcome << ", round trip " << number(sync.round_trip_us) << " us\n"
-            << text_table(table);
+  std::cout << "sync " << sync.outcome << ", round trip " << app::number(sync.round_trip_us) << " us\n"
+            << app::text_table(table);
 }
 
 bool all_latched(const Sync& sync) {

@@ -6,7 +6,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
 #include "app/ringctl/status_table.h"
-#include "app/ringctl/text_table.h"
+#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(TextTable, AlignsTextLeftAndNumbersRight) {
-  EXPECT_EQ(text_table({{"name", "us"}, {"a", "1.5"}, {"longer", "-"}, {"b", "10.0"}}),
+  EXPECT_EQ(app::text_table({{"name", "us"}, {"a", "1.5"}, {"longer", "-"}, {"b", "10.0"}}),
             "name      us\n"
             "a        1.5\n"
             "longer     -\n"

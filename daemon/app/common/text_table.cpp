@@ -1,9 +1,9 @@
-#include "app/ringctl/text_table.h"
+#include "app/common/text_table.h"
 
 #include <algorithm>
 #include <cstdio>
 
-namespace limb_ring::ringctl {
+namespace limb_ring::app {
 
 namespace {
 
@@ -50,4 +50,4 @@ std::string number(double value, int decimals) {
   return text;
 }
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::app

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "app/ring_sim/context.h"
+
+namespace limb_ring::ring_sim {
+
+// One subcommand each, in a file of its name.
+
+}  // namespace limb_ring::ring_sim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "app/common/rows.h"
+#include "study/medium.h"
+
+namespace limb_ring::ring_sim {
+
+/// What the command line has said.
+struct Context {
+  std::function<int()> action;  ///< set by the subcommand given; @return an ExitCode
+};
+
+/// Adds a subcommand with the exit codes in its help.
+CLI::App* add_command(CLI::App& app, const char* name, const char* description);
+
+/// Adds --json and --csv.
+void add_format(CLI::App& command, app::Format& format);
+
+/// Adds --nodes, --payload, --rate and --relay-delay, each checked.
+void add_medium(CLI::App& command, study::Medium& medium);
+
+/// Adds --seed; where it is not given, one is drawn and printed by whoever uses it.
+void add_seed(CLI::App& command, std::uint64_t& seed);
+
+}  // namespace limb_ring::ring_sim
