@@ -9,9 +9,10 @@ using wire::Slice;
 using wire::SliceWriter;
 
 VirtualRing::VirtualRing(const VirtualRingOptions& options)
-    : cpu_reads(options.nodes, true), options_(options), nodes_(options.nodes) {
+    : cpu_reads(options.nodes, true), options_(options), nodes_(options.nodes), wakes_(options.nodes) {
   for (unsigned id = 0; id < options.nodes; ++id) {
     nodes_[id].controller = std::make_unique<Controller>(settings_of(static_cast<NodeId>(id)));
+    nodes_[id].lane = lane_of(nodes_[id].controller->settings().relay_delay);
     nodes_[id].alive = options.start;
   }
   if (!options.start) return;
@@ -84,6 +85,7 @@ void VirtualRing::leave(NodeId id) {
   const int before = previous_alive(id);
   if (before >= 0 && before != id) disconnect_output(static_cast<NodeId>(before));
   disconnect_output(id);
+  wakes_.set(id, kNever);
   nodes_[id].alive = false;
   nodes_[id].predecessor = -1;
   if (before >= 0 && before != id) connect(static_cast<NodeId>(before));
@@ -92,14 +94,19 @@ void VirtualRing::leave(NodeId id) {
 // The neighbours close the ring with this node in it.
 void VirtualRing::enter(NodeId id) {
   nodes_[id].alive = true;
-  nodes_[id].wake = kNever;
   const int before = previous_alive(id);
   if (before != id) connect(static_cast<NodeId>(before));
   connect(id);
 }
 
+void VirtualRing::tell_fault(NodeId id, Fault fault) {
+  for (Witness* witness : witnesses_) witness->fault(id, fault, now_);
+}
+
 void VirtualRing::kill(NodeId id) {
-  if (alive(id)) leave(id);
+  if (!alive(id)) return;
+  leave(id);
+  tell_fault(id, Fault::killed);
 }
 
 void VirtualRing::start(NodeId id) {
@@ -108,13 +115,19 @@ void VirtualRing::start(NodeId id) {
   ++n.lives;
   n.controller = std::make_unique<Controller>(settings_of(id));
   n.controller->set_cpu_present(true);
+  tell_fault(id, Fault::started);
   enter(id);
 }
 
-void VirtualRing::freeze(NodeId id) { kill(id); }
+void VirtualRing::freeze(NodeId id) {
+  if (!alive(id)) return;
+  leave(id);
+  tell_fault(id, Fault::frozen);
+}
 
 void VirtualRing::thaw(NodeId id) {
   if (alive(id)) return;
+  tell_fault(id, Fault::thawed);
   node(id).input_lost(now_);
   node(id).output_lost(now_);
   enter(id);
@@ -123,6 +136,7 @@ void VirtualRing::thaw(NodeId id) {
 void VirtualRing::cut(NodeId id) {
   Node& from = nodes_[id];
   if (from.wire_cut) return;
+  tell_fault(id, Fault::cut);
   from.wire_cut = true;
   ++from.line_epoch;  // what is under way is gone
   if (from.successor < 0) return;
@@ -133,6 +147,7 @@ void VirtualRing::cut(NodeId id) {
 void VirtualRing::heal(NodeId id) {
   Node& from = nodes_[id];
   if (!from.wire_cut) return;
+  tell_fault(id, Fault::healed);
   from.wire_cut = false;
   ++from.line_epoch;
   if (from.successor < 0 || from.successor != next_alive(id)) return connect(id);
@@ -144,23 +159,27 @@ void VirtualRing::heal(NodeId id) {
 
 std::uint32_t VirtualRing::send(NodeId id, NodeId destination, const std::vector<std::uint8_t>& data,
                                 std::uint8_t priority, std::uint8_t channel) {
-  const std::uint32_t token = nodes_[id].next_token++;
-  node(id).send({1, token, destination, priority, channel, {data.data(), data.size()}}, now_);
-  touch(id);
-  return token;
+  const core::SendRequest request{1, nodes_[id].next_token++, destination, priority, channel,
+                                  {data.data(), data.size()}};
+  for (Witness* witness : witnesses_) witness->asked(id, request, now_);
+  node(id).send(request, now_);
+  return request.token;
 }
 
 std::uint32_t VirtualRing::interrupt(NodeId id, NodeId destination, std::uint8_t factor) {
-  const std::uint32_t token = nodes_[id].next_token++;
-  node(id).interrupt({1, token, destination, factor}, now_);
-  touch(id);
-  return token;
+  const core::InterruptRequest request{1, nodes_[id].next_token++, destination, factor};
+  for (Witness* witness : witnesses_) witness->asked(id, request, now_);
+  node(id).interrupt(request, now_);
+  return request.token;
 }
 
 std::uint32_t VirtualRing::pull(NodeId id, unsigned input) {
   const std::uint32_t token = nodes_[id].next_token++;
+  const auto& inputs = nodes_[id].controller->settings().inputs;
+  if (input < inputs.size() && inputs[input])
+    for (Witness* witness : witnesses_)
+      witness->asked(id, core::InterruptRequest{1, token, inputs[input]->destination, inputs[input]->factor}, now_);
   node(id).pull(1, token, input, now_);
-  touch(id);
   return token;
 }
 
@@ -175,12 +194,18 @@ const core::SendEnded* VirtualRing::ended(NodeId id, std::uint32_t token) const 
 // ---- time ---------------------------------------------------------------------------------
 
 void VirtualRing::at(Time time, std::function<void()> action) {
-  arrivals_.push({std::max(time, now_), order_++, 0, 0, 0, {}, std::move(action)});
+  actions_.push({std::max(time, now_), order_++, std::move(action)});
+}
+
+Time VirtualRing::next_instant() const {
+  Time next = wakes_.earliest();
+  for (const Lane& lane : lanes_) next = std::min(next, lane.next());
+  return actions_.empty() ? next : std::min(next, actions_.top().at);
 }
 
 void VirtualRing::run_until(Time until) {
   settle_touched();
-  while (!arrivals_.empty() && arrivals_.top().at <= until) step();
+  while (next_instant() <= until) step();
   now_ = std::max(now_, until);
 }
 
@@ -188,7 +213,7 @@ bool VirtualRing::run_until(const std::function<bool()>& done, Duration limit) {
   const Time until = now_ + limit;
   settle_touched();
   while (!done()) {
-    if (arrivals_.empty() || arrivals_.top().at > until) return false;
+    if (next_instant() > until) return false;
     step();
   }
   return true;
@@ -205,34 +230,40 @@ bool VirtualRing::join() {
 
 // One instant: everything that arrives at it, then every node it touched decides.
 void VirtualRing::step() {
-  now_ = arrivals_.top().at;
-  while (!arrivals_.empty() && arrivals_.top().at == now_) {
-    const Arrival arrival = arrivals_.top();
-    arrivals_.pop();
-    deliver(arrival);
-  }
+  now_ = next_instant();
+  act();
+  for (Lane& lane : lanes_)
+    while (lane.next() == now_) deliver(lane.pop());
+  wakes_.each_at(now_, [this](unsigned id) { touch(static_cast<NodeId>(id)); });
   settle_touched();
+  for (Witness* witness : witnesses_) witness->settled(now_);
 }
 
-void VirtualRing::deliver(const Arrival& arrival) {
-  if (arrival.action) return arrival.action();
+void VirtualRing::act() {
+  while (!actions_.empty() && actions_.top().at == now_) {
+    const auto what = actions_.top().what;
+    actions_.pop();
+    what();
+  }
+}
+
+void VirtualRing::deliver(const Lane::Arrival& arrival) {
   Node& to = nodes_[arrival.to];
-  if (!to.alive) return;
-  if (!arrival.bytes.empty() && nodes_[arrival.from].line_epoch != arrival.epoch) return;
-  wire::ByteView rest{arrival.bytes.data(), arrival.bytes.size()};
+  if (!to.alive || nodes_[arrival.from].line_epoch != arrival.epoch) return;
+  wire::ByteView rest = arrival.slices.view();
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
+    for (Witness* witness : witnesses_) witness->arrives(arrival.to, parse.slice, now_);
     to.controller->receive(parse.slice, now_);
+    for (Witness* witness : witnesses_) witness->has_arrived(arrival.to, parse.slice, now_);
     rest = rest.from(parse.consumed);
   }
-  if (arrival.bytes.empty() && to.wake == now_) to.wake = kNever;
   touch(arrival.to);
 }
 
 void VirtualRing::settle_touched() {
   while (!touched_.empty()) {
-    const NodeId id = *touched_.begin();
-    touched_.erase(touched_.begin());
+    const NodeId id = touched_.pop();
     if (nodes_[id].alive) settle(id);
   }
 }
@@ -243,50 +274,60 @@ void VirtualRing::settle(NodeId id) {
   controller.run(now_);
   carry_line(id);
   give_out(id);
-  schedule_wake(id);
+  const Time deadline = controller.next_deadline(now_);
+  wakes_.set(id, deadline == kNever ? kNever : std::max(deadline, now_));
 }
 
 void VirtualRing::carry_line(NodeId id) {
   Node& from = nodes_[id];
-  SliceWriter& line = from.controller->line();
-  if (line.empty()) return;
-  SliceWriter arriving;
+  SliceWriter* line = &from.controller->line();
+  if (line->empty()) return;
+  if (from.tap || !witnesses_.empty()) {
+    pass_through_tap(id, *line);
+    line->clear();
+    line = &tapped_;
+  }
+  if (line->empty() || from.wire_cut || from.successor < 0) return line->clear();
+  const auto to = static_cast<NodeId>(from.successor);
+  lanes_[nodes_[to].lane].put(now_, id, to, from.line_epoch, *line);
+}
+
+void VirtualRing::pass_through_tap(NodeId id, SliceWriter& line) {
   wire::ByteView rest = line.view();
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
-    if (from.tap)
-      from.tap(parse.slice, now_, arriving);
+    for (Witness* witness : witnesses_) witness->leaves(id, parse.slice, now_);
+    if (nodes_[id].tap)
+      nodes_[id].tap(parse.slice, now_, tapped_);
     else
-      arriving.put(parse.slice.kind, parse.slice.bytes);
+      tapped_.put(parse.slice.kind, parse.slice.bytes);
     rest = rest.from(parse.consumed);
   }
-  line.clear();
-  if (arriving.empty() || from.wire_cut || from.successor < 0) return;
-  arrivals_.push({now_ + options_.relay_delay, order_++, id, static_cast<NodeId>(from.successor), from.line_epoch,
-                  {arriving.view().begin(), arriving.view().end()}, nullptr});
 }
 
 void VirtualRing::give_out(NodeId id) {
   Controller& controller = *nodes_[id].controller;
   core::Event event;
   while (controller.take_event(now_, event)) {
-    nodes_[id].log.events.push_back(event);
+    for (Witness* witness : witnesses_) witness->event(id, event);
+    if (options_.keep_logs) nodes_[id].log.events.push_back(event);
     on_event(id, event);
     touch(id);
   }
   core::ReceivedPacket packet;
   while (cpu_reads[id] && controller.take(now_, packet)) {
-    nodes_[id].log.packets.push_back(packet);
+    for (Witness* witness : witnesses_) witness->packet(id, packet);
+    if (options_.keep_logs) nodes_[id].log.packets.push_back(packet);
     on_packet(id, packet);
     touch(id);
   }
 }
 
-void VirtualRing::schedule_wake(NodeId id) {
-  const Time deadline = nodes_[id].controller->next_deadline(now_);
-  if (deadline == kNever || deadline >= nodes_[id].wake) return;
-  nodes_[id].wake = std::max(deadline, now_);
-  arrivals_.push({nodes_[id].wake, order_++, id, id, 0, {}, nullptr});
+std::size_t VirtualRing::lane_of(Duration delay) {
+  for (std::size_t i = 0; i < lanes_.size(); ++i)
+    if (lanes_[i].delay() == delay) return i;
+  lanes_.emplace_back(delay);
+  return lanes_.size() - 1;
 }
 
 }  // namespace limb_ring::sim

@@ -3,24 +3,25 @@
 #include <functional>
 #include <memory>
 #include <queue>
-#include <set>
 #include <vector>
 
 #include "core/controller.h"
+#include "sim/lane.h"
+#include "sim/node_set.h"
+#include "sim/wake_times.h"
+#include "sim/witness.h"
 
 namespace limb_ring::sim {
 
 using core::Controller;
-using core::Duration;
-using core::Time;
-using wire::NodeId;
 
 struct VirtualRingOptions {
   unsigned nodes = 4;                                ///< 1 to 255; their ids are 0, 1, 2 ...
   Duration byte_time{0};                             ///< on every line; 8 ns is 1 Gbit/s
   Duration relay_delay = std::chrono::nanoseconds(512);  ///< d: line and NC, before the Packet Manager
   bool start = true;                                 ///< false: nodes stay dead until start()
-  /// Last changes to a node's settings.
+  bool keep_logs = true;                             ///< false: events and packets go to the callbacks only
+  /// Last changes to a node's settings; its relay_delay is that of the line into it.
   std::function<void(core::Settings&)> adjust = [](core::Settings&) {};
 };
 
@@ -82,6 +83,11 @@ class VirtualRing {
   /// into `arriving` (empty: lost).
   using Tap = std::function<void(const wire::Slice& slice, Time now, wire::SliceWriter& arriving)>;
   void tap(NodeId id, Tap tap) { nodes_[id].tap = std::move(tap); }
+  /// Told of everything from now on; must outlive the ring.
+  void add_witness(Witness& witness) { witnesses_.push_back(&witness); }
+  /// Tells the witnesses that a tap lost or damaged something on the line out of `id`, or that its
+  /// CPU was reset or had its sends cancelled.
+  void tell_fault(NodeId id, Fault fault);
   /// Called for each event and packet as it comes out of a node; may send.
   std::function<void(NodeId, const core::Event&)> on_event = [](NodeId, const core::Event&) {};
   std::function<void(NodeId, const core::ReceivedPacket&)> on_packet = [](NodeId, const core::ReceivedPacket&) {};
@@ -98,18 +104,15 @@ class VirtualRing {
     std::uint64_t line_epoch = 0;  ///< bytes under way on a line that was replaced are lost
     std::uint64_t lives = 0;
     std::uint32_t next_token = 1;
-    Time wake = core::kNever;
+    std::size_t lane = 0;          ///< of the line into it
     NodeLog log;
     Tap tap;
   };
-  struct Arrival {
+  struct Action {
     Time at;
     std::uint64_t order;
-    NodeId from, to;
-    std::uint64_t epoch;
-    std::vector<std::uint8_t> bytes;  ///< slices; empty: a wake-up of `to`, or an action
-    std::function<void()> action;
-    bool operator>(const Arrival& other) const {
+    std::function<void()> what;
+    bool operator>(const Action& other) const {
       return at != other.at ? at > other.at : order > other.order;
     }
   };
@@ -121,21 +124,28 @@ class VirtualRing {
   void enter(NodeId id);
   int next_alive(NodeId id) const;
   int previous_alive(NodeId id) const;
+  std::size_t lane_of(Duration delay);
   void touch(NodeId id) { touched_.insert(id); }
+  Time next_instant() const;
   void step();
-  void deliver(const Arrival& arrival);
+  void act();
+  void deliver(const Lane::Arrival& arrival);
   void settle_touched();
   void settle(NodeId id);
   void carry_line(NodeId id);
+  void pass_through_tap(NodeId id, wire::SliceWriter& line);
   void give_out(NodeId id);
-  void schedule_wake(NodeId id);
 
   VirtualRingOptions options_;
   Time now_{};
   std::uint64_t order_ = 0;
   std::vector<Node> nodes_;
-  std::set<NodeId> touched_;
-  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<Arrival>> arrivals_;
+  std::vector<Lane> lanes_;
+  WakeTimes wakes_;
+  NodeSet touched_;
+  std::priority_queue<Action, std::vector<Action>, std::greater<Action>> actions_;
+  std::vector<Witness*> witnesses_;
+  wire::SliceWriter tapped_;
 };
 
 }  // namespace limb_ring::sim

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <vector>
+
+#include "core/time.h"
+#include "wire/packet.h"
+#include "wire/slice.h"
+
+namespace limb_ring::sim {
+
+using core::Duration;
+using core::Time;
+using wire::NodeId;
+
+/// What is under way on all lines of one relay delay. What leaves first arrives first, so a queue
+/// is enough where a heap would cost ten times as much. Buffers of slices are swapped in and out,
+/// never copied.
+class Lane {
+ public:
+  struct Arrival {
+    Time at{};
+    NodeId from = 0, to = 0;
+    std::uint64_t epoch = 0;   ///< of the line it left on
+    wire::SliceWriter slices;
+  };
+
+  explicit Lane(Duration delay) : delay_(delay), slots_(16) {}
+
+  Duration delay() const { return delay_; }
+  bool empty() const { return count_ == 0; }
+  /// When the next one arrives, kNever where none is under way.
+  Time next() const { return empty() ? core::kNever : slots_[first_].at; }
+  /// What leaves at `now`; takes `slices`, and leaves an empty one in its place.
+  void put(Time now, NodeId from, NodeId to, std::uint64_t epoch, wire::SliceWriter& slices) {
+    if (count_ == slots_.size()) grow();
+    Arrival& slot = slots_[(first_ + count_++) & (slots_.size() - 1)];
+    slot.at = now + delay_;
+    slot.from = from;
+    slot.to = to;
+    slot.epoch = epoch;
+    slot.slices.clear();
+    std::swap(slot.slices, slices);
+  }
+  /// The next one; valid until the next put(). @pre !empty()
+  const Arrival& pop() {
+    const Arrival& slot = slots_[first_];
+    first_ = (first_ + 1) & (slots_.size() - 1);
+    --count_;
+    return slot;
+  }
+
+ private:
+  void grow() {
+    std::vector<Arrival> larger(2 * slots_.size());
+    for (std::size_t i = 0; i < count_; ++i) std::swap(larger[i], slots_[(first_ + i) & (slots_.size() - 1)]);
+    slots_.swap(larger);
+    first_ = 0;
+  }
+
+  Duration delay_;
+  std::vector<Arrival> slots_;  ///< a power of two
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+};
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "core/controller.h"
+
+namespace limb_ring::sim {
+
+using core::Time;
+using wire::NodeId;
+
+/// What happens to a node or to the line out of it.
+enum class Fault : std::uint8_t {
+  killed, started, frozen, thawed, cut, healed,
+  lost_slice, damaged_slice,  ///< on the line out of the node
+  cpu_reset, cancelled
+};
+
+/// Sees everything that happens in a virtual ring and changes nothing: a trace, the invariants.
+class Witness {
+ public:
+  virtual ~Witness() = default;
+  /// A CPU asks; the token its SendEnded will carry is in the request.
+  virtual void asked(NodeId, const core::SendRequest&, Time) {}
+  virtual void asked(NodeId, const core::InterruptRequest&, Time) {}
+  /// A slice leaves a node, before any fault of the line.
+  virtual void leaves(NodeId, const wire::Slice&, Time) {}
+  /// A slice is about to come into a node, and has come in.
+  virtual void arrives(NodeId, const wire::Slice&, Time) {}
+  virtual void has_arrived(NodeId, const wire::Slice&, Time) {}
+  /// A node gives out an event, or a packet to its CPU.
+  virtual void event(NodeId, const core::Event&) {}
+  virtual void packet(NodeId, const core::ReceivedPacket&) {}
+  /// Everything due at this instant has been done.
+  virtual void settled(Time) {}
+  /// A fault, or its end: what the ring promises is weaker for a while.
+  virtual void fault(NodeId, Fault, Time) {}
+};
+
+}  // namespace limb_ring::sim
