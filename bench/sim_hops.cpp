@@ -87,6 +87,7 @@ double with_core(unsigned nodes, bool invariants) {
   options.byte_time = kByte;
   options.relay_delay = kDelay;
   static_cast<void>(invariants);
+  options.keep_logs = false;
   options.adjust = [](core::Settings& settings) { settings.send_timeout_least = Duration{0}; };
   sim::VirtualRing ring(options);
   ring.join();

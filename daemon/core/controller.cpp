@@ -247,10 +247,6 @@ void Controller::cpu_reset(Owner cpu, Time now) {
 
 // ---- time ---------------------------------------------------------------------------------
 
-Time Controller::stall_deadline() const {
-  return incoming_.open() ? incoming_.last_slice() + settings_.stall + 2 * settings_.byte_time_in * 1024 : kNever;
-}
-
 void Controller::handle_timeout(Time now) {
   if (stall_deadline() <= now) break_off(counters_.stalled_packets, now);
   transmit_.handle_timeout(now);

@@ -75,6 +75,7 @@ class Controller {
   const Counters& counters() const { return counters_; }
   const Membership& membership() const { return membership_; }
   std::size_t received_waiting() const { return receive_.waiting(); }
+  std::size_t received_waiting(std::uint8_t priority) const { return receive_.waiting(priority); }
   /// Relayed DATPs in the insertion buffer, at most settings().insertion_buffer.
   std::size_t insertion_waiting() const { return packet_manager_.waiting(); }
 
@@ -98,7 +99,10 @@ class Controller {
   Reject refuse_reason(const InterruptRequest& request) const;
   bool destination_exists(NodeId destination) const;
   void reject(Owner owner, std::uint32_t token, Reject reason, bool interrupt, Time now);
-  Time stall_deadline() const;
+  Time stall_deadline() const {
+    if (!incoming_.open()) return kNever;
+    return incoming_.last_slice() + settings_.stall + 2 * settings_.byte_time_in * 1024;
+  }
 
   const Settings settings_;
   Counters counters_;

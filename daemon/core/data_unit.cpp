@@ -21,8 +21,9 @@ DataUnit::DataUnit(const Settings& settings, Counters& counters, EventQueue& eve
     : settings_(settings), counters_(counters), events_(events) {}
 
 void DataUnit::push(Queue& queue, const SendRequest& request, Time now) {
-  queue.emplace_back();
-  Job& job = queue.back();
+  Job& job = queue.push();
+  ++jobs_;
+  static_cast<JobState&>(job) = {};
   job.owner = request.owner;
   job.token = request.token;
   job.destination = request.destination;
@@ -57,9 +58,7 @@ Time DataUnit::front_ready(std::size_t queue) const {
   return std::max(queues_[queue].front().not_before, free_at_);
 }
 
-Time DataUnit::ready_at() const {
-  if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since();
-  if (flight_.phase() == Flight::Phase::out) return kNever;
+Time DataUnit::next_ready() const {
   Time ready = kNever;
   for (std::size_t q = 0; q < kQueues; ++q) ready = std::min(ready, front_ready(q));
   return ready;
@@ -152,7 +151,7 @@ void DataUnit::finish_flight(Outcome outcome, Time at, Duration round_trip) {
 void DataUnit::finish(std::size_t queue, Outcome outcome, Time at, Duration round_trip) {
   tell(queues_[queue].front(), outcome, outcome == Outcome::rejected ? Reject::no_way_out : Reject::none, at,
        round_trip);
-  queues_[queue].pop_front();
+  pop(queues_[queue]);
 }
 
 void DataUnit::tell(Job& job, Outcome outcome, Reject reject, Time at, Duration round_trip) {
@@ -178,6 +177,7 @@ void DataUnit::handle_timeout(Time now) {
     ++counters_.timeouts;
     fail_try(now);
   }
+  if (!any_waits()) return;
   if (flight_.phase() == Flight::Phase::waiting && flight_.waiting_since() + settings_.queue_timeout <= now)
     give_up(now);
   for (std::size_t q = 0; q < kQueues; ++q) {
@@ -189,7 +189,7 @@ void DataUnit::handle_timeout(Time now) {
   }
 }
 
-Time DataUnit::deadline() const {
+Time DataUnit::waiting_deadline() const {
   Time deadline = flight_.deadline();
   if (flight_.phase() == Flight::Phase::waiting) deadline = flight_.waiting_since() + settings_.queue_timeout;
   for (std::size_t q = 0; q < kQueues; ++q)
@@ -215,21 +215,23 @@ void DataUnit::end_doubtful_refused(NodeId peer, Time now) {
 }
 
 void DataUnit::cancel(Owner owner, Time now) {
+  jobs_ = 0;
   for (std::size_t q = 0; q < kQueues; ++q) {
-    for (Job& job : queues_[q])
-      if (job.owner == owner) tell(job, Outcome::cancelled, Reject::none, now, Duration{0});
-    const auto keep = queues_[q].begin() + (!flight_.idle() && q == current_ ? 1 : 0);
-    queues_[q].erase(std::remove_if(keep, queues_[q].end(), [](const Job& job) { return job.told; }),
-                     queues_[q].end());
+    Queue& queue = queues_[q];
+    for (std::size_t i = 0; i < queue.size(); ++i)
+      if (queue[i].owner == owner) tell(queue[i], Outcome::cancelled, Reject::none, now, Duration{0});
+    queue.erase_if(!flight_.idle() && q == current_ ? 1 : 0, [](const Job& job) { return job.told; });
+    jobs_ += queue.size();
   }
 }
 
 void DataUnit::restart(Time now) {
   for (Queue& queue : queues_) {
-    for (Job& job : queue)
-      if (job.owner != kController) tell(job, Outcome::cancelled, Reject::none, now, Duration{0});
+    for (std::size_t i = 0; i < queue.size(); ++i)
+      if (queue[i].owner != kController) tell(queue[i], Outcome::cancelled, Reject::none, now, Duration{0});
     queue.clear();
   }
+  jobs_ = 0;
   control_ends_.clear();
   flight_.clear();
   numbers_.restart();

@@ -9,6 +9,7 @@
 #include "core/send_request.h"
 #include "core/sequence_numbers.h"
 #include "core/settings.h"
+#include "core/slot_queue.h"
 
 namespace limb_ring::core {
 
@@ -30,14 +31,21 @@ class DataUnit {
   /// Hello or beacon: a broadcast on channel 1, before everything else.
   void enqueue_control(wire::ByteView message, std::uint32_t token, Time now);
   /// Takes the NC's own packets out of the queue, without an end. @pre !busy()
-  void drop_control() { queues_[kControlQueue].clear(); }
+  void drop_control() {
+    jobs_ -= queues_[kControlQueue].size();
+    queues_[kControlQueue].clear();
+  }
 
   void set_gate(Gate gate) { gate_ = gate; }
   /// Open chain: nothing returns, so every send ends `unconfirmed` as it leaves, at this pace.
   void set_open_chain(bool open, Time now);
 
   /// Since when (or from when on) it asks for the line; kNever where it does not.
-  Time ready_at() const;
+  Time ready_at() const {
+    if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since();
+    if (flight_.phase() == Flight::Phase::out || jobs_ == 0) return kNever;
+    return next_ready();
+  }
   /// The line is its own: the packet that goes now. @pre ready_at() <= now
   wire::ByteView start(Time now);
   /// True while a packet is out, or waits for its retry.
@@ -50,7 +58,10 @@ class DataUnit {
   void returned_damaged(Time at);
 
   void handle_timeout(Time now);
-  Time deadline() const;
+  Time deadline() const {
+    if (!any_waits()) return flight_.deadline();
+    return waiting_deadline();
+  }
 
   /// `peer` has begun a new life and forgotten what it took: what it may have taken before is not
   /// repeated, or it would take it twice. (ours)
@@ -63,30 +74,41 @@ class DataUnit {
   void restart_numbers() { numbers_.restart(); }
   bool numbers_exhausted() const { return numbers_.exhausted(); }
 
+  bool has_control_end() const { return !control_ends_.empty(); }
   /// Ends of the NC's own sends since the last call, at most one at a time.
   bool take_control_end(SendEnded& out);
 
  private:
-  struct Job {
-    Owner owner;
-    std::uint32_t token;
-    NodeId destination;
-    std::uint8_t pri;
-    Time asked;
-    Time not_before;            ///< held back after a refusal
-    Duration backoff;           ///< next hold
+  struct JobState {
+    Owner owner = kController;
+    std::uint32_t token = 0;
+    NodeId destination = 0;
+    std::uint8_t pri = 0;
+    Time asked{};
+    Time not_before{};          ///< held back after a refusal
+    Duration backoff{};         ///< next hold
     Time refused_until = kNever;
     unsigned tries = 0;
     bool repeated = false;      ///< some try had to be repeated: its fate is no longer sure
     bool forgotten = false;     ///< by a receiver, while out: not repeated
     bool told = false;          ///< its result was given already (cancelled while out)
-    std::uint16_t size;
+    std::uint16_t size = 0;
+  };
+  struct Job : JobState {
     std::array<std::uint8_t, wire::kMaxPayload> data;
   };
-  using Queue = std::deque<Job>;
+  using Queue = SlotQueue<Job>;
   static constexpr std::size_t kControlQueue = 0;
   static constexpr std::size_t kQueues = 5;  ///< control, then priorities 0 to 3
 
+  /// True where something waits for the line, or for its time.
+  bool any_waits() const { return jobs_ > (flight_.phase() == Flight::Phase::out ? 1u : 0u); }
+  Time next_ready() const;
+  Time waiting_deadline() const;
+  void pop(Queue& queue) {
+    queue.pop();
+    --jobs_;
+  }
   void push(Queue& queue, const SendRequest& request, Time now);
   Time front_ready(std::size_t queue) const;
   std::size_t choose(Time now) const;
@@ -108,6 +130,7 @@ class DataUnit {
   Gate gate_ = Gate::closed;
   bool open_chain_ = false;
   std::array<Queue, kQueues> queues_;
+  std::size_t jobs_ = 0;     ///< in all of them
   std::size_t current_ = 0;  ///< queue whose front is in flight
   Flight flight_;
   Time free_at_{};           ///< the tail of the last return is in

@@ -18,12 +18,6 @@ void InterruptUnit::set_open_chain(bool open, Time now) {
   if (open && busy()) finish(Outcome::unconfirmed, now);
 }
 
-Time InterruptUnit::ready_at() const {
-  if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since();
-  if (flight_.phase() == Flight::Phase::out || queue_.empty() || gate_ != Gate::open) return kNever;
-  return std::max(queue_.front().asked, free_at_);
-}
-
 wire::ByteView InterruptUnit::start(Time now) {
   const InterruptRequest& request = queue_.front().request;
   if (flight_.idle())
@@ -86,7 +80,7 @@ void InterruptUnit::tell(Job& job, Outcome outcome, Time at, Duration round_trip
   events_.put(at, SendEnded{job.request.owner, job.request.token, outcome, reject, round_trip, job.tries, true});
 }
 
-void InterruptUnit::handle_timeout(Time now) {
+void InterruptUnit::end_overdue(Time now) {
   if (flight_.deadline() <= now) {
     ++counters_.timeouts;
     fail_try(now);
@@ -97,10 +91,10 @@ void InterruptUnit::handle_timeout(Time now) {
     finish(Outcome::rejected, now);
 }
 
-Time InterruptUnit::deadline() const {
+Time InterruptUnit::next_deadline() const {
   if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since() + settings_.queue_timeout;
   if (!flight_.idle()) return flight_.deadline();
-  return queue_.empty() ? kNever : queue_.front().asked + settings_.queue_timeout;
+  return queue_.front().asked + settings_.queue_timeout;
 }
 
 void InterruptUnit::forgotten_by(NodeId peer, Time now) {

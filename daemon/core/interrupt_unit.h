@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <deque>
 
 #include "core/counters.h"
@@ -22,14 +23,20 @@ class InterruptUnit {
   void set_gate(Gate gate) { gate_ = gate; }
   void set_open_chain(bool open, Time now);
 
-  Time ready_at() const;
+  Time ready_at() const {
+    if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since();
+    if (flight_.phase() == Flight::Phase::out || queue_.empty() || gate_ != Gate::open) return kNever;
+    return std::max(queue_.front().asked, free_at_);
+  }
   wire::ByteView start(Time now);
   bool busy() const { return !flight_.idle(); }
 
   bool returned(const wire::PacketFields& packet, std::uint8_t fbc, Time at);
   void returned_damaged(Time at);
-  void handle_timeout(Time now);
-  Time deadline() const;
+  void handle_timeout(Time now) {
+    if (!queue_.empty()) end_overdue(now);
+  }
+  Time deadline() const { return queue_.empty() ? kNever : next_deadline(); }
 
   /// As DataUnit's.
   void forgotten_by(NodeId peer, Time now);
@@ -48,6 +55,8 @@ class InterruptUnit {
     bool told = false;
   };
 
+  void end_overdue(Time now);
+  Time next_deadline() const;
   void fail_try(Time at);
   void give_up(Time at);
   void finish(Outcome outcome, Time at, Duration round_trip = Duration{0});

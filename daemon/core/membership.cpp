@@ -142,7 +142,7 @@ void Membership::renumber(Time now) {
   say_hello(now);
 }
 
-void Membership::settle(Time now) {
+void Membership::control_ended(Time now) {
   SendEnded ended;
   while (transmit_.data.take_control_end(ended)) {
     if (ended.token == kHelloToken) {
@@ -153,8 +153,11 @@ void Membership::settle(Time now) {
       if (beacon_wanted_) send_beacon(now);
     }
   }
+}
+
+void Membership::renumber_when_settled(Time now) {
   const bool settled = state_ == NodeState::up || state_ == NodeState::alone;
-  if (settled && !hello_out_ && (renumbering_ || transmit_.numbers_exhausted())) renumber(now);
+  if (settled && !hello_out_) renumber(now);
 }
 
 // ---- what comes home ----------------------------------------------------------------------
@@ -278,7 +281,7 @@ void Membership::send_beacon(Time now) {
 
 // ---- time ---------------------------------------------------------------------------------
 
-void Membership::handle_timeout(Time now) {
+void Membership::act_on_time(Time now) {
   if (break_due_ <= now) own_input_broken(now);
   if (drained_at_ <= now) leave_open_chain(now);
   if (beacon_due_ <= now) {
@@ -286,7 +289,5 @@ void Membership::handle_timeout(Time now) {
     change(now);
   }
 }
-
-Time Membership::deadline() const { return std::min({beacon_due_, break_due_, drained_at_}); }
 
 }  // namespace limb_ring::core

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "core/counters.h"
 #include "core/events.h"
 #include "core/peers.h"
@@ -48,14 +50,20 @@ class Membership {
   /// A control packet of another node, before Receive decides on it.
   void heard(const wire::PacketFields& packet, Time now);
 
-  void handle_timeout(Time now);
+  void handle_timeout(Time now) {
+    if (deadline() <= now) act_on_time(now);
+  }
   /// After anything that may have ended a send of the NC's own, or used up sequence numbers.
-  void settle(Time now);
-  Time deadline() const;
+  void settle(Time now) {
+    if (transmit_.data.has_control_end()) control_ended(now);
+    if (renumbering_ || transmit_.numbers_exhausted()) renumber_when_settled(now);
+  }
+  Time deadline() const { return std::min({beacon_due_, break_due_, drained_at_}); }
 
  private:
   enum class Link : std::uint8_t { never, up, lost };
 
+  void act_on_time(Time now);
   void enter(NodeState state, Time now);
   void links_changed(Time now);
   bool links_up() const { return input_ == Link::up && output_ == Link::up; }
@@ -65,6 +73,8 @@ class Membership {
   void say_hello(Time now);
   void hello_ended(const SendEnded& ended, Time now);
   void joined(Time now);
+  void control_ended(Time now);
+  void renumber_when_settled(Time now);
   void renumber(Time now);
 
   void heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);

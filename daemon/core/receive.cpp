@@ -52,9 +52,8 @@ void Receive::store(const PacketFields& packet, Time at) {
     return;
   }
   ++counters_.received_data;
-  auto& buffer = buffers_[wire::priority_of(packet.last())];
-  buffer.emplace_back();
-  ReceivedPacket& slot = buffer.back();
+  ReceivedPacket& slot = buffers_[wire::priority_of(packet.last())].push();
+  ++waiting_;
   slot.at = at;
   slot.source = packet.source();
   slot.destination = packet.destination();
@@ -64,23 +63,18 @@ void Receive::store(const PacketFields& packet, Time at) {
   std::memcpy(slot.data.data(), packet.data().data, slot.size);
 }
 
-bool Receive::take(Time now, ReceivedPacket& out) {
+bool Receive::take_due(Time now, ReceivedPacket& out) {
   for (auto& buffer : buffers_) {
     if (buffer.empty() || buffer.front().at > now) continue;
     out = buffer.front();
-    buffer.pop_front();
+    buffer.pop();
+    --waiting_;
     return true;
   }
   return false;
 }
 
-std::size_t Receive::waiting() const {
-  std::size_t count = 0;
-  for (const auto& buffer : buffers_) count += buffer.size();
-  return count;
-}
-
-Time Receive::next() const {
+Time Receive::earliest() const {
   Time next = kNever;
   for (const auto& buffer : buffers_)
     if (!buffer.empty()) next = std::min(next, buffer.front().at);
@@ -88,8 +82,9 @@ Time Receive::next() const {
 }
 
 void Receive::flush() {
-  counters_.flushed_on_reset += waiting();
+  counters_.flushed_on_reset += waiting_;
   for (auto& buffer : buffers_) buffer.clear();
+  waiting_ = 0;
 }
 
 }  // namespace limb_ring::core

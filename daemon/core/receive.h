@@ -1,11 +1,11 @@
 #pragma once
 
 #include <array>
-#include <deque>
 
 #include "core/counters.h"
 #include "core/duplicate_memory.h"
 #include "core/settings.h"
+#include "core/slot_queue.h"
 #include "wire/data_packet.h"
 
 namespace limb_ring::core {
@@ -34,10 +34,12 @@ class Receive {
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
 
   /// The next packet for the CPU, highest priority first. @return false where none is there yet
-  bool take(Time now, ReceivedPacket& out);
-  std::size_t waiting() const;
+  bool take(Time now, ReceivedPacket& out) { return waiting_ != 0 && take_due(now, out); }
+  std::size_t waiting() const { return waiting_; }
+  /// The same of one priority, 0..3.
+  std::size_t waiting(std::uint8_t priority) const { return buffers_[priority].size(); }
   /// When take() may have something, kNever where all buffers are empty.
-  Time next() const;
+  Time next() const { return waiting_ == 0 ? kNever : earliest(); }
 
   void set_cpu_present(bool present) { cpu_present_ = present; }
   void set_joining(bool joining) { joining_ = joining; }
@@ -50,6 +52,8 @@ class Receive {
  private:
   using Verdict = DuplicateMemory::Verdict;
   bool addressed(const wire::PacketFields& packet) const;
+  bool take_due(Time now, ReceivedPacket& out);
+  Time earliest() const;
   std::size_t free_buffers(const wire::PacketFields& packet) const;
   bool accepts(const wire::PacketFields& packet);
   void store(const wire::PacketFields& packet, Time at);
@@ -57,7 +61,8 @@ class Receive {
   const Settings& settings_;
   Counters& counters_;
   DuplicateMemory memory_;
-  std::array<std::deque<ReceivedPacket>, 4> buffers_;
+  std::array<SlotQueue<ReceivedPacket>, 4> buffers_;
+  std::size_t waiting_ = 0;  ///< in all of them
   bool cpu_present_ = false;
   bool joining_ = true;
 };

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace limb_ring::core {
+
+/// A queue whose slots are used again: packets are large, and a queue that allocates for each costs
+/// more than the rest of its way through a node. Whoever uses it keeps its limit.
+template <class T>
+class SlotQueue {
+ public:
+  bool empty() const { return count_ == 0; }
+  std::size_t size() const { return count_; }
+  /// @pre i < size(); 0 is the front
+  T& operator[](std::size_t i) { return slots_[(first_ + i) & (slots_.size() - 1)]; }
+  const T& operator[](std::size_t i) const { return slots_[(first_ + i) & (slots_.size() - 1)]; }
+  T& front() { return (*this)[0]; }
+  const T& front() const { return (*this)[0]; }
+  /// A new last slot, in whatever state its last user left it.
+  T& push() {
+    if (count_ == slots_.size()) grow();
+    return (*this)[count_++];
+  }
+  void pop() {
+    first_ = (first_ + 1) & (slots_.size() - 1);
+    --count_;
+  }
+  void clear() { count_ = 0; }
+  /// Takes out those from place `from` on of which which(T&) is true; the others keep their order.
+  template <class Which>
+  void erase_if(std::size_t from, Which which) {
+    std::size_t kept = from;
+    for (std::size_t i = from; i < count_; ++i) {
+      if (which((*this)[i])) continue;
+      if (kept != i) std::swap((*this)[kept], (*this)[i]);
+      ++kept;
+    }
+    count_ = kept < count_ ? kept : count_;
+  }
+
+ private:
+  void grow() {
+    std::vector<T> larger(slots_.empty() ? 2 : 2 * slots_.size());
+    for (std::size_t i = 0; i < count_; ++i) std::swap(larger[i], (*this)[i]);
+    slots_.swap(larger);
+    first_ = 0;
+  }
+
+  std::vector<T> slots_;  ///< none, or a power of two
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+};
+
+}  // namespace limb_ring::core
