@@ -263,8 +263,8 @@ void Controller::run(Time now) {
 Time Controller::next_deadline(Time now) const {
   // Packets that the CPU leaves lying are no reason to wake up.
   const Time received = receive_.next() > now ? receive_.next() : kNever;
-  return std::min({stall_deadline(), transmit_.deadline(), membership_.deadline(), packet_manager_.deadline(),
-                   events_.next(), received});
+  const Time node = std::min(std::min(stall_deadline(), transmit_.deadline()), membership_.deadline());
+  return std::min(std::min(node, packet_manager_.deadline()), std::min(events_.next(), received));
 }
 
 }  // namespace limb_ring::core

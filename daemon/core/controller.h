@@ -68,6 +68,8 @@ class Controller {
   /// When handle_timeout(), run(), take_event() or take() have something new to do, if nothing else
   /// happens before.
   Time next_deadline(Time now) const;
+  /// take_event() or take() has something.
+  bool has_output(Time now) const { return events_.next() <= now || receive_.next() <= now; }
   bool take_event(Time now, Event& out) { return events_.take(now, out); }
   ///@}
 

@@ -48,8 +48,8 @@ class InsertionBuffer {
     return slot;
   }
   void pop() {
-    first_ = (first_ + 1) % slots_.size();
     --count_;
+    first_ = count_ == 0 ? 0 : (first_ + 1) % slots_.size();  // an empty one goes on with the slot still in cache
   }
   void clear() { count_ = 0; }
 

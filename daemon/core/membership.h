@@ -58,7 +58,7 @@ class Membership {
     if (transmit_.data.has_control_end()) control_ended(now);
     if (renumbering_ || transmit_.numbers_exhausted()) renumber_when_settled(now);
   }
-  Time deadline() const { return std::min({beacon_due_, break_due_, drained_at_}); }
+  Time deadline() const { return std::min(std::min(beacon_due_, break_due_), drained_at_); }
 
  private:
   enum class Link : std::uint8_t { never, up, lost };

@@ -84,7 +84,7 @@ void PacketManager::relay_interrupt(const wire::InterruptBytes& packet, Time now
     return;
   }
   ++counters_.relayed_interrupts;
-  interrupts_.push_back({packet, now});
+  interrupts_.push() = {packet, now};
 }
 
 // ---- the line -----------------------------------------------------------------------------
@@ -133,25 +133,17 @@ bool PacketManager::own_interrupt_first() const {
   return interrupts_.empty() || transmit_.interrupts.ready_at() <= interrupts_.front().arrived;
 }
 
-Time PacketManager::interrupt_since() const {
-  const Time own = transmit_.interrupts.ready_at();
-  return interrupts_.empty() ? own : std::min(own, interrupts_.front().arrived);
-}
-
 // The instant at which the next INTP may begin: at once, or inside an open DATP at its next word
 // boundary; kNever where it has to wait for the open DATP's last odd bytes, trailer and CRC.
-Time PacketManager::interrupt_at() const {
-  const Time since = interrupt_since();
-  if (since == kNever) return kNever;
+Time PacketManager::interrupt_place(Time since) const {
   const Time at = std::max(since, free_at_);
   if (!is_open_) return at;
   const Time word = next_word(at);
   return open_complete() && paced() && word > open_end_at() ? kNever : word;
 }
 
-bool PacketManager::send_interrupt(Time now) {
+bool PacketManager::put_interrupt() {
   const Time at = interrupt_at();
-  if (at > now) return false;
   if (is_open_) {
     put_words_until(at);
     ++counters_.embedded_interrupts;
@@ -170,7 +162,7 @@ wire::InterruptBytes PacketManager::take_interrupt(Time at) {
     std::copy(image.begin(), image.end(), packet.begin());
   } else {
     packet = interrupts_.front().bytes;
-    interrupts_.pop_front();
+    interrupts_.pop();
   }
   return packet;
 }
@@ -237,11 +229,6 @@ void PacketManager::close_open() {
 
 bool PacketManager::own_data_first() const {
   return buffer_.empty() || transmit_.data.ready_at() <= buffer_.front().arrived;
-}
-
-Time PacketManager::data_since() const {
-  const Time own = transmit_.data.ready_at();
-  return buffer_.empty() ? own : std::min(own, buffer_.front().arrived);
 }
 
 void PacketManager::drop_aborted_fronts() {

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <deque>
+#include <algorithm>
 
 #include "core/counters.h"
 #include "core/insertion_buffer.h"
 #include "core/settings.h"
+#include "core/slot_queue.h"
 #include "core/transmit.h"
 #include "wire/interrupt_packet.h"
 #include "wire/slice.h"
@@ -69,9 +70,17 @@ class PacketManager {
   void drop_aborted_fronts();
 
   bool own_interrupt_first() const;
-  Time interrupt_since() const;
-  Time interrupt_at() const;
-  bool send_interrupt(Time now);
+  Time interrupt_since() const {
+    const Time own = transmit_.interrupts.ready_at();
+    return interrupts_.empty() ? own : std::min(own, interrupts_.front().arrived);
+  }
+  Time interrupt_at() const {
+    const Time since = interrupt_since();
+    return since == kNever ? kNever : interrupt_place(since);
+  }
+  Time interrupt_place(Time since) const;
+  bool send_interrupt(Time now) { return interrupt_at() <= now && put_interrupt(); }
+  bool put_interrupt();
   wire::InterruptBytes take_interrupt(Time at);
 
   wire::ByteView open_bytes() const;
@@ -84,7 +93,10 @@ class PacketManager {
   void close_open();
 
   bool own_data_first() const;
-  Time data_since() const;
+  Time data_since() const {
+    const Time own = transmit_.data.ready_at();
+    return buffer_.empty() ? own : std::min(own, buffer_.front().arrived);
+  }
   bool start_data(Time now);
   void open_data(Time at);
   void put_whole_or_start(Time at);
@@ -94,7 +106,7 @@ class PacketManager {
   Counters& counters_;
   wire::SliceWriter& line_;
   InsertionBuffer buffer_;
-  std::deque<WaitingInterrupt> interrupts_;
+  SlotQueue<WaitingInterrupt> interrupts_;
   bool output_up_ = false;
   bool ready_ = true;
   bool receiving_ = false;  ///< buffer_.back() is still coming in

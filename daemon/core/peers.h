@@ -1,7 +1,6 @@
 #pragma once
 
-#include <array>
-#include <optional>
+#include <vector>
 
 #include "core/time.h"
 #include "wire/control_message.h"
@@ -43,7 +42,7 @@ class Peers {
     peer.beacon = beacon;
     return news;
   }
-  void forget_all() { peers_ = {}; }
+  void forget_all() { peers_.assign(peers_.size(), {}); }
 
  private:
   static void hear(Peer& peer, std::uint8_t hop, std::uint64_t boot, Time now) {
@@ -52,7 +51,7 @@ class Peers {
     peer.hop = hop;
     peer.heard_at = now;
   }
-  std::array<Peer, 256> peers_{};
+  std::vector<Peer> peers_ = std::vector<Peer>(256);  ///< apart from what every hop needs
 };
 
 }  // namespace limb_ring::core

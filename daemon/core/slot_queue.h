@@ -24,8 +24,8 @@ class SlotQueue {
     return (*this)[count_++];
   }
   void pop() {
-    first_ = (first_ + 1) & (slots_.size() - 1);
     --count_;
+    first_ = count_ == 0 ? 0 : (first_ + 1) & (slots_.size() - 1);  // empty: the slot still in cache
   }
   void clear() { count_ = 0; }
   /// Takes out those from place `from` on of which which(T&) is true; the others keep their order.

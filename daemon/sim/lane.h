@@ -39,7 +39,7 @@ class Lane {
     slot.to = to;
     slot.epoch = epoch;
     slot.slices.clear();
-    std::swap(slot.slices, slices);
+    slot.slices.swap(slices);
   }
   /// The next one; valid until the next put(). @pre !empty()
   const Arrival& pop() {

@@ -258,7 +258,12 @@ void VirtualRing::deliver(const Lane::Arrival& arrival) {
     for (Witness* witness : witnesses_) witness->has_arrived(arrival.to, parse.slice, now_);
     rest = rest.from(parse.consumed);
   }
-  touch(arrival.to);
+  // Where the line takes time, most of what comes in has to wait for its turn: then there is nothing
+  // to be done but to say when.
+  if (to.controller->settings().byte_time_in.count() == 0) return touch(arrival.to);
+  const Time deadline = to.controller->next_deadline(now_);
+  if (deadline <= now_) return touch(arrival.to);
+  wakes_.set(arrival.to, deadline);
 }
 
 void VirtualRing::settle_touched() {
@@ -273,7 +278,7 @@ void VirtualRing::settle(NodeId id) {
   controller.handle_timeout(now_);
   controller.run(now_);
   carry_line(id);
-  give_out(id);
+  if (controller.has_output(now_)) give_out(id);
   const Time deadline = controller.next_deadline(now_);
   wakes_.set(id, deadline == kNever ? kNever : std::max(deadline, now_));
 }

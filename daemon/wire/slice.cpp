@@ -1,5 +1,6 @@
 #include "wire/slice.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace limb_ring::wire {
@@ -33,7 +34,7 @@ SliceParse parse_slice(ByteView bytes) {
 std::uint8_t* SliceWriter::put_space(SliceKind kind, std::size_t size) {
   const std::size_t at = size_;
   size_ += kSliceHeaderSize + size;
-  if (buffer_.size() < size_) buffer_.resize(size_ + 4096);
+  if (buffer_.size() < size_) buffer_.resize(std::max(kMaxSliceSize, 2 * size_));
   std::uint8_t* p = buffer_.data() + at;
   p[0] = kSliceMagic;
   p[1] = static_cast<std::uint8_t>(kind);

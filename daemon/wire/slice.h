@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "wire/bytes.h"
@@ -51,6 +52,10 @@ class SliceWriter {
   ByteView view() const { return {buffer_.data(), size_}; }
   bool empty() const { return size_ == 0; }
   void clear() { size_ = 0; }
+  void swap(SliceWriter& other) {
+    buffer_.swap(other.buffer_);
+    std::swap(size_, other.size_);
+  }
 
  private:
   std::vector<std::uint8_t> buffer_;
