@@ -78,7 +78,7 @@ struct NodeConfig {
 };
 
 struct Limits {
-  unsigned insertion_buffer = 8;    ///< DATPs that may wait in the Packet Manager
+  unsigned insertion_buffer = 8;    ///< DATPs of 524 bytes that may wait in the Packet Manager, or more smaller ones
   unsigned interrupt_buffer = 64;   ///< INTPs that may wait there
   unsigned send_queue = 64;         ///< per priority
   unsigned receive_buffers = 32;    ///< per priority

@@ -7,7 +7,7 @@ using namespace std::chrono_literals;
 const Section<Limits>& limits_section() {
   static const Section<Limits> section{
       integer_option("insertion_buffer", &Limits::insertion_buffer, {2, 1024},
-                     "DATPs that may wait in the Packet Manager; one more is dropped, counted."),
+                     "Room for DATPs of 524 bytes that wait in the Packet Manager; one more is dropped, counted."),
       integer_option("interrupt_buffer", &Limits::interrupt_buffer, {2, 4096},
                      "INTPs that may wait there; one more is dropped, counted."),
       integer_option("send_queue", &Limits::send_queue, {1, 65536},

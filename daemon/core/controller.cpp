@@ -33,7 +33,7 @@ void Controller::input_gap(Time now) { break_off(counters_.broken_off_packets, n
 
 void Controller::output_up(NodeId to, Time now) {
   packet_manager_.output_lost();
-  packet_manager_.output_up();
+  packet_manager_.output_up(now);
   relay_.set_successor(to);
   membership_.output_up(to, now);
 }

@@ -78,8 +78,7 @@ class Controller {
   const Membership& membership() const { return membership_; }
   std::size_t received_waiting() const { return receive_.waiting(); }
   std::size_t received_waiting(std::uint8_t priority) const { return receive_.waiting(priority); }
-  /// Relayed DATPs in the insertion buffer, at most settings().insertion_buffer.
-  std::size_t insertion_waiting() const { return packet_manager_.waiting(); }
+  const InsertionBuffer& insertion_buffer() const { return packet_manager_.insertion_buffer(); }
 
  private:
   using Fate = Relay::Fate;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/time.h"
 #include "wire/packet.h"
 
 namespace limb_ring::core {
@@ -13,14 +14,19 @@ class DuplicateMemory {
  public:
   enum class Verdict : std::uint8_t { none, taken, refused };
 
+  /// @param horizon a first try with a number decided longer ago than this is new: no copy of the
+  ///        former is left, and numbers wrap unseen behind a line that is down for long. (ours)
+  explicit DuplicateMemory(Duration horizon) : horizon_(horizon) {}
+
   /// The verdict on this sequence number, `none` where it is new.
-  Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast) const {
+  Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast, Time now) const {
     const Entry& e = entry(source, code, broadcast);
-    const bool match = e.sequence == code.sequence && (!e.aged || code.attempt > 0);
-    return match ? e.verdict : Verdict::none;
+    if (e.sequence != code.sequence) return Verdict::none;
+    const bool fresh = !e.aged && now - e.decided <= horizon_;
+    return fresh || code.attempt > 0 ? e.verdict : Verdict::none;
   }
-  void remember(wire::NodeId source, wire::Code code, bool broadcast, Verdict verdict) {
-    entry(source, code, broadcast) = {code.sequence, verdict, false};
+  void remember(wire::NodeId source, wire::Code code, bool broadcast, Verdict verdict, Time now) {
+    entry(source, code, broadcast) = {now, code.sequence, verdict, false};
   }
   void forget(wire::NodeId source) { entries_[source] = {}; }
   void forget_all() { entries_ = {}; }
@@ -35,6 +41,7 @@ class DuplicateMemory {
 
  private:
   struct Entry {
+    Time decided{};
     std::uint8_t sequence = 0;
     Verdict verdict = Verdict::none;
     bool aged = false;
@@ -54,6 +61,7 @@ class DuplicateMemory {
     return entries_[source][place(code, broadcast)];
   }
 
+  Duration horizon_;
   std::array<std::array<Entry, 4>, 256> entries_{};
 };
 

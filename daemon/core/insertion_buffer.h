@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
+#include "core/slot_queue.h"
 #include "core/time.h"
 #include "wire/data_packet.h"
 
@@ -26,37 +26,48 @@ struct RelayedPacket {
 };
 
 /// Where relayed DATPs wait while the line is taken (paper: "the other waits in a buffer").
-/// Bounded: one is enough while nothing is lost, and each copy of an own packet in flight adds
-/// one. (ours, protocol.md section 2)
+/// Bounded in bytes: one DATP of the largest size is enough while nothing is lost, many small ones
+/// as well, and each copy of an own packet in flight adds one. (ours, protocol.md section 2)
 class InsertionBuffer {
  public:
-  explicit InsertionBuffer(unsigned capacity) : slots_(capacity) {}
+  /// @param capacity DATPs of the largest size
+  explicit InsertionBuffer(unsigned capacity) : most_bytes_(capacity * wire::kMaxDataPacketSize) {}
 
-  bool empty() const { return count_ == 0; }
-  bool full() const { return count_ == slots_.size(); }
-  std::size_t count() const { return count_; }
-  RelayedPacket& front() { return slots_[first_]; }
-  const RelayedPacket& front() const { return slots_[first_]; }
-  RelayedPacket& back() { return slots_[(first_ + count_ - 1) % slots_.size()]; }
+  bool empty() const { return packets_.empty(); }
+  /// No room for a DATP of the largest size: how long one will be is not known when it begins.
+  bool full() const { return bytes_ + wire::kMaxDataPacketSize > most_bytes_; }
+  std::size_t count() const { return packets_.size(); }
+  /// Of all of them, also of what has left of the front one.
+  std::size_t bytes() const { return bytes_; }
+  RelayedPacket& front() { return packets_.front(); }
+  const RelayedPacket& front() const { return packets_.front(); }
+  RelayedPacket& back() { return packets_[packets_.size() - 1]; }
   /// @pre !full()
   RelayedPacket& push(Time now) {
-    ++count_;
-    RelayedPacket& slot = back();
+    RelayedPacket& slot = packets_.push();
     slot.state = RelayedPacket::State::receiving;
     slot.arrived = now;
     slot.size = 0;
     return slot;
   }
-  void pop() {
-    --count_;
-    first_ = count_ == 0 ? 0 : (first_ + 1) % slots_.size();  // an empty one goes on with the slot still in cache
+  /// More bytes of the last one.
+  void append(wire::ByteView more) {
+    back().append(more);
+    bytes_ += more.size;
   }
-  void clear() { count_ = 0; }
+  void pop() {
+    bytes_ -= front().size;
+    packets_.pop();
+  }
+  void clear() {
+    packets_.clear();
+    bytes_ = 0;
+  }
 
  private:
-  std::vector<RelayedPacket> slots_;
-  std::size_t first_ = 0;
-  std::size_t count_ = 0;
+  std::size_t most_bytes_;
+  std::size_t bytes_ = 0;
+  SlotQueue<RelayedPacket> packets_;
 };
 
 }  // namespace limb_ring::core

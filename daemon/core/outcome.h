@@ -9,6 +9,9 @@ enum class Outcome : std::uint8_t {
   delivered, refused, no_such_node, lost, unconfirmed, rejected, cancelled
 };
 
+/// One or three words: "no such node".
+const char* to_string(Outcome outcome);
+
 /// Why a send was rejected.
 enum class Reject : std::uint8_t {
   none, bad_size, bad_destination, bad_priority, bad_channel, bad_factor, input_unwired, queue_full,

@@ -36,7 +36,7 @@ bool PacketManager::relay_whole(ByteView packet, std::uint8_t fbc, Time now) {
     return true;
   }
   RelayedPacket& slot = buffer_.push(now);
-  slot.append(packet);
+  buffer_.append(packet);
   wire::rewrite(slot.bytes.data(), slot.size, hop, fbc);
   slot.state = RelayedPacket::State::complete;
   slot.tail_at = now;
@@ -48,13 +48,13 @@ void PacketManager::relay_begin(ByteView header_and_words, Time now) {
   if (!output_up_) return count_drop(1);
   RelayedPacket& slot = buffer_.push(now);
   receiving_ = true;
-  slot.append(header_and_words);
+  buffer_.append(header_and_words);
   slot.hop_before = slot.bytes[2];
   ++slot.bytes[2];
 }
 
 void PacketManager::relay_words(ByteView words) {
-  if (receiving_) buffer_.back().append(words);
+  if (receiving_) buffer_.append(words);
 }
 
 void PacketManager::relay_end(ByteView rest, std::uint8_t fbc, Time now) {
@@ -62,7 +62,7 @@ void PacketManager::relay_end(ByteView rest, std::uint8_t fbc, Time now) {
   receiving_ = false;
   ++counters_.relayed_data;
   RelayedPacket& slot = buffer_.back();
-  slot.append(rest);
+  buffer_.append(rest);
   slot.tail_at = now;
   slot.state = RelayedPacket::State::complete;
   // The CRC still belongs to the HOP that came in, so put it back for the rewriting.
@@ -89,7 +89,8 @@ void PacketManager::relay_interrupt(const wire::InterruptBytes& packet, Time now
 
 // ---- the line -----------------------------------------------------------------------------
 
-void PacketManager::output_up() {
+void PacketManager::output_up(Time now) {
+  free_at_ = now;
   output_up_ = true;
   ready_ = true;
 }
@@ -205,6 +206,7 @@ void PacketManager::put_words_until(Time at) {
 bool PacketManager::advance_open(Time now) {
   if (open_aborted()) {
     line_.put(SliceKind::abort, {});
+    free_at_ = std::max(free_at_, now);  // what comes next begins now, not when the line was last through
     close_open();
     return true;
   }

@@ -28,7 +28,7 @@ class PacketManager {
   /// The packet comes as it came in; HOP (and FBC) are rewritten here and the CRC carried along.
   ///@{
   bool has_room() const { return !output_up_ || !buffer_.full(); }
-  std::size_t waiting() const { return buffer_.count(); }
+  const InsertionBuffer& insertion_buffer() const { return buffer_; }
   /// @return true where the line was free, so that it is on it already
   bool relay_whole(wire::ByteView packet, std::uint8_t fbc, Time now);
   void relay_begin(wire::ByteView header_and_words, Time now);
@@ -40,7 +40,7 @@ class PacketManager {
   void relay_interrupt(const wire::InterruptBytes& packet, Time now);
 
   /// The line: there, gone (what waits is dropped and counted), able to take more.
-  void output_up();
+  void output_up(Time now);
   void output_lost();
   void set_ready(bool ready) { ready_ = ready; }
 

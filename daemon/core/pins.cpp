@@ -12,10 +12,10 @@ bool Pins::addressed(const wire::PacketFields& packet) const {
 std::uint8_t Pins::offer(const wire::PacketFields& packet, Time at) {
   if (!addressed(packet)) return packet.fbc();
   const bool broadcast = packet.destination() == wire::kBroadcast;
-  Verdict verdict = memory_.verdict(packet.source(), packet.code(), broadcast);
+  Verdict verdict = memory_.verdict(packet.source(), packet.code(), broadcast, at);
   if (verdict == Verdict::none) {
     verdict = pull(packet, at) ? Verdict::taken : Verdict::refused;
-    memory_.remember(packet.source(), packet.code(), broadcast, verdict);
+    memory_.remember(packet.source(), packet.code(), broadcast, verdict, at);
   } else {
     ++counters_.duplicates;
   }

@@ -12,7 +12,7 @@ namespace limb_ring::core {
 class Pins {
  public:
   Pins(const Settings& settings, Counters& counters, EventQueue& events)
-      : settings_(settings), counters_(counters), events_(events) {}
+      : settings_(settings), counters_(counters), events_(events), memory_(settings.send_timeout()) {}
 
   /// An INTP with a good CRC passes.
   /// @return the FBC it goes on with: 1 pin pulled, 0 pin wired to nothing

@@ -34,13 +34,13 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   const auto least = [&](std::size_t value) {
     return static_cast<std::uint8_t>(std::min<std::size_t>(packet.fbc(), value));
   };
-  switch (memory_.verdict(packet.source(), packet.code(), broadcast)) {
+  switch (memory_.verdict(packet.source(), packet.code(), broadcast, at)) {
     case Verdict::taken: return ++counters_.duplicates, least(std::max<std::size_t>(1, free));
     case Verdict::refused: return ++counters_.duplicates, std::uint8_t{0};
     case Verdict::none: break;
   }
   const bool taken = accepts(packet);
-  memory_.remember(packet.source(), packet.code(), broadcast, taken ? Verdict::taken : Verdict::refused);
+  memory_.remember(packet.source(), packet.code(), broadcast, taken ? Verdict::taken : Verdict::refused, at);
   if (!taken) return 0;
   store(packet, at);
   return least(free);

@@ -27,7 +27,7 @@ struct ReceivedPacket {
 /// or broadcast, by priority, and ignores the rest. (paper) Verdicts and exactly-once are ours.
 class Receive {
  public:
-  Receive(const Settings& settings, Counters& counters) : settings_(settings), counters_(counters) {}
+  Receive(const Settings& settings, Counters& counters) : settings_(settings), counters_(counters), memory_(settings.send_timeout()) {}
 
   /// A packet with a good CRC passes.
   /// @return the FBC it goes on with

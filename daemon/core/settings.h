@@ -31,7 +31,7 @@ struct Settings {
   /// Worst lap of the whole ring where its lines differ; 0: nodes() times the own line's T + d.
   Duration lap{0};
 
-  unsigned insertion_buffer = 8;   ///< DATPs, at least 2
+  unsigned insertion_buffer = 8;   ///< DATPs of the largest size, at least 2
   unsigned interrupt_buffer = 64;  ///< INTPs
   unsigned send_queue = 64;        ///< sends per priority, and interrupts
   unsigned receive_buffers = 32;   ///< DATPs per priority

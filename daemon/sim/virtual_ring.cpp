@@ -56,6 +56,7 @@ void VirtualRing::disconnect_output(NodeId id) {
   Node& to = nodes_[from.successor];
   ++from.line_epoch;
   if (from.alive) from.controller->output_lost(now_);
+  tell_fault(id, Fault::output_replaced);
   if (to.alive && to.predecessor == id) {
     to.controller->input_lost(now_);
     to.predecessor = -1;
@@ -302,12 +303,22 @@ void VirtualRing::pass_through_tap(NodeId id, SliceWriter& line) {
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
     for (Witness* witness : witnesses_) witness->leaves(id, parse.slice, now_);
+    const std::size_t before = tapped_.view().size;
     if (nodes_[id].tap)
       nodes_[id].tap(parse.slice, now_, tapped_);
     else
       tapped_.put(parse.slice.kind, parse.slice.bytes);
+    if (nodes_[id].tap && !witnesses_.empty()) tell_tapped(id, parse.slice, before);
     rest = rest.from(parse.consumed);
   }
+}
+
+void VirtualRing::tell_tapped(NodeId id, const wire::Slice& slice, std::size_t before) {
+  const wire::ByteView put = tapped_.view().from(before);
+  if (put.empty()) return tell_fault(id, Fault::lost_slice);
+  const wire::ByteView bytes = put.from(wire::kSliceHeaderSize);
+  const bool same = bytes.size == slice.bytes.size && std::equal(bytes.begin(), bytes.end(), slice.bytes.begin());
+  if (!same) tell_fault(id, Fault::damaged_slice);
 }
 
 void VirtualRing::give_out(NodeId id) {

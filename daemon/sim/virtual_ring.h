@@ -44,8 +44,13 @@ class VirtualRing {
     touch(id);
     return *nodes_[id].controller;
   }
+  unsigned size() const { return static_cast<unsigned>(nodes_.size()); }
+  const core::Settings& settings(NodeId id) const { return nodes_[id].controller->settings(); }
+  std::size_t received_waiting(NodeId id, std::uint8_t priority) const {
+    return nodes_[id].controller->received_waiting(priority);
+  }
   const core::Counters& counters(NodeId id) const { return nodes_[id].controller->counters(); }
-  std::size_t insertion_waiting(NodeId id) const { return nodes_[id].controller->insertion_waiting(); }
+  const core::InsertionBuffer& insertion_buffer(NodeId id) const { return nodes_[id].controller->insertion_buffer(); }
   NodeLog& log(NodeId id) { return nodes_[id].log; }
   bool alive(NodeId id) const { return nodes_[id].alive; }
 
@@ -133,6 +138,7 @@ class VirtualRing {
   void settle_touched();
   void settle(NodeId id);
   void carry_line(NodeId id);
+  void tell_tapped(NodeId id, const wire::Slice& slice, std::size_t before);
   void pass_through_tap(NodeId id, wire::SliceWriter& line);
   void give_out(NodeId id);
 

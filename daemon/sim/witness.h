@@ -10,6 +10,7 @@ using wire::NodeId;
 /// What happens to a node or to the line out of it.
 enum class Fault : std::uint8_t {
   killed, started, frozen, thawed, cut, healed,
+  output_replaced,            ///< its neighbour came or went: its line ends, or leads elsewhere
   lost_slice, damaged_slice,  ///< on the line out of the node
   cpu_reset, cancelled
 };

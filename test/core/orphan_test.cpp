@@ -77,18 +77,18 @@ struct InsertionBufferFull : testing::Test {
 };
 
 TEST_F(InsertionBufferFull, PacketIsDroppedWholeAndNotReceived) {
-  for (std::uint8_t i = 0; i < 4; ++i) solo.receive(SliceKind::whole, Foreign{0, 1, i}.with(Bytes(1, i)));
-  EXPECT_THAT(solo.packets(), ElementsAre(Bytes{0}, Bytes{1}));
+  for (std::uint8_t i = 0; i < 4; ++i) solo.receive(SliceKind::whole, Foreign{0, 1, i}.with(Bytes(512, i)));
+  EXPECT_THAT(solo.packets(), ElementsAre(Bytes(512, 0), Bytes(512, 1)));
   EXPECT_EQ(solo.counters().insertion_buffer_full, 2u);
-  EXPECT_EQ(solo.node().insertion_waiting(), 2u);
+  EXPECT_EQ(solo.node().insertion_buffer().count(), 2u);
   solo.node().set_output_ready(true);
   solo.run();
   EXPECT_THAT(solo.line(), SizeIs(2));
 }
 
 TEST_F(InsertionBufferFull, PacketInPiecesIsDroppedWholeToo) {
-  for (std::uint8_t i = 0; i < 2; ++i) solo.receive(SliceKind::whole, Foreign{0, 2, i}.with(pattern(8)));
-  const Bytes third = Foreign{0, 1, 2}.with(pattern(8));
+  for (std::uint8_t i = 0; i < 2; ++i) solo.receive(SliceKind::whole, Foreign{0, 2, i}.with(pattern(512)));
+  const Bytes third = Foreign{0, 1, 2}.with(pattern(512));
   solo.receive(SliceKind::start, head_of(third));
   solo.node().set_output_ready(true);
   solo.run();
@@ -99,8 +99,8 @@ TEST_F(InsertionBufferFull, PacketInPiecesIsDroppedWholeToo) {
 }
 
 TEST_F(InsertionBufferFull, OwnPacketStillComesHome) {
-  for (std::uint8_t i = 0; i < 2; ++i) solo.receive(SliceKind::whole, Foreign{0, 2, i}.with(pattern(8)));
-  solo.receive(SliceKind::whole, Foreign{1, 2}.with(pattern(8)));
+  for (std::uint8_t i = 0; i < 2; ++i) solo.receive(SliceKind::whole, Foreign{0, 2, i}.with(pattern(512)));
+  solo.receive(SliceKind::whole, Foreign{1, 2}.with(pattern(512)));
   EXPECT_EQ(solo.counters().returns_unmatched, 1u);
   EXPECT_EQ(solo.counters().insertion_buffer_full, 0u);
 }
@@ -115,8 +115,18 @@ TEST(InsertionBufferSize, IsAtLeastTwo) {
   SoloNode solo(Duration{0}, [](Settings& s) { s.insertion_buffer = 0; });
   solo.join();
   solo.node().set_output_ready(false);
-  for (std::uint8_t i = 0; i < 3; ++i) solo.receive(SliceKind::whole, Foreign{0, 2, i}.with(pattern(8)));
+  for (std::uint8_t i = 0; i < 3; ++i) solo.receive(SliceKind::whole, Foreign{0, 2, i}.with(pattern(512)));
   EXPECT_EQ(solo.counters().insertion_buffer_full, 1u);
+}
+
+// While a node sends the largest DATP, a small one of every other node may come in.
+TEST(InsertionBufferSize, HoldsAsManySmallPacketsAsItHasBytes) {
+  VirtualRing ring{gigabit(64)};
+  ASSERT_TRUE(ring.join());
+  std::vector<std::uint32_t> tokens{ring.send(0, 1, Bytes(512))};
+  for (NodeId id = 1; id < 64; ++id) tokens.push_back(ring.send(id, 0, Bytes(1)));
+  for (NodeId id = 0; id < 64; ++id) EXPECT_EQ(outcome_of(ring, id, tokens[id]).tries, 1u);
+  for (NodeId id = 0; id < 64; ++id) EXPECT_EQ(ring.counters(id).insertion_buffer_full, 0u);
 }
 
 TEST(LostOutput, WhatWaitedIsDroppedAndCountedNotReplayed) {

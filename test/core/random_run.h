@@ -64,7 +64,6 @@ class RandomRun {
   void on_state(NodeId node, NodeState state);
   void on_packet(NodeId node, const ReceivedPacket& packet);
   void check_order(NodeId node, const ReceivedPacket& packet, std::uint32_t serial);
-  void watch_buffers();
 
   void calm_down();
   void check_ends();

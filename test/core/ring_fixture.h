@@ -7,14 +7,27 @@
 #include <string>
 #include <vector>
 
-#include "sim/virtual_ring.h"
+#include "sim/invariants.h"
 
 namespace limb_ring::core {
 
-using sim::VirtualRing;
 using sim::VirtualRingOptions;
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
+
+/// A ring that is watched: whatever a test is about, no promise of the ring may be broken in it.
+class VirtualRing : public sim::VirtualRing {
+ public:
+  explicit VirtualRing(const VirtualRingOptions& options) : sim::VirtualRing(options) {}
+  ~VirtualRing() {
+    if (const auto& broken = invariants_.violation())
+      ADD_FAILURE() << "promise broken: " << sim::to_string(broken->promise) << "\n" << broken->what << "\nat "
+                    << broken->at.time_since_epoch().count() << " ps";
+  }
+
+ private:
+  sim::Invariants invariants_{*this};
+};
 
 inline Bytes text(const std::string& s) { return {s.begin(), s.end()}; }
 
@@ -101,7 +114,7 @@ inline std::vector<std::uint32_t> ended_tokens(const sim::NodeLog& log) {
 }
 
 /// Waits in virtual time for the end of a send; fails the test where it does not come.
-inline SendEnded outcome_of(VirtualRing& ring, NodeId node, std::uint32_t token, Duration limit = 10s) {
+inline SendEnded outcome_of(sim::VirtualRing& ring, NodeId node, std::uint32_t token, Duration limit = 10s) {
   const bool came = ring.run_until([&] { return ring.ended(node, token) != nullptr; }, limit);
   EXPECT_TRUE(came) << "send " << token << " of node " << int{node} << " never ended";
   return came ? *ring.ended(node, token) : SendEnded{};

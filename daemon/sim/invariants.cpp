@@ -1,0 +1,242 @@
+#include "sim/invariants.h"
+
+#include <algorithm>
+
+namespace limb_ring::sim {
+
+using core::Counters;
+using wire::SliceKind;
+
+namespace {
+
+bool is_control(const Tail& tail) {
+  return wire::channel_of(tail.last) == static_cast<std::uint8_t>(wire::Channel::control);
+}
+
+}  // namespace
+
+Invariants::Invariants(VirtualRing& ring)
+    : ring_(ring),
+      complain_([this](Promise promise, std::string what) { complain(promise, std::move(what)); }),
+      ledger_(ring.size(), complain_) {
+  for (unsigned id = 0; id < ring.size(); ++id)
+    nodes_.push_back(std::make_unique<Node>(ring.settings(static_cast<NodeId>(id)), complain_));
+  ring.add_witness(*this);
+}
+
+void Invariants::complain(Promise promise, std::string what) {
+  if (!violation_) violation_ = Violation{promise, ring_.now(), std::move(what)};
+}
+
+void Invariants::finish() {
+  std::vector<bool> alive;
+  for (unsigned id = 0; id < ring_.size(); ++id) alive.push_back(ring_.alive(static_cast<NodeId>(id)));
+  ledger_.finish(alive);
+}
+
+// ---- CPUs -----------------------------------------------------------------------------------
+
+void Invariants::asked(NodeId node, const core::SendRequest& request, Time now) { ledger_.ask(node, request, now); }
+
+void Invariants::asked(NodeId node, const core::InterruptRequest& request, Time now) {
+  ledger_.ask(node, request, now);
+}
+
+void Invariants::event(NodeId node, const core::Event& event) {
+  if (const auto* state = std::get_if<core::StateChanged>(&event.what))
+    if (state->after == core::NodeState::starting) ledger_.forgets_interrupts(node);
+  const auto* end = std::get_if<core::SendEnded>(&event.what);
+  if (!end) return;
+  if (end->interrupt) at(node).interrupt_free = event.at;
+  // Where tries fail, or numbers run out, copies are about and a hello comes between.
+  if (end->tries > 1 || end->outcome == core::Outcome::lost || end->outcome == core::Outcome::no_such_node)
+    faults_ = true;
+  ledger_.end(node, *end, event.at);
+}
+
+void Invariants::packet(NodeId node, const core::ReceivedPacket& packet) { ledger_.read(node, packet); }
+
+// ---- out of a node --------------------------------------------------------------------------
+
+void Invariants::check_head(NodeId node, const Head& head) {
+  const std::string what = "a packet of node " + std::to_string(head.source) + " with HOP " + std::to_string(head.hop) +
+                           " left node " + std::to_string(node);
+  if (head.source == node && head.hop != 0) complain(Promise::no_circling, what + ", its source");
+  if (head.hop >= ring_.size()) complain(Promise::no_circling, what + ": it has gone round");
+}
+
+// What of a node that is gone was still on its way is through after a time-out.
+void Invariants::check_source(NodeId node, const Head& head, Time now) {
+  if (head.source >= ring_.size()) return;
+  const auto& away = at(head.source).away_since;
+  const core::Settings& settings = ring_.settings(node);
+  if (away && now - *away > settings.send_timeout() + settings.worst_lap())
+    complain(Promise::no_circling, "a packet of node " + std::to_string(head.source) + " goes on through node " +
+                                       std::to_string(node) + ", long after its source was gone");
+}
+
+void Invariants::leaves(NodeId node, const wire::Slice& slice, Time now) {
+  if (slice.kind == SliceKind::start || slice.kind == SliceKind::whole) {
+    at(node).going = Head::of(slice.bytes);
+    at(node).going_since = now;
+    at(node).going_size = 0;
+    check_head(node, at(node).going);
+  }
+  if (slice.kind != SliceKind::interrupt) at(node).going_size += slice.bytes.size;
+  if (whole_or_end(slice)) data_leaves(node, slice, now);
+  if (slice.kind == SliceKind::interrupt) interrupt_leaves(node, slice, now);
+}
+
+void Invariants::data_leaves(NodeId node, const wire::Slice& slice, Time now) {
+  const Head& head = at(node).going;
+  const Tail tail = Tail::of(slice.bytes);
+  if (head.source != node) return at(node).passage.went(head, tail, now);
+  if (is_control(tail)) return;
+  const std::size_t size = at(node).going_size - wire::kOverhead;
+  ledger_.depart(node, head.code, {tail.destination, wire::priority_of(tail.last), wire::channel_of(tail.last), size,
+                                      tail.crc},
+                 at(node).going_since);
+}
+
+void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time now) {
+  const Head head = Head::of(slice.bytes);
+  const Tail tail = Tail::of(slice.bytes);
+  check_head(node, head);
+  Node& n = at(node);
+  if (head.source != node) {
+    n.passage.went(head, tail, now);
+  } else {
+    const Sent* sent = ledger_.depart(node, head.code, {tail.destination, 4, tail.last, 0, tail.crc}, now);
+    if (sent && !faults_) n.passage.own_interrupt_went(std::max(sent->asked, n.interrupt_free), now);
+  }
+  n.passage.count_interrupt(now);
+}
+
+// ---- into a node ----------------------------------------------------------------------------
+
+Invariants::Before Invariants::count(NodeId node, std::uint8_t priority) const {
+  const Counters& c = ring_.counters(node);
+  const std::size_t used = ring_.received_waiting(node, priority);
+  const std::size_t buffers = ring_.settings(node).receive_buffers;
+  return {c.received_data + c.received_control,
+          c.refused_joining + c.refused_cpu_absent + c.refused_no_buffer + c.refused_unwired,
+          c.duplicates,
+          c.crc_errors + c.malformed_packets,
+          c.pins_pulled,
+          c.returned_data + c.returned_interrupts,
+          c.insertion_buffer_full + c.interrupt_buffer_full + c.dropped_no_output + c.orphans_hop +
+              c.orphans_bypassed,
+          c.stray_slices + c.oversize_packets,
+          std::min<std::size_t>(buffers - std::min(used, buffers), wire::kFbcMax)};
+}
+
+void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
+  if (slice.kind == SliceKind::start || slice.kind == SliceKind::whole) {
+    at(node).coming = Head::of(slice.bytes);
+    at(node).coming_size = 0;
+    at(node).passes_on = true;
+  }
+  if (slice.kind != SliceKind::interrupt) at(node).coming_size += slice.bytes.size;
+  const std::uint8_t priority = whole_or_end(slice) ? wire::priority_of(Tail::of(slice.bytes).last) : 0;
+  at(node).before = count(node, priority);
+}
+
+void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
+  if (whole_or_end(slice)) data_has_arrived(node, slice, now);
+  if (slice.kind == SliceKind::interrupt) interrupt_has_arrived(node, slice, now);
+  const Before after = count(node, 0);
+  if (slice.kind == SliceKind::abort || after.stray != at(node).before.stray) at(node).coming.reset();
+  if (slice.kind == SliceKind::start) at(node).passes_on = after.dropped == at(node).before.dropped;
+  check_insertion(node);
+}
+
+void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, Time now) {
+  const std::size_t size = at(node).coming_size;
+  if (!at(node).coming || size < wire::kMinDataPacketSize || size > wire::kMaxDataPacketSize) return;
+  const Head head = *at(node).coming;
+  at(node).coming.reset();
+  const Tail tail = Tail::of(slice.bytes);
+  const Before& before = at(node).before;
+  const std::uint8_t priority = wire::priority_of(tail.last);
+  const Before after = count(node, priority);
+  const bool taken = after.taken != before.taken;
+  if (taken && after.bad != before.bad)
+    complain(Promise::undamaged, "node " + std::to_string(node) + " took a packet with a wrong CRC");
+  Sent* sent = ledger_.on_line(head.source, head.code, tail.destination, tail.crc_at_source(head, size));
+  const int fbc = due_fbc(node, sent, tail, after);
+  if (taken && !is_control(tail)) ledger_.take(sent, head.source, node, priority);
+  if (after.refused != before.refused) ledger_.refuse(sent, node);
+  const bool goes_on = at(node).passes_on && after.dropped == before.dropped;
+  if (after.bad == before.bad && goes_on) check_source(node, head, now);
+  if (after.returned != before.returned)
+    home(node, sent, fbc, (size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize, now);
+  if (head.source != node && goes_on) at(node).passage.came(head, tail.destination, fbc, now);
+}
+
+// min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken,
+// for what was decided before. (protocol.md sections 3 and 4)
+int Invariants::due_fbc(NodeId node, const Sent* sent, const Tail& tail, const Before& after) const {
+  const Before& before = nodes_[node]->before;
+  const std::size_t free = is_control(tail) ? wire::kFbcMax : before.free;
+  const auto least = [&](std::size_t value) { return static_cast<int>(std::min<std::size_t>(tail.fbc, value)); };
+  if (after.refused != before.refused) return 0;
+  if (after.taken != before.taken) return least(free);
+  if (after.repeated == before.repeated) return tail.fbc;
+  if (is_control(tail)) return least(free);
+  if (!sent) return Passage::kAnyFbc;
+  return sent->taken_last_by(node) ? least(std::max<std::size_t>(1, free)) : 0;
+}
+
+void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, Time now) {
+  const Head head = Head::of(slice.bytes);
+  const Tail tail = Tail::of(slice.bytes);
+  const Before& before = at(node).before;
+  const Before after = count(node, 0);
+  const bool pulled = after.pulled != before.pulled;
+  Sent* sent = ledger_.on_line(head.source, head.code, tail.destination,
+                               tail.crc_at_source(head, wire::kInterruptPacketSize));
+  if (after.bad == before.bad && after.dropped == before.dropped) check_source(node, head, now);
+  if (pulled) ledger_.take(sent, head.source, node, 4);
+  if (after.returned != before.returned) {
+    home(node, sent, tail.fbc, wire::kInterruptPacketSize, now);
+    at(node).interrupt_free = now + ring_.settings(node).byte_time_in * static_cast<std::int64_t>(wire::kOverhead);
+  }
+  if (head.source == node) return;
+  int fbc = tail.fbc;
+  if (pulled) fbc = std::min(fbc, 1);
+  if (after.refused != before.refused) fbc = 0;
+  if (after.repeated != before.repeated) fbc = Passage::kAnyFbc;
+  if (after.dropped == before.dropped) at(node).passage.came(head, tail.destination, fbc, now);
+}
+
+// A return is known when its last bit is in: its slice came as its last bytes began.
+void Invariants::home(NodeId node, Sent* sent, int fbc, std::size_t tail_size, Time now) {
+  ledger_.come_home(sent, fbc, now + ring_.settings(node).byte_time_in * static_cast<std::int64_t>(tail_size));
+}
+
+// While nothing is lost a node is behind its input by its own DATP and INTP; what has left of the
+// DATP on the line counts until its end is through. (protocol.md section 2)
+void Invariants::check_insertion(NodeId node) {
+  constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
+  const std::size_t bytes = ring_.insertion_buffer(node).bytes();
+  const std::size_t most =
+      faults_ ? ring_.settings(node).insertion_buffer * wire::kMaxDataPacketSize : kNormal;
+  if (bytes > most)
+    complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in node " + std::to_string(node) + ", " +
+                                           std::to_string(most) + " may");
+}
+
+// ---- faults ---------------------------------------------------------------------------------
+
+void Invariants::fault(NodeId node, Fault fault, Time now) {
+  faults_ = true;
+  Node& n = at(node);
+  if (fault == Fault::killed || fault == Fault::frozen) n.away_since = now;
+  if (fault == Fault::started || fault == Fault::thawed) n.away_since.reset();
+  if (fault == Fault::started) ledger_.start(node);
+  if (fault == Fault::cpu_reset) ledger_.flush(node);
+  // The buffers of a line that is replaced are emptied.
+  if (fault == Fault::started || fault == Fault::output_replaced) n.passage.clear();
+}
+
+}  // namespace limb_ring::sim

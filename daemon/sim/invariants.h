@@ -1,0 +1,79 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "sim/ledger.h"
+#include "sim/passage.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::sim {
+
+/// Checks every promise of the ring at every event of a virtual ring, from outside: it reads the
+/// slices on the lines, what CPUs ask for and get, and how many buffers are free. The first broken
+/// promise is kept.
+class Invariants : public Witness {
+ public:
+  /// Watches `ring` from now on; must live as long as it runs.
+  explicit Invariants(VirtualRing& ring);
+
+  const std::optional<Violation>& violation() const { return violation_; }
+  /// At the end, when nothing is under way any more: everything asked for must have ended.
+  void finish();
+
+  void asked(NodeId node, const core::SendRequest& request, Time now) override;
+  void asked(NodeId node, const core::InterruptRequest& request, Time now) override;
+  void leaves(NodeId node, const wire::Slice& slice, Time now) override;
+  void arrives(NodeId node, const wire::Slice& slice, Time now) override;
+  void has_arrived(NodeId node, const wire::Slice& slice, Time now) override;
+  void event(NodeId node, const core::Event& event) override;
+  void packet(NodeId node, const core::ReceivedPacket& packet) override;
+  void fault(NodeId node, Fault fault, Time now) override;
+
+ private:
+  /// What the node had counted, and how many buffers were free, before a slice came in.
+  struct Before {
+    std::uint64_t taken, refused, repeated, bad, pulled, returned, dropped, stray;
+    std::size_t free;
+  };
+  struct Node {
+    Node(const core::Settings& settings, const Complain& complain)
+        : passage(settings.id, settings.byte_time_out, complain) {}
+    Passage passage;
+    std::optional<Head> coming;         ///< header of the DATP that is coming in
+    bool passes_on = false;             ///< it is not dropped
+    std::size_t coming_size = 0;        ///< bytes of it that have come
+    Head going;                         ///< of the one that is leaving
+    Time going_since{};
+    std::size_t going_size = 0;         ///< bytes of it that have left
+    Time interrupt_free{};              ///< its last own INTP ended
+    std::optional<Time> away_since;     ///< killed or frozen
+    Before before{};
+  };
+
+  static bool whole_or_end(const wire::Slice& slice) {
+    return slice.kind == wire::SliceKind::whole || slice.kind == wire::SliceKind::end;
+  }
+  Before count(NodeId node, std::uint8_t priority) const;
+  Node& at(NodeId node) { return *nodes_[node]; }
+  void check_head(NodeId node, const Head& head);
+  void check_source(NodeId node, const Head& head, Time now);
+  void data_leaves(NodeId node, const wire::Slice& slice, Time now);
+  void interrupt_leaves(NodeId node, const wire::Slice& slice, Time now);
+  void data_has_arrived(NodeId node, const wire::Slice& slice, Time now);
+  void interrupt_has_arrived(NodeId node, const wire::Slice& slice, Time now);
+  int due_fbc(NodeId node, const Sent* sent, const Tail& tail, const Before& after) const;
+  void home(NodeId node, Sent* sent, int fbc, std::size_t tail_size, Time now);
+  void check_insertion(NodeId node);
+  void complain(Promise promise, std::string what);
+
+  VirtualRing& ring_;
+  Complain complain_;
+  Ledger ledger_;
+  std::vector<std::unique_ptr<Node>> nodes_;
+  bool faults_ = false;  ///< something was lost, damaged or ended: some bounds are wider
+  std::optional<Violation> violation_;
+};
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,247 @@
+#include "sim/ledger.h"
+
+#include <algorithm>
+
+namespace limb_ring::sim {
+
+using core::Outcome;
+
+const char* to_string(Promise promise) {
+  switch (promise) {
+    case Promise::one_result: return "every send ends in exactly one result";
+    case Promise::true_result: return "a result says what has happened";
+    case Promise::undamaged: return "nothing damaged, partial or misled is delivered";
+    case Promise::exactly_once: return "exactly once";
+    case Promise::in_order: return "order is kept per source and priority";
+    case Promise::interrupt_wait: return "an INTP waits no longer than section 5 allows";
+    case Promise::insertion_bound: return "the insertion buffer keeps its bound";
+    case Promise::no_circling: return "no packet circles on without its source";
+    case Promise::true_fbc: return "FBC is truthful";
+  }
+  return "";
+}
+
+std::string Sent::name() const {
+  return std::string(interrupt() ? "INTP " : "DATP ") + std::to_string(token) + " of node " + std::to_string(source) +
+         " to " + (destination == wire::kBroadcast ? "all" : std::to_string(destination)) +
+         (interrupt() ? ", factor " + std::to_string(channel)
+                      : ", priority " + std::to_string(lane) + ", " + std::to_string(size) + " bytes");
+}
+
+bool Sent::taken() const {
+  return std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.taken; });
+}
+
+bool Sent::taken_last_by(NodeId node) const {
+  const auto last = std::find_if(verdicts.rbegin(), verdicts.rend(), [&](const Verdict& v) { return v.node == node; });
+  return last != verdicts.rend() && last->taken;
+}
+
+Ledger::Ledger(unsigned nodes, Complain complain)
+    : complain_(std::move(complain)),
+      sources_(nodes),
+      unread_(nodes),
+      newest_(std::size_t{nodes} * nodes * 5),
+      interrupt_lives_(nodes) {}
+
+// ---- asked ----------------------------------------------------------------------------------
+
+Sent* Ledger::find(NodeId source, std::uint32_t token) {
+  Source& s = sources_[source];
+  const std::uint32_t place = token - s.first_token;
+  return token != 0 && token >= s.first_token && place < s.sent.size() ? &s.sent[place] : nullptr;
+}
+
+Sent& Ledger::add(NodeId source, std::uint32_t token, Time now) {
+  Source& s = sources_[source];
+  forget_settled(s);
+  if (s.sent.empty()) s.first_token = token;
+  s.sent.emplace_back();
+  Sent& sent = s.sent.back();
+  sent.token = token;
+  sent.source = source;
+  sent.source_life = s.life;
+  sent.asked = now;
+  return sent;
+}
+
+void Ledger::ask(NodeId source, const core::SendRequest& request, Time now) {
+  Sent& sent = add(source, request.token, now);
+  sent.destination = request.destination;
+  sent.lane = request.priority & 3;
+  sent.channel = request.channel;
+  sent.size = static_cast<std::uint16_t>(request.data.size);
+  sent.checksum = wire::crc32(request.data);
+  sources_[source].waiting[sent.lane].push_back(sent.token);
+}
+
+void Ledger::ask(NodeId source, const core::InterruptRequest& request, Time now) {
+  Sent& sent = add(source, request.token, now);
+  sent.destination = request.destination;
+  sent.lane = 4;
+  sent.channel = request.factor;
+  sources_[source].waiting[4].push_back(sent.token);
+}
+
+// What nobody will ask for again: its copies are gone, its receivers' CPUs have read it.
+void Ledger::forget_settled(Source& s) {
+  const auto settled = [](const Sent& sent) {
+    const Outcome outcome = sent.end.outcome;
+    const bool sure = outcome == Outcome::delivered || outcome == Outcome::refused ||
+                      outcome == Outcome::no_such_node || outcome == Outcome::rejected;
+    return sent.ended && sure && sent.end.tries <= 1 && sent.unread == 0;
+  };
+  while (s.sent.size() > 16 && settled(s.sent.front())) {
+    s.sent.pop_front();
+    ++s.first_token;
+  }
+}
+
+// ---- on the line ----------------------------------------------------------------------------
+
+Ledger::OnLine& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destination) {
+  auto& slots = sources_[source].on_line;
+  if (slots.empty()) slots.resize(2 * 256 * 8);
+  return slots[(code.interrupt ? 2048u : 0u) + destination * 8u + code.sequence];
+}
+
+// A retry is the packet that had its sequence number before, unless nothing of that one got out; a first try the first that waits and
+// looks like it (one that is cancelled may end while it leaves, an unconfirmed one ends as it leaves).
+Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time since) {
+  OnLine& slot = on_line_slot(source, code, looks.destination);
+  slot.crcs[code.attempt] = looks.crc;
+  const auto over = [&](const Sent* sent) {
+    if (!sent || sent->final) return true;
+    return sent->ended && (sent->ended_at < since ||
+                           (sent->ended_at == since && sent->end.outcome != Outcome::unconfirmed));
+  };
+  Sent* before = find(source, slot.token);
+  if (code.attempt > 0 && !over(before) && looks.fit(*before)) return before;
+  slot.token = 0;
+  auto& waiting = sources_[source].waiting[looks.lane];
+  while (!waiting.empty() && over(find(source, waiting.front()))) waiting.pop_front();
+  for (const std::uint32_t token : waiting) {
+    Sent* sent = find(source, token);
+    if (over(sent) || !looks.fit(*sent) || !sent->may_leave(since)) continue;
+    sent->left = true;
+    sent->refused_at = core::kNever;
+    slot.token = token;
+    return sent;
+  }
+  sources_[source].others_send = true;
+  return nullptr;
+}
+
+Sent* Ledger::on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc) {
+  if (source >= sources_.size()) return nullptr;
+  const OnLine& slot = on_line_slot(source, code, destination);
+  return slot.crcs[code.attempt] == crc ? find(source, slot.token) : nullptr;
+}
+
+void Ledger::come_home(Sent* sent, int fbc, Time at) {
+  if (!sent) return;
+  sent->final = fbc != 0 || sent->destination == wire::kBroadcast || sent->interrupt();
+  if (!sent->final) sent->refused_at = at;
+}
+
+void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t lane) {
+  if (!sent) {
+    if (!sources_[source].others_send)
+      complain_(Promise::undamaged, "node " + std::to_string(node) + " took a packet that node " +
+                                        std::to_string(source) + " did not send");
+    if (lane < 4) unread_[node][lane].push_back({0, 0});
+    return;
+  }
+  if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
+    complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
+  const std::uint32_t life = sources_[node].life + (lane == 4 ? interrupt_lives_[node] : 0);
+  for (const Sent::Verdict& verdict : sent->verdicts)
+    if (verdict.taken && verdict.node == node && verdict.life == life)
+      complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
+  sent->verdicts.push_back({node, life, true});
+  check_order(*sent, node);
+  if (lane == 4) return;
+  ++sent->unread;
+  unread_[node][lane].push_back({sent->source, sent->token});
+}
+
+void Ledger::check_order(const Sent& sent, NodeId node) {
+  std::uint32_t& newest = newest_[(std::size_t{node} * sources_.size() + sent.source) * 5 + sent.lane];
+  if (sent.token < newest)
+    complain_(Promise::in_order, sent.name() + " was taken by node " + std::to_string(node) + " after " +
+                                     std::to_string(newest));
+  newest = std::max(newest, sent.token);
+}
+
+// ---- results --------------------------------------------------------------------------------
+
+void Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
+  if (end.owner != 1) return;
+  Sent* sent = find(source, end.token);
+  if (!sent) {
+    if (end.token < sources_[source].first_token)
+      complain_(Promise::one_result, "send " + std::to_string(end.token) + " of node " + std::to_string(source) +
+                                         " ended again, long after its end");
+    return;
+  }
+  if (sent->ended) return complain_(Promise::one_result, sent->name() + " has two results");
+  sent->ended = true;
+  sent->ended_at = at;
+  sent->end = end;
+  check_result(*sent);
+}
+
+void Ledger::check_result(const Sent& sent) {
+  const Outcome outcome = sent.end.outcome;
+  const auto lie = [&](const char* what) {
+    complain_(Promise::true_result, sent.name() + " ended " + core::to_string(outcome) + what);
+  };
+  const bool broadcast = sent.destination == wire::kBroadcast;
+  if (outcome == Outcome::delivered && !sent.taken()) lie(", and nobody has taken it");
+  if (outcome == Outcome::no_such_node && sent.taken()) lie(", and somebody has taken it");
+  if (outcome == Outcome::refused && !broadcast && sent.taken()) lie(", and it was taken");
+  if (outcome == Outcome::rejected && sent.left) lie(", and it was on the line");
+}
+
+void Ledger::finish(const std::vector<bool>& alive) {
+  for (std::size_t node = 0; node < sources_.size(); ++node)
+    for (const Sent& sent : sources_[node].sent)
+      if (alive[node] && sent.source_life == sources_[node].life && !sent.ended)
+        complain_(Promise::one_result, sent.name() + " never ended");
+}
+
+// ---- the CPU --------------------------------------------------------------------------------
+
+void Ledger::read(NodeId node, const core::ReceivedPacket& packet) {
+  auto& unread = unread_[node][packet.priority];
+  if (unread.empty())
+    return complain_(Promise::undamaged, "node " + std::to_string(node) + " gave its CPU a packet it never took");
+  const Unread first = unread.front();
+  unread.pop_front();
+  Sent* sent = find(first.source, first.token);
+  if (!sent) return;
+  --sent->unread;
+  const bool same = packet.source == sent->source && packet.destination == sent->destination &&
+                    packet.channel == sent->channel && packet.size == sent->size &&
+                    wire::crc32(packet.bytes()) == sent->checksum;
+  if (!same)
+    complain_(Promise::undamaged, sent->name() + " came to the CPU of node " + std::to_string(node) + " changed");
+}
+
+void Ledger::flush(NodeId node) {
+  for (auto& unread : unread_[node]) {
+    for (const Unread& packet : unread)
+      if (Sent* sent = find(packet.source, packet.token)) --sent->unread;
+    unread.clear();
+  }
+}
+
+void Ledger::start(NodeId node) {
+  ++sources_[node].life;
+  flush(node);
+  const auto row = newest_.begin() + static_cast<std::ptrdiff_t>(std::size_t{node} * sources_.size() * 5);
+  std::fill(row, row + static_cast<std::ptrdiff_t>(sources_.size() * 5), 0u);
+  for (auto& waiting : sources_[node].waiting) waiting.clear();
+}
+
+}  // namespace limb_ring::sim

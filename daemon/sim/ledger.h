@@ -1,0 +1,126 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <vector>
+
+#include "core/controller.h"
+#include "sim/violation.h"
+
+namespace limb_ring::sim {
+
+using core::Time;
+using wire::NodeId;
+
+/// One send as its CPU asked for it, and what became of it.
+struct Sent {
+  /// What a node it was sent to has decided.
+  struct Verdict {
+    NodeId node;
+    std::uint32_t life;
+    bool taken;  ///< or refused
+  };
+  std::uint32_t token = 0;
+  NodeId source = 0, destination = 0;
+  std::uint8_t lane = 0;          ///< priority 0..3; 4: an INTP
+  std::uint8_t channel = 0;       ///< of an INTP its factor
+  std::uint16_t size = 0;
+  std::uint32_t checksum = 0;     ///< of the data
+  std::uint32_t source_life = 0;
+  Time asked{};
+  bool left = false;              ///< it was on the line
+  bool final = false;             ///< a matching return is in, which may not be told yet
+  Time refused_at = core::kNever; ///< a refusal is in: it waits a while and goes again
+  bool ended = false;
+  Time ended_at{};
+  core::SendEnded end;
+  unsigned unread = 0;            ///< receive buffers in which it lies
+  std::vector<Verdict> verdicts;  ///< in the order in which they were made
+
+  bool interrupt() const { return lane == 4; }
+  /// As a new packet, not as a retry.
+  bool may_leave(Time now) const { return !left || refused_at < now; }
+  bool taken() const;
+  /// Whether `node` took it when it last decided; false where it refused, or never did.
+  bool taken_last_by(NodeId node) const;
+  std::string name() const;
+};
+
+/// All sends of a ring, from the CPU's request to the CPU that reads it: whose results, order and
+/// contents are as promised. Packets are known on the line by (SID, kind, DID, sequence).
+class Ledger {
+ public:
+  Ledger(unsigned nodes, Complain complain);
+
+  /// What can be seen of a packet on the line, as in Sent.
+  struct Looks {
+    NodeId destination;
+    std::uint8_t lane, channel;
+    std::size_t size;
+    std::uint32_t crc;  ///< as it was when it left its source
+    bool fit(const Sent& sent) const {
+      return sent.destination == destination && sent.lane == lane && sent.channel == channel && sent.size == size;
+    }
+  };
+
+  void ask(NodeId source, const core::SendRequest& request, Time now);
+  void ask(NodeId source, const core::InterruptRequest& request, Time now);
+  /// A packet of `source` has left it. @param since when its first byte did
+  /// @return null where it was not asked for through the ring (another owner)
+  Sent* depart(NodeId source, wire::Code code, const Looks& looks, Time since);
+  /// The same packet, somewhere on the ring; null where it is not known: of another owner, a former
+  /// life, or no packet of that source at all.
+  Sent* on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
+  /// It has come home and matched; its source knows at `at`.
+  void come_home(Sent* sent, int fbc, Time at);
+  /// Node `node` has refused it; has taken it, or pulled its pin.
+  void refuse(Sent* sent, NodeId node) {
+    if (sent) sent->verdicts.push_back({node, 0, false});
+  }
+  void take(Sent* sent, NodeId source, NodeId node, std::uint8_t lane);
+  void end(NodeId source, const core::SendEnded& end, Time at);
+  /// The CPU of `node` reads a packet.
+  void read(NodeId node, const core::ReceivedPacket& packet);
+  /// What lies in the receive buffers of `node` is gone.
+  void flush(NodeId node);
+  /// `node` begins a new life, with new memory.
+  void start(NodeId node);
+  /// It goes on, and may pull a pin for what was under way before.
+  void forgets_interrupts(NodeId node) { ++interrupt_lives_[node]; }
+  /// Everything that living nodes were asked for must have ended.
+  void finish(const std::vector<bool>& alive);
+
+ private:
+  struct Unread {
+    NodeId source;
+    std::uint32_t token;  ///< 0: not asked for through the ring
+  };
+  /// The last packet with that kind, DID and sequence number.
+  struct OnLine {
+    std::uint32_t token = 0;
+    std::array<std::uint32_t, 4> crcs{};  ///< by try
+  };
+  struct Source {
+    std::deque<Sent> sent;
+    std::uint32_t first_token = 1;
+    std::array<std::deque<std::uint32_t>, 5> waiting;  ///< by lane, in the order of asking
+    std::vector<OnLine> on_line;                       ///< by kind, DID, sequence
+    bool others_send = false;                          ///< packets left that were not asked for through the ring
+    std::uint32_t life = 0;
+  };
+
+  Sent* find(NodeId source, std::uint32_t token);
+  Sent& add(NodeId source, std::uint32_t token, Time now);
+  OnLine& on_line_slot(NodeId source, wire::Code code, NodeId destination);
+  void check_result(const Sent& sent);
+  void check_order(const Sent& sent, NodeId node);
+  void forget_settled(Source& source);
+
+  Complain complain_;
+  std::vector<Source> sources_;
+  std::vector<std::array<std::deque<Unread>, 4>> unread_;  ///< by node and priority
+  std::vector<std::uint32_t> newest_;                      ///< token, by node, source, lane
+  std::vector<std::uint32_t> interrupt_lives_;
+};
+
+}  // namespace limb_ring::sim

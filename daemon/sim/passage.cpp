@@ -1,0 +1,65 @@
+#include "sim/passage.h"
+
+#include <algorithm>
+
+namespace limb_ring::sim {
+namespace {
+
+/// More than a node can hold; what was dropped on its way through is forgotten so.
+constexpr std::size_t kMostComing = 128;
+
+std::string name(const Head& head, const Tail& tail) {
+  return std::string(head.code.interrupt ? "INTP" : "DATP") + " of node " + std::to_string(head.source) + " to " +
+         std::to_string(tail.destination) + ", sequence " + std::to_string(head.code.sequence) + ", try " +
+         std::to_string(head.code.attempt);
+}
+
+}  // namespace
+
+void Passage::came(const Head& head, NodeId destination, int fbc, Time now) {
+  auto& coming = head.code.interrupt ? interrupts_ : data_;
+  if (coming.size() == kMostComing) coming.pop_front();
+  coming.push_back({head.code_byte, head.source, destination, fbc, now});
+}
+
+// Packets of a kind leave in the order in which they came; those before it were dropped.
+void Passage::went(const Head& head, const Tail& tail, Time now) {
+  auto& coming = head.code.interrupt ? interrupts_ : data_;
+  const auto is_it = [&](const Coming& c) {
+    return c.code_byte == head.code_byte && c.source == head.source && c.destination == tail.destination;
+  };
+  const auto it = std::find_if(coming.begin(), coming.end(), is_it);
+  const std::string at = " at node " + std::to_string(id_);
+  if (it == coming.end()) return complain_(Promise::true_fbc, name(head, tail) + " left without having come in" + at);
+  if (it->fbc != kAnyFbc && it->fbc != tail.fbc)
+    complain_(Promise::true_fbc, name(head, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
+                                     std::to_string(it->fbc) + at);
+  if (head.code.interrupt) check_wait(it->at, now, name(head, tail));
+  coming.erase(coming.begin(), it + 1);
+}
+
+void Passage::own_interrupt_went(Time since, Time now) { check_wait(since, now, "its own INTP"); }
+
+// 12 bytes for each INTP before it, and at most 3 odd bytes, trailer and CRC. (protocol.md section 5)
+void Passage::check_wait(Time since, Time now, const std::string& which) const {
+  const Duration interrupt = byte_time_ * static_cast<std::int64_t>(wire::kOverhead);
+  const auto ahead = std::count_if(interrupts_gone_.begin(), interrupts_gone_.end(),
+                                   [&](Time gone) { return gone + interrupt > since; });
+  const Duration most = interrupt * ahead + byte_time_ * 11;
+  if (now - since > most)
+    complain_(Promise::interrupt_wait, which + " waited " + std::to_string((now - since).count()) + " ps at node " +
+                                           std::to_string(id_) + ", " + std::to_string(most.count()) +
+                                           " are allowed");
+}
+
+void Passage::count_interrupt(Time now) {
+  if (interrupts_gone_.size() == kMostComing) interrupts_gone_.pop_front();
+  interrupts_gone_.push_back(now);
+}
+
+void Passage::clear() {
+  data_.clear();
+  interrupts_.clear();
+}
+
+}  // namespace limb_ring::sim

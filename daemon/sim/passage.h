@@ -1,0 +1,75 @@
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "core/controller.h"
+#include "sim/violation.h"
+
+namespace limb_ring::sim {
+
+using core::Duration;
+using core::Time;
+using wire::NodeId;
+
+/// The header of a packet on a line.
+struct Head {
+  wire::Code code;
+  std::uint8_t code_byte = 0, hop = 0;
+  NodeId source = 0;
+
+  static Head of(wire::ByteView bytes) { return {wire::code_of(bytes[0]), bytes[0], bytes[2], bytes[3]}; }
+};
+
+/// Its trailer.
+struct Tail {
+  std::uint8_t fbc = 0;
+  NodeId destination = 0;
+  std::uint8_t last = 0;
+  std::uint32_t crc = 0;
+
+  static Tail of(wire::ByteView bytes) {
+    const std::uint8_t* trailer = bytes.data + bytes.size - wire::kCrcSize - wire::kTrailerSize;
+    return {trailer[1], trailer[2], trailer[3], wire::load_u32(trailer + wire::kTrailerSize)};
+  }
+  /// The CRC of a packet of `size` bytes as it was at its source: it tells packets apart.
+  std::uint32_t crc_at_source(const Head& head, std::size_t size) const {
+    return wire::carried_crc(crc, size, head.hop, fbc ^ wire::kFbcUntaken);
+  }
+};
+
+/// What has come into one node and has to go on: with which FBC, and an INTP by when.
+class Passage {
+ public:
+  Passage(NodeId id, Duration byte_time, const Complain& complain)
+      : id_(id), byte_time_(byte_time), complain_(complain) {}
+
+  /// A packet has come in that others than this node have sent.
+  /// @param fbc what it has to leave with; kAnyFbc: nobody can tell
+  void came(const Head& head, NodeId destination, int fbc, Time now);
+  static constexpr int kAnyFbc = -1;
+  /// One that others have sent leaves.
+  void went(const Head& head, const Tail& tail, Time now);
+  /// One of its own INTPs leaves that could have left since `since`.
+  void own_interrupt_went(Time since, Time now);
+  /// An INTP leaves, own or not: others may have to wait for it.
+  void count_interrupt(Time now);
+  void clear();
+
+ private:
+  struct Coming {
+    std::uint8_t code_byte;
+    NodeId source, destination;
+    int fbc;
+    Time at;
+  };
+  void check_wait(Time since, Time now, const std::string& which) const;
+
+  NodeId id_;
+  Duration byte_time_;  ///< of the line out of it
+  const Complain& complain_;
+  std::deque<Coming> data_, interrupts_;
+  std::deque<Time> interrupts_gone_;  ///< when the last ones left
+};
+
+}  // namespace limb_ring::sim
