@@ -14,6 +14,7 @@ namespace limb_ring::study {
 namespace {
 
 constexpr std::uint64_t kMega = 1'000'000;
+constexpr int kMostDelay = 100;  // more, and a full load of messages no longer fits into memory
 
 struct Method {
   std::string name;
@@ -46,6 +47,10 @@ void add(const ComparisonOptions& options, const Subject& subject, const Network
 }
 
 }  // namespace
+
+bool comparable(const Medium& medium) {
+  return medium.relay_delay <= kMostDelay * (medium.payload * medium.byte_time());
+}
 
 Comparison compare(const ComparisonOptions& options) {
   Comparison out;

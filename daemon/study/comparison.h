@@ -21,7 +21,7 @@ struct MethodRow {
   Figures figures;
 };
 
-/// A point of the paper's Figure 1 kind of curve: throughput.
+/// A point of throughput against load.
 struct LoadPoint {
   Subject subject;
   double offered = 0;    ///< payload asked for in a second / R
@@ -52,7 +52,13 @@ struct Comparison {
   std::vector<NodesPoint> against_nodes;
 };
 
+/// Whether a medium can be compared in reasonable time: the relay delay is at most 100 times as long as
+/// a message's payload takes on the line.
+bool comparable(const Medium& medium);
+
 /// Our ring and the systems that the paper compares it with, each on its own virtual clock.
+/// @pre comparable(options.medium)
+/// @throw std::runtime_error where a model or the ring does not deliver what it was given
 Comparison compare(const ComparisonOptions& options);
 
 }  // namespace limb_ring::study

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "study/network.h"
 #include "study/offered_load.h"
@@ -18,7 +19,7 @@ struct Figures {
   Spread alone;             ///< one message in an idle network, to the node opposite
   Spread at_once_opposite;  ///< every node one message at the same instant, to the node opposite
   Spread at_once_random;    ///< the same, to random destinations
-  Spread random_load;       ///< random arrivals that offer kRandomLoad
+  std::optional<Spread> random_load;  ///< random arrivals that offer kRandomLoad; none: more than it can carry
   Spread interrupt;         ///< interrupt-like messages, while every node has always data to send
   Duration join{0};         ///< Network::time_to_join
   double efficiency = 0;    ///< payload delivered in a second / R, every node always having data to send
