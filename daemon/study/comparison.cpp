@@ -42,7 +42,8 @@ void add(const ComparisonOptions& options, const Subject& subject, const Network
     out.against_load.push_back({subject, load, measure_efficiency(network, medium, load, options.seed)});
   for (const unsigned nodes : options.nodes) {
     medium.nodes = nodes;
-    out.against_nodes.push_back({subject, nodes, measure_at_once(network, medium, Destination::opposite, options.seed)});
+    const Spread at_once = measure_at_once(network, medium, Destination::opposite, options.seed);
+    out.against_nodes.push_back({subject, nodes, at_once});
   }
 }
 

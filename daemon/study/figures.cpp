@@ -14,13 +14,16 @@ namespace {
 constexpr int kMoments = 32;             // that a burst, or a message alone, is tried at
 constexpr unsigned kCyclesSpread = 4;    // they are spread over; more than a cycle of any method
 constexpr unsigned kSaturatedEach = 100;  // messages per node
-constexpr unsigned kRandomPackets = 4000;  // full packets that fit into the time of a random load
+constexpr unsigned kLeastScale = 64;      // bytes: with less payload the others' own overhead is what takes time
+constexpr unsigned kRandomPackets = 3000;  // packets that fit into the time of a random load
+constexpr unsigned kWarmUpPackets = 1000;  // and into the time before it counts
 constexpr unsigned kInterruptsPerLap = 2;
 constexpr unsigned kInterrupts = 400;
 
-/// A lap of full packets of ours in the worst case: the scale of all spans.
+/// A lap of packets of ours in the worst case: the scale of all spans.
 Duration lap(const Medium& medium) {
-  return medium.nodes * (medium.byte_time() * (medium.payload + wire::kOverhead) + medium.relay_delay);
+  const unsigned size = std::max(medium.payload, kLeastScale) + wire::kOverhead;
+  return medium.nodes * (medium.byte_time() * size + medium.relay_delay);
 }
 
 Latencies latencies(const Network& network, const Medium& medium, const std::vector<Message>& messages, Time until,
@@ -62,18 +65,16 @@ Spread measure_alone(const Network& network, const Medium& medium, std::uint64_t
   });
 }
 
-Duration random_span(const Medium& medium) {
-  return kRandomPackets * medium.byte_time() * (medium.payload + wire::kOverhead);
-}
+Duration packet_time(const Medium& medium) { return medium.byte_time() * (medium.payload + wire::kOverhead); }
 
 Spread measure_random_load(const Network& network, const Medium& medium, std::uint64_t seed) {
   Random random(seed);
-  return spread(latencies(network, medium, random_load(medium, kRandomLoad, random_span(medium), random)));
+  const Duration span = kRandomPackets * packet_time(medium);
+  return spread(latencies(network, medium, random_load(medium, kRandomLoad, Time{}, span, random)));
 }
 
-double share_of_rate(const Medium& medium, std::ptrdiff_t messages, Duration time) {
-  const double bits = 8.0 * medium.payload * static_cast<double>(messages);
-  return bits / (std::chrono::duration<double>(time).count() * static_cast<double>(medium.rate));
+double share_of_rate(const Medium& medium, std::size_t messages, std::chrono::duration<double> time) {
+  return 8.0 * medium.payload * static_cast<double>(messages) / (time.count() * static_cast<double>(medium.rate));
 }
 
 /// The network stays full for twice the time in which the interrupts are asked for: no method that
@@ -88,15 +89,17 @@ Spread measure_interrupt(const Network& network, const Medium& medium, std::uint
   return spread(latencies(network, medium, messages, Time{} + 2 * span, [](const Message& m) { return m.interrupt; }));
 }
 
-/// Between the first tenth of the deliveries and their half: neither filling up nor running dry.
+/// From the first tenth of the deliveries to about their half: neither filling up nor running dry. Taken
+/// as the mean over many ends, so that it does not matter where in a cycle the ends lie.
 double measure_saturated(const Network& network, const Medium& medium, std::uint64_t seed) {
   Random random(seed);
   const auto messages = all_at_once(medium, Time{}, kSaturatedEach, Destination::random, random);
   std::vector<Time> at = network.carry(medium, messages, core::kNever);
   std::sort(at.begin(), at.end());
-  const Time from = at[at.size() / 10], to = at[at.size() / 2];
-  const auto between = std::upper_bound(at.begin(), at.end(), to) - std::upper_bound(at.begin(), at.end(), from);
-  return share_of_rate(medium, between, to - from);
+  const std::size_t first = at.size() / 10, ends = first, step = 4 * first;
+  std::chrono::duration<double> sum{0};
+  for (std::size_t i = first; i < first + ends; ++i) sum += at[i + step] - at[i];
+  return share_of_rate(medium, step, sum / static_cast<double>(ends));
 }
 
 }  // namespace
@@ -109,10 +112,14 @@ Spread measure_at_once(const Network& network, const Medium& medium, Destination
 
 double measure_efficiency(const Network& network, const Medium& medium, double load, std::uint64_t seed) {
   Random random(seed);
-  const Duration span = random_span(medium);
-  const auto at = network.carry(medium, random_load(medium, load, span, random), Time{} + span);
-  const auto delivered = std::count_if(at.begin(), at.end(), [](Time t) { return t != core::kNever; });
-  return share_of_rate(medium, delivered, span);
+  const Time from = Time{} + kWarmUpPackets * packet_time(medium);
+  const Duration span = kRandomPackets * packet_time(medium);
+  auto messages = random_load(medium, load, Time{}, from - Time{}, random);
+  const auto counted = random_load(medium, load, from, span, random);
+  messages.insert(messages.end(), counted.begin(), counted.end());
+  const auto at = network.carry(medium, messages, from + span);
+  const auto delivered = std::count_if(at.begin(), at.end(), [from](Time t) { return t != core::kNever && t > from; });
+  return share_of_rate(medium, static_cast<std::size_t>(delivered), span);
 }
 
 Figures measure(const Network& network, const Medium& medium, std::uint64_t seed) {

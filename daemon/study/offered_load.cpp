@@ -7,8 +7,8 @@ namespace limb_ring::study {
 
 namespace {
 
-Time moment(Duration span, Random& random) {
-  return Time{Duration{static_cast<std::int64_t>(draw(random, static_cast<std::uint64_t>(span.count())))}};
+Time moment(Time from, Duration span, Random& random) {
+  return from + Duration{static_cast<std::int64_t>(draw(random, static_cast<std::uint64_t>(span.count())))};
 }
 
 NodeId any_node(const Medium& medium, Random& random) { return static_cast<NodeId>(draw(random, medium.nodes)); }
@@ -47,11 +47,12 @@ std::vector<Message> all_at_once(const Medium& medium, Time asked, unsigned each
   return messages;
 }
 
-std::vector<Message> random_load(const Medium& medium, double load, Duration span, Random& random) {
-  const double most = std::chrono::duration<double>(span).count() * static_cast<double>(medium.rate) / (8.0 * medium.payload);
+std::vector<Message> random_load(const Medium& medium, double load, Time from, Duration span, Random& random) {
+  const double bits = load * std::chrono::duration<double>(span).count() * static_cast<double>(medium.rate);
+  const auto count = static_cast<std::size_t>(std::llround(bits / (8.0 * medium.payload)));
   std::vector<Message> messages;
-  for (auto count = static_cast<std::size_t>(std::llround(load * most)); messages.size() < count;) {
-    const Time asked = moment(span, random);
+  while (messages.size() < count) {
+    const Time asked = moment(from, span, random);
     messages.push_back(message(medium, asked, any_node(medium, random), Destination::random, random));
   }
   sort_by_time(messages);
@@ -61,7 +62,7 @@ std::vector<Message> random_load(const Medium& medium, double load, Duration spa
 std::vector<Message> with_interrupts(std::vector<Message> load, const Medium& medium, unsigned count, Duration gap,
                                      Random& random) {
   for (unsigned i = 0; i < count; ++i) {
-    const Time asked = moment(gap / 2, random) + i * gap;
+    const Time asked = moment(Time{} + i * gap, gap / 2, random);
     const NodeId source = any_node(medium, random);
     load.push_back({asked, source, other_node(medium, source, random), 0, 0, true});
   }

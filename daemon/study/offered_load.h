@@ -28,9 +28,9 @@ Message message(const Medium& medium, Time asked, NodeId source, Destination des
 std::vector<Message> all_at_once(const Medium& medium, Time asked, unsigned each, Destination destination,
                                  Random& random);
 
-/// Random arrivals within [0, span): as many as offer `load` times R of payload, each at a uniform
-/// moment and node, to a random destination: Poisson arrivals, given their number.
-std::vector<Message> random_load(const Medium& medium, double load, Duration span, Random& random);
+/// Random arrivals within [from, from + span): as many as offer `load` times R of payload, each at a
+/// uniform moment and node, to a random destination: Poisson arrivals, given their number.
+std::vector<Message> random_load(const Medium& medium, double load, Time from, Duration span, Random& random);
 
 /// `count` interrupt-like messages from random nodes to random others, added to `load` in order: one in
 /// every `gap`, at a random moment of its first half, so that they seldom meet each other.

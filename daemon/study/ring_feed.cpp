@@ -9,8 +9,6 @@ namespace {
 constexpr unsigned kInside = 8;  // well below a send queue's limit, and never empty in full load
 constexpr std::uint8_t kFactor = 1;
 
-std::size_t class_of(const Message& message) { return message.interrupt ? 0 : 1 + message.priority; }
-
 }  // namespace
 
 RingFeed::RingFeed(sim::VirtualRing& ring, const std::vector<Message>& messages)

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/virtual_ring.h"
-#include "study/network.h"
+#include "study/message_class.h"
 
 namespace limb_ring::study {
 
@@ -25,14 +25,12 @@ class RingFeed {
   std::vector<Time> delivered(Time until) const;
 
  private:
-  /// Interrupt-like, then priorities 0 to 3: each has a queue of its own in the core.
-  static constexpr std::size_t kClasses = 5;
   struct Queue {
     std::deque<std::size_t> outside;
     unsigned inside = 0;
   };
   struct Node {
-    std::array<Queue, kClasses> queues;
+    std::array<Queue, kMessageClasses> queues;  ///< the core, too, has one for each
     std::map<std::uint32_t, std::size_t> class_of_token;
   };
   using Way = std::tuple<NodeId, NodeId, std::size_t>;  ///< source, destination, class

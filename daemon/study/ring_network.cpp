@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sim/virtual_ring.h"
 #include "study/ring_feed.h"
 
 namespace limb_ring::study {
@@ -12,8 +13,27 @@ namespace {
 constexpr core::Duration kNoLimit = std::chrono::hours(24 * 30);
 constexpr unsigned kReceiveBuffers = 256;
 
+/// Its time-outs are those of the model, two worst laps; it meets no other limit.
+sim::VirtualRingOptions ring_options(const Medium& medium) {
+  sim::VirtualRingOptions options;
+  options.nodes = medium.nodes;
+  options.byte_time = medium.byte_time();
+  options.relay_delay = medium.relay_delay;
+  options.adjust = [](core::Settings& settings) {
+    settings.beacon = Duration{0};
+    settings.send_timeout_least = Duration{0};
+    settings.receive_buffers = kReceiveBuffers;
+    settings.queue_timeout = settings.stall = settings.break_grace = kNoLimit;
+  };
+  return options;
+}
+
+/// VirtualRing::join() gives up after 10 s; on slow lines a lap alone takes longer.
 void join(sim::VirtualRing& ring) {
-  if (!ring.join()) throw std::runtime_error("the virtual ring does not close");
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries; ++i)
+    if (ring.join()) return;
+  throw std::runtime_error("the virtual ring does not close");
 }
 
 Duration lap(const Medium& medium) {
@@ -52,27 +72,14 @@ Duration time_to_join_after(const Medium& medium, Duration wait) {
 
 }  // namespace
 
-sim::VirtualRingOptions ring_options(const Medium& medium) {
-  sim::VirtualRingOptions options;
-  options.nodes = medium.nodes;
-  options.byte_time = medium.byte_time();
-  options.relay_delay = medium.relay_delay;
-  options.adjust = [](core::Settings& settings) {
-    settings.beacon = Duration{0};
-    settings.send_timeout_least = Duration{0};
-    settings.receive_buffers = kReceiveBuffers;
-    settings.queue_timeout = settings.stall = settings.break_grace = kNoLimit;
-  };
-  return options;
-}
-
 std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Message>& messages, Time until) const {
   sim::VirtualRing ring(ring_options(medium));
   join(ring);
   ring.run_for(lap(medium));  // quiet again
   RingFeed feed(ring, messages);
-  // Time zero is now: later than the ring's own.
-  ring.run_until([&feed] { return feed.done(); }, std::min(until, core::kNever - ring.now().time_since_epoch()) - Time{});
+  // Time zero is now, so that "never" lies beyond what the ring's own clock can say.
+  const Duration left = core::kNever - ring.now();
+  ring.run_until([&feed] { return feed.done(); }, std::min(until - Time{}, left));
   return feed.delivered(until);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "sim/virtual_ring.h"
 #include "study/network.h"
 
 namespace limb_ring::study {
@@ -19,9 +18,5 @@ class RingNetwork : public Network {
   /// @throw std::runtime_error as above
   Duration time_to_join(const Medium& medium) const override;
 };
-
-/// A ring for `medium`: its time-outs are those of the model, two worst laps; no limit but those is
-/// ever met.
-sim::VirtualRingOptions ring_options(const Medium& medium);
 
 }  // namespace limb_ring::study

@@ -15,7 +15,7 @@ using study::Subject;
 
 namespace {
 
-double megabits(std::uint64_t rate) { return static_cast<double>(rate) * 1e-6; }
+double megabits(std::uint64_t rate) { return static_cast<double>(rate) / 1e6; }
 
 Row row_of(const Subject& subject) {
   return {{"method", subject.method}, {"own_rate", subject.own_rate}, {"rate_mbit_s", megabits(subject.rate)}};

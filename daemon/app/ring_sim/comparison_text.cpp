@@ -4,6 +4,7 @@
 
 #include "app/common/text_table.h"
 #include "study/latency.h"
+#include "wire/packet.h"
 
 namespace limb_ring::ring_sim {
 
@@ -19,9 +20,13 @@ namespace {
 using Cells = std::vector<std::string>;
 using Table = std::vector<Cells>;
 
-std::string us(study::Duration duration) { return number(study::microseconds(duration), 2); }
+/// Enough digits for any two methods to differ, in as few columns.
+std::string us(study::Duration duration) {
+  const double value = study::microseconds(duration);
+  return number(value, value < 1000 ? 2 : 1);
+}
 std::string percent(double share) { return number(100 * share, 1); }
-std::string megabits(std::uint64_t rate) { return number(static_cast<double>(rate) * 1e-6, 0); }
+std::string megabits(std::uint64_t rate) { return number(static_cast<double>(rate) / 1e6, 0); }
 
 void put(Cells& row, const Spread& spread) { row.insert(row.end(), {us(spread.worst), us(spread.mean)}); }
 
@@ -103,9 +108,19 @@ constexpr const char* kNotes =
     "- ARCNET, CAN: no propagation delay; no bus does 1 Gbit/s (at that rate it is arithmetic alone).\n"
     "- EtherCAT: frames without a pause, a master that needs no time, joining without link-up and EEPROM.\n"
     "- SERCOS II: the shortest cycle its telegrams permit, no bit stuffing.\n"
-    "- Responsive Link: four lines out of every node at R each (ours has one), no line code.\n"
-    "While a node joins, ARCNET and SERCOS II stop all others. In saturation CAN starves the nodes with\n"
-    "the highest identifiers. An ARCNET packet holds 508 bytes: 512 wait for the token twice.\n";
+    "- Responsive Link: four lines out of every node at R each (ours has one), no line code; a node that\n"
+    "  joins has lines of its own and nobody to wait for.\n"
+    "Messages are asked for at any moment of the others' cycles; an application in step with its cycle\n"
+    "waits up to a cycle less. While a node joins, ARCNET and SERCOS II stop all others. In saturation\n"
+    "CAN starves the nodes with the highest identifiers. An ARCNET packet holds 508 bytes: 512 wait for\n"
+    "the token twice.\n";
+
+/// What no run shows unless the others start just so. (docs/protocol.md, the worst case)
+std::string bound(const study::Medium& medium) {
+  const study::Duration hop = medium.byte_time() * (medium.payload + wire::kOverhead) + medium.relay_delay;
+  return "At " + megabits(medium.rate) + " Mbit/s limb_ring's bound after h hops is h (T + d), whatever data others send:\n" +
+         us((medium.nodes - 1) * hop) + " us to the farthest node, " + us(medium.nodes * hop) + " us until it is back.\n\n";
+}
 
 }  // namespace
 
@@ -114,7 +129,7 @@ std::string comparison_text(const Comparison& comparison, const ComparisonOption
   return std::to_string(medium.nodes) + " nodes, " + std::to_string(medium.payload) +
          " bytes of payload, relay delay " + number(study::microseconds(medium.relay_delay), 3) + " us, seed " +
          std::to_string(options.seed) + "\n\n" + group(comparison, options, false) +
-         group(comparison, options, true) + kNotes;
+         group(comparison, options, true) + bound(medium) + kNotes;
 }
 
 }  // namespace limb_ring::ring_sim

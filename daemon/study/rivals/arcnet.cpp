@@ -68,8 +68,10 @@ std::vector<Time> Arcnet::carry(const Medium& medium, const std::vector<Message>
 
 Duration Arcnet::time_to_join(const Medium& medium) const {
   std::vector<Message> full_load;
-  for (unsigned node = 0; node < medium.nodes; ++node)
-    full_load.push_back({Time{}, static_cast<NodeId>(node), static_cast<NodeId>((node + 1) % medium.nodes), medium.payload, 0, false});
+  for (unsigned node = 0; node < medium.nodes; ++node) {
+    const auto next = static_cast<NodeId>((node + 1) % medium.nodes);
+    full_load.push_back({Time{}, static_cast<NodeId>(node), next, medium.payload, 0, false});
+  }
   Bus bus(medium, full_load, core::kNever);
   for (unsigned node = 0; node < medium.nodes; ++node) bus.turn(static_cast<NodeId>(node));
   return medium.bits(kBurst + kSilence) + (bus.now() - Time{});

@@ -21,7 +21,7 @@ unsigned crc_bits(unsigned data) {
 }
 
 unsigned identifier(const Message& message) {
-  return (message.interrupt ? 0u : 1u + message.priority) << 8 | message.source;
+  return static_cast<unsigned>(class_of(message)) << 8 | message.source;
 }
 
 /// Index of the message whose frame wins at `now`, or kNone.

@@ -20,7 +20,8 @@ namespace limb_ring::study {
 /// Assumed, in its favour: the frames follow each other without a pause (most masters pause until
 /// the next cycle of 50 us to 1 ms); the master needs no time between a frame's return and the next
 /// one's slot; a node may put its message in until its slot passes; no mailbox, no distributed clocks
-/// in the frame; who a message is for costs no bytes, as with process data that is mapped beforehand. The
+/// in the frame; nothing is asked in step with the cycle (an application that is saves the wait for its
+/// slot, up to a cycle); who a message is for costs no bytes, as with process data that is mapped beforehand. The
 /// relay delay d is charged once per node, N times per lap; the frame counts from its FCS.
 class EtherCat : public Network {
  public:

@@ -21,7 +21,7 @@ PointToPoint::PointToPoint(const Medium& medium, const std::vector<Message>& mes
       data_(data),
       deliveries_(deliveries),
       unsent_(messages.size()),
-      lines_(2 * medium.nodes, Line{std::priority_queue<Packet, std::vector<Packet>, Later>(Later{&messages}), Time{}}) {}
+      lines_(2 * medium.nodes, Line(Later{&messages})) {}
 
 unsigned PointToPoint::line_of(const Message& message) const {
   const unsigned forward = (message.destination + medium_.nodes - message.source) % medium_.nodes;

@@ -33,6 +33,7 @@ class PointToPoint {
     bool operator()(const Packet& a, const Packet& b) const;
   };
   struct Line {
+    explicit Line(Later later) : waiting(later) {}
     std::priority_queue<Packet, std::vector<Packet>, Later> waiting;
     Time free{};
   };

@@ -10,7 +10,8 @@ namespace limb_ring::study {
 /// The nodes form a ring of full-duplex links; a packet takes the shorter way, half-way round the
 /// even nodes' the one and the odd nodes' the other. At every node the packets for a line wait by
 /// priority, so a higher one overtakes all that have not begun; equal ones go in the order in which they
-/// came, a tie to the node's own. A packet on the line is never interrupted. Events have lines and packets of their own.
+/// came, a tie to the node's own. A packet on the line is never interrupted. Events have lines and
+/// packets of their own.
 ///
 ///   data packet   64 bytes: 56 of data, 8 of header and trailer; longer messages go as several
 ///   event packet  16 bytes

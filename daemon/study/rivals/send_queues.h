@@ -5,7 +5,7 @@
 #include <deque>
 #include <vector>
 
-#include "study/network.h"
+#include "study/message_class.h"
 
 namespace limb_ring::study {
 
@@ -30,12 +30,10 @@ class SendQueues {
   Time next_asked() const;
 
  private:
-  static constexpr std::size_t kClasses = 5;  ///< interrupts, then priorities 0 to 3
   struct Node {
     std::deque<std::size_t> to_come;
-    std::array<std::deque<std::size_t>, kClasses> asked;
+    std::array<std::deque<std::size_t>, kMessageClasses> asked;
   };
-  static std::size_t class_of(const Message& message) { return message.interrupt ? 0 : 1 + message.priority; }
 
   const std::vector<Message>& messages_;
   std::vector<Node> nodes_;

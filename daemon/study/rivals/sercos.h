@@ -21,7 +21,8 @@ namespace limb_ring::study {
 /// Assumed, in its favour: no bit stuffing; no gaps between time slots; data records of any length; a
 /// cycle as short as its telegrams (the standard has 62.5, 125, 250 us and multiples of 250 us);
 /// slaves take their data in until their AT begins; the master copies in no time; slaves may read any
-/// record of the MDT. The relay delay d is charged once per node; a telegram counts from its end.
+/// record of the MDT. Nothing is asked in step with the cycle (drives that are save up to a cycle). The
+/// relay delay d is charged once per node; a telegram counts from its end.
 class Sercos : public Network {
  public:
   std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
