@@ -1,6 +1,7 @@
 #include "app/ring_sim/comparison_text.h"
 
 #include <functional>
+#include <sstream>
 
 #include "app/common/text_table.h"
 #include "study/latency.h"
@@ -26,7 +27,11 @@ std::string us(study::Duration duration) {
   return number(value, value < 1000 ? 2 : 1);
 }
 std::string percent(double share) { return number(100 * share, 1); }
-std::string megabits(std::uint64_t rate) { return number(static_cast<double>(rate) / 1e6, 0); }
+std::string megabits(std::uint64_t rate) {
+  std::ostringstream text;
+  text << static_cast<double>(rate) / 1e6;  // 0.001, 2.5, 1000
+  return text.str();
+}
 
 void put(Cells& row, const Spread& spread) { row.insert(row.end(), {us(spread.worst), us(spread.mean)}); }
 
@@ -118,8 +123,9 @@ constexpr const char* kNotes =
 /// What no run shows unless the others start just so. (docs/protocol.md, the worst case)
 std::string bound(const study::Medium& medium) {
   const study::Duration hop = medium.byte_time() * (medium.payload + wire::kOverhead) + medium.relay_delay;
-  return "At " + megabits(medium.rate) + " Mbit/s limb_ring's bound after h hops is h (T + d), whatever data others send:\n" +
-         us((medium.nodes - 1) * hop) + " us to the farthest node, " + us(medium.nodes * hop) + " us until it is back.\n\n";
+  return "At " + megabits(medium.rate) + " Mbit/s limb_ring's bound after h hops is h (T + d), whatever data others\n" +
+         "send: " + us((medium.nodes - 1) * hop) + " us to the farthest node, " + us(medium.nodes * hop) +
+         " us until it is back.\n\n";
 }
 
 }  // namespace

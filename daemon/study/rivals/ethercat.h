@@ -17,20 +17,21 @@ namespace limb_ring::study {
 ///             gap 12 bytes; datagrams of less than 44 bytes are padded to that
 ///   datagram  header 10, data, working counter 2 bytes
 ///
-/// Assumed, in its favour: the frames follow each other without a pause (most masters pause until
-/// the next cycle of 50 us to 1 ms); the master needs no time between a frame's return and the next
+/// Assumed, in its favour: the frames follow each other without a pause (masters pause until their
+/// next cycle); the master needs no time between a frame's return and the next
 /// one's slot; a node may put its message in until its slot passes; no mailbox, no distributed clocks
-/// in the frame; nothing is asked in step with the cycle (an application that is saves the wait for its
-/// slot, up to a cycle); who a message is for costs no bytes, as with process data that is mapped beforehand. The
-/// relay delay d is charged once per node, N times per lap; the frame counts from its FCS.
+/// in the frame; who a message is for costs no bytes, as with process data that is mapped beforehand. Not
+/// in its favour: nothing is asked in step with the cycle; an application that is saves the wait for its
+/// slot, up to a cycle. The relay delay d is charged once per node, N times per lap; a frame counts
+/// from the end of its FCS.
 class EtherCat : public Network {
  public:
   std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
   /// Five frames and their return, one after the other: the one by which the master sees the newcomer (it
   /// was switched on just behind the one before), configuration with the request of PREOP, its
   /// confirmation, the request of SAFEOP, its confirmation; then until its slot. In its favour:
-  /// states change at once, their datagrams cost nothing, link-up, EEPROM and mailbox are left out;
-  /// real networks take from tens of milliseconds to seconds.
+  /// states change at once, their datagrams cost nothing; link-up, EEPROM and mailbox, which take far
+  /// longer than all of this, are left out.
   Duration time_to_join(const Medium& medium) const override;
 };
 

@@ -21,16 +21,16 @@ namespace limb_ring::study {
 /// Assumed, in its favour: no bit stuffing; no gaps between time slots; data records of any length; a
 /// cycle as short as its telegrams (the standard has 62.5, 125, 250 us and multiples of 250 us);
 /// slaves take their data in until their AT begins; the master copies in no time; slaves may read any
-/// record of the MDT. Nothing is asked in step with the cycle (drives that are save up to a cycle). The
-/// relay delay d is charged once per node; a telegram counts from its end.
+/// record of the MDT. Not in its favour: nothing is asked in step with the cycle; drives that are save up
+/// to a cycle. The relay delay d is charged once per node; a telegram counts from its end.
 class Sercos : public Network {
  public:
   std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
   /// The ring is opened and started anew, through its communication phases (nobody can send
   /// meanwhile): 0, ten MSTs home; 1, every slave asked once; 2, eight parameters to every slave
   /// through its service channel, number and value, one slave a cycle; 3, the check for phase 4; then
-  /// the newcomer's AT. In its favour: the parameters are the fewest that are needed (cycle, lengths,
-  /// time slots), handshakes and slaves take no time, each cycle is as short as its telegrams.
+  /// the newcomer's AT. In its favour: the parameters are few (ours: cycle, lengths, time slots, and
+  /// the check for phase 3), handshakes and slaves take no time, each cycle is as short as its telegrams.
   Duration time_to_join(const Medium& medium) const override;
 };
 
