@@ -18,7 +18,7 @@ constexpr unsigned kLeastScale = 64;      // bytes: with less payload the others
 constexpr unsigned kRandomPackets = 3000;  // packets that fit into the time of a random load
 constexpr unsigned kWarmUpPackets = 1000;  // and into the time before it counts
 constexpr unsigned kInterruptsPerLap = 2;
-constexpr unsigned kInterrupts = 400;
+constexpr unsigned kInterrupts = 1000;
 
 /// A lap of packets of ours in the worst case: the scale of all spans.
 Duration lap(const Medium& medium) {
