@@ -32,6 +32,6 @@ class Latencies {
 };
 
 /// For reports: us, to the picosecond.
-inline double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-6; }
+inline double microseconds(Duration duration) { return static_cast<double>(duration.count()) / 1e6; }
 
 }  // namespace limb_ring::study

@@ -5,5 +5,6 @@
 namespace limb_ring::ring_sim {
 
 // One subcommand each, in a file of its name.
+void add_compare(CLI::App& app, Context& context);
 
 }  // namespace limb_ring::ring_sim

@@ -1,0 +1,94 @@
+#include "study/ring_network.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "sim/virtual_ring.h"
+#include "study/ring_feed.h"
+
+namespace limb_ring::study {
+
+namespace {
+
+constexpr core::Duration kNoLimit = std::chrono::hours(24 * 30);
+constexpr unsigned kReceiveBuffers = 256;
+
+/// Its time-outs are those of the model, two worst laps; it meets no other limit.
+sim::VirtualRingOptions ring_options(const Medium& medium) {
+  sim::VirtualRingOptions options;
+  options.nodes = medium.nodes;
+  options.byte_time = medium.byte_time();
+  options.relay_delay = medium.relay_delay;
+  options.adjust = [](core::Settings& settings) {
+    settings.beacon = Duration{0};
+    settings.send_timeout_least = Duration{0};
+    settings.receive_buffers = kReceiveBuffers;
+    settings.queue_timeout = settings.stall = settings.break_grace = kNoLimit;
+  };
+  return options;
+}
+
+/// VirtualRing::join() gives up after 10 s; on slow lines a lap alone takes longer.
+void join(sim::VirtualRing& ring) {
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries; ++i)
+    if (ring.join()) return;
+  throw std::runtime_error("the virtual ring does not close");
+}
+
+Duration lap(const Medium& medium) {
+  return medium.nodes * (medium.byte_time() * (medium.payload + wire::kOverhead) + medium.relay_delay);
+}
+
+/// Every node but the last sends to its successor for ever.
+void load_fully(sim::VirtualRing& ring, const Medium& medium) {
+  const std::vector<std::uint8_t> data(medium.payload);
+  const unsigned nodes = medium.nodes;
+  const auto send = [&ring, nodes, data](NodeId id) { ring.send(id, static_cast<NodeId>((id + 1u) % nodes), data); };
+  ring.on_event = [send](NodeId id, const core::Event& event) {
+    const auto* end = std::get_if<core::SendEnded>(&event.what);
+    if (end && end->outcome != core::Outcome::rejected) send(id);
+  };
+  for (unsigned id = 0; id < nodes; ++id) send(static_cast<NodeId>(id));
+}
+
+/// @param wait in full load, before the newcomer is switched on
+Duration time_to_join_after(const Medium& medium, Duration wait) {
+  Medium grown = medium;
+  ++grown.nodes;
+  sim::VirtualRingOptions options = ring_options(grown);
+  options.start = false;
+  sim::VirtualRing ring(options);
+  for (unsigned id = 0; id < medium.nodes; ++id) ring.start(static_cast<NodeId>(id));
+  join(ring);
+  load_fully(ring, medium);
+  ring.run_for(wait);
+  const auto newcomer = static_cast<NodeId>(medium.nodes);
+  const Time on = ring.now();
+  ring.start(newcomer);
+  join(ring);
+  return ring.now() - on;
+}
+
+}  // namespace
+
+std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Message>& messages, Time until) const {
+  sim::VirtualRing ring(ring_options(medium));
+  join(ring);
+  ring.run_for(lap(medium));  // quiet again
+  RingFeed feed(ring, messages);
+  // Time zero is now, so that "never" lies beyond what the ring's own clock can say.
+  const Duration left = core::kNever - ring.now();
+  ring.run_until([&feed] { return feed.done(); }, std::min(until - Time{}, left));
+  return feed.delivered(until);
+}
+
+Duration RingNetwork::time_to_join(const Medium& medium) const {
+  constexpr int kMoments = 8, kLapsBefore = 4;
+  Duration longest{0};
+  for (int i = 0; i < kMoments; ++i)
+    longest = std::max(longest, time_to_join_after(medium, kLapsBefore * lap(medium) + i * lap(medium) / kMoments));
+  return longest;
+}
+
+}  // namespace limb_ring::study
