@@ -46,6 +46,9 @@ struct Settings {
   Duration break_grace = std::chrono::milliseconds(200);  ///< input lost so long: a broken line
   Duration unconfirmed_pace = std::chrono::microseconds(100);  ///< open chain, unpaced links
 
+  /// INTPs cut into a DATP on its way out (paper); false only to show what that is worth.
+  bool embed_interrupts = true;
+
   std::array<bool, 8> wired{};  ///< pins wired to something
   std::array<std::optional<InterruptInput>, 8> inputs{};
 
