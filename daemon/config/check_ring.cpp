@@ -85,6 +85,14 @@ void check_topics(const Entry& file, const RingConfig& ring) {
   }
 }
 
+void check_traffic_names(const Entry& file, const RingConfig& ring) {
+  std::set<std::string> names;
+  for (std::size_t t = 0; t < ring.traffic.size(); ++t)
+    if (!names.insert(ring.traffic[t].name).second)
+      element(file, "traffic", t)
+          .refuse("'" + ring.traffic[t].name + "' is the name of another one", "each name once");
+}
+
 }  // namespace
 
 void check_ring(const Entry& file, const RingConfig& ring) {
@@ -93,6 +101,7 @@ void check_ring(const Entry& file, const RingConfig& ring) {
   check_ports(file, ring);
   check_inputs(file, ring);
   check_topics(file, ring);
+  check_traffic_names(file, ring);
 }
 
 }  // namespace limb_ring::config
