@@ -6,4 +6,6 @@ namespace limb_ring::ring_sim {
 
 // One subcommand each, in a file of its name.
 
+void add_plan(CLI::App& app, Context& context);
+
 }  // namespace limb_ring::ring_sim

@@ -1,0 +1,94 @@
+#include "study/plan_words.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "config/quantity.h"
+#include "study/latency.h"
+
+namespace limb_ring::study {
+
+namespace {
+
+std::string with_decimals(double value, int decimals) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
+}
+
+std::string in_us(Duration duration) { return with_decimals(microseconds(duration), 3) + " us"; }
+std::string percent(double share) { return with_decimals(100 * share, 1) + " %"; }
+
+/// The line out of a node is known by where it leads, as in the file.
+std::string line_name(const config::RingConfig& ring, std::size_t node) {
+  return "the line into " + ring.nodes[(node + 1) % ring.nodes.size()].name;
+}
+
+std::uint64_t line_rate(const config::RingConfig& ring, std::size_t node) {
+  return ring.nodes[(node + 1) % ring.nodes.size()].link.rate;
+}
+
+std::string overload(const std::string& node, const std::string& what, double load) {
+  return "node " + node + " would need " + percent(load) + " of the time for its " + what +
+         ", one at a time in their worst laps: " + percent(load - 1) + " too much";
+}
+
+void add_node_limits(const config::RingConfig& ring, const Plan& plan, std::vector<std::string>& limits) {
+  for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
+    const std::string& name = ring.nodes[n].name;
+    if (plan.nodes[n].data >= 1) limits.push_back(overload(name, "data packets", plan.nodes[n].data));
+    if (plan.nodes[n].interrupts >= 1) limits.push_back(overload(name, "interrupts", plan.nodes[n].interrupts));
+  }
+}
+
+void add_line_limits(const config::RingConfig& ring, const Plan& plan, std::vector<std::string>& limits) {
+  for (std::size_t n = 0; n < plan.lines.size(); ++n)
+    if (plan.lines[n] >= 1)
+      limits.push_back(line_name(ring, n) + " would be in use " + percent(plan.lines[n]) + " of the time at " +
+                       config::format_rate(line_rate(ring, n)) + ": " + percent(plan.lines[n] - 1) + " too much");
+}
+
+void add_stream_limits(const config::RingConfig& ring, const std::vector<Stream>& streams, const Plan& plan,
+                       std::vector<std::string>& limits) {
+  for (std::size_t s = 0; s < streams.size(); ++s) {
+    const NodePlan& node = plan.nodes[streams[s].source];
+    const double load = streams[s].interrupt ? node.interrupts : node.data;
+    if (!plan.streams[s].confirmed && load < 1)
+      limits.push_back("'" + streams[s].name + "' may wait longer than timeouts.queue, " +
+                       config::format_time(ring.timeouts.queue));
+  }
+}
+
+}  // namespace
+
+std::string in_words(const Response& response, Duration ahead, Duration longest_lap) {
+  std::string words = response.own == 1 ? "own" : "own " + std::to_string(response.own);
+  if (response.others != 0) words += " + " + std::to_string(response.others) + " of higher or same priority";
+  words += response.lower ? " + 1 of lower priority" : " + 1 ahead (" + in_us(ahead) + ")";
+  return words + ", laps of up to " + in_us(longest_lap);
+}
+
+std::vector<std::string> limits_of(const config::RingConfig& ring, const std::vector<Stream>& streams,
+                                   const Plan& plan) {
+  std::vector<std::string> limits;
+  add_line_limits(ring, plan, limits);
+  add_node_limits(ring, plan, limits);
+  add_stream_limits(ring, streams, plan, limits);
+  return limits;
+}
+
+std::string verdict(const config::RingConfig& ring, const Plan& plan) {
+  if (!plan.carried()) {
+    std::string text = "The ring cannot be relied on to carry this:";
+    for (const std::string& limit : plan.limits) text += "\n  " + limit;
+    return text + "\n";
+  }
+  const auto by_data = [](const NodePlan& a, const NodePlan& b) { return a.data < b.data; };
+  const auto node = static_cast<std::size_t>(std::max_element(plan.nodes.begin(), plan.nodes.end(), by_data) - plan.nodes.begin());
+  const auto line = static_cast<std::size_t>(std::max_element(plan.lines.begin(), plan.lines.end()) - plan.lines.begin());
+  return "The ring carries this. The busiest node is " + ring.nodes[node].name + ", with a packet under way " +
+         percent(plan.nodes[node].data) + " of the time at most; the busiest line, " + line_name(ring, line) +
+         ", is in use " + percent(plan.lines[line]) + " of it.\n";
+}
+
+}  // namespace limb_ring::study
