@@ -22,8 +22,8 @@ struct NodePlan {
   double interrupts = 0;  ///< the same for its INTPs
 };
 
-/// Whether a ring carries its streams, and how late each can be. Valid without losses, with receivers
-/// that always have room, and for what the streams say and no more.
+/// Whether a ring carries its streams, and how late each can be. Valid without losses, with queues and
+/// receivers that always have room, and for what the streams say and no more.
 struct Plan {
   std::vector<StreamPlan> streams;  ///< as those given
   std::vector<NodePlan> nodes;      ///< in ring order

@@ -1,6 +1,5 @@
 #include "study/plan_words.h"
 
-#include <algorithm>
 #include <cstdio>
 
 #include "config/quantity.h"
@@ -41,11 +40,25 @@ void add_node_limits(const config::RingConfig& ring, const Plan& plan, std::vect
   }
 }
 
+std::string line_overload(const std::string& line, std::uint64_t rate, double load) {
+  return line + " would be in use " + percent(load) + " of the time at " + config::format_rate(rate) + ": " +
+         percent(load - 1) + " too much";
+}
+
+// Every packet occupies every line once, so equal lines are full together.
+bool lines_are_equal(const config::RingConfig& ring) {
+  for (std::size_t n = 1; n < ring.nodes.size(); ++n)
+    if (line_rate(ring, n) != line_rate(ring, 0)) return false;
+  return true;
+}
+
 void add_line_limits(const config::RingConfig& ring, const Plan& plan, std::vector<std::string>& limits) {
+  if (lines_are_equal(ring)) {
+    if (plan.lines[0] >= 1) limits.push_back(line_overload("every line", line_rate(ring, 0), plan.lines[0]));
+    return;
+  }
   for (std::size_t n = 0; n < plan.lines.size(); ++n)
-    if (plan.lines[n] >= 1)
-      limits.push_back(line_name(ring, n) + " would be in use " + percent(plan.lines[n]) + " of the time at " +
-                       config::format_rate(line_rate(ring, n)) + ": " + percent(plan.lines[n] - 1) + " too much");
+    if (plan.lines[n] >= 1) limits.push_back(line_overload(line_name(ring, n), line_rate(ring, n), plan.lines[n]));
 }
 
 void add_stream_limits(const config::RingConfig& ring, const std::vector<Stream>& streams, const Plan& plan,
@@ -83,9 +96,11 @@ std::string verdict(const config::RingConfig& ring, const Plan& plan) {
     for (const std::string& limit : plan.limits) text += "\n  " + limit;
     return text + "\n";
   }
-  const auto by_data = [](const NodePlan& a, const NodePlan& b) { return a.data < b.data; };
-  const auto node = static_cast<std::size_t>(std::max_element(plan.nodes.begin(), plan.nodes.end(), by_data) - plan.nodes.begin());
-  const auto line = static_cast<std::size_t>(std::max_element(plan.lines.begin(), plan.lines.end()) - plan.lines.begin());
+  std::size_t node = 0, line = 0;
+  for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
+    if (plan.nodes[n].data > plan.nodes[node].data) node = n;
+    if (plan.lines[n] > plan.lines[line]) line = n;
+  }
   return "The ring carries this. The busiest node is " + ring.nodes[node].name + ", with a packet under way " +
          percent(plan.nodes[node].data) + " of the time at most; the busiest line, " + line_name(ring, line) +
          ", is in use " + percent(plan.lines[line]) + " of it.\n";

@@ -49,7 +49,8 @@ std::vector<unsigned> fragments(unsigned bytes) {
   return packets;
 }
 
-Stream message(std::string name, NodeId source, NodeId destination, std::uint8_t priority, unsigned bytes, double rate) {
+Stream message(std::string name, NodeId source, NodeId destination, std::uint8_t priority, unsigned bytes,
+               double rate) {
   Stream stream;
   stream.name = std::move(name);
   stream.source = source;

@@ -35,7 +35,7 @@ struct Stream {
 ///   joint states    of each node with joints, to config::state_destination() (firmware)
 ///   joint commands  from there to each of them, position and velocity of every joint (ring_bridge)
 ///   sensors         to there (firmware)
-///   topics          that have a size and a rate (ring_bridge)
+///   topics          that have a size and a rate (ring_bridge); the announcement before the first is not counted
 ///   traffic
 ///   beacons         of every network controller
 std::vector<Stream> streams_of(const config::RingConfig& ring);

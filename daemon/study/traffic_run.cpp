@@ -20,7 +20,8 @@ constexpr Duration kInstant{1};
 
 struct Message {
   Time asked{};
-  bool whole = true;  ///< every packet so far was delivered
+  std::size_t left = 0;  ///< packets that have not ended
+  bool whole = true;     ///< all that have were delivered
 };
 
 /// A stream's CPU.
@@ -36,7 +37,6 @@ struct Feed {
 struct Job {
   std::size_t stream = 0;
   std::size_t message = 0;
-  bool last = false;
 };
 
 struct Source {
@@ -56,7 +56,8 @@ class Run {
         sources_(config.nodes.size()),
         result_(streams.size()) {
     if (!ring_->join()) throw std::runtime_error("the simulated ring did not close within 10 s");
-    ring_->run_for(config.timeouts.beacon);  // what nodes say when they join is over
+    ring_->run_for(Duration(config.timeouts.beacon) / 2);  // between what nodes say when they join and the next
+    patience_ = config.timeouts.queue + ring_->node(0).settings().worst_lap();
     start_ = ring_->now();
     end_ = start_ + options.duration;
     listen();
@@ -69,7 +70,7 @@ class Run {
       ring_->run_until(start_ + options_.duration * i / kTold);
       options_.tell(static_cast<double>(i) / kTold);
     }
-    ring_->run_until([this] { return all_home(); }, options_.duration + std::chrono::seconds(1));
+    ring_->run_until([this] { return all_home(); }, patience_);
     return std::move(result_);
   }
 
@@ -107,7 +108,7 @@ class Run {
   }
 
   void ask(std::size_t s) {
-    feeds_[s].messages[result_[s].asked++] = {ring_->now(), true};
+    feeds_[s].messages[result_[s].asked++] = {ring_->now(), feeds_[s].packets.size(), true};
     schedule(s);
     feed(s);
   }
@@ -115,12 +116,12 @@ class Run {
   void feed(std::size_t s) {
     Feed& feed = feeds_[s];
     while (feed.in_nc < kWindow && feed.next_message < result_[s].asked) {
-      const bool last = feed.next_packet + 1 == feed.packets.size();
       const std::uint32_t token = send(streams_[s], feed.packets[feed.next_packet]);
-      sources_[streams_[s].source].jobs[token] = {s, feed.next_message, last};
+      sources_[streams_[s].source].jobs[token] = {s, feed.next_message};
       ++feed.in_nc;
-      feed.next_packet = last ? 0 : feed.next_packet + 1;
-      if (last) ++feed.next_message;
+      if (++feed.next_packet < feed.packets.size()) continue;
+      feed.next_packet = 0;
+      ++feed.next_message;
     }
   }
 
@@ -149,19 +150,21 @@ class Run {
     Source& source = sources_[node];
     const Job job = source.jobs.at(ended.token);
     source.jobs.erase(ended.token);
+    Message& message = feeds_[job.stream].messages.at(job.message);
     ++result_[job.stream].outcomes[static_cast<std::size_t>(ended.outcome)];
-    const auto message = feeds_[job.stream].messages.find(job.message);
-    if (ended.outcome != core::Outcome::delivered) message->second.whole = false;
-    if (job.last) {
-      if (message->second.whole) {
-        const Time there = ended.interrupt ? source.interrupt_delivered : source.data_delivered;
-        result_[job.stream].delivered.add(there - message->second.asked);
-        result_[job.stream].confirmed.add(home - message->second.asked);
-      }
-      feeds_[job.stream].messages.erase(message);
+    message.whole = message.whole && ended.outcome == core::Outcome::delivered;
+    if (--message.left == 0) {
+      if (message.whole)
+        count(job.stream, message.asked, ended.interrupt ? source.interrupt_delivered : source.data_delivered, home);
+      feeds_[job.stream].messages.erase(job.message);
     }
     --feeds_[job.stream].in_nc;
     feed(job.stream);
+  }
+
+  void count(std::size_t s, Time asked, Time there, Time home) {
+    result_[s].delivered.add(there - asked);
+    result_[s].confirmed.add(home - asked);
   }
 
   bool all_home() const {
@@ -175,6 +178,7 @@ class Run {
   std::mt19937_64 random_;
   std::unique_ptr<VirtualRing> ring_;
   Time start_{}, end_{};
+  Duration patience_{0};  ///< for what is under way at the end: what has a bound is home by then
   std::vector<Feed> feeds_;
   std::vector<Source> sources_;
   std::vector<StreamRun> result_;

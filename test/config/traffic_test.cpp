@@ -85,6 +85,15 @@ TEST(Traffic, StaysWithinItsRanges) {
               HasSubstr("'traffic[0].jitter': '11s' is out of range"));
 }
 
+// By default pins 0 to 2 are wired, the rest to nothing.
+TEST(Traffic, PullsPinsThatAreWired) {
+  EXPECT_THAT(refusal_of(with_traffic("{name: a, from: 0, to: knee, interrupt: 3, rate: 1}")),
+              Eq("ring.yaml:7:45: entry 'traffic[0].interrupt': pin 3 of node 'knee' is wired to nothing; allowed: a "
+                 "factor that is wired at every destination"));
+  EXPECT_THAT(refusal_of(with_traffic("{name: a, from: 0, to: all, interrupt: 3, rate: 1}")),
+              HasSubstr("pin 3 of node 'knee' is wired to nothing"));
+}
+
 TEST(Traffic, HasEachNameOnce) {
   const std::string entry = "{name: a, from: 0, to: 1, size: 8, rate: 1}";
   EXPECT_THAT(refusal_of(with_traffic(entry + "\n  - " + entry)),

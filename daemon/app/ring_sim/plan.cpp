@@ -59,22 +59,34 @@ PlanReport make_report(const Options& options) {
   return report;
 }
 
+std::string broken_words(const study::StreamRun& run) {
+  if (run.failed() != 0) return std::to_string(run.failed()) + " packets were not delivered";
+  if (run.confirmed.count() < run.asked) return std::to_string(run.asked - run.confirmed.count()) + " never came home";
+  return "later than its bound";
+}
+
 std::string simulated_words(const PlanReport& report, const std::string& duration) {
-  const std::string run = "Simulated " + duration + " with seed " + std::to_string(report.seed) + ": ";
-  if (report.kept()) return run + "every message that has a bound came within it.\n";
-  std::string text = run + "bounds were broken, which should never be:\n";
+  std::string text = "Simulated " + duration + " with seed " + std::to_string(report.seed) +
+                     "; a beacon's time counts from its first byte on the line. ";
+  if (report.kept()) return text + "Every message that has a bound came within it.\n";
+  text += "Not as planned:\n";
   for (std::size_t s = 0; s < report.runs.size(); ++s)
-    if (!study::kept(report.plan.streams[s], report.runs[s])) text += "  " + report.streams[s].name + "\n";
+    if (!study::kept(report.plan.streams[s], report.runs[s]))
+      text += "  '" + report.streams[s].name + "': " + broken_words(report.runs[s]) + "\n";
   return text;
+}
+
+std::string assumed_words(const study::Medium& medium) {
+  const auto delay = std::chrono::duration_cast<std::chrono::nanoseconds>(medium.relay_delay);
+  return "Assumed for lines without a rate: " + config::format_rate(medium.rate) + ", relay delay " +
+         config::format_time(delay) + ".\n";
 }
 
 std::string text_of(const PlanReport& report, const Options& options) {
   std::string text = app::format_rows(stream_rows(report, false), app::Format::text);
   text += "\n" + app::format_rows(node_rows(report), app::Format::text) + "\n";
   text += "Worst cases in us, from the CPU's request for a message until all of it is delivered, and confirmed.\n";
-  if (report.assumed)
-    text += "Assumed for lines without a rate: " + config::format_rate(options.medium.rate) + ", relay delay " +
-            config::format_time(std::chrono::duration_cast<std::chrono::nanoseconds>(options.medium.relay_delay)) + ".\n";
+  if (report.assumed) text += assumed_words(options.medium);
   if (!report.runs.empty()) text += simulated_words(report, options.duration);
   return text + study::verdict(report.ring, report.plan);
 }
