@@ -16,7 +16,8 @@ unsigned size_on_line(unsigned data) { return data + static_cast<unsigned>(wire:
 
 }  // namespace
 
-Laps::Laps(const config::RingConfig& ring, const std::vector<Stream>& streams) : largest_(ring.nodes.size(), 0) {
+Laps::Laps(const config::RingConfig& ring, const std::vector<Stream>& streams)
+    : largest_(ring.nodes.size(), 0), smallest_(ring.nodes.size(), 0) {
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
     const config::LinkConfig& line = ring.nodes[(n + 1) % ring.nodes.size()].link;
     byte_time_.push_back(setup::byte_time(line));
@@ -24,7 +25,10 @@ Laps::Laps(const config::RingConfig& ring, const std::vector<Stream>& streams) :
   }
   for (const Stream& stream : streams)
     for (const unsigned packet : stream.packets) {
-      largest_[stream.source] = std::max(largest_[stream.source], size_on_line(packet));
+      const unsigned size = size_on_line(packet);
+      unsigned &largest = largest_[stream.source], &smallest = smallest_[stream.source];
+      smallest = smallest == 0 ? size : std::min(smallest, size);
+      largest = std::max(largest, size);
       odd_ = std::max(odd_, packet % 4);
     }
 }
@@ -79,6 +83,19 @@ Duration Laps::data_ahead(NodeId source) const {
   return slowest_line(largest) + interrupts_;
 }
 
+std::size_t Laps::waiting(NodeId node) const {
+  std::vector<unsigned> sizes;
+  for (std::size_t n = 0; n < smallest_.size(); ++n)
+    if (n != node && smallest_[n] != 0) sizes.push_back(smallest_[n]);
+  if (narrows(node)) return sizes.size();
+  std::sort(sizes.begin(), sizes.end());
+  const Duration own = on_line(node, largest_[node]) + interrupts_;
+  Duration sum{0};
+  std::size_t whole = 0;
+  while (whole < sizes.size() && (sum += on_line(node, sizes[whole])) <= own) ++whole;
+  return std::min(sizes.size(), whole + 2);
+}
+
 Duration Laps::interrupt(NodeId source, NodeId to) const {
   Duration on_slowest{0}, sum{0};
   visit_lines(source, to, [&](NodeId node) {
@@ -107,11 +124,12 @@ Duration Laps::longest_data() const {
 }
 
 bool Laps::set_interrupts(const std::vector<Interrupts>& interrupts) {
+  interrupts_ = Duration{0};
+  const Duration lap = longest_data();
   for (Duration before{-1}; interrupts_ != before && interrupts_ < kNoRoom;) {
     before = interrupts_;
-    const Duration lap = longest_data();
     std::int64_t count = 0;
-    for (const Interrupts& each : interrupts) count += (lap + each.life) / each.period + 1;
+    for (const Interrupts& each : interrupts) count += (lap + before + each.life) / each.period + 1;
     interrupts_ = slowest_line(kInterrupt) * count;
   }
   return interrupts_ < kNoRoom;

@@ -24,8 +24,13 @@ class Laps {
 
   /// From the first byte out until the tail is in at `to`; to == source: home.
   Duration data(NodeId source, NodeId to, unsigned bytes) const;
+  /// The longest lap of any DATP.
+  Duration longest_data() const;
   /// An idle node's packet waits so long for a packet that passes, at most.
   Duration data_ahead(NodeId source) const;
+  /// DATPs that may be in a node's insertion buffer at a time: of each other node one at most, and no more than
+  /// come in while an own packet goes out, beside one half in and one half out. Small packets make it many.
+  std::size_t waiting(NodeId node) const;
   Duration interrupt(NodeId source, NodeId to) const;
   Duration interrupt_ahead() const;
 
@@ -52,11 +57,10 @@ class Laps {
   Duration all_but(NodeId source, NodeId line) const;
   Duration data_queue(NodeId source, NodeId node) const;
   Duration interrupt_queue(NodeId source, NodeId node) const;
-  Duration longest_data() const;
-
   std::vector<Duration> byte_time_;  ///< of the line out of each node
   std::vector<Duration> delay_;      ///< d at its end
   std::vector<unsigned> largest_;    ///< bytes of each node's largest DATP on the line; 0: it sends none
+  std::vector<unsigned> smallest_;   ///< ... and of its smallest
   unsigned odd_ = 0;                 ///< most bytes of data beyond whole words in any DATP
   Duration interrupts_{0};           ///< I
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "study/laps.h"
-#include "study/latency.h"
 #include "study/plan_words.h"
 #include "study/response.h"
 
@@ -29,6 +28,8 @@ class Planner {
     for_each_unit(true);
     room_for_data_ = laps_.set_interrupts(interrupts());
     for_each_unit(false);
+    plan_.longest_lap = laps_.longest_data();
+    for (std::size_t n = 0; n < plan_.nodes.size(); ++n) plan_.nodes[n].waiting = laps_.waiting(static_cast<NodeId>(n));
     add_line_loads();
     plan_.limits = limits_of(ring_, streams_, plan_);
     return plan_;

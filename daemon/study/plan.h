@@ -20,6 +20,7 @@ struct StreamPlan {
 struct NodePlan {
   double data = 0;        ///< share of time in which a DATP of it is under way in the worst case; below 1
   double interrupts = 0;  ///< the same for its INTPs
+  std::size_t waiting = 0;  ///< DATPs in its insertion buffer at most
 };
 
 /// Whether a ring carries its streams, and how late each can be. Valid without losses, with queues and
@@ -28,6 +29,7 @@ struct Plan {
   std::vector<StreamPlan> streams;  ///< as those given
   std::vector<NodePlan> nodes;      ///< in ring order
   std::vector<double> lines;        ///< share of time in which the line out of each node is in use; below 1
+  Duration longest_lap{0};          ///< of any DATP; must be below the time-out of a try
   std::vector<std::string> limits;  ///< why it cannot be carried, a sentence each; empty: it can
 
   bool carried() const { return limits.empty(); }

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "config/quantity.h"
+#include "setup/core_settings.h"
 #include "study/latency.h"
 
 namespace limb_ring::study {
@@ -61,6 +62,25 @@ void add_line_limits(const config::RingConfig& ring, const Plan& plan, std::vect
     if (plan.lines[n] >= 1) limits.push_back(line_overload(line_name(ring, n), line_rate(ring, n), plan.lines[n]));
 }
 
+// What finds it full is dropped whole, and comes again only after the time-out. One sentence for the worst.
+void add_buffer_limit(const config::RingConfig& ring, const Plan& plan, std::vector<std::string>& limits) {
+  std::size_t worst = 0;
+  for (std::size_t n = 0; n < plan.nodes.size(); ++n)
+    if (plan.nodes[n].waiting > plan.nodes[worst].waiting) worst = n;
+  if (plan.nodes[worst].waiting > ring.limits.insertion_buffer)
+    limits.push_back(std::to_string(plan.nodes[worst].waiting) + " packets may wait in the insertion buffer of node " +
+                     ring.nodes[worst].name + ": limits.insertion_buffer, " +
+                     std::to_string(ring.limits.insertion_buffer) + ", is too small");
+}
+
+// A packet repeated while it still circulates takes its place twice, and the ring gets ever slower.
+void add_timeout_limit(const config::RingConfig& ring, const Plan& plan, std::vector<std::string>& limits) {
+  const Duration timeout = setup::core_settings(ring, ring.nodes[0], 1).send_timeout();
+  if (plan.longest_lap > timeout)
+    limits.push_back("a packet may take " + in_us(plan.longest_lap) + " for its lap and is repeated after " +
+                     in_us(timeout) + ": a longer timeouts.send is needed");
+}
+
 void add_stream_limits(const config::RingConfig& ring, const std::vector<Stream>& streams, const Plan& plan,
                        std::vector<std::string>& limits) {
   for (std::size_t s = 0; s < streams.size(); ++s) {
@@ -86,6 +106,8 @@ std::vector<std::string> limits_of(const config::RingConfig& ring, const std::ve
   std::vector<std::string> limits;
   add_line_limits(ring, plan, limits);
   add_node_limits(ring, plan, limits);
+  add_buffer_limit(ring, plan, limits);
+  add_timeout_limit(ring, plan, limits);
   add_stream_limits(ring, streams, plan, limits);
   return limits;
 }

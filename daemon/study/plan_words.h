@@ -12,7 +12,7 @@ namespace limb_ring::study {
 std::string in_words(const Response& response, Duration ahead, Duration longest_lap);
 
 /// What keeps the ring from carrying its streams, a sentence each: a node or a line with too much to do,
-/// a stream that may wait too long.
+/// a buffer that is too small, a time-out that is too short, a stream that may wait too long.
 std::vector<std::string> limits_of(const config::RingConfig& ring, const std::vector<Stream>& streams,
                                    const Plan& plan);
 

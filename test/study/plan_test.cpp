@@ -139,6 +139,36 @@ TEST(Plan, OfLinesThatDifferTheFullOneIsNamed) {
   EXPECT_EQ(made.limits[0], "the line into b would be in use 160.0 % of the time at 500Mbit/s: 60.0 % too much");
 }
 
+// A packet of b: before its line of 1 Mbit/s the others' 524 bytes may be queued, 2 * 4.192 ms; its own
+// 4.192 ms; at c and a one of theirs, 4.192 us each, and 3 us of delay. The NC of this file waits twice the
+// sum over the lines of (524 + 12 bytes and delay): 2 * (4.288 ms + 2 * 4.288 us + 3 us) = 8.599 ms.
+TEST(Plan, APacketThatIsRepeatedBeforeItIsHomeIsALimit) {
+  config::RingConfig ring = small_ring(3);
+  ring.nodes[2].link.rate = 1'000'000;
+  ring.timeouts.send = 1ms;
+  std::vector<Stream> streams;
+  for (NodeId n = 0; n < 3; ++n) streams.push_back(stream_from(n, 0, {512}, 1s));
+  const Plan made = plan(ring, streams);
+  EXPECT_EQ(made.longest_lap, ns(3 * 4'192'000 + 2 * 4192 + 3000));
+  EXPECT_THAT(made.limits, ElementsAre("a packet may take 12587.384 us for its lap and is repeated after "
+                                       "8599.152 us: a longer timeouts.send is needed"));
+  ring.timeouts.send = 100ms;
+  EXPECT_TRUE(plan(ring, streams).carried());
+}
+
+// While a's 512 bytes (4.192 us) go out, packets of 1 byte (0.104 us) come in from the nine others: each has one under
+// way, so nine may wait. Where the others' packets are as long, one fits in, one comes in and one goes out: three.
+TEST(Plan, AnInsertionBufferForWhichSmallPacketsAreTooManyIsALimit) {
+  std::vector<Stream> streams{stream_from(0, 1, {512}, 1ms)};
+  for (NodeId n = 1; n < 10; ++n) streams.push_back(stream_from(n, 0, {1}, 1ms));
+  const Plan made = plan(small_ring(10), streams);
+  EXPECT_EQ(made.nodes[0].waiting, 9u);
+  EXPECT_THAT(made.limits, ElementsAre("9 packets may wait in the insertion buffer of node a: "
+                                       "limits.insertion_buffer, 8, is too small"));
+  for (Stream& stream : streams) stream.packets = {512};
+  EXPECT_EQ(plan(small_ring(10), streams).nodes[0].waiting, 3u);
+}
+
 TEST(Plan, AWaitForWhichTheNcHasNoPatienceIsTooLong) {
   config::RingConfig ring = small_ring(2);
   ring.timeouts.queue = 1ms;

@@ -1,5 +1,6 @@
 #include "study/traffic_run.h"
 
+#include <algorithm>
 #include <random>
 
 #include "config/load_ring.h"
@@ -144,6 +145,27 @@ TEST(Bounds, AreReachedWhenEveryNodeStartsJustBeforeThePacketArrives) {
   EXPECT_EQ(runs[0].confirmed.max() + Duration{1}, ns(800 + 4 * 1800));
 }
 
+// a's 512 bytes begin 50 ns before the packets of the nine others come in, 130 ns apart (each takes 104 ns), the
+// nearest first. All nine have to wait, so a buffer of eight loses one, which comes again after the time-out.
+TEST(Bounds, NeedAnInsertionBufferOfWhatThePlanSays) {
+  config::RingConfig ring = small_ring(10);
+  std::vector<Stream> streams{stream_from(0, 1, {512}, 1s)};
+  streams[0].phase = Duration{19'950ns};
+  for (NodeId n = 1; n < 10; ++n) {
+    streams.push_back(stream_from(n, 0, {1}, 1s));
+    streams.back().phase = Duration{20us} + Duration{130ns} * (9 - n) - Duration{1us} * (10 - n);
+  }
+  const Plan made = plan(ring, streams);
+  EXPECT_EQ(made.nodes[0].waiting, 9u);
+  EXPECT_FALSE(made.carried());
+  const auto lossy = run(ring, streams, 1ms);
+  EXPECT_GE(lossy[1].confirmed.max(), Duration{ring.timeouts.send});
+  EXPECT_FALSE(kept(made.streams[1], lossy[1]));
+  ring.limits.insertion_buffer = 9;
+  EXPECT_TRUE(plan(ring, streams).carried());
+  expect_kept(ring, streams, 1ms, 1);
+}
+
 TEST(Bounds, HoldWhenEverybodyStartsAtOnce) {
   config::RingConfig ring = small_ring(3);
   ring.timeouts.beacon = 10ms;
@@ -165,6 +187,7 @@ class RandomRing {
   explicit RandomRing(std::uint64_t seed) : random_(seed) {
     ring = small_ring(2 + below(5));
     ring.timeouts.beacon = std::chrono::milliseconds(10 + below(20));
+    ring.limits.insertion_buffer = 2;
     ring.limits.send_queue = ring.limits.receive_buffers = 1000;
     const bool lines_differ = below(2) == 1;
     for (config::NodeConfig& node : ring.nodes) {
@@ -206,7 +229,9 @@ class RandomRing {
 
 TEST(Bounds, HoldOnRandomRings) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    const RandomRing random(seed);
+    RandomRing random(seed);
+    for (const NodePlan& node : plan(random.ring, random.streams).nodes)
+      random.ring.limits.insertion_buffer = std::max<unsigned>(random.ring.limits.insertion_buffer, node.waiting);
     expect_kept(random.ring, random.streams, 10ms, seed);
   }
 }

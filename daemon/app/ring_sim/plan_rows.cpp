@@ -97,6 +97,7 @@ std::vector<Row> node_rows(const PlanReport& report) {
     rows.push_back({{"node", node.name},
                     {"data_percent", percent(report.plan.nodes[n].data)},
                     {"interrupts_percent", percent(report.plan.nodes[n].interrupts)},
+                    {"waiting", report.plan.nodes[n].waiting},
                     {"line_in_percent", percent(report.plan.lines[before])},
                     {"line_in_bit_s", node.link.rate},
                     {"line_in_delay_us", study::microseconds(node.link.delay)}});
