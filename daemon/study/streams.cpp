@@ -1,6 +1,5 @@
 #include "study/streams.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "config/state_destination.h"
