@@ -8,6 +8,9 @@ constexpr std::size_t kMostTopics = 255;
 void check_topic(const Entry& entry, const TopicConfig& topic) {
   if (topic.from == topic.to)
     entry.refuse("the topic goes from a node to itself", "two nodes, each with a bridge");
+  if ((topic.size == 0) != (topic.rate == 0))
+    entry.refuse(topic.size == 0 ? "it has a rate and no size" : "it has a size and no rate",
+                 "size and rate, or neither of them");
 }
 
 }  // namespace
@@ -33,6 +36,10 @@ const Section<TopicConfig>& topic_section() {
                      "Of its packets; 0 is the highest. Joint data has 0."),
       integer_option("queue", &TopicConfig::queue, {1, 1000},
                      "Messages waiting to be sent; the oldest is dropped, counted."),
+      integer_option("size", &TopicConfig::size, {0, kLargestMessage},
+                     "For `ring_sim plan` alone: bytes of a message. 0: not planned."),
+      real_option("rate", &TopicConfig::rate, {0, 100000, "Hz"},
+                  "For `ring_sim plan` alone: messages a second. 0: not planned."),
   };
   return section;
 }

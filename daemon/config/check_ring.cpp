@@ -85,6 +85,27 @@ void check_topics(const Entry& file, const RingConfig& ring) {
   }
 }
 
+/// An interrupt that pulls nothing ends "refused"; a broadcast, if one node has nothing to pull.
+void check_traffic_pin(const Entry& entry, const RingConfig& ring, const TrafficConfig& stream) {
+  for (const NodeConfig& node : ring.nodes) {
+    const bool addressed = stream.broadcast ? node.id != stream.from : node.id == stream.to;
+    if (addressed && node.pins[*stream.interrupt].action == PinConfig::Action::none)
+      entry.refuse("pin " + std::to_string(*stream.interrupt) + " of node '" + node.name + "' is wired to nothing",
+                   "a factor that is wired at every destination");
+  }
+}
+
+void check_traffic(const Entry& file, const RingConfig& ring) {
+  std::set<std::string> names;
+  for (std::size_t t = 0; t < ring.traffic.size(); ++t) {
+    const TrafficConfig& stream = ring.traffic[t];
+    const Entry entry = element(file, "traffic", t);
+    if (!names.insert(stream.name).second)
+      entry.refuse("'" + stream.name + "' is the name of another one", "each name once");
+    if (stream.interrupt) check_traffic_pin(*entry.find("interrupt"), ring, stream);
+  }
+}
+
 }  // namespace
 
 void check_ring(const Entry& file, const RingConfig& ring) {
@@ -93,6 +114,7 @@ void check_ring(const Entry& file, const RingConfig& ring) {
   check_ports(file, ring);
   check_inputs(file, ring);
   check_topics(file, ring);
+  check_traffic(file, ring);
 }
 
 }  // namespace limb_ring::config

@@ -44,7 +44,7 @@ std::string options_markdown() {
          table("`nodes[].inputs`", inputs_section()) +
          table("`nodes[].inputs`, each", input_section()) +
          table("`nodes[].link`", link_section()) + table("`bridge`", bridge_section()) +
-         table("`bridge.topics[]`", topic_section());
+         table("`bridge.topics[]`", topic_section()) + table("`traffic[]`", traffic_section());
 }
 
 }  // namespace limb_ring::config

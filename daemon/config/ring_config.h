@@ -105,6 +105,9 @@ struct Firmware {
   double damping = 0.9;        ///< its damping ratio
 };
 
+/// Bytes of the largest message: 65,535 fragments of 492 (payload/fragment.h).
+constexpr std::uint32_t kLargestMessage = 0xFFFF * 492;
+
 /// A ROS topic carried over the ring from one bridge to another.
 struct TopicConfig {
   std::string input;        ///< topic subscribed at the bridge of `from`
@@ -112,6 +115,22 @@ struct TopicConfig {
   std::uint8_t from = 0, to = 0;
   std::uint8_t priority = 3;
   unsigned queue = 4;       ///< messages waiting to be sent; the oldest is dropped, counted
+  unsigned size = 0;        ///< for plans: bytes of a message; 0: not planned
+  double rate = 0;          ///< for plans: Hz; 0: not planned
+};
+
+/// A stream of which nothing else in the file tells: for plans and simulation. The daemons do not
+/// read it. (ours)
+struct TrafficConfig {
+  std::string name;
+  std::uint8_t from = 0, to = 0;
+  bool broadcast = false;   ///< to all others; `to` means nothing
+  unsigned size = 0;        ///< bytes of a message; above 512 it travels as topic fragments
+  std::optional<std::uint8_t> interrupt;  ///< instead of a message an INTP with this factor
+  double rate = 0;          ///< Hz
+  std::uint8_t priority = 3;
+  nanoseconds jitter{0};    ///< asked for up to so much later than its period says
+  std::optional<nanoseconds> phase;  ///< first message so long after the start; none: by the seed
 };
 
 struct BridgeConfig {
@@ -137,6 +156,7 @@ struct RingConfig {
   Firmware firmware;
   BridgeConfig bridge;
   Realtime realtime;
+  std::vector<TrafficConfig> traffic;
 
   const NodeConfig* find(std::uint8_t id) const;
   /// By id ("12") or name ("left_knee").

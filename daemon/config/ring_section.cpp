@@ -46,7 +46,8 @@ void read_nodes(const Entry& entry, RingConfig& ring) {
 
 }  // namespace
 
-// Read in this order: nodes take their links from `links`, and the bridge's topics name nodes.
+// Read in this order: nodes take their links from `links`; the bridge's topics and the traffic name
+// nodes.
 const Section<RingConfig>& ring_section() {
   static const Section<RingConfig> section{
       name_option("ring", &RingConfig::ring, is_ring_name, kRingNameRule, kRequired,
@@ -62,6 +63,7 @@ const Section<RingConfig>& ring_section() {
       {"nodes", kRequired, "a list of 2 to 255 maps, see below",
        "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
       section_option("bridge", &RingConfig::bridge, bridge_section(), "The ROS side of the ring."),
+      traffic_option(),
   };
   return section;
 }

@@ -15,6 +15,9 @@ const Section<Firmware>& firmware_section();
 const Section<Realtime>& realtime_section();
 const Section<BridgeConfig>& bridge_section();
 const Section<TopicConfig>& topic_section();
+/// The entry `traffic`, a list.
+Option<RingConfig> traffic_option();
+const Section<TrafficConfig>& traffic_section();
 const Section<NodeConfig>& node_section();
 /// The entry `link` of one node.
 const Section<LinkConfig>& link_section();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/mutation.h"
+
 namespace limb_ring::core {
 
 void count_outcome(Counters& counters, Outcome outcome) {
@@ -103,7 +105,7 @@ bool DataUnit::returned(const wire::PacketFields& packet, std::uint8_t fbc, Time
 
 void DataUnit::decide(std::uint8_t fbc, Time at, Duration round_trip) {
   const bool sure = !current().repeated;
-  if (fbc == wire::kFbcUntaken) {
+  if (fbc == wire::kFbcUntaken && !broken(Mutation::says_delivered)) {
     numbers_.undecided(flight_.destination());
     return finish_flight(sure ? Outcome::no_such_node : Outcome::lost, at, round_trip);
   }
@@ -125,6 +127,11 @@ void DataUnit::refuse(Time at) {
   job.backoff = std::min(2 * job.backoff, settings_.refused_backoff_most);
   flight_.clear();
   free_at_ = at;
+  if (broken(Mutation::refused_goes_last)) {
+    const Job last = job;
+    queues_[current_].pop();
+    queues_[current_].push() = last;
+  }
 }
 
 void DataUnit::returned_damaged(Time at) {
@@ -164,6 +171,7 @@ void DataUnit::tell(Job& job, Outcome outcome, Reject reject, Time at, Duration 
   }
   count_outcome(counters_, outcome);
   events_.put(at, ended);
+  if (broken(Mutation::result_twice)) events_.put(at, ended);
 }
 
 // One that waits after a try was refused: every other end is final.

@@ -139,7 +139,7 @@ bool PacketManager::own_interrupt_first() const {
 Time PacketManager::interrupt_place(Time since) const {
   const Time at = std::max(since, free_at_);
   if (!is_open_) return at;
-  if (!settings_.embed_interrupts) return kNever;
+  if (!settings_.embed_interrupts || broken(Mutation::holds_interrupts)) return kNever;
   const Time word = next_word(at);
   return open_complete() && paced() && word > open_end_at() ? kNever : word;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/mutation.h"
+
 namespace limb_ring::core {
 
 using wire::PacketFields;
@@ -41,7 +43,7 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   }
   const bool taken = accepts(packet);
   memory_.remember(packet.source(), packet.code(), broadcast, taken ? Verdict::taken : Verdict::refused, at);
-  if (!taken) return 0;
+  if (!taken) return broken(Mutation::lies_in_fbc) ? least(1) : std::uint8_t{0};
   store(packet, at);
   return least(free);
 }

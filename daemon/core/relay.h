@@ -3,6 +3,7 @@
 #include <bitset>
 
 #include "core/counters.h"
+#include "core/mutation.h"
 #include "core/settings.h"
 
 namespace limb_ring::core {
@@ -25,6 +26,7 @@ class Relay {
     if (!wire::header_valid(header, interrupt)) return ++counters_.malformed_packets, Fate::discard;
     const NodeId source = header[3];
     if (source == settings_.id) return Fate::strip;
+    if (broken(Mutation::passes_orphans)) return Fate::pass_on;
     if (header[2] + 1u >= settings_.nodes()) return ++counters_.orphans_hop, Fate::discard;
     if (bypassed_[source]) return ++counters_.orphans_bypassed, Fate::receive_only;
     return Fate::pass_on;

@@ -1,7 +1,7 @@
 #include "firmware/node_setup.h"
 
 #include "config/load_ring.h"
-#include "firmware/state_destination.h"
+#include "config/state_destination.h"
 
 namespace limb_ring::firmware {
 namespace {
@@ -31,7 +31,7 @@ ProgramSetup make_setup(const Options& options) {
   setup.cpu.node = find_node(ring, options);
   setup.cpu.firmware = ring.firmware;
   setup.cpu.command_timeout = ring.timeouts.command;
-  setup.cpu.state_to = state_destination(ring);
+  setup.cpu.state_to = config::state_destination(ring);
   return setup;
 }
 

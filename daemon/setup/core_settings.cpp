@@ -1,5 +1,7 @@
 #include "setup/core_settings.h"
 
+#include <algorithm>
+
 namespace limb_ring::setup {
 
 using config::LinkConfig;
@@ -29,11 +31,15 @@ const NodeConfig& successor_of(const RingConfig& ring, const NodeConfig& node) {
   return ring.nodes[(index_of(ring, node) + 1) % ring.nodes.size()];
 }
 
-/// Lines may differ: a lap is the sum over all of T + d, INTPs cutting in once per node.
+/// Lines may differ. All packets queue before the slowest one, so a lap is the sum over all nodes of its
+/// T and of their d, INTPs cutting in once per node.
 core::Duration worst_lap(const RingConfig& ring) {
-  core::Duration lap{0};
-  for (const NodeConfig& node : ring.nodes) lap += byte_time(node.link) * (524 + 12) + node.link.delay;
-  return lap;
+  core::Duration slowest{0}, delays{0};
+  for (const NodeConfig& node : ring.nodes) {
+    slowest = std::max(slowest, byte_time(node.link));
+    delays += node.link.delay;
+  }
+  return slowest * (524 + 12) * static_cast<std::int64_t>(ring.nodes.size()) + delays;
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
   if (slice.kind == SliceKind::start || slice.kind == SliceKind::whole) {
     at(node).coming = Head::of(slice.bytes);
     at(node).coming_size = 0;
-    at(node).passes_on = true;
+    at(node).passes_on = wire::header_valid(slice.bytes, false);
   }
   if (slice.kind != SliceKind::interrupt) at(node).coming_size += slice.bytes.size;
   const std::uint8_t priority = whole_or_end(slice) ? wire::priority_of(Tail::of(slice.bytes).last) : 0;
@@ -146,7 +146,8 @@ void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
   if (slice.kind == SliceKind::interrupt) interrupt_has_arrived(node, slice, now);
   const Before after = count(node, 0);
   if (slice.kind == SliceKind::abort || after.stray != at(node).before.stray) at(node).coming.reset();
-  if (slice.kind == SliceKind::start) at(node).passes_on = after.dropped == at(node).before.dropped;
+  if (slice.kind == SliceKind::start)
+    at(node).passes_on = after.dropped == at(node).before.dropped && wire::header_valid(slice.bytes, false);
   check_insertion(node);
 }
 
@@ -206,7 +207,8 @@ void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, Ti
   if (pulled) fbc = std::min(fbc, 1);
   if (after.refused != before.refused) fbc = 0;
   if (after.repeated != before.repeated) fbc = Passage::kAnyFbc;
-  if (after.dropped == before.dropped) at(node).passage.came(head, tail.destination, fbc, now);
+  if (after.dropped == before.dropped && wire::header_valid(slice.bytes, true))
+    at(node).passage.came(head, tail.destination, fbc, now);
 }
 
 // A return is known when its last bit is in: its slice came as its last bytes began.

@@ -17,6 +17,7 @@ const char* to_string(Promise promise) {
     case Promise::insertion_bound: return "the insertion buffer keeps its bound";
     case Promise::no_circling: return "no packet circles on without its source";
     case Promise::true_fbc: return "FBC is truthful";
+    case Promise::whole_again: return "when all is mended the ring closes and falls silent";
   }
   return "";
 }

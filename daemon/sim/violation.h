@@ -17,9 +17,10 @@ enum class Promise {
   interrupt_wait,   ///< an INTP waits for other INTPs and at most for odd bytes, trailer and CRC
   insertion_bound,  ///< of the insertion buffer
   no_circling,      ///< no packet goes on without its source
-  true_fbc          ///< FBC goes on as the receivers' buffers say
+  true_fbc,         ///< FBC goes on as the receivers' buffers say
+  whole_again       ///< when all is mended the ring closes, and falls silent
 };
-constexpr unsigned kPromises = 9;
+constexpr unsigned kPromises = 10;
 const char* to_string(Promise promise);
 
 struct Violation {

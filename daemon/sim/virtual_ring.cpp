@@ -184,6 +184,16 @@ std::uint32_t VirtualRing::pull(NodeId id, unsigned input) {
   return token;
 }
 
+void VirtualRing::reset_cpu(NodeId id) {
+  tell_fault(id, Fault::cpu_reset);
+  node(id).cpu_reset(1, now_);
+}
+
+void VirtualRing::cancel(NodeId id) {
+  tell_fault(id, Fault::cancelled);
+  node(id).cancel(1, now_);
+}
+
 const core::SendEnded* VirtualRing::ended(NodeId id, std::uint32_t token) const {
   for (const core::Event& event : nodes_[id].log.events) {
     const auto* end = std::get_if<core::SendEnded>(&event.what);

@@ -59,6 +59,10 @@ class VirtualRing {
                      std::uint8_t priority = 0, std::uint8_t channel = 0);
   std::uint32_t interrupt(NodeId id, NodeId destination, std::uint8_t factor);
   std::uint32_t pull(NodeId id, unsigned input);
+  /// The CPU of node `id` is reset: its sends end, its receive buffers are emptied.
+  void reset_cpu(NodeId id);
+  /// Its sends end cancelled.
+  void cancel(NodeId id);
   /// The end of that send; null where it has not ended.
   const core::SendEnded* ended(NodeId id, std::uint32_t token) const;
 

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include "firmware/firmware_bench.h"
-#include "firmware/state_destination.h"
 #include "payload/packet_type.h"
 
 namespace limb_ring::firmware {
@@ -148,16 +147,6 @@ TEST(NodeCpu, WithoutJointsAndSensorsHasNothingToSay) {
   EXPECT_FALSE(cpu.due());
   cpu.advance(at(10s));
   EXPECT_TRUE(cpu.take_outgoing().empty());
-}
-
-TEST(StateDestination, IsTheFirstAttachedCpuElseTheFirstNode) {
-  config::RingConfig ring;
-  ring.nodes.resize(3);
-  for (std::uint8_t i = 0; i < 3; ++i) ring.nodes[i].id = static_cast<std::uint8_t>(7 + i);
-  EXPECT_EQ(state_destination(ring), 7);
-  ring.nodes[1].cpu.kind = config::CpuConfig::Kind::attached;
-  ring.nodes[2].cpu.kind = config::CpuConfig::Kind::attached;
-  EXPECT_EQ(state_destination(ring), 8);
 }
 
 }  // namespace

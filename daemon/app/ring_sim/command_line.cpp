@@ -47,6 +47,10 @@ void add_medium(CLI::App& command, study::Medium& medium) {
   command.add_option("--nodes", medium.nodes, "Nodes, 2 to 254; default 16")->check(CLI::Range(2, 254));
   command.add_option("--payload", medium.payload, "Bytes of data in a packet, 1 to 512; default 512")
       ->check(CLI::Range(1, 512));
+  add_lines(command, medium);
+}
+
+void add_lines(CLI::App& command, study::Medium& medium) {
   const auto add = [&command, &medium](const char* name, const char* type, const char* text, auto read) {
     command.add_option_function<std::string>(name, [](const std::string&) {}, text)
         ->check(CLI::Validator([&medium, read](const std::string& value) { return read(value, medium); }, type));
@@ -86,6 +90,7 @@ int run_command_line(int argc, char** argv) {
   app.footer(kExitCodesHelp);
   app.require_subcommand(1);
   add_compare(app, context);
+  add_plan(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {

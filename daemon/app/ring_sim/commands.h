@@ -7,4 +7,6 @@ namespace limb_ring::ring_sim {
 // One subcommand each, in a file of its name.
 void add_compare(CLI::App& app, Context& context);
 
+void add_plan(CLI::App& app, Context& context);
+
 }  // namespace limb_ring::ring_sim

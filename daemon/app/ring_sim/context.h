@@ -21,6 +21,8 @@ void add_format(CLI::App& command, app::Format& format);
 
 /// Adds --nodes, --payload, --rate and --relay-delay, each checked.
 void add_medium(CLI::App& command, study::Medium& medium);
+/// Adds --rate and --relay-delay alone.
+void add_lines(CLI::App& command, study::Medium& medium);
 
 /// Adds --seed; where it is not given, one is drawn and printed by whoever uses it.
 void add_seed(CLI::App& command, std::uint64_t& seed);

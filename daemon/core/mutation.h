@@ -1,0 +1,27 @@
+#pragma once
+
+namespace limb_ring::core {
+
+/// Ways to break the core on purpose: a test build (LIMB_RING_MUTATIONS) shows with them that every
+/// check of the ring's promises can fail. In any other build nothing of this is left.
+enum class Mutation {
+  none,
+  result_twice,        ///< a send tells its result twice
+  says_delivered,      ///< what nobody took is called delivered
+  takes_damaged,       ///< the CRC is not looked at
+  forgets_duplicates,  ///< a retry is taken again
+  refused_goes_last,   ///< what is refused lets others of its priority pass
+  holds_interrupts,    ///< an INTP waits for the end of the DATP on the line
+  holds_relayed,       ///< relayed DATPs wait for company
+  passes_orphans,      ///< packets whose source is gone are passed on
+  lies_in_fbc          ///< FBC says taken where it was refused
+};
+
+#ifdef LIMB_RING_MUTATIONS
+inline Mutation mutation = Mutation::none;
+inline bool broken(Mutation which) { return mutation == which; }
+#else
+constexpr bool broken(Mutation) { return false; }
+#endif
+
+}  // namespace limb_ring::core

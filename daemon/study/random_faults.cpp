@@ -1,0 +1,201 @@
+#include "study/random_faults.h"
+
+#include <cstring>
+
+namespace limb_ring::study {
+
+using core::Duration;
+using wire::NodeId;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr unsigned kSteps = 1200;
+
+}  // namespace
+
+RandomFaults::RandomFaults(std::uint64_t seed) : seed_(seed), random_(seed) {
+  choose_mix();
+  make_ring();
+}
+
+void RandomFaults::choose_mix() {
+  nodes_ = once_in(3) ? 2 + random(15) : 16;
+  paced_ = once_in(2);
+  const unsigned levels[] = {0, 2000, 200, 33};
+  drop_ = levels[random(4)];
+  damage_ = levels[random(4)];
+  trouble_ = levels[random(4)];
+}
+
+std::string RandomFaults::describe() const {
+  const auto rate = [](const char* what, unsigned times) {
+    return times == 0 ? "" : std::string(", ") + what + " once in " + std::to_string(times);
+  };
+  return std::to_string(nodes_) + " nodes, lines " + (paced_ ? "of 1 Gbit/s" : "without a rate") +
+         rate("a slice lost", drop_) + rate("damaged", damage_) + rate("a fault in a step", trouble_);
+}
+
+void RandomFaults::make_ring() {
+  sim::VirtualRingOptions options;
+  options.nodes = nodes_;
+  options.byte_time = paced_ ? Duration{8ns} : Duration{0};
+  options.keep_logs = false;
+  options.adjust = [this](core::Settings& s) {
+    s.send_timeout_least = paced_ ? Duration{0} : Duration{100us};
+    s.refused_for = 2ms;
+    s.refused_backoff = 20us;
+    s.refused_backoff_most = 300us;
+    s.queue_timeout = 20ms;
+    s.stall = 50us;
+    s.beacon = 1ms;
+    s.break_grace = 300us;
+    s.receive_buffers = 3;
+    s.send_queue = 6;
+    s.wired = {true, false, true, true, true, true, true, true};
+  };
+  ring_ = std::make_unique<sim::VirtualRing>(options);
+  killed_.assign(nodes_, false);
+  invariants_ = std::make_unique<sim::Invariants>(*ring_);
+  ring_->on_event = [this](NodeId, const core::Event& event) {
+    if (const auto* end = std::get_if<core::SendEnded>(&event.what)) ++ended_[static_cast<std::size_t>(end->outcome)];
+  };
+  for (unsigned node = 0; node < nodes_; ++node)
+    ring_->tap(static_cast<NodeId>(node), [this](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
+      pass(slice, arriving);
+    });
+}
+
+// ---- lines ----------------------------------------------------------------------------------
+
+void RandomFaults::pass(const wire::Slice& slice, wire::SliceWriter& arriving) {
+  if (quiet_) {
+    const bool control = slice.kind != wire::SliceKind::interrupt && slice.bytes.size >= 13 &&
+                         slice.bytes[slice.bytes.size - 5] >> 2 == 1;
+    const bool part = slice.kind == wire::SliceKind::start;  // its end tells
+    if (!control && !part) ++slices_when_quiet_;
+  }
+  if (!quiet_ && once_in(drop_)) return;
+  std::uint8_t* bytes = arriving.put_space(slice.kind, slice.bytes.size);
+  if (slice.bytes.empty()) return;
+  std::memcpy(bytes, slice.bytes.data, slice.bytes.size);
+  if (quiet_ || !once_in(damage_)) return;
+  bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1u << random(8));
+}
+
+// ---- what happens ---------------------------------------------------------------------------
+
+void RandomFaults::run() {
+  ring_->join();
+  for (unsigned step = 0; step < kSteps && !violation_; ++step) {
+    act();
+    ring_->run_for(Duration{1ns} * random(paced_ ? 12000 : 4000));
+    look();
+  }
+  if (!violation_) calm_down();
+  if (!violation_) check_whole();
+  if (!violation_) check_silence();
+}
+
+void RandomFaults::look() { violation_ = invariants_->violation(); }
+
+std::uint64_t RandomFaults::hops() const {
+  std::uint64_t hops = 0;
+  for (unsigned id = 0; id < nodes_; ++id) {
+    const core::Counters& c = ring_->counters(static_cast<NodeId>(id));
+    hops += c.relayed_data + c.relayed_interrupts + c.sent_data + c.sent_interrupts;
+  }
+  return hops;
+}
+
+void RandomFaults::act() {
+  if (once_in(trouble_)) fault();
+  if (once_in(7))
+    interrupt();
+  else
+    send();
+}
+
+void RandomFaults::send() {
+  const NodeId source = random_node();
+  if (!ring_->alive(source)) return;
+  std::vector<std::uint8_t> data(once_in(3) ? wire::kMaxPayload : 1 + random(512));
+  for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random_());
+  ring_->send(source, random_destination(), data, static_cast<std::uint8_t>(random(4)));
+}
+
+void RandomFaults::interrupt() {
+  const NodeId source = random_node();
+  if (ring_->alive(source)) ring_->interrupt(source, random_destination(), static_cast<std::uint8_t>(random(8)));
+}
+
+void RandomFaults::fault() {
+  const NodeId node = random_node();
+  switch (random(10)) {
+    case 0: return kill_or_start(node);
+    case 1:
+      if (ring_->alive(node)) ring_->kill(node);
+      killed_[node] = true;
+      return ring_->start(node);
+    case 2: return freeze_or_thaw(node);
+    case 3: return ring_->alive(node) ? ring_->cut(node) : kill_or_start(node);
+    case 4:
+    case 5: return ring_->heal(node);
+    case 6: ring_->cpu_reads[node] = !ring_->cpu_reads[node]; return;  // its CPU hangs, or goes on
+    case 7: return ring_->alive(node) ? ring_->cancel(node) : void();
+    case 8: return ring_->alive(node) ? ring_->reset_cpu(node) : void();
+    case 9: return ring_->alive(node) ? freeze_or_thaw(node) : kill_or_start(node);
+  }
+}
+
+void RandomFaults::kill_or_start(NodeId node) {
+  if (!ring_->alive(node)) return ring_->start(node);
+  killed_[node] = true;
+  ring_->kill(node);
+}
+
+void RandomFaults::freeze_or_thaw(NodeId node) {
+  if (ring_->alive(node)) {
+    killed_[node] = false;
+    return ring_->freeze(node);
+  }
+  return killed_[node] ? ring_->start(node) : ring_->thaw(node);
+}
+
+// ---- afterwards -----------------------------------------------------------------------------
+
+void RandomFaults::calm_down() {
+  quiet_ = true;
+  for (unsigned id = 0; id < nodes_; ++id) {
+    const auto node = static_cast<NodeId>(id);
+    ring_->cpu_reads[id] = true;
+    ring_->heal(node);
+    if (!ring_->alive(node)) freeze_or_thaw(node);
+  }
+  ring_->run_for(200ms);
+  invariants_->finish();
+  look();
+}
+
+void RandomFaults::check_whole() {
+  for (unsigned id = 0; id < nodes_; ++id) {
+    const core::Membership& m = ring_->node(static_cast<NodeId>(id)).membership();
+    if (m.state() == core::NodeState::up && m.ring_size() == nodes_) continue;
+    violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
+                                "node " + std::to_string(id) + " is " + to_string(m.state()) + " in a ring of " +
+                                    std::to_string(m.ring_size()) + " after all was mended"};
+    return;
+  }
+}
+
+// Traffic has long ended: whatever is no beacon has a life without end.
+void RandomFaults::check_silence() {
+  slices_when_quiet_ = 0;
+  ring_->run_for(20ms);
+  look();
+  if (slices_when_quiet_ == 0 || violation_) return;
+  violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
+                              std::to_string(slices_when_quiet_) + " slices that are no beacon's still circulate"};
+}
+
+}  // namespace limb_ring::study
