@@ -92,6 +92,8 @@ wire::ByteView DataUnit::start(Time now) {
   if (open_chain_) {
     finish_flight(Outcome::unconfirmed, now);
     free_at_ = now + settings_.open_chain_pace();
+  } else if (broken(Mutation::does_not_wait) && current().owner != kController) {
+    finish_flight(Outcome::unconfirmed, now);
   }
   return image;
 }

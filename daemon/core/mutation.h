@@ -12,9 +12,10 @@ enum class Mutation {
   forgets_duplicates,  ///< a retry is taken again
   refused_goes_last,   ///< what is refused lets others of its priority pass
   holds_interrupts,    ///< an INTP waits for the end of the DATP on the line
-  holds_relayed,       ///< relayed DATPs wait for company
+  does_not_wait,       ///< a node sends its next DATP before the last is back
   passes_orphans,      ///< packets whose source is gone are passed on
-  lies_in_fbc          ///< FBC says taken where it was refused
+  lies_in_fbc,         ///< FBC says taken where it was refused
+  never_heals          ///< a node stays in the open chain though its beacon has come home
 };
 
 #ifdef LIMB_RING_MUTATIONS

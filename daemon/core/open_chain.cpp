@@ -1,6 +1,7 @@
 // Membership's part in a broken ring: what is left is an open chain, in which everything goes on and
 // nothing is confirmed. (ours, protocol.md section 8)
 #include "core/membership.h"
+#include "core/mutation.h"
 
 namespace limb_ring::core {
 
@@ -45,6 +46,7 @@ void Membership::enter_open_chain(Time now) {
 
 void Membership::leave_open_chain(Time now) {
   drained_at_ = kNever;
+  if (broken(Mutation::never_heals)) return;
   break_known_ = false;
   transmit_.set_open_chain(false, now);
   renumber(now);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/mutation.h"
+
 namespace limb_ring::core {
 
 using wire::ByteView;

@@ -4,7 +4,6 @@
 
 #include "core/counters.h"
 #include "core/insertion_buffer.h"
-#include "core/mutation.h"
 #include "core/settings.h"
 #include "core/slot_queue.h"
 #include "core/transmit.h"
@@ -96,7 +95,6 @@ class PacketManager {
   bool own_data_first() const;
   Time data_since() const {
     const Time own = transmit_.data.ready_at();
-    if (broken(Mutation::holds_relayed) && buffer_.count() < 3) return own;
     return buffer_.empty() ? own : std::min(own, buffer_.front().arrived);
   }
   bool start_data(Time now);

@@ -21,6 +21,8 @@ class RandomFaults {
 
   /// Runs it all, or until a promise is broken.
   void run();
+  /// The ring, for further witnesses before it runs.
+  sim::VirtualRing& ring() { return *ring_; }
   const std::optional<sim::Violation>& violation() const { return violation_; }
 
   /// What the seed has chosen, in words.

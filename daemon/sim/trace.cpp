@@ -1,0 +1,79 @@
+#include "sim/trace.h"
+
+#include <string>
+
+namespace limb_ring::sim {
+namespace {
+
+const char* kind_name(wire::SliceKind kind) {
+  switch (kind) {
+    case wire::SliceKind::start: return "start";
+    case wire::SliceKind::more: return "more";
+    case wire::SliceKind::end: return "end";
+    case wire::SliceKind::whole: return "whole";
+    case wire::SliceKind::interrupt: return "INTP";
+    case wire::SliceKind::abort: return "abort";
+    case wire::SliceKind::idle: return "idle";
+  }
+  return "";
+}
+
+const char* fault_name(Fault fault) {
+  constexpr const char* kNames[] = {"killed", "started", "frozen", "thawed", "cut", "healed", "output replaced",
+                                    "slice lost", "slice damaged", "CPU reset", "sends cancelled"};
+  return kNames[static_cast<std::size_t>(fault)];
+}
+
+/// Bijective and cheap; order matters. (the finalizer of SplitMix64)
+std::uint64_t mix(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+std::string hash_text(std::uint64_t hash) {
+  std::string text(16, '0');
+  for (std::size_t i = 16; i-- > 0; hash >>= 4) text[i] = "0123456789abcdef"[hash & 15];
+  return text;
+}
+
+void Trace::record(Time now, NodeId node, const char* what, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+  ++records_;
+  const auto time = static_cast<std::uint64_t>(now.time_since_epoch().count());
+  for (const std::uint64_t value : {time, std::uint64_t{node}, a, b, c}) hash_ = mix(hash_ ^ value) + 1;
+  for (const char* letter = what; *letter; ++letter) hash_ = mix(hash_ ^ static_cast<unsigned char>(*letter));
+  if (text_) *text_ << time << ' ' << unsigned{node} << ' ' << what << ' ' << a << ' ' << b << ' ' << c << '\n';
+}
+
+// The CRC of a packet that holds its own is always the same: its last four bytes count beside it.
+void Trace::leaves(NodeId node, const wire::Slice& slice, Time now) {
+  const wire::ByteView bytes = slice.bytes;
+  if (bytes.size < 4) return record(now, node, kind_name(slice.kind), bytes.size, 0, 0);
+  record(now, node, kind_name(slice.kind), bytes.size, wire::load_u32(bytes.data + bytes.size - 4),
+         wire::crc32(bytes.first(bytes.size - 4)));
+}
+
+void Trace::event(NodeId node, const core::Event& event) {
+  if (const auto* end = std::get_if<core::SendEnded>(&event.what))
+    return record(event.at, node, "send ended", end->token, static_cast<std::uint64_t>(end->outcome),
+                  static_cast<std::uint64_t>(end->round_trip.count()));
+  if (const auto* pin = std::get_if<core::PinPulled>(&event.what))
+    return record(event.at, node, "pin pulled", pin->factor, pin->source, 0);
+  if (const auto* state = std::get_if<core::StateChanged>(&event.what))
+    return record(event.at, node, "state", static_cast<std::uint64_t>(state->before),
+                  static_cast<std::uint64_t>(state->after), 0);
+  if (const auto* peer = std::get_if<core::PeerChanged>(&event.what))
+    return record(event.at, node, "peer changed", peer->node, 0, 0);
+  if (const auto* home = std::get_if<core::BeaconHome>(&event.what))
+    record(event.at, node, "beacon home", static_cast<std::uint64_t>(home->round_trip.count()), 0, 0);
+}
+
+void Trace::packet(NodeId node, const core::ReceivedPacket& packet) {
+  record(packet.at, node, "received", packet.source, packet.size, wire::crc32(packet.bytes()));
+}
+
+void Trace::fault(NodeId node, Fault fault, Time now) { record(now, node, fault_name(fault), 0, 0, 0); }
+
+}  // namespace limb_ring::sim

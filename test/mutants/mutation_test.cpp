@@ -1,0 +1,83 @@
+// Each check of the ring's promises can fail: a core broken on purpose is caught by it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/mutation.h"
+#include "study/random_faults.h"
+
+namespace limb_ring::study {
+namespace {
+
+using core::Mutation;
+using sim::Promise;
+
+struct Case {
+  const char* name;
+  Mutation mutation;
+  Promise promise;
+};
+
+/// The first broken promise of some seeds; none where all were kept.
+std::optional<sim::Violation> first_violation(Mutation mutation, Promise wanted, std::uint64_t seeds = 40) {
+  core::mutation = mutation;
+  std::optional<sim::Violation> found;
+  for (std::uint64_t seed = 1; seed <= seeds && !(found && found->promise == wanted); ++seed) {
+    RandomFaults run(seed);
+    run.run();
+    if (run.violation()) found = run.violation();
+  }
+  core::mutation = Mutation::none;
+  return found;
+}
+
+struct Mutations : testing::TestWithParam<Case> {};
+
+TEST_P(Mutations, AreCaughtByTheCheckOfTheirPromise) {
+  const auto violation = first_violation(GetParam().mutation, GetParam().promise);
+  ASSERT_TRUE(violation);
+  EXPECT_EQ(violation->promise, GetParam().promise) << violation->what;
+  EXPECT_NE(violation->what, "");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, Mutations,
+    testing::Values(Case{"ResultTwice", Mutation::result_twice, Promise::one_result},
+                    Case{"SaysDelivered", Mutation::says_delivered, Promise::true_result},
+                    Case{"TakesDamaged", Mutation::takes_damaged, Promise::undamaged},
+                    Case{"ForgetsDuplicates", Mutation::forgets_duplicates, Promise::exactly_once},
+                    Case{"RefusedGoesLast", Mutation::refused_goes_last, Promise::in_order},
+                    Case{"HoldsInterrupts", Mutation::holds_interrupts, Promise::interrupt_wait},
+                    Case{"PassesOrphans", Mutation::passes_orphans, Promise::no_circling},
+                    Case{"LiesInFbc", Mutation::lies_in_fbc, Promise::true_fbc},
+                    Case{"NeverHeals", Mutation::never_heals, Promise::whole_again}),
+    [](const auto& made) { return made.param.name; });
+
+/// All nodes always have large packets to send, on lines of 1 Gbit/s.
+std::optional<sim::Violation> violation_of_a_full_ring(Mutation mutation) {
+  core::mutation = mutation;
+  sim::VirtualRingOptions options;
+  options.nodes = 8;
+  options.byte_time = std::chrono::nanoseconds(8);
+  sim::VirtualRing ring(options);
+  sim::Invariants invariants(ring);
+  ring.join();
+  for (unsigned node = 0; node < options.nodes; ++node)
+    for (unsigned i = 0; i < 20; ++i)
+      ring.send(static_cast<wire::NodeId>(node), static_cast<wire::NodeId>((node + 3) % options.nodes),
+                std::vector<std::uint8_t>(512));
+  ring.run_for(std::chrono::milliseconds(1));
+  core::mutation = Mutation::none;
+  return invariants.violation();
+}
+
+TEST(FullRing, KeepsItsInsertionBuffersWithinTheirBound) {
+  EXPECT_FALSE(violation_of_a_full_ring(Mutation::none));
+  const auto violation = violation_of_a_full_ring(Mutation::does_not_wait);
+  ASSERT_TRUE(violation);
+  EXPECT_EQ(violation->promise, Promise::insertion_bound) << violation->what;
+}
+
+TEST(Unbroken, TheSameSeedsBreakNoPromise) { EXPECT_FALSE(first_violation(Mutation::none, Promise::one_result, 10)); }
+
+}  // namespace
+}  // namespace limb_ring::study
