@@ -10,10 +10,11 @@ BUILD := build
 SANITIZE ?=
 DURATION ?=
 BENCH_ARGS ?=
+BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: all build test demo bench deps clean
+.PHONY: all build test demo bench bench-sim deps clean
 all: build
 
 deps:
@@ -42,6 +43,13 @@ demo: build
 
 bench: build
 	$(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)
+	@$(MAKE) bench-sim
+
+# In a build of its own, for speed whatever the other is built for.
+bench-sim: deps
+	cmake -S . -B $(BUILD)-bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
+	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops
+	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
 
 clean:
-	rm -rf $(BUILD) $(BUILD)-sanitize
+	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-bench

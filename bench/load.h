@@ -1,0 +1,19 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+
+#include "wire/data_packet.h"
+
+namespace limb_ring::hops {
+
+constexpr std::array<unsigned, 2> kSizes{16, 254};  ///< nodes of the rings measured
+
+// What every ring here carries: each node always has one packet of 512 bytes under way, which goes
+// all the way round and is followed by the next, at 1 Gbit/s with d = 512 ns.
+constexpr unsigned kPayload = wire::kMaxPayload;
+constexpr std::chrono::nanoseconds kByte{8};
+constexpr std::chrono::nanoseconds kDelay{512};
+constexpr std::chrono::nanoseconds kPacket = kByte * static_cast<int>(wire::kMaxDataPacketSize);
+
+}  // namespace limb_ring::hops
