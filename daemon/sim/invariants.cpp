@@ -142,10 +142,10 @@ void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
 }
 
 void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
-  if (whole_or_end(slice)) data_has_arrived(node, slice, now);
-  if (slice.kind == SliceKind::interrupt) interrupt_has_arrived(node, slice, now);
   const Before after = count(node, 0);
   if (slice.kind == SliceKind::abort || after.stray != at(node).before.stray) at(node).coming.reset();
+  if (whole_or_end(slice)) data_has_arrived(node, slice, now);
+  if (slice.kind == SliceKind::interrupt) interrupt_has_arrived(node, slice, now);
   if (slice.kind == SliceKind::start)
     at(node).passes_on = after.dropped == at(node).before.dropped && wire::header_valid(slice.bytes, false);
   check_insertion(node);
@@ -237,6 +237,7 @@ void Invariants::fault(NodeId node, Fault fault, Time now) {
   if (fault == Fault::started || fault == Fault::thawed) n.away_since.reset();
   if (fault == Fault::started) ledger_.start(node);
   if (fault == Fault::cpu_reset) ledger_.flush(node);
+  if (fault == Fault::cpu_reset || fault == Fault::cancelled) ledger_.cancel(node, now);
   // The buffers of a line that is replaced are emptied.
   if (fault == Fault::started || fault == Fault::output_replaced) n.passage.clear();
 }

@@ -174,6 +174,12 @@ void Ledger::check_order(const Sent& sent, NodeId node) {
   newest = std::max(newest, sent.token);
 }
 
+void Ledger::cancel(NodeId source, Time now) {
+  for (const auto& waiting : sources_[source].waiting)
+    for (const std::uint32_t token : waiting)
+      if (Sent* sent = find(source, token)) sent->cancelled_at = std::min(sent->cancelled_at, now);
+}
+
 // ---- results --------------------------------------------------------------------------------
 
 void Ledger::end(NodeId source, const core::SendEnded& end, Time at) {

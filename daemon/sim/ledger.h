@@ -28,9 +28,10 @@ struct Sent {
   std::uint32_t checksum = 0;     ///< of the data
   std::uint32_t source_life = 0;
   Time asked{};
-  bool left = false;              ///< it was on the line
-  bool final = false;             ///< a matching return is in, which may not be told yet
-  Time refused_at = core::kNever; ///< a refusal is in: it waits a while and goes again
+  bool left = false;                 ///< it was on the line
+  bool final = false;                ///< a matching return is in, which may not be told yet
+  Time cancelled_at = core::kNever;  ///< it does not leave any more
+  Time refused_at = core::kNever;    ///< a refusal is in: it waits a while and goes again
   bool ended = false;
   Time ended_at{};
   core::SendEnded end;
@@ -39,7 +40,7 @@ struct Sent {
 
   bool interrupt() const { return lane == 4; }
   /// As a new packet, not as a retry.
-  bool may_leave(Time now) const { return !left || refused_at < now; }
+  bool may_leave(Time now) const { return now < cancelled_at && (!left || refused_at < now); }
   bool taken() const;
   /// Whether `node` took it when it last decided; false where it refused, or never did.
   bool taken_last_by(NodeId node) const;
@@ -78,6 +79,8 @@ class Ledger {
     if (sent) sent->verdicts.push_back({node, 0, false});
   }
   void take(Sent* sent, NodeId source, NodeId node, std::uint8_t lane);
+  /// What `source` was asked for until now and has not begun to send is cancelled.
+  void cancel(NodeId source, Time now);
   void end(NodeId source, const core::SendEnded& end, Time at);
   /// The CPU of `node` reads a packet.
   void read(NodeId node, const core::ReceivedPacket& packet);
