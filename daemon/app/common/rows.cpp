@@ -11,7 +11,7 @@ namespace {
 
 /// Picoseconds of a time in us, at most 6 decimals, no trailing zeros.
 std::string real(double value) {
-  if (value != 0 && std::abs(value) < 1e-3) {
+  if (value != 0 && std::abs(value) < 1e-6) {
     char text[32];
     std::snprintf(text, sizeof text, "%.4g", value);
     return text;

@@ -89,8 +89,11 @@ int run_command_line(int argc, char** argv) {
   CLI::App app("The ring of limb_ring under a virtual clock: the very core that ringd runs.", "ring_sim");
   app.footer(kExitCodesHelp);
   app.require_subcommand(1);
+  add_table(app, context);
+  add_run(app, context);
   add_compare(app, context);
   add_plan(app, context);
+  add_soak(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {

@@ -1,0 +1,64 @@
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "app/ring_sim/case_rows.h"
+#include "app/ring_sim/commands.h"
+#include "app/ring_sim/problems.h"
+
+namespace limb_ring::ring_sim {
+
+namespace {
+
+using study::Case;
+
+struct Options {
+  Case which = Case::alone;
+  study::Medium medium;
+  std::uint64_t seed = 1;
+  std::string trace;
+  app::Format format = app::Format::text;
+};
+
+/// What is one row in JSON is a line each for people.
+std::string in_lines(const app::Row& row) {
+  std::vector<app::Row> lines;
+  for (const auto& [name, value] : row.items())
+    if (!value.is_null()) lines.push_back({{"figure", name}, {"value", value}});
+  return app::format_rows(lines, app::Format::text);
+}
+
+int run(const Options& options) {
+  std::ofstream trace;
+  if (!options.trace.empty()) trace.open(options.trace);
+  if (!options.trace.empty() && !trace) throw UsageError("--trace " + options.trace + ": cannot be written");
+  const study::CaseResult result =
+      run_case(options.which, options.medium, options.seed, trace.is_open() ? &trace : nullptr);
+  const app::Row row = run_row(options.which, options.medium, result, options.seed);
+  std::cout << (options.format == app::Format::text ? in_lines(row) : app::format_rows({row}, options.format));
+  return kDone;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(app, "run", "One case, with its distribution, line occupancy and trace hash");
+  std::map<std::string, Case> cases;
+  for (const Case which : study::kCases) cases[to_string(which)] = which;
+  command
+      ->add_option("--case", options->which,
+                   "alone, simultaneous, adversarial, request, delivery, interrupt, interrupt_bound, saturated, "
+                   "random or payload; default alone")
+      ->transform(CLI::CheckedTransformer(cases).description(""));
+  add_medium(*command, options->medium);
+  add_seed(*command, options->seed);
+  command->add_option("--trace", options->trace,
+                      "Write everything that happened here: time in ps, node, what, and three figures of it");
+  add_format(*command, options->format);
+  command->callback([&context, options] {
+    context.action = [options] { return run(*options); };
+  });
+}
+
+}  // namespace limb_ring::ring_sim

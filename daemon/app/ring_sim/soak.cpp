@@ -1,0 +1,77 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "app/ring_sim/commands.h"
+#include "app/ring_sim/problems.h"
+#include "app/ring_sim/progress.h"
+#include "study/random_faults.h"
+
+namespace limb_ring::ring_sim {
+
+namespace {
+
+struct Options {
+  std::uint64_t seeds = 1000, first = 1;
+  bool json = false;
+};
+
+/// Sends by outcome, and hops, over all seeds so far.
+struct Tally {
+  std::uint64_t seeds = 0, hops = 0;
+  std::array<std::uint64_t, 7> ended{};
+
+  void add(const study::RandomFaults& run) {
+    ++seeds;
+    hops += run.hops();
+    for (std::size_t i = 0; i < ended.size(); ++i) ended[i] += run.ended()[i];
+  }
+  app::Row row(const Options& options) const {
+    app::Row out{{"first_seed", options.first}, {"seeds", seeds}, {"packet_hops", hops}};
+    for (std::size_t i = 0; i < ended.size(); ++i) out[to_string(static_cast<core::Outcome>(i))] = ended[i];
+    return out;
+  }
+};
+
+std::string violation_text(const study::RandomFaults& run, std::uint64_t seed) {
+  const sim::Violation& broken = *run.violation();
+  return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
+         "\nat " + std::to_string(broken.at.time_since_epoch().count()) + " ps: " + broken.what +
+         "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1\n";
+}
+
+int run(const Options& options) {
+  Progress progress;
+  Tally tally;
+  for (std::uint64_t seed = options.first; seed - options.first < options.seeds; ++seed) {
+    study::RandomFaults faults(seed);
+    faults.run();
+    tally.add(faults);
+    if (faults.violation()) {
+      std::cerr << violation_text(faults, seed);
+      return kBroken;
+    }
+    progress.tell(std::to_string(tally.seeds) + " of " + std::to_string(options.seeds) + " seeds, no promise broken");
+  }
+  if (options.json) std::cout << tally.row(options).dump(2) << '\n';
+  else std::cout << app::format_rows({tally.row(options)}, app::Format::text) << "No promise was broken.\n";
+  return kDone;
+}
+
+}  // namespace
+
+void add_soak(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(app, "soak",
+                                  "Rings under random traffic and random faults, by seed, every promise of the ring "
+                                  "checked at every event; stops at the first that is broken");
+  command->add_option("--seeds", options->seeds, "How many, 1 to 100000000; default 1000")
+      ->check(CLI::Range(1u, 100000000u));
+  command->add_option("--first", options->first, "The first of them; default 1");
+  command->add_flag("--json", options->json, "Print JSON, for programs");
+  command->callback([&context, options] {
+    context.action = [options] { return run(*options); };
+  });
+}
+
+}  // namespace limb_ring::ring_sim

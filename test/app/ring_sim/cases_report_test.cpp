@@ -1,0 +1,99 @@
+// ring_sim table, run and soak, as a user and a script see them.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/ring_sim/command_line.h"
+#include "app/ring_sim/problems.h"
+
+namespace limb_ring::ring_sim {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct Said {
+  int code = -1;
+  std::string out, errors;
+};
+
+Said ring_sim(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "ring_sim");
+  std::vector<char*> argv;
+  for (auto& argument : arguments) argv.push_back(argument.data());
+  ::testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
+  const std::string out = ::testing::internal::GetCapturedStdout();
+  return {code, out, ::testing::internal::GetCapturedStderr()};
+}
+
+nlohmann::json json_of(const std::vector<std::string>& arguments) {
+  return nlohmann::json::parse(ring_sim(arguments).out);
+}
+
+TEST(Table, HasARowForEachCaseUnderItsOwnName) {
+  const nlohmann::json rows = json_of({"table", "--only", "--nodes", "4", "--json"});
+  ASSERT_EQ(rows.size(), 10u);
+  EXPECT_EQ(rows[0].at("case"), "alone");
+  EXPECT_EQ(rows[0].at("nodes"), 4);
+  EXPECT_EQ(rows[0].at("payload"), 512);
+  EXPECT_EQ(rows[0].at("rate_bps"), 1000000000);
+  EXPECT_EQ(rows[0].at("relay_delay_ns"), 512);
+  EXPECT_EQ(rows[0].at("formula_us"), 6.24);
+  EXPECT_EQ(rows[0].at("measured_us"), 6.24);
+  EXPECT_TRUE(rows[7].at("measured_us").is_null()) << "occupancy is no time";
+}
+
+TEST(Table, IsCsvToo) {
+  EXPECT_THAT(ring_sim({"table", "--only", "--nodes", "2", "--csv"}).out,
+              HasSubstr("\nalone,2,512,1000000000,512,T + N d,5.216,5.216,0,,\n"));
+}
+
+TEST(Run, GivesTheDistributionAndTheSeed) {
+  const nlohmann::json row = json_of({"run", "--case", "random", "--nodes", "3", "--seed", "9", "--json"})[0];
+  EXPECT_EQ(row.at("seed"), 9);
+  EXPECT_LE(row.at("min_us").get<double>(), row.at("mean_us").get<double>());
+  EXPECT_LE(row.at("p99_us").get<double>(), row.at("max_us").get<double>());
+  EXPECT_EQ(row.at("trace_hash").get<std::string>().size(), 16u);
+  EXPECT_EQ(json_of({"run", "--case", "random", "--nodes", "3", "--seed", "9", "--json"})[0], row);
+}
+
+TEST(Run, RefusesWhatCannotBeNamingTheOptionAndWhatIsAllowed) {
+  const std::vector<std::vector<std::string>> wrong{{"--rate", "0"},      {"--rate", "fast"},     {"--nodes", "300"},
+                                                    {"--nodes", "1"},     {"--payload", "0"},     {"--payload", "513"},
+                                                    {"--relay-delay", "512"}, {"--case", "quick"}, {"--seed", "x"}};
+  for (const auto& arguments : wrong) {
+    std::vector<std::string> all{"run"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Said said = ring_sim(all);
+    EXPECT_EQ(said.code, kUsage) << arguments[1];
+    EXPECT_THAT(said.errors, HasSubstr(arguments[0])) << arguments[1];
+  }
+}
+
+TEST(Run, RefusesATraceItCannotWrite) {
+  const Said said = ring_sim({"run", "--trace", "/nowhere/trace"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("/nowhere/trace"));
+}
+
+TEST(Soak, SaysHowManySeedsAndThatNothingBroke) {
+  const nlohmann::json row = json_of({"soak", "--seeds", "5", "--first", "100", "--json"});
+  EXPECT_EQ(row.at("seeds"), 5);
+  EXPECT_EQ(row.at("first_seed"), 100);
+  EXPECT_GT(row.at("packet_hops").get<std::uint64_t>(), 1000u);
+}
+
+TEST(Commands, ExplainThemselvesAndTheirExitCodes) {
+  for (const char* command : {"table", "run", "compare", "plan", "soak"}) {
+    const Said said = ring_sim({command, "--help"});
+    EXPECT_EQ(said.code, kDone) << command;
+    EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done"))) << command;
+  }
+}
+
+}  // namespace
+}  // namespace limb_ring::ring_sim
