@@ -143,7 +143,11 @@ Time PacketManager::interrupt_place(Time since) const {
   if (!is_open_) return at;
   if (!settings_.embed_interrupts || broken(Mutation::holds_interrupts)) return kNever;
   const Time word = next_word(at);
-  return open_complete() && paced() && word > open_end_at() ? kNever : word;
+  if (!open_complete() || !paced()) return word;
+  // Just before the trailer is a word boundary too, also where the trailer lags behind the words.
+  const Time end = open_end_at();
+  if (word <= end) return word;
+  return at <= end ? end : kNever;
 }
 
 bool PacketManager::put_interrupt() {
