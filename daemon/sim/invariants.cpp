@@ -216,13 +216,14 @@ void Invariants::home(NodeId node, Sent* sent, int fbc, std::size_t tail_size, T
   ledger_.come_home(sent, fbc, now + ring_.settings(node).byte_time_in * static_cast<std::int64_t>(tail_size));
 }
 
-// While nothing is lost a node is behind its input by its own DATP and INTP; what has left of the
-// DATP on the line counts until its end is through. (protocol.md section 2)
+// While nothing is lost a node whose output is no slower is behind its input by its own DATP and INTP;
+// what has left of the DATP on the line counts until its end is through. (protocol.md section 2)
 void Invariants::check_insertion(NodeId node) {
   constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
   const std::size_t bytes = ring_.insertion_buffer(node).bytes();
-  const std::size_t most =
-      faults_ ? ring_.settings(node).insertion_buffer * wire::kMaxDataPacketSize : kNormal;
+  const core::Settings& settings = ring_.settings(node);
+  const bool normal = !faults_ && settings.byte_time_out <= settings.byte_time_in;
+  const std::size_t most = normal ? kNormal : settings.insertion_buffer * wire::kMaxDataPacketSize;
   if (bytes > most)
     complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in node " + std::to_string(node) + ", " +
                                            std::to_string(most) + " may");

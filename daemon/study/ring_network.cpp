@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "sim/virtual_ring.h"
+#include "sim/watched_ring.h"
 #include "study/ring_feed.h"
 
 namespace limb_ring::study {
@@ -19,6 +19,7 @@ sim::VirtualRingOptions ring_options(const Medium& medium) {
   options.nodes = medium.nodes;
   options.byte_time = medium.byte_time();
   options.relay_delay = medium.relay_delay;
+  options.keep_logs = false;
   options.adjust = [](core::Settings& settings) {
     settings.beacon = Duration{0};
     settings.send_timeout_least = Duration{0};
@@ -58,7 +59,7 @@ Duration time_to_join_after(const Medium& medium, Duration wait) {
   ++grown.nodes;
   sim::VirtualRingOptions options = ring_options(grown);
   options.start = false;
-  sim::VirtualRing ring(options);
+  sim::WatchedRing ring(options);
   for (unsigned id = 0; id < medium.nodes; ++id) ring.start(static_cast<NodeId>(id));
   join(ring);
   load_fully(ring, medium);
@@ -67,19 +68,21 @@ Duration time_to_join_after(const Medium& medium, Duration wait) {
   const Time on = ring.now();
   ring.start(newcomer);
   join(ring);
+  ring.check();
   return ring.now() - on;
 }
 
 }  // namespace
 
 std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Message>& messages, Time until) const {
-  sim::VirtualRing ring(ring_options(medium));
+  sim::WatchedRing ring(ring_options(medium));
   join(ring);
   ring.run_for(lap(medium));  // quiet again
   RingFeed feed(ring, messages);
   // Time zero is now, so that "never" lies beyond what the ring's own clock can say.
   const Duration left = core::kNever - ring.now();
   ring.run_until([&feed] { return feed.done(); }, std::min(until - Time{}, left));
+  ring.check();
   return feed.delivered(until);
 }
 

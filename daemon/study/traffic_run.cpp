@@ -12,7 +12,6 @@ namespace limb_ring::study {
 namespace {
 
 using core::Time;
-using sim::VirtualRing;
 
 constexpr unsigned kWindow = 4;   // as ring_bridge's TopicSender
 constexpr int kTold = 100;        // how often progress is told
@@ -71,17 +70,16 @@ class Run {
       options_.tell(static_cast<double>(i) / kTold);
     }
     ring_->run_until([this] { return all_home(); }, patience_);
+    ring_->check();
     return std::move(result_);
   }
 
  private:
   void listen() {
-    ring_->on_packet = [this](NodeId at, const core::ReceivedPacket& packet) {
+    ring_->on_packet = [this](NodeId, const core::ReceivedPacket& packet) {
       sources_[packet.source].data_delivered = packet.at;
-      ring_->log(at).packets.clear();
     };
     ring_->on_event = [this](NodeId at, const core::Event& event) {
-      ring_->log(at).events.clear();
       if (const auto* ended = std::get_if<core::SendEnded>(&event.what)) on_end(at, *ended, event.at);
       if (const auto* pulled = std::get_if<core::PinPulled>(&event.what))
         sources_[pulled->source].interrupt_delivered = event.at;
@@ -176,7 +174,7 @@ class Run {
   const std::vector<Stream>& streams_;
   const TrafficOptions& options_;
   std::mt19937_64 random_;
-  std::unique_ptr<VirtualRing> ring_;
+  std::unique_ptr<sim::WatchedRing> ring_;
   Time start_{}, end_{};
   Duration patience_{0};  ///< for what is under way at the end: what has a bound is home by then
   std::vector<Feed> feeds_;
