@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: all build test demo bench bench-sim deps clean
+.PHONY: all build test demo soak bench bench-sim deps clean
 all: build
 
 deps:
@@ -40,6 +40,11 @@ endif
 
 demo: build
 	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/demo $(if $(DURATION),--duration $(DURATION))
+
+# Random faults by seed under the virtual clock; stops at the first broken promise.
+SEEDS ?= 1000
+soak: build
+	$(BUILD)/devel/lib/limb_ring/ring_sim soak --seeds $(SEEDS)
 
 bench: build
 	$(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)

@@ -92,8 +92,9 @@ bool Controller::on_whole(ByteView bytes, Time now) {
 void Controller::on_start(ByteView bytes, Time now) {
   break_off(counters_.broken_off_packets, now);
   const Fate fate = fate_of_data(bytes);
-  incoming_.begin(fate, bytes, now);
-  if (fate == Fate::pass_on) packet_manager_.relay_begin(bytes, now);
+  std::uint8_t* place = fate == Fate::pass_on ? packet_manager_.relay_begin(now) : nullptr;
+  incoming_.begin(fate, bytes, now, place);
+  if (place) packet_manager_.relay_header(bytes.size);
 }
 
 bool Controller::append(ByteView bytes, Time now) {
@@ -107,7 +108,7 @@ bool Controller::append(ByteView bytes, Time now) {
 }
 
 void Controller::on_more(ByteView bytes, Time now) {
-  if (append(bytes, now) && incoming_.fate() == Fate::pass_on) packet_manager_.relay_words(bytes);
+  if (append(bytes, now) && incoming_.fate() == Fate::pass_on) packet_manager_.relay_words(bytes.size);
 }
 
 // An `end` slice is given out as its last odd bytes, trailer and CRC begin: they are in, a few byte
@@ -123,7 +124,7 @@ void Controller::on_end(ByteView bytes, Time now) {
   const bool good = check(packet);
   if (incoming_.fate() == Fate::strip) return data_came_home(packet, good, at);
   const std::uint8_t fbc = receive_data(packet, good, at);
-  if (incoming_.fate() == Fate::pass_on) packet_manager_.relay_end(bytes, fbc, now);
+  if (incoming_.fate() == Fate::pass_on) packet_manager_.relay_end(bytes.size, fbc, now);
 }
 
 // A DATP that is coming in will never be whole; every relay passes that on. An INTP that was

@@ -9,24 +9,32 @@
 namespace limb_ring::core {
 
 /// The DATP that is coming in slice by slice, as Receive sees it. Receive fills a buffer
-/// speculatively, since DID and CRC come last. (ours)
+/// speculatively, since DID and CRC come last (ours); where Relay passes the packet on, it is the
+/// buffer in which that one waits, so that it is copied once.
 class Incoming {
  public:
   bool open() const { return open_; }
   Relay::Fate fate() const { return fate_; }
   Time last_slice() const { return last_slice_; }
-  wire::ByteView bytes() const { return {bytes_.data(), size_}; }
+  /// As it came: on its way on, its HOP may have been counted up already.
+  wire::ByteView bytes() {
+    place_[2] = hop_;
+    return {place_, size_};
+  }
 
-  void begin(Relay::Fate fate, wire::ByteView bytes, Time now) {
+  /// @param place room for the largest DATP, valid until it is closed; null: its own
+  void begin(Relay::Fate fate, wire::ByteView bytes, Time now, std::uint8_t* place) {
     open_ = true;
     fate_ = fate;
     size_ = 0;
+    hop_ = bytes[2];
+    place_ = place ? place : own_.data();
     append(bytes, now);
   }
   /// @return false where it would be longer than any DATP
   bool append(wire::ByteView bytes, Time now) {
-    if (size_ + bytes.size > bytes_.size()) return false;
-    std::memcpy(bytes_.data() + size_, bytes.data, bytes.size);
+    if (size_ + bytes.size > own_.size()) return false;
+    std::memcpy(place_ + size_, bytes.data, bytes.size);
     size_ += bytes.size;
     last_slice_ = now;
     return true;
@@ -36,9 +44,11 @@ class Incoming {
  private:
   bool open_ = false;
   Relay::Fate fate_ = Relay::Fate::discard;
+  std::uint8_t hop_ = 0;
   Time last_slice_{};
   std::size_t size_ = 0;
-  std::array<std::uint8_t, wire::kMaxDataPacketSize> bytes_{};
+  std::uint8_t* place_ = own_.data();
+  std::array<std::uint8_t, wire::kMaxDataPacketSize> own_{};
 };
 
 }  // namespace limb_ring::core

@@ -15,14 +15,8 @@ struct RelayedPacket {
   enum class State : std::uint8_t { receiving, complete, aborted } state = State::receiving;
   Time arrived{};             ///< its header came in: its place in the order
   Time tail_at{};             ///< its end came in
-  std::uint8_t hop_before = 0;
   std::uint16_t size = 0;     ///< bytes that have come in
   std::array<std::uint8_t, wire::kMaxDataPacketSize> bytes;
-
-  void append(wire::ByteView more) {
-    std::memcpy(bytes.data() + size, more.data, more.size);
-    size = static_cast<std::uint16_t>(size + more.size);
-  }
 };
 
 /// Where relayed DATPs wait while the line is taken (paper: "the other waits in a buffer").
@@ -50,10 +44,10 @@ class InsertionBuffer {
     slot.size = 0;
     return slot;
   }
-  /// More bytes of the last one.
-  void append(wire::ByteView more) {
-    back().append(more);
-    bytes_ += more.size;
+  /// So many more bytes of the last one have come in.
+  void grow(std::size_t bytes) {
+    back().size = static_cast<std::uint16_t>(back().size + bytes);
+    bytes_ += bytes;
   }
   void pop() {
     bytes_ -= front().size;

@@ -38,39 +38,43 @@ bool PacketManager::relay_whole(ByteView packet, std::uint8_t fbc, Time now) {
     return true;
   }
   RelayedPacket& slot = buffer_.push(now);
-  buffer_.append(packet);
+  std::memcpy(slot.bytes.data(), packet.data, packet.size);
+  buffer_.grow(packet.size);
   wire::rewrite(slot.bytes.data(), slot.size, hop, fbc);
   slot.state = RelayedPacket::State::complete;
   slot.tail_at = now;
   return false;
 }
 
-void PacketManager::relay_begin(ByteView header_and_words, Time now) {
+std::uint8_t* PacketManager::relay_begin(Time now) {
   receiving_ = false;
-  if (!output_up_) return count_drop(1);
-  RelayedPacket& slot = buffer_.push(now);
+  if (!output_up_) {
+    count_drop(1);
+    return nullptr;
+  }
   receiving_ = true;
-  buffer_.append(header_and_words);
-  slot.hop_before = slot.bytes[2];
-  ++slot.bytes[2];
+  return buffer_.push(now).bytes.data();
 }
 
-void PacketManager::relay_words(ByteView words) {
-  if (receiving_) buffer_.append(words);
+void PacketManager::relay_header(std::size_t bytes) {
+  if (!receiving_) return;
+  buffer_.grow(bytes);
+  ++buffer_.back().bytes[2];
 }
 
-void PacketManager::relay_end(ByteView rest, std::uint8_t fbc, Time now) {
+void PacketManager::relay_words(std::size_t bytes) {
+  if (receiving_) buffer_.grow(bytes);
+}
+
+void PacketManager::relay_end(std::size_t bytes, std::uint8_t fbc, Time now) {
   if (!receiving_) return;
   receiving_ = false;
   ++counters_.relayed_data;
+  buffer_.grow(bytes);
   RelayedPacket& slot = buffer_.back();
-  buffer_.append(rest);
   slot.tail_at = now;
   slot.state = RelayedPacket::State::complete;
-  // The CRC still belongs to the HOP that came in, so put it back for the rewriting.
-  const std::uint8_t hop = slot.bytes[2];
-  slot.bytes[2] = slot.hop_before;
-  wire::rewrite(slot.bytes.data(), slot.size, hop, fbc);
+  wire::rewrite(slot.bytes.data(), slot.size, static_cast<std::uint8_t>(slot.bytes[2] + 1), fbc);
 }
 
 void PacketManager::relay_abort() {

@@ -25,15 +25,19 @@ class PacketManager {
   PacketManager(const Settings& settings, Transmit& transmit, Counters& counters, wire::SliceWriter& line);
 
   /// @name From Relay: one DATP at a time, whole or begin, words, end or abort
-  /// The packet comes as it came in; HOP (and FBC) are rewritten here and the CRC carried along.
+  /// HOP (and FBC) are rewritten here and the CRC carried along.
   ///@{
   bool has_room() const { return !output_up_ || !buffer_.full(); }
   const InsertionBuffer& insertion_buffer() const { return buffer_; }
   /// @return true where the line was free, so that it is on it already
   bool relay_whole(wire::ByteView packet, std::uint8_t fbc, Time now);
-  void relay_begin(wire::ByteView header_and_words, Time now);
-  void relay_words(wire::ByteView words);
-  void relay_end(wire::ByteView rest, std::uint8_t fbc, Time now);
+  /// @return where its bytes are to be put as they come in; null where there is no output
+  std::uint8_t* relay_begin(Time now);
+  /// Header and first words are in place, and may go on.
+  void relay_header(std::size_t bytes);
+  void relay_words(std::size_t bytes);
+  /// The last bytes are in place, with HOP as it came in.
+  void relay_end(std::size_t bytes, std::uint8_t fbc, Time now);
   void relay_abort();
   ///@}
   /// An INTP, HOP and FBC already rewritten.
