@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "sim/watched_ring.h"
+#include "study/ring_bounds.h"
 #include "study/ring_feed.h"
 
 namespace limb_ring::study {
@@ -13,7 +14,8 @@ namespace {
 constexpr core::Duration kNoLimit = std::chrono::hours(24 * 30);
 constexpr unsigned kReceiveBuffers = 256;
 
-/// Its time-outs are those of the model, two worst laps; it meets no other limit.
+}  // namespace
+
 sim::VirtualRingOptions ring_options(const Medium& medium) {
   sim::VirtualRingOptions options;
   options.nodes = medium.nodes;
@@ -29,7 +31,7 @@ sim::VirtualRingOptions ring_options(const Medium& medium) {
   return options;
 }
 
-/// VirtualRing::join() gives up after 10 s; on slow lines a lap alone takes longer.
+// VirtualRing::join() gives up after 10 s; on slow lines a lap alone takes longer.
 void join(sim::VirtualRing& ring) {
   constexpr int kTries = 100;
   for (int i = 0; i < kTries; ++i)
@@ -37,9 +39,12 @@ void join(sim::VirtualRing& ring) {
   throw std::runtime_error("the virtual ring does not close");
 }
 
-Duration lap(const Medium& medium) {
-  return medium.nodes * (medium.byte_time() * (medium.payload + wire::kOverhead) + medium.relay_delay);
+void join_and_settle(sim::VirtualRing& ring, const Medium& medium) {
+  join(ring);
+  ring.run_for(data_bound(medium, medium.nodes));
 }
+
+namespace {
 
 /// Every node but the last sends to its successor for ever.
 void load_fully(sim::VirtualRing& ring, const Medium& medium) {
@@ -76,8 +81,7 @@ Duration time_to_join_after(const Medium& medium, Duration wait) {
 
 std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Message>& messages, Time until) const {
   sim::WatchedRing ring(ring_options(medium));
-  join(ring);
-  ring.run_for(lap(medium));  // quiet again
+  join_and_settle(ring, medium);
   RingFeed feed(ring, messages);
   // Time zero is now, so that "never" lies beyond what the ring's own clock can say.
   const Duration left = core::kNever - ring.now();
@@ -88,9 +92,10 @@ std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Mes
 
 Duration RingNetwork::time_to_join(const Medium& medium) const {
   constexpr int kMoments = 8, kLapsBefore = 4;
+  const Duration lap = data_bound(medium, medium.nodes);
   Duration longest{0};
   for (int i = 0; i < kMoments; ++i)
-    longest = std::max(longest, time_to_join_after(medium, kLapsBefore * lap(medium) + i * lap(medium) / kMoments));
+    longest = std::max(longest, time_to_join_after(medium, kLapsBefore * lap + i * lap / kMoments));
   return longest;
 }
 

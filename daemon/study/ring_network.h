@@ -1,8 +1,19 @@
 #pragma once
 
+#include "sim/virtual_ring.h"
 #include "study/network.h"
 
 namespace limb_ring::study {
+
+/// A virtual ring on that medium, beacons off. Its time-outs are those of the model, two worst laps; it
+/// meets no other limit. (ours)
+sim::VirtualRingOptions ring_options(const Medium& medium);
+
+/// Runs until every living node has joined. @throw std::runtime_error where the ring does not close
+void join(sim::VirtualRing& ring);
+
+/// The same, and until the line is quiet again.
+void join_and_settle(sim::VirtualRing& ring, const Medium& medium);
 
 /// Our ring as a method among others: the core of the daemon, sim::VirtualRing, with lines of rate R
 /// and relay delay d, beacons off, joined before time zero. (ours; protocol.md section 7)

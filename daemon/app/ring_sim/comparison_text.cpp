@@ -1,9 +1,9 @@
 #include "app/ring_sim/comparison_text.h"
 
 #include <functional>
-#include <sstream>
 
 #include "app/common/text_table.h"
+#include "app/ring_sim/rate_text.h"
 #include "study/latency.h"
 #include "wire/packet.h"
 
@@ -27,11 +27,6 @@ std::string us(study::Duration duration) {
   return number(value, value < 1000 ? 2 : 1);
 }
 std::string percent(double share) { return number(100 * share, 1); }
-std::string megabits(std::uint64_t rate) {
-  std::ostringstream text;
-  text << static_cast<double>(rate) / 1e6;  // 0.001, 2.5, 1000
-  return text.str();
-}
 
 void put(Cells& row, const Spread& spread) { row.insert(row.end(), {us(spread.worst), us(spread.mean)}); }
 

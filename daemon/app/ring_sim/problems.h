@@ -7,13 +7,13 @@ namespace limb_ring::ring_sim {
 /// What ring_sim ends with; every --help says so too.
 enum ExitCode : int {
   kDone = 0,
-  kBroken = 1,  ///< a promise of the ring was broken, or a plan does not fit onto it
-  kUsage = 2    ///< wrong arguments, or a configuration that is refused
+  kBroken = 1,  ///< a promise of the ring was broken, a plan does not fit onto it, or gnuplot is missing or fails
+  kUsage = 2    ///< wrong arguments, a configuration that is refused, or a folder that cannot be written
 };
 
 constexpr const char* kExitCodesHelp =
-    "Exit code: 0 done; 1 a promise of the ring was broken, or a plan does not fit onto it; "
-    "2 wrong arguments or configuration.";
+    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, or gnuplot is missing "
+    "or fails; 2 wrong arguments or configuration, or a folder that cannot be written.";
 
 /// Ends ring_sim with kUsage.
 struct UsageError : std::runtime_error {

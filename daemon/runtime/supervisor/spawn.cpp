@@ -113,6 +113,7 @@ void leave_realtime(const std::optional<cpu_set_t>& affinity) {
   close_descriptors_on_exec();
   leave_realtime(request.affinity);
   reset_signals();
+  if (!request.folder.empty() && ::chdir(request.folder.c_str()) != 0) fail(pipe);
   ::execve(request.path.c_str(), arguments.pointers.data(), environment.pointers.data());
   fail(pipe);
 }

@@ -22,6 +22,7 @@ struct SpawnRequest {
   /// Sent to the child when this process ends, however it ends; 0: it lives on.
   int death_signal = SIGKILL;
   enum class Group { own, session } group = Group::own;  ///< led by the child
+  std::string folder;                   ///< it works in; empty: as this process
   int output = -1;                      ///< descriptor for its output and errors; -1: ours
   std::optional<cpu_set_t> affinity;    ///< cores it may use; empty: as this process
 };

@@ -1,0 +1,74 @@
+#include "app/ring_sim/plots/gnuplot.h"
+
+#include <sys/mman.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "runtime/supervisor/find_program.h"
+#include "runtime/supervisor/spawn.h"
+
+namespace limb_ring::ring_sim {
+
+namespace {
+
+using std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kTick{5};
+
+/// @return its wait status; none: killed, it took too long
+std::optional<int> wait_for(pid_t pid, std::chrono::milliseconds limit) {
+  const auto deadline = steady_clock::now() + limit;
+  int status = 0;
+  while (::waitpid(pid, &status, WNOHANG) == 0) {
+    if (steady_clock::now() >= deadline) {
+      ::kill(pid, SIGKILL);
+      ::waitpid(pid, nullptr, 0);
+      return std::nullopt;
+    }
+    std::this_thread::sleep_for(kTick);
+  }
+  return status;
+}
+
+/// The last of what was written into `file`.
+std::string last_words(int file) {
+  std::array<char, 600> text{};
+  const off_t size = ::lseek(file, 0, SEEK_END);
+  const off_t from = std::max<off_t>(0, size - static_cast<off_t>(text.size()));
+  const ssize_t read = ::pread(file, text.data(), text.size(), from);
+  return read > 0 ? std::string(text.data(), static_cast<std::size_t>(read)) : std::string{};
+}
+
+}  // namespace
+
+std::string find_gnuplot() {
+  const std::string path = runtime::find_program("gnuplot");
+  if (path.empty())
+    throw std::runtime_error("plots need gnuplot, which is not on PATH: install the package gnuplot-nox");
+  return path;
+}
+
+void run_gnuplot(const std::string& gnuplot, const std::string& folder, const std::string& script,
+                 std::chrono::milliseconds limit) {
+  const runtime::UniqueFd output(::memfd_create("gnuplot", MFD_CLOEXEC));
+  runtime::SpawnRequest request;
+  request.path = gnuplot;
+  request.arguments = {"gnuplot", "-d", script};  // -d: whatever the user's own start-up file says
+  request.folder = folder;
+  request.output = output.get();
+  const runtime::Spawned child = runtime::spawn(request);
+  if (child.pid < 0) throw std::runtime_error("cannot start gnuplot: " + std::string(std::strerror(child.error)));
+  const std::optional<int> status = wait_for(child.pid, limit);
+  const std::string where = "gnuplot failed on " + folder + "/" + script + ": ";
+  if (!status) throw std::runtime_error(where + "no end after " + std::to_string(limit.count()) + " ms");
+  if (const int error = exec_error(child)) throw std::runtime_error(where + std::strerror(error));
+  if (*status != 0) throw std::runtime_error(where + last_words(output.get()) );
+}
+
+}  // namespace limb_ring::ring_sim

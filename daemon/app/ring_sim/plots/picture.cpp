@@ -1,0 +1,36 @@
+#include "app/ring_sim/plots/picture.h"
+
+#include <sstream>
+
+#include "app/common/text_table.h"
+#include "app/ring_sim/rate_text.h"
+#include "study/latency.h"
+
+namespace limb_ring::ring_sim {
+
+namespace {
+
+constexpr int kPicoseconds = 6;  // decimals of a us
+
+}  // namespace
+
+std::string us(study::Duration duration) { return app::number(study::microseconds(duration), kPicoseconds); }
+
+std::string rate_of(const study::Medium& medium) { return megabits(medium.rate) + " Mbit/s"; }
+
+std::string figures_of(const study::ComparisonOptions& options) {
+  return figures_of(options, std::to_string(options.medium.nodes), rate_of(options.medium));
+}
+
+std::string figures_of(const study::ComparisonOptions& options, const std::string& nodes, const std::string& rate) {
+  std::ostringstream text;
+  text << "N = " << nodes << ", B = " << options.medium.payload << " bytes, R = " << rate
+       << ", d = " << study::microseconds(options.medium.relay_delay) << " us, seed " << options.seed;
+  return text.str();
+}
+
+std::string title(const std::string& first, const std::string& second) {
+  return "set title \"" + first + "\\n" + second + "\"\n";
+}
+
+}  // namespace limb_ring::ring_sim

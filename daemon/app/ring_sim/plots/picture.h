@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "study/comparison.h"
+
+namespace limb_ring::ring_sim {
+
+/// One picture: figures and the gnuplot commands that draw them.
+struct Picture {
+  std::string name;    ///< of its files, without extension: letters and '_'
+  std::string csv;     ///< with a heading; times in us
+  std::string script;  ///< from the title to the plot command; reads <name>.csv in its own folder
+};
+
+/// What the pictures are made of.
+struct PlotInput {
+  const study::Comparison& comparison;
+  const study::ComparisonOptions& options;
+};
+
+// ---- The pictures, one a file. Each may take a few seconds to be measured. ----
+
+/// Worst latency of a simultaneous start against the number of nodes.
+/// @param own_rate each method at its rate in the paper's Table I; else all at the medium's
+Picture plot_latency_nodes(const PlotInput& input, bool own_rate);
+/// Payload delivered against payload offered, all methods at the medium's rate.
+Picture plot_efficiency(const PlotInput& input);
+/// Round trips of our ring under random load just below its saturation.
+Picture plot_round_trips(const PlotInput& input);
+/// Round trips of INTPs beside large DATPs, with and without embedding.
+Picture plot_embedding(const PlotInput& input);
+/// One packet hop by hop, alone and in the worst case.
+Picture plot_timeline_alone(const PlotInput& input);
+Picture plot_timeline_worst(const PlotInput& input);
+
+// ---- What their scripts share ----
+
+/// "N = 16, B = 512 bytes, R = 1000 Mbit/s, d = 0.512 us, seed 1".
+std::string figures_of(const study::ComparisonOptions& options);
+/// The same with other words for N and R.
+std::string figures_of(const study::ComparisonOptions& options, const std::string& nodes, const std::string& rate);
+/// "1000 Mbit/s"
+std::string rate_of(const study::Medium& medium);
+/// `set title` with these lines.
+std::string title(const std::string& first, const std::string& second);
+/// A time in us, to the picosecond.
+std::string us(study::Duration duration);
+
+}  // namespace limb_ring::ring_sim
