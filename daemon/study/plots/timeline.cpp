@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim/passage.h"
+#include "sim/watched_ring.h"
 #include "study/ring_bounds.h"
 #include "study/ring_network.h"
 
