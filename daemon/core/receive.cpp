@@ -22,7 +22,6 @@ std::size_t Receive::free_buffers(const PacketFields& packet) const {
 }
 
 bool Receive::accepts(const PacketFields& packet) {
-  if (is_control(packet)) return true;
   if (joining_) return ++counters_.refused_joining, false;
   if (!cpu_present_) return ++counters_.refused_cpu_absent, false;
   if (free_buffers(packet) == 0) return ++counters_.refused_no_buffer, false;
@@ -36,6 +35,13 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   const auto least = [&](std::size_t value) {
     return static_cast<std::uint8_t>(std::min<std::size_t>(packet.fbc(), value));
   };
+  // Hellos and beacons may come twice: what they say is the same, and nothing of a former life may
+  // keep them out.
+  if (is_control(packet)) {
+    memory_.remember(packet.source(), packet.code(), broadcast, Verdict::taken, at);
+    ++counters_.received_control;
+    return least(free);
+  }
   switch (memory_.verdict(packet.source(), packet.code(), broadcast, at)) {
     case Verdict::taken: return ++counters_.duplicates, least(std::max<std::size_t>(1, free));
     case Verdict::refused: return ++counters_.duplicates, std::uint8_t{0};
@@ -49,10 +55,6 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
 }
 
 void Receive::store(const PacketFields& packet, Time at) {
-  if (is_control(packet)) {
-    ++counters_.received_control;
-    return;
-  }
   ++counters_.received_data;
   ReceivedPacket& slot = buffers_[wire::priority_of(packet.last())].push();
   ++waiting_;
