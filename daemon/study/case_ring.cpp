@@ -1,35 +1,12 @@
 #include "study/case_ring.h"
 
+#include "study/ring_network.h"
+
 namespace limb_ring::study {
-namespace {
-
-sim::VirtualRingOptions options_of(const Medium& medium) {
-  sim::VirtualRingOptions options;
-  options.nodes = medium.nodes;
-  options.byte_time = medium.byte_time();
-  options.relay_delay = medium.relay_delay;
-  options.keep_logs = false;
-  options.adjust = [](core::Settings& settings) {
-    settings.beacon = Duration{0};
-    settings.send_timeout_least = Duration{0};
-    settings.queue_timeout = std::chrono::hours(1);  // of laps at 1 kbit/s
-    settings.stall = std::chrono::hours(1);
-  };
-  return options;
-}
-
-}  // namespace
 
 CaseRing::CaseRing(const Medium& medium, std::ostream* trace)
-    : sim::WatchedRing(options_of(medium)), medium_(medium), trace_(*this, trace), line_use_(*this) {
-  const core::Settings& any = settings(0);
-  const auto joined = [this] {
-    for (unsigned id = 0; id < size(); ++id)
-      if (!node(static_cast<NodeId>(id)).membership().accepts_sends()) return false;
-    return true;
-  };
-  if (!run_until(joined, 10 * any.worst_lap())) throw std::runtime_error("the virtual ring did not join");
-  run_for(2 * any.worst_lap());
+    : sim::WatchedRing(ring_options(medium)), medium_(medium), trace_(*this, trace), line_use_(*this) {
+  join_and_settle(*this, medium);
   zero_ = now();
 }
 

@@ -1,4 +1,3 @@
-#include <chrono>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -8,6 +7,7 @@
 #include "app/ring_sim/comparison_report.h"
 #include "app/ring_sim/plots/plots.h"
 #include "app/ring_sim/problems.h"
+#include "app/ring_sim/progress.h"
 
 namespace limb_ring::ring_sim {
 
@@ -19,21 +19,15 @@ struct Options {
   std::optional<std::string> plots;  ///< folder
 };
 
-/// Says on standard error what is being measured, once it takes longer than two seconds.
-void tell(const study::Subject& subject, std::chrono::steady_clock::time_point start) {
-  if (std::chrono::steady_clock::now() - start < std::chrono::seconds(2)) return;
-  std::cerr << "ring_sim: " << subject.method << " at " << app::number(static_cast<double>(subject.rate) * 1e-6, 0)
-            << " Mbit/s ..." << std::endl;
-}
-
 int run(Options& options) {
   study::ComparisonOptions& comparison = options.comparison;
   if (!comparable(comparison.medium))
     throw UsageError("--relay-delay is more than 100 times as long as the payload takes on the line");
   std::optional<PlotFolder> plots;  // first: what is wrong with it is known before anything is measured
   if (options.plots) plots.emplace(*options.plots);
-  const auto start = std::chrono::steady_clock::now();
-  comparison.tell = [start](const study::Subject& subject) { tell(subject, start); };
+  comparison.tell = [progress = Progress()](const study::Subject& subject) mutable {
+    progress.tell(subject.method + (" at " + app::number(static_cast<double>(subject.rate) * 1e-6, 0)) + " Mbit/s");
+  };
   const study::Comparison result = compare(comparison);
   std::cout << format_comparison(result, comparison, options.format) << std::flush;
   if (plots) draw_all(*plots, {result, comparison});

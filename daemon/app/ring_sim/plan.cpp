@@ -2,13 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 
+#include "app/common/text_table.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/plan_rows.h"
 #include "app/ring_sim/problems.h"
+#include "app/ring_sim/progress.h"
 #include "config/load_ring.h"
 #include "config/quantity.h"
 
@@ -17,7 +18,7 @@ namespace limb_ring::ring_sim {
 namespace {
 
 constexpr const char* kSimulated = "1s";
-constexpr std::chrono::seconds kQuiet{2}, kLongest{3600};
+constexpr std::chrono::seconds kLongest{3600};
 
 struct Options {
   std::string config;
@@ -34,16 +35,6 @@ std::string check_duration(const std::string& text) {
   return "'" + text + "' is no time above 0s up to 3600s, with its unit: 500ms, 10s";
 }
 
-/// Says how far the simulation is, every two seconds.
-std::function<void(double)> progress() {
-  using Clock = std::chrono::steady_clock;
-  return [next = Clock::now() + kQuiet](double share) mutable {
-    if (Clock::now() < next) return;
-    next = Clock::now() + kQuiet;
-    std::fprintf(stderr, "ring_sim: simulated %.0f %% ...\n", 100 * share);
-  };
-}
-
 PlanReport make_report(const Options& options) {
   PlanReport report;
   const config::RingConfig ring = config::load_ring(options.config);
@@ -55,7 +46,10 @@ PlanReport make_report(const Options& options) {
   if (!options.simulate) return report;
   report.seed = options.seed;
   report.duration = *config::parse_time(options.duration);
-  report.runs = study::run_traffic(report.ring, report.streams, {report.duration, options.seed, progress()});
+  const auto tell = [progress = Progress()](double share) mutable {
+    progress.tell("simulated " + app::number(100 * share, 0) + " %");
+  };
+  report.runs = study::run_traffic(report.ring, report.streams, {report.duration, options.seed, tell});
   return report;
 }
 

@@ -5,30 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "app/ring_sim/command_line.h"
 #include "app/ring_sim/problems.h"
+#include "app/ring_sim/said.h"
 
 namespace limb_ring::ring_sim {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-struct Said {
-  int code = -1;
-  std::string out, errors;
-};
-
-Said ring_sim(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "ring_sim");
-  std::vector<char*> argv;
-  for (auto& argument : arguments) argv.push_back(argument.data());
-  ::testing::internal::CaptureStderr();
-  ::testing::internal::CaptureStdout();
-  const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
-  const std::string out = ::testing::internal::GetCapturedStdout();
-  return {code, out, ::testing::internal::GetCapturedStderr()};
-}
 
 nlohmann::json json_of(const std::vector<std::string>& arguments) {
   return nlohmann::json::parse(ring_sim(arguments).out);

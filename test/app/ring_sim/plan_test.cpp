@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/ring_sim/command_line.h"
 #include "app/ring_sim/problems.h"
+#include "app/ring_sim/said.h"
 #include "app/ringctl/own_folder.h"
 
 namespace limb_ring::ring_sim {
@@ -16,22 +16,11 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-struct Said {
-  int code = -1;
-  std::string out, error;
-};
-
 class PlanCommand : public ringctl::OwnFolder {
  protected:
-  static Said ring_sim(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"ring_sim", "plan"});
-    std::vector<char*> argv;
-    for (auto& argument : arguments) argv.push_back(argument.data());
-    ::testing::internal::CaptureStderr();
-    ::testing::internal::CaptureStdout();
-    const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
-    const std::string out = ::testing::internal::GetCapturedStdout();
-    return {code, out, ::testing::internal::GetCapturedStderr()};
+  static Said plan(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "plan");
+    return ring_sim(arguments);
   }
 
   /// Two nodes, and a stream of this size and rate from the first to the second.
@@ -42,14 +31,14 @@ class PlanCommand : public ringctl::OwnFolder {
 };
 
 TEST_F(PlanCommand, SaysWhatIsAssumedAndThatTheRingCarriesIt) {
-  const Said said = ring_sim({two_nodes("size: 61440, rate: 30")});
+  const Said said = plan({two_nodes("size: 61440, rate: 30")});
   EXPECT_EQ(said.code, kDone);
   EXPECT_THAT(said.out, AllOf(HasSubstr("camera"), HasSubstr("beacon of body"), HasSubstr("The ring carries this."),
                               HasSubstr("Assumed for lines without a rate: 1Gbit/s, relay delay 512ns.")));
 }
 
 TEST_F(PlanCommand, SaysWhyTheRingDoesNotCarryIt) {
-  const Said said = ring_sim({two_nodes("size: 61440, rate: 300"), "--rate", "100Mbit/s"});
+  const Said said = plan({two_nodes("size: 61440, rate: 300"), "--rate", "100Mbit/s"});
   EXPECT_EQ(said.code, kBroken);
   EXPECT_THAT(said.out, AllOf(HasSubstr("cannot be relied on to carry this"), HasSubstr("node head would need"),
                               HasSubstr("100Mbit/s")));
@@ -57,17 +46,17 @@ TEST_F(PlanCommand, SaysWhyTheRingDoesNotCarryIt) {
 
 TEST_F(PlanCommand, SetsWhatWasMeasuredBesideTheBounds) {
   const std::string file = two_nodes("size: 61440, rate: 30");
-  const Said said = ring_sim({file, "--simulate", "100ms", "--seed", "7"});
+  const Said said = plan({file, "--simulate", "100ms", "--seed", "7"});
   EXPECT_EQ(said.code, kDone);
   EXPECT_THAT(said.out, AllOf(HasSubstr("confirmed_max"), HasSubstr("Simulated 100ms with seed 7"),
                               HasSubstr("Every message that has a bound came within it.")));
-  EXPECT_EQ(ring_sim({file, "--simulate", "100ms", "--seed", "7"}).out, said.out);
-  EXPECT_THAT(ring_sim({file, "--simulate"}).out, HasSubstr("Simulated 1s with seed 1"));
+  EXPECT_EQ(plan({file, "--simulate", "100ms", "--seed", "7"}).out, said.out);
+  EXPECT_THAT(plan({file, "--simulate"}).out, HasSubstr("Simulated 1s with seed 1"));
 }
 
 TEST_F(PlanCommand, PrintsJsonAndCsvForPrograms) {
   const std::string file = two_nodes("size: 500, rate: 30, phase: 1ms");
-  const auto json = nlohmann::json::parse(ring_sim({file, "--json", "--simulate", "100ms"}).out);
+  const auto json = nlohmann::json::parse(plan({file, "--json", "--simulate", "100ms"}).out);
   EXPECT_EQ(json["carried"], true);
   EXPECT_EQ(json["kept"], true);
   EXPECT_EQ(json["nodes"].size(), 2u);
@@ -75,20 +64,20 @@ TEST_F(PlanCommand, PrintsJsonAndCsvForPrograms) {
   EXPECT_EQ(json["streams"][0]["from"], "head");
   // 512 bytes on the line at 8 ns, two relay delays of 512 ns.
   EXPECT_DOUBLE_EQ(json["streams"][0]["confirmed_max_us"], 5.12);
-  EXPECT_THAT(ring_sim({file, "--csv"}).out, StartsWith("stream,from,to,priority,bytes,packets,"));
+  EXPECT_THAT(plan({file, "--csv"}).out, StartsWith("stream,from,to,priority,bytes,packets,"));
 }
 
 TEST_F(PlanCommand, RefusesWrongFilesAndArguments) {
-  const Said absent = ring_sim({"/nowhere.yaml"});
+  const Said absent = plan({"/nowhere.yaml"});
   EXPECT_EQ(absent.code, kUsage);
-  EXPECT_THAT(absent.error, HasSubstr("there is no such file"));
-  const Said wrong = ring_sim({two_nodes("rate: 30")});
+  EXPECT_THAT(absent.errors, HasSubstr("there is no such file"));
+  const Said wrong = plan({two_nodes("rate: 30")});
   EXPECT_EQ(wrong.code, kUsage);
-  EXPECT_THAT(wrong.error, HasSubstr("two.yaml:3:11: entry 'traffic[0]'"));
-  EXPECT_EQ(ring_sim({}).code, kUsage);
-  const Said time = ring_sim({two_nodes("size: 1, rate: 1"), "--simulate", "5"});
+  EXPECT_THAT(wrong.errors, HasSubstr("two.yaml:3:11: entry 'traffic[0]'"));
+  EXPECT_EQ(plan({}).code, kUsage);
+  const Said time = plan({two_nodes("size: 1, rate: 1"), "--simulate", "5"});
   EXPECT_EQ(time.code, kUsage);
-  EXPECT_THAT(time.error, HasSubstr("with its unit"));
+  EXPECT_THAT(time.errors, HasSubstr("with its unit"));
 }
 
 }  // namespace
