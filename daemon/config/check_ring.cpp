@@ -106,6 +106,16 @@ void check_traffic(const Entry& file, const RingConfig& ring) {
   }
 }
 
+/// The cure is an INTP to a reset pin: ordering it where there is none would only use up the tries.
+void check_supervisor(const Entry& file, const RingConfig& ring) {
+  if (ring.supervisor.policy != SupervisorConfig::Policy::automatic) return;
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n)
+    if (ring.nodes[n].cpu.alive_period.count() != 0 && !reset_pin(ring.nodes[n]))
+      element(file, "nodes", n)
+          .refuse("its cpu has an alive_period, but no pin of it is wired to reset",
+                  "a pin wired to reset, or a supervisor with policy report or off");
+}
+
 }  // namespace
 
 void check_ring(const Entry& file, const RingConfig& ring) {
@@ -113,6 +123,7 @@ void check_ring(const Entry& file, const RingConfig& ring) {
   check_part_names(file, ring);
   check_ports(file, ring);
   check_inputs(file, ring);
+  check_supervisor(file, ring);
   check_topics(file, ring);
   check_traffic(file, ring);
 }

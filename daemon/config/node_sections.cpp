@@ -1,17 +1,27 @@
 #include "config/sections.h"
 
 namespace limb_ring::config {
+
+using namespace std::chrono_literals;
+
 namespace {
 
 constexpr std::size_t kMostJoints = 32, kMostSensors = 16;
 
 const char* const kAllowedCpus = "none, attached or {command: [PROGRAM, ARGUMENT, ...]}";
 
+/// `{command: [...]}` or `{attached: true}`, one of them.
+void read_cpu_map(const Entry& entry, CpuConfig& cpu) {
+  read_section(entry, cpu_section(), cpu);
+  const bool attached = cpu.kind == CpuConfig::Kind::attached;
+  if (attached && !cpu.command.empty()) entry.refuse("command and attached are both given", "one of them");
+  if (!attached && cpu.command.empty())
+    entry.refuse("'command' is missing", "a map of " + join(names_of(cpu_section())));
+  if (!attached) cpu.kind = CpuConfig::Kind::child;
+}
+
 void read_cpu(const Entry& entry, NodeConfig& node) {
-  if (entry.is_map()) {
-    node.cpu.kind = CpuConfig::Kind::child;
-    return read_section(entry, cpu_section(), node.cpu);
-  }
+  if (entry.is_map()) return read_cpu_map(entry, node.cpu);
   const std::string word = entry.text(kAllowedCpus);
   if (word != "none" && word != "attached") entry.refuse_value("is unknown", kAllowedCpus);
   node.cpu.kind = word == "none" ? CpuConfig::Kind::none : CpuConfig::Kind::attached;
@@ -70,11 +80,18 @@ const Section<NodeConfig>& node_section() {
 
 const Section<CpuConfig>& cpu_section() {
   static const Section<CpuConfig> section{
-      {"command", kRequired, kAllowedCommands,
+      {"command", "required, or `attached: true`", kAllowedCommands,
        "The program is looked for beside ringd, then on PATH. It dies with ringd.",
        [](const Entry& entry, CpuConfig& cpu) { cpu.command = read_command(entry); }},
+      {"attached", "false", "true, false", "Instead of `command`: as `cpu: attached`.",
+       [](const Entry& entry, CpuConfig& cpu) {
+         if (read_flag(entry)) cpu.kind = CpuConfig::Kind::attached;
+       }},
       flag_option("restart_on_exit", &CpuConfig::restart_on_exit,
                   "Start it again when it ends by itself."),
+      time_option("alive_period", &CpuConfig::alive_period, 0ms, 60s,
+                  "It says something to ringd at least so often (limb_firmware keeps to it); silent for three of "
+                  "these, or of those it promised itself if longer, it is hung. 0s: not watched by the supervisor."),
   };
   return section;
 }

@@ -25,6 +25,22 @@ const NodeConfig* RingConfig::find(const std::string& id_or_name) const {
   return found == nodes.end() ? nullptr : &*found;
 }
 
+const NodeConfig& body_of(const RingConfig& ring) {
+  for (const NodeConfig& node : ring.nodes)
+    if (node.cpu.kind == CpuConfig::Kind::attached) return node;
+  return ring.nodes.front();
+}
+
+const NodeConfig& supervisor_of(const RingConfig& ring) {
+  return ring.supervisor.node ? *ring.find(*ring.supervisor.node) : body_of(ring);
+}
+
+std::optional<std::uint8_t> reset_pin(const NodeConfig& node) {
+  for (std::uint8_t factor = 0; factor < node.pins.size(); ++factor)
+    if (node.pins[factor].action == PinConfig::Action::reset) return factor;
+  return std::nullopt;
+}
+
 bool ring_has_reset_on(const RingConfig& ring, unsigned factor) {
   return std::any_of(ring.nodes.begin(), ring.nodes.end(), [factor](const NodeConfig& node) {
     return factor < node.pins.size() && node.pins[factor].action == PinConfig::Action::reset;

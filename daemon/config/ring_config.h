@@ -37,6 +37,7 @@ struct CpuConfig {
   enum class Kind { none, child, attached } kind = Kind::none;
   std::vector<std::string> command;  ///< program (looked for beside ringd, then on PATH), arguments
   bool restart_on_exit = true;       ///< child: start it again when it ends by itself
+  milliseconds alive_period{0};      ///< it says something at least so often; 0: it is not watched
 };
 
 struct JointConfig {
@@ -99,6 +100,16 @@ struct Timeouts {
   milliseconds command{200};         ///< a joint without a command for so long: its safe state
 };
 
+/// What is done about a hung CPU. The network controller of a hung CPU goes on relaying, and an INTP
+/// to its reset pin cures it (paper); who watches and how often it is tried is ours.
+struct SupervisorConfig {
+  std::optional<std::uint8_t> node;  ///< none: body_of(), see supervisor_of()
+  enum class Policy { off, report, automatic } policy = Policy::report;
+  milliseconds grace{5000};    ///< to boot: not judged before, and a reset has failed after it
+  unsigned tries = 3;          ///< resets in a row, then it is given up
+  milliseconds backoff{1000};  ///< from a failed reset to the next; it doubles
+};
+
 struct Firmware {
   double state_rate = 100.0;   ///< Hz
   double bandwidth = 8.0;      ///< Hz, natural frequency of the simulated servo
@@ -156,12 +167,23 @@ struct RingConfig {
   Firmware firmware;
   BridgeConfig bridge;
   Realtime realtime;
+  SupervisorConfig supervisor;
   std::vector<TrafficConfig> traffic;
 
   const NodeConfig* find(std::uint8_t id) const;
   /// By id ("12") or name ("left_knee").
   const NodeConfig* find(const std::string& id_or_name) const;
 };
+
+/// The first node in ring order whose CPU is attached (the bridge's, usually the body), else the
+/// first node. (ours) @pre the ring has a node
+const NodeConfig& body_of(const RingConfig& ring);
+
+/// The node that watches the CPUs of the others: the one configured, else the body.
+const NodeConfig& supervisor_of(const RingConfig& ring);
+
+/// The first of a node's pins that is wired to reset; nothing where none is.
+std::optional<std::uint8_t> reset_pin(const NodeConfig& node);
 
 /// True where some node has pin `factor` wired to reset: a broadcast of it needs to be forced.
 bool ring_has_reset_on(const RingConfig& ring, unsigned factor);

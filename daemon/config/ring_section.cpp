@@ -46,8 +46,8 @@ void read_nodes(const Entry& entry, RingConfig& ring) {
 
 }  // namespace
 
-// Read in this order: nodes take their links from `links`; the bridge's topics and the traffic name
-// nodes.
+// Read in this order: nodes take their links from `links`; the supervisor, the bridge's topics and
+// the traffic name nodes.
 const Section<RingConfig>& ring_section() {
   static const Section<RingConfig> section{
       name_option("ring", &RingConfig::ring, is_ring_name, kRingNameRule, kRequired,
@@ -62,6 +62,8 @@ const Section<RingConfig>& ring_section() {
                      "What the daemons ask of the kernel; where refused they say so and go on."),
       {"nodes", kRequired, "a list of 2 to 255 maps, see below",
        "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
+      section_option("supervisor", &RingConfig::supervisor, supervisor_section(),
+                     "Who watches the CPUs that have an `alive_period`, and what is done about a hung one."),
       section_option("bridge", &RingConfig::bridge, bridge_section(), "The ROS side of the ring."),
       traffic_option(),
   };

@@ -3,9 +3,7 @@
 namespace limb_ring::config {
 
 std::uint8_t state_destination(const RingConfig& ring) {
-  for (const NodeConfig& node : ring.nodes)
-    if (node.cpu.kind == CpuConfig::Kind::attached) return node.id;
-  return ring.nodes.front().id;
+  return body_of(ring).id;
 }
 
 }  // namespace limb_ring::config

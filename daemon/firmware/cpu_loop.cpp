@@ -14,7 +14,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int kMessagesPerTurn = 64;  // then the joints are due again, however many wait
-constexpr nanoseconds kSpeakEvery = kAlivePeriod / 4;
 
 nanoseconds read_clock(clockid_t clock) {
   timespec time{};
@@ -25,8 +24,8 @@ nanoseconds read_clock(clockid_t clock) {
 /// One run of the CPU: what a turn of the loop needs.
 class Run {
  public:
-  Run(HostPort& port, NodeCpu& cpu, std::optional<nanoseconds> hang_after)
-      : port_(port), cpu_(cpu) {
+  Run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after)
+      : port_(port), cpu_(cpu), speak_every_(alive_period / 4) {
     if (hang_after) hang_at_ = read_clocks().monotonic + *hang_after;
   }
 
@@ -73,7 +72,7 @@ class Run {
       port_.send(packet.destination, packet.data, packet.priority, packet.channel);
     const auto now = read_clocks().monotonic;
     if (outgoing.empty() && now >= speak_at_) port_.alive();
-    if (!outgoing.empty() || now >= speak_at_) speak_at_ = now + kSpeakEvery;
+    if (!outgoing.empty() || now >= speak_at_) speak_at_ = now + speak_every_;
   }
 
   void obey() {
@@ -100,6 +99,7 @@ class Run {
 
   HostPort& port_;
   NodeCpu& cpu_;
+  nanoseconds speak_every_;
   std::optional<nanoseconds> hang_at_;
   std::optional<int> exit_code_;
   nanoseconds speak_at_{0};
@@ -112,8 +112,8 @@ Moment read_clocks() {
   return {read_clock(CLOCK_MONOTONIC), read_clock(CLOCK_REALTIME).count()};
 }
 
-int run(HostPort& port, NodeCpu& cpu, std::optional<nanoseconds> hang_after) {
-  return Run(port, cpu, hang_after).loop();
+int run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after) {
+  return Run(port, cpu, alive_period, hang_after).loop();
 }
 
 }  // namespace limb_ring::firmware

@@ -8,13 +8,11 @@
 
 namespace limb_ring::firmware {
 
-/// The promise to the daemon: something is heard of this CPU at least so often.
-constexpr std::chrono::milliseconds kAlivePeriod{200};
-
 Moment read_clocks();
 
-/// Runs the CPU on its host port until a stop signal, an order, or the end of the connection.
+/// Runs the CPU on its host port until a stop signal, an order, or the end of the connection. The
+/// daemon hears something of it four times an `alive_period`, however idle it is.
 /// @return exit code
-int run(HostPort& port, NodeCpu& cpu, std::optional<nanoseconds> hang_after);
+int run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after);
 
 }  // namespace limb_ring::firmware

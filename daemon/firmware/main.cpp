@@ -20,7 +20,7 @@ HostPort connect(const firmware::Options& options, const firmware::ProgramSetup&
   connection.ring = setup.ring;
   connection.node = options.node;
   connection.role = Role::cpu;
-  connection.alive_period = firmware::kAlivePeriod;
+  connection.alive_period = setup.alive_period;
   return HostPort::connect(connection);
 }
 
@@ -29,7 +29,7 @@ int run_cpu(const firmware::Options& options) {
   HostPort port = connect(options, setup);
   firmware::catch_stop_signals();
   firmware::NodeCpu cpu(setup.cpu, firmware::read_clocks());
-  const int code = firmware::run(port, cpu, options.hang_after);
+  const int code = firmware::run(port, cpu, setup.alive_period, options.hang_after);
   std::fprintf(stderr, "limb_firmware %s: %s\n", port.name().c_str(), cpu.summary().c_str());
   return code;
 }

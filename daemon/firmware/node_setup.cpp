@@ -29,6 +29,7 @@ ProgramSetup make_setup(const Options& options) {
   const auto ring = config::load_ring(options.config);
   if (setup.ring.empty()) setup.ring = ring.ring;
   setup.cpu.node = find_node(ring, options);
+  if (setup.cpu.node.cpu.alive_period.count() != 0) setup.alive_period = setup.cpu.node.cpu.alive_period;
   setup.cpu.firmware = ring.firmware;
   setup.cpu.command_timeout = ring.timeouts.command;
   setup.cpu.state_to = config::state_destination(ring);

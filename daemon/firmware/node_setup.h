@@ -12,6 +12,9 @@ namespace limb_ring::firmware {
 struct ProgramSetup {
   std::string ring;  ///< empty: the only one running
   NodeSetup cpu;
+  /// The promise to the daemon: something is heard of this CPU at least so often. The YAML's, where
+  /// it gives one.
+  std::chrono::milliseconds alive_period{200};
 };
 
 /// @throw config::ConfigError for a wrong YAML, OptionsError where it has no such node

@@ -1,5 +1,7 @@
 #include "runtime/cpu_socket.h"
 
+#include <algorithm>
+
 namespace limb_ring::runtime {
 namespace {
 
@@ -12,6 +14,7 @@ static_assert(static_cast<int>(CpuState::failed) == static_cast<int>(wire::CpuSt
 CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& engine, host::HostServer& host,
                      std::function<void()> changed)
     : kind_(options.cpu.kind),
+      alive_period_(options.cpu.alive_period),
       engine_(engine),
       host_(host),
       changed_(std::move(changed)),
@@ -25,8 +28,11 @@ void CpuSocket::start() {
 
 std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
   if (is_sink()) return "this node is configured with 'cpu: none'; 'cpu: attached' would let a process be its CPU";
-  if (!supervisor_.attached(client.pid, client.restarted_by_owner, client.alive_period))
+  // A healthy CPU that promised less than its ring's file does is not to be taken for a hung one.
+  const auto alive_period = std::max(client.alive_period, alive_period_);
+  if (!supervisor_.attached(client.pid, client.restarted_by_owner, alive_period))
     return "this process has ended or is being reset";
+  reported_.spoke_at = engine_.now();  // its greeting was its first word
   engine_.controller().set_cpu_present(true);
   return std::nullopt;
 }

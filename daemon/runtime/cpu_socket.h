@@ -48,6 +48,7 @@ class CpuSocket final : private CpuEvents {
   void drop_client();
 
   config::CpuConfig::Kind kind_;
+  std::chrono::milliseconds alive_period_;
   Engine& engine_;
   host::HostServer& host_;
   std::function<void()> changed_;

@@ -58,11 +58,18 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       pins_(config.pins, cpu_),
       traffic_(io, engine_),
       orders_(io, engine_, [this](wire::NodeId node) { return cpu_of(node); }),
-      requests_(*this) {}
+      requests_(*this) {
+  if (config::supervisor_of(ring).id == config.id)
+    supervisor_.emplace(io, ring, engine_.clock(), orders_, [this](wire::NodeId node) { return sighting_of(node); });
+}
 
-void Node::start() { cpu_.start(); }
+void Node::start() {
+  cpu_.start();
+  if (supervisor_) supervisor_->start();
+}
 
 void Node::stop(std::function<void()> done) {
+  if (supervisor_) supervisor_->stop();
   traffic_.stop();
   orders_.stop();
   engine_.close();
@@ -182,14 +189,21 @@ void Node::cpu_changed() {
   orders_.on_cpu_changed(config_.id);
 }
 
-Orders::Cpu Node::cpu_of(wire::NodeId node) const {
+CpuSighting Node::sighting_of(wire::NodeId node) const {
   if (node == config_.id) {
     const CpuStatus status = cpu_.status();
-    return {status.boots, status.kind != CpuKind::attached || status.restarted_by_owner,
-            status.state == CpuState::absent};
+    return {engine_.now(), status.boots, static_cast<wire::CpuState>(status.state), status.silent,
+            status.kind != CpuKind::attached || status.restarted_by_owner};
   }
   const core::Peer& peer = engine_.controller().membership().peers()[node];
-  return {peer.beacon.cpu_boots, peer.beacon.cpu_comes_back, peer.beacon.cpu_state == wire::CpuState::absent};
+  const wire::Beacon& beacon = peer.beacon;
+  return {peer.beacon_heard ? std::make_optional(peer.heard_at) : std::nullopt, beacon.cpu_boots, beacon.cpu_state,
+          std::chrono::milliseconds(beacon.cpu_silent_ms), beacon.cpu_comes_back};
+}
+
+Orders::Cpu Node::cpu_of(wire::NodeId node) const {
+  const CpuSighting cpu = sighting_of(node);
+  return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent};
 }
 
 }  // namespace limb_ring::runtime

@@ -13,6 +13,7 @@
 #include "runtime/orders.h"
 #include "runtime/pin_board.h"
 #include "runtime/requests.h"
+#include "runtime/ring_supervisor.h"
 #include "runtime/round_trips.h"
 #include "runtime/traffic.h"
 
@@ -39,6 +40,8 @@ class Node final : private EngineListener, private host::HostHandler {
   PinBoard& pins() { return pins_; }
   Traffic& traffic() { return traffic_; }
   Orders& orders() { return orders_; }
+  /// Nothing where another node is the ring's supervisor.
+  const std::optional<RingSupervisor>& supervisor() const { return supervisor_; }
   const RoundTrips& round_trips() const { return round_trips_; }
   const host::HostServer& host() const { return host_; }
   ///@}
@@ -67,6 +70,7 @@ class Node final : private EngineListener, private host::HostHandler {
   void on_credit(host::ClientId client) override;
 
   void cpu_changed();
+  CpuSighting sighting_of(wire::NodeId node) const;
   Orders::Cpu cpu_of(wire::NodeId node) const;
 
   const config::RingConfig& ring_;
@@ -80,6 +84,7 @@ class Node final : private EngineListener, private host::HostHandler {
   PinBoard pins_;
   Traffic traffic_;
   Orders orders_;
+  std::optional<RingSupervisor> supervisor_;
   RoundTrips round_trips_;
   Requests requests_;
 };

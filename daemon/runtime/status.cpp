@@ -62,6 +62,26 @@ json heard_json(Node& node) {
   return heard;
 }
 
+json supervisor_json(Node& node) {
+  const Watchdog& watchdog = node.supervisor()->watchdog();
+  json watched = json::array();
+  for (const WatchedCpu& cpu : watchdog.watched()) {
+    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(node.engine().now() - cpu.since);
+    watched.push_back({{"id", cpu.node},
+                       {"name", node.ring().find(cpu.node)->name},
+                       {"verdict", to_string(cpu.verdict)},
+                       {"for_ms", age.count()},
+                       {"hangs", cpu.hangs},
+                       {"resets", cpu.resets},
+                       {"confirmed", cpu.confirmed},
+                       {"tries", cpu.tries},
+                       {"given_up", cpu.given_up},
+                       {"last", cpu.last},
+                       {"reset_reason", cpu.reset_reason}});
+  }
+  return {{"policy", to_string(watchdog.policy())}, {"watched", watched}};
+}
+
 }  // namespace
 
 json status_row(Node& node) {
@@ -69,21 +89,23 @@ json status_row(Node& node) {
   const core::Membership& membership = engine.controller().membership();
   const auto& input = engine.input();
   const auto& output = engine.output();
-  return {{"id", node.config().id},
-          {"name", node.config().name},
-          {"state", to_string(membership.state())},
-          {"pid", ::getpid()},
-          {"cpu", cpu_json(node.cpu())},
-          {"ring_size", membership.ring_size()},
-          {"boot", membership.boot()},
-          {"uptime_s", std::chrono::duration<double>(engine.clock().uptime()).count()},
-          {"input", {{"state", input.up() ? "up" : "down"}, {"from", input.up() ? json(*input.from()) : json()}}},
-          {"output", {{"state", output.up() ? "up" : "down"}, {"to", output.up() ? json(output.to()) : json()}}},
-          {"round_trip_us", to_json(node.round_trips().get())},
-          {"received", engine.controller().counters().received_data},
-          {"waiting", engine.controller().received_waiting()},
-          {"counters", counters_json(node)},
-          {"heard", heard_json(node)}};
+  json row{{"id", node.config().id},
+           {"name", node.config().name},
+           {"state", to_string(membership.state())},
+           {"pid", ::getpid()},
+           {"cpu", cpu_json(node.cpu())},
+           {"ring_size", membership.ring_size()},
+           {"boot", membership.boot()},
+           {"uptime_s", std::chrono::duration<double>(engine.clock().uptime()).count()},
+           {"input", {{"state", input.up() ? "up" : "down"}, {"from", input.up() ? json(*input.from()) : json()}}},
+           {"output", {{"state", output.up() ? "up" : "down"}, {"to", output.up() ? json(output.to()) : json()}}},
+           {"round_trip_us", to_json(node.round_trips().get())},
+           {"received", engine.controller().counters().received_data},
+           {"waiting", engine.controller().received_waiting()},
+           {"counters", counters_json(node)},
+           {"heard", heard_json(node)}};
+  if (node.supervisor()) row["supervisor"] = supervisor_json(node);
+  return row;
 }
 
 }  // namespace limb_ring::runtime

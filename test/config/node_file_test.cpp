@@ -37,6 +37,15 @@ TEST(NodeFile, CpuIsNoneAttachedOrACommand) {
   EXPECT_FALSE(node_of("    cpu: {command: [a], restart_on_exit: false}\n").cpu.restart_on_exit);
 }
 
+TEST(NodeFile, CpuDeclaresAnAlivePeriodOrIsNotWatched) {
+  EXPECT_EQ(node_of("    cpu: {command: [a]}\n").cpu.alive_period, milliseconds{0});
+  EXPECT_EQ(node_of("    cpu: {command: [a], alive_period: 200ms}\n").cpu.alive_period, milliseconds{200});
+  const CpuConfig attached = node_of("    cpu: {attached: true, alive_period: 1s}\n").cpu;
+  EXPECT_EQ(attached.kind, CpuConfig::Kind::attached);
+  EXPECT_EQ(attached.alive_period, milliseconds{1000});
+  EXPECT_EQ(node_of("    cpu: {attached: false, command: [a]}\n").cpu.kind, CpuConfig::Kind::child);
+}
+
 TEST(NodeFile, JointsHaveLimitsAndASafeState) {
   const NodeConfig node = node_of(
       "    joints:\n"

@@ -48,7 +48,9 @@ TEST(ShippedFiles, HumanoidsLimbsHaveFirmware) {
   for (std::size_t i = 1; i < ring.nodes.size(); ++i) {
     EXPECT_EQ(ring.nodes[i].cpu.kind, CpuConfig::Kind::child) << ring.nodes[i].name;
     EXPECT_THAT(ring.nodes[i].cpu.command, ::testing::ElementsAre("limb_firmware"));
+    EXPECT_GT(ring.nodes[i].cpu.alive_period, 0ms) << ring.nodes[i].name;
   }
+  EXPECT_EQ(supervisor_of(ring).name, "body");
 }
 
 TEST(ShippedFiles, HumanoidsLeftAndRightAreAlike) {

@@ -21,7 +21,7 @@ TEST(WrongEntry, UnknownAtTheTop) {
       refusal_of(two_nodes("timeout: {}\n")),
       AllOf(StartsWith("ring.yaml:6:1: entry 'timeout': is unknown, did you mean 'timeouts'?"),
             HasSubstr("; allowed: ring, limits, timeouts, links, firmware, realtime, nodes, "
-                      "bridge, traffic")));
+                      "supervisor, bridge, traffic")));
 }
 
 TEST(WrongEntry, UnknownWithinASection) {

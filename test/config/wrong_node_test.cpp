@@ -69,6 +69,14 @@ TEST(WrongNodes, Cpu) {
               HasSubstr("'nodes[1].cpu.restart': is unknown"));
 }
 
+TEST(WrongNodes, CpuThatIsBothStartedAndAttached) {
+  EXPECT_THAT(refusal_of(node_with("    cpu: {command: [a], attached: true}\n")),
+              StartsWith("ring.yaml:5:10: entry 'nodes[1].cpu': command and attached are both given; allowed: one"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: {attached: false}\n")), HasSubstr("'command' is missing"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: {command: [a], alive_period: 61s}\n")),
+              HasSubstr("'nodes[1].cpu.alive_period': '61s' is out of range"));
+}
+
 TEST(WrongNodes, Joints) {
   EXPECT_THAT(refusal_of(node_with("    joints: {name: a}\n")), HasSubstr("a map is no list"));
   EXPECT_THAT(refusal_of(node_with("    joints: [{lower: 0}]\n")),

@@ -85,7 +85,7 @@ class SetupTest : public OptionsTest {
     std::ofstream(path) << "ring: two\n"
                            "timeouts: {command: 300ms}\n"
                            "nodes:\n"
-                           "  - {id: 4, name: arm, joints: [{name: elbow}]}\n"
+                           "  - {id: 4, name: arm, joints: [{name: elbow}], cpu: {command: [a], alive_period: 70ms}}\n"
                            "  - {id: 9, name: body, cpu: attached}\n";
   }
   void TearDown() override {
@@ -105,6 +105,7 @@ TEST_F(SetupTest, TakesTheNodesPartOfTheFile) {
     EXPECT_EQ(setup.cpu.node.joints.at(0).name, "elbow");
     EXPECT_EQ(setup.cpu.state_to, 9);
     EXPECT_EQ(setup.cpu.command_timeout, nanoseconds(300ms));
+    EXPECT_EQ(setup.alive_period, 70ms);
   }
 }
 
@@ -129,6 +130,7 @@ TEST_F(SetupTest, PassesOnWhatIsWrongWithTheFile) {
 TEST_F(SetupTest, WithoutAFileHasNoJoints) {
   const auto setup = make_setup(parse({"--node", "4"}));
   EXPECT_TRUE(setup.cpu.node.joints.empty() && setup.cpu.node.sensors.empty());
+  EXPECT_GT(setup.alive_period, 0ms);
 }
 
 }  // namespace

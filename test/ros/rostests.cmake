@@ -36,7 +36,7 @@ endfunction()
 set_property(DIRECTORY APPEND PROPERTY
   CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/config/humanoid16.yaml)
 file(READ ${PROJECT_SOURCE_DIR}/config/humanoid16.yaml humanoid)
-string(REPLACE "{command: [limb_firmware]}" "attached" humanoid "${humanoid}")
+string(REPLACE "{command: [limb_firmware], alive_period: 200ms}" "attached" humanoid "${humanoid}")
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/humanoid16_attached.yaml "${humanoid}")
 
 add_executable(walking_recording_test walking_recording_test.cpp)

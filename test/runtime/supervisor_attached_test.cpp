@@ -1,6 +1,8 @@
 // The CPU as an outside process on the host port, and the commands of exec pins.
 #include <gmock/gmock.h>
 
+#include <thread>
+
 #include "runtime/supervisor_fixture.h"
 
 namespace limb_ring::runtime {
@@ -104,6 +106,16 @@ TEST_F(SupervisorTest, CpuThatBreaksItsPromiseIsSilentUntilItSpeaks) {
   ASSERT_TRUE(until([&] { return status().state == CpuState::silent; }));
   EXPECT_GE(status().silent, 30ms);
   supervisor->spoke(std::chrono::steady_clock::now());
+  EXPECT_EQ(status().state, CpuState::running);
+  EXPECT_TRUE(until([&] { return status().state == CpuState::silent; }));
+}
+
+TEST_F(SupervisorTest, DaemonThatSleptDoesNotBlameTheCpu) {
+  const Outsider process;
+  supervise(outside());
+  supervisor->attached(process.pid(), true, 40ms);
+  std::this_thread::sleep_for(200ms);  // the daemon's own sleep: 80 ms longer than three periods
+  io.poll();
   EXPECT_EQ(status().state, CpuState::running);
   EXPECT_TRUE(until([&] { return status().state == CpuState::silent; }));
 }

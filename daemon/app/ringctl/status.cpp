@@ -6,6 +6,7 @@
 #include "app/ringctl/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/status_table.h"
+#include "app/ringctl/supervision.h"
 
 namespace limb_ring::ringctl {
 
@@ -18,6 +19,7 @@ std::vector<nlohmann::json> rows_of(const RingAccess& ring) {
     rows.push_back(answers[i] ? *answers[i] : down_row(ring.nodes()[i]));
     rows.back().erase("ring");  // once is enough
   }
+  add_verdicts(rows);
   return rows;
 }
 
@@ -34,7 +36,8 @@ int run(const Context& context, bool json) {
     const nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
     std::cout << all.dump(2) << '\n';
   } else {
-    std::cout << "ring " << ring.ring() << ": " << summary(rows) << '\n' << status_table(rows);
+    std::cout << "ring " << ring.ring() << ": " << summary(rows) << '\n'
+              << status_table(rows) << supervision_text(rows);
   }
   return kDone;
 }

@@ -18,12 +18,18 @@ std::string cell(const json& row, const char* pointer, int decimals = 0) {
   return "-";
 }
 
+/// The supervisor's word where it says hung: the node's own network controller says silent, no more.
+std::string cpu_cell(const json& row) {
+  const std::string verdict = cell(row, "/cpu/verdict");
+  return verdict == "hung" ? verdict : cell(row, "/cpu/state");
+}
+
 std::vector<std::string> cells(const json& row) {
   return {cell(row, "/id"),          cell(row, "/name"),
           cell(row, "/state"),       cell(row, "/pid"),
           cell(row, "/ring_size"),   cell(row, "/round_trip_us/p50", 1),
           cell(row, "/round_trip_us/p99", 1), cell(row, "/round_trip_us/max", 1),
-          cell(row, "/cpu/state"),   cell(row, "/cpu/pid"),
+          cpu_cell(row),             cell(row, "/cpu/pid"),
           cell(row, "/cpu/boots")};
 }
 

@@ -17,7 +17,7 @@ enum class CpuState {
   absent,   ///< not there: never attached, gone, or ended with exit 0
   booting,  ///< its process runs, but has not attached to the host port yet
   running,  ///< attached
-  silent,   ///< attached, but without a word for three of its declared alive periods
+  silent,   ///< attached, but without a word for three of its alive periods
   failed    ///< ended badly, did not attach in time, or cannot be executed; see last_exit
 };
 
@@ -30,7 +30,7 @@ struct CpuStatus {
   pid_t pid = -1;           ///< of the process attached, else of the child; -1: neither
   std::uint32_t boots = 0;  ///< times a CPU attached to the host port: higher means it really runs
   std::chrono::milliseconds silent{0};        ///< since its last word; 0 where none is attached
-  std::chrono::milliseconds alive_period{0};  ///< promised by it; 0: no promise
+  std::chrono::milliseconds alive_period{0};  ///< promised by it or for it (cpu: {alive_period}); 0: no promise
   bool restarted_by_owner = false;            ///< attached: somebody restarts it when it is killed
   std::uint64_t resets = 0;
   std::string last_reset_reason;

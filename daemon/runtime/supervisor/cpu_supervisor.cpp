@@ -165,7 +165,11 @@ void CpuSupervisor::watch_silence() {
 
 void CpuSupervisor::silence_due() {
   if (!attached_) return;
-  if (!attached_->silent(steady_clock::now())) return watch_silence();  // it spoke meanwhile
+  const Time now = steady_clock::now();
+  if (!attached_->silent(now)) return watch_silence();  // it spoke meanwhile
+  // A daemon that was itself not scheduled judges nobody: perhaps the CPU was not, either.
+  const bool late = now - silence_timer_.expiry() > attached_->alive_period() / 4;
+  if (late) return after(silence_timer_, now + attached_->alive_period(), &CpuSupervisor::silence_due);
   silent_ = true;
   changed();
 }

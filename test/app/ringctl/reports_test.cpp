@@ -6,6 +6,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
 #include "app/ringctl/status_table.h"
+#include "app/ringctl/supervision.h"
 #include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
@@ -50,6 +51,45 @@ TEST(StatusTable, ShowsWhatANodeSays) {
                  {"round_trip_us", {{"p50", 61.24}, {"p99", 90.0}, {"max", 120.0}}}};
   EXPECT_THAT(status_table({row}), HasSubstr("3  head  up     4711    16    61.2    90.0   120.0  "
                                              "running     4712      2"));
+}
+
+/// The body, which is the supervisor, and the knee it has found hung.
+std::vector<json> rows_of_a_hang() {
+  const json knee{{"id", 10},      {"name", "left_knee"}, {"verdict", "hung"}, {"for_ms", 1240},
+                  {"hangs", 1},    {"resets", 1},         {"confirmed", 0},    {"tries", 1},
+                  {"given_up", false}, {"last", "reset 1 of 3 ordered"}, {"reset_reason", "silent for 640 ms"}};
+  json head = knee;
+  head.update({{"id", 2}, {"name", "head"}, {"verdict", "alive"}, {"hangs", 0}, {"resets", 0}});
+  json body = down_row({0, "body"});
+  body["supervisor"] = {{"policy", "auto"}, {"watched", {head, knee}}};
+  return {body, down_row({2, "head"}), down_row({10, "left_knee"})};
+}
+
+TEST(Supervision, MarksTheHungCpuInItsOwnRow) {
+  std::vector<json> rows = rows_of_a_hang();
+  add_verdicts(rows);
+  EXPECT_FALSE(rows[0]["cpu"].contains("verdict"));
+  EXPECT_EQ(rows[1]["cpu"]["verdict"], "alive");
+  EXPECT_EQ(rows[2]["cpu"]["verdict"], "hung");
+  EXPECT_THAT(status_table(rows), HasSubstr("hung"));
+}
+
+TEST(Supervision, TellsWhatWasDoneAboutIt) {
+  std::vector<json> rows = rows_of_a_hang();
+  EXPECT_EQ(supervision_text(rows),
+            "supervisor body, policy auto:\n"
+            "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); hung 1, resets 1, confirmed 0\n");
+  rows[0]["supervisor"]["watched"][1]["given_up"] = true;
+  EXPECT_THAT(supervision_text(rows), HasSubstr("left_knee: hung, given up for 1.2 s"));
+}
+
+TEST(Supervision, SaysNothingWhereAllIsWellOrNobodyWatches) {
+  std::vector<json> rows = rows_of_a_hang();
+  rows[0]["supervisor"]["watched"].erase(1);
+  EXPECT_EQ(supervision_text(rows), "");
+  rows[0].erase("supervisor");
+  add_verdicts(rows);
+  EXPECT_EQ(supervision_text(rows), "");
 }
 
 TEST(ClockOffsets, TakeTheWayOfTheInterruptIntoAccount) {

@@ -1,0 +1,67 @@
+#include "runtime/ring_supervisor.h"
+
+#include <spdlog/spdlog.h>
+
+namespace limb_ring::runtime {
+namespace {
+
+/// Beacons in a row that were not heard, before the node behind them counts as unreachable: one or
+/// two may be late on a busy machine, or lost. (ours)
+constexpr int kMissedBeacons = 5;
+
+std::vector<wire::NodeId> watched_in(const config::RingConfig& ring) {
+  std::vector<wire::NodeId> watched;
+  for (const auto& node : ring.nodes)
+    if (node.cpu.alive_period.count() != 0) watched.push_back(node.id);
+  return watched;
+}
+
+}  // namespace
+
+RingSupervisor::RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock,
+                               Orders& orders, Watchdog::SightingOf sighting_of)
+    : ring_(ring),
+      clock_(clock),
+      orders_(orders),
+      sighting_of_(std::move(sighting_of)),
+      watchdog_(ring.supervisor, kMissedBeacons * ring.timeouts.beacon, watched_in(ring)),
+      timer_(io) {}
+
+void RingSupervisor::start() {
+  const auto watched = watchdog_.watched().size();
+  if (watched == 0 || watchdog_.policy() == Watchdog::Policy::off) return;
+  spdlog::info("supervisor of {} CPUs, policy {}", watched, to_string(watchdog_.policy()));
+  look_later();
+}
+
+// By the clock and not by the beacons themselves: whoever slept reads them all before it judges.
+void RingSupervisor::look_later() {
+  timer_.expires_after(ring_.timeouts.beacon);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) return;
+    look();
+    look_later();
+  });
+}
+
+void RingSupervisor::look() {
+  const Watchdog::Round round = watchdog_.look(sighting_of_, clock_.now());
+  for (const Watchdog::Finding& finding : round.findings) tell(finding);
+  for (const wire::NodeId node : round.resets) reset(node);
+}
+
+void RingSupervisor::reset(wire::NodeId node) {
+  const std::uint8_t factor = *config::reset_pin(*ring_.find(node));  // check_ring() has seen to it
+  orders_.reset(node, factor, watchdog_.confirm_within(), [this, node](const ResetReport& report) {
+    const auto failure = watchdog_.reset_ended(node, report.success, report.message, clock_.now());
+    if (failure) tell(*failure);
+  });
+}
+
+void RingSupervisor::tell(const Watchdog::Finding& finding) const {
+  const bool bad = finding.verdict == CpuVerdict::hung || finding.verdict == CpuVerdict::unreachable;
+  spdlog::log(bad ? spdlog::level::warn : spdlog::level::info, "CPU of node {} ({}) {}: {}", finding.node,
+              ring_.find(finding.node)->name, to_string(finding.verdict), finding.what);
+}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "runtime/clock.h"
+#include "runtime/orders.h"
+#include "runtime/watchdog.h"
+
+namespace limb_ring::runtime {
+
+/// What the ring's supervisor node does beside its own work: the watchdog, looked at once a beacon
+/// period, its findings logged (a line each), its orders given.
+class RingSupervisor {
+ public:
+  RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock, Orders& orders,
+                 Watchdog::SightingOf sighting_of);
+
+  /// Does nothing where no CPU is to be watched, or the policy is off.
+  void start();
+  void stop() { timer_.cancel(); }
+  const Watchdog& watchdog() const { return watchdog_; }
+
+ private:
+  void look_later();
+  void look();
+  void reset(wire::NodeId node);
+  void tell(const Watchdog::Finding& finding) const;
+
+  const config::RingConfig& ring_;
+  const Clock& clock_;
+  Orders& orders_;
+  Watchdog::SightingOf sighting_of_;
+  Watchdog watchdog_;
+  boost::asio::steady_timer timer_;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "core/time.h"
+#include "wire/control_message.h"
+
+namespace limb_ring::runtime {
+
+/// What the supervisor knows of a CPU: the last beacon of its network controller, or for the
+/// supervisor's own CPU what its own network controller says.
+struct CpuSighting {
+  std::optional<core::Time> heard_at;  ///< of that beacon; none: never heard
+  std::uint32_t boots = 0;
+  wire::CpuState state = wire::CpuState::none;
+  std::chrono::milliseconds silent{0};  ///< since it last spoke, when the beacon was sent
+  bool comes_back = true;               ///< somebody starts it again when a reset kills it
+};
+
+enum class CpuVerdict {
+  unheard,     ///< nothing was heard of its node yet
+  booting,     ///< not there yet, or silent within the grace after its start
+  alive,
+  hung,        ///< its network controller is heard, and says that the CPU is silent; until it speaks or has booted
+  absent,      ///< no process is the CPU; nothing that a reset pin cures
+  unreachable  ///< no beacon any more: node or line, so nobody knows about the CPU
+};
+const char* to_string(CpuVerdict verdict);
+const char* to_string(config::SupervisorConfig::Policy policy);
+
+/// One CPU as the supervisor has it on its books.
+struct WatchedCpu {
+  wire::NodeId node = 0;
+  CpuVerdict verdict = CpuVerdict::unheard;
+  core::Time since{};           ///< of the verdict
+  std::uint64_t hangs = 0;      ///< times it was found hung
+  std::uint64_t resets = 0;     ///< ordered
+  std::uint64_t confirmed = 0;  ///< of those: a higher CPU boot number was heard
+  unsigned tries = 0;           ///< resets since it last ran for long
+  bool given_up = false;        ///< hung, and not reset any more
+  std::string last;             ///< why the verdict, or what was done since; for people
+  std::string reset_reason;     ///< of the last reset
+};
+
+/// Who watches the CPUs that declare an alive period, and resets the hung ones. A hung CPU is told
+/// from a dead node by the beacons (patent) and cured by its reset pin (paper); grace, bounded tries
+/// and back-off are ours (protocol.md section 8).
+///
+/// No IO and no clock: sightings and time go in, findings and orders come out.
+class Watchdog {
+ public:
+  using Policy = config::SupervisorConfig::Policy;
+  using SightingOf = std::function<CpuSighting(wire::NodeId)>;
+
+  /// Something new of one CPU.
+  struct Finding {
+    wire::NodeId node = 0;
+    CpuVerdict verdict = CpuVerdict::unheard;
+    std::string what;
+  };
+  struct Round {
+    std::vector<Finding> findings;
+    std::vector<wire::NodeId> resets;  ///< to be ordered now; reset_ended() is to follow for each
+  };
+
+  /// @param watched nodes in ring order
+  /// @param missing_after a node without a beacon for so long is unreachable
+  Watchdog(const config::SupervisorConfig& settings, core::Duration missing_after,
+           const std::vector<wire::NodeId>& watched);
+
+  /// To be called regularly, several times within `missing_after`.
+  Round look(const SightingOf& sighting_of, core::Time now);
+  /// An order has ended. Whether it cured is for the boot number to say, at the next look.
+  /// @return a failure, as a finding
+  std::optional<Finding> reset_ended(wire::NodeId node, bool success, const std::string& message, core::Time now);
+
+  Policy policy() const { return settings_.policy; }
+  /// A reset that is not confirmed within this has failed.
+  std::chrono::milliseconds confirm_within() const { return settings_.grace; }
+  std::vector<WatchedCpu> watched() const;
+
+ private:
+  struct Entry : WatchedCpu {
+    std::optional<std::uint32_t> boots;  ///< as last heard
+    core::Time booted_at{};              ///< that number was heard first
+    std::string boot;                    ///< the same, for people
+    core::Time next_reset{};             ///< not before
+    bool under_reset = false;            ///< a reset was ordered, and it has neither booted nor spoken since
+    bool order_out = false;
+  };
+
+  void look_at(Entry& cpu, const CpuSighting& seen, core::Time now);
+  void judge(Entry& cpu, const CpuSighting& seen, core::Time now);
+  void speaks(Entry& cpu, core::Time now);
+  void booted(Entry& cpu, std::uint32_t boots, core::Time now);
+  void enter(Entry& cpu, CpuVerdict verdict, const std::string& why, core::Time now);
+  void cure(Entry& cpu, const CpuSighting& seen, core::Time now);
+  void order(Entry& cpu, const CpuSighting& seen, core::Time now);
+  void give_up(Entry& cpu, const std::string& why);
+  void find(Entry& cpu, const std::string& what);
+  core::Duration wait_after(unsigned tries) const { return settings_.backoff * (1 << (tries - 1)); }
+  std::string of_tries(const Entry& cpu) const;
+
+  config::SupervisorConfig settings_;
+  core::Duration missing_after_;
+  std::vector<Entry> cpus_;
+  std::optional<core::Time> looked_at_;
+  bool slept_ = false;  ///< this look is so late that beacons may be waiting unread
+  Round round_;
+};
+
+}  // namespace limb_ring::runtime
