@@ -70,7 +70,7 @@ void Watchdog::judge(Entry& cpu, const CpuSighting& seen, core::Time now) {
   switch (seen.state) {
     case wire::CpuState::running: return speaks(cpu, now);
     case wire::CpuState::silent:
-      if (now < cpu.booted_at + settings_.grace) return enter(cpu, CpuVerdict::booting, "within its grace", now);
+      if (now < cpu.booted_at + settings_.grace) return enter(cpu, CpuVerdict::booting, "silent within its grace", now);
       return enter(cpu, CpuVerdict::hung, "silent for " + text_of(seen.silent), now);
     case wire::CpuState::booting:
       if (cured_yet) enter(cpu, CpuVerdict::booting, "its process runs", now);

@@ -16,12 +16,11 @@ const json* supervisor_of(const std::vector<json>& rows) {
 }
 
 bool worth_a_line(const json& cpu) {
-  return cpu["hangs"] != 0 || cpu["verdict"] == "hung" || cpu["verdict"] == "unreachable";
+  return cpu["hangs"] != 0 || cpu["verdict"] == "unreachable";
 }
 
 std::string line_of(const json& cpu) {
-  const std::string verdict = cpu["given_up"].get<bool>() ? "hung, given up" : cpu["verdict"].get<std::string>();
-  return "  " + cpu["name"].get<std::string>() + ": " + verdict + " for " +
+  return "  " + cpu["name"].get<std::string>() + ": " + cpu["verdict"].get<std::string>() + " for " +
          app::number(cpu["for_ms"].get<double>() / 1000) + " s (" + cpu["last"].get<std::string>() + "); hung " +
          cpu["hangs"].dump() + ", resets " + cpu["resets"].dump() + ", confirmed " + cpu["confirmed"].dump() + '\n';
 }

@@ -75,12 +75,9 @@ TEST(Supervision, MarksTheHungCpuInItsOwnRow) {
 }
 
 TEST(Supervision, TellsWhatWasDoneAboutIt) {
-  std::vector<json> rows = rows_of_a_hang();
-  EXPECT_EQ(supervision_text(rows),
+  EXPECT_EQ(supervision_text(rows_of_a_hang()),
             "supervisor body, policy auto:\n"
             "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); hung 1, resets 1, confirmed 0\n");
-  rows[0]["supervisor"]["watched"][1]["given_up"] = true;
-  EXPECT_THAT(supervision_text(rows), HasSubstr("left_knee: hung, given up for 1.2 s"));
 }
 
 TEST(Supervision, SaysNothingWhereAllIsWellOrNobodyWatches) {
