@@ -26,7 +26,7 @@ TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLife) {
 
 TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
   EXPECT_THAT(refusal_of(four_nodes("steps:\n  - {do: {kil: node1}}\n")),
-              AllOf(StartsWith("test.yaml:4:10: entry 'steps[0].do.kil': is unknown, did you mean 'kill'?"),
+              AllOf(StartsWith("test.yaml:4:11: entry 'steps[0].do.kil': is unknown, did you mean 'kill'?"),
                     HasSubstr("cut, heal, drop, corrupt, truncate, kill")));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {kill: node7}}]\n")), HasSubstr("'node7' is no node of it"));
   EXPECT_THAT(refusal_of(four_nodes("step: []\n")), StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
