@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "app/common/rows.h"
 #include "app/ringctl/commands.h"
@@ -52,8 +53,9 @@ int run(const Options& options) {
   for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
   if (options.json) std::cout << app::format_rows(rows, app::Format::json) << '\n';
   if (!options.junit.empty()) write_junit(options.junit, runs);
-  const bool all = std::none_of(runs.begin(), runs.end(), [](const ScenarioRun& each) { return each.unmet.has_value(); });
-  return all ? kDone : kNotDone;
+  const bool unmet =
+      std::any_of(runs.begin(), runs.end(), [](const ScenarioRun& each) { return each.unmet.has_value(); });
+  return unmet ? kNotDone : kDone;
 }
 
 }  // namespace

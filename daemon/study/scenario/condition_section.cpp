@@ -102,7 +102,9 @@ std::vector<std::string> counter_names() {
 Section<Counted> counter_section() {
   return with_bounds<Counted>(
       {{"counter", config::kRequired, "a counter", "Its name.",
-        [](const Entry& entry, Counted& counted) { counted.counter = counter_names()[read_choice(entry, counter_names())]; }},
+        [](const Entry& entry, Counted& counted) {
+          counted.counter = counter_names()[read_choice(entry, counter_names())];
+        }},
        {"of", config::kRequired, "a node, or all", "Whose; of all: their sum.",
         [](const Entry& entry, Counted& counted) { counted.of = read_who(entry, false); }}});
 }

@@ -66,7 +66,7 @@ const Section<Send>& send_section() {
       factor_option("input", &Send::input, "Instead of `size` and `to`: this interrupt input is pulled."),
       config::integer_option("priority", &Send::priority, {0, 3}, "0 is the highest."),
       config::time_option("every", &Send::every, 1ns, 3600s, "The period; the first comes at a random part of it."),
-      config::integer_option("count", &Send::count, kCounts, "So many from each; with `every` without end if not given."),
+      config::integer_option("count", &Send::count, kCounts, "From each; not given, with `every`: without end."),
   };
   return section;
 }

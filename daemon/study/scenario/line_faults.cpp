@@ -28,7 +28,9 @@ void LineFaults::begin(const Fault& fault) {
   const core::Time until = fault.lasts.count() == 0 ? core::kNever : ring_.now() + core::Duration(fault.lasts);
   for (const NodeId id : fault.nodes) {
     lines_[id].active.push_back({fault.name, fault.packets == 0 ? kNoLimit : fault.packets, fault.once_in, until});
-    ring_.tap(id, [this, id](const Slice& slice, core::Time, wire::SliceWriter& arriving) { pass(id, slice, arriving); });
+    ring_.tap(id, [this, id](const Slice& slice, core::Time, wire::SliceWriter& arriving) {
+      pass(id, slice, arriving);
+    });
   }
 }
 

@@ -68,7 +68,8 @@ void check_scenario(const Entry& file, const Scenario& scenario) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (const auto when = steps[i].find("when")) check_condition(*when, names);
     if (!scenario.steps[i].at) continue;
-    if (*scenario.steps[i].at < latest) steps[i].find("at")->refuse_value("is before an earlier step", "times in order");
+    if (*scenario.steps[i].at < latest)
+      steps[i].find("at")->refuse_value("is before an earlier step", "times in order");
     latest = *scenario.steps[i].at;
   }
 }

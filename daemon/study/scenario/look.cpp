@@ -12,8 +12,9 @@ std::vector<NodeId> those(const Who& who, const Robot& robot) {
   std::vector<NodeId> nodes;
   for (unsigned i = 0; i < robot.ring().size(); ++i) {
     const auto id = static_cast<NodeId>(i);
-    const bool meant = who.kind == Who::Kind::one ? id == who.node : who.kind == Who::Kind::all || robot.ring().alive(id);
-    if (meant) nodes.push_back(id);
+    if (who.kind == Who::Kind::one && id != who.node) continue;
+    if (who.kind == Who::Kind::living && !robot.ring().alive(id)) continue;
+    nodes.push_back(id);
   }
   return nodes;
 }
@@ -136,7 +137,8 @@ std::string describe(const Results& results, const Robot& robot) {
   std::string text;
   for (std::size_t i = 0; i < tally.results.size(); ++i)
     if (tally.results[i] != 0)
-      text += (text.empty() ? "" : ", ") + std::to_string(tally.results[i]) + ' ' + to_string(static_cast<core::Outcome>(i));
+      text += (text.empty() ? "" : ", ") + std::to_string(tally.results[i]) + ' ' +
+              to_string(static_cast<core::Outcome>(i));
   return none_if_empty(text);
 }
 

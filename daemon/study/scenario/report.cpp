@@ -65,10 +65,11 @@ std::string text_of(const ScenarioRun& run) {
 std::string junit_of(const std::vector<ScenarioRun>& runs) {
   nanoseconds all{0};
   for (const ScenarioRun& run : runs) all += run.lasted;
-  const auto failures = std::count_if(runs.begin(), runs.end(), [](const ScenarioRun& run) { return run.unmet.has_value(); });
-  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"scenarios\" tests=\"" +
-                     std::to_string(runs.size()) + "\" failures=\"" + std::to_string(failures) + "\" errors=\"0\" time=\"" +
-                     seconds(all) + "\">\n";
+  const auto failures =
+      std::count_if(runs.begin(), runs.end(), [](const ScenarioRun& run) { return run.unmet.has_value(); });
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"scenarios\"";
+  text += " tests=\"" + std::to_string(runs.size()) + "\" failures=\"" + std::to_string(failures) + "\" errors=\"0\"";
+  text += " time=\"" + seconds(all) + "\">\n";
   for (const ScenarioRun& run : runs) text += test_case(run);
   return text + "  </testsuite>\n</testsuites>\n";
 }

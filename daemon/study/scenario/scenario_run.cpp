@@ -10,6 +10,12 @@ namespace {
 using core::Duration;
 using core::Time;
 
+/// In us: the ring's own measure, whatever the length.
+std::string microseconds(nanoseconds time) {
+  const std::string thousandths = std::to_string(1000 + time.count() % 1000);
+  return std::to_string(time.count() / 1000) + '.' + thousandths.substr(1) + " us";
+}
+
 class Run {
  public:
   Run(const Scenario& scenario, std::uint64_t seed) : scenario_(scenario), robot_(scenario, seed) {
@@ -72,7 +78,7 @@ class Run {
     const std::string expected = "when " + condition.words + " within " + config::format_time(within);
     if (!reached && !holds(condition, robot_)) return fail(expected, seen(condition, robot_));
     const auto took = std::chrono::duration_cast<nanoseconds>(robot_.ring().now() - from);
-    log(expected + ": after " + config::format_time(took));
+    log(expected + ": after " + microseconds(took));
     return true;
   }
 

@@ -24,7 +24,8 @@ TEST(Faults, CutIsLocatedAfterTheGraceAndHealedAgain) {
 TEST(Faults, DropCostsATimeOut) {
   EXPECT_EQ(unmet_of(after_joining("{drop: {line: node0 -> node1, packets: 1}}",
                                    kSend + "  - {when: {results: x, are: delivered, at_least: 1}, within: 101ms}\n"
-                                           "  - {when: {counter: timeouts, of: node0, at_least: 1, at_most: 1}, within: 0s}\n")), "");
+                                           "  - {when: {counter: timeouts, of: node0, at_least: 1, at_most: 1}, within: 0s}\n")),
+              "");
 }
 
 TEST(Faults, DropForATimeEndsByItself) {
@@ -38,7 +39,8 @@ TEST(Faults, DropForATimeEndsByItself) {
 TEST(Faults, CorruptIsCountedBehindTheLineAndSentAgain) {
   EXPECT_EQ(unmet_of(after_joining("{corrupt: {line: node0 -> node1, packets: 1}}",
                                    kSend + "  - {when: {results: x, are: delivered, at_least: 1}, within: 12481ns}\n"
-                                           "  - {when: {counter: crc_errors, of: node1, at_least: 1}, within: 0s}\n")), "");
+                                           "  - {when: {counter: crc_errors, of: node1, at_least: 1}, within: 0s}\n")),
+              "");
 }
 
 TEST(Faults, TruncateIsAnAbortOnTheLine) {
@@ -88,7 +90,8 @@ TEST(Faults, NotReadingFillsTheBuffers) {
   EXPECT_EQ(unmet_of(after_joining("{not_reading: node2}",
                                    "  - {do: {send: {name: x, from: node0, to: node2, size: 8, count: 40}}}\n"
                                    "  - {when: {results: x, are: refused, at_least: 1}, within: 1100ms}\n"
-                                   "  - {when: {results: x, are: delivered, at_least: 32, at_most: 32}, within: 0s}\n")), "");
+                                   "  - {when: {results: x, are: delivered, at_least: 32, at_most: 32}, within: 0s}\n")),
+              "");
 }
 
 }  // namespace

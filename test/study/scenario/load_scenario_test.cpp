@@ -11,7 +11,8 @@ using testing::StartsWith;
 
 TEST(LoadScenario, ReadsStepsInTheirOrder) {
   const Scenario scenario = parse_scenario(
-      four_nodes("seed: 7\nsteps:\n  - {at: 1ms, do: {kill: [node1, 2]}}\n  - {when: {node: all, is: up}, within: 2us}\n"), "t");
+      four_nodes("seed: 7\nsteps:\n  - {at: 1ms, do: {kill: [node1, 2]}}\n  - {when: {node: all, is: up}, within: 2us}\n"),
+              "t");
   EXPECT_EQ(scenario.seed, 7u);
   ASSERT_EQ(scenario.steps.size(), 2u);
   EXPECT_EQ(std::get<Fault>(scenario.steps[0].deed).nodes, (std::vector<NodeId>{1, 2}));
@@ -29,7 +30,8 @@ TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
               AllOf(StartsWith("test.yaml:4:11: entry 'steps[0].do.kil': is unknown, did you mean 'kill'?"),
                     HasSubstr("cut, heal, drop, corrupt, truncate, kill")));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {kill: node7}}]\n")), HasSubstr("'node7' is no node of it"));
-  EXPECT_THAT(refusal_of(four_nodes("step: []\n")), StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
+  EXPECT_THAT(refusal_of(four_nodes("step: []\n")),
+              StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
 }
 
 TEST(LoadScenario, RefusesALineThatIsNone) {
@@ -47,7 +49,8 @@ TEST(LoadScenario, RefusesTimesThatRunBackwards) {
 }
 
 TEST(LoadScenario, RefusesConditionsThatSayNothing) {
-  EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{node: all}]\n")), HasSubstr("says not what to look for; allowed: is, ring_size"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{node: all}]\n")),
+              HasSubstr("says not what to look for; allowed: is, ring_size"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{knee: up}]\n")), HasSubstr("it is no condition"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{counter: crc_error, of: all, at_most: 0}]\n")),
               HasSubstr("did you mean 'crc_errors'?"));
@@ -59,8 +62,10 @@ TEST(LoadScenario, RefusesANameThatNothingIsSentUnder) {
 }
 
 TEST(LoadScenario, RefusesASendThatIsNoneOrTwo) {
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 0, to: 1}}}]\n")), HasSubstr("one of size, interrupt, input"));
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 0, size: 8}}}]\n")), HasSubstr("'to' is missing"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 0, to: 1}}}]\n")),
+              HasSubstr("one of size, interrupt, input"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 0, size: 8}}}]\n")),
+              HasSubstr("'to' is missing"));
 }
 
 TEST(LoadScenario, NeedsOneRing) {
