@@ -14,6 +14,16 @@ std::string printable(const std::string& text) {
   return text.size() > 60 ? shown + "..." : shown;
 }
 
+std::string one_line(const YAML::Node& node) {
+  if (node.IsScalar()) return printable(node.Scalar());
+  std::string text;
+  for (const auto& part : node) {
+    if (!text.empty()) text += ", ";
+    text += node.IsMap() ? one_line(part.first) + ": " + one_line(part.second) : one_line(part);
+  }
+  return node.IsMap() ? '{' + text + '}' : '[' + text + ']';
+}
+
 }  // namespace
 
 Entry::Entry(YAML::Node node, std::string path, Document& document)
@@ -54,6 +64,8 @@ std::optional<Entry> Entry::find(const std::string& key) const {
       return Entry(pair.second, path_of(key), *document_);
   return std::nullopt;
 }
+
+std::string Entry::in_one_line() const { return one_line(node_); }
 
 void Entry::refuse(const std::string& problem, const std::string& allowed) const {
   const std::string what = path_.empty() ? "the file" : "entry '" + path_ + "'";

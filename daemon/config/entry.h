@@ -44,6 +44,9 @@ class Entry {
   /// The entry of that name in a map.
   std::optional<Entry> find(const std::string& key) const;
 
+  /// What stands there, on one line: "{cut: [a, b]}".
+  std::string in_one_line() const;
+
   /// @throw ConfigError `FILE:LINE:COLUMN: entry 'PATH': PROBLEM; allowed: ALLOWED`, always.
   [[noreturn]] void refuse(const std::string& problem, const std::string& allowed) const;
   /// The same with what stands there: `'12 parsec' PROBLEM`.

@@ -7,13 +7,19 @@ namespace limb_ring::study {
 namespace {
 
 using config::RingConfig;
+using wire::NodeId;
+
+NodeId place_of(const RingConfig& ring, NodeId id) {
+  return static_cast<NodeId>(setup::index_of(ring, *ring.find(id)));
+}
 
 void adjust(const RingConfig& ring, core::Settings& settings) {
   const core::Settings given = settings;
   settings = setup::core_settings(ring, ring.nodes[given.id], given.boot);
   settings.id = given.id;
   settings.order = given.order;
-  settings.inputs = {};  // they name ids; what pulls them is not simulated
+  for (auto& input : settings.inputs)
+    if (input && input->destination != wire::kBroadcast) input->destination = place_of(ring, input->destination);
 }
 
 }  // namespace

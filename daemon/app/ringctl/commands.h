@@ -17,5 +17,6 @@ void add_reset(CLI::App& app, Context& context);
 void add_ping(CLI::App& app, Context& context);
 void add_observe(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
+void add_scenario(CLI::App& app, Context& context);
 
 }  // namespace limb_ring::ringctl

@@ -1,0 +1,78 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "app/common/rows.h"
+#include "app/ringctl/commands.h"
+#include "app/ringctl/problems.h"
+#include "study/scenario/load_scenario.h"
+#include "study/scenario/report.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+using study::scenario::Scenario;
+using study::scenario::ScenarioRun;
+
+struct Options {
+  std::vector<std::string> files;
+  std::string junit;
+  std::optional<std::uint64_t> seed;
+  bool json = false;
+};
+
+app::Row row_of(const ScenarioRun& run) {
+  app::Row row{{"file", run.path}, {"scenario", run.name}, {"seed", run.seed}, {"met", !run.unmet.has_value()},
+               {"virtual_ns", run.lasted.count()}};
+  row["expected"] = run.unmet ? app::Row(run.unmet->expected) : app::Row();
+  row["seen"] = run.unmet ? app::Row(run.unmet->seen) : app::Row();
+  for (const auto& line : run.log) row["log"].push_back({{"at_ns", line.at.count()}, {"what", line.words}});
+  return row;
+}
+
+void write_junit(const std::string& path, const std::vector<ScenarioRun>& runs) {
+  std::ofstream out(path);
+  out << study::scenario::junit_of(runs) << std::flush;
+  if (!out) throw NotDone(path + ": cannot be written");
+}
+
+// All files are read before the first is run: a bad one is known at once.
+int run(const Options& options) {
+  std::vector<Scenario> scenarios;
+  for (const std::string& file : options.files) scenarios.push_back(study::scenario::load_scenario(file));
+  std::vector<ScenarioRun> runs;
+  for (const Scenario& scenario : scenarios) {
+    runs.push_back(run_scenario(scenario, options.seed.value_or(scenario.seed)));
+    if (!options.json) std::cout << text_of(runs.back()) << std::endl;
+  }
+  std::vector<app::Row> rows;
+  for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
+  if (options.json) std::cout << app::format_rows(rows, app::Format::json) << '\n';
+  if (!options.junit.empty()) write_junit(options.junit, runs);
+  const bool unmet =
+      std::any_of(runs.begin(), runs.end(), [](const ScenarioRun& each) { return each.unmet.has_value(); });
+  return unmet ? kNotDone : kDone;
+}
+
+}  // namespace
+
+void add_scenario(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* scenario = add_command(app, "scenario", "Faults by script, and whether the ring copes");
+  scenario->require_subcommand(1);
+  CLI::App* command = add_command(*scenario, "run", "Run scenarios under a virtual clock; exit code 1: an expectation "
+                                                    "was not met");
+  command->add_option("FILE", options->files, "Scenarios, YAML")->required();
+  command->add_option("--junit", options->junit, "Write JUnit XML there");
+  command->add_option("--seed", options->seed, "Instead of the files' own");
+  add_json(*command, options->json);
+  command->callback([&context, options] {
+    context.action = [options] { return run(*options); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+
+namespace limb_ring::config {
+
+/// The text of a configuration. @throw ConfigError where it is no regular file, not readable, or above 1 MiB
+std::string read_file(const std::string& path);
+
+/// @param name stands for the file in errors
+/// @throw ConfigError where it is not YAML, not one document, or nested deeper than 64 brackets
+YAML::Node parse_yaml(const std::string& text, const std::string& name);
+
+}  // namespace limb_ring::config

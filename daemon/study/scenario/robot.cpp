@@ -1,0 +1,71 @@
+#include "study/scenario/robot.h"
+
+#include "study/planned_ring.h"
+
+namespace limb_ring::study::scenario {
+
+using config::PinConfig;
+
+Robot::Robot(const Scenario& scenario, std::uint64_t seed)
+    : scenario_(scenario),
+      ring_(planned_ring(scenario.ring)),
+      members_(ring_->size()),
+      frozen_(ring_->size(), false),
+      cpus_(*ring_),
+      senders_(*ring_, cpus_, seed),
+      lines_(*ring_, seed) {
+  for (unsigned id = 0; id < ring_->size(); ++id)
+    members_[id] = &ring_->node(static_cast<NodeId>(id)).membership();
+  ring_->on_event = [this](NodeId at, const core::Event& event) { came(event, at); };
+  ring_->on_packet = [this](NodeId, const core::ReceivedPacket& packet) { senders_.came(packet); };
+  for (const NodeId id : scenario.absent) ring_->kill(id);
+}
+
+void Robot::came(const core::Event& event, NodeId at) {
+  senders_.came(event, at);
+  const auto* pin = std::get_if<core::PinPulled>(&event.what);
+  if (!pin || scenario_.ring.nodes[at].pins[pin->factor].action != PinConfig::Action::reset) return;
+  ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
+}
+
+void Robot::apply(const Fault& fault) {
+  if (word_of(fault.name).of == FaultOf::packets) return lines_.begin(fault);
+  // All are off before the first is on again.
+  if (fault.name == FaultName::power_cycle)
+    for (const NodeId id : fault.nodes) ring_->kill(id);
+  for (const NodeId id : fault.nodes) apply(fault, id);
+}
+
+void Robot::apply(const Fault& fault, NodeId id) {
+  switch (fault.name) {
+    case FaultName::cut: return ring_->cut(id);
+    case FaultName::heal: return lines_.end(id), ring_->heal(id);
+    case FaultName::kill: return ring_->kill(id);
+    case FaultName::start:
+    case FaultName::power_cycle: return start(id);
+    case FaultName::freeze:
+      frozen_[id] = ring_->alive(id);
+      return ring_->freeze(id);
+    case FaultName::thaw:
+      if (frozen_[id]) ring_->thaw(id);
+      frozen_[id] = false;
+      return;
+    case FaultName::hang: return cpus_.hang(id);
+    case FaultName::resume: return cpus_.resume(id);
+    case FaultName::reset: return cpus_.reset(id);
+    case FaultName::not_reading: return cpus_.stop_reading(id);
+    case FaultName::drop:
+    case FaultName::corrupt:
+    case FaultName::truncate: return;
+  }
+}
+
+void Robot::start(NodeId id) {
+  if (ring_->alive(id)) return;
+  frozen_[id] = false;
+  ring_->start(id);
+  members_[id] = &ring_->node(id).membership();
+  cpus_.started(id);
+}
+
+}  // namespace limb_ring::study::scenario

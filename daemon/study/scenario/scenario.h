@@ -1,0 +1,126 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "core/events.h"
+#include "core/outcome.h"
+#include "study/scenario/fault_names.h"
+#include "wire/control_message.h"
+
+/// A scenario: a story about a ring, what breaks and when, and what has to be seen. (ours)
+/// Nodes are places in ring order, as in planned_ring.h. Times count from when every node has joined.
+namespace limb_ring::study::scenario {
+
+using std::chrono::nanoseconds;
+using wire::NodeId;
+
+// ---- what is done ---------------------------------------------------------------------------
+
+struct Fault {
+  FaultName name = FaultName::cut;
+  std::vector<NodeId> nodes;    ///< of a line the one before it
+  std::uint64_t packets = 0;    ///< drop, corrupt, truncate: so many; 0: no limit
+  std::uint64_t once_in = 1;    ///< ... each with the probability 1 / once_in
+  nanoseconds lasts{0};         ///< ... for so long; 0: no limit
+};
+
+/// Packets or interrupts under a name by which conditions speak of them.
+struct Send {
+  std::string name;
+  std::vector<NodeId> from;                ///< each of them sends
+  NodeId to = 0;                           ///< or wire::kBroadcast
+  unsigned size = 0;                       ///< bytes of data, 1 to 512, or one of these two:
+  std::optional<std::uint8_t> interrupt;   ///< an INTP with this factor
+  std::optional<std::uint8_t> input;       ///< what pulling this interrupt input sends, CPU or not
+  std::uint8_t priority = 0;
+  nanoseconds every{0};    ///< 0: all at once
+  std::uint64_t count = 0; ///< from each node; 0: one, or with `every` without end
+};
+
+// ---- what is seen ---------------------------------------------------------------------------
+
+struct Range {
+  std::optional<std::uint64_t> at_least, at_most;
+  bool holds(std::uint64_t value) const {
+    return (!at_least || value >= *at_least) && (!at_most || value <= *at_most);
+  }
+};
+
+/// Who has to be in a state.
+struct Who {
+  enum class Kind { one, all, living } kind = Kind::all;
+  NodeId node = 0;  ///< Kind::one
+};
+
+/// The state of network controllers.
+struct NodeIs {
+  Who who;
+  std::optional<core::NodeState> state;
+  bool down = false;                   ///< dead or frozen, instead of a state
+  std::optional<unsigned> ring_size;   ///< as learned by the node
+};
+/// What every other living node has been told, by beacons, of a CPU.
+struct CpuIs {
+  NodeId node = 0;
+  std::optional<wire::CpuState> state;
+  std::optional<std::uint32_t> boots;
+};
+/// Every living node but the one behind it has been told of that broken line.
+struct Located {
+  NodeId before = 0, behind = 0;
+};
+/// A counter of core/counters.h, of one node's present life or of all nodes together.
+struct Counted {
+  std::string counter;
+  Who of;  ///< one or all
+  Range range;
+};
+/// How many sends of that name have ended so.
+struct Results {
+  std::string send;
+  core::Outcome are = core::Outcome::delivered;
+  Range range;
+};
+/// How many of that name CPUs have taken; of an interrupt, pins pulled.
+struct Taken {
+  std::string send;
+  Range range;
+};
+/// The worst so far of that name, from the CPU's request to the confirmation, of what was delivered.
+struct Latency {
+  std::string send;
+  nanoseconds at_most{0};
+};
+
+struct Condition {
+  std::variant<NodeIs, CpuIs, Located, Counted, Results, Taken, Latency> what;
+  std::string words;  ///< as it stands in the file
+};
+
+// ---- the story ------------------------------------------------------------------------------
+
+/// First the time, then the milestone, then the deed; each may be missing.
+struct Step {
+  std::optional<nanoseconds> at;     ///< from the start
+  std::optional<nanoseconds> after;  ///< from the step before
+  std::optional<Condition> when;
+  nanoseconds within{0};             ///< `when` has to hold by then; 0: at once
+  std::variant<std::monostate, Fault, Send> deed;
+  std::string words;                 ///< of the deed, as it stands in the file
+};
+
+struct Scenario {
+  std::string path;
+  std::string name;          ///< one line of what it is about
+  config::RingConfig ring;   ///< every line has a rate
+  std::uint64_t seed = 1;
+  std::vector<NodeId> absent;  ///< not there at the start
+  std::vector<Step> steps;
+  std::vector<Condition> always, never;  ///< from the start to the last step's end
+};
+
+}  // namespace limb_ring::study::scenario

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "study/scenario/scenario.h"
+
+namespace limb_ring::study::scenario {
+
+/// One thing that was done or seen.
+struct LogLine {
+  nanoseconds at{0};   ///< from the start, rounded down
+  std::string words;
+};
+
+/// An expectation that was not met.
+struct Unmet {
+  nanoseconds at{0};
+  std::string expected, seen;
+};
+
+struct ScenarioRun {
+  std::string name, path;
+  std::uint64_t seed = 0;
+  std::vector<LogLine> log;
+  std::optional<Unmet> unmet;  ///< the first; nothing after it was done
+  nanoseconds lasted{0};
+};
+
+/// Runs a scenario under a virtual clock; every promise of the ring is an expectation too. The same scenario
+/// and seed give the same run.
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed);
+
+}  // namespace limb_ring::study::scenario

@@ -1,0 +1,68 @@
+#include <gmock/gmock.h>
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "app/ringctl/command_line.h"
+#include "app/ringctl/own_folder.h"
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Said {
+  int code = -1;
+  std::string out, error;
+};
+
+Said run_scenarios(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"ringctl", "scenario", "run"});
+  std::vector<char*> argv;
+  for (auto& argument : arguments) argv.push_back(argument.data());
+  ::testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
+  const std::string out = ::testing::internal::GetCapturedStdout();
+  return {code, out, ::testing::internal::GetCapturedStderr()};
+}
+
+const char* const kGood = "scenario: nothing happens\nnodes: 4\nsteps: [{at: 1ms}]\n";
+const char* const kUnmet = "scenario: a surprise\nnodes: 4\nsteps: [{when: {node: 0, is: down}, within: 1ms}]\n";
+
+using ScenarioCommand = OwnFolder;
+
+TEST_F(ScenarioCommand, EndsWithZeroWhereAllWasAsExpected) {
+  const Said said = run_scenarios({write("good.yaml", kGood)});
+  EXPECT_EQ(said.code, kDone);
+  EXPECT_THAT(said.out, HasSubstr("end: all as expected"));
+}
+
+TEST_F(ScenarioCommand, EndsWithOneAndSaysWhatWasSeenInstead) {
+  const Said said = run_scenarios({write("good.yaml", kGood), write("unmet.yaml", kUnmet), "--seed", "9"});
+  EXPECT_EQ(said.code, kNotDone);
+  EXPECT_THAT(said.out, AllOf(HasSubstr("a surprise (seed 9)"), HasSubstr("seen instead: node0 is up")));
+}
+
+TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
+  const Said said = run_scenarios({write("good.yaml", kGood), write("bad.yaml", "scenario: x\nnodes: 4\nstep: []\n")});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_EQ(said.out, "");
+  EXPECT_THAT(said.error, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
+}
+
+TEST_F(ScenarioCommand, WritesJunitAndJson) {
+  const std::string junit = folder + "/junit.xml";
+  const Said said = run_scenarios({write("unmet.yaml", kUnmet), "--junit", junit, "--json"});
+  EXPECT_THAT(said.out, AllOf(StartsWith("["), HasSubstr("\"met\": false")));
+  std::ostringstream xml;
+  xml << std::ifstream(junit).rdbuf();
+  EXPECT_THAT(xml.str(), HasSubstr("<failure message="));
+}
+
+}  // namespace
+}  // namespace limb_ring::ringctl
