@@ -106,8 +106,9 @@ Ledger::OnLine& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId dest
   return slots[(code.interrupt ? 2048u : 0u) + destination * 8u + code.sequence];
 }
 
-// A retry is the packet that had its sequence number before, unless nothing of that one got out; a first try the first that waits and
-// looks like it (one that is cancelled may end while it leaves, an unconfirmed one ends as it leaves).
+// A retry is the packet that had its sequence number before, unless nothing of that one got out; a
+// first try the first that waits and looks like it (one that is cancelled may end while it leaves, an
+// unconfirmed one ends as it leaves).
 Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time since) {
   OnLine& slot = on_line_slot(source, code, looks.destination);
   slot.crcs[code.attempt] = looks.crc;

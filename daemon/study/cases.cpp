@@ -23,6 +23,9 @@ struct Run {
   Duration interrupt() const { return medium.byte_time() * static_cast<std::int64_t>(wire::kInterruptPacketSize); }
   int n() const { return static_cast<int>(medium.nodes); }
 
+  Duration below(Duration limit) {
+    return Duration{static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(limit.count()))};
+  }
   std::uint32_t send(NodeId from, NodeId to) {
     return ring.send(from, to, std::vector<std::uint8_t>(medium.payload, from));
   }
@@ -88,9 +91,7 @@ void request(Run& run) {
   };
   run.send(static_cast<NodeId>(run.nodes() - 1), 0);
   run.ring.at(asked, [&run] { run.send(0, static_cast<NodeId>(run.nodes() / 2)); });
-  const Time start = run.ring.now() + run.d() + run.T();
-  for (unsigned id = 1; id < run.nodes(); ++id)
-    run.ring.at(start + run.d() * id + run.T() * (id - 1), [&run, id] { run.send(static_cast<NodeId>(id), 0); });
+  run.send_in_front(run.ring.now() + run.d() + run.T());
   run.run_until_ended(run.nodes() + 1u);
 }
 
@@ -122,7 +123,8 @@ void interrupt(Run& run) {
 unsigned laps(const Run& run) { return std::max(10u, 40000u / (run.nodes() * run.nodes())); }
 
 /// Every node sends the next as the last one ends, after a pause.
-void keep_sending(Run& run, const std::function<Duration()>& pause, const std::function<void(NodeId, const SendEnded&)>& on_end) {
+void keep_sending(Run& run, const std::function<Duration()>& pause,
+                  const std::function<void(NodeId, const SendEnded&)>& on_end) {
   run.ring.on_event = [&run, pause, on_end](NodeId node, const core::Event& event) {
     const auto* end = std::get_if<SendEnded>(&event.what);
     if (!end) return;
@@ -139,7 +141,7 @@ void keep_sending(Run& run, const std::function<Duration()>& pause, const std::f
 
 void fill(Run& run, bool aligned) {
   for (NodeId id = 0; id < run.nodes(); ++id) {
-    const Duration phase{aligned ? 0 : static_cast<std::int64_t>(run.random() % static_cast<std::uint64_t>((run.T() * run.n()).count()))};
+    const Duration phase = aligned ? Duration{0} : run.below(run.T() * run.n());
     run.ring.at(run.ring.now() + phase, [&run, id] { run.send(id, static_cast<NodeId>((id + 1u) % run.nodes())); });
   }
 }
@@ -167,9 +169,7 @@ void saturated_at_random(Run& run) {
 
 void interrupts_under_load(Run& run) {
   run.result.formula = (run.d() + run.interrupt() + run.medium.byte_time() * 8) * run.n();
-  const auto pause = [&run] {
-    return Duration{static_cast<std::int64_t>(run.random() % static_cast<std::uint64_t>(run.T().count()))};
-  };
+  const auto pause = [&run] { return run.below(run.T()); };
   keep_sending(run, pause, [&run](NodeId, const SendEnded& end) {
     if (end.interrupt) run.result.measured.add(end.round_trip);
   });
@@ -223,7 +223,8 @@ const char* to_string(Case which) {
 }
 
 std::string formula_words(Case which, const Medium& medium) {
-  const bool short_packets = medium.byte_time() * static_cast<std::int64_t>(medium.payload + wire::kOverhead) < medium.relay_delay;
+  const Duration T = medium.byte_time() * static_cast<std::int64_t>(medium.payload + wire::kOverhead);
+  const bool short_packets = T < medium.relay_delay;
   switch (which) {
     case Case::alone: return "T + N d";
     case Case::simultaneous: return short_packets ? "T + N d" : "N T + d";

@@ -54,7 +54,8 @@ std::string quoted(const std::string& text) {
 std::string csv(const std::vector<std::vector<std::string>>& table) {
   std::string out;
   for (const auto& row : table)
-    for (std::size_t i = 0; i < row.size(); ++i) out += quoted(row[i] == "-" ? "" : row[i]) + (i + 1 < row.size() ? "," : "\n");
+    for (std::size_t i = 0; i < row.size(); ++i)
+      out += quoted(row[i] == "-" ? "" : row[i]) + (i + 1 < row.size() ? "," : "\n");
   return out;
 }
 

@@ -11,7 +11,9 @@ namespace {
 constexpr double kPercent = 100;
 
 /// A share in percent, to 6 decimals: more is but rounding of the division.
-double percent(double share) { return static_cast<double>(static_cast<std::int64_t>(share * kPercent * 1e6 + 0.5)) / 1e6; }
+double percent(double share) {
+  return static_cast<double>(static_cast<std::int64_t>(share * kPercent * 1e6 + 0.5)) / 1e6;
+}
 
 }  // namespace
 

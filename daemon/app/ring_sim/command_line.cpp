@@ -16,7 +16,8 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* description) 
 }
 
 void add_format(CLI::App& command, app::Format& format) {
-  auto* json = command.add_flag_callback("--json", [&format] { format = app::Format::json; }, "Print JSON, for programs");
+  auto* json =
+      command.add_flag_callback("--json", [&format] { format = app::Format::json; }, "Print JSON, for programs");
   auto* csv = command.add_flag_callback("--csv", [&format] { format = app::Format::csv; }, "Print CSV, for programs");
   json->excludes(csv);
 }
