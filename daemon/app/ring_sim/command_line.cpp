@@ -6,6 +6,7 @@
 #include "app/ring_sim/problems.h"
 #include "config/config_error.h"
 #include "config/quantity.h"
+#include "sim/watched_ring.h"
 
 namespace limb_ring::ring_sim {
 
@@ -71,9 +72,23 @@ int failed(const std::exception& problem, ExitCode code) {
   return code;
 }
 
-int act(const Context& context) {
+/// The command line that repeats a run: the seed is said where it was not given.
+std::string again(int argc, char** argv) {
+  std::string text = "again with: ring_sim";
+  bool seed = false;
+  for (int i = 1; i < argc; ++i) {
+    text += std::string(" ") + argv[i];
+    seed = seed || std::string(argv[i]).rfind("--seed", 0) == 0;
+  }
+  return text + (seed ? "" : " --seed 1");
+}
+
+int act(const Context& context, int argc, char** argv) {
   try {
     return context.action();
+  } catch (const sim::BrokenPromise& broken) {
+    std::cerr << "ring_sim: " << broken.what() << '\n' << again(argc, argv) << '\n';
+    return kBroken;
   } catch (const UsageError& problem) {
     return failed(problem, kUsage);
   } catch (const config::ConfigError& problem) {
@@ -100,7 +115,7 @@ int run_command_line(int argc, char** argv) {
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? kDone : kUsage;  // --help is no error
   }
-  return act(context);
+  return act(context, argc, argv);
 }
 
 }  // namespace limb_ring::ring_sim

@@ -24,7 +24,7 @@ void add_medium(CLI::App& command, study::Medium& medium);
 /// Adds --rate and --relay-delay alone.
 void add_lines(CLI::App& command, study::Medium& medium);
 
-/// Adds --seed; where it is not given, one is drawn and printed by whoever uses it.
+/// Adds --seed, of everything random; 1 where it is not given.
 void add_seed(CLI::App& command, std::uint64_t& seed);
 
 }  // namespace limb_ring::ring_sim

@@ -35,7 +35,9 @@ int run(const Options& options) {
   const study::CaseResult result =
       run_case(options.which, options.medium, options.seed, trace.is_open() ? &trace : nullptr);
   const app::Row row = run_row(options.which, options.medium, result, options.seed);
-  std::cout << (options.format == app::Format::text ? in_lines(row) : app::format_rows({row}, options.format));
+  if (options.format == app::Format::text) std::cout << in_lines(row);
+  if (options.format == app::Format::json) std::cout << row.dump(2) << '\n';
+  if (options.format == app::Format::csv) std::cout << app::format_rows({row}, options.format);
   return kDone;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 struct Options {
   std::uint64_t seeds = 1000, first = 1;
-  bool json = false;
+  app::Format format = app::Format::text;
 };
 
 /// Sends by outcome, and hops, over all seeds so far.
@@ -53,8 +53,9 @@ int run(const Options& options) {
     }
     progress.tell(std::to_string(tally.seeds) + " of " + std::to_string(options.seeds) + " seeds, no promise broken");
   }
-  if (options.json) std::cout << tally.row(options).dump(2) << '\n';
-  else std::cout << app::format_rows({tally.row(options)}, app::Format::text) << "No promise was broken.\n";
+  if (options.format == app::Format::json) std::cout << tally.row(options).dump(2) << '\n';
+  else std::cout << app::format_rows({tally.row(options)}, options.format);
+  if (options.format == app::Format::text) std::cout << "No promise was broken.\n";
   return kDone;
 }
 
@@ -68,7 +69,7 @@ void add_soak(CLI::App& app, Context& context) {
   command->add_option("--seeds", options->seeds, "How many, 1 to 100000000; default 1000")
       ->check(CLI::Range(1u, 100000000u));
   command->add_option("--first", options->first, "The first of them; default 1");
-  command->add_flag("--json", options->json, "Print JSON, for programs");
+  add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] { return run(*options); };
   });
