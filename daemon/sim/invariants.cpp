@@ -144,14 +144,14 @@ void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
 void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
   const Before after = count(node, 0);
   if (slice.kind == SliceKind::abort || after.stray != at(node).before.stray) at(node).coming.reset();
-  if (whole_or_end(slice)) data_has_arrived(node, slice, now);
-  if (slice.kind == SliceKind::interrupt) interrupt_has_arrived(node, slice, now);
+  if (whole_or_end(slice)) data_has_arrived(node, slice, after, now);
+  if (slice.kind == SliceKind::interrupt) interrupt_has_arrived(node, slice, after, now);
   if (slice.kind == SliceKind::start)
     at(node).passes_on = after.dropped == at(node).before.dropped && wire::header_valid(slice.bytes, false);
   check_insertion(node);
 }
 
-void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, Time now) {
+void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now) {
   const std::size_t size = at(node).coming_size;
   if (!at(node).coming || size < wire::kMinDataPacketSize || size > wire::kMaxDataPacketSize) return;
   const Head head = *at(node).coming;
@@ -159,7 +159,6 @@ void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, Time no
   const Tail tail = Tail::of(slice.bytes);
   const Before& before = at(node).before;
   const std::uint8_t priority = wire::priority_of(tail.last);
-  const Before after = count(node, priority);
   const bool taken = after.taken != before.taken;
   if (taken && after.bad != before.bad)
     complain(Promise::undamaged, "node " + std::to_string(node) + " took a packet with a wrong CRC");
@@ -188,11 +187,10 @@ int Invariants::due_fbc(NodeId node, const Sent* sent, const Tail& tail, const B
   return sent->taken_last_by(node) ? least(std::max<std::size_t>(1, free)) : 0;
 }
 
-void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, Time now) {
+void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now) {
   const Head head = Head::of(slice.bytes);
   const Tail tail = Tail::of(slice.bytes);
   const Before& before = at(node).before;
-  const Before after = count(node, 0);
   const bool pulled = after.pulled != before.pulled;
   Sent* sent = ledger_.on_line(head.source, head.code, tail.destination,
                                tail.crc_at_source(head, wire::kInterruptPacketSize));

@@ -61,8 +61,8 @@ class Invariants : public Witness {
   void check_source(NodeId node, const Head& head, Time now);
   void data_leaves(NodeId node, const wire::Slice& slice, Time now);
   void interrupt_leaves(NodeId node, const wire::Slice& slice, Time now);
-  void data_has_arrived(NodeId node, const wire::Slice& slice, Time now);
-  void interrupt_has_arrived(NodeId node, const wire::Slice& slice, Time now);
+  void data_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now);
+  void interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now);
   int due_fbc(NodeId node, const Sent* sent, const Tail& tail, const Before& after) const;
   void home(NodeId node, Sent* sent, int fbc, std::size_t tail_size, Time now);
   void check_insertion(NodeId node);

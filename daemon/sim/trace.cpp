@@ -40,7 +40,6 @@ std::string hash_text(std::uint64_t hash) {
 }
 
 void Trace::record(Time now, NodeId node, const char* what, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
-  ++records_;
   const auto time = static_cast<std::uint64_t>(now.time_since_epoch().count());
   for (const std::uint64_t value : {time, std::uint64_t{node}, a, b, c}) hash_ = mix(hash_ ^ value) + 1;
   for (const char* letter = what; *letter; ++letter) hash_ = mix(hash_ ^ static_cast<unsigned char>(*letter));

@@ -19,7 +19,6 @@ class Trace : public Witness {
 
   /// Of all so far.
   std::uint64_t hash() const { return hash_; }
-  std::uint64_t records() const { return records_; }
 
   void leaves(NodeId node, const wire::Slice& slice, Time now) override;
   void event(NodeId node, const core::Event& event) override;
@@ -31,7 +30,6 @@ class Trace : public Witness {
 
   std::ostream* text_;
   std::uint64_t hash_ = 0xcbf29ce484222325;
-  std::uint64_t records_ = 0;
 };
 
 /// The hash as it is printed: 16 hexadecimal digits.

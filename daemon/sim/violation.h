@@ -20,7 +20,6 @@ enum class Promise {
   true_fbc,         ///< FBC goes on as the receivers' buffers say
   whole_again       ///< when all is mended the ring closes, and falls silent
 };
-constexpr unsigned kPromises = 10;
 const char* to_string(Promise promise);
 
 struct Violation {

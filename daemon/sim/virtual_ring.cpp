@@ -126,7 +126,6 @@ void VirtualRing::step() {
     while (lane.next() == now_) deliver(lane.pop());
   wakes_.each_at(now_, [this](unsigned id) { touch(static_cast<NodeId>(id)); });
   settle_touched();
-  for (Witness* witness : witnesses_) witness->settled(now_);
 }
 
 void VirtualRing::act() {

@@ -30,8 +30,6 @@ class Witness {
   /// A node gives out an event, or a packet to its CPU.
   virtual void event(NodeId, const core::Event&) {}
   virtual void packet(NodeId, const core::ReceivedPacket&) {}
-  /// Everything due at this instant has been done.
-  virtual void settled(Time) {}
   /// A fault, or its end: what the ring promises is weaker for a while.
   virtual void fault(NodeId, Fault, Time) {}
 };
