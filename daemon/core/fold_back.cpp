@@ -207,7 +207,7 @@ void FoldBack::put_out(const Slice& slice) {
   if (out_ == Out::leaving && !out_open_) back_to_first();
 }
 
-void FoldBack::carry(Time) {
+void FoldBack::carry(Time now) {
   wire::SliceWriter& line = controller_.line();
   if (out_ == Out::first && first_.empty()) {
     first_.swap(line);
@@ -220,6 +220,7 @@ void FoldBack::carry(Time) {
     }
   }
   line.clear();
+  tell_folded(now);
 }
 
 // ---- the second line ----------------------------------------------------------------------
@@ -309,7 +310,7 @@ void FoldBack::settle(Time now) {
   if (may_fold_) patience_ = kNever;
   settle_input(now);
   settle_output(now);
-  controller_.set_folded(input_folded(), output_folded(), now);
+  tell_folded(now);
 }
 
 // Words can get lost where links lose; who has folded says so again and again.

@@ -61,9 +61,6 @@ class FoldBack {
   void handle_timeout(Time now);
   Time deadline() const { return std::min(std::min(patience_, say_again_), drain_due_); }
 
-  bool input_folded() const { return in_ != In::first && tail_; }
-  bool output_folded() const { return out_ != Out::first && told_output_; }
-
  private:
   /// draining: the first line is back, and what is on the second comes first.
   enum class In : std::uint8_t { first, second, draining };
@@ -71,6 +68,9 @@ class FoldBack {
   enum class Out : std::uint8_t { first, second, leaving };
 
   void settle(Time now);
+  void tell_folded(Time now) {
+    controller_.set_folded(in_ != In::first && tail_, out_ != Out::first && told_output_, now);
+  }
   void settle_input(Time now);
   void settle_output(Time now);
   void turn_back(Time now);
