@@ -21,6 +21,43 @@ Robot::Robot(const Scenario& scenario, std::uint64_t seed)
   for (const NodeId id : scenario.absent) ring_->kill(id);
 }
 
+// ---- sight and time -------------------------------------------------------------------------
+
+std::optional<wire::Beacon> Robot::heard(NodeId by, NodeId of) const {
+  const core::Peer& peer = members_[by]->peers()[of];
+  return peer.beacon_heard ? std::optional(peer.beacon) : std::nullopt;
+}
+
+std::uint64_t Robot::counter(NodeId id, const std::string& name) const {
+  std::uint64_t count = 0;
+  ring_->counters(id).each([&](const char* each, const char*, std::uint64_t value) {
+    if (name == each) count = value;
+  });
+  return count;
+}
+
+std::optional<Stage::Surprise> Robot::begin() {
+  const bool joined = ring_->join();
+  start_ = ring_->now();
+  if (joined) return std::nullopt;
+  return Surprise{"every node joins", "not within 10 s"};
+}
+
+bool Robot::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
+  const core::Time end = start_ + until;
+  if (ring_->run_until(done, end - ring_->now())) return true;
+  ring_->run_until(end);
+  return done();
+}
+
+std::optional<Stage::Surprise> Robot::broken() const {
+  const auto& violation = ring_->violation();
+  if (!violation) return std::nullopt;
+  return Surprise{std::string("the ring's promise: ") + sim::to_string(violation->promise), violation->what};
+}
+
+// ---- deeds ----------------------------------------------------------------------------------
+
 void Robot::came(const core::Event& event, NodeId at) {
   senders_.came(event, at);
   const auto* pin = std::get_if<core::PinPulled>(&event.what);
