@@ -42,6 +42,12 @@ json counters_json(Node& node) {
   return all;
 }
 
+/// The line that it says is broken.
+json break_json(const wire::Beacon& beacon) {
+  if (!beacon.break_known) return nullptr;
+  return {{"before", beacon.break_before}, {"behind", beacon.break_behind}};
+}
+
 json heard_json(Node& node) {
   json heard = json::array();
   const core::Peers& peers = node.engine().controller().membership().peers();
@@ -57,7 +63,8 @@ json heard_json(Node& node) {
                      {"cpu_boots", peer.beacon.cpu_boots},
                      {"cpu_state", wire::to_string(peer.beacon.cpu_state)},
                      {"cpu_silent_ms", peer.beacon.cpu_silent_ms},
-                     {"cpu_comes_back", peer.beacon.cpu_comes_back}});
+                     {"cpu_comes_back", peer.beacon.cpu_comes_back},
+                     {"break", break_json(peer.beacon)}});
   }
   return heard;
 }

@@ -18,5 +18,6 @@ void add_ping(CLI::App& app, Context& context);
 void add_observe(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
+void add_scenario_list(CLI::App& scenario, Context& context);  ///< below `scenario`
 
 }  // namespace limb_ring::ringctl

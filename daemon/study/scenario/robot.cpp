@@ -65,7 +65,12 @@ void Robot::came(const core::Event& event, NodeId at) {
   ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
 }
 
-void Robot::apply(const Fault& fault) {
+std::optional<Stage::Surprise> Robot::apply(const Fault& fault) {
+  do_it(fault);
+  return std::nullopt;
+}
+
+void Robot::do_it(const Fault& fault) {
   if (word_of(fault.name).of == FaultOf::packets) return lines_.begin(fault);
   // All are off before the first is on again.
   if (fault.name == FaultName::power_cycle)

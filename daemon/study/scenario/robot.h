@@ -34,10 +34,11 @@ class Robot final : public Stage {
   /// The ring's promises.
   std::optional<Surprise> broken() const override;
 
-  void apply(const Fault& fault) override;
+  std::optional<Surprise> apply(const Fault& fault) override;
   void send(const Send& send) override { senders_.begin(send); }
 
  private:
+  void do_it(const Fault& fault);
   void apply(const Fault& fault, NodeId id);
   void start(NodeId id);
   void came(const core::Event& event, NodeId at);

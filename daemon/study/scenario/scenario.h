@@ -124,6 +124,8 @@ struct Scenario {
   std::string path;
   std::string name;          ///< one line of what it is about
   config::RingConfig ring;   ///< every line has a rate
+  bool rates_assumed = false;  ///< of some lines: the ring's file gives none
+  bool only_sim = false;     ///< its author says so
   std::uint64_t seed = 1;
   std::vector<NodeId> absent;  ///< not there at the start
   std::vector<Step> steps;

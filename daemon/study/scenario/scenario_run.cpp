@@ -84,7 +84,8 @@ class Run {
     if (step.after && !go_to(stage_.now() + Duration(*step.after))) return false;
     if (step.when && !wait_for(*step.when, step.within)) return false;
     if (!step.words.empty()) log("do " + step.words);
-    if (const auto* fault = std::get_if<Fault>(&step.deed)) stage_.apply(*fault);
+    if (const auto* fault = std::get_if<Fault>(&step.deed))
+      if (const auto problem = stage_.apply(*fault)) return fail(problem->expected, problem->seen);
     if (const auto* send = std::get_if<Send>(&step.deed)) stage_.send(*send);
     return true;
   }

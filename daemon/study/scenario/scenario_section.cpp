@@ -99,6 +99,8 @@ const Section<Scenario>& scenario_section() {
        [](const Entry& entry, Scenario& scenario) {
          scenario.seed = static_cast<std::uint64_t>(read_integer(entry, {0, INT64_MAX}));
        }},
+      {"only", "none", "sim", "For the virtual clock alone.",
+       [](const Entry& entry, Scenario& scenario) { scenario.only_sim = read_choice(entry, {"sim"}) == 0; }},
       {"absent", "[]", "a node or a list of nodes", "Not there at the start.",
        [](const Entry& entry, Scenario& scenario) { scenario.absent = read_nodes(entry); }},
       {"steps", config::kRequired, "a list of steps", "What happens and what is seen, in this order.",

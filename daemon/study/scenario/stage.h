@@ -53,8 +53,8 @@ class Stage : public Sight {
   /// What is always expected of a robot, whatever its story says: the first that was not so.
   virtual std::optional<Surprise> broken() const = 0;
 
-  /// Both return when it has taken effect.
-  virtual void apply(const Fault& fault) = 0;
+  /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
+  virtual std::optional<Surprise> apply(const Fault& fault) = 0;
   virtual void send(const Send& send) = 0;
 };
 
