@@ -181,9 +181,19 @@ void VirtualRing::carry_line(NodeId id) {
     line->clear();
     line = &tapped_;
   }
-  if (line->empty() || from.wire_cut || from.successor < 0) return line->clear();
+  put_on_line(id, *line);
+}
+
+void VirtualRing::put_late(NodeId id, SliceWriter& slices) {
+  tell_fault(id, Fault::late_slice);
+  put_on_line(id, slices);
+}
+
+void VirtualRing::put_on_line(NodeId id, SliceWriter& slices) {
+  const Node& from = nodes_[id];
+  if (slices.empty() || from.wire_cut || from.successor < 0) return slices.clear();
   const auto to = static_cast<NodeId>(from.successor);
-  lanes_[nodes_[to].lane].put(now_, id, to, from.line_epoch, *line);
+  lanes_[nodes_[to].lane].put(now_, id, to, from.line_epoch, slices);
 }
 
 void VirtualRing::pass_through_tap(NodeId id, SliceWriter& line) {
