@@ -183,6 +183,7 @@ void LineFaults::pass(const Slice& slice, Time now) {
   advance(now);
   if (cut_now(now)) return swallow(slice);
   if (slice.kind == SliceKind::interrupt) return pass_interrupt(slice, now);
+  if (slice.kind == SliceKind::fold) return put(slice.kind, slice.bytes, now, now);
   if (slice.kind != SliceKind::idle) return pass_data(slice, now);
   // Where others wait it says nothing; and it would fill the memory.
   if (held_.empty() && !stalled(now)) put(slice.kind, slice.bytes, now, now);
@@ -190,7 +191,7 @@ void LineFaults::pass(const Slice& slice, Time now) {
 
 /// What comes while the line is cut is lost, also what follows of it after that.
 void LineFaults::swallow(const Slice& slice) {
-  if (slice.kind == SliceKind::idle) return;
+  if (slice.kind == SliceKind::idle || slice.kind == SliceKind::fold) return;
   const bool interrupt = slice.kind == SliceKind::interrupt;
   const bool known = on_data_ && on_data_->damage == Name::cut && !begins(slice);
   if (interrupt || !known) ++counters_.line_cut;
