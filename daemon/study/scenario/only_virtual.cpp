@@ -1,6 +1,7 @@
 #include "study/scenario/only_virtual.h"
 
 #include "config/quantity.h"
+#include "fault/name.h"
 
 namespace limb_ring::study::scenario {
 
@@ -30,10 +31,10 @@ void judge(const Scenario& scenario, const Step& step, const std::string& transp
   if (step.after && step.after->count() != 0 && *step.after < kShortestStep)
     reasons.push_back("after: " + config::format_time(*step.after) + ": live, a step takes milliseconds");
   if (step.when) judge(scenario, *step.when, reasons);
-  const auto* fault = std::get_if<Fault>(&step.deed);
-  if (!fault) return;
-  if (!fault::word_of(fault->name).live) reasons.push_back(step.words + ": not possible live");
-  if (fault->name == fault::Name::reorder && !is_udp(scenario, fault->nodes[0], transport))
+  const auto* deed = std::get_if<Fault>(&step.deed);
+  if (!deed) return;
+  if (!fault::word_of(deed->name).live) reasons.push_back(step.words + ": not possible live");
+  if (deed->name == fault::Name::reorder && !is_udp(scenario, deed->nodes[0], transport))
     reasons.push_back(step.words + ": a UNIX stream keeps order; with --transport udp it can be had live");
 }
 

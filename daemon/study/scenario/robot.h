@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "sim/watched_ring.h"
-#include "study/scenario/line_faults.h"
+#include "study/faulty_lines.h"
 #include "study/scenario/senders.h"
 #include "study/scenario/stage.h"
 
@@ -40,6 +40,7 @@ class Robot final : public Stage {
  private:
   void do_it(const Fault& fault);
   void apply(const Fault& fault, NodeId id);
+  void end_later(const Fault& fault);
   void start(NodeId id);
   void came(const core::Event& event, NodeId at);
 
@@ -50,7 +51,7 @@ class Robot final : public Stage {
   std::vector<bool> frozen_;
   Cpus cpus_;
   Senders senders_;
-  LineFaults lines_;
+  FaultyLines lines_;
 };
 
 }  // namespace limb_ring::study::scenario
