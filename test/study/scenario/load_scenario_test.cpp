@@ -25,6 +25,15 @@ TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLife) {
   EXPECT_EQ(scenario.steps[0].within.sim, std::chrono::microseconds(200));
 }
 
+TEST(LoadScenario, LiveRunsHaveMoreTimeWhereTheFileGivesOne) {
+  const auto within = [](const std::string& time) {
+    return parse_scenario(four_nodes("steps: [{when: {node: all, is: up}, within: " + time + "}]\n"), "t").steps[0].within;
+  };
+  EXPECT_EQ(within("{sim: 200us, live: 2s}").live, std::chrono::seconds(2));
+  EXPECT_EQ(within("1s").live, std::chrono::seconds(1) + kLiveGuard);
+  EXPECT_EQ(within("{sim: 0s}").live, kLiveGuard);
+}
+
 TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
   EXPECT_THAT(refusal_of(four_nodes("steps:\n  - {do: {kil: node1}}\n")),
               AllOf(StartsWith("test.yaml:4:11: entry 'steps[0].do.kil': is unknown, did you mean 'kill'?"),

@@ -38,7 +38,8 @@ fault::RingNodes ring_nodes(const config::RingConfig& ring) {
 }  // namespace
 
 LiveStage::LiveStage(const Scenario& scenario, std::uint64_t seed, const RingPlan& plan, SignalWait& signals)
-    : scenario_(scenario), plan_(plan), nodes_(plan, signals), senders_(scenario, nodes_, seed), random_(seed) {
+    : scenario_(scenario), plan_(plan), nodes_(plan, signals), senders_(scenario, nodes_, seed), random_(seed),
+      first_rows_(plan.nodes.size()) {
   for (const PlannedNode& planned : plan.nodes)
     boards_.push_back(std::make_unique<scenario_cpu::TakenBoard>(plan.ring, planned.node.id));
   nodes_.on_message = [this](std::size_t place, const Message& message) { senders_.came(place, message); };
@@ -71,7 +72,11 @@ std::optional<wire::Beacon> LiveStage::heard(NodeId by, NodeId of) const {
 }
 
 std::uint64_t LiveStage::counter(NodeId id, const std::string& name) const {
-  return alive(id) ? nodes_.row(id)->at("counters").value(name, std::uint64_t{0}) : 0;
+  if (!alive(id)) return 0;
+  const auto count = [&](const json& row) { return row.at("counters").value(name, std::uint64_t{0}); };
+  const json& row = *nodes_.row(id);
+  const auto& first = first_rows_[id];
+  return count(row) - (first && first->at("pid") == row.at("pid") ? count(*first) : 0);
 }
 
 const Tally& LiveStage::tally(const std::string& send) const {
@@ -107,6 +112,8 @@ std::optional<study::scenario::Stage::Surprise> LiveStage::begin() {
   const auto ready = [&] { return broken_ || (lack = first_not_ready()).empty(); };
   run_until(ready, kToJoin, "every node joins");
   start_ = Clock::now();
+  for (std::size_t place = 0; place < nodes_.size(); ++place)
+    if (const json* row = nodes_.row(place)) first_rows_[place] = *row;
   if (broken_) return broken_;
   if (!lack.empty()) return Surprise{"every node joins within " + std::to_string(kToJoin.count()) + " s", lack};
   return std::nullopt;

@@ -24,6 +24,7 @@ class LiveStage final : public study::scenario::Stage {
   core::NodeState state(wire::NodeId id) const override;
   unsigned ring_size(wire::NodeId id) const override;
   std::optional<wire::Beacon> heard(wire::NodeId by, wire::NodeId of) const override;
+  /// Of its present life, from the start on.
   std::uint64_t counter(wire::NodeId id, const std::string& name) const override;
   const study::scenario::Tally& tally(const std::string& send) const override;
   std::chrono::nanoseconds allowed(const study::scenario::Limit& limit) const override { return limit.live; }
@@ -56,6 +57,7 @@ class LiveStage final : public study::scenario::Stage {
   std::mt19937_64 random_;
   Clock::time_point start_{};
   std::vector<std::unique_ptr<scenario_cpu::TakenBoard>> boards_;
+  std::vector<std::optional<nlohmann::json>> first_rows_;  ///< at the start: joining counts too, and is no story
   std::optional<Surprise> broken_;
   std::vector<std::pair<Clock::time_point, study::scenario::Fault>> endings_;  ///< of faults that last for a time
   mutable study::scenario::Tally with_taken_;  ///< what tally() said last
