@@ -94,9 +94,9 @@ bool LineFaults::cut_now(Time now) const {
 
 bool LineFaults::cut(Time now) {
   advance(now);
-  if (!cut_now(now)) return false;
-  line_lost();
-  return true;
+  told_cut_ = cut_now(now);
+  if (told_cut_) line_lost();
+  return told_cut_;
 }
 
 /// The time of a byte where the data rate is limited; 0 where it is not.
@@ -118,7 +118,7 @@ Time LineFaults::next_change(const Active& active) const {
 }
 
 Time LineFaults::next_deadline() const {
-  if (!ready_.empty()) return now_;
+  if (!ready_.empty() || cut_now(now_) != told_cut_) return now_;
   Time next = stalled(now_) ? kNever : held_.next(pace(now_));
   for (const Active& active : active_) next = std::min(next, next_change(active));
   return next;
@@ -127,8 +127,7 @@ Time LineFaults::next_deadline() const {
 void LineFaults::line_lost() {
   counters_.line_lost += held_.count();
   held_.clear();
-  ready_.clear();
-  on_data_.reset();
+  if (on_data_) on_data_ = Verdict{Name::cut, Duration{0}};  // what follows of it belongs to nothing
 }
 
 // ---- what becomes of a packet ---------------------------------------------------------------
@@ -183,6 +182,7 @@ void LineFaults::pass(const Slice& slice, Time now) {
   advance(now);
   if (cut_now(now)) return swallow(slice);
   if (slice.kind == SliceKind::interrupt) return pass_interrupt(slice, now);
+  if (slice.kind == SliceKind::fold) return put(slice.kind, slice.bytes, now, now);
   if (slice.kind != SliceKind::idle) return pass_data(slice, now);
   // Where others wait it says nothing; and it would fill the memory.
   if (held_.empty() && !stalled(now)) put(slice.kind, slice.bytes, now, now);
@@ -190,7 +190,7 @@ void LineFaults::pass(const Slice& slice, Time now) {
 
 /// What comes while the line is cut is lost, also what follows of it after that.
 void LineFaults::swallow(const Slice& slice) {
-  if (slice.kind == SliceKind::idle) return;
+  if (slice.kind == SliceKind::idle || slice.kind == SliceKind::fold) return;
   const bool interrupt = slice.kind == SliceKind::interrupt;
   const bool known = on_data_ && on_data_->damage == Name::cut && !begins(slice);
   if (interrupt || !known) ++counters_.line_cut;
@@ -275,10 +275,11 @@ void LineFaults::put_cut_short(const Slice& slice, Time due, Time now) {
 }
 
 void LineFaults::take(Time now, wire::SliceWriter& out) {
-  if (cut(now)) return;
+  advance(now);
   if (out.empty()) out.swap(ready_);
   else append(ready_, out);
   ready_.clear();
+  if (cut_now(now)) return line_lost();
   if (stalled(now)) return;
   for (const Duration slower = pace(now); held_.next(slower) <= now;) held_.take(slower, out);
 }

@@ -61,7 +61,7 @@ class LineFaults {
   /// The line was taken down, or leads to another node: nothing that is held back goes onto the new one.
   void line_lost();
   /// Nothing is wrong and nothing is held back: all passes as it comes, so the caller need not ask.
-  bool idle() const { return active_.empty() && held_.empty() && ready_.empty() && !on_data_; }
+  bool idle() const { return active_.empty() && held_.empty() && ready_.empty() && !on_data_ && !told_cut_; }
 
   const LineCounters& counters() const { return counters_; }
 
@@ -104,6 +104,7 @@ class LineFaults {
   std::vector<Active> active_;
   Id next_id_ = 1;
   Time now_{};                      ///< of the last call
+  bool told_cut_ = false;           ///< by cut(), the last time
   std::optional<Verdict> on_data_;  ///< of the DATP that is passing
   NodeId data_source_ = 0;          ///< of that one
   std::vector<std::uint8_t> copy_;  ///< of that one, where it will follow itself

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "sim/watched_ring.h"
-#include "study/scenario/line_faults.h"
+#include "study/faulty_lines.h"
 #include "study/scenario/senders.h"
 
 namespace limb_ring::study::scenario {
@@ -27,6 +27,7 @@ class Robot {
 
  private:
   void apply(const Fault& fault, NodeId id);
+  void end_later(const Fault& fault);
   void start(NodeId id);
   void came(const core::Event& event, NodeId at);
 
@@ -36,7 +37,7 @@ class Robot {
   std::vector<bool> frozen_;
   Cpus cpus_;
   Senders senders_;
-  LineFaults lines_;
+  FaultyLines lines_;
 };
 
 }  // namespace limb_ring::study::scenario

@@ -8,7 +8,7 @@
 #include "config/ring_config.h"
 #include "core/events.h"
 #include "core/outcome.h"
-#include "study/scenario/fault_names.h"
+#include "fault/fault.h"
 #include "wire/control_message.h"
 
 /// A scenario: a story about a ring, what breaks and when, and what has to be seen. (ours)
@@ -20,13 +20,7 @@ using wire::NodeId;
 
 // ---- what is done ---------------------------------------------------------------------------
 
-struct Fault {
-  FaultName name = FaultName::cut;
-  std::vector<NodeId> nodes;    ///< of a line the one before it
-  std::uint64_t packets = 0;    ///< drop, corrupt, truncate: so many; 0: no limit
-  std::uint64_t once_in = 1;    ///< ... each with the probability 1 / once_in
-  nanoseconds lasts{0};         ///< ... for so long; 0: no limit
-};
+using fault::Fault;
 
 /// Packets or interrupts under a name by which conditions speak of them.
 struct Send {

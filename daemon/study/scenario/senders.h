@@ -28,6 +28,8 @@ class Senders {
   Senders& operator=(const Senders&) = delete;
 
   void begin(const Send& send);
+  /// The largest packets to all at the highest priority, one each `every` (0: the default), while the CPU lives so.
+  void babble(NodeId from, core::Duration every);
   /// All zero where nothing of that name was sent yet.
   const Tally& tally(const std::string& name) const;
 
@@ -46,8 +48,10 @@ class Senders {
     NodeId from;
     std::size_t tally;
     std::uint64_t left;
+    std::optional<std::uint64_t> life{};  ///< of a babble: it ends with it
   };
 
+  bool over(const Job& job) const { return job.life && *job.life != cpus_.life(job.from); }
   std::size_t index_of(const std::string& name);
   void ask_and_go_on(Job& job);
   void ask(const Job& job);

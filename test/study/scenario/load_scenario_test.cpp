@@ -28,15 +28,15 @@ TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLife) {
 TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
   EXPECT_THAT(refusal_of(four_nodes("steps:\n  - {do: {kil: node1}}\n")),
               AllOf(StartsWith("test.yaml:4:11: entry 'steps[0].do.kil': is unknown, did you mean 'kill'?"),
-                    HasSubstr("cut, heal, drop, corrupt, truncate, kill")));
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {kill: node7}}]\n")), HasSubstr("'node7' is no node of it"));
+                    HasSubstr("cut, heal, drop, corrupt, truncate, duplicate")));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {kill: node7}}]\n")), HasSubstr("'node7' is no node of the ring"));
   EXPECT_THAT(refusal_of(four_nodes("step: []\n")),
               StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
 }
 
 TEST(LoadScenario, RefusesALineThatIsNone) {
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0 -> node2}}]\n")), HasSubstr("a node -> the next node"));
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0}}]\n")), HasSubstr("'node0' is no line"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0 -> node2}}]\n")), HasSubstr("to the next: node0 -> node1"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0}}]\n")), HasSubstr("cut says no line"));
 }
 
 TEST(LoadScenario, RefusesAWaitWithoutALimit) {
