@@ -127,8 +127,7 @@ Time LineFaults::next_deadline() const {
 void LineFaults::line_lost() {
   counters_.line_lost += held_.count();
   held_.clear();
-  ready_.clear();
-  on_data_.reset();
+  if (on_data_) on_data_ = Verdict{Name::cut, Duration{0}};  // what follows of it belongs to nothing
 }
 
 // ---- what becomes of a packet ---------------------------------------------------------------
@@ -277,10 +276,10 @@ void LineFaults::put_cut_short(const Slice& slice, Time due, Time now) {
 
 void LineFaults::take(Time now, wire::SliceWriter& out) {
   advance(now);
-  if (cut_now(now)) return line_lost();
   if (out.empty()) out.swap(ready_);
   else append(ready_, out);
   ready_.clear();
+  if (cut_now(now)) return line_lost();
   if (stalled(now)) return;
   for (const Duration slower = pace(now); held_.next(slower) <= now;) held_.take(slower, out);
 }

@@ -50,6 +50,8 @@ class LineFaults {
 
   /// The wire is broken now: whoever drives the line has to take it down, and up again.
   bool cut(Time now);
+  /// Nothing passes now, not even what says that the line is alive.
+  bool stalled(Time now) const;
   /// A slice comes onto the line. What it means for the line comes out of take(), in the same instant at the earliest.
   void pass(const wire::Slice& slice, Time now);
   /// What is due on the line by now goes behind what is in `out`.
@@ -81,7 +83,6 @@ class LineFaults {
   void advance(Time now);
   void start(Active& active, Time now);
   bool on(const Active& active, Name name, Time now) const;
-  bool stalled(Time now) const;
   bool cut_now(Time now) const;
   Duration pace(Time now) const;
   Time next_change(const Active& active) const;

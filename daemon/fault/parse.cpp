@@ -191,9 +191,14 @@ namespace {
 
 void set_place(Fault& fault, const std::vector<std::string>& who, const RingNodes& nodes) {
   if (word_of(fault.name).of != Of::line) return set_nodes(fault, who, nodes);
-  if (who.size() != 3 || who[1] != "->")
-    throw ParseError(std::string(word_of(fault.name).word) + " says no line", "A -> B, a node and the next one");
-  set_line(fault, who[0], who[2], nodes);
+  std::string line;
+  for (const std::string& part : who) line += part;
+  for (const std::string between : {"->", ":"}) {
+    const std::size_t at = line.find(between);
+    if (at != std::string::npos) return set_line(fault, line.substr(0, at), line.substr(at + between.size()), nodes);
+  }
+  throw ParseError(std::string(word_of(fault.name).word) + " says no line",
+                   "A -> B, a node and the next one (or A:B, which no shell takes for itself)");
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ struct ParseError : std::runtime_error {
 /// The one form of a fault as text, of tools, services and scenarios: its word, what it is of, then what it is told.
 ///
 ///   drop left_hip -> left_hip_yaw packets=3 once_in=10 for=2s seed=4
+///   drop left_hip:left_hip_yaw                             (the same line; '>' is the shell's)
 ///   delay body -> head delay=2ms jitter=500us
 ///   cut left_hip -> left_hip_yaw after_packets=100 of=left_knee
 ///   hang left_knee for=1s            kill left_knee right_knee            power_cycle all

@@ -62,7 +62,9 @@ void FaultyLines::look(NodeId id) {
 
 void FaultyLines::look_later(NodeId id) {
   Line& line = lines_[id];
-  const Time next = line.faults.next_deadline();
+  Time next = line.faults.next_deadline();
+  // A line that a packet takes down by having passed it goes down behind that packet.
+  if (next <= ring_.now()) next = ring_.now() + ring_.settings(id).relay_delay + core::Duration{1};
   if (next >= line.wake) return;
   line.wake = next;
   ring_.at(next, [this, id, next] {

@@ -106,6 +106,7 @@ TEST(House, ArrowsPointOneWay) {
       {"host", {"wire", "client", "host", "limb_ring"}},
       {"firmware", {"wire", "payload", "config", "client", "firmware", "limb_ring"}},
       {"runtime", {"wire", "core", "fault", "link", "config", "setup", "host", "client", "payload", "runtime", "limb_ring"}},
+      {"inject", {"fault", "wire", "inject", "runtime", "limb_ring"}},
   };
   for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;
 }

@@ -46,6 +46,7 @@ target_link_libraries(walking_recording_test PRIVATE limb_ring_bridge gmock gtes
 ring_rostest(launch_arguments 300)
 ring_rostest(bringup 300)
 ring_rostest(recovery 360)
+ring_rostest(fault 300)
 ring_rostest(simulated_time 240)
 ring_rostest(topics 300)
 ring_rostest(side_by_side 300)

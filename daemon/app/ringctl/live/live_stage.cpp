@@ -54,21 +54,25 @@ core::NodeState LiveStage::state(NodeId id) const {
 
 unsigned LiveStage::ring_size(NodeId id) const { return nodes_.row(id)->value("ring_size", 0u); }
 
+NodeId LiveStage::place_of(const json& id) const {
+  const auto is = [&](const PlannedNode& planned) { return planned.node.id == id; };
+  return static_cast<NodeId>(std::find_if(plan_.nodes.begin(), plan_.nodes.end(), is) - plan_.nodes.begin());
+}
+
 std::optional<wire::Beacon> LiveStage::heard(NodeId by, NodeId of) const {
-  for (const json& peer : nodes_.row(by)->at("heard")) {
-    if (peer.at("id") != plan_.nodes[of].node.id) continue;
-    wire::Beacon beacon;
-    beacon.cpu_state = from_word(peer.value("cpu_state", ""), wire::CpuState::failed);
-    beacon.cpu_boots = peer.value("cpu_boots", 0u);
-    const json broken = peer.value("break", json());
-    beacon.break_known = broken.is_object();
-    for (std::size_t place = 0; beacon.break_known && place < plan_.nodes.size(); ++place) {
-      if (broken.at("before") == plan_.nodes[place].node.id) beacon.break_before = static_cast<NodeId>(place);
-      if (broken.at("behind") == plan_.nodes[place].node.id) beacon.break_behind = static_cast<NodeId>(place);
-    }
-    return beacon;
-  }
-  return std::nullopt;
+  const json& row = *nodes_.row(by);
+  const auto is = [&](const json& peer) { return place_of(peer.at("id")) == of; };
+  const json& peers = row.at("heard");
+  const auto peer = std::find_if(peers.begin(), peers.end(), is);
+  if (peer == peers.end()) return std::nullopt;
+  wire::Beacon beacon;
+  beacon.cpu_state = from_word(peer->value("cpu_state", ""), wire::CpuState::failed);
+  beacon.cpu_boots = peer->value("cpu_boots", 0u);
+  const json& broken = row.at("broken_line");  // of all breaks it is the node behind it that tells
+  beacon.break_known = broken.is_object() && place_of(broken.at("behind")) == of;
+  if (beacon.break_known) beacon.break_before = place_of(broken.at("before"));
+  beacon.break_behind = of;
+  return beacon;
 }
 
 std::uint64_t LiveStage::counter(NodeId id, const std::string& name) const {

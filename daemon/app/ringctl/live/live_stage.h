@@ -42,6 +42,7 @@ class LiveStage final : public study::scenario::Stage {
  private:
   using Clock = LiveNodes::Clock;
 
+  wire::NodeId place_of(const nlohmann::json& id) const;
   std::vector<std::size_t> present() const;  ///< at the start
   std::string first_not_ready() const;
   void look();
