@@ -199,7 +199,7 @@ void LiveStage::apply_at_daemon(Fault fault, std::size_t place) {
   if (fault.name == Name::hang) senders_.set_hung(place, true);
   const json request{{"do", "fault"}, {"fault", fault::to_words(fault, ring_nodes(scenario_.ring))}};
   // Under the virtual clock too the story goes on while the CPU boots.
-  if (fault.name == Name::reset || fault.name == Name::crash) nodes_.order(place, request);
+  if (fault.name == Name::reset) nodes_.order(place, request);
   else nodes_.ask(place, request);
   if (fault.name == Name::resume || fault.name == Name::reset || fault.name == Name::crash)
     senders_.set_hung(place, false);
