@@ -28,6 +28,11 @@ TEST(FaultWords, SayALineAndWhatHappensOnIt) {
   EXPECT_EQ(fault.seed, 4u);
 }
 
+TEST(FaultWords, SayALineAlsoWithoutWhatAShellTakesForItself) {
+  for (const char* text : {"cut hip:knee", "cut hip -> knee", "cut hip->knee", "cut hip : knee"})
+    EXPECT_THAT(from_words(text, kNodes).nodes, ElementsAre(0)) << text;
+}
+
 TEST(FaultWords, SayNodesByNameNumberOrAll) {
   EXPECT_THAT(from_words("kill knee 12", kNodes).nodes, ElementsAre(1, 2));
   EXPECT_THAT(from_words("power_cycle all", kNodes).nodes, ElementsAre(0, 1, 2));

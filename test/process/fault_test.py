@@ -3,6 +3,7 @@ is whole again."""
 
 import os
 import re
+import signal
 
 import ring_process
 from fault_process import QUICK, FaultTest
@@ -21,6 +22,16 @@ class Nodes(FaultTest):
         self.wait_closed(range(4))
         self.assertEqual(self.listed(), {})
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
+
+    def test_a_node_started_again_ends_with_the_ring_in_the_foreground(self):
+        up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
+        self.wait_closed(range(3))
+        self.begin('kill', 'node1')
+        self.fault('start', 'node1')
+        pid = self.row(1)['pid']
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+        self.wait('the end of node 1', lambda: is_gone(pid))
 
     def test_a_frozen_node_is_shown_as_frozen_and_goes_on_when_thawed(self):
         daemons = self.start_ring(plain_nodes(4), timeouts=QUICK)
@@ -117,6 +128,9 @@ class Cpus(FaultTest):
         self.assertEqual(process_state(firmware.pid), 'T')
         self.fault('clear')
         self.assertNotEqual(process_state(firmware.pid), 'T')
+        self.begin('hang', 'node1')
+        self.fault('power_cycle', 'node1')
+        self.assertNotEqual(process_state(firmware.pid), 'T', 'nobody else would end it')
 
     def test_a_cpu_that_does_not_read_refuses_and_a_slow_one_takes_its_time(self):
         self.start_ring(plain_nodes(2), limits={'receive_buffers': 2}, timeouts={'refused': '50ms'})
