@@ -160,14 +160,15 @@ void RandomFaults::fault() {
 // A copy that comes later than a time-out of a try after the first is a new packet to its receiver: a link never
 // delivers twice (protocol.md section 6), so lines that double hold back for a small part of it only.
 void RandomFaults::line_fault(NodeId node) {
-  const unsigned longest = doubles_ ? 4000 : 1000000;  // ns
+  const auto most = doubles_ ? ring_->settings(node).send_timeout() / 32 : Duration{1ms};
+  const auto longest = static_cast<unsigned>(most / 1ns);
   fault::Fault fault;
   fault.name = once_in(2) ? fault::Name::delay : doubles_ ? fault::Name::duplicate : fault::Name::stall;
   fault.nodes = {node};
   fault.once_in = 1 + random(10);
   fault.delay = 1ns * (1 + random(longest));
   fault.jitter = 1ns * random(longest);
-  fault.lasts = fault.name == fault::Name::stall ? 1ns * (1 + random(longest)) : 1ns * (1 + random(1000000));
+  fault.lasts = fault.name == fault::Name::stall ? 1ns * (1 + random(longest)) : 1us * (1 + random(1000));
   lines_->begin(fault);
 }
 
