@@ -157,11 +157,10 @@ void RandomFaults::fault() {
   }
 }
 
-// A copy that comes later than a time-out of a try after the first is a new packet to its receiver: a link never
-// delivers twice (protocol.md section 6), so lines that double hold back for a small part of it only.
+// No copy may outlive the time-out of a try: a receiver takes a second one for a new packet, and one that has joined
+// anew meanwhile knows nothing of the first. So a line holds back for a part of it, and a small one where lines double.
 void RandomFaults::line_fault(NodeId node) {
-  const auto most = doubles_ ? ring_->settings(node).send_timeout() / 32 : Duration{1ms};
-  const auto longest = static_cast<unsigned>(most / 1ns);
+  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / (doubles_ ? 32 : 2) / 1ns);
   fault::Fault fault;
   fault.name = once_in(2) ? fault::Name::delay : doubles_ ? fault::Name::duplicate : fault::Name::stall;
   fault.nodes = {node};
