@@ -52,7 +52,8 @@ TEST(FaultWords, AreInTheOrderOfTheirNames) {
 }
 
 TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
-  EXPECT_THAT(refusal_of("dorp hip -> knee"), StartsWith("'dorp' is no fault, did you mean 'drop'?; allowed: cut, heal"));
+  EXPECT_THAT(refusal_of("dorp hip -> knee"),
+              StartsWith("'dorp' is no fault, did you mean 'drop'?; allowed: cut, heal"));
   EXPECT_THAT(refusal_of(""), StartsWith("no fault is named; allowed: cut"));
   EXPECT_THAT(refusal_of("kill nee"), StartsWith("'nee' is no node of the ring, did you mean 'knee'?; allowed: hip"));
   EXPECT_THAT(refusal_of("cut hip -> ankle"), AllOf(HasSubstr("is no line of the ring"), HasSubstr("hip -> knee")));
