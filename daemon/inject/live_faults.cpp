@@ -57,8 +57,6 @@ Fault for_one(Fault fault, wire::NodeId node) {
 // ---- beginning ------------------------------------------------------------------------------
 
 std::vector<Begun> LiveFaults::begin(const Fault& fault) const {
-  if (fault.name == Name::freeze && fault.lasts.count() != 0)
-    throw NotDone("freeze: a frozen daemon cannot end it by itself: leave 'for' out, and thaw it");
   std::vector<Begun> begun(fault.nodes.size());
   const auto problems =
       at_the_same_time(fault.nodes, [&](std::size_t i) { begun[i] = begin_at(fault, fault.nodes[i]); });
@@ -71,11 +69,12 @@ std::vector<Begun> LiveFaults::begin(const Fault& fault) const {
 
 Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node) const {
   if (fault::word_of(fault.name).of != Of::node) return begin_at_daemon(fault, node);
-  begin_at_node(fault, node);
   const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
+  begin_at_node(fault, node);
   const bool lasts = fault.name == Name::kill || fault.name == Name::freeze;
   if (!lasts) return {"", words};
   write_note(daemons_.folder(), node, words);
+  if (fault.lasts.count() != 0) return wait_and_thaw(fault.lasts, node), Begun{"", words};
   return {daemons_.node(node).name + '.' + fault::word_of(fault.name).word, words};
 }
 
@@ -87,6 +86,12 @@ void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
   if (fault.name == Name::power_cycle) daemons_.power_cycle(node);
   remove_note(daemons_.folder(), node);
   if (fault.name != Name::thaw) daemons_.wait_for_hello(node);
+}
+
+// A frozen daemon cannot end it by itself, so the caller waits. It stays in the list meanwhile.
+void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const {
+  std::this_thread::sleep_for(lasts);
+  if (node_fault(node)) revive(node);
 }
 
 Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {

@@ -31,6 +31,7 @@ class LiveFaults {
  public:
   LiveFaults(const std::string& ring, const fault::RingNodes& nodes) : daemons_(ring, nodes) {}
 
+  /// A node frozen for a time is thawed again when this returns.
   /// @return one for each of its nodes. @throw NotDone
   std::vector<Begun> begin(const fault::Fault& fault) const;
   /// In ring order. A daemon that does not answer is left out, but for being frozen or killed.
@@ -44,6 +45,7 @@ class LiveFaults {
   Begun begin_at(const fault::Fault& fault, wire::NodeId node) const;
   void begin_at_node(const fault::Fault& fault, wire::NodeId node) const;
   Begun begin_at_daemon(const fault::Fault& fault, wire::NodeId node) const;
+  void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const;
   void revive(wire::NodeId node) const;
   void clear_at(wire::NodeId node) const;
   std::optional<LiveFault> node_fault(wire::NodeId node) const;

@@ -22,12 +22,13 @@ std::vector<std::string> own_command_line() {
 
 }  // namespace
 
-void begin_anew() {
+void begin_anew(const std::optional<cpu_set_t>& cores) {
   std::vector<std::string> arguments = own_command_line();
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   close_descriptors_on_exec();
+  if (cores) ::sched_setaffinity(0, sizeof *cores, &*cores);
   ::execv("/proc/self/exe", pointers.data());
   throw std::system_error(errno, std::generic_category(), "cannot execute this program again");
 }

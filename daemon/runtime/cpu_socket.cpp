@@ -18,8 +18,8 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& en
       engine_(engine),
       host_(host),
       changed_(std::move(changed)),
-      next_reading_(io),
-      supervisor_(io, std::move(options), *this) {}
+      supervisor_(io, std::move(options), *this),
+      next_reading_(io) {}
 
 void CpuSocket::start() {
   supervisor_.start();

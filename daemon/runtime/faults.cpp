@@ -126,6 +126,12 @@ void Faults::mend_cpu(const Done& done) {
   cpu_.wake(done);
 }
 
+void Faults::stop() {
+  const auto hangs = [](const auto& entry) { return entry.second.fault.name == Name::hang; };
+  if (std::any_of(active_.begin(), active_.end(), hangs)) cpu_.wake(nobody);
+  active_.clear();
+}
+
 void Faults::forget_cpu_faults() {
   for (auto it = active_.begin(); it != active_.end();) it = it->second.line == 0 ? active_.erase(it) : std::next(it);
 }

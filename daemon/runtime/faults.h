@@ -37,7 +37,8 @@ class Faults {
   /// A CPU that has booted again has none of its old faults.
   void cpu_booted();
   void on_ended(const core::SendEnded& ended) { cpu_.on_ended(ended); }
-  void stop() { active_.clear(); }
+  /// The daemon ends. An outside CPU that was made to hang is not to do so for ever.
+  void stop();
 
  private:
   struct Active {

@@ -23,14 +23,21 @@ std::uint64_t boot_number() {
                                         .count());
 }
 
-CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig& node) {
+/// As they are before the daemon pins itself, which its CPU and its next life are not to share.
+std::optional<cpu_set_t> own_cores(const config::RingConfig& ring) {
+  cpu_set_t cores;
+  if (ring.realtime.cores.empty() || ::sched_getaffinity(0, sizeof cores, &cores) != 0) return std::nullopt;
+  return cores;
+}
+
+CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig& node,
+                       const std::optional<cpu_set_t>& cores) {
   CpuOptions options;
   options.cpu = node.cpu;
   options.environment = {
       {"LIMB_RING_RING", ring.ring}, {"LIMB_RING_NODE", std::to_string(node.id)}, {"LIMB_RING_CONFIG", ring.path}};
   options.boot_timeout = ring.timeouts.cpu_boot;
-  cpu_set_t cores;  // as they are before the daemon pins itself: the CPUs are not to share its core
-  if (!ring.realtime.cores.empty() && ::sched_getaffinity(0, sizeof cores, &cores) == 0) options.affinity = cores;
+  options.affinity = cores;
   return options;
 }
 
@@ -55,13 +62,14 @@ std::int64_t clock_ns() {
 Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config)
     : ring_(ring),
       config_(config),
+      cores_(own_cores(ring)),
       directory_(make_ring_directory(ring.ring)),
       lock_(directory_, ring.ring, config.id, config.name),
       engine_(io, setup::core_settings(ring, config, boot_number()), input_settings(ring, config, directory_),
               output_settings(ring, config, directory_), *this),
       host_(io, host_options(ring, config, directory_), *this),
       observers_(host_),
-      cpu_(io, cpu_options(ring, config), engine_, host_, [this] { cpu_changed(); }),
+      cpu_(io, cpu_options(ring, config, cores_), engine_, host_, [this] { cpu_changed(); }),
       pins_(config.pins, cpu_),
       traffic_(io, engine_),
       orders_(io, engine_, [this](wire::NodeId node) { return cpu_of(node); }),
@@ -87,8 +95,9 @@ void Node::stop(std::function<void()> done) {
 }
 
 void Node::power_cycle() {
+  faults_.stop();
   cpu_.kill();
-  begin_anew();
+  begin_anew(cores_);
 }
 
 const config::NodeConfig& Node::next() const {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <sched.h>
+
 #include <boost/asio/io_context.hpp>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "config/ring_config.h"
 #include "host/host_server.h"
@@ -84,6 +87,7 @@ class Node final : private EngineListener, private host::HostHandler {
 
   const config::RingConfig& ring_;
   const config::NodeConfig& config_;
+  std::optional<cpu_set_t> cores_;  ///< before the daemon pinned itself, where it does
   std::string directory_;
   host::NodeLock lock_;
   Engine engine_;

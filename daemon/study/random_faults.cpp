@@ -157,17 +157,17 @@ void RandomFaults::fault() {
   }
 }
 
-// A copy that comes later than a time-out of a try after the first is a new packet to its receiver: a link never
-// delivers twice (protocol.md section 6), so lines that double hold back for a small part of it only.
+// No copy may outlive the time-out of a try: a receiver takes a second one for a new packet, and one that has joined
+// anew meanwhile knows nothing of the first. So a line holds back for a part of it, and a small one where lines double.
 void RandomFaults::line_fault(NodeId node) {
-  const unsigned longest = doubles_ ? 4000 : 1000000;  // ns
+  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / (doubles_ ? 32 : 2) / 1ns);
   fault::Fault fault;
   fault.name = once_in(2) ? fault::Name::delay : doubles_ ? fault::Name::duplicate : fault::Name::stall;
   fault.nodes = {node};
   fault.once_in = 1 + random(10);
   fault.delay = 1ns * (1 + random(longest));
   fault.jitter = 1ns * random(longest);
-  fault.lasts = fault.name == fault::Name::stall ? 1ns * (1 + random(longest)) : 1ns * (1 + random(1000000));
+  fault.lasts = fault.name == fault::Name::stall ? 1ns * (1 + random(longest)) : 1us * (1 + random(1000));
   lines_->begin(fault);
 }
 

@@ -12,10 +12,10 @@
 
 namespace limb_ring::study {
 
-/// A ring under random traffic and random faults, all of it decided by the seed: bit errors, lost
-/// and cut-off packets, lines that break and heal, stall, delay and double, nodes that die, freeze and come back, CPUs that
-/// hang or are reset. Every promise of the ring is checked all the time; afterwards all is mended,
-/// and the ring has to be whole again and fall silent.
+/// A ring under random traffic and random faults, all of it decided by the seed: bit errors, lost and cut-off
+/// packets, lines that break and heal, delay, stall and double, nodes that die, freeze and come back, CPUs that
+/// hang or are reset. Every promise of the ring is checked all the time; afterwards all is mended, and the ring
+/// has to be whole again and fall silent.
 class RandomFaults {
  public:
   explicit RandomFaults(std::uint64_t seed);

@@ -28,6 +28,11 @@ TEST(FaultWords, SayALineAndWhatHappensOnIt) {
   EXPECT_EQ(fault.seed, 4u);
 }
 
+TEST(FaultWords, SayALineAlsoWithoutWhatAShellTakesForItself) {
+  for (const char* text : {"cut hip:knee", "cut hip -> knee", "cut hip->knee", "cut hip : knee"})
+    EXPECT_THAT(from_words(text, kNodes).nodes, ElementsAre(0)) << text;
+}
+
 TEST(FaultWords, SayNodesByNameNumberOrAll) {
   EXPECT_THAT(from_words("kill knee 12", kNodes).nodes, ElementsAre(1, 2));
   EXPECT_THAT(from_words("power_cycle all", kNodes).nodes, ElementsAre(0, 1, 2));
@@ -47,7 +52,8 @@ TEST(FaultWords, AreInTheOrderOfTheirNames) {
 }
 
 TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
-  EXPECT_THAT(refusal_of("dorp hip -> knee"), StartsWith("'dorp' is no fault, did you mean 'drop'?; allowed: cut, heal"));
+  EXPECT_THAT(refusal_of("dorp hip -> knee"),
+              StartsWith("'dorp' is no fault, did you mean 'drop'?; allowed: cut, heal"));
   EXPECT_THAT(refusal_of(""), StartsWith("no fault is named; allowed: cut"));
   EXPECT_THAT(refusal_of("kill nee"), StartsWith("'nee' is no node of the ring, did you mean 'knee'?; allowed: hip"));
   EXPECT_THAT(refusal_of("cut hip -> ankle"), AllOf(HasSubstr("is no line of the ring"), HasSubstr("hip -> knee")));

@@ -1,152 +1,13 @@
-"""Faults on a living ring: each takes effect before it is answered, is listed, is removed, and the ring is
-whole again."""
+"""Faults on living nodes and CPUs: each takes effect before it is answered, is listed, is removed, and the ring
+is whole again."""
 
 import os
 import re
+import signal
 
 import ring_process
-from ring_process import RingTest, free_udp_ports, is_gone, plain_nodes, process_state
-
-QUICK = {'silence': '300ms', 'bypass': '50ms', 'send': '100ms'}
-
-
-class FaultTest(RingTest):
-    def fault(self, *arguments, code=0):
-        done = self.ctl('fault', *arguments)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done.stdout if code == 0 else done.stderr
-
-    def begin(self, *arguments):
-        """Ids of the faults that last."""
-        return [begun['id'] for begun in self.ctl_json('fault', *arguments)]
-
-    def listed(self):
-        return {fault['id']: fault for fault in self.ctl_json('fault', 'list')['faults']}
-
-    def ping(self, source, target, count=20):
-        return self.ctl_json('ping', '--from', source, '--to', target, '--count', count)
-
-    def udp_nodes(self, count):
-        first = free_udp_ports(count)
-        return [dict(node, link={'transport': 'udp', 'port': first + node['id']}) for node in plain_nodes(count)]
-
-
-class Lines(FaultTest):
-    def cut_and_heal(self, nodes):
-        self.start_ring(nodes, timeouts=QUICK)
-        cut = self.begin('cut', 'node1:node2')
-        self.assertEqual(cut, ['node1.1'])
-        attempts = self.row(1)['counters']['output_attempts']
-        self.assertEqual(self.row(1)['output']['state'], 'down')  # at once
-        self.wait('break located by all', lambda: all(
-            (self.row(i)['broken_line'] or {}).get('behind') == 2 for i in range(len(nodes))))
-        row = self.row(2)
-        self.assertEqual((row['state'], row['broken_line']['before']), ('open_chain', 1))
-        text = self.ctl('status').stdout
-        self.assertRegex(text, r'broken line node1 -> node2 since [0-9.]+ s, noticed after [0-9.]+ ms\n')
-        self.assertRegex(text, r'fault on purpose node1\.1: cut node1 -> node2')
-        self.assertEqual(self.row(1)['counters']['output_attempts'], attempts, 'it was bypassed')
-        self.assertIn('cut node1 -> node2', self.fault('list'))
-        self.fault('remove', 'node1.1')
-        self.wait_closed(range(len(nodes)))
-        self.assertEqual(self.listed(), {})
-        self.assertNotIn('broken line', self.ctl('status').stdout)
-        return row['broken_line']['noticed_ms']
-
-    def test_a_cut_unix_line_is_noticed_at_once_located_and_whole_again_when_removed(self):
-        self.cut_and_heal(plain_nodes(4))
-
-    def test_a_cut_udp_line_is_silent_located_and_whole_again_when_removed(self):
-        noticed = self.cut_and_heal(self.udp_nodes(4))
-        self.assertGreaterEqual(noticed, 300, 'the silence counts')
-
-    def test_dropped_packets_are_sent_again_and_the_fault_ends_by_itself(self):
-        self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
-        self.assertEqual(self.begin('drop', 'node0 -> node1', '--packets', 3), ['node0.1'])
-        self.assertEqual(self.ping(0, 2)['delivered'], 20)
-        self.assertEqual(self.counters(0)['line_dropped'], 3)
-        self.assertEqual(self.listed(), {})
-
-    def test_a_noisy_line_is_shown_at_the_input_that_has_it_and_its_seed_is_told(self):
-        self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
-        said = self.fault('corrupt', 'node0:node1', '--once-in', 2, '--packets', 4)
-        self.assertRegex(said, r'^node0\.1: corrupt node0 -> node1 packets=4 once_in=2 seed=[0-9]+\n$')
-        self.wait('four packets hit', lambda: self.ping(0, 2) and not self.listed())
-        self.assertEqual(self.counters(1)['crc_errors'], 4)
-        text = self.ctl('status').stdout
-        self.assertIn('noisy line node0 -> node1: 4 packets came in damaged', text)
-        self.assertEqual(text.count('noisy line'), 1, text)
-
-    def test_truncated_and_doubled_packets_are_neither_lost_nor_taken_twice(self):
-        self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
-        received = self.row(2)['received']
-        self.begin('truncate', 'node0:node1', '--packets', 2)
-        self.begin('duplicate', 'node1:node2', '--packets', 5)
-        self.assertEqual(self.ping(0, 2)['delivered'], 20)
-        self.assertEqual(self.row(2)['received'], received + 20)
-        self.assertEqual((self.counters(0)['line_truncated'], self.counters(1)['line_duplicated']), (2, 5))
-
-    def test_a_late_datagram_is_discarded_and_sent_again(self):
-        self.start_ring(self.udp_nodes(3), timeouts={'send': '100ms'})
-        before = self.counters(1)
-        self.begin('reorder', 'node0:node1', '--packets', 1)
-        self.assertEqual(self.ping(0, 2)['delivered'], 20)
-        after = self.counters(1)
-        for counter in ('input_datagrams_duplicate', 'input_datagrams_lost'):
-            self.assertEqual(after[counter] - before[counter], 1, counter)
-
-    def test_a_unix_line_keeps_order_and_says_so(self):
-        self.start_ring(plain_nodes(2))
-        self.assertIn('needs a UDP line', self.fault('reorder', 'node0:node1', code=1))
-
-    def test_delay_and_rate_make_round_trips_longer_until_removed(self):
-        self.start_ring(plain_nodes(3))
-        delay = self.begin('delay', 'node0:node1', '--delay', '20ms', '--jitter', '5ms')
-        self.assertGreaterEqual(self.ping(0, 2, 5)['round_trip_us']['min'], 20000)
-        self.assertGreaterEqual(self.listed()[delay[0]]['hits'], 5)
-        self.fault('remove', delay[0])
-        rate = self.begin('rate', 'node1:node2', '--rate', '1Mbit/s')
-        self.assertGreaterEqual(self.ping(0, 2, 5)['round_trip_us']['min'], 524 * 8)
-        self.fault('remove', rate[0])
-        self.assertEqual(self.ping(0, 2)['delivered'], 20)
-
-    def test_a_short_stall_loses_nothing_and_a_long_one_is_a_broken_line(self):
-        self.start_ring(plain_nodes(3), timeouts={'silence': '1s', 'bypass': '50ms', 'send': '2s'})
-        self.begin('stall', 'node0:node1', '--for', '200ms')
-        done = self.ping(0, 2, 5)
-        self.assertEqual(done['delivered'], 5)
-        self.assertGreater(self.counters(0)['line_held'], 0)
-        self.assertEqual(self.counters(1)['input_losses'], 0)
-        stall = self.begin('stall', 'node0:node1')
-        self.wait('broken line', lambda: (self.row(1)['broken_line'] or {}).get('before') == 0)
-        self.fault('remove', stall[0])
-        self.wait_closed(range(3))
-
-    def test_a_flapping_line_comes_and_goes(self):
-        self.start_ring(plain_nodes(3), timeouts=QUICK)
-        losses = self.counters(1)['input_losses']
-        self.begin('flap', 'node0:node1', '--every', '200ms')
-        self.wait('three times', lambda: self.counters(1)['input_losses'] >= losses + 3)
-        self.fault('heal', 'node0:node1')
-        self.wait_closed(range(3))
-        self.assertEqual(self.listed(), {})
-
-    def test_a_fault_waits_for_its_time_or_for_packets_of_a_node(self):
-        self.start_ring(plain_nodes(3), timeouts=QUICK)
-        self.begin('cut', 'node1:node2', '--after-packets', 10, '--of', 'node0')
-        self.assertTrue(self.listed()['node1.1']['waits'])
-        self.ping(1, 0)
-        self.assertTrue(self.listed()['node1.1']['waits'], 'packets of another node')
-        self.assertEqual(self.ping(0, 1, 9)['delivered'], 9)
-        self.assertTrue(self.listed()['node1.1']['waits'])
-        self.ctl('send', '--from', 'node0', '--to', 'node1', '--data', 'tenth')
-        self.wait('cut', lambda: self.row(1)['output']['state'] == 'down')
-        self.fault('clear')
-        self.wait_closed(range(3))
-        self.begin('cut', 'node1:node2', '--after', '100ms', '--for', '100ms')
-        self.wait('cut', lambda: self.row(1)['output']['state'] == 'down')
-        self.wait('its end', lambda: not self.listed())
-        self.wait_closed(range(3))
+from fault_process import QUICK, FaultTest
+from ring_process import is_gone, plain_nodes, process_state
 
 
 class Nodes(FaultTest):
@@ -162,6 +23,16 @@ class Nodes(FaultTest):
         self.assertEqual(self.listed(), {})
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
 
+    def test_a_node_started_again_ends_with_the_ring_in_the_foreground(self):
+        up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
+        self.wait_closed(range(3))
+        self.begin('kill', 'node1')
+        self.fault('start', 'node1')
+        pid = self.row(1)['pid']
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+        self.wait('the end of node 1', lambda: is_gone(pid))
+
     def test_a_frozen_node_is_shown_as_frozen_and_goes_on_when_thawed(self):
         daemons = self.start_ring(plain_nodes(4), timeouts=QUICK)
         self.begin('freeze', 'node2')
@@ -174,6 +45,10 @@ class Nodes(FaultTest):
         self.assertNotEqual(process_state(daemons[2].pid), 'T')
         self.wait_closed(range(4))
         self.assertEqual(self.listed(), {})
+        boot = self.row(2)['boot']
+        self.assertEqual(self.fault('freeze', 'node2', '--for', '500ms'), 'done: freeze node2 for=500ms\n')
+        self.wait_closed(range(4))
+        self.wait('bypassed meanwhile', lambda: self.row(2)['boot'] > boot)
 
     def test_a_power_cycle_gives_a_new_boot_number_a_new_cpu_and_the_same_pid(self):
         nodes = plain_nodes(3)
@@ -253,6 +128,9 @@ class Cpus(FaultTest):
         self.assertEqual(process_state(firmware.pid), 'T')
         self.fault('clear')
         self.assertNotEqual(process_state(firmware.pid), 'T')
+        self.begin('hang', 'node1')
+        self.fault('power_cycle', 'node1')
+        self.assertNotEqual(process_state(firmware.pid), 'T', 'nobody else would end it')
 
     def test_a_cpu_that_does_not_read_refuses_and_a_slow_one_takes_its_time(self):
         self.start_ring(plain_nodes(2), limits={'receive_buffers': 2}, timeouts={'refused': '50ms'})

@@ -60,7 +60,7 @@ int run(const Context& context, bool json) {
 void add_status(CLI::App& app, Context& context) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command =
-      add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down', or 'frozen' where it is stopped");
+      add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down', or, stopped, 'frozen'");
   add_json(*command, *json);
   command->callback(
       [&context, json] { context.action = [&context, json] { return run(context, *json); }; });

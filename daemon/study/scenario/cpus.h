@@ -7,8 +7,8 @@
 
 namespace limb_ring::study::scenario {
 
-/// The CPUs of a virtual ring: what runs, hangs, is slow, reads nothing, crashes or boots, and what their network controllers
-/// know of it. A hang is known at once; the daemon waits for the CPU's `alive_period`.
+/// The CPUs of a virtual ring: what runs, hangs, is slow, reads nothing, crashes or boots, and what their network
+/// controllers know of it. A hang is known at once; the daemon waits for the CPU's `alive_period`.
 class Cpus {
  public:
   /// All run. @param ring not yet started; must outlive this
