@@ -27,7 +27,8 @@ TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLife) {
 
 TEST(LoadScenario, LiveRunsHaveMoreTimeWhereTheFileGivesOne) {
   const auto within = [](const std::string& time) {
-    return parse_scenario(four_nodes("steps: [{when: {node: all, is: up}, within: " + time + "}]\n"), "t").steps[0].within;
+    const std::string step = "{when: {node: all, is: up}, within: " + time + "}";
+    return parse_scenario(four_nodes("steps: [" + step + "]\n"), "t").steps[0].within;
   };
   EXPECT_EQ(within("{sim: 200us, live: 2s}").live, std::chrono::seconds(2));
   EXPECT_EQ(within("1s").live, std::chrono::seconds(1) + kLiveGuard);

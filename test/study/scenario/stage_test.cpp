@@ -102,7 +102,8 @@ TEST_F(StageRun, WhatHoldsAlwaysIsLookedAtOnTheWayToAStep) {
 
 TEST_F(StageRun, WhatHoldsNeverIsLookedAtWhileWaiting) {
   robot.dies[2] = 40ms;
-  const ScenarioRun run = play("steps: [{when: {node: node3, is: down}, within: 1s}]\nnever: [{node: node2, is: down}]\n");
+  const ScenarioRun run = play("steps: [{when: {node: node3, is: down}, within: 1s}]\n"
+                               "never: [{node: node2, is: down}]\n");
   ASSERT_TRUE(run.unmet);
   EXPECT_EQ(run.unmet->expected, "never {node: node2, is: down}");
 }
