@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "core/counters.h"
 #include "core/events.h"
@@ -32,6 +33,14 @@ class Membership {
   /// Nodes in the ring, from the HOP of own packets that came home; 0 while none has.
   unsigned ring_size() const { return ring_size_; }
   const Peers& peers() const { return peers_; }
+  struct BrokenLine {
+    NodeId before, behind;
+  };
+  /// As the node behind it, or that node itself, says. Nothing where the ring is whole as far as is known.
+  std::optional<BrokenLine> broken_line() const {
+    if (!break_known_) return std::nullopt;
+    return BrokenLine{break_before_, break_behind_};
+  }
   /// Users may send.
   bool accepts_sends() const {
     return state_ == NodeState::open_chain || settled();

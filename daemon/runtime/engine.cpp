@@ -9,13 +9,16 @@ Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const li
     : listener_(listener),
       controller_(core),
       timer_(io),
+      silence_(input.timing.silence),
       input_(io, input, *this),
-      output_(io, output, *this) {}
+      output_(io, output, *this),
+      faulty_line_(io, clock_, output_) {}
 
 void Engine::close() {
   closed_ = true;
   input_.close();
   output_.close();
+  faulty_line_.close();
   timer_.cancel();
 }
 
@@ -37,6 +40,7 @@ void Engine::on_input_up(std::uint8_t from) {
 
 void Engine::on_input_lost(std::string_view reason) {
   listener_.on_link("input lost: " + std::string(reason));
+  input_lost_at_ = now() - (reason == link::kSilent ? silence_ : core::Duration{0});
   controller_.input_lost(now());
   pump();
 }
@@ -49,6 +53,7 @@ void Engine::on_output_up(std::uint8_t to) {
 
 void Engine::on_output_lost(std::string_view reason) {
   listener_.on_link("output lost: " + std::string(reason));
+  faulty_line_.line_lost();
   controller_.output_lost(now());
   pump();
 }
@@ -88,7 +93,10 @@ void Engine::round() {
 void Engine::write_line() {
   wire::SliceWriter& line = controller_.line();
   if (line.empty()) return;
-  output_.write(line.view());
+  if (faulty_line_.active())
+    faulty_line_.write(line.view(), at_);
+  else
+    output_.write(line.view());
   line.clear();
   controller_.set_output_ready(output_.ready());
 }

@@ -8,6 +8,7 @@
 #include "link/input.h"
 #include "link/output.h"
 #include "runtime/clock.h"
+#include "runtime/faulty_line.h"
 #include "runtime/settings.h"
 
 namespace limb_ring::runtime {
@@ -35,6 +36,10 @@ class Engine final : private link::InputHandler, private link::OutputHandler {
   const core::Controller& controller() const { return controller_; }
   const link::Input& input() const { return input_; }
   const link::Output& output() const { return output_; }
+  FaultyLine& faulty_line() { return faulty_line_; }
+  const FaultyLine& faulty_line() const { return faulty_line_; }
+  /// When the input was last lost, or where it fell silent, when it was last heard.
+  core::Time input_lost_at() const { return input_lost_at_; }
   const Clock& clock() const { return clock_; }
   /// One instant for all that a batch, and what follows from it, sets off: that it came in at.
   core::Time now() const { return in_batch_ || pumping_ ? at_ : clock_.now(); }
@@ -65,12 +70,15 @@ class Engine final : private link::InputHandler, private link::OutputHandler {
   core::Time armed_for_ = core::kNever;
   core::Time deadline_{};
   core::Time at_{};
+  core::Time input_lost_at_{};
+  core::Duration silence_;
   bool in_batch_ = false;
   bool pumping_ = false;
   bool again_ = false;
   bool closed_ = false;
   link::Input input_;
   link::Output output_;
+  FaultyLine faulty_line_;
 };
 
 }  // namespace limb_ring::runtime

@@ -21,7 +21,7 @@ const char* kind_name(wire::SliceKind kind) {
 
 const char* fault_name(Fault fault) {
   constexpr const char* kNames[] = {"killed", "started", "frozen", "thawed", "cut", "healed", "output replaced",
-                                    "slice lost", "slice damaged", "CPU reset", "sends cancelled"};
+                                    "slice lost", "slice damaged", "slice late", "CPU reset", "sends cancelled"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 

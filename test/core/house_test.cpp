@@ -69,7 +69,16 @@ TEST(House, TheTestReadsTheSources) {
 }
 
 TEST(House, WireCoreAndSimUseTheStandardLibraryAlone) {
-  for (const char* part : {"wire", "core", "sim"}) EXPECT_THAT(not_standard(kSource / "daemon" / part), IsEmpty());
+  for (const char* part : {"wire", "core", "fault", "sim"}) EXPECT_THAT(not_standard(kSource / "daemon" / part), IsEmpty());
+}
+
+TEST(House, FaultsAreReadAndWrittenInOneFileAndElseKnowWireAndTimeAlone) {
+  std::vector<std::string> wrong;
+  for (const Include& i : includes_below(kSource / "daemon" / "fault")) {
+    const bool may = i.name == "core/time.h" || part_of(i.name) == "wire" || part_of(i.name) == "fault";
+    if (i.own && !may && i.file != "daemon/fault/parse.cpp") wrong.push_back(i.file + " includes " + i.name);
+  }
+  EXPECT_THAT(wrong, IsEmpty());
 }
 
 TEST(House, CoreHasNoThreadsClocksOrStreams) {
@@ -86,8 +95,9 @@ TEST(House, ArrowsPointOneWay) {
   const std::map<std::string, std::set<std::string>> may{
       {"wire", {"wire"}},
       {"core", {"wire", "core"}},
+      {"fault", {"wire", "core", "config", "fault"}},
       {"sim", {"wire", "core", "sim"}},
-      {"study", {"wire", "core", "sim", "study", "setup", "config", "payload", "limb_ring"}},
+      {"study", {"wire", "core", "fault", "sim", "study", "setup", "config", "payload", "limb_ring"}},
       {"setup", {"core", "config", "setup"}},
       {"config", {"wire", "config", "limb_ring"}},
       {"payload", {"wire", "payload", "limb_ring"}},
@@ -95,7 +105,8 @@ TEST(House, ArrowsPointOneWay) {
       {"link", {"wire", "link"}},
       {"host", {"wire", "client", "host", "limb_ring"}},
       {"firmware", {"wire", "payload", "config", "client", "firmware", "limb_ring"}},
-      {"runtime", {"wire", "core", "link", "config", "setup", "host", "client", "payload", "runtime", "limb_ring"}},
+      {"runtime", {"wire", "core", "fault", "link", "config", "setup", "host", "client", "payload", "runtime", "limb_ring"}},
+      {"inject", {"fault", "wire", "inject", "runtime", "limb_ring"}},
   };
   for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;
 }

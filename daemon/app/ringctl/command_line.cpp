@@ -36,6 +36,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_ping(app, context);
   add_observe(app, context);
   add_bench(app, context);
+  add_fault(app, context);
   add_scenario(app, context);
 }
 

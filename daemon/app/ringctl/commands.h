@@ -17,6 +17,8 @@ void add_reset(CLI::App& app, Context& context);
 void add_ping(CLI::App& app, Context& context);
 void add_observe(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
+void add_fault(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
+void add_scenario_list(CLI::App& scenario, Context& context);  ///< below `scenario`
 
 }  // namespace limb_ring::ringctl
