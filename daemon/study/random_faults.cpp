@@ -85,7 +85,7 @@ void RandomFaults::pass(NodeId id, const wire::Slice& slice, wire::SliceWriter& 
   if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, slice, arriving);
   std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
   std::copy(slice.bytes.begin(), slice.bytes.end(), bytes.begin());
-  bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1u << random(8));
+  bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1 + random(255));
   lines_->pass(id, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
 }
 
