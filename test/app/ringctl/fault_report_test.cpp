@@ -68,6 +68,13 @@ TEST(LineReport, NamesTheNoisyLineAndNotThoseThatDamagedPacketsPassLater) {
   EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 6 packets came in damaged\n");
 }
 
+TEST(LineReport, TakesAFewThatAreUnderWayForNoNoiseOfTheNextLine) {
+  std::vector<json> rows = three_nodes();
+  rows[1]["counters"] = {{"crc_errors", 47}, {"returns_damaged", 1}};
+  rows[2]["counters"] = {{"crc_errors", 48}, {"returns_damaged", 48}};
+  EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 47 packets came in damaged\n");
+}
+
 TEST(LineReport, TellsFaultsOnPurpose) {
   std::vector<json> rows = three_nodes();
   rows[2]["faults"].push_back({{"id", 4}, {"fault", "stall node2 -> node0"}});
