@@ -140,7 +140,8 @@ void Node::handle(const core::PinPulled& pin) {
 }
 
 void Node::handle(const core::StateChanged& change) {
-  if (change.after == core::NodeState::open_chain) broken_since_ = engine_.now();
+  if (change.after == core::NodeState::open_chain || change.after == core::NodeState::folded)
+    broken_since_ = engine_.now();
   const auto& membership = engine_.controller().membership();
   spdlog::info("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size());
   observers_.tell("state", {{"before", to_string(change.before)},

@@ -60,6 +60,13 @@ json broken_line_json(Node& node) {
   return broken;
 }
 
+json fold_json(const SecondLine& second) {
+  return {{"input", second.fold().takes_second()},
+          {"output", second.fold().turned_back()},
+          {"second_input", second.input().up() ? "up" : "down"},
+          {"second_output", second.output().up() ? "up" : "down"}};
+}
+
 json heard_json(Node& node) {
   json heard = json::array();
   const core::Peers& peers = node.engine().controller().membership().peers();
@@ -124,6 +131,7 @@ json status_row(Node& node) {
            {"faults", node.faults().list()},
            {"counters", counters_json(node)},
            {"heard", heard_json(node)}};
+  if (engine.second_line()) row["fold"] = fold_json(*engine.second_line());
   if (node.supervisor()) row["supervisor"] = supervisor_json(node);
   return row;
 }
