@@ -104,6 +104,12 @@ bool Session::put_observed(const Observed& observed) {
   return true;
 }
 
+bool Session::put_captured(const client::CapturedView& packet) {
+  if (queued() + packet.packet.bytes.size > kMaxQueuedForCaptured) return false;
+  put(packet);
+  return true;
+}
+
 void Session::tell_observed_lost() {
   const std::uint64_t lost = std::exchange(observed_lost_, 0);
   if (lost > 0) put(ObservedLost{lost});

@@ -36,6 +36,9 @@ class Session : public std::enable_shared_from_this<Session> {
   static constexpr std::size_t kMaxQueued = 4 * 1024 * 1024;
   /// An Observed is left out where more than this is waiting.
   static constexpr std::size_t kMaxQueuedForObserved = 256 * 1024;
+  /// A captured packet is left out where it would be more than this: 25 ms of a ring at its
+  /// busiest, since an observer that is scheduled late must not lose for that alone.
+  static constexpr std::size_t kMaxQueuedForCaptured = 1024 * 1024;
   static constexpr std::chrono::seconds kGreetingDeadline{2};
 
   Session(Socket socket, ClientInfo info, SessionOwner& owner);
@@ -54,6 +57,7 @@ class Session : public std::enable_shared_from_this<Session> {
   }
   /// @return false where it was left out
   bool put_observed(const Observed& observed);
+  bool put_captured(const client::CapturedView& packet);
 
   bool open() const { return owner_ != nullptr; }
   bool attached() const { return attached_; }

@@ -22,12 +22,16 @@ void Engine::close() {
 void Engine::on_slice(const wire::Slice& slice) {
   if (!in_batch_) at_ = clock_.now();
   in_batch_ = true;
+  if (tap_ != nullptr) tap_->on_input(slice, input_.from().value_or(wire::kBroadcast), clock_.steady(at_));
   controller_.receive(slice, at_);
 }
 
 void Engine::on_batch_end() { pump(); }
 
-void Engine::on_input_gap(std::uint32_t) { controller_.input_gap(now()); }
+void Engine::on_input_gap(std::uint32_t) {
+  if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
+  controller_.input_gap(now());
+}
 
 void Engine::on_input_up(std::uint8_t from) {
   listener_.on_link("input from node " + std::to_string(from));
@@ -37,6 +41,7 @@ void Engine::on_input_up(std::uint8_t from) {
 
 void Engine::on_input_lost(std::string_view reason) {
   listener_.on_link("input lost: " + std::string(reason));
+  if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
   controller_.input_lost(now());
   pump();
 }
@@ -49,6 +54,7 @@ void Engine::on_output_up(std::uint8_t to) {
 
 void Engine::on_output_lost(std::string_view reason) {
   listener_.on_link("output lost: " + std::string(reason));
+  if (tap_ != nullptr) tap_->on_output_gap(clock_.steady(now()));
   controller_.output_lost(now());
   pump();
 }
@@ -88,6 +94,7 @@ void Engine::round() {
 void Engine::write_line() {
   wire::SliceWriter& line = controller_.line();
   if (line.empty()) return;
+  if (tap_ != nullptr && output_.up()) tap_->on_output(line.view(), output_.to(), clock_.steady(at_));
   output_.write(line.view());
   line.clear();
   controller_.set_output_ready(output_.ready());

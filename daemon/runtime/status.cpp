@@ -38,6 +38,7 @@ json counters_json(Node& node) {
   all["host_garbage"] = h.garbage + h.never_greeted;
   all["host_slow_clients"] = h.slow_clients;
   all["host_observed_lost"] = h.observed_lost;
+  all["host_captured_lost"] = h.captured_lost;
   all["host_interrupts_lost"] = h.interrupts_lost;
   return all;
 }
