@@ -45,6 +45,11 @@ void Controller::output_lost(Time now) {
   membership_.output_lost(now);
 }
 
+void Controller::output_replaced(Time now) {
+  packet_manager_.output_lost();
+  packet_manager_.output_up(now);
+}
+
 void Controller::receive(const wire::Slice& slice, Time now) {
   // The usual case: it has passed straight to the line, and nothing else has changed.
   if (slice.kind == SliceKind::whole && on_whole(slice.bytes, now)) return;
@@ -60,7 +65,8 @@ void Controller::receive(const wire::Slice& slice, Time now) {
       else
         ++counters_.stray_slices;
       break;
-    case SliceKind::idle: break;
+    case SliceKind::idle:
+    case SliceKind::fold: break;
   }
   membership_.settle(now);
   // Where the line takes time, everything that comes in at one instant competes for it (run());

@@ -35,6 +35,12 @@ class Controller {
   void input_gap(Time now);
   void output_up(NodeId to, Time now);
   void output_lost(Time now);
+  /// The output goes on over another line to the same node: what waited for the old one is dropped. (ours)
+  void output_replaced(Time now);
+  /// The second line stands for the input, for the output: beacons say so. (ours, fold_back.h)
+  void set_folded(bool input, bool output, Time now) { membership_.set_folded(input, output, now); }
+  /// Another DATP of the largest size could come in.
+  bool has_room() const { return packet_manager_.has_room(); }
   void set_output_ready(bool ready) { packet_manager_.set_ready(ready); }
   /// One slice from upstream.
   void receive(const wire::Slice& slice, Time now);
@@ -75,6 +81,7 @@ class Controller {
 
   const Settings& settings() const { return settings_; }
   const Counters& counters() const { return counters_; }
+  Counters& counters() { return counters_; }
   const Membership& membership() const { return membership_; }
   std::size_t received_waiting() const { return receive_.waiting(); }
   std::size_t received_waiting(std::uint8_t priority) const { return receive_.waiting(priority); }

@@ -11,7 +11,8 @@ constexpr std::uint32_t kBeaconToken = 2;
 /// former life come past once, a living double keeps talking.
 constexpr unsigned kDoubledSigns = 3;
 
-wire::LinkState link_state(bool up, bool lost) {
+wire::LinkState link_state(bool up, bool lost, bool folded) {
+  if (up && folded) return wire::LinkState::folded;
   return up ? wire::LinkState::up : lost ? wire::LinkState::silent : wire::LinkState::down;
 }
 
@@ -126,7 +127,7 @@ void Membership::joined(Time now) {
   receive_.set_joining(false);
   pins_.joined();
   transmit_.set_gate(Gate::open);
-  if (state_ != NodeState::open_chain) enter(ring_size_ == 1 ? NodeState::alone : NodeState::up, now);
+  if (state_ != NodeState::open_chain) enter(settled_state(), now);
   change(now);
 }
 
@@ -156,8 +157,7 @@ void Membership::control_ended(Time now) {
 }
 
 void Membership::renumber_when_settled(Time now) {
-  const bool settled = state_ == NodeState::up || state_ == NodeState::alone;
-  if (settled && !hello_out_) renumber(now);
+  if (settled() && !hello_out_) renumber(now);
 }
 
 // ---- what comes home ----------------------------------------------------------------------
@@ -168,8 +168,7 @@ void Membership::came_home(std::uint8_t hop, Time now) {
   doubled_signs_ = 0;
   ring_size_ = hop + 1u;
   if (state_ == NodeState::doubled_id) enter(NodeState::joining, now);
-  if (state_ == NodeState::up && ring_size_ == 1) enter(NodeState::alone, now);
-  if (state_ == NodeState::alone && ring_size_ > 1) enter(NodeState::up, now);
+  if (settled()) enter(settled_state(), now);
 }
 
 void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time now) {
@@ -223,6 +222,8 @@ void Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beac
   if (peers_[source].known && peers_[source].boot != beacon.boot) new_life(source, now);
   if (peers_.heard_beacon(source, packet.hop(), beacon, now)) events_.put(now, PeerChanged{source});
   if (beacon.break_known && beacon.break_behind == source) hear_break(beacon, now);
+  if (!beacon.break_known && break_behind_ == source && state_ != NodeState::open_chain) break_known_ = false;
+  look_for_folds(now);
 }
 
 // It has forgotten us as we forget it.
@@ -250,9 +251,9 @@ wire::Beacon Membership::beacon(Time now) const {
   b.cpu_comes_back = cpu_.comes_back;
   const auto silent = std::chrono::duration_cast<std::chrono::milliseconds>(now - cpu_.spoke_at).count();
   b.cpu_silent_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(silent, 0, UINT32_MAX));
-  b.input = link_state(input_ == Link::up, input_ == Link::lost);
+  b.input = link_state(input_ == Link::up, input_ == Link::lost, input_folded_);
   b.input_from = input_from_;
-  b.output = link_state(output_ == Link::up, output_ == Link::lost);
+  b.output = link_state(output_ == Link::up, output_ == Link::lost, output_folded_);
   b.output_to = output_to_;
   b.break_known = break_known_;
   b.break_before = break_before_;
@@ -287,6 +288,7 @@ void Membership::act_on_time(Time now) {
   if (beacon_due_ <= now) {
     beacon_due_ = now + settings_.beacon;
     change(now);
+    look_for_folds(now);
   }
 }
 

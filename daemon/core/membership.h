@@ -34,7 +34,7 @@ class Membership {
   const Peers& peers() const { return peers_; }
   /// Users may send.
   bool accepts_sends() const {
-    return state_ == NodeState::up || state_ == NodeState::alone || state_ == NodeState::open_chain;
+    return state_ == NodeState::open_chain || settled();
   }
 
   void input_up(NodeId from, Time now);
@@ -42,6 +42,8 @@ class Membership {
   void output_up(NodeId to, Time now);
   void output_lost(Time now);
   void set_cpu(const CpuReport& report, Time now);
+  /// The second line stands for the input, for the output (fold_back.h).
+  void set_folded(bool input, bool output, Time now);
 
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);
@@ -62,6 +64,11 @@ class Membership {
 
  private:
   enum class Link : std::uint8_t { never, up, lost };
+  /// In a closed ring.
+  bool settled() const {
+    return state_ == NodeState::up || state_ == NodeState::alone || state_ == NodeState::folded;
+  }
+  NodeState settled_state() const;
 
   void act_on_time(Time now);
   void enter(NodeState state, Time now);
@@ -86,12 +93,16 @@ class Membership {
   void change(Time now);
   wire::Beacon beacon(Time now) const;
 
+  bool own_break() const { return break_known_ && break_behind_ == settings_.id; }
   void watch_for_break(Time now);
   void own_input_broken(Time now);
   void hear_break(const wire::Beacon& beacon, Time now);
   void enter_open_chain(Time now);
   void leave_open_chain(Time now);
   void own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now);
+
+  void look_for_folds(Time now);
+  bool says_folded(const Peer& peer, Time now) const;
 
   const Settings& settings_;
   Transmit& transmit_;
@@ -122,6 +133,9 @@ class Membership {
   bool break_known_ = false;
   NodeId break_before_ = 0;
   NodeId break_behind_ = 0;
+  bool input_folded_ = false;
+  bool output_folded_ = false;
+  bool folded_ = false;           ///< somewhere in the ring
   unsigned doubled_signs_ = 0;    ///< since an own packet last came home
 };
 

@@ -7,7 +7,7 @@ namespace limb_ring::core {
 
 // An input that stays lost while the output leads on is a broken line, not a node left aside.
 void Membership::watch_for_break(Time now) {
-  const bool lost = input_ == Link::lost && output_ == Link::up;
+  const bool lost = (input_ == Link::lost || input_folded_) && output_ == Link::up && !(input_folded_ && own_break());
   if (lost && break_due_ == kNever) break_due_ = now + settings_.break_grace;
 }
 
@@ -17,16 +17,17 @@ void Membership::own_input_broken(Time now) {
   break_known_ = true;
   break_before_ = input_from_;
   break_behind_ = settings_.id;
-  enter_open_chain(now);
+  if (!input_folded_) return enter_open_chain(now);
+  change(now);
 }
 
 // Only the node behind a break is believed: echoes of its word would outlive the break.
 void Membership::hear_break(const wire::Beacon& beacon, Time now) {
-  if (break_known_ && break_behind_ == settings_.id) return;
+  if (own_break()) return;
   break_known_ = true;
   break_before_ = beacon.break_before;
   break_behind_ = beacon.break_behind;
-  enter_open_chain(now);
+  if (beacon.input != wire::LinkState::folded) enter_open_chain(now);
 }
 
 // A node that has not joined says its hello first, also into an open chain. The chain's last node,
@@ -47,10 +48,43 @@ void Membership::enter_open_chain(Time now) {
 void Membership::leave_open_chain(Time now) {
   drained_at_ = kNever;
   if (broken(Mutation::never_heals)) return;
-  break_known_ = false;
+  break_known_ = input_folded_;
   transmit_.set_open_chain(false, now);
   renumber(now);
-  enter(ring_size_ == 1 ? NodeState::alone : NodeState::up, now);
+  enter(settled_state(), now);
+}
+
+// ---- fold-back ------------------------------------------------------------------------------
+
+// A fold closes the ring again: nothing ends unconfirmed. The broken line is told all the same.
+void Membership::set_folded(bool input, bool output, Time now) {
+  if (input == input_folded_ && output == output_folded_) return;
+  if (input_folded_ && !input && own_break()) break_known_ = false;
+  if (input_folded_ && !input) break_due_ = kNever;
+  input_folded_ = input;
+  output_folded_ = output;
+  watch_for_break(now);
+  look_for_folds(now);
+  if (accepts_sends()) change(now);
+}
+
+NodeState Membership::settled_state() const {
+  if (ring_size_ == 1) return NodeState::alone;
+  return folded_ ? NodeState::folded : NodeState::up;
+}
+
+bool Membership::says_folded(const Peer& peer, Time now) const {
+  constexpr int kMissed = 5;  // beacons: it is gone, or beyond a second break
+  if (!peer.beacon_heard || now - peer.heard_at > kMissed * settings_.beacon) return false;
+  return peer.beacon.input == wire::LinkState::folded || peer.beacon.output == wire::LinkState::folded;
+}
+
+void Membership::look_for_folds(Time now) {
+  if (!settings_.fold_back) return;
+  folded_ = input_folded_ || output_folded_;
+  for (const NodeId node : settings_.order) folded_ = folded_ || says_folded(peers_[node], now);
+  if (!folded_ && state_ != NodeState::open_chain) break_known_ = break_known_ && own_break();
+  if (settled()) enter(settled_state(), now);
 }
 
 }  // namespace limb_ring::core

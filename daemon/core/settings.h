@@ -49,6 +49,8 @@ struct Settings {
   /// INTPs cut into a DATP on its way out (paper); false only to show what that is worth.
   bool embed_interrupts = true;
 
+  bool fold_back = false;  ///< there is a second, counter-rotating line (ours)
+
   std::array<bool, 8> wired{};  ///< pins wired to something
   std::array<std::optional<InterruptInput>, 8> inputs{};
 
@@ -63,8 +65,10 @@ struct Settings {
   Duration open_chain_interrupt_pace() const {
     return std::max(nodes() * (byte_time_out * static_cast<int>(2 * wire::kOverhead) + relay_delay), unconfirmed_pace);
   }
-  /// Time-out of one try: two laps, and never less than send_timeout_least. (ours)
-  Duration send_timeout() const { return std::max(send_timeout_least, 2 * worst_lap()); }
+  /// Time-out of one try: two laps, and never less than send_timeout_least. Where the ring may be folded,
+  /// a lap has the second line's delays too: a packet may have left before the fold. (ours)
+  Duration send_timeout() const { return std::max(send_timeout_least, 2 * (worst_lap() + second_line_lap())); }
+  Duration second_line_lap() const { return fold_back ? nodes() * relay_delay : Duration{0}; }
 };
 
 }  // namespace limb_ring::core

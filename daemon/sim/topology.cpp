@@ -20,54 +20,92 @@ int VirtualRing::previous_alive(NodeId id) const {
   return -1;
 }
 
-void VirtualRing::disconnect_output(NodeId id) {
-  Node& from = nodes_[id];
-  if (from.successor < 0) return;
-  Node& to = nodes_[from.successor];
-  ++from.line_epoch;
-  if (from.alive) from.controller->output_lost(now_);
-  tell_fault(id, Fault::output_replaced);
-  if (to.alive && to.predecessor == id) {
-    to.controller->input_lost(now_);
-    to.predecessor = -1;
-    touch(static_cast<NodeId>(from.successor));
-  }
-  from.successor = -1;
+// ---- what a node is told of its lines -----------------------------------------------------
+
+void VirtualRing::input_up(NodeId id, NodeId from, Way way) {
+  Node& n = nodes_[id];
   touch(id);
+  if (way == Way::second) return n.fold->second_input_up(now_);
+  n.fold ? n.fold->input_up(from, now_) : n.controller->input_up(from, now_);
 }
 
-void VirtualRing::connect(NodeId id) {
-  Node& from = nodes_[id];
-  const int next = next_alive(id);
-  if (!from.alive || from.wire_cut || next < 0 || next == from.successor) return;
-  disconnect_output(id);
-  Node& to = nodes_[next];
-  if (to.predecessor >= 0 && to.predecessor != id) disconnect_output(static_cast<NodeId>(to.predecessor));
-  from.successor = next;
-  to.predecessor = id;
-  to.controller->input_up(id, now_);
-  from.controller->output_up(static_cast<NodeId>(next), now_);
+void VirtualRing::input_lost(NodeId id, Way way) {
+  Node& n = nodes_[id];
   touch(id);
-  touch(static_cast<NodeId>(next));
+  if (way == Way::second) return n.fold->second_input_lost(now_);
+  n.fold ? n.fold->input_lost(now_) : n.controller->input_lost(now_);
+}
+
+void VirtualRing::output_up(NodeId id, NodeId to, Way way) {
+  Node& n = nodes_[id];
+  touch(id);
+  if (way == Way::second) return n.fold->second_output_up(now_);
+  n.fold ? n.fold->output_up(to, now_) : n.controller->output_up(to, now_);
+}
+
+void VirtualRing::output_lost(NodeId id, Way way) {
+  Node& n = nodes_[id];
+  touch(id);
+  if (way == Way::second) return n.fold->second_output_lost(now_);
+  n.fold ? n.fold->output_lost(now_) : n.controller->output_lost(now_);
+}
+
+// ---- who is next to whom ------------------------------------------------------------------
+
+void VirtualRing::disconnect_output(NodeId id, Way way) {
+  Line& out = line(id, way);
+  if (out.successor < 0) return;
+  const auto to = static_cast<NodeId>(out.successor);
+  ++out.epoch;
+  if (alive(id)) output_lost(id, way);
+  tell_fault(id, Fault::output_replaced);
+  if (alive(to) && line(to, way).predecessor == id) {
+    input_lost(to, way);
+    line(to, way).predecessor = -1;
+  }
+  out.successor = -1;
+}
+
+void VirtualRing::connect(NodeId id, Way way) {
+  Line& out = line(id, way);
+  const int next = this->next(id, way);
+  if (!alive(id) || out.cut || next < 0 || next == out.successor) return;
+  disconnect_output(id, way);
+  const auto to = static_cast<NodeId>(next);
+  const int former = line(to, way).predecessor;
+  if (former >= 0 && former != id) disconnect_output(static_cast<NodeId>(former), way);
+  out.successor = next;
+  line(to, way).predecessor = id;
+  input_up(to, id, way);
+  output_up(id, to, way);
 }
 
 // The neighbours close the ring without this node.
 void VirtualRing::leave(NodeId id) {
-  const int before = previous_alive(id);
-  if (before >= 0 && before != id) disconnect_output(static_cast<NodeId>(before));
-  disconnect_output(id);
+  std::array<int, 2> before{-1, -1};
+  each_way([&](Way way) {
+    int& b = before[static_cast<std::size_t>(way)];
+    b = this->before(id, way);
+    if (b >= 0 && b != id) disconnect_output(static_cast<NodeId>(b), way);
+    disconnect_output(id, way);
+    line(id, way).predecessor = -1;
+  });
   wakes_.set(id, kNever);
   nodes_[id].alive = false;
-  nodes_[id].predecessor = -1;
-  if (before >= 0 && before != id) connect(static_cast<NodeId>(before));
+  each_way([&](Way way) {
+    const int b = before[static_cast<std::size_t>(way)];
+    if (b >= 0 && b != id) connect(static_cast<NodeId>(b), way);
+  });
 }
 
 // The neighbours close the ring with this node in it.
 void VirtualRing::enter(NodeId id) {
   nodes_[id].alive = true;
-  const int before = previous_alive(id);
-  if (before != id) connect(static_cast<NodeId>(before));
-  connect(id);
+  each_way([&](Way way) {
+    const int before = this->before(id, way);
+    if (before != id) connect(static_cast<NodeId>(before), way);
+    connect(id, way);
+  });
 }
 
 void VirtualRing::tell_fault(NodeId id, Fault fault) {
@@ -84,7 +122,7 @@ void VirtualRing::start(NodeId id) {
   if (alive(id)) return;
   Node& n = nodes_[id];
   ++n.lives;
-  n.controller = std::make_unique<Controller>(settings_of(id));
+  make_node(id);
   n.controller->set_cpu_present(true);
   tell_fault(id, Fault::started);
   enter(id);
@@ -99,31 +137,49 @@ void VirtualRing::freeze(NodeId id) {
 void VirtualRing::thaw(NodeId id) {
   if (alive(id)) return;
   tell_fault(id, Fault::thawed);
-  node(id).input_lost(now_);
-  node(id).output_lost(now_);
+  each_way([&](Way way) {
+    input_lost(id, way);
+    output_lost(id, way);
+  });
   enter(id);
 }
 
-void VirtualRing::cut(NodeId id) {
-  Node& from = nodes_[id];
-  if (from.wire_cut) return;
+void VirtualRing::cut_wire(NodeId id, Way way) {
+  Line& out = line(id, way);
+  if (out.cut) return;
   tell_fault(id, Fault::cut);
-  from.wire_cut = true;
-  ++from.line_epoch;  // what is under way is gone
-  if (from.successor < 0) return;
-  nodes_[from.successor].controller->input_lost(now_);
-  touch(static_cast<NodeId>(from.successor));
+  out.cut = true;
+  ++out.epoch;  // what is under way is gone
+  if (out.successor >= 0) input_lost(static_cast<NodeId>(out.successor), way);
 }
 
-void VirtualRing::heal(NodeId id) {
-  Node& from = nodes_[id];
-  if (!from.wire_cut) return;
+void VirtualRing::heal_wire(NodeId id, Way way) {
+  Line& out = line(id, way);
+  if (!out.cut) return;
   tell_fault(id, Fault::healed);
-  from.wire_cut = false;
-  ++from.line_epoch;
-  if (from.successor < 0 || from.successor != next_alive(id)) return connect(id);
-  nodes_[from.successor].controller->input_up(id, now_);
-  touch(static_cast<NodeId>(from.successor));
+  out.cut = false;
+  ++out.epoch;
+  if (out.successor < 0 || out.successor != next(id, way)) return connect(id, way);
+  input_up(static_cast<NodeId>(out.successor), id, way);
+}
+
+void VirtualRing::cut(NodeId id) { cut_wire(id, Way::first); }
+void VirtualRing::heal(NodeId id) { heal_wire(id, Way::first); }
+
+void VirtualRing::cut_second(NodeId id) { cut_wire(static_cast<NodeId>((id + 1) % size()), Way::second); }
+void VirtualRing::heal_second(NodeId id) { heal_wire(static_cast<NodeId>((id + 1) % size()), Way::second); }
+
+void VirtualRing::cut_cable(NodeId id) {
+  const auto after = static_cast<NodeId>((id + 1) % size());
+  cut(id);
+  cut_second(id);
+  if (line(id).successor == after && alive(id)) disconnect_output(id, Way::first);
+  if (line(after, Way::second).successor == id && alive(after)) disconnect_output(after, Way::second);
+}
+
+void VirtualRing::heal_cable(NodeId id) {
+  heal(id);
+  heal_second(id);
 }
 
 }  // namespace limb_ring::sim

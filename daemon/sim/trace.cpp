@@ -14,6 +14,7 @@ const char* kind_name(wire::SliceKind kind) {
     case wire::SliceKind::interrupt: return "INTP";
     case wire::SliceKind::abort: return "abort";
     case wire::SliceKind::idle: return "idle";
+    case wire::SliceKind::fold: return "fold";
   }
   return "";
 }

@@ -11,15 +11,24 @@ using wire::SliceWriter;
 VirtualRing::VirtualRing(const VirtualRingOptions& options)
     : cpu_reads(options.nodes, true), options_(options), nodes_(options.nodes), wakes_(options.nodes) {
   for (unsigned id = 0; id < options.nodes; ++id) {
-    nodes_[id].controller = std::make_unique<Controller>(settings_of(static_cast<NodeId>(id)));
+    make_node(static_cast<NodeId>(id));
     nodes_[id].lane = lane_of(nodes_[id].controller->settings().relay_delay);
     nodes_[id].alive = options.start;
   }
   if (!options.start) return;
   for (unsigned id = 0; id < options.nodes; ++id) {
     node(static_cast<NodeId>(id)).set_cpu_present(true);
-    connect(static_cast<NodeId>(id));
+    each_way([&](Way way) { connect(static_cast<NodeId>(id), way); });
   }
+}
+
+void VirtualRing::make_node(NodeId id) {
+  Node& n = nodes_[id];
+  n.fold.reset();
+  n.controller = std::make_unique<Controller>(settings_of(id));
+  if (!n.controller->settings().fold_back) return;
+  n.gate = std::make_unique<Gate>(*this, id);
+  n.fold = std::make_unique<core::FoldBack>(*n.controller, *n.gate, now_);
 }
 
 core::Settings VirtualRing::settings_of(NodeId id) const {
@@ -138,21 +147,31 @@ void VirtualRing::act() {
 
 void VirtualRing::deliver(const Lane::Arrival& arrival) {
   Node& to = nodes_[arrival.to];
-  if (!to.alive || nodes_[arrival.from].line_epoch != arrival.epoch) return;
+  const Way way = arrival.second ? Way::second : Way::first;
+  if (!to.alive || line(arrival.from, way).epoch != arrival.epoch) return;
   wire::ByteView rest = arrival.slices.view();
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
-    for (Witness* witness : witnesses_) witness->arrives(arrival.to, parse.slice, now_);
-    to.controller->receive(parse.slice, now_);
-    for (Witness* witness : witnesses_) witness->has_arrived(arrival.to, parse.slice, now_);
+    if (!to.fold)
+      hand_in(arrival.to, parse.slice, now_);
+    else if (way == Way::first)
+      to.fold->receive(parse.slice, now_);
+    else
+      to.fold->receive_second(parse.slice, now_);
     rest = rest.from(parse.consumed);
   }
   // Where the line takes time, most of what comes in has to wait for its turn: then there is nothing
   // to be done but to say when.
-  if (to.controller->settings().byte_time_in.count() == 0) return touch(arrival.to);
+  if (to.fold || to.controller->settings().byte_time_in.count() == 0) return touch(arrival.to);
   const Time deadline = to.controller->next_deadline(now_);
   if (deadline <= now_) return touch(arrival.to);
   wakes_.set(arrival.to, deadline);
+}
+
+void VirtualRing::hand_in(NodeId id, const Slice& slice, Time now) {
+  for (Witness* witness : witnesses_) witness->arrives(id, slice, now);
+  nodes_[id].controller->receive(slice, now);
+  for (Witness* witness : witnesses_) witness->has_arrived(id, slice, now);
 }
 
 void VirtualRing::settle_touched() {
@@ -164,39 +183,56 @@ void VirtualRing::settle_touched() {
 
 void VirtualRing::settle(NodeId id) {
   Controller& controller = *nodes_[id].controller;
+  core::FoldBack* fold = nodes_[id].fold.get();
   controller.handle_timeout(now_);
+  if (fold) fold->handle_timeout(now_);
   controller.run(now_);
   carry_line(id);
   if (controller.has_output(now_)) give_out(id);
-  const Time deadline = controller.next_deadline(now_);
+  Time deadline = controller.next_deadline(now_);
+  if (fold) deadline = std::min(deadline, fold->deadline());
   wakes_.set(id, deadline == kNever ? kNever : std::max(deadline, now_));
 }
 
 void VirtualRing::carry_line(NodeId id) {
   Node& from = nodes_[id];
-  SliceWriter* line = &from.controller->line();
-  if (line->empty()) return;
-  if (from.tap || !witnesses_.empty()) {
-    pass_through_tap(id, *line);
-    line->clear();
-    line = &tapped_;
+  if (!from.controller->line().empty()) tell_leaving(id, from.controller->line().view());
+  if (!from.fold) return put_on_line(id, Way::first, from.controller->line());
+  from.fold->carry(now_);
+  put_on_line(id, Way::first, from.fold->line());
+  put_on_line(id, Way::second, from.fold->second_line());
+}
+
+void VirtualRing::put_on_line(NodeId id, Way way, SliceWriter& slices) {
+  if (slices.empty()) return;
+  SliceWriter* arriving = &slices;
+  if (way == Way::first && nodes_[id].tap) {
+    pass_through_tap(id, slices);
+    slices.clear();
+    arriving = &tapped_;
   }
-  if (line->empty() || from.wire_cut || from.successor < 0) return line->clear();
-  const auto to = static_cast<NodeId>(from.successor);
-  lanes_[nodes_[to].lane].put(now_, id, to, from.line_epoch, *line);
+  const Line& out = line(id, way);
+  if (arriving->empty() || out.cut || out.successor < 0) return arriving->clear();
+  const auto to = static_cast<NodeId>(out.successor);
+  lanes_[nodes_[to].lane].put(now_, id, to, out.epoch, way == Way::second, *arriving);
+}
+
+void VirtualRing::tell_leaving(NodeId id, wire::ByteView rest) {
+  if (witnesses_.empty()) return;
+  while (!rest.empty()) {
+    const wire::SliceParse parse = wire::parse_slice(rest);
+    for (Witness* witness : witnesses_) witness->leaves(id, parse.slice, now_);
+    rest = rest.from(parse.consumed);
+  }
 }
 
 void VirtualRing::pass_through_tap(NodeId id, SliceWriter& line) {
   wire::ByteView rest = line.view();
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
-    for (Witness* witness : witnesses_) witness->leaves(id, parse.slice, now_);
     const std::size_t before = tapped_.view().size;
-    if (nodes_[id].tap)
-      nodes_[id].tap(parse.slice, now_, tapped_);
-    else
-      tapped_.put(parse.slice.kind, parse.slice.bytes);
-    if (nodes_[id].tap && !witnesses_.empty()) tell_tapped(id, parse.slice, before);
+    nodes_[id].tap(parse.slice, now_, tapped_);
+    if (!witnesses_.empty()) tell_tapped(id, parse.slice, before);
     rest = rest.from(parse.consumed);
   }
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/controller.h"
+#include "core/fold_back.h"
 #include "sim/lane.h"
 #include "sim/node_set.h"
 #include "sim/wake_times.h"
@@ -87,6 +88,12 @@ class VirtualRing {
   /// before it does not.
   void cut(NodeId id);
   void heal(NodeId id);
+  /// Where the rings fold back: the second line's wire, from the node after `id` to `id`; and the cable
+  /// between the two, which is both wires, and of which both ends learn at once.
+  void cut_second(NodeId id);
+  void heal_second(NodeId id);
+  void cut_cable(NodeId id);
+  void heal_cable(NodeId id);
 
   /// Sees every slice that leaves node `id` and may change what arrives: put what shall arrive
   /// into `arriving` (empty: lost).
@@ -104,13 +111,27 @@ class VirtualRing {
   std::vector<bool> cpu_reads;
 
  private:
-  struct Node {
-    std::unique_ptr<Controller> controller;
-    bool alive = false;
-    bool wire_cut = false;       ///< the line out of it
+  enum class Way : std::uint8_t { first, second };  ///< the second line runs against the first
+  /// The line out of a node, and who sends into it.
+  struct Line {
+    bool cut = false;
     int successor = -1;
     int predecessor = -1;
-    std::uint64_t line_epoch = 0;  ///< bytes under way on a line that was replaced are lost
+    std::uint64_t epoch = 0;     ///< bytes under way on a line that was replaced are lost
+  };
+  /// Hands on what a node's fold lets in.
+  struct Gate final : core::FoldBack::Receiver {
+    Gate(VirtualRing& in, NodeId at) : ring(in), node(at) {}
+    void take(const wire::Slice& slice, Time now) override { ring.hand_in(node, slice, now); }
+    VirtualRing& ring;
+    NodeId node;
+  };
+  struct Node {
+    std::unique_ptr<Controller> controller;
+    std::unique_ptr<Gate> gate;
+    std::unique_ptr<core::FoldBack> fold;  ///< where there is a second line
+    bool alive = false;
+    std::array<Line, 2> lines;
     std::uint64_t lives = 0;
     std::uint32_t next_token = 1;
     std::size_t lane = 0;          ///< of the line into it
@@ -127,8 +148,23 @@ class VirtualRing {
   };
 
   core::Settings settings_of(NodeId id) const;
-  void connect(NodeId id);
-  void disconnect_output(NodeId id);
+  void make_node(NodeId id);
+  Line& line(NodeId id, Way way = Way::first) { return nodes_[id].lines[static_cast<std::size_t>(way)]; }
+  int next(NodeId id, Way way) const { return way == Way::first ? next_alive(id) : previous_alive(id); }
+  int before(NodeId id, Way way) const { return way == Way::first ? previous_alive(id) : next_alive(id); }
+  template <class Each>
+  void each_way(Each each) const {
+    each(Way::first);
+    if (nodes_.front().fold) each(Way::second);
+  }
+  void connect(NodeId id, Way way);
+  void disconnect_output(NodeId id, Way way);
+  void cut_wire(NodeId id, Way way);
+  void heal_wire(NodeId id, Way way);
+  void input_up(NodeId id, NodeId from, Way way);
+  void input_lost(NodeId id, Way way);
+  void output_up(NodeId id, NodeId to, Way way);
+  void output_lost(NodeId id, Way way);
   void leave(NodeId id);
   void enter(NodeId id);
   int next_alive(NodeId id) const;
@@ -139,9 +175,12 @@ class VirtualRing {
   void step();
   void act();
   void deliver(const Lane::Arrival& arrival);
+  void hand_in(NodeId id, const wire::Slice& slice, Time now);
   void settle_touched();
   void settle(NodeId id);
   void carry_line(NodeId id);
+  void put_on_line(NodeId id, Way way, wire::SliceWriter& slices);
+  void tell_leaving(NodeId id, wire::ByteView slices);
   void tell_tapped(NodeId id, const wire::Slice& slice, std::size_t before);
   void pass_through_tap(NodeId id, wire::SliceWriter& line);
   void give_out(NodeId id);

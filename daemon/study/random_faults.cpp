@@ -26,6 +26,7 @@ void RandomFaults::choose_mix() {
   drop_ = levels[random(4)];
   damage_ = levels[random(4)];
   trouble_ = levels[random(4)];
+  fold_back_ = nodes_ > 2 && once_in(3);
 }
 
 std::string RandomFaults::describe() const {
@@ -33,6 +34,7 @@ std::string RandomFaults::describe() const {
     return times == 0 ? "" : std::string(", ") + what + " once in " + std::to_string(times);
   };
   return std::to_string(nodes_) + " nodes, lines " + (paced_ ? "of 1 Gbit/s" : "without a rate") +
+         (fold_back_ ? ", folding back" : "") +
          rate("a slice lost", drop_) + rate("damaged", damage_) + rate("a fault in a step", trouble_);
 }
 
@@ -52,6 +54,7 @@ void RandomFaults::make_ring() {
     s.break_grace = 300us;
     s.receive_buffers = 3;
     s.send_queue = 6;
+    s.fold_back = fold_back_;
     s.wired = {true, false, true, true, true, true, true, true};
   };
   ring_ = std::make_unique<sim::VirtualRing>(options);
@@ -138,15 +141,22 @@ void RandomFaults::fault() {
       killed_[node] = true;
       return ring_->start(node);
     case 2: return freeze_or_thaw(node);
-    case 3: return ring_->alive(node) ? ring_->cut(node) : kill_or_start(node);
+    case 3: return ring_->alive(node) ? cut(node) : kill_or_start(node);
     case 4:
-    case 5: return ring_->heal(node);
+    case 5: return heal(node);
     case 6: ring_->cpu_reads[node] = !ring_->cpu_reads[node]; return;  // its CPU hangs, or goes on
     case 7: return ring_->alive(node) ? ring_->cancel(node) : void();
     case 8: return ring_->alive(node) ? ring_->reset_cpu(node) : void();
     case 9: return ring_->alive(node) ? freeze_or_thaw(node) : kill_or_start(node);
   }
 }
+
+void RandomFaults::cut(NodeId node) {
+  if (!fold_back_ || once_in(3)) return ring_->cut(node);
+  once_in(4) ? ring_->cut_second(node) : ring_->cut_cable(node);
+}
+
+void RandomFaults::heal(NodeId node) { fold_back_ ? ring_->heal_cable(node) : ring_->heal(node); }
 
 void RandomFaults::kill_or_start(NodeId node) {
   if (!ring_->alive(node)) return ring_->start(node);
@@ -169,7 +179,7 @@ void RandomFaults::calm_down() {
   for (unsigned id = 0; id < nodes_; ++id) {
     const auto node = static_cast<NodeId>(id);
     ring_->cpu_reads[id] = true;
-    ring_->heal(node);
+    heal(node);
     if (!ring_->alive(node)) freeze_or_thaw(node);
   }
   ring_->run_for(200ms);

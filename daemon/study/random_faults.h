@@ -46,6 +46,8 @@ class RandomFaults {
   void send();
   void interrupt();
   void fault();
+  void cut(wire::NodeId node);
+  void heal(wire::NodeId node);
   void kill_or_start(wire::NodeId node);
   void freeze_or_thaw(wire::NodeId node);
   void calm_down();
@@ -57,6 +59,7 @@ class RandomFaults {
   std::mt19937_64 random_;
   unsigned nodes_ = 16;
   bool paced_ = false;
+  bool fold_back_ = false;
   unsigned drop_ = 0, damage_ = 0, trouble_ = 0;  ///< once in so many slices, slices, steps; 0: never
   bool quiet_ = false;
   std::uint64_t slices_when_quiet_ = 0;

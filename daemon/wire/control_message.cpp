@@ -29,6 +29,7 @@ const char* to_string(LinkState state) {
     case LinkState::down: return "down";
     case LinkState::up: return "up";
     case LinkState::silent: return "silent";
+    case LinkState::folded: return "folded";
   }
   return "unknown";
 }
@@ -65,8 +66,8 @@ std::optional<Beacon> decode_beacon(ByteView data) {
   if (!is(data, kTypeBeacon, kBeaconSize)) return std::nullopt;
   const std::uint8_t* p = data.data;
   const bool legal = p[13] <= static_cast<std::uint8_t>(CpuState::failed) &&
-                     p[18] <= static_cast<std::uint8_t>(LinkState::silent) &&
-                     p[20] <= static_cast<std::uint8_t>(LinkState::silent) && p[22] <= 1 && p[25] <= 1;
+                     p[18] <= static_cast<std::uint8_t>(LinkState::folded) &&
+                     p[20] <= static_cast<std::uint8_t>(LinkState::folded) && p[22] <= 1 && p[25] <= 1;
   if (!legal) return std::nullopt;
   Beacon b;
   b.boot = load_u64(p + 1);

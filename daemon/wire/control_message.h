@@ -17,7 +17,8 @@ struct Hello {
 constexpr std::size_t kHelloSize = 9;
 
 enum class CpuState : std::uint8_t { none, absent, booting, running, silent, failed };
-enum class LinkState : std::uint8_t { down, up, silent };
+/// folded: the second line stands for it (ours; fold-back, protocol.md section 8).
+enum class LinkState : std::uint8_t { down, up, silent, folded };
 const char* to_string(CpuState state);
 const char* to_string(LinkState state);
 

@@ -19,7 +19,8 @@ namespace limb_ring::wire {
 ///   start  header (4 B) and whole words of payload
 ///   more   whole words of payload
 ///   end    the rest of the payload, trailer and CRC (8 B at least)
-enum class SliceKind : std::uint8_t { start = 1, more, end, whole, interrupt, abort, idle };
+/// `fold` is the second line's own (fold_mark.h).
+enum class SliceKind : std::uint8_t { start = 1, more, end, whole, interrupt, abort, idle, fold };
 
 struct Slice {
   SliceKind kind;

@@ -1,0 +1,339 @@
+#include "core/fold_back.h"
+
+namespace limb_ring::core {
+
+using wire::FoldMark;
+using wire::FoldWord;
+using wire::Slice;
+using wire::SliceKind;
+
+namespace {
+
+/// What may wait of the first line while the second drains: more than a lap of largest packets of 64 nodes.
+constexpr std::size_t kMostHeld = 64 * 1024;
+
+bool begins_data(const Slice& slice) { return slice.kind == SliceKind::start || slice.kind == SliceKind::whole; }
+
+/// Whether a DATP is under way after this slice.
+bool open_after(const Slice& slice, bool open) {
+  if (slice.kind == SliceKind::start) return true;
+  return open && (slice.kind == SliceKind::more || slice.kind == SliceKind::interrupt);
+}
+
+NodeId neighbour(const Settings& settings, std::size_t steps) {
+  std::size_t at = 0;
+  while (settings.order[at] != settings.id) ++at;
+  return settings.order[(at + steps) % settings.order.size()];
+}
+
+}  // namespace
+
+FoldBack::FoldBack(Controller& controller, Receiver& receiver, Time now)
+    : controller_(controller),
+      receiver_(receiver),
+      counters_(controller.counters()),
+      from_(neighbour(controller.settings(), controller.settings().order.size() - 1)),
+      to_(neighbour(controller.settings(), 1)),
+      patience_(now + controller.settings().break_grace) {}
+
+// ---- the first line -----------------------------------------------------------------------
+
+void FoldBack::input_up(NodeId from, Time now) {
+  if (input_up_) input_lost(now);
+  input_up_ = true;
+  from_ = from;
+  begin_draining(now);
+  settle(now);
+}
+
+void FoldBack::input_lost(Time now) {
+  if (!input_up_) return;
+  input_up_ = false;
+  drop_held();
+  if (in_ == In::first) {
+    controller_.input_gap(now);
+    ++counters_.folds;
+  }
+  in_ = In::second;
+  drain_due_ = kNever;
+  say_again(now);
+  settle(now);
+}
+
+void FoldBack::input_gap(Time now) {
+  if (in_ == In::first) controller_.input_gap(now);
+}
+
+void FoldBack::output_up(NodeId to, Time now) {
+  if (output_up_) output_lost(now);
+  output_up_ = true;
+  to_ = to;
+  next_is_deaf_ = false;
+  greet_on_first();
+  settle(now);
+}
+
+void FoldBack::output_lost(Time now) {
+  if (!output_up_) return;
+  output_up_ = false;
+  settle(now);
+}
+
+void FoldBack::receive(const Slice& slice, Time now) {
+  if (slice.kind == SliceKind::fold) {
+    first_spoke_ = true;
+    return drain_if_settled(now);
+  }
+  if (in_ == In::first && held_.empty()) return receiver_.take(slice, now);
+  if (slice.kind != SliceKind::idle) hold(slice, now);
+}
+
+// ---- input: first or second line ----------------------------------------------------------
+
+// What the node before has turned back is still on its way on the second line, and comes first. It
+// says on both lines when it has left the second.
+void FoldBack::begin_draining(Time now) {
+  first_spoke_ = false;
+  if (may_fold_) say(FoldMark::hears, id());
+  if (in_ == In::first) return;
+  in_ = In::draining;
+  if (!tail_) drained(now);
+}
+
+void FoldBack::drain_if_settled(Time now) {
+  if (in_ != In::draining || !first_spoke_) return;
+  if (!waits_for_last()) return second_open_ ? void() : drained(now);
+  if (drain_due_ == kNever) drain_due_ = now + controller_.settings().stall;
+}
+
+// The first line again; where the second goes on with the traffic of another fold, that is repeated now.
+void FoldBack::drained(Time now) {
+  in_ = In::first;
+  drain_due_ = kNever;
+  if (second_open_) controller_.input_gap(now);
+  second_open_ = false;
+  if (tail_ && waits_for_last()) tail_.reset();
+  if (tail_) say(FoldMark::begin, *tail_);
+  release(now);
+}
+
+void FoldBack::hold(const Slice& slice, Time now) {
+  if (held_.view().size > kMostHeld) {
+    drop_held();
+    controller_.input_gap(now);
+  }
+  held_.put(slice.kind, slice.bytes);
+  if (in_ == In::first) release(now);
+}
+
+// As fast as the insertion buffer takes it.
+void FoldBack::release(Time now) {
+  if (in_ != In::first) return;
+  while (released_ < held_.view().size) {
+    const wire::SliceParse parse = wire::parse_slice(held_.view().from(released_));
+    if (begins_data(parse.slice) && !controller_.has_room()) return;
+    released_ += parse.consumed;
+    receiver_.take(parse.slice, now);
+  }
+  held_.clear();
+  released_ = 0;
+}
+
+void FoldBack::drop_held() {
+  while (released_ < held_.view().size) {
+    released_ += wire::parse_slice(held_.view().from(released_)).consumed;
+    ++counters_.fold_held_dropped;
+  }
+  held_.clear();
+  released_ = 0;
+}
+
+void FoldBack::settle_input(Time now) {
+  const bool up = in_ == In::first ? input_up_ : tail_.has_value();
+  if (up == told_input_) return;
+  told_input_ = up;
+  if (up)
+    controller_.input_up(from_, now);
+  else
+    controller_.input_lost(now);
+}
+
+// ---- output: first or second line ---------------------------------------------------------
+
+void FoldBack::settle_output(Time now) {
+  const bool back = (!output_up_ && may_fold_) || next_is_deaf_;
+  if (back && out_ != Out::second) turn_back(now);
+  if (!back && out_ == Out::second) out_ = Out::leaving;
+  if (out_ == Out::leaving && !second_output_up_) {
+    controller_.output_replaced(now);
+    out_open_ = false;
+  }
+  if (out_ == Out::leaving && !out_open_) back_to_first();
+  const bool up = out_ == Out::first ? output_up_ : second_output_up_ && told_input_;
+  if (up == told_output_) return;
+  told_output_ = up;
+  if (up)
+    controller_.output_up(to_, now);
+  else
+    controller_.output_lost(now);
+}
+
+void FoldBack::turn_back(Time now) {
+  const bool anew = out_ == Out::first;
+  out_ = Out::second;
+  if (!anew) return;
+  ++counters_.folds;
+  out_open_ = false;
+  if (told_output_) controller_.output_replaced(now);
+  say_again(now);
+}
+
+// Between two packets, so that none is lost.
+void FoldBack::back_to_first() {
+  out_ = Out::first;
+  say(FoldMark::last, id());
+  greet_on_first();
+  if (tail_ && in_ == In::first) say(FoldMark::begin, *tail_);
+}
+
+// The next node waits for this before it takes the first line for its input.
+void FoldBack::greet_on_first() {
+  if (out_ == Out::first) wire::put(first_, {FoldMark::last, id()});
+}
+
+void FoldBack::put_out(const Slice& slice) {
+  (out_ == Out::first ? first_ : second_).put(slice.kind, slice.bytes);
+  out_open_ = open_after(slice, out_open_);
+  if (out_ == Out::leaving && !out_open_) back_to_first();
+}
+
+void FoldBack::carry(Time now) {
+  wire::SliceWriter& line = controller_.line();
+  if (out_ == Out::first && first_.empty()) {
+    first_.swap(line);
+  } else {
+    wire::ByteView rest = line.view();
+    while (!rest.empty()) {
+      const wire::SliceParse parse = wire::parse_slice(rest);
+      put_out(parse.slice);
+      rest = rest.from(parse.consumed);
+    }
+  }
+  line.clear();
+  tell_folded(now);
+}
+
+// ---- the second line ----------------------------------------------------------------------
+
+void FoldBack::second_input_up(Time now) {
+  second_input_up_ = true;
+  settle(now);
+}
+
+void FoldBack::second_input_lost(Time now) {
+  second_input_up_ = false;
+  break_off_second(now);
+  if (tail_ && repeats()) say(FoldMark::lost, id());
+  forget_tail(now);
+}
+
+void FoldBack::second_input_gap(Time now) { break_off_second(now); }
+
+void FoldBack::second_output_up(Time now) {
+  second_output_up_ = true;
+  if (tail_ && repeats()) say(FoldMark::begin, *tail_);
+  say_again(now);
+  settle(now);
+}
+
+void FoldBack::second_output_lost(Time now) {
+  second_output_up_ = false;
+  settle(now);
+}
+
+void FoldBack::receive_second(const Slice& slice, Time now) {
+  if (slice.kind == SliceKind::idle) return;
+  if (const auto word = wire::fold_word(slice)) return hear(*word, slice, now);
+  const bool takes = in_ != In::first;
+  if (!takes && (!repeats() || !tail_)) {
+    ++counters_.fold_discarded;
+    return;
+  }
+  second_open_ = open_after(slice, second_open_);
+  if (!takes) return second_.put(slice.kind, slice.bytes);
+  receiver_.take(slice, now);
+  drain_if_settled(now);
+}
+
+// What was coming in on the second line will never be whole.
+void FoldBack::break_off_second(Time now) {
+  if (!second_open_) return;
+  second_open_ = false;
+  if (in_ != In::first)
+    controller_.input_gap(now);
+  else
+    second_.put(SliceKind::abort, {});
+}
+
+void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
+  const bool of_neighbour = word.mark == FoldMark::deaf || word.mark == FoldMark::hears;
+  if (!of_neighbour) return hear_of_tail(word, slice, now);
+  if (word.node != to_) return;  // one that is bypassed
+  next_is_deaf_ = word.mark == FoldMark::deaf;
+  if (!next_is_deaf_) greet_on_first();
+  settle(now);
+}
+
+// A word that has come back to who said it has found nobody behind a break.
+void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
+  if (word.node == id()) return;
+  if (repeats()) second_.put(slice.kind, slice.bytes);
+  if (word.mark == FoldMark::begin) {
+    tail_ = word.node;
+    return settle(now);
+  }
+  if (word.mark == FoldMark::last && tail_ != word.node) return;
+  break_off_second(now);
+  forget_tail(now);
+}
+
+void FoldBack::forget_tail(Time now) {
+  tail_.reset();
+  if (in_ == In::draining) drained(now);
+  settle(now);
+}
+
+// ---- time ---------------------------------------------------------------------------------
+
+void FoldBack::settle(Time now) {
+  if (input_up_ && output_up_) may_fold_ = true;
+  if (may_fold_) patience_ = kNever;
+  settle_input(now);
+  settle_output(now);
+  tell_folded(now);
+}
+
+// Words can get lost where links lose; who has folded says so again and again.
+void FoldBack::say_again(Time now) {
+  say_again_ = kNever;
+  if (!may_fold_) return;
+  if (in_ == In::second) say(FoldMark::deaf, id());
+  if (in_ == In::draining) say(FoldMark::hears, id());
+  if (out_ != Out::first) say(FoldMark::begin, id());
+  if (in_ == In::first && out_ == Out::first) return;
+  const Duration beacon = controller_.settings().beacon;
+  say_again_ = now + (beacon.count() != 0 ? beacon : Duration{std::chrono::milliseconds(100)});
+}
+
+void FoldBack::handle_timeout(Time now) {
+  if (patience_ <= now) {
+    may_fold_ = true;
+    say_again(now);
+    settle(now);
+  }
+  if (say_again_ <= now) say_again(now);
+  if (drain_due_ <= now) forget_tail(now);
+  release(now);
+}
+
+}  // namespace limb_ring::core

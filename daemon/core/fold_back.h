@@ -1,0 +1,124 @@
+#pragma once
+
+#include <optional>
+
+#include "core/controller.h"
+#include "wire/fold_mark.h"
+
+namespace limb_ring::core {
+
+/// Fold-back around a break, with a second, counter-rotating line. (ours, protocol.md section 8; Honda's
+/// own answer is switches to a redundant line, US10742444)
+///
+/// It stands between a node's four lines and its network controller. The node before a break turns its
+/// output back onto the second line; on that one all others only repeat, and the node behind the break takes
+/// it for its input. So the controller sees each packet once, in ring order:
+///
+///     first line     a -> b    c -> d -> a          the line from b to c is broken
+///     second line    a <- b    c <- d <- a          b turns back, a and d repeat, c takes
+///
+/// Bytes and time in, bytes and a deadline out, as Controller. After Controller::run() comes carry().
+class FoldBack {
+ public:
+  /// Who hands to the controller what it shall receive.
+  struct Receiver {
+    virtual void take(const wire::Slice& slice, Time now) = 0;
+
+   protected:
+    ~Receiver() = default;
+  };
+
+  /// Both must outlive this. @pre controller.settings().fold_back
+  FoldBack(Controller& controller, Receiver& receiver, Time now);
+  FoldBack(const FoldBack&) = delete;
+  FoldBack& operator=(const FoldBack&) = delete;
+
+  /// @name The first line
+  ///@{
+  void input_up(NodeId from, Time now);
+  void input_lost(Time now);
+  void input_gap(Time now);
+  void output_up(NodeId to, Time now);
+  void output_lost(Time now);
+  void receive(const wire::Slice& slice, Time now);
+  ///@}
+
+  /// @name The second line: its input comes from the next node, its output goes to the one before
+  ///@{
+  void second_input_up(Time now);
+  void second_input_lost(Time now);
+  void second_input_gap(Time now);
+  void second_output_up(Time now);
+  void second_output_lost(Time now);
+  void receive_second(const wire::Slice& slice, Time now);
+  ///@}
+
+  /// Divides what the controller has put out among the lines. Whoever writes them clears them.
+  void carry(Time now);
+  wire::SliceWriter& line() { return first_; }
+  wire::SliceWriter& second_line() { return second_; }
+
+  void handle_timeout(Time now);
+  Time deadline() const { return std::min(std::min(patience_, say_again_), drain_due_); }
+
+ private:
+  /// draining: the first line is back, and what is on the second comes first.
+  enum class In : std::uint8_t { first, second, draining };
+  /// leaving: the first line is back, and a packet is still going out on the second.
+  enum class Out : std::uint8_t { first, second, leaving };
+
+  void settle(Time now);
+  void tell_folded(Time now) {
+    controller_.set_folded(in_ != In::first && tail_, out_ != Out::first && told_output_, now);
+  }
+  void settle_input(Time now);
+  void settle_output(Time now);
+  void turn_back(Time now);
+  void back_to_first();
+  void greet_on_first();
+  void put_out(const wire::Slice& slice);
+
+  void begin_draining(Time now);
+  bool waits_for_last() const { return tail_ == from_; }
+  void drain_if_settled(Time now);
+  void drained(Time now);
+  void hold(const wire::Slice& slice, Time now);
+  void release(Time now);
+  void drop_held();
+
+  bool repeats() const { return in_ == In::first && out_ == Out::first; }
+  void hear(wire::FoldWord word, const wire::Slice& slice, Time now);
+  void hear_of_tail(wire::FoldWord word, const wire::Slice& slice, Time now);
+  void forget_tail(Time now);
+  void break_off_second(Time now);
+  void say(wire::FoldMark mark, NodeId node) { wire::put(second_, {mark, node}); }
+  void say_again(Time now);
+  NodeId id() const { return controller_.settings().id; }
+
+  Controller& controller_;
+  Receiver& receiver_;
+  Counters& counters_;
+  wire::SliceWriter first_, second_;
+
+  bool input_up_ = false, output_up_ = false;
+  bool second_input_up_ = false, second_output_up_ = false;
+  NodeId from_, to_;            ///< neighbours on the first line, now or last
+  In in_ = In::second;
+  Out out_ = Out::first;
+  bool next_is_deaf_ = false;   ///< the next node hears nothing of us on the first line
+  std::optional<NodeId> tail_;  ///< where what comes in on the second line was turned back
+  bool second_open_ = false;    ///< a DATP is coming in on the second line
+  bool out_open_ = false;       ///< a DATP is going out on the second line
+  bool told_input_ = false, told_output_ = false;  ///< the controller believes in them
+
+  wire::SliceWriter held_;      ///< of the first line, until the second has drained
+  std::size_t released_ = 0;    ///< bytes of them
+
+  bool first_spoke_ = false;    ///< who sends on it has left the second
+  bool may_fold_ = false;       ///< both first lines have been up, or there was time enough for it
+  Time patience_ = kNever;
+  Time say_again_ = kNever;
+  Time drain_due_ = kNever;
+};
+
+}  // namespace limb_ring::core

@@ -1,0 +1,271 @@
+// Fold-back: a second, counter-rotating line closes the ring again around a break. (protocol.md section 8)
+#include "core/ring_fixture.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr unsigned kNodes = 8;
+
+VirtualRingOptions folding(VirtualRingOptions options) {
+  return with(std::move(options), [](Settings& s) {
+    s.fold_back = true;
+    s.beacon = 10ms;
+    s.break_grace = 1ms;
+    s.send_timeout_least = 200us;
+  });
+}
+
+struct FoldBackTest : testing::Test {
+  VirtualRing ring{folding(quick(kNodes))};
+  void SetUp() override {
+    ASSERT_TRUE(ring.join());
+    ring.run_for(50ms);
+  }
+  const Membership& membership(NodeId id) { return ring.node(id).membership(); }
+  void expect_all(NodeState state, unsigned size = kNodes) {
+    for (NodeId id = 0; id < kNodes; ++id) {
+      EXPECT_EQ(membership(id).state(), state) << int{id};
+      EXPECT_EQ(membership(id).ring_size(), size) << int{id};
+    }
+  }
+  /// Every node sends to every other one and all; each is confirmed.
+  void expect_all_reach_all() {
+    for (NodeId from = 0; from < kNodes; ++from) {
+      for (NodeId to = 0; to < kNodes; ++to)
+        EXPECT_EQ(outcome_of(ring, from, ring.send(from, to, text("x"))).outcome, Outcome::delivered)
+            << int{from} << " to " << int{to};
+      EXPECT_EQ(outcome_of(ring, from, ring.interrupt(from, wire::kBroadcast, 0)).outcome, Outcome::delivered);
+    }
+  }
+  std::uint64_t all(std::uint64_t Counters::*counter) const {
+    std::uint64_t sum = 0;
+    for (NodeId id = 0; id < kNodes; ++id) sum += ring.counters(id).*counter;
+    return sum;
+  }
+};
+
+TEST_F(FoldBackTest, IsNotThereWhileTheRingIsWhole) {
+  expect_all(NodeState::up);
+  EXPECT_EQ(all(&Counters::folds), 0u);
+  EXPECT_EQ(all(&Counters::fold_discarded), 0u);
+}
+
+/// Where the cable is cut between a node and the next.
+struct AnyPlace : FoldBackTest, testing::WithParamInterface<unsigned> {
+  NodeId before = static_cast<NodeId>(GetParam());
+  NodeId behind = static_cast<NodeId>((GetParam() + 1) % kNodes);
+};
+INSTANTIATE_TEST_SUITE_P(FoldBack, AnyPlace, testing::Range(0u, kNodes));
+
+TEST_P(AnyPlace, ACutCableLeavesAllReachingAll) {
+  ring.cut_cable(before);
+  ring.run_for(30ms);
+  expect_all(NodeState::folded);
+  expect_all_reach_all();
+}
+
+TEST_P(AnyPlace, ABreakOneWayIsToldToTheNodeBeforeItOverTheSecondLine) {
+  ring.cut(before);
+  ring.run_for(30ms);
+  expect_all(NodeState::folded);
+  expect_all_reach_all();
+}
+
+TEST_P(AnyPlace, TheBrokenLineIsLocatedByAll) {
+  ring.cut(before);
+  ring.run_for(30ms);
+  for (NodeId id = 0; id < kNodes; ++id) {
+    if (id == behind) continue;
+    const wire::Beacon& beacon = membership(id).peers()[behind].beacon;
+    EXPECT_TRUE(beacon.break_known);
+    EXPECT_EQ(beacon.break_before, before);
+    EXPECT_EQ(beacon.input, wire::LinkState::folded);
+    if (id != before) {
+      EXPECT_EQ(membership(id).peers()[before].beacon.output, wire::LinkState::folded);
+    }
+  }
+}
+
+TEST_P(AnyPlace, HealsWithoutLosingAPacket) {
+  ring.cut_cable(before);
+  ring.run_for(30ms);
+  const std::uint64_t timeouts = all(&Counters::timeouts);
+  std::vector<std::uint32_t> tokens(kNodes);
+  const auto send = [&](NodeId id) {
+    tokens[id] = ring.send(id, static_cast<NodeId>((id + 3) % kNodes), pattern(512));
+  };
+  ring.on_event = [&](NodeId id, const Event& event) {
+    const auto* end = std::get_if<SendEnded>(&event.what);
+    if (!end || end->owner != 1) return;
+    EXPECT_EQ(end->outcome, Outcome::delivered) << int{id};
+    send(id);
+  };
+  for (NodeId id = 0; id < kNodes; ++id) send(id);
+  ring.run_for(10ms);
+  ring.heal_cable(before);
+  ring.run_for(30ms);
+  expect_all(NodeState::up);
+  EXPECT_EQ(all(&Counters::timeouts), timeouts);
+  EXPECT_EQ(all(&Counters::fold_held_dropped), 0u);
+  EXPECT_EQ(all(&Counters::insertion_buffer_full), 0u);
+}
+
+TEST_P(AnyPlace, HealsOneWayToo) {
+  ring.cut(before);
+  ring.run_for(30ms);
+  ring.heal(before);
+  ring.run_for(30ms);
+  expect_all(NodeState::up);
+  expect_all_reach_all();
+  for (NodeId id = 0; id < kNodes; ++id) EXPECT_FALSE(membership(id).peers()[behind].beacon.break_known);
+}
+
+// Section 8: what is confirmed is neither lost nor doubled; the fixture's invariants look at every packet.
+TEST_F(FoldBackTest, ABreakInFullTrafficLosesNothingThatCanBeSentAgain) {
+  std::map<Outcome, unsigned> ends;
+  const auto send = [&](NodeId id) { ring.send(id, static_cast<NodeId>((id + 5) % kNodes), pattern(512)); };
+  ring.on_event = [&](NodeId id, const Event& event) {
+    const auto* end = std::get_if<SendEnded>(&event.what);
+    if (!end || end->owner != 1) return;
+    ++ends[end->outcome];
+    send(id);
+  };
+  for (NodeId id = 0; id < kNodes; ++id) send(id);
+  ring.run_for(5ms);
+  ring.cut_cable(4);
+  ring.run_for(50ms);
+  expect_all(NodeState::folded);
+  EXPECT_GT(ends[Outcome::delivered], 0u);
+  EXPECT_EQ(ends.size(), 1u) << "all ended delivered";
+}
+
+TEST_F(FoldBackTest, ServiceIsBackWithinALapOfTheSecondLine) {
+  const Time cut = ring.now();
+  ring.cut_cable(2);
+  const bool back = ring.run_until([&] { return ring.node(3).membership().state() == NodeState::folded; }, 1s);
+  ASSERT_TRUE(back);
+  // Node 2 knows at once; its word goes over seven lines of 1 us, and the controller behind is told.
+  EXPECT_LE(ring.now() - cut, Duration{7us});
+}
+
+TEST_F(FoldBackTest, ASecondBreakLeavesTwoWorkingParts) {
+  ring.cut_cable(1);  // 2 3 4 5 | 6 7 0 1
+  ring.run_for(30ms);
+  ring.cut_cable(5);
+  ring.run_for(100ms);
+  expect_all(NodeState::folded, 4);
+  EXPECT_EQ(outcome_of(ring, 2, ring.send(2, 5, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 5, ring.send(5, 2, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 7, ring.send(7, 0, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 7, ring.send(7, 3, text("a"))).outcome, Outcome::no_such_node);
+}
+
+TEST_F(FoldBackTest, TwoPartsGrowTogetherAgain) {
+  ring.cut_cable(1);
+  ring.cut_cable(5);
+  ring.run_for(100ms);
+  ring.heal_cable(1);
+  ring.run_for(100ms);
+  expect_all(NodeState::folded);
+  expect_all_reach_all();
+  ring.heal_cable(5);
+  ring.run_for(100ms);
+  expect_all(NodeState::up);
+  expect_all_reach_all();
+}
+
+TEST_F(FoldBackTest, NothingCirclesOnTheSecondLineOnceTheRingIsWhole) {
+  for (int round = 0; round < 10; ++round) {
+    ring.cut_cable(3);
+    for (NodeId id = 0; id < kNodes; ++id) ring.send(id, wire::kBroadcast, pattern(100));
+    ring.run_for(Duration{500ns} * round);
+    ring.heal_cable(3);
+    ring.run_for(Duration{700ns} * round);
+  }
+  ring.run_for(200ms);
+  const std::uint64_t discarded = all(&Counters::fold_discarded);
+  ring.run_for(200ms);
+  EXPECT_EQ(all(&Counters::fold_discarded), discarded);
+  expect_all(NodeState::up);
+}
+
+TEST_F(FoldBackTest, ADeadNodeIsLeftAsideNotFoldedAround) {
+  ring.kill(4);
+  ring.run_for(100ms);
+  for (NodeId id = 0; id < kNodes; ++id) {
+    if (id == 4) continue;
+    EXPECT_EQ(membership(id).state(), NodeState::up) << int{id};
+    EXPECT_EQ(membership(id).ring_size(), kNodes - 1) << int{id};
+  }
+}
+
+TEST_F(FoldBackTest, ANodeStartedBehindABreakJoins) {
+  ring.kill(4);
+  ring.run_for(10ms);
+  ring.cut_cable(3);
+  ring.run_for(100ms);
+  ring.start(4);
+  ring.run_for(100ms);
+  expect_all(NodeState::folded);
+  expect_all_reach_all();
+}
+
+// Both lines broken on one side, the first on another: nothing leads back, as without a second line.
+TEST_F(FoldBackTest, WithTheSecondLineBrokenElsewhereTheRingIsAnOpenChain) {
+  ring.cut_second(6);
+  ring.run_for(30ms);
+  expect_all(NodeState::up);
+  ring.cut(2);
+  ring.run_for(100ms);
+  EXPECT_EQ(membership(3).state(), NodeState::open_chain);
+  ring.heal_second(6);
+  ring.run_for(100ms);
+  expect_all(NodeState::folded);
+  ring.heal(2);
+  ring.run_for(100ms);
+  expect_all(NodeState::up);
+}
+
+// One lap on the first line, one delay on the second: 7 relays back from node 2 to node 3.
+TEST(FoldBackTiming, APacketGoesRoundWithTheSecondLinesDelaysAdded) {
+  VirtualRing ring{folding(gigabit(kNodes))};
+  ASSERT_TRUE(ring.join());
+  ring.run_for(20ms);
+  ring.cut_cable(2);
+  ring.run_for(25ms);
+  const SendEnded end = outcome_of(ring, 0, ring.send(0, 1, pattern(512)));
+  EXPECT_EQ(end.outcome, Outcome::delivered);
+  // T = 524 * 8 ns; seven lines of the first ring, seven of the second, one delay d each.
+  EXPECT_EQ(end.round_trip, Duration{524 * 8ns} + 14 * Duration{512ns});
+}
+
+TEST(FoldBackTiming, HealsUnderFullLoadAtARateWithoutLoss) {
+  VirtualRing ring{folding(gigabit(kNodes))};
+  ASSERT_TRUE(ring.join());
+  ring.cut_cable(2);
+  ring.run_for(25ms);
+  std::map<Outcome, unsigned> ends;
+  const auto send = [&](NodeId id) { ring.send(id, static_cast<NodeId>((id + 5) % kNodes), pattern(512)); };
+  ring.on_event = [&](NodeId id, const Event& event) {
+    const auto* end = std::get_if<SendEnded>(&event.what);
+    if (!end || end->owner != 1) return;
+    ++ends[end->outcome];
+    send(id);
+  };
+  for (NodeId id = 0; id < kNodes; ++id) send(id);
+  ring.run_for(5ms);
+  std::uint64_t before = 0, after = 0;
+  for (NodeId id = 0; id < kNodes; ++id) before += ring.counters(id).timeouts;
+  ring.heal_cable(2);
+  ring.run_for(5ms);
+  for (NodeId id = 0; id < kNodes; ++id) after += ring.counters(id).timeouts;
+  EXPECT_EQ(after, before);
+  EXPECT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ring.node(3).membership().state(), NodeState::up);
+}
+
+}  // namespace
+}  // namespace limb_ring::core
