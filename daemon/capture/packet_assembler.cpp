@@ -28,7 +28,8 @@ void PacketAssembler::put(const wire::Slice& slice, nanoseconds at) {
       return close(at, nullptr);
     case SliceKind::interrupt: return interrupt(slice.bytes, at);
     case SliceKind::abort: return close(at, &CaptureInfo::aborted);
-    case SliceKind::idle: return;
+    case SliceKind::idle:
+    case SliceKind::fold: return;
   }
 }
 

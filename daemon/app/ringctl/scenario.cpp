@@ -20,7 +20,7 @@ using study::scenario::ScenarioRun;
 
 struct Options {
   std::vector<std::string> files;
-  std::string junit;
+  std::string junit, capture;
   std::optional<std::uint64_t> seed;
   bool json = false;
 };
@@ -40,13 +40,23 @@ void write_junit(const std::string& path, const std::vector<ScenarioRun>& runs) 
   if (!out) throw NotDone(path + ": cannot be written");
 }
 
+std::ofstream open_capture(const Options& options) {
+  std::ofstream capture;
+  if (options.capture.empty()) return capture;
+  if (options.files.size() != 1) throw UsageError("--capture: one scenario at a time, its times begin at 0");
+  capture.open(options.capture, std::ios::binary);
+  if (!capture) throw UsageError(options.capture + ": cannot be written");
+  return capture;
+}
+
 // All files are read before the first is run: a bad one is known at once.
 int run(const Options& options) {
   std::vector<Scenario> scenarios;
   for (const std::string& file : options.files) scenarios.push_back(study::scenario::load_scenario(file));
+  std::ofstream capture = open_capture(options);
   std::vector<ScenarioRun> runs;
   for (const Scenario& scenario : scenarios) {
-    runs.push_back(run_scenario(scenario, options.seed.value_or(scenario.seed)));
+    runs.push_back(run_scenario(scenario, options.seed.value_or(scenario.seed), capture.is_open() ? &capture : nullptr));
     if (!options.json) std::cout << text_of(runs.back()) << std::endl;
   }
   std::vector<app::Row> rows;
@@ -68,6 +78,7 @@ void add_scenario(CLI::App& app, Context& context) {
                                                     "was not met");
   command->add_option("FILE", options->files, "Scenarios, YAML")->required();
   command->add_option("--junit", options->junit, "Write JUnit XML there");
+  command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
   command->add_option("--seed", options->seed, "Instead of the files' own");
   add_json(*command, options->json);
   command->callback([&context, options] {

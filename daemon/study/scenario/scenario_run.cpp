@@ -1,6 +1,7 @@
 #include "study/scenario/scenario_run.h"
 
 #include "config/quantity.h"
+#include "study/ring_capture.h"
 #include "study/scenario/look.h"
 
 namespace limb_ring::study::scenario {
@@ -16,9 +17,18 @@ std::string microseconds(nanoseconds time) {
   return std::to_string(time.count() / 1000) + '.' + thousandths.substr(1) + " us";
 }
 
+/// Nodes are places in ring order here.
+capture::RingNames names_of(const config::RingConfig& ring) {
+  capture::RingNames names{ring.ring, {}};
+  for (const auto& node : ring.nodes) names.nodes.emplace(static_cast<NodeId>(names.nodes.size()), node.name);
+  return names;
+}
+
 class Run {
  public:
-  Run(const Scenario& scenario, std::uint64_t seed) : scenario_(scenario), robot_(scenario, seed) {
+  Run(const Scenario& scenario, std::uint64_t seed, std::ostream* capture)
+      : scenario_(scenario), robot_(scenario, seed) {
+    if (capture != nullptr) capture_.emplace(robot_.ring(), *capture, names_of(scenario.ring));
     result_.name = scenario.name;
     result_.path = scenario.path;
     result_.seed = seed;
@@ -94,12 +104,15 @@ class Run {
 
   const Scenario& scenario_;
   Robot robot_;
+  std::optional<RingCapture> capture_;
   Time start_{};
   ScenarioRun result_;
 };
 
 }  // namespace
 
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed) { return Run(scenario, seed).run(); }
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture) {
+  return Run(scenario, seed, capture).run();
+}
 
 }  // namespace limb_ring::study::scenario

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct ScenarioRun {
 
 /// Runs a scenario under a virtual clock; every promise of the ring is an expectation too. The same scenario
 /// and seed give the same run.
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed);
+/// @param capture where its packets go as pcapng, or null
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr);
 
 }  // namespace limb_ring::study::scenario
