@@ -27,6 +27,7 @@ class Selection {
     ++counts_.lost;
     ++lost_before_;
   }
+  const Filter& filter() const { return wish_.filter; }
   /// Lost since one was given.
   std::uint32_t lost_before() const { return lost_before_; }
   const CaptureCounts& counts() const { return counts_; }

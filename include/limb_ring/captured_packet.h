@@ -35,9 +35,9 @@ struct CapturedPacket {
   std::vector<std::uint8_t> bytes;
 };
 
-/// What became of the packets that passed an observer of packets: seen = filtered + sampled_out +
-/// limited + lost + given. Comes as observing begins, every second in which packets are given,
-/// and as it ends.
+/// What became of the packets on the lines that an observer of packets, or another one at the same
+/// node, looks at: seen = filtered + sampled_out + limited + lost + given. Comes as observing begins,
+/// every second in which packets are given, and as it ends.
 struct CaptureCounts {
   std::uint64_t seen = 0;
   std::uint64_t filtered = 0;     ///< not asked for

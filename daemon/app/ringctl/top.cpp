@@ -106,7 +106,7 @@ int redraw(const RingAccess& ring, const Options& options) {
   StatusSample before = poll.sample();
   do {
     StatusSample now = poll.sample();
-    screen.draw(top_table(ring.ring(), top_rows(before, now), Screen::size().lines));
+    screen.draw(top_table(ring.ring(), top_rows(before, now), Screen::size().lines - 1) + "q ends");
     before = std::move(now);
   } while (wait(options, &screen, signals));
   return kDone;

@@ -88,9 +88,11 @@ std::string number(const json& value, double unit = 1) {
   char text[32];
   if (!value.is_number()) return "-";
   const double shown = value.get<double>() / unit;
-  std::snprintf(text, sizeof text, "%.*f", shown < 10 ? 1 : 0, shown);
+  std::snprintf(text, sizeof text, "%.*f", shown < 9.95 ? 1 : 0, shown);
   return text;
 }
+
+std::string percent(const json& share) { return share.is_number() ? number(share, 0.01) + "%" : "-"; }
 
 std::string cut(const std::string& text, std::size_t width) {
   return text.size() <= width ? text : text.substr(0, width - 1) + "~";
@@ -112,7 +114,7 @@ std::string line_of(const json& row) {
   const json& trip = row["round_trip_us"];
   return columns({row["name"].get<std::string>(), row["state"].get<std::string>(),
                   row["to"].is_number() ? row["to"].dump() : "-", number(row["packets_per_second"]),
-                  number(row["bytes_per_second"], 1000), number(row["load"], 0.01), number(trip.value("p50", json())),
+                  number(row["bytes_per_second"], 1000), percent(row["load"]), number(trip.value("p50", json())),
                   number(trip.value("p99", json())), row["errors"].dump(), row["cpu"].get<std::string>()});
 }
 
@@ -127,7 +129,7 @@ std::vector<json> top_rows(const StatusSample& before, const StatusSample& now) 
 std::string top_table(const std::string& ring, const std::vector<json>& rows, std::size_t lines) {
   const auto up = std::count_if(rows.begin(), rows.end(), [](const json& row) { return row["state"] == "up"; });
   std::string text = "ring " + ring + ": " + std::to_string(up) + " of " + std::to_string(rows.size()) +
-                     " nodes up; rates of the line out of each node (q ends)\n";
+                     " nodes up; rates of the line out of each node\n";
   text += columns({"node", "state", "to", "pkt/s", "kB/s", "load", "p50 us", "p99 us", "errs", "cpu"});
   const std::size_t room = lines > 3 ? lines - 3 : 1;
   const std::size_t shown = rows.size() <= room + 1 ? rows.size() : room;

@@ -43,6 +43,10 @@ TEST(TopRows, SayNothingOfANodeThatHasStartedAnew) {
   EXPECT_TRUE(top_rows(kBefore, now)[0]["packets_per_second"].is_null());
 }
 
+TEST(TopTable, ShowsTheLoadOfALineInPercent) {
+  EXPECT_THAT(top_table("robot", top_rows(kBefore, kNow), 24), HasSubstr(" 20% "));
+}
+
 TEST(TopTable, FitsEightyColumnsAndTheLinesThereAre) {
   std::vector<json> rows = top_rows(kBefore, kNow);
   rows[0]["bytes_per_second"] = 123456789012.0;
