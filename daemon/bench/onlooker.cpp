@@ -20,7 +20,7 @@ constexpr milliseconds kPatience{10'000};
 void look(HostPort port, std::atomic<bool>& ready) {
   std::ofstream nowhere("/dev/null");
   capture::PcapngWriter writer(nowhere, {port.ring(), {}});
-  port.observe(R"({"packets": {"at": ["in", "out"]}})");
+  port.observe(R"({"packets": {}})");
   while (port.connected()) {
     const auto message = port.receive(std::chrono::seconds(1));
     if (!message) continue;

@@ -9,8 +9,8 @@
 
 namespace limb_ring::bench {
 
-/// A process that looks at all packets on the lines of one node, as `ringctl dump NODE --at in,out -w` does, and
-/// throws away what it would write.
+/// A process that looks at all packets that come into one node, as `ringctl dump NODE -w` does, and throws away
+/// what it would write.
 class Onlooker {
  public:
   /// Returns when it looks. @throw std::runtime_error where that takes too long
