@@ -50,6 +50,11 @@ void Controller::output_replaced(Time now) {
   packet_manager_.output_up(now);
 }
 
+void Controller::set_neighbours(NodeId before, NodeId next, NodeId successor) {
+  relay_.set_successor(successor);
+  membership_.set_neighbours(before, next);
+}
+
 void Controller::receive(const wire::Slice& slice, Time now) {
   // The usual case: it has passed straight to the line, and nothing else has changed.
   if (slice.kind == SliceKind::whole && on_whole(slice.bytes, now)) return;
@@ -152,7 +157,8 @@ void Controller::on_interrupt(ByteView bytes, Time now) {
   const Time at = now + settings_.byte_time_in * static_cast<std::int64_t>(wire::kInterruptPacketSize);
   const bool good = check(packet);
   if (fate == Fate::strip) return interrupt_came_home(packet, good, at);
-  const std::uint8_t fbc = good ? pins_.offer(packet, at) : packet.fbc();
+  const bool takes = good && !is_strangers_retry(packet);
+  const std::uint8_t fbc = takes ? pins_.offer(packet, at) : packet.fbc();
   if (fate != Fate::pass_on) return;
   wire::InterruptBytes copy;
   std::copy(bytes.begin(), bytes.end(), copy.begin());
@@ -168,9 +174,17 @@ bool Controller::check(const PacketFields& packet) {
   return true;
 }
 
+// Its first try may have been taken in this node's former life, of which the source, in another part of
+// a ring that was broken twice, has not heard. (ours)
+bool Controller::is_strangers_retry(const PacketFields& packet) {
+  if (!settings_.fold_back || packet.code().attempt == 0 || membership_.peers()[packet.source()].known) return false;
+  return ++counters_.retries_of_strangers, true;
+}
+
 std::uint8_t Controller::receive_data(const PacketFields& packet, bool good, Time at) {
   if (!good) return packet.fbc();
   if (is_control(packet)) membership_.heard(packet, at);
+  if (is_strangers_retry(packet)) return packet.fbc();
   return receive_.offer(packet, at);
 }
 
@@ -182,7 +196,7 @@ void Controller::data_came_home(const PacketFields& packet, bool good, Time at) 
   // A packet to oneself is taken when it returns; before the own hello is home it is only stripped.
   const bool to_self = packet.destination() == settings_.id && membership_.accepts_sends();
   const std::uint8_t fbc = to_self ? receive_.offer(packet, at) : packet.fbc();
-  const bool matched = transmit_.data.returned(packet, fbc, at);
+  const bool matched = transmit_.data.returned(packet, fbc, membership_.has_merged(packet.hop(), at), at);
   if (matched)
     membership_.came_home(packet.hop(), at);
   else
@@ -197,7 +211,7 @@ void Controller::interrupt_came_home(const PacketFields& packet, bool good, Time
   }
   const bool to_self = packet.destination() == settings_.id && membership_.accepts_sends();
   const std::uint8_t fbc = to_self ? pins_.offer(packet, at) : packet.fbc();
-  const bool matched = transmit_.interrupts.returned(packet, fbc, at);
+  const bool matched = transmit_.interrupts.returned(packet, fbc, membership_.has_merged(packet.hop(), at), at);
   if (matched)
     membership_.came_home(packet.hop(), at);
   else

@@ -37,6 +37,9 @@ class Controller {
   void output_lost(Time now);
   /// The output goes on over another line to the same node: what waited for the old one is dropped. (ours)
   void output_replaced(Time now);
+  /// Who is next on the first line, also while the second stands for it; nodes between this one and
+  /// `successor` are bypassed. (ours, fold_back.h)
+  void set_neighbours(NodeId before, NodeId next, NodeId successor);
   /// The second line stands for the input, for the output: beacons say so. (ours, fold_back.h)
   void set_folded(bool input, bool output, Time now) { membership_.set_folded(input, output, now); }
   /// Another DATP of the largest size could come in.
@@ -103,6 +106,7 @@ class Controller {
   void data_came_home(const wire::PacketFields& packet, bool good, Time at);
   void interrupt_came_home(const wire::PacketFields& packet, bool good, Time at);
   bool check(const wire::PacketFields& packet);
+  bool is_strangers_retry(const wire::PacketFields& packet);
   Reject refuse_reason(const SendRequest& request) const;
   Reject refuse_reason(const InterruptRequest& request) const;
   bool destination_exists(NodeId destination) const;

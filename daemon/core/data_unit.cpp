@@ -98,9 +98,10 @@ wire::ByteView DataUnit::start(Time now) {
   return image;
 }
 
-bool DataUnit::returned(const wire::PacketFields& packet, std::uint8_t fbc, Time at) {
+bool DataUnit::returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at) {
   if (!flight_.is_return(packet)) return false;
   ++counters_.returned_data;
+  if (doubtful && current_ != kControlQueue) return give_up(at), true;
   decide(fbc, at, at - flight_.sent_at());
   return true;
 }

@@ -53,7 +53,8 @@ class DataUnit {
 
   /// An own packet came home with a good CRC; `fbc` what the receivers wrote.
   /// @return true where it was the one outstanding
-  bool returned(const wire::PacketFields& packet, std::uint8_t fbc, Time at);
+  /// @param doubtful what receivers wrote says nothing (Membership::has_merged): it ends lost
+  bool returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at);
   /// An own packet came home damaged or broken off: a failed try.
   void returned_damaged(Time at);
 

@@ -11,6 +11,8 @@ namespace {
 
 /// What may wait of the first line while the second drains: more than a lap of largest packets of 64 nodes.
 constexpr std::size_t kMostHeld = 64 * 1024;
+/// A tail that has not said so often that it is one, is gone.
+constexpr int kMissed = 5;
 
 bool begins_data(const Slice& slice) { return slice.kind == SliceKind::start || slice.kind == SliceKind::whole; }
 
@@ -42,6 +44,7 @@ void FoldBack::input_up(NodeId from, Time now) {
   if (input_up_) input_lost(now);
   input_up_ = true;
   from_ = from;
+  tell_neighbours();
   begin_draining(now);
   settle(now);
 }
@@ -68,6 +71,7 @@ void FoldBack::output_up(NodeId to, Time now) {
   if (output_up_) output_lost(now);
   output_up_ = true;
   to_ = to;
+  tell_neighbours();
   next_is_deaf_ = false;
   greet_on_first();
   settle(now);
@@ -80,12 +84,11 @@ void FoldBack::output_lost(Time now) {
 }
 
 void FoldBack::receive(const Slice& slice, Time now) {
-  if (slice.kind == SliceKind::fold) {
-    first_spoke_ = true;
-    return drain_if_settled(now);
-  }
-  if (in_ == In::first && held_.empty()) return receiver_.take(slice, now);
-  if (slice.kind != SliceKind::idle) hold(slice, now);
+  if (slice.kind == SliceKind::idle) return;
+  if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return receiver_.take(slice, now);
+  first_spoke_ = true;
+  if (slice.kind != SliceKind::fold) hold(slice, now);
+  drain_if_settled(now);
 }
 
 // ---- input: first or second line ----------------------------------------------------------
@@ -112,7 +115,10 @@ void FoldBack::drained(Time now) {
   drain_due_ = kNever;
   if (second_open_) controller_.input_gap(now);
   second_open_ = false;
-  if (tail_ && waits_for_last()) tail_.reset();
+  if (tail_ && waits_for_last()) {
+    tail_.reset();
+    tail_due_ = kNever;
+  }
   if (tail_) say(FoldMark::begin, *tail_);
   release(now);
 }
@@ -184,6 +190,7 @@ void FoldBack::turn_back(Time now) {
   if (!anew) return;
   ++counters_.folds;
   out_open_ = false;
+  tell_neighbours();
   if (told_output_) controller_.output_replaced(now);
   say_again(now);
 }
@@ -191,9 +198,15 @@ void FoldBack::turn_back(Time now) {
 // Between two packets, so that none is lost.
 void FoldBack::back_to_first() {
   out_ = Out::first;
+  tell_neighbours();
   say(FoldMark::last, id());
   greet_on_first();
   if (tail_ && in_ == In::first) say(FoldMark::begin, *tail_);
+}
+
+// Turned back, the output bypasses nobody that could be named: HOP is what ends orphans then.
+void FoldBack::tell_neighbours() {
+  controller_.set_neighbours(from_, to_, out_ == Out::first ? to_ : neighbour(controller_.settings(), 1));
 }
 
 // The next node waits for this before it takes the first line for its input.
@@ -232,6 +245,10 @@ void FoldBack::second_input_up(Time now) {
 
 void FoldBack::second_input_lost(Time now) {
   second_input_up_ = false;
+  lose_tail(now);
+}
+
+void FoldBack::lose_tail(Time now) {
   break_off_second(now);
   if (tail_ && repeats()) say(FoldMark::lost, id());
   forget_tail(now);
@@ -290,6 +307,7 @@ void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
   if (repeats()) second_.put(slice.kind, slice.bytes);
   if (word.mark == FoldMark::begin) {
     tail_ = word.node;
+    tail_due_ = now + kMissed * pause();
     return settle(now);
   }
   if (word.mark == FoldMark::last && tail_ != word.node) return;
@@ -299,6 +317,7 @@ void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
 
 void FoldBack::forget_tail(Time now) {
   tail_.reset();
+  tail_due_ = kNever;
   if (in_ == In::draining) drained(now);
   settle(now);
 }
@@ -321,8 +340,12 @@ void FoldBack::say_again(Time now) {
   if (in_ == In::draining) say(FoldMark::hears, id());
   if (out_ != Out::first) say(FoldMark::begin, id());
   if (in_ == In::first && out_ == Out::first) return;
+  say_again_ = now + pause();
+}
+
+Duration FoldBack::pause() const {
   const Duration beacon = controller_.settings().beacon;
-  say_again_ = now + (beacon.count() != 0 ? beacon : Duration{std::chrono::milliseconds(100)});
+  return beacon.count() != 0 ? beacon : Duration{std::chrono::milliseconds(100)};
 }
 
 void FoldBack::handle_timeout(Time now) {
@@ -333,6 +356,7 @@ void FoldBack::handle_timeout(Time now) {
   }
   if (say_again_ <= now) say_again(now);
   if (drain_due_ <= now) forget_tail(now);
+  if (tail_due_ <= now) lose_tail(now);
   release(now);
 }
 

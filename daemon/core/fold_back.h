@@ -59,7 +59,7 @@ class FoldBack {
   wire::SliceWriter& second_line() { return second_; }
 
   void handle_timeout(Time now);
-  Time deadline() const { return std::min(std::min(patience_, say_again_), drain_due_); }
+  Time deadline() const { return std::min(std::min(patience_, say_again_), std::min(drain_due_, tail_due_)); }
 
  private:
   /// draining: the first line is back, and what is on the second comes first.
@@ -76,6 +76,7 @@ class FoldBack {
   void turn_back(Time now);
   void back_to_first();
   void greet_on_first();
+  void tell_neighbours();
   void put_out(const wire::Slice& slice);
 
   void begin_draining(Time now);
@@ -93,6 +94,8 @@ class FoldBack {
   void break_off_second(Time now);
   void say(wire::FoldMark mark, NodeId node) { wire::put(second_, {mark, node}); }
   void say_again(Time now);
+  void lose_tail(Time now);
+  Duration pause() const;
   NodeId id() const { return controller_.settings().id; }
 
   Controller& controller_;
@@ -119,6 +122,7 @@ class FoldBack {
   Time patience_ = kNever;
   Time say_again_ = kNever;
   Time drain_due_ = kNever;
+  Time tail_due_ = kNever;      ///< the tail has said nothing for so long that it is none any more
 };
 
 }  // namespace limb_ring::core

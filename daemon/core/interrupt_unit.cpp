@@ -35,9 +35,10 @@ wire::ByteView InterruptUnit::start(Time now) {
   return image;
 }
 
-bool InterruptUnit::returned(const wire::PacketFields& packet, std::uint8_t fbc, Time at) {
+bool InterruptUnit::returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at) {
   if (!flight_.is_return(packet)) return false;
   ++counters_.returned_interrupts;
+  if (doubtful) return give_up(at), true;
   const bool sure = !queue_.front().repeated;
   Outcome outcome = Outcome::delivered;
   if (fbc == wire::kFbcUntaken) outcome = sure ? Outcome::no_such_node : Outcome::lost;

@@ -31,7 +31,8 @@ class InterruptUnit {
   wire::ByteView start(Time now);
   bool busy() const { return !flight_.idle(); }
 
-  bool returned(const wire::PacketFields& packet, std::uint8_t fbc, Time at);
+  /// @param doubtful what receivers wrote says nothing (Membership::has_merged): it ends lost
+  bool returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at);
   void returned_damaged(Time at);
   void handle_timeout(Time now) {
     if (!queue_.empty()) end_overdue(now);

@@ -94,7 +94,7 @@ void Membership::new_life(Time now) {
   receive_.forget_all();
   pins_.start_over();
   receive_.set_joining(true);
-  hello_out_ = renumbering_ = beacon_out_ = break_known_ = false;
+  hello_out_ = renumbering_ = merged_ = beacon_out_ = break_known_ = false;
   beacon_due_ = break_due_ = drained_at_ = kNever;
   ++boot_;
 }
@@ -139,6 +139,7 @@ void Membership::renumber(Time now) {
   transmit_.data.drop_control();  // nothing goes before the hello; its beacon follows it
   beacon_out_ = hello_out_ = false;
   transmit_.restart_numbers();
+  merged_ = false;
   ++boot_;
   say_hello(now);
 }
@@ -166,6 +167,7 @@ void Membership::came_home(std::uint8_t hop, Time now) {
   input_was_lost_ = input_ != Link::up;
   output_was_lost_ = output_ != Link::up;
   doubled_signs_ = 0;
+  if (!hello_out_ && has_merged(hop, now)) merged_ = true;
   ring_size_ = hop + 1u;
   if (state_ == NodeState::doubled_id) enter(NodeState::joining, now);
   if (settled()) enter(settled_state(), now);

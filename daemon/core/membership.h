@@ -42,9 +42,18 @@ class Membership {
   void output_up(NodeId to, Time now);
   void output_lost(Time now);
   void set_cpu(const CpuReport& report, Time now);
+  void set_neighbours(NodeId before, NodeId next) {
+    input_from_ = before;
+    output_to_ = next;
+  }
   /// The second line stands for the input, for the output (fold_back.h).
   void set_folded(bool input, bool output, Time now);
 
+  /// An own packet came home with that HOP from a ring that has grown together out of two parts: nodes of the
+  /// other part may have missed hellos, so what they say of a packet's number may be of an older one. (ours)
+  bool has_merged(std::uint8_t hop, Time now) const {
+    return settings_.fold_back && ring_size_ != 0 && hop + 1u > ring_size_ && now < fold_over_;
+  }
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);
   /// An own packet came home with a good CRC, whether it matched anything or not.
@@ -58,7 +67,7 @@ class Membership {
   /// After anything that may have ended a send of the NC's own, or used up sequence numbers.
   void settle(Time now) {
     if (transmit_.data.has_control_end()) control_ended(now);
-    if (renumbering_ || transmit_.numbers_exhausted()) renumber_when_settled(now);
+    if (renumbering_ || merged_ || transmit_.numbers_exhausted()) renumber_when_settled(now);
   }
   Time deadline() const { return std::min(std::min(beacon_due_, break_due_), drained_at_); }
 
@@ -136,6 +145,8 @@ class Membership {
   bool input_folded_ = false;
   bool output_folded_ = false;
   bool folded_ = false;           ///< somewhere in the ring
+  bool merged_ = false;           ///< with another part of the ring: numbers begin anew
+  Time fold_over_{};              ///< until then a fold is, or was just now
   unsigned doubled_signs_ = 0;    ///< since an own packet last came home
 };
 

@@ -83,6 +83,7 @@ void Membership::look_for_folds(Time now) {
   if (!settings_.fold_back) return;
   folded_ = input_folded_ || output_folded_;
   for (const NodeId node : settings_.order) folded_ = folded_ || says_folded(peers_[node], now);
+  if (folded_) fold_over_ = now + settings_.beacon + settings_.send_timeout();
   if (!folded_ && state_ != NodeState::open_chain) break_known_ = break_known_ && own_break();
   if (settled()) enter(settled_state(), now);
 }

@@ -237,8 +237,9 @@ void Invariants::fault(NodeId node, Fault fault, Time now) {
   if (fault == Fault::started) ledger_.start(node);
   if (fault == Fault::cpu_reset) ledger_.flush(node);
   if (fault == Fault::cpu_reset || fault == Fault::cancelled) ledger_.cancel(node, now);
-  // The buffers of a line that is replaced are emptied.
-  if (fault == Fault::started || fault == Fault::output_replaced) n.passage.clear();
+  // The buffers of a line that is replaced are emptied, unless what waits goes on over the second line.
+  const bool emptied = fault == Fault::output_replaced && !ring_.settings(node).fold_back;
+  if (fault == Fault::started || emptied) n.passage.clear();
 }
 
 }  // namespace limb_ring::sim

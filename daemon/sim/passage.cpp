@@ -22,16 +22,20 @@ void Passage::came(const Head& head, NodeId destination, int fbc, Time now) {
   coming.push_back({head.code_byte, head.source, destination, fbc, now});
 }
 
-// Packets of a kind leave in the order in which they came; those before it were dropped.
+// Packets of a kind leave in the order in which they came; those before it were dropped. One that was
+// dropped may look like a later one but for its FBC.
 void Passage::went(const Head& head, const Tail& tail, Time now) {
   auto& coming = head.code.interrupt ? interrupts_ : data_;
   const auto is_it = [&](const Coming& c) {
     return c.code_byte == head.code_byte && c.source == head.source && c.destination == tail.destination;
   };
-  const auto it = std::find_if(coming.begin(), coming.end(), is_it);
+  const auto as_is_due = [&](const Coming& c) { return is_it(c) && (c.fbc == kAnyFbc || c.fbc == tail.fbc); };
+  auto it = std::find_if(coming.begin(), coming.end(), as_is_due);
+  const bool due = it != coming.end();
+  if (!due) it = std::find_if(coming.begin(), coming.end(), is_it);
   const std::string at = " at node " + std::to_string(id_);
   if (it == coming.end()) return complain_(Promise::true_fbc, name(head, tail) + " left without having come in" + at);
-  if (it->fbc != kAnyFbc && it->fbc != tail.fbc)
+  if (!due)
     complain_(Promise::true_fbc, name(head, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
                                      std::to_string(it->fbc) + at);
   if (head.code.interrupt) check_wait(it->at, now, name(head, tail));

@@ -83,7 +83,7 @@ void RandomFaults::pass(const wire::Slice& slice, wire::SliceWriter& arriving) {
   if (slice.bytes.empty()) return;
   std::memcpy(bytes, slice.bytes.data, slice.bytes.size);
   if (quiet_ || !once_in(damage_)) return;
-  bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1u << random(8));
+  bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1 + random(255));
 }
 
 // ---- what happens ---------------------------------------------------------------------------
