@@ -78,11 +78,13 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
               nodes_.advertiseService("send_interrupt", &Services::send_interrupt, this),
               nodes_.advertiseService("stop", &Services::stop, this),
               nodes_.advertiseService("resume", &Services::resume, this)};
+  faults_.emplace(nodes_, ring_, door_.node);
   threads_.start();
 }
 
 Services::~Services() {
   for (auto& server : servers_) server.shutdown();
+  faults_.reset();
   threads_.stop();
 }
 

@@ -7,14 +7,16 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include <optional>
 #include <string>
 
 #include "config/ring_config.h"
 #include "ros_bridge/command_in.h"
+#include "ros_bridge/fault_services.h"
 
 namespace limb_ring::bridge {
 
-/// `reset_node`, `send_interrupt`, `stop`, `resume`.
+/// `reset_node`, `send_interrupt`, `stop`, `resume`, and those of FaultServices.
 ///
 /// A call may take seconds, so calls have a queue and threads of their own, and each opens a
 /// connection of its own to the daemon, as any tool may: joint data does not wait for them.
@@ -46,6 +48,7 @@ class Services {
   ros::NodeHandle nodes_;
   ros::AsyncSpinner threads_;
   std::vector<ros::ServiceServer> servers_;
+  std::optional<FaultServices> faults_;
 };
 
 }  // namespace limb_ring::bridge

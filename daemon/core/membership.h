@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "core/counters.h"
 #include "core/events.h"
@@ -32,6 +33,14 @@ class Membership {
   /// Nodes in the ring, from the HOP of own packets that came home; 0 while none has.
   unsigned ring_size() const { return ring_size_; }
   const Peers& peers() const { return peers_; }
+  struct BrokenLine {
+    NodeId before, behind;
+  };
+  /// As the node behind it, or that node itself, says. Nothing where the ring is whole as far as is known.
+  std::optional<BrokenLine> broken_line() const {
+    if (!break_known_) return std::nullopt;
+    return BrokenLine{break_before_, break_behind_};
+  }
   /// Users may send.
   bool accepts_sends() const {
     return state_ == NodeState::open_chain || settled();
@@ -52,7 +61,7 @@ class Membership {
   /// An own packet came home with that HOP from a ring that has grown together out of two parts: nodes of the
   /// other part may have missed hellos, so what they say of a packet's number may be of an older one. (ours)
   bool has_merged(std::uint8_t hop, Time now) const {
-    return settings_.fold_back && ring_size_ != 0 && hop + 1u > ring_size_ && now < fold_over_;
+    return merged_ || (settings_.fold_back && ring_size_ != 0 && hop + 1u > ring_size_ && now < fold_over_);
   }
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);

@@ -5,8 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <system_error>
 
@@ -43,8 +46,25 @@ std::string holder_of(const std::string& path) {
   return program.empty() ? text : text + " (" + program + ")";
 }
 
-void write_pid(int fd, const std::string& path) {
-  const std::string text = std::to_string(getpid()) + "\n";
+/// Our arguments without the program, one a line.
+std::string own_arguments() {
+  std::ifstream file("/proc/self/cmdline");
+  std::string program;
+  std::getline(file, program, '\0');
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::replace(text.begin(), text.end(), '\0', '\n');
+  return text;
+}
+
+std::string own_description() {
+  namespace fs = std::filesystem;
+  std::error_code unknown;  // leaves its line empty
+  return std::to_string(getpid()) + '\n' + fs::read_symlink("/proc/self/exe", unknown).string() + '\n' +
+         fs::current_path(unknown).string() + '\n' + own_arguments();
+}
+
+void write_holder(int fd, const std::string& path) {
+  const std::string text = own_description();
   const bool written = ftruncate(fd, 0) == 0 &&
                        pwrite(fd, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
   if (!written) fail("cannot write " + path);
@@ -73,7 +93,7 @@ NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::u
       throw std::runtime_error("node " + std::to_string(id) + " (" + name + ") of ring " + ring +
                                " is held by " + holder_of(path));
     }
-    write_pid(fd_, path);
+    write_holder(fd_, path);
   } catch (...) {
     close(fd_);
     throw;

@@ -5,7 +5,8 @@
 
 namespace limb_ring::host {
 
-/// Holds a node for one daemon: a lock on DIRECTORY/ID.lock, whose text is the holder's pid. The
+/// Holds a node for one daemon: a lock on DIRECTORY/ID.lock. Its text says who the holder is, and how to
+/// start it again once it is dead: pid, program, working folder, then the arguments, one a line. The
 /// kernel gives it up when the process ends, however it ends; children do not inherit it.
 class NodeLock {
  public:

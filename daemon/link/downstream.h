@@ -29,12 +29,17 @@ class Downstream {
   /// Whole framed slices. What the socket does not take waits inside, up to a limit, beyond
   /// which the line counts as ended.
   virtual void write(wire::ByteView slices) = 0;
+  /// One slice that is to go behind the next one, though it keeps its place in the sequence.
+  /// @return false: this line knows no such thing, or not now; nothing was taken.
+  virtual bool hold_back(wire::ByteView) { return false; }
   virtual bool drained() const = 0;
   /// Reads what has come, as if the event loop had said so.
   virtual void read() = 0;
   /// Called now and then until accepted: asks again where questions can get lost.
   virtual void ask_again() = 0;
   virtual void close() = 0;
+  /// As close, but the other end is not told: the wire is gone, not we.
+  virtual void sever() { close(); }
 };
 
 }  // namespace limb_ring::link

@@ -7,6 +7,9 @@
 
 namespace limb_ring::link {
 
+/// The reason of an input that was lost because nothing came for `silence`.
+constexpr std::string_view kSilent = "silent";
+
 /// What comes out of an Input. Calls come from the event loop, never from inside a call into the
 /// Input. A handler may close() the Input; nothing is called after that.
 struct InputHandler {

@@ -55,8 +55,35 @@ void Output::write(wire::ByteView framed_slices) {
   current_->write(framed_slices);
 }
 
+void Output::write_late(wire::ByteView framed_slice) {
+  if (!current_ || !current_->hold_back(framed_slice)) return write(framed_slice);
+  counters_.bytes += framed_slice.size;
+}
+
+void Output::set_wire(Wire wire) {
+  if (closed_ || wire == wire_) return;
+  wire_ = wire;
+  if (wire == Wire::whole) return advance(Clock::now());
+  give_up_attempts(Clock::now());
+  if (wire == Wire::cut && current_) cut();
+}
+
+// They count as busy, which is alive: once the wire is whole, each is asked again before it is passed over.
+void Output::give_up_attempts(Time now) {
+  for (auto& [candidate, attempt] : attempts_) {
+    attempt.line->sever();
+    successor_.busy(candidate, now);
+  }
+  attempts_.clear();
+}
+
+void Output::cut() {
+  current_->sever();
+  lose(Successor::Loss::ended, "the wire is cut");
+}
+
 void Output::advance(Time now) {
-  if (closed_) return;
+  if (closed_ || wire_ != Wire::whole) return;
   while (const auto candidate = successor_.next(now)) {
     if (!attempt(*candidate, now)) successor_.absent(*candidate, now);
   }
@@ -175,7 +202,7 @@ void Output::tick_current(Time now) {
 }
 
 void Output::write_idle() {
-  if (!current_->drained()) return;
+  if (!current_->drained() || wire_ != Wire::whole) return;
   ++counters_.idle_slices;
   wire::SliceWriter idle;
   idle.put(wire::SliceKind::idle, {});

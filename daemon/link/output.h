@@ -38,6 +38,13 @@ struct OutputSettings {
   Timing timing;
 };
 
+/// What has become of the wire behind an Output (ours: faults on purpose).
+enum class Wire : std::uint8_t {
+  whole,
+  held,  ///< nothing passes for now, not even idles; what is connected stays so
+  cut    ///< broken: what was connected is lost, the other end is not told
+};
+
 /// The sending end of the link OUT of a node: connected to the nearest living node in ring order
 /// (bypass). While it bypasses somebody, it goes on asking those, and goes back to the first
 /// that answers. A neighbour that says nothing for `silence` is dead or frozen, and lost.
@@ -54,6 +61,9 @@ class Output final : private Downstream::Owner {
   /// @param framed_slices whole slices. All are taken: what the socket does not take waits
   ///        inside, what is given while down() or after a failure is discarded and counted.
   void write(wire::ByteView framed_slices);
+  /// One slice that overtakes itself: over UDP its datagram keeps its place in the sequence and is sent behind
+  /// the next one. Elsewhere, and where something waits inside, it goes as with write().
+  void write_late(wire::ByteView framed_slice);
   /// Connected, and nothing waits inside.
   bool ready() const { return current_ && current_->drained(); }
   bool up() const { return current_ != nullptr; }
@@ -61,6 +71,10 @@ class Output final : private Downstream::Owner {
   std::uint8_t to() const { return settings_.candidates[*successor_.current()].id; }
   /// How many nodes, dead or frozen, lie between us and to(). @pre up()
   std::size_t bypassed() const { return *successor_.current(); }
+
+  /// While the wire is not whole nobody is asked for: it is the wire that is gone, not the node
+  /// behind it, so there is no bypass. Cutting it calls the handler's on_output_lost.
+  void set_wire(Wire wire);
 
   /// Hangs up. No call of the handler afterwards.
   void close();
@@ -83,6 +97,8 @@ class Output final : private Downstream::Owner {
   bool attempt(std::size_t candidate, Time now);
   std::shared_ptr<Downstream> make_line(std::size_t candidate);
   void abandon(std::size_t candidate);
+  void give_up_attempts(Time now);
+  void cut();
   void use(std::size_t candidate);
   void lose(Successor::Loss loss, std::string_view reason);
   void hang_up(std::string_view reason);
@@ -101,6 +117,7 @@ class Output final : private Downstream::Owner {
   Silence silence_;
   Ticker ticker_;
   std::size_t ticks_ = 0;
+  Wire wire_ = Wire::whole;
   bool wrote_ = false;  ///< since the last tick
   bool closed_ = false;
 };

@@ -33,6 +33,23 @@ UdpBatch::UdpBatch(const Identity& self, OutputCounters& counters)
 void UdpBatch::start_session(std::uint64_t session) {
   head_.session = session;
   head_.sequence = 1;
+  late_.clear();
+}
+
+bool UdpBatch::hold_back(wire::ByteView slice) {
+  if (!late_.empty()) return false;
+  size_ = 0;
+  append(slice);
+  late_.assign(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size_));
+  return true;
+}
+
+// What the kernel does not take is lost, as on the wire.
+void UdpBatch::send_late(int socket) {
+  const bool sent = send_run(socket, {late_.data(), late_.size()}, late_.size()) >= 0;
+  ++counters_.writes;
+  ++(sent ? counters_.datagrams : counters_.datagrams_unsent);
+  late_.clear();
 }
 
 UdpBatch::Result UdpBatch::send(int socket, wire::ByteView slices) {
@@ -41,6 +58,7 @@ UdpBatch::Result UdpBatch::send(int socket, wire::ByteView slices) {
     const Run run = fill(slices.from(result.taken));
     if (transmit(socket, run, result.status)) {
       result.taken += run.slices;
+      if (!late_.empty()) send_late(socket);
     } else if (result.status != Status::sent) {
       break;
     }
@@ -51,7 +69,7 @@ UdpBatch::Result UdpBatch::send(int socket, wire::ByteView slices) {
 UdpBatch::Run UdpBatch::fill(wire::ByteView slices) {
   Run run;
   size_ = 0;
-  const std::uint32_t most = joined_ ? kMaxRun : 1;
+  const std::uint32_t most = joined_ && late_.empty() ? kMaxRun : 1;
   while (run.slices < slices.size && run.count < most && size_ < kMaxRunBytes) {
     const wire::ByteView rest = slices.from(run.slices);
     const std::size_t size = slice_size(rest);

@@ -23,6 +23,9 @@ class UdpBatch {
   void start_session(std::uint64_t session);
   /// @param slices whole slices, framed
   Result send(int socket, wire::ByteView slices);
+  /// This slice has its place in the sequence now, but is sent behind the next datagram: it comes late.
+  /// @return false, and not taken: one is late already
+  bool hold_back(wire::ByteView slice);
   /// For kernels without UDP_SEGMENT; they are found out by themselves. Also for tests.
   void send_singly() { joined_ = false; }
 
@@ -36,12 +39,14 @@ class UdpBatch {
   void append(wire::ByteView slice);
   /// @return true: done with this run. False: `status` says why not.
   bool transmit(int socket, const Run& run, Status& status);
+  void send_late(int socket);
 
   Head head_;
   OutputCounters& counters_;
   std::vector<std::uint8_t> buffer_;
   std::size_t size_ = 0;
   bool joined_ = true;
+  std::vector<std::uint8_t> late_;  ///< a whole datagram
 };
 
 }  // namespace limb_ring::link

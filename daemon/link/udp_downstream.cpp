@@ -81,6 +81,10 @@ void UdpDownstream::write(wire::ByteView slices) {
   if (!backlog_.add(slices.from(taken))) fail("too much waits for it");
 }
 
+bool UdpDownstream::hold_back(wire::ByteView slice) {
+  return !failed_ && open() && backlog_.empty() && batch_.hold_back(slice);
+}
+
 std::size_t UdpDownstream::send(wire::ByteView slices) {
   const UdpBatch::Result result = batch_.send(socket_.native_handle(), slices);
   if (result.status == UdpBatch::Status::gone) fail("nobody listens there");
@@ -124,11 +128,15 @@ void UdpDownstream::fail(std::string reason) {
 }
 
 void UdpDownstream::close() {
+  if (open() && socket_.is_open() && accepted_) tell(HeadType::bye);
+  sever();
+}
+
+void UdpDownstream::sever() {
   if (!open()) return;
   owner_ = nullptr;
   counters_.discarded += backlog_.size();
   boost::system::error_code ignored;
-  if (socket_.is_open() && accepted_) tell(HeadType::bye);
   socket_.close(ignored);
 }
 

@@ -20,10 +20,12 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
                 std::size_t candidate, Owner& owner, OutputCounters& counters);
   bool start() override;
   void write(wire::ByteView slices) override;
+  bool hold_back(wire::ByteView slice) override;
   bool drained() const override { return !failed_ && backlog_.empty(); }
   void read() override;
   void ask_again() override;
   void close() override;
+  void sever() override;
 
  private:
   bool open() const { return owner_ != nullptr; }

@@ -197,7 +197,7 @@ void UdpInput::tick(Time now) {
   if (!from_ || !silence_.still()) return;
   ++report_.counters.silences;
   tell(HeadType::refuse, session_, Refusal::unknown_session);
-  lose("silent");
+  lose(kSilent);
 }
 
 void UdpInput::drop_old_offers(Time now) {

@@ -137,7 +137,7 @@ void UnixInput::tick(Time now) {
   stream_->read();  // we may have been the one that slept
   if (!stream_ || !silence_.still()) return;
   ++report_.counters.silences;
-  lose("silent");
+  lose(kSilent);
 }
 
 void UnixInput::tick_guests(Time now) {

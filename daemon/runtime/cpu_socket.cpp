@@ -18,7 +18,8 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& en
       engine_(engine),
       host_(host),
       changed_(std::move(changed)),
-      supervisor_(io, std::move(options), *this) {}
+      supervisor_(io, std::move(options), *this),
+      next_reading_(io) {}
 
 void CpuSocket::start() {
   supervisor_.start();
@@ -54,13 +55,25 @@ void CpuSocket::spoke() {
 void CpuSocket::hand_over() {
   core::ReceivedPacket packet;
   core::Controller& controller = engine_.controller();
-  while ((is_sink() || host_.cpu_can_take()) && controller.take(engine_.now(), packet)) {
+  while (reading_.may_take(engine_.now()) && (is_sink() || host_.cpu_can_take()) &&
+         controller.take(engine_.now(), packet)) {
+    reading_.took(engine_.now());
     if (is_sink())
       ++read_by_sink_;
     else
       host_.give(client::PacketView{packet.source, packet.destination, packet.priority, packet.channel,
                                     packet.bytes()});
   }
+  if (reading_.next() != core::kNever && controller.received_waiting() != 0) hand_over_later();
+}
+
+void CpuSocket::hand_over_later() {
+  next_reading_.expires_at(engine_.clock().steady(reading_.next()));
+  next_reading_.async_wait([this](const boost::system::error_code& error) {
+    if (error) return;
+    hand_over();
+    engine_.pump();
+  });
 }
 
 CpuReport CpuSocket::reset(const std::string& reason) {

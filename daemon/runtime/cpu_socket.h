@@ -3,6 +3,7 @@
 #include "config/ring_config.h"
 #include "host/host_server.h"
 #include "runtime/engine.h"
+#include "runtime/reading.h"
 #include "runtime/supervisor/cpu_supervisor.h"
 
 namespace limb_ring::runtime {
@@ -27,12 +28,15 @@ class CpuSocket final : private CpuEvents {
 
   /// Hands over what the receive buffers hold, by priority, as far as the CPU takes it.
   void hand_over();
+  Reading& reading() { return reading_; }
 
   /// @name Pins
   ///@{
   /// Kills and restarts the CPU, whatever state it is in; nothing stale is left for the new one.
   CpuReport reset(const std::string& reason);
   void interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor);
+  /// Off with its node: a child is killed and reaped at once; an outside process has a power of its own.
+  void kill() { supervisor_.kill(); }
   CpuReport signal(int number) { return supervisor_.signal(number); }
   CpuReport run(const std::vector<std::string>& command) { return supervisor_.run(command); }
   ///@}
@@ -45,6 +49,7 @@ class CpuSocket final : private CpuEvents {
   bool is_sink() const { return kind_ == config::CpuConfig::Kind::none; }
   void on_cpu_changed() override;
   void report();
+  void hand_over_later();
   void drop_client();
 
   config::CpuConfig::Kind kind_;
@@ -53,6 +58,8 @@ class CpuSocket final : private CpuEvents {
   host::HostServer& host_;
   std::function<void()> changed_;
   CpuSupervisor supervisor_;
+  Reading reading_;
+  boost::asio::steady_timer next_reading_;
   core::CpuReport reported_;
   std::uint32_t sink_boots_ = 1;
   std::uint64_t sink_resets_ = 0;

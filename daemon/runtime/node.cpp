@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "limb_ring/ring_directory.h"
+#include "runtime/anew.h"
 #include "runtime/owners.h"
 #include "setup/core_settings.h"
 
@@ -22,15 +23,28 @@ std::uint64_t boot_number() {
                                         .count());
 }
 
-CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig& node) {
+/// As they are before the daemon pins itself, which its CPU and its next life are not to share.
+std::optional<cpu_set_t> own_cores(const config::RingConfig& ring) {
+  cpu_set_t cores;
+  if (ring.realtime.cores.empty() || ::sched_getaffinity(0, sizeof cores, &cores) != 0) return std::nullopt;
+  return cores;
+}
+
+CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig& node,
+                       const std::optional<cpu_set_t>& cores) {
   CpuOptions options;
   options.cpu = node.cpu;
   options.environment = {
       {"LIMB_RING_RING", ring.ring}, {"LIMB_RING_NODE", std::to_string(node.id)}, {"LIMB_RING_CONFIG", ring.path}};
   options.boot_timeout = ring.timeouts.cpu_boot;
-  cpu_set_t cores;  // as they are before the daemon pins itself: the CPUs are not to share its core
-  if (!ring.realtime.cores.empty() && ::sched_getaffinity(0, sizeof cores, &cores) == 0) options.affinity = cores;
+  options.affinity = cores;
   return options;
+}
+
+fault::RingNodes fault_nodes(const config::RingConfig& ring) {
+  fault::RingNodes nodes;
+  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), node.id});
+  return nodes;
 }
 
 host::HostOptions host_options(const config::RingConfig& ring, const config::NodeConfig& node,
@@ -48,17 +62,18 @@ std::int64_t clock_ns() {
 Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config)
     : ring_(ring),
       config_(config),
+      cores_(own_cores(ring)),
       directory_(make_ring_directory(ring.ring)),
       lock_(directory_, ring.ring, config.id, config.name),
-      engine_(io, setup::core_settings(ring, config, boot_number()), input_settings(ring, config, directory_),
-              output_settings(ring, config, directory_), *this),
+      engine_(io, setup::core_settings(ring, config, boot_number()), link_settings(ring, config, directory_), *this),
       host_(io, host_options(ring, config, directory_), *this),
       observers_(host_),
       packet_observers_(config.id, engine_, host_),
-      cpu_(io, cpu_options(ring, config), engine_, host_, [this] { cpu_changed(); }),
+      cpu_(io, cpu_options(ring, config, cores_), engine_, host_, [this] { cpu_changed(); }),
       pins_(config.pins, cpu_),
       traffic_(io, engine_),
       orders_(io, engine_, [this](wire::NodeId node) { return cpu_of(node); }),
+      faults_(io, fault_nodes(ring), engine_, cpu_),
       requests_(*this) {
   if (config::supervisor_of(ring).id == config.id)
     supervisor_.emplace(io, ring, engine_.clock(), orders_, [this](wire::NodeId node) { return sighting_of(node); });
@@ -73,9 +88,20 @@ void Node::stop(std::function<void()> done) {
   if (supervisor_) supervisor_->stop();
   traffic_.stop();
   orders_.stop();
+  faults_.stop();
   engine_.close();
   host_.close();
   cpu_.stop(std::move(done));
+}
+
+void Node::power_cycle() {
+  faults_.stop();
+  cpu_.kill();
+  begin_anew(cores_);
+}
+
+const config::NodeConfig& Node::next() const {
+  return ring_.nodes[(setup::index_of(ring_, config_) + 1) % ring_.nodes.size()];
 }
 
 // ---- from the network controller ----------------------------------------------------------
@@ -97,6 +123,7 @@ void Node::handle(const core::SendEnded& ended) {
   if (ended.outcome == core::Outcome::delivered) round_trips_.add(ended.round_trip);
   if (ended.owner == kTrafficOwner) return traffic_.on_ended(ended);
   if (ended.owner == kOrdersOwner) return orders_.on_ended(ended);
+  if (ended.owner == kBabbleOwner) return faults_.on_ended(ended);
   const auto round_trip = std::chrono::duration_cast<std::chrono::nanoseconds>(ended.round_trip);
   host_.result(ended.owner, {ended.token, static_cast<Outcome>(ended.outcome), round_trip, ended.tries,
                              core::to_string(ended.reject)});
@@ -114,6 +141,7 @@ void Node::handle(const core::PinPulled& pin) {
 }
 
 void Node::handle(const core::StateChanged& change) {
+  if (change.after == core::NodeState::open_chain) broken_since_ = engine_.now();
   const auto& membership = engine_.controller().membership();
   spdlog::info("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size());
   observers_.tell("state", {{"before", to_string(change.before)},
@@ -191,6 +219,7 @@ void Node::cpu_changed() {
   spdlog::info("CPU {} (pid {}, boot {})", to_string(status.state), status.pid, status.boots);
   observers_.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
   orders_.on_cpu_changed(config_.id);
+  if (status.boots != std::exchange(cpu_boots_, status.boots)) faults_.cpu_booted();
 }
 
 CpuSighting Node::sighting_of(wire::NodeId node) const {

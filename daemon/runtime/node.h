@@ -1,14 +1,18 @@
 #pragma once
 
+#include <sched.h>
+
 #include <boost/asio/io_context.hpp>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "config/ring_config.h"
 #include "host/host_server.h"
 #include "host/node_lock.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/engine.h"
+#include "runtime/faults.h"
 #include "runtime/observe_order.h"
 #include "runtime/observers.h"
 #include "runtime/orders.h"
@@ -32,6 +36,9 @@ class Node final : private EngineListener, private host::HostHandler {
   void start();
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(std::function<void()> done);
+  /// Off and on again at once, as far as a process can: no goodbye to anybody, the CPU of its own killed, and
+  /// the same program anew under the same pid. @throw std::system_error where that cannot be had
+  [[noreturn]] void power_cycle();
 
   /// @name For requests and status
   ///@{
@@ -42,8 +49,13 @@ class Node final : private EngineListener, private host::HostHandler {
   PinBoard& pins() { return pins_; }
   Traffic& traffic() { return traffic_; }
   Orders& orders() { return orders_; }
+  Faults& faults() { return faults_; }
+  /// The configured one behind this.
+  const config::NodeConfig& next() const;
   /// Nothing where another node is the ring's supervisor.
   const std::optional<RingSupervisor>& supervisor() const { return supervisor_; }
+  /// When this node came to know of a broken line.
+  core::Time broken_since() const { return broken_since_; }
   const RoundTrips& round_trips() const { return round_trips_; }
   const host::HostServer& host() const { return host_; }
   ///@}
@@ -77,6 +89,7 @@ class Node final : private EngineListener, private host::HostHandler {
 
   const config::RingConfig& ring_;
   const config::NodeConfig& config_;
+  std::optional<cpu_set_t> cores_;  ///< before the daemon pinned itself, where it does
   std::string directory_;
   host::NodeLock lock_;
   Engine engine_;
@@ -87,8 +100,11 @@ class Node final : private EngineListener, private host::HostHandler {
   PinBoard pins_;
   Traffic traffic_;
   Orders orders_;
+  Faults faults_;
   std::optional<RingSupervisor> supervisor_;
   RoundTrips round_trips_;
+  core::Time broken_since_{};
+  std::uint32_t cpu_boots_ = 0;
   Requests requests_;
 };
 

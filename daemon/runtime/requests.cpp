@@ -6,6 +6,7 @@
 #include <map>
 
 #include "limb_ring/host_port.h"
+#include "runtime/fault_requests.h"
 #include "runtime/node.h"
 #include "runtime/request_fields.h"
 #include "runtime/status.h"
@@ -35,18 +36,24 @@ nlohmann::json end_of(const core::SendEnded& ended) {
 
 void Requests::handle(const std::string& text, const Answer& answer) {
   using Handler = void (Requests::*)(const Json&, const Answer&);
+  using FaultHandler = void (*)(Node&, const Json&, const Answer&);
   static const std::map<std::string, Handler> handlers{
       {"config", &Requests::config}, {"latch", &Requests::latch},   {"ping", &Requests::ping},
       {"reset", &Requests::reset},   {"shutdown", &Requests::shutdown}, {"status", &Requests::status},
       {"stop", &Requests::stop},     {"sync", &Requests::sync}};
+  static const std::map<std::string, FaultHandler> fault_handlers{
+      {"clear_faults", clear_faults}, {"fault", begin_fault}, {"faults", list_faults}, {"remove_fault", remove_fault}};
   try {
     const Json request = Json::parse(text, nullptr, false);
     if (!request.is_object() || !request.contains("do") || !request["do"].is_string())
       throw RequestError("a request is a JSON object {\"do\": \"...\", ...}");
+    const auto fault_handler = fault_handlers.find(request["do"].get<std::string>());
+    if (fault_handler != fault_handlers.end()) return fault_handler->second(node_, request, answer);
     const auto handler = handlers.find(request["do"].get<std::string>());
     if (handler == handlers.end())
       throw RequestError("no request '" + request["do"].get<std::string>() +
-                         "'; there are config, latch, ping, reset, shutdown, status, stop, sync");
+                         "'; there are clear_faults, config, fault, faults, latch, ping, remove_fault, reset, "
+                         "shutdown, status, stop, sync");
     (this->*handler->second)(request, answer);
   } catch (const std::exception& error) {
     answer({{"error", error.what()}});

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "runtime/node.h"
+#include "runtime/supervisor/process_state.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -13,6 +14,7 @@ json cpu_json(CpuSocket& cpu) {
   const CpuStatus s = cpu.status();
   return {{"kind", to_string(s.kind)},
           {"pid", s.pid > 0 ? json(s.pid) : json()},
+          {"stopped", s.pid > 0 && is_stopped(s.pid)},
           {"boots", s.boots},
           {"state", to_string(s.state)},
           {"silent_ms", s.silent.count()},
@@ -39,6 +41,8 @@ json counters_json(Node& node) {
                          [&](const char* name, std::uint64_t value) { all[std::string("input_") + name] = value; });
   link::for_each_counter(node.engine().output().counters(),
                          [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
+  node.engine().faulty_line().counters().each(
+      [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
   const host::HostCounters& h = node.host().counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full;
   all["host_garbage"] = h.garbage + h.never_greeted;
@@ -47,6 +51,20 @@ json counters_json(Node& node) {
   all["host_captured_lost"] = h.captured_lost;
   all["host_interrupts_lost"] = h.interrupts_lost;
   return all;
+}
+
+/// The node behind a break knows when its input fell silent; the others, when they were told.
+json broken_line_json(Node& node) {
+  const auto line = node.engine().controller().membership().broken_line();
+  if (!line) return {};
+  const Engine& engine = node.engine();
+  const bool behind = line->behind == node.config().id;
+  const core::Time since = behind ? engine.input_lost_at() : node.broken_since();
+  json broken{{"before", line->before},
+              {"behind", line->behind},
+              {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
+  if (behind) broken["noticed_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
+  return broken;
 }
 
 json heard_json(Node& node) {
@@ -112,6 +130,8 @@ json status_row(Node& node) {
            {"round_trip_us", to_json(node.round_trips().get())},
            {"received", engine.controller().counters().received_data},
            {"waiting", engine.controller().received_waiting()},
+           {"broken_line", broken_line_json(node)},
+           {"faults", node.faults().list()},
            {"counters", counters_json(node)},
            {"heard", heard_json(node)}};
   if (node.supervisor()) row["supervisor"] = supervisor_json(node);

@@ -65,12 +65,12 @@ void Invariants::check_head(NodeId node, const Head& head) {
   if (head.hop >= ring_.size()) complain(Promise::no_circling, what + ": it has gone round");
 }
 
-// What of a node that is gone was still on its way is through after a time-out.
+// What of a node that is gone was still on its way is through after a time-out, or so long after a line let it go.
 void Invariants::check_source(NodeId node, const Head& head, Time now) {
   if (head.source >= ring_.size()) return;
   const auto& away = at(head.source).away_since;
   const core::Settings& settings = ring_.settings(node);
-  if (away && now - *away > settings.send_timeout() + settings.worst_lap())
+  if (away && now - std::max(*away, late_) > settings.send_timeout() + settings.worst_lap())
     complain(Promise::no_circling, "a packet of node " + std::to_string(head.source) + " goes on through node " +
                                        std::to_string(node) + ", long after its source was gone");
 }
@@ -184,7 +184,9 @@ int Invariants::due_fbc(NodeId node, const Sent* sent, const Tail& tail, const B
   if (after.repeated == before.repeated) return tail.fbc;
   if (is_control(tail)) return least(free);
   if (!sent) return Passage::kAnyFbc;
-  return sent->taken_last_by(node) ? least(std::max<std::size_t>(1, free)) : 0;
+  if (sent->taken_last_by(node)) return least(std::max<std::size_t>(1, free));
+  // Parts of a folded ring that have grown together: its word is of an older number, and its source doubts it.
+  return ring_.settings(node).fold_back ? Passage::kAnyFbc : 0;
 }
 
 void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now) {
@@ -231,6 +233,7 @@ void Invariants::check_insertion(NodeId node) {
 
 void Invariants::fault(NodeId node, Fault fault, Time now) {
   faults_ = true;
+  if (fault == Fault::late_slice) late_ = now;
   Node& n = at(node);
   if (fault == Fault::killed || fault == Fault::frozen) n.away_since = now;
   if (fault == Fault::started || fault == Fault::thawed) n.away_since.reset();

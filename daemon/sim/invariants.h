@@ -73,6 +73,7 @@ class Invariants : public Witness {
   Ledger ledger_;
   std::vector<std::unique_ptr<Node>> nodes_;
   bool faults_ = false;  ///< something was lost, damaged or ended: some bounds are wider
+  Time late_{};          ///< a line has let go of what it held back
   std::optional<Violation> violation_;
 };
 

@@ -100,7 +100,15 @@ void Ledger::forget_settled(Source& s) {
 
 // ---- on the line ----------------------------------------------------------------------------
 
-Ledger::OnLine& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destination) {
+/// Its number is given out anew.
+void Ledger::Slot::begin(std::uint32_t token) {
+  constexpr std::size_t kMostFormer = 32;
+  if (last.token != 0) former.push_back(last);
+  if (former.size() > kMostFormer) former.erase(former.begin());
+  last = {token, {}};
+}
+
+Ledger::Slot& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destination) {
   auto& slots = sources_[source].on_line;
   if (slots.empty()) slots.resize(2 * 256 * 8);
   return slots[(code.interrupt ? 2048u : 0u) + destination * 8u + code.sequence];
@@ -110,16 +118,17 @@ Ledger::OnLine& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId dest
 // first try the first that waits and looks like it (one that is cancelled may end while it leaves, an
 // unconfirmed one ends as it leaves).
 Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time since) {
-  OnLine& slot = on_line_slot(source, code, looks.destination);
-  slot.crcs[code.attempt] = looks.crc;
+  Slot& slot = on_line_slot(source, code, looks.destination);
   const auto over = [&](const Sent* sent) {
     if (!sent || sent->final) return true;
     return sent->ended && (sent->ended_at < since ||
                            (sent->ended_at == since && sent->end.outcome != Outcome::unconfirmed));
   };
-  Sent* before = find(source, slot.token);
-  if (code.attempt > 0 && !over(before) && looks.fit(*before)) return before;
-  slot.token = 0;
+  Sent* before = find(source, slot.last.token);
+  if (code.attempt > 0 && !over(before) && looks.fit(*before)) {
+    slot.last.crcs[code.attempt] = looks.crc;
+    return before;
+  }
   auto& waiting = sources_[source].waiting[looks.lane];
   while (!waiting.empty() && over(find(source, waiting.front()))) waiting.pop_front();
   for (const std::uint32_t token : waiting) {
@@ -127,17 +136,22 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time si
     if (over(sent) || !looks.fit(*sent) || !sent->may_leave(since)) continue;
     sent->left = true;
     sent->refused_at = core::kNever;
-    slot.token = token;
+    slot.begin(token);
+    slot.last.crcs[code.attempt] = looks.crc;
     return sent;
   }
+  slot.begin(0);
   sources_[source].others_send = true;
   return nullptr;
 }
 
 Sent* Ledger::on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc) {
   if (source >= sources_.size()) return nullptr;
-  const OnLine& slot = on_line_slot(source, code, destination);
-  return slot.crcs[code.attempt] == crc ? find(source, slot.token) : nullptr;
+  const Slot& slot = on_line_slot(source, code, destination);
+  if (slot.last.crcs[code.attempt] == crc) return find(source, slot.last.token);
+  const auto is_it = [&](const OnLine& former) { return former.crcs[code.attempt] == crc; };
+  const auto found = std::find_if(slot.former.rbegin(), slot.former.rend(), is_it);
+  return found == slot.former.rend() ? nullptr : find(source, found->token);
 }
 
 void Ledger::come_home(Sent* sent, int fbc, Time at) {

@@ -98,23 +98,29 @@ class Ledger {
     NodeId source;
     std::uint32_t token;  ///< 0: not asked for through the ring
   };
-  /// The last packet with that kind, DID and sequence number.
+  /// A packet with that kind, DID and sequence number.
   struct OnLine {
     std::uint32_t token = 0;
     std::array<std::uint32_t, 4> crcs{};  ///< by try
+  };
+  /// The last ones with it: a line that was held up may let go of one whose number has come round since.
+  struct Slot {
+    OnLine last;
+    std::vector<OnLine> former;
+    void begin(std::uint32_t token);
   };
   struct Source {
     std::deque<Sent> sent;
     std::uint32_t first_token = 1;
     std::array<std::deque<std::uint32_t>, 5> waiting;  ///< by lane, in the order of asking
-    std::vector<OnLine> on_line;                       ///< by kind, DID, sequence
+    std::vector<Slot> on_line;                         ///< by kind, DID, sequence
     bool others_send = false;                          ///< packets left that were not asked for through the ring
     std::uint32_t life = 0;
   };
 
   Sent* find(NodeId source, std::uint32_t token);
   Sent& add(NodeId source, std::uint32_t token, Time now);
-  OnLine& on_line_slot(NodeId source, wire::Code code, NodeId destination);
+  Slot& on_line_slot(NodeId source, wire::Code code, NodeId destination);
   void check_result(const Sent& sent);
   void check_order(const Sent& sent, NodeId node);
   void forget_settled(Source& source);

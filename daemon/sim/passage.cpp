@@ -5,8 +5,9 @@
 namespace limb_ring::sim {
 namespace {
 
-/// More than a node can hold; what was dropped on its way through is forgotten so.
-constexpr std::size_t kMostComing = 128;
+/// More than a node can hold, and than a line without a rate that was held up lets go at one instant (256 KiB of the
+/// smallest packets); what was dropped on its way through is forgotten so.
+constexpr std::size_t kMostComing = 1 << 15;
 
 std::string name(const Head& head, const Tail& tail) {
   return std::string(head.code.interrupt ? "INTP" : "DATP") + " of node " + std::to_string(head.source) + " to " +

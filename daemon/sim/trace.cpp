@@ -30,7 +30,7 @@ std::uint64_t mix(std::uint64_t x) {
 
 const char* to_string(Fault fault) {
   constexpr const char* kNames[] = {"killed", "started", "frozen", "thawed", "cut", "healed", "output replaced",
-                                    "slice lost", "slice damaged", "CPU reset", "sends cancelled"};
+                                    "slice lost", "slice damaged", "slice late", "CPU reset", "sends cancelled"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 

@@ -211,10 +211,19 @@ void VirtualRing::put_on_line(NodeId id, Way way, SliceWriter& slices) {
     slices.clear();
     arriving = &tapped_;
   }
+  carry_off(id, way, *arriving);
+}
+
+void VirtualRing::carry_off(NodeId id, Way way, SliceWriter& slices) {
   const Line& out = line(id, way);
-  if (arriving->empty() || out.cut || out.successor < 0) return arriving->clear();
+  if (slices.empty() || out.cut || out.successor < 0) return slices.clear();
   const auto to = static_cast<NodeId>(out.successor);
-  lanes_[nodes_[to].lane].put(now_, id, to, out.epoch, way == Way::second, *arriving);
+  lanes_[nodes_[to].lane].put(now_, id, to, out.epoch, way == Way::second, slices);
+}
+
+void VirtualRing::put_late(NodeId id, SliceWriter& slices) {
+  tell_fault(id, Fault::late_slice);
+  carry_off(id, Way::first, slices);
 }
 
 void VirtualRing::tell_leaving(NodeId id, wire::ByteView rest) {

@@ -99,6 +99,8 @@ class VirtualRing {
   /// into `arriving` (empty: lost).
   using Tap = std::function<void(const wire::Slice& slice, Time now, wire::SliceWriter& arriving)>;
   void tap(NodeId id, Tap tap) { nodes_[id].tap = std::move(tap); }
+  /// What a tap has held back goes onto the line out of `id` now; leaves `slices` empty.
+  void put_late(NodeId id, wire::SliceWriter& slices);
   /// Told of everything from now on; must outlive the ring.
   void add_witness(Witness& witness) { witnesses_.push_back(&witness); }
   /// Tells the witnesses that a tap lost or damaged something on the line out of `id`, or that its
@@ -180,6 +182,7 @@ class VirtualRing {
   void settle(NodeId id);
   void carry_line(NodeId id);
   void put_on_line(NodeId id, Way way, wire::SliceWriter& slices);
+  void carry_off(NodeId id, Way way, wire::SliceWriter& slices);
   void tell_leaving(NodeId id, wire::ByteView slices);
   void tell_tapped(NodeId id, const wire::Slice& slice, std::size_t before);
   void pass_through_tap(NodeId id, wire::SliceWriter& line);

@@ -12,6 +12,7 @@ enum class Fault : std::uint8_t {
   killed, started, frozen, thawed, cut, healed,
   output_replaced,            ///< its neighbour came or went: its line ends, or leads elsewhere
   lost_slice, damaged_slice,  ///< on the line out of the node
+  late_slice,                 ///< ... had been held back, and goes on
   cpu_reset, cancelled
 };
 

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "sim/invariants.h"
+#include "study/faulty_lines.h"
 
 namespace limb_ring::study {
 
-/// A ring under random traffic and random faults, all of it decided by the seed: bit errors, lost
-/// and cut-off packets, lines that break and heal, nodes that die, freeze and come back, CPUs that
-/// hang or are reset. Every promise of the ring is checked all the time; afterwards all is mended,
-/// and the ring has to be whole again and fall silent.
+/// A ring under random traffic and random faults, all of it decided by the seed: bit errors, lost and cut-off
+/// packets, lines that break and heal, delay, stall and double, nodes that die, freeze and come back, CPUs that
+/// hang or are reset. Every promise of the ring is checked all the time; afterwards all is mended, and the ring
+/// has to be whole again and fall silent.
 class RandomFaults {
  public:
   explicit RandomFaults(std::uint64_t seed);
@@ -41,11 +42,12 @@ class RandomFaults {
 
   void choose_mix();
   void make_ring();
-  void pass(const wire::Slice& slice, wire::SliceWriter& arriving);
+  void pass(wire::NodeId id, const wire::Slice& slice, wire::SliceWriter& arriving);
   void act();
   void send();
   void interrupt();
   void fault();
+  void line_fault(wire::NodeId node);
   void cut(wire::NodeId node);
   void heal(wire::NodeId node);
   void kill_or_start(wire::NodeId node);
@@ -61,11 +63,13 @@ class RandomFaults {
   bool paced_ = false;
   bool fold_back_ = false;
   unsigned drop_ = 0, damage_ = 0, trouble_ = 0;  ///< once in so many slices, slices, steps; 0: never
+  bool doubles_ = false;                          ///< lines double packets, and then hold back for a short time only
   bool quiet_ = false;
   std::uint64_t slices_when_quiet_ = 0;
   std::vector<bool> killed_;                      ///< or else frozen, where not alive
   std::array<unsigned, 7> ended_{};
   std::unique_ptr<sim::VirtualRing> ring_;
+  std::unique_ptr<FaultyLines> lines_;
   std::unique_ptr<sim::Invariants> invariants_;
   std::optional<sim::Violation> violation_;
 };

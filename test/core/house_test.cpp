@@ -69,7 +69,17 @@ TEST(House, TheTestReadsTheSources) {
 }
 
 TEST(House, WireCoreAndSimUseTheStandardLibraryAlone) {
-  for (const char* part : {"wire", "capture", "core", "sim"}) EXPECT_THAT(not_standard(kSource / "daemon" / part), IsEmpty());
+  for (const char* part : {"wire", "capture", "core", "fault", "sim"})
+    EXPECT_THAT(not_standard(kSource / "daemon" / part), IsEmpty());
+}
+
+TEST(House, FaultsAreReadAndWrittenInOneFileAndElseKnowWireAndTimeAlone) {
+  std::vector<std::string> wrong;
+  for (const Include& i : includes_below(kSource / "daemon" / "fault")) {
+    const bool may = i.name == "core/time.h" || part_of(i.name) == "wire" || part_of(i.name) == "fault";
+    if (i.own && !may && i.file != "daemon/fault/parse.cpp") wrong.push_back(i.file + " includes " + i.name);
+  }
+  EXPECT_THAT(wrong, IsEmpty());
 }
 
 TEST(House, CoreHasNoThreadsClocksOrStreams) {
@@ -87,8 +97,9 @@ TEST(House, ArrowsPointOneWay) {
       {"wire", {"wire"}},
       {"capture", {"wire", "capture", "limb_ring"}},
       {"core", {"wire", "core"}},
+      {"fault", {"wire", "core", "config", "fault"}},
       {"sim", {"wire", "core", "sim"}},
-      {"study", {"wire", "capture", "core", "sim", "study", "setup", "config", "payload", "limb_ring"}},
+      {"study", {"wire", "capture", "core", "fault", "sim", "study", "setup", "config", "payload", "limb_ring"}},
       {"setup", {"core", "config", "setup"}},
       {"config", {"wire", "config", "limb_ring"}},
       {"payload", {"wire", "payload", "limb_ring"}},
@@ -97,7 +108,9 @@ TEST(House, ArrowsPointOneWay) {
       {"host", {"wire", "capture", "client", "host", "limb_ring"}},
       {"firmware", {"wire", "payload", "config", "client", "firmware", "limb_ring"}},
       {"runtime",
-       {"wire", "capture", "core", "link", "config", "setup", "host", "client", "payload", "runtime", "limb_ring"}},
+       {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "runtime",
+        "limb_ring"}},
+      {"inject", {"fault", "wire", "inject", "runtime", "limb_ring"}},
   };
   for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;
 }

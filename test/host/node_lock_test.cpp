@@ -34,6 +34,18 @@ TEST_F(NodeLockTest, SaysWhoHoldsTheNode) {
                            " (host_test)");
 }
 
+TEST_F(NodeLockTest, SaysHowToStartTheHolderAgain) {
+  const NodeLock held(directory, "r", 3, "left_knee");
+  std::ifstream file(directory + "/3.lock");
+  std::string pid, program, folder;
+  std::getline(file, pid);
+  std::getline(file, program);
+  std::getline(file, folder);
+  EXPECT_EQ(pid, std::to_string(getpid()));
+  EXPECT_EQ(std::filesystem::path(program).filename(), "host_test");
+  EXPECT_EQ(folder, std::filesystem::current_path());
+}
+
 TEST_F(NodeLockTest, IsPerNode) {
   const NodeLock held(directory, "r", 3, "left_knee");
   EXPECT_NO_THROW(NodeLock(directory, "r", 4, "right_knee"));

@@ -220,7 +220,7 @@ class RingTest(unittest.TestCase):
     def _ringd_of(self, lock):
         try:
             with open(lock) as file:
-                pid = int(file.read() or 0)
+                pid = int(file.readline() or 0)
             with open('/proc/%d/environ' % pid) as file:
                 ours = 'XDG_RUNTIME_DIR=' + self.runtime in file.read().split('\0')
         except (OSError, ValueError):

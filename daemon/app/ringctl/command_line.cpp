@@ -40,6 +40,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_replay(app, context);
   add_top(app, context);
   add_bench(app, context);
+  add_fault(app, context);
   add_scenario(app, context);
 }
 

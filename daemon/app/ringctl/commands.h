@@ -20,6 +20,8 @@ void add_dump(CLI::App& app, Context& context);
 void add_replay(CLI::App& app, Context& context);
 void add_top(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
+void add_fault(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
+void add_scenario_list(CLI::App& scenario, Context& context);  ///< below `scenario`
 
 }  // namespace limb_ring::ringctl

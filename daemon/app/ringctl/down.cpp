@@ -8,9 +8,9 @@
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/commands.h"
-#include "app/ringctl/lock_files.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "inject/lock_files.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
@@ -33,7 +33,7 @@ std::vector<NodeName> nodes_with_sockets(const std::string& ring) {
 bool wait_until_gone(const std::string& folder, Progress& progress) {
   const auto deadline = steady_clock::now() + kPatience;
   for (;;) {
-    const auto held = held_nodes(folder);
+    const auto held = inject::held_nodes(folder);
     if (held.empty()) return true;
     if (steady_clock::now() >= deadline) return false;
     progress.tell("waiting for " + std::to_string(held.size()) + " daemons to end");
@@ -43,7 +43,7 @@ bool wait_until_gone(const std::string& folder, Progress& progress) {
 
 /// A daemon that holds a lock wrote its own pid into it: no stranger is hit.
 void signal_holders(const std::string& folder, int number) {
-  for (const HeldNode& node : held_nodes(folder))
+  for (const inject::HeldNode& node : inject::held_nodes(folder))
     if (node.pid > 0) ::kill(node.pid, number);
 }
 
@@ -62,7 +62,7 @@ void terminate(const std::string& folder) {
 
 bool end_ring(const std::string& ring, const std::string& folder) {
   Progress progress;
-  if (!ask_to_end(ring, held_nodes(folder).size())) terminate(folder);
+  if (!ask_to_end(ring, inject::held_nodes(folder).size())) terminate(folder);
   if (wait_until_gone(folder, progress)) return true;
   terminate(folder);
   if (wait_until_gone(folder, progress)) return true;
@@ -73,14 +73,14 @@ bool end_ring(const std::string& ring, const std::string& folder) {
 int run(const std::string& name) {
   const std::string ring = choose_ring(name);
   const std::string folder = ring_directory(ring);
-  if (held_nodes(folder).empty()) {
-    remove_leftovers(folder);
+  if (inject::held_nodes(folder).empty()) {
+    inject::remove_leftovers(folder);
     throw NoRing("ring " + ring + " is not running");
   }
   if (!end_ring(ring, folder))
-    throw NotDone("ring " + ring + ": " + std::to_string(held_nodes(folder).size()) +
+    throw NotDone("ring " + ring + ": " + std::to_string(inject::held_nodes(folder).size()) +
                   " daemons do not end, not even by SIGKILL");
-  remove_leftovers(folder);
+  inject::remove_leftovers(folder);
   std::cout << "ring " << ring << " is down" << std::endl;
   return kDone;
 }

@@ -4,19 +4,32 @@
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/commands.h"
+#include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/status_table.h"
 #include "app/ringctl/supervision.h"
+#include "inject/lock_files.h"
+#include "limb_ring/ring_directory.h"
+#include "runtime/supervisor/process_state.h"
 
 namespace limb_ring::ringctl {
 
 namespace {
 
+/// Its daemon does not answer: stopped or dead is not the same.
+nlohmann::json absent_row(const std::string& ring, const NodeName& node) {
+  const inject::Holder holder = inject::holder_of(ring_directory(ring), node.id);
+  nlohmann::json row = down_row(node);
+  if (holder.held) row["pid"] = holder.pid;
+  if (holder.held && runtime::is_stopped(holder.pid)) row["state"] = "frozen";
+  return row;
+}
+
 std::vector<nlohmann::json> rows_of(const RingAccess& ring) {
   const auto answers = ask_all(ring.ring(), ring.nodes(), {{"do", "status"}});
   std::vector<nlohmann::json> rows;
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    rows.push_back(answers[i] ? *answers[i] : down_row(ring.nodes()[i]));
+    rows.push_back(answers[i] ? *answers[i] : absent_row(ring.ring(), ring.nodes()[i]));
     rows.back().erase("ring");  // once is enough
   }
   add_verdicts(rows);
@@ -37,7 +50,7 @@ int run(const Context& context, bool json) {
     std::cout << all.dump(2) << '\n';
   } else {
     std::cout << "ring " << ring.ring() << ": " << summary(rows) << '\n'
-              << status_table(rows) << supervision_text(rows);
+              << status_table(rows) << line_report(rows) << supervision_text(rows);
   }
   return kDone;
 }
@@ -47,7 +60,7 @@ int run(const Context& context, bool json) {
 void add_status(CLI::App& app, Context& context) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command =
-      add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down'");
+      add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down', or, stopped, 'frozen'");
   add_json(*command, *json);
   command->callback(
       [&context, json] { context.action = [&context, json] { return run(context, *json); }; });

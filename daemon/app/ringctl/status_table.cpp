@@ -18,10 +18,12 @@ std::string cell(const json& row, const char* pointer, int decimals = 0) {
   return "-";
 }
 
-/// The supervisor's word where it says hung: the node's own network controller says silent, no more.
+/// The supervisor's word where it says hung: the node's own network controller says silent, no more, and
+/// that only of a CPU which has promised to speak.
 std::string cpu_cell(const json& row) {
   const std::string verdict = cell(row, "/cpu/verdict");
-  return verdict == "hung" ? verdict : cell(row, "/cpu/state");
+  if (verdict == "hung") return verdict;
+  return row["cpu"].value("stopped", false) ? "stopped" : cell(row, "/cpu/state");
 }
 
 std::vector<std::string> cells(const json& row) {

@@ -1,3 +1,5 @@
+#include <signal.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -5,10 +7,10 @@
 
 #include "app/ringctl/commands.h"
 #include "app/ringctl/daemons.h"
-#include "app/ringctl/lock_files.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_watch.h"
+#include "inject/lock_files.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
@@ -32,7 +34,7 @@ struct Options {
 };
 
 void require_not_running(const std::string& ring) {
-  if (held_nodes(ring_directory(ring)).empty()) return;
+  if (inject::held_nodes(ring_directory(ring)).empty()) return;
   throw NotDone("ring " + ring + " is running already; 'ringctl down " + ring + "' ends it");
 }
 
@@ -64,6 +66,15 @@ void tell_ended(Daemons& daemons) {
     if (!daemon->ended->clean) std::cerr << "ringctl: " << daemon->obituary() << std::endl;
 }
 
+/// Killed on purpose and started again ('ringctl fault start'), so no children of ours: they end with the ring.
+void end_restarted(const std::string& ring) {
+  for (const inject::HeldNode& node : inject::held_nodes(ring_directory(ring))) {
+    if (node.pid <= 0) continue;
+    ::kill(node.pid, SIGTERM);
+    ::kill(node.pid, SIGCONT);  // one that is stopped would not see it
+  }
+}
+
 /// Until a signal, or until all daemons have ended by themselves (ringctl down).
 int stay(Daemons& daemons, SignalWait& signals) {
   while (daemons.any_running()) {
@@ -89,7 +100,10 @@ int run(const Options& options) {
     throw NotDone("ring " + plan.ring + ": " + problem);
   }
   announce(plan);
-  return options.detach ? kDone : stay(daemons, signals);
+  if (options.detach) return kDone;
+  const int code = stay(daemons, signals);
+  end_restarted(plan.ring);
+  return code;
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ ChildProcess::ChildProcess(boost::asio::io_context& io, ProcessHandle::By by)
     : io_(io), by_(by), exited_(io), child_signals_(io),
       self_(std::make_shared<ChildProcess*>(this)) {}
 
-ChildProcess::~ChildProcess() {
+void ChildProcess::kill() {
   if (child_.pid <= 0) return;
   signal_group(SIGKILL);
   wait_for_end();

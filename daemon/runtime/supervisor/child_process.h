@@ -23,8 +23,8 @@ class ChildProcess {
 
   explicit ChildProcess(boost::asio::io_context& io,
                         ProcessHandle::By by = ProcessHandle::By::pidfd);
-  /// Kills the group, and reaps the child if it goes within a second.
-  ~ChildProcess();
+  /// As kill().
+  ~ChildProcess() { kill(); }
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
@@ -38,6 +38,8 @@ class ChildProcess {
   std::chrono::milliseconds age() const;
   /// Signals the whole group; nothing happens where there is none.
   void signal_group(int number) const;
+  /// Kills the group, and reaps the child if it goes within a second. Nothing is reported.
+  void kill();
   /// True where `pid` is of the child's group.
   bool owns(pid_t pid) const;
 

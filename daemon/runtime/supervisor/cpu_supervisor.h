@@ -81,6 +81,8 @@ class CpuSupervisor {
   /// Kills the CPU, stopped or not, and starts the child again at once; an attached process is
   /// started again by its owner, if it has one. The caller ends its connection.
   CpuReport reset(const std::string& reason);
+  /// Kills and reaps the child at once, for good: nothing is to follow but the end of this process.
+  void kill() { child_.kill(); }
   /// Sends a POSIX signal to the CPU's process.
   CpuReport signal(int number);
   /// Runs the command of a pin wired to `exec`.

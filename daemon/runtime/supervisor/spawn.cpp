@@ -88,14 +88,6 @@ void redirect(int output) {
   ::dup2(output, STDERR_FILENO);
 }
 
-void close_descriptors_on_exec() {
-  if (::syscall(SYS_close_range, 3U, ~0U, kCloseRangeCloexec) == 0) return;
-  rlimit limit{};
-  ::getrlimit(RLIMIT_NOFILE, &limit);
-  const int end = static_cast<int>(std::min(limit.rlim_cur, kMostDescriptors));
-  for (int fd = 3; fd < end; ++fd) ::fcntl(fd, F_SETFD, FD_CLOEXEC);
-}
-
 /// A daemon under SCHED_FIFO must not hand its priority to a CPU that may spin.
 void leave_realtime(const std::optional<cpu_set_t>& affinity) {
   const int policy = ::sched_getscheduler(0);
@@ -119,6 +111,14 @@ void leave_realtime(const std::optional<cpu_set_t>& affinity) {
 }
 
 }  // namespace
+
+void close_descriptors_on_exec() {
+  if (::syscall(SYS_close_range, 3U, ~0U, kCloseRangeCloexec) == 0) return;
+  rlimit limit{};
+  ::getrlimit(RLIMIT_NOFILE, &limit);
+  const int end = static_cast<int>(std::min(limit.rlim_cur, kMostDescriptors));
+  for (int fd = 3; fd < end; ++fd) ::fcntl(fd, F_SETFD, FD_CLOEXEC);
+}
 
 Spawned spawn(const SpawnRequest& request) {
   TextList arguments(request.arguments);

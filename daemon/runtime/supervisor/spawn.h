@@ -33,6 +33,9 @@ struct Spawned {
   UniqueFd exec_error;     ///< see exec_error()
 };
 
+/// All descriptors of this process but 0, 1 and 2 are closed when it executes a program. System calls only.
+void close_descriptors_on_exec();
+
 /// Starts a program with fork and exec, without waiting for either.
 Spawned spawn(const SpawnRequest& request);
 

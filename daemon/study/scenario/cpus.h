@@ -7,8 +7,8 @@
 
 namespace limb_ring::study::scenario {
 
-/// The CPUs of a virtual ring: what runs, hangs, reads nothing or boots, and what their network controllers
-/// know of it. A hang is known at once; the daemon waits for the CPU's `alive_period`.
+/// The CPUs of a virtual ring: what runs, hangs, is slow, reads nothing, crashes or boots, and what their network
+/// controllers know of it. A hang is known at once; the daemon waits for the CPU's `alive_period`.
 class Cpus {
  public:
   /// All run. @param ring not yet started; must outlive this
@@ -20,10 +20,21 @@ class Cpus {
   bool sends(NodeId id) const { return ring_.alive(id) && cpus_[id].running; }
 
   void hang(NodeId id);
+  /// It is well: neither hangs, nor is slow, nor babbles, and it reads.
   void resume(NodeId id);
-  void stop_reading(NodeId id) { ring_.cpu_reads[id] = false; }
+  void stop_reading(NodeId id);
+  /// It takes one packet in each `period` from now on.
+  void slow_down(NodeId id, core::Duration period);
+  /// A CPU has taken a packet.
+  void took_packet(NodeId id) {
+    if (cpus_[id].slow) ring_.cpu_reads[id] = false;
+  }
+  /// It begins to babble, and does so while life() stays the same: until it is well or anew.
+  std::uint64_t life(NodeId id) const { return cpus_[id].life; }
   /// As its reset pin does: everything for and from it is thrown away, and it boots.
   void reset(NodeId id);
+  /// It is gone with all that is for and from it; the daemon's first back-off later it is started again.
+  void crash(NodeId id);
   /// Its node has come up: a first boot, done.
   void started(NodeId id);
 
@@ -31,9 +42,14 @@ class Cpus {
   struct Cpu {
     std::uint32_t boots = 1;
     bool running = true;
-    std::uint64_t epoch = 0;  ///< an end of booting of an earlier life is none of this one
+    bool slow = false;
+    std::uint64_t epoch = 0;    ///< an end of booting of an earlier life is none of this one
+    std::uint64_t life = 0;     ///< a new one with each start and each cure
+    std::uint64_t reading = 0;  ///< of how it reads: what was slow before is none of this
   };
   void tell(NodeId id, wire::CpuState state);
+  void read(NodeId id, bool reads);
+  void read_one_and_wait(NodeId id, core::Duration period);
 
   sim::VirtualRing& ring_;
   std::vector<Cpu> cpus_;

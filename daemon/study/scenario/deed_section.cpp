@@ -1,5 +1,4 @@
-#include <algorithm>
-
+#include "fault/parse.h"
 #include "study/scenario/sections.h"
 
 namespace limb_ring::study::scenario {
@@ -13,33 +12,67 @@ namespace {
 
 constexpr config::IntegerRange kFactors{0, 7};
 constexpr config::IntegerRange kCounts{1, 1000000};
-constexpr const char* kLineOfRing = "a line of the ring: a node -> the next node";
-
-NodeId read_line_of_ring(const Entry& entry) {
-  const Located line = read_line(entry);
-  std::size_t nodes = 0;
-  for (const auto& [name, place] : entry.document().nodes) nodes = std::max<std::size_t>(nodes, place + 1u);
-  if (line.behind != (line.before + 1) % nodes) entry.refuse_value("is no line of it", kLineOfRing);
-  return line.before;
+/// The nodes as the file may call them, in ring order.
+fault::RingNodes ring_nodes(const Entry& entry) {
+  fault::RingNodes nodes;
+  for (const auto& [name, place] : entry.document().nodes) {
+    if (nodes.size() <= place) nodes.resize(place + 1u);
+    const bool number = name.find_first_not_of("0123456789") == std::string::npos;
+    (number ? nodes[place].number : nodes[place].name) = name;
+    nodes[place].id = place;
+  }
+  return nodes;
 }
 
-const Section<Fault>& packets_section() {
-  static const Section<Fault> section{
-      {"line", config::kRequired, kLineOfRing, "The line.",
-       [](const Entry& entry, Fault& fault) { fault.nodes = {read_line_of_ring(entry)}; }},
-      config::integer_option("packets", &Fault::packets, kCounts, "The next so many."),
-      config::integer_option("once_in", &Fault::once_in, kCounts, "On average one in so many, by the seed."),
-      config::time_option("for", &Fault::lasts, 1ns, 3600s, "For so long."),
-  };
-  return section;
+/// Does it, and says of what it refuses where it stands.
+template <class Deed>
+auto at_entry(const Entry& entry, Deed deed) {
+  try {
+    return deed();
+  } catch (const fault::ParseError& error) {
+    entry.refuse(error.problem, error.allowed);
+  }
 }
 
-Fault read_fault(const Entry& entry, const FaultWord& word) {
+/// `A -> B` or nodes, and what the fault is told behind them, in words.
+Fault fault_in_words(const Entry& entry, const std::string& word, const fault::RingNodes& nodes) {
+  const std::string rest = entry.text("what it is of, such as left_hip -> left_knee or left_knee");
+  return at_entry(entry, [&] { return fault::from_words(word + ' ' + rest, nodes); });
+}
+
+/// What the fault is of is read by the others' readers, so that lists of nodes look the same everywhere.
+void read_member(const config::Member& member, Fault& fault, const fault::RingNodes& nodes) {
+  const std::string text = member.name == "nodes" ? "" : member.value.text("a value");
+  at_entry(member.value, [&] {
+    if (member.name == "nodes") return void(fault.nodes = read_nodes(member.value));
+    if (member.name == "line") return void(fault.nodes = fault::from_words("heal " + text, nodes).nodes);
+    fault::set_key(fault, member.name, text, nodes);
+  });
+}
+
+/// `{line: A -> B, KEY: VALUE ...}` or `{nodes: N, ...}`
+Fault fault_in_a_map(const Entry& entry, const fault::Word& word, const fault::RingNodes& nodes) {
+  std::vector<std::string> known{word.of == fault::Of::line ? "line" : "nodes"};
+  for (const fault::KeyWord& key : fault::keys_of(word)) known.emplace_back(key.word);
+  config::check_names(entry, known, {known[0]});
   Fault fault;
   fault.name = word.name;
-  if (word.of == FaultOf::line) fault.nodes = {read_line_of_ring(entry)};
-  if (word.of == FaultOf::packets) read_section(entry, packets_section(), fault);
-  if (word.of == FaultOf::nodes) fault.nodes = read_nodes(entry);
+  for (const config::Member& member : entry.members("")) read_member(member, fault, nodes);
+  if (entry.find("after_packets").has_value() != entry.find("of").has_value())
+    entry.refuse("after_packets and of are not both given", "both, or neither");
+  at_entry(entry, [&] { fault::check(fault); });
+  return fault;
+}
+
+Fault read_fault(const Entry& entry, const fault::Word& word) {
+  const fault::RingNodes nodes = ring_nodes(entry);
+  if (entry.is_scalar()) return fault_in_words(entry, word.word, nodes);
+  if (entry.is_map()) return fault_in_a_map(entry, word, nodes);
+  Fault fault;
+  fault.name = word.name;
+  if (word.of == fault::Of::line) entry.refuse("it is a list", "one line: a node -> the next node");
+  fault.nodes = read_nodes(entry);
+  at_entry(entry, [&] { fault::check(fault); });
   return fault;
 }
 
@@ -85,7 +118,7 @@ Send read_send(const Entry& entry) {
 }  // namespace
 
 void read_deed(const Entry& entry, Step& step) {
-  std::vector<std::string> words = fault_words();
+  std::vector<std::string> words = fault::words();
   words.emplace_back("send");
   config::check_names(entry, words, {});
   const auto members = entry.members("a fault or a send");
@@ -95,8 +128,8 @@ void read_deed(const Entry& entry, Step& step) {
     step.deed = read_send(members[0].value);
     return;
   }
-  for (const FaultWord& word : kFaults)
-    if (members[0].name == word.word) step.deed = read_fault(members[0].value, word);
+  const fault::Word& word = *fault::find_word(members[0].name);
+  step.deed = read_fault(members[0].value, word);
 }
 
 }  // namespace limb_ring::study::scenario

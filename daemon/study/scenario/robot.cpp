@@ -5,6 +5,7 @@
 namespace limb_ring::study::scenario {
 
 using config::PinConfig;
+using fault::Name;
 
 Robot::Robot(const Scenario& scenario, std::uint64_t seed)
     : scenario_(scenario),
@@ -17,9 +18,50 @@ Robot::Robot(const Scenario& scenario, std::uint64_t seed)
   for (unsigned id = 0; id < ring_->size(); ++id)
     members_[id] = &ring_->node(static_cast<NodeId>(id)).membership();
   ring_->on_event = [this](NodeId at, const core::Event& event) { came(event, at); };
-  ring_->on_packet = [this](NodeId, const core::ReceivedPacket& packet) { senders_.came(packet); };
+  ring_->on_packet = [this](NodeId at, const core::ReceivedPacket& packet) {
+    senders_.came(packet);
+    cpus_.took_packet(at);
+  };
+  lines_.tap_all();
   for (const NodeId id : scenario.absent) ring_->kill(id);
 }
+
+// ---- sight and time -------------------------------------------------------------------------
+
+std::optional<wire::Beacon> Robot::heard(NodeId by, NodeId of) const {
+  const core::Peer& peer = members_[by]->peers()[of];
+  return peer.beacon_heard ? std::optional(peer.beacon) : std::nullopt;
+}
+
+std::uint64_t Robot::counter(NodeId id, const std::string& name) const {
+  std::uint64_t count = 0;
+  ring_->counters(id).each([&](const char* each, const char*, std::uint64_t value) {
+    if (name == each) count = value;
+  });
+  return count;
+}
+
+std::optional<Stage::Surprise> Robot::begin() {
+  const bool joined = ring_->join();
+  start_ = ring_->now();
+  if (joined) return std::nullopt;
+  return Surprise{"every node joins", "not within 10 s"};
+}
+
+bool Robot::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
+  const core::Time end = start_ + until;
+  if (ring_->run_until(done, end - ring_->now())) return true;
+  ring_->run_until(end);
+  return done();
+}
+
+std::optional<Stage::Surprise> Robot::broken() const {
+  const auto& violation = ring_->violation();
+  if (!violation) return std::nullopt;
+  return Surprise{std::string("the ring's promise: ") + sim::to_string(violation->promise), violation->what};
+}
+
+// ---- deeds ----------------------------------------------------------------------------------
 
 void Robot::came(const core::Event& event, NodeId at) {
   senders_.came(event, at);
@@ -28,35 +70,47 @@ void Robot::came(const core::Event& event, NodeId at) {
   ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
 }
 
-void Robot::apply(const Fault& fault) {
-  if (word_of(fault.name).of == FaultOf::packets) return lines_.begin(fault);
+std::optional<Stage::Surprise> Robot::apply(const Fault& fault) {
+  do_it(fault);
+  return std::nullopt;
+}
+
+void Robot::do_it(const Fault& fault) {
+  if (fault::word_of(fault.name).of == fault::Of::line) return lines_.begin(fault);
   // All are off before the first is on again.
-  if (fault.name == FaultName::power_cycle)
+  if (fault.name == Name::power_cycle)
     for (const NodeId id : fault.nodes) ring_->kill(id);
   for (const NodeId id : fault.nodes) apply(fault, id);
+  if (fault.lasts.count() != 0) end_later(fault);
+}
+
+void Robot::end_later(const Fault& fault) {
+  Fault end;
+  end.name = fault.name == Name::freeze ? Name::thaw : Name::resume;
+  end.nodes = fault.nodes;
+  ring_->at(ring_->now() + core::Duration(fault.lasts), [this, end] { do_it(end); });
 }
 
 void Robot::apply(const Fault& fault, NodeId id) {
   switch (fault.name) {
-    case FaultName::cut: return ring_->cut(id);
-    case FaultName::heal: return lines_.end(id), ring_->heal(id);
-    case FaultName::kill: return ring_->kill(id);
-    case FaultName::start:
-    case FaultName::power_cycle: return start(id);
-    case FaultName::freeze:
+    case Name::kill: return ring_->kill(id);
+    case Name::start:
+    case Name::power_cycle: return start(id);
+    case Name::freeze:
       frozen_[id] = ring_->alive(id);
       return ring_->freeze(id);
-    case FaultName::thaw:
+    case Name::thaw:
       if (frozen_[id]) ring_->thaw(id);
       frozen_[id] = false;
       return;
-    case FaultName::hang: return cpus_.hang(id);
-    case FaultName::resume: return cpus_.resume(id);
-    case FaultName::reset: return cpus_.reset(id);
-    case FaultName::not_reading: return cpus_.stop_reading(id);
-    case FaultName::drop:
-    case FaultName::corrupt:
-    case FaultName::truncate: return;
+    case Name::hang: return cpus_.hang(id);
+    case Name::resume: return cpus_.resume(id);
+    case Name::reset: return cpus_.reset(id);
+    case Name::crash: return cpus_.crash(id);
+    case Name::slow: return cpus_.slow_down(id, fault.every);
+    case Name::not_reading: return cpus_.stop_reading(id);
+    case Name::babble: return senders_.babble(id, fault.every);
+    default: return;  // of a line: not here
   }
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "study/scenario/scenario.h"
+#include "study/scenario/stage.h"
 
 namespace limb_ring::study::scenario {
 
@@ -24,6 +24,7 @@ struct Unmet {
 struct ScenarioRun {
   std::string name, path;
   std::uint64_t seed = 0;
+  bool live = false;
   std::vector<LogLine> log;
   std::optional<Unmet> unmet;  ///< the first; nothing after it was done
   nanoseconds lasted{0};
@@ -33,5 +34,8 @@ struct ScenarioRun {
 /// and seed give the same run.
 /// @param capture where its packets go as pcapng, or null
 ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr);
+
+/// Plays it on a stage that has not begun. @param seed the stage's, for the report
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage);
 
 }  // namespace limb_ring::study::scenario

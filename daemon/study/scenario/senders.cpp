@@ -4,6 +4,13 @@
 
 namespace limb_ring::study::scenario {
 
+namespace {
+
+/// Of a babble that says none: more than a node of 16 gets through at 1 Gbit/s, so its queue is full. (ours)
+constexpr std::chrono::microseconds kBabblePeriod{10};
+
+}  // namespace
+
 std::size_t Senders::index_of(const std::string& name) {
   const auto found = std::find(names_.begin(), names_.end(), name);
   const auto index = static_cast<std::size_t>(found - names_.begin());
@@ -35,7 +42,17 @@ void Senders::begin(const Send& send) {
   }
 }
 
+void Senders::babble(NodeId from, core::Duration every) {
+  Send send;
+  send.name = "babble";
+  send.to = wire::kBroadcast;
+  send.size = wire::kMaxPayload;
+  send.every = every.count() == 0 ? kBabblePeriod : std::chrono::duration_cast<nanoseconds>(every);
+  ask_and_go_on(jobs_.emplace_back(Job{send, from, index_of(send.name), UINT64_MAX, cpus_.life(from)}));
+}
+
 void Senders::ask_and_go_on(Job& job) {
+  if (over(job)) return;
   ask(job);
   if (--job.left != 0) ring_.at(ring_.now() + core::Duration(job.send.every), [this, &job] { ask_and_go_on(job); });
 }

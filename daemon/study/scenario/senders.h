@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <deque>
 #include <map>
 #include <random>
@@ -8,15 +7,9 @@
 #include <vector>
 
 #include "study/scenario/cpus.h"
+#include "study/scenario/tally.h"
 
 namespace limb_ring::study::scenario {
-
-/// What became of the sends of one name.
-struct Tally {
-  std::array<std::uint64_t, 7> results{};  ///< by core::Outcome
-  std::uint64_t taken = 0;                 ///< by CPUs; of an interrupt, pins pulled
-  core::Duration worst{0};                 ///< from the request until it was confirmed, of what was delivered
-};
 
 /// Sends what a scenario says, and keeps account by name. A CPU that does not run asks for nothing; an
 /// interrupt input is pulled whatever its CPU does.
@@ -28,6 +21,8 @@ class Senders {
   Senders& operator=(const Senders&) = delete;
 
   void begin(const Send& send);
+  /// The largest packets to all at the highest priority, one each `every` (0: the default), while the CPU lives so.
+  void babble(NodeId from, core::Duration every);
   /// All zero where nothing of that name was sent yet.
   const Tally& tally(const std::string& name) const;
 
@@ -46,8 +41,10 @@ class Senders {
     NodeId from;
     std::size_t tally;
     std::uint64_t left;
+    std::optional<std::uint64_t> life{};  ///< of a babble: it ends with it
   };
 
+  bool over(const Job& job) const { return job.life && *job.life != cpus_.life(job.from); }
   std::size_t index_of(const std::string& name);
   void ask_and_go_on(Job& job);
   void ask(const Job& job);

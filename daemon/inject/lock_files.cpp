@@ -1,4 +1,4 @@
-#include "app/ringctl/lock_files.h"
+#include "inject/lock_files.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -10,7 +10,7 @@
 
 #include "runtime/supervisor/unique_fd.h"
 
-namespace limb_ring::ringctl {
+namespace limb_ring::inject {
 
 namespace fs = std::filesystem;
 
@@ -36,13 +36,33 @@ pid_t pid_in(const fs::path& lock) {
   return pid > 1 ? pid : -1;
 }
 
+std::vector<std::string> rest_of(std::istream& file) {
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
 bool is_leftover(const fs::path& file) {
-  const std::array<const char*, 5> ours{".host", ".link", ".lock", ".log", ".sock"};
+  const std::array<const char*, 6> ours{".fault", ".host", ".link", ".lock", ".log", ".sock"};
   return std::any_of(ours.begin(), ours.end(),
                      [&](const char* extension) { return file.extension() == extension; });
 }
 
 }  // namespace
+
+Holder holder_of(const std::string& folder, std::uint8_t node) {
+  const fs::path lock = fs::path(folder) / (std::to_string(node) + ".lock");
+  Holder holder;
+  holder.pid = pid_in(lock);
+  holder.held = is_held(lock);
+  std::ifstream file(lock);
+  std::string pid;
+  std::getline(file, pid);
+  std::getline(file, holder.program);
+  std::getline(file, holder.folder);
+  holder.arguments = rest_of(file);
+  return holder;
+}
 
 std::vector<HeldNode> held_nodes(const std::string& folder) {
   std::vector<HeldNode> held;
@@ -58,4 +78,4 @@ void remove_leftovers(const std::string& folder) {
   fs::remove(folder, ignored);  // stays where something else is in it
 }
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::inject

@@ -1,0 +1,141 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "app/ringctl/commands.h"
+#include "app/ringctl/fault_table.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/ring_access.h"
+#include "fault/parse.h"
+#include "inject/live_faults.h"
+
+namespace limb_ring::ringctl {
+
+using inject::LiveFaults;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kFaultHelp =
+    "A line is A:B or 'A -> B' (quoted: '>' is the shell's), from a node to the next. Answers come when a fault has "
+    "taken effect. The same words are taken by the ROS service inject_fault and by scenarios.\n";
+
+struct Options {
+  std::vector<std::string> where;
+  std::map<std::string, std::string> told;  ///< key of fault/parse.h -> value
+  std::string id;
+  bool json = false;
+};
+
+fault::RingNodes nodes_of(const RingAccess& ring) {
+  fault::RingNodes nodes;
+  for (const NodeName& node : ring.nodes()) nodes.push_back({node.name, std::to_string(node.id), node.id});
+  return nodes;
+}
+
+std::string words_of(const fault::Word& word, const Options& options) {
+  std::string words = word.word;
+  for (const std::string& part : options.where) words += ' ' + part;
+  for (const auto& [key, value] : options.told)
+    if (!value.empty()) words += ' ' + key + '=' + value;
+  return words;
+}
+
+fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes) {
+  try {
+    return fault::from_words(words, nodes);
+  } catch (const fault::ParseError& error) {
+    throw UsageError(words + ": " + error.what());
+  }
+}
+
+int begin(const Context& context, const fault::Word& word, const Options& options) {
+  // 'A -> B' without quotes: the shell has taken "> B" for a file.
+  if (!options.where.empty() && options.where.back() == "-")
+    throw UsageError(std::string(word.word) + ": the shell has taken '>' for itself: write A:B, or quote 'A -> B'");
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const fault::RingNodes nodes = nodes_of(ring);
+  const fault::Fault fault = parsed(words_of(word, options), nodes);
+  json all = json::array();
+  for (const inject::Begun& begun : LiveFaults(ring.ring(), nodes).begin(fault)) {
+    all.push_back({{"id", begun.id.empty() ? json() : json(begun.id)}, {"fault", begun.words}});
+    if (!options.json) std::cout << (begun.id.empty() ? "done" : begun.id) << ": " << begun.words << std::endl;
+  }
+  if (options.json) std::cout << all.dump(2) << '\n';
+  return kDone;
+}
+
+int list(const Context& context, const Options& options) {
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const auto faults = LiveFaults(ring.ring(), nodes_of(ring)).list();
+  json all = json::array();
+  for (const inject::LiveFault& fault : faults) all.push_back(to_json(fault));
+  if (options.json) std::cout << json{{"ring", ring.ring()}, {"faults", all}}.dump(2) << '\n';
+  else if (faults.empty()) std::cout << "ring " << ring.ring() << " has no faults on purpose\n";
+  else std::cout << fault_table(faults);
+  return kDone;
+}
+
+int remove(const Context& context, const Options& options) {
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  LiveFaults(ring.ring(), nodes_of(ring)).remove(options.id);
+  std::cout << "removed " << options.id << std::endl;
+  return kDone;
+}
+
+int clear(const Context& context) {
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const auto problems = LiveFaults(ring.ring(), nodes_of(ring)).clear();
+  for (const std::string& problem : problems) std::cerr << "ringctl: " << problem << '\n';
+  if (problems.empty()) std::cout << "no faults are left in ring " << ring.ring() << std::endl;
+  return problems.empty() ? kDone : kNotDone;
+}
+
+/// "after_packets" -> "--after-packets"
+std::string option_name(const std::string& key) {
+  std::string name = "--" + key;
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(faults, word.word, word.meaning);
+  const bool line = word.of == fault::Of::line;
+  command->add_option("WHERE", options->where, line ? "The line, A:B" : "Nodes, ids or names, or all")
+      ->required()
+      ->type_name(line ? "A:B" : "NODE");
+  for (const fault::KeyWord& key : fault::keys_of(word))
+    command->add_option(option_name(key.word), options->told[key.word], std::string(key.meaning) + "; " + key.allowed);
+  add_json(*command, options->json);
+  command->callback([&context, &word, options] {
+    context.action = [&context, &word, options] { return begin(context, word, *options); };
+  });
+}
+
+void add_keeping(CLI::App& faults, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* all = add_command(faults, "list", "All faults that last: what, where, since when, how often they struck");
+  add_json(*all, options->json);
+  all->callback([&context, options] { context.action = [&context, options] { return list(context, *options); }; });
+  CLI::App* one = add_command(faults, "remove", "End one fault; answered when all is as before");
+  one->add_option("ID", options->id, "Its id, as 'list' shows it")->required();
+  one->callback([&context, options] { context.action = [&context, options] { return remove(context, *options); }; });
+  CLI::App* every = add_command(faults, "clear", "End all faults: heal, thaw, resume, start what was killed");
+  every->callback([&context] { context.action = [&context] { return clear(context); }; });
+}
+
+}  // namespace
+
+void add_fault(CLI::App& app, Context& context) {
+  CLI::App* faults = add_command(app, "fault", "Break the living ring on purpose, and mend it");
+  faults->require_subcommand(1);
+  faults->footer(kFaultHelp + std::string(kExitCodesHelp));
+  for (const fault::Word& word : fault::kWords)
+    if (word.live) add_word(*faults, context, word);
+  add_keeping(*faults, context);
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,86 @@
+#include "app/ringctl/line_report.h"
+
+#include <map>
+
+#include "app/common/text_table.h"
+
+namespace limb_ring::ringctl {
+
+using nlohmann::json;
+
+namespace {
+
+std::string name_of(const std::vector<json>& rows, const json& id) {
+  for (const json& row : rows)
+    if (row["id"] == id) return row["name"].get<std::string>();
+  return id.dump();
+}
+
+bool has(const json& row, const char* member) { return row.contains(member) && row[member].is_object(); }
+
+std::string arrow(const std::vector<json>& rows, const json& before, const json& behind) {
+  return name_of(rows, before) + " -> " + name_of(rows, behind);
+}
+
+/// The node behind a break knows best; where it does not answer, any other that was told.
+std::string broken_lines(const std::vector<json>& rows) {
+  std::map<json, std::string> lines;  // by the node behind
+  for (const json& row : rows) {
+    if (!has(row, "broken_line")) continue;
+    const json& line = row["broken_line"];
+    const bool knows = line.contains("noticed_ms");
+    if (!knows && lines.count(line["behind"]) != 0) continue;
+    lines[line["behind"]] = "broken line " + arrow(rows, line["before"], line["behind"]) + " since " +
+                            app::number(line["since_s"].get<double>()) + " s" +
+                            (knows ? ", noticed after " + app::number(line["noticed_ms"].get<double>()) + " ms" : "") +
+                            '\n';
+  }
+  std::string text;
+  for (const auto& [behind, line] : lines) text += line;
+  return text;
+}
+
+/// One in so many of the damaged packets that a node has seen counts as under way.
+constexpr std::int64_t kUnderWay = 8;
+
+std::int64_t counter(const json& row, const char* name) {
+  return row["counters"].value(name, std::int64_t{0});
+}
+
+/// Damaged packets that a node has passed on: all but its own, which end there.
+std::int64_t passed_on_damaged(const std::vector<json>& rows, const json& id) {
+  for (const json& row : rows)
+    if (row["id"] == id) return counter(row, "crc_errors") - counter(row, "returns_damaged");
+  return 0;
+}
+
+/// A damaged packet is counted at every input it comes to: those that were damaged before are not this line's.
+/// The rows are not of one instant, so a few of many may just have come to one node and not to the next.
+std::string noisy_line(const std::vector<json>& rows, const json& row) {
+  if (!has(row, "input") || row["input"]["from"].is_null()) return {};
+  const json& from = row["input"]["from"];
+  const std::int64_t seen = counter(row, "crc_errors");
+  const std::int64_t damaged = seen - passed_on_damaged(rows, from);
+  if (damaged <= seen / kUnderWay) return {};
+  return "noisy line " + arrow(rows, from, row["id"]) + ": " + std::to_string(damaged) +
+         " packets came in damaged\n";
+}
+
+std::string faults_on_purpose(const json& row) {
+  std::string text;
+  for (const json& fault : row.value("faults", json::array()))
+    text += "fault on purpose " + row["name"].get<std::string>() + '.' + fault["id"].dump() + ": " +
+            fault["fault"].get<std::string>() + '\n';
+  return text;
+}
+
+}  // namespace
+
+std::string line_report(const std::vector<json>& rows) {
+  std::string text = broken_lines(rows);
+  for (const json& row : rows) text += noisy_line(rows, row);
+  for (const json& row : rows) text += faults_on_purpose(row);
+  return text;
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "core/time.h"
+#include "fault/fault.h"
+#include "fault/held_slices.h"
+#include "fault/line_counters.h"
+#include "wire/slice.h"
+
+namespace limb_ring::fault {
+
+using core::Duration;
+using core::Time;
+
+/// Everything that is wrong with one directed line. It knows no IO: slices go in with the time, slices and a
+/// deadline come out. The same faults, slices, times and seed give the same damage. (ours)
+///
+/// A packet is hit whole, however many slices it travels in; an INTP inside a DATP is a packet of its own.
+/// A truncated DATP ends in an abort. A link keeps order (protocol.md section 6), so a packet that came behind
+/// the next one counts as late and never arrives, and where it was an INTP inside a DATP the gap aborts that.
+/// Where the line takes time, what was held back goes on no faster than the line.
+class LineFaults {
+ public:
+  using Id = std::uint32_t;  ///< of one fault, from 1
+  /// Bytes that are held back at most, and one packet that has begun; what comes then is dropped whole.
+  static constexpr std::size_t kLimit = 256 << 10;
+
+  /// @param byte_time of the line, 0: as fast as it takes them
+  explicit LineFaults(std::uint64_t seed, Duration byte_time = Duration{0})
+      : random_(seed), byte_time_(byte_time), held_(byte_time) {}
+
+  /// @pre the fault is of a line. @return 0 for heal, which ends all others
+  Id begin(const Fault& fault, Time now);
+  /// What it held back goes on. @return false where there is no such fault (any more)
+  bool remove(Id id);
+  void clear() { active_.clear(); }
+
+  struct Listed {
+    Id id;
+    Fault fault;
+    bool waits;          ///< has not started yet
+    std::uint64_t hits;  ///< packets
+  };
+  /// All that have not ended, in the order in which they began.
+  std::vector<Listed> list(Time now);
+
+  /// The wire is broken now: whoever drives the line has to take it down, and up again.
+  bool cut(Time now);
+  /// Nothing passes now, not even what says that the line is alive.
+  bool stalled(Time now) const;
+  /// A slice comes onto the line. What it means for the line comes out of take(), in the same instant at the earliest.
+  void pass(const wire::Slice& slice, Time now);
+  /// What is due on the line by now goes behind what is in `out`.
+  void take(Time now, wire::SliceWriter& out);
+  /// When to call cut() and take() again, kNever: not before the next slice or fault. As of the last call.
+  Time next_deadline() const;
+  /// The line was taken down, or leads to another node: nothing that is held back goes onto the new one.
+  void line_lost();
+  /// Nothing is wrong and nothing is held back: all passes as it comes, so the caller need not ask.
+  bool idle() const { return active_.empty() && held_.empty() && ready_.empty() && !on_data_ && !told_cut_; }
+
+  const LineCounters& counters() const { return counters_; }
+
+ private:
+  struct Active {
+    Id id;
+    Fault fault;
+    Time from, until;
+    std::uint64_t packets_left, milestone_left, hits;
+    std::mt19937_64 random;
+    bool waits(Time now) const { return now < from || milestone_left != 0; }
+  };
+  /// What becomes of one packet.
+  struct Verdict {
+    std::optional<Name> damage;
+    Duration delay{0};
+  };
+
+  void advance(Time now);
+  void start(Active& active, Time now);
+  bool on(const Active& active, Name name, Time now) const;
+  bool cut_now(Time now) const;
+  Duration pace(Time now) const;
+  Time next_change(const Active& active) const;
+  static bool hits(Active& active);
+  Verdict decide(bool interrupt, Time now);
+  void decide_damage(Active& active, bool interrupt, Verdict& verdict);
+  void decide_delay(Active& active, Verdict& verdict);
+  void swallow(const wire::Slice& slice);
+  void pass_data(const wire::Slice& slice, Time now);
+  void end_data(const wire::Slice& slice, const Verdict& verdict, Time now);
+  void pass_interrupt(const wire::Slice& slice, Time now);
+  void count_milestones(wire::ByteView end, Time now);
+  void put(wire::SliceKind kind, wire::ByteView bytes, Time due, Time now);
+  void put_damaged(const wire::Slice& slice, Time due, Time now);
+  void put_cut_short(const wire::Slice& slice, Time due, Time now);
+
+  std::mt19937_64 random_;
+  Duration byte_time_;
+  std::vector<Active> active_;
+  Id next_id_ = 1;
+  Time now_{};                      ///< of the last call
+  bool told_cut_ = false;           ///< by cut(), the last time
+  std::optional<Verdict> on_data_;  ///< of the DATP that is passing
+  NodeId data_source_ = 0;          ///< of that one
+  std::vector<std::uint8_t> copy_;  ///< of that one, where it will follow itself
+  HeldSlices held_;
+  wire::SliceWriter ready_;         ///< due at once
+  LineCounters counters_;
+};
+
+}  // namespace limb_ring::fault

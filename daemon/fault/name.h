@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace limb_ring::fault {
+
+/// Every way in which a robot is broken, or mended, on purpose: the one vocabulary of scenarios, simulator,
+/// daemons and tools. (ours)
+enum class Name {
+  cut, heal, drop, corrupt, truncate, duplicate, reorder, delay, rate, stall, flap,  // a line
+  kill, start, power_cycle, freeze, thaw,                                            // a node: controller and CPU
+  hang, resume, reset, crash, slow, not_reading, babble                              // a CPU; its controller goes on
+};
+
+/// What a fault is of.
+enum class Of { line, node, cpu };
+
+/// What a fault may be told, beside what it is of; parse.h has a word for each.
+enum Key : unsigned {
+  kPackets = 1u << 0, kOnceIn = 1u << 1, kFor = 1u << 2, kAfter = 1u << 3, kAfterPackets = 1u << 4,
+  kDelay = 1u << 5, kJitter = 1u << 6, kRate = 1u << 7, kEvery = 1u << 8, kSeed = 1u << 9
+};
+
+struct Word {
+  Name name;
+  const char* word;
+  Of of;
+  unsigned keys;  ///< of Key, what it takes
+  bool sim, live; ///< where it is possible
+  const char* meaning;
+};
+
+constexpr unsigned kWhen = kFor | kAfter | kAfterPackets;           ///< of all lines' faults
+constexpr unsigned kHits = kPackets | kOnceIn | kSeed | kWhen;      ///< of those that hit single packets
+
+/// In the order of Name.
+constexpr Word kWords[] = {
+    {Name::cut, "cut", Of::line, kWhen, true, true, "the wire is broken; the node behind learns of it at once"},
+    {Name::heal, "heal", Of::line, 0, true, true, "the line is as new: ends all faults of a line"},
+    {Name::drop, "drop", Of::line, kHits, true, true, "packets do not arrive"},
+    {Name::corrupt, "corrupt", Of::line, kHits, true, true, "packets arrive with one bit wrong"},
+    {Name::truncate, "truncate", Of::line, kHits, true, true, "data packets break off before their end"},
+    {Name::duplicate, "duplicate", Of::line, kHits, true, true, "packets arrive twice, one right behind the other"},
+    {Name::reorder, "reorder", Of::line, kHits, true, true,
+     "packets come behind the next one, and are discarded as late: a link keeps order"},
+    {Name::delay, "delay", Of::line, kHits | kDelay | kJitter, true, true,
+     "packets come later by `delay`, and at random by up to `jitter`; in order"},
+    {Name::rate, "rate", Of::line, kWhen | kRate, true, true, "the line carries no more than that data rate"},
+    {Name::stall, "stall", Of::line, kWhen, true, true, "nothing passes while it lasts, then all goes on in order"},
+    {Name::flap, "flap", Of::line, kWhen | kEvery, true, true, "cut for the first half of each period, then healed"},
+    {Name::kill, "kill", Of::node, 0, true, true, "the node is dead; its neighbours bypass it"},
+    {Name::start, "start", Of::node, 0, true, true, "a dead or absent node comes up"},
+    {Name::power_cycle, "power_cycle", Of::node, 0, true, true, "off, and at once on again"},
+    {Name::freeze, "freeze", Of::node, kFor, true, true, "the node stands still and is bypassed"},
+    {Name::thaw, "thaw", Of::node, 0, true, true, "a frozen node goes on where it stood"},
+    {Name::hang, "hang", Of::cpu, kFor, true, true, "the CPU neither reads nor sends"},
+    {Name::resume, "resume", Of::cpu, 0, true, true, "a CPU that hangs, is slow, babbles or does not read is well"},
+    {Name::reset, "reset", Of::cpu, 0, true, true, "the CPU starts anew, as by its reset pin"},
+    {Name::crash, "crash", Of::cpu, 0, true, true, "the CPU dies by itself; whoever keeps it starts it again"},
+    {Name::slow, "slow", Of::cpu, kFor | kEvery, true, true, "the CPU takes one packet in each period"},
+    {Name::not_reading, "not_reading", Of::cpu, kFor, true, true, "the CPU sends, but takes no packet"},
+    {Name::babble, "babble", Of::cpu, kFor | kEvery, true, true,
+     "the CPU sends the largest packets to all at the highest priority, one in each period"},
+};
+
+inline const Word& word_of(Name name) { return kWords[static_cast<std::size_t>(name)]; }
+
+/// All words, in the order of Name.
+std::vector<std::string> words();
+/// null where there is no such fault.
+const Word* find_word(const std::string& word);
+
+}  // namespace limb_ring::fault

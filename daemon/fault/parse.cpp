@@ -1,0 +1,246 @@
+#include "fault/parse.h"
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+#include "config/names.h"
+#include "config/quantity.h"
+
+namespace limb_ring::fault {
+
+namespace {
+
+constexpr std::int64_t kMostPackets = 1000000;
+constexpr nanoseconds kLongest = std::chrono::hours(1);
+
+std::optional<std::uint64_t> whole(const std::string& text, std::int64_t most) {
+  const auto value = config::parse_integer(text);
+  if (!value || *value < 1 || *value > most) return std::nullopt;
+  return static_cast<std::uint64_t>(*value);
+}
+std::optional<nanoseconds> time(const std::string& text) {
+  const auto value = config::parse_time(text);
+  return value && value->count() > 0 && *value <= kLongest ? value : std::nullopt;
+}
+std::optional<std::uint64_t> rate(const std::string& text) {
+  const auto value = config::parse_rate(text);
+  return value && *value >= 1000 && *value <= 100000000000 ? value : std::nullopt;
+}
+
+constexpr const char* kCount = "a whole number, 1 to 1000000";
+constexpr const char* kTime = "a time such as 5ms or 200us, up to 3600s";
+constexpr const char* kRateRule = "a rate such as 10Mbit/s, 1kbit/s to 100Gbit/s";
+
+/// One row for each key: how it is read and written. `of` goes with `after_packets` and is not here.
+struct Row {
+  KeyWord key;
+  bool (*read)(Fault&, const std::string&);
+  std::string (*write)(const Fault&);  ///< empty where it has its default
+};
+
+template <std::uint64_t Fault::*member>
+bool read_count(Fault& fault, const std::string& text) {
+  const auto value = whole(text, kMostPackets);
+  if (value) fault.*member = *value;
+  return value.has_value();
+}
+template <nanoseconds Fault::*member>
+bool read_time(Fault& fault, const std::string& text) {
+  const auto value = time(text);
+  if (value) fault.*member = *value;
+  return value.has_value();
+}
+bool read_rate(Fault& fault, const std::string& text) {
+  const auto value = rate(text);
+  if (value) fault.rate = *value;
+  return value.has_value();
+}
+bool read_seed(Fault& fault, const std::string& text) {
+  const auto value = whole(text, INT64_MAX);
+  if (value) fault.seed = *value;
+  return value.has_value();
+}
+
+template <std::uint64_t Fault::*member>
+std::string write_count(const Fault& fault) {
+  return fault.*member == Fault{}.*member ? "" : std::to_string(fault.*member);
+}
+template <nanoseconds Fault::*member>
+std::string write_time(const Fault& fault) {
+  return (fault.*member).count() == 0 ? "" : config::format_time(fault.*member);
+}
+std::string write_rate(const Fault& fault) { return fault.rate == 0 ? "" : config::format_rate(fault.rate); }
+
+const Row kRows[] = {
+    {{kPackets, "packets", kCount, "the next so many"}, read_count<&Fault::packets>, write_count<&Fault::packets>},
+    {{kOnceIn, "once_in", kCount, "each with the probability 1 / once_in"}, read_count<&Fault::once_in>,
+     write_count<&Fault::once_in>},
+    {{kDelay, "delay", kTime, "so much later"}, read_time<&Fault::delay>, write_time<&Fault::delay>},
+    {{kJitter, "jitter", kTime, "at random up to so much later"}, read_time<&Fault::jitter>,
+     write_time<&Fault::jitter>},
+    {{kRate, "rate", kRateRule, "no faster"}, read_rate, write_rate},
+    {{kEvery, "every", kTime, "a period"}, read_time<&Fault::every>, write_time<&Fault::every>},
+    {{kFor, "for", kTime, "for so long"}, read_time<&Fault::lasts>, write_time<&Fault::lasts>},
+    {{kAfter, "after", kTime, "starts so much later"}, read_time<&Fault::after>, write_time<&Fault::after>},
+    {{kAfterPackets, "after_packets", kCount, "starts when so many data packets of the node `of` have passed the line"},
+     read_count<&Fault::after_packets>, write_count<&Fault::after_packets>},
+    {{kSeed, "seed", "a whole number from 1", "of what is random in it"}, read_seed, write_count<&Fault::seed>},
+};
+constexpr const char* kOf = "of";
+
+std::vector<std::string> key_words(const Word& word) {
+  std::vector<std::string> names;
+  for (const KeyWord& key : keys_of(word)) names.emplace_back(key.word);
+  return names;
+}
+
+std::string quoted(const std::string& word, const std::string& problem) { return '\'' + word + "' " + problem; }
+
+std::string with_guess(const std::string& problem, const std::string& word, const std::vector<std::string>& known) {
+  const std::string meant = config::closest(word, known);
+  return quoted(word, meant.empty() ? problem : problem + ", did you mean '" + meant + "'?");
+}
+
+std::size_t place_of(const std::string& name, const RingNodes& nodes) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i].name == name || nodes[i].number == name) return i;
+    names.push_back(nodes[i].name);
+  }
+  throw ParseError(with_guess("is no node of the ring", name, names), config::join(names));
+}
+
+/// As it is spoken of.
+const std::string& name_of(NodeId id, const RingNodes& nodes) {
+  const auto found = std::find_if(nodes.begin(), nodes.end(), [&](const NamedNode& node) { return node.id == id; });
+  if (found == nodes.end()) throw ParseError("node " + std::to_string(id) + " is none of the ring", "its nodes");
+  return found->name;
+}
+
+const Word& read_word(const std::string& text) {
+  if (const Word* word = find_word(text)) return *word;
+  throw ParseError(text.empty() ? "no fault is named" : with_guess("is no fault", text, words()),
+                   config::join(words()));
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> out;
+  for (std::string word; in >> word;) out.push_back(word);
+  return out;
+}
+
+}  // namespace
+
+std::vector<KeyWord> keys_of(const Word& word) {
+  std::vector<KeyWord> keys;
+  for (const Row& row : kRows) {
+    if ((word.keys & row.key.key) == 0) continue;
+    keys.push_back(row.key);
+    if (row.key.key == kAfterPackets) keys.push_back({kAfterPackets, kOf, "a node of the ring", "whose data packets"});
+  }
+  return keys;
+}
+
+void set_key(Fault& fault, const std::string& key, const std::string& value, const RingNodes& nodes) {
+  const Word& word = word_of(fault.name);
+  if (key == kOf && (word.keys & kAfterPackets) != 0) {
+    fault.of = nodes[place_of(value, nodes)].id;
+    return;
+  }
+  const auto row = std::find_if(std::begin(kRows), std::end(kRows),
+                                [&](const Row& r) { return key == r.key.word && (word.keys & r.key.key) != 0; });
+  const std::vector<std::string> known = key_words(word);
+  if (row == std::end(kRows))
+    throw ParseError(with_guess(std::string("is nothing that ") + word.word + " takes", key, known),
+                     known.empty() ? "nothing" : config::join(known));
+  if (!row->read(fault, value)) throw ParseError(quoted(value, "is no " + key), row->key.allowed);
+}
+
+void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNodes& nodes) {
+  fault.nodes.clear();
+  if (names.size() == 1 && names[0] == "all") {
+    for (const NamedNode& node : nodes) fault.nodes.push_back(node.id);
+    return;
+  }
+  for (const std::string& name : names) fault.nodes.push_back(nodes[place_of(name, nodes)].id);
+}
+
+void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes) {
+  const std::size_t from = place_of(before, nodes), next = (from + 1) % nodes.size();
+  if (place_of(behind, nodes) != next)
+    throw ParseError(quoted(before + " -> " + behind, "is no line of the ring"),
+                     "a line from a node to the next: " + nodes[from].name + " -> " + nodes[next].name);
+  fault.nodes = {nodes[from].id};
+}
+
+void check(const Fault& fault) {
+  const Word& word = word_of(fault.name);
+  const auto missing = [&](const char* what, const char* right) {
+    throw ParseError(std::string(word.word) + " says no " + what, right);
+  };
+  if (fault.nodes.empty()) missing(word.of == Of::line ? "line" : "node", word.of == Of::line ? "A -> B" : "a node");
+  if (fault.name == Name::rate && fault.rate == 0) missing("rate", kRateRule);
+  if (fault.name == Name::delay && (fault.delay + fault.jitter).count() == 0) missing("delay or jitter", kTime);
+  const bool periodic = fault.name == Name::flap || fault.name == Name::slow;
+  if (periodic && fault.every.count() == 0) missing("every", kTime);
+}
+
+namespace {
+
+void set_place(Fault& fault, const std::vector<std::string>& who, const RingNodes& nodes) {
+  if (word_of(fault.name).of != Of::line) return set_nodes(fault, who, nodes);
+  std::string line;
+  for (const std::string& part : who) line += part;
+  for (const std::string between : {"->", ":"}) {
+    const std::size_t at = line.find(between);
+    if (at != std::string::npos) return set_line(fault, line.substr(0, at), line.substr(at + between.size()), nodes);
+  }
+  throw ParseError(std::string(word_of(fault.name).word) + " says no line",
+                   "A -> B, a node and the next one (or A:B, which no shell takes for itself)");
+}
+
+}  // namespace
+
+Fault from_words(const std::string& text, const RingNodes& nodes) {
+  const std::vector<std::string> parts = split(text);
+  Fault fault;
+  fault.name = read_word(parts.empty() ? "" : parts[0]).name;
+  std::vector<std::string> who;
+  bool of = false;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const std::size_t equals = parts[i].find('=');
+    if (equals == std::string::npos) {
+      who.push_back(parts[i]);
+      continue;
+    }
+    const std::string key = parts[i].substr(0, equals);
+    of = of || key == kOf;
+    set_key(fault, key, parts[i].substr(equals + 1), nodes);
+  }
+  set_place(fault, who, nodes);
+  if (of != (fault.after_packets != 0))
+    throw ParseError("after_packets and of are not both given", "after_packets=100 of=NODE");
+  check(fault);
+  return fault;
+}
+
+std::string to_words(const Fault& fault, const RingNodes& nodes) {
+  const Word& word = word_of(fault.name);
+  std::string text = word.word;
+  for (const NodeId id : fault.nodes) text += ' ' + name_of(id, nodes);
+  if (word.of == Of::line && !fault.nodes.empty()) {
+    const std::size_t place = place_of(name_of(fault.nodes[0], nodes), nodes);
+    text += " -> " + nodes[(place + 1) % nodes.size()].name;
+  }
+  for (const Row& row : kRows) {
+    const std::string value = row.write(fault);
+    if (value.empty() || (word.keys & row.key.key) == 0) continue;
+    text += std::string(" ") + row.key.word + '=' + value;
+    if (row.key.key == kAfterPackets) text += std::string(" ") + kOf + '=' + name_of(fault.of, nodes);
+  }
+  return text;
+}
+
+}  // namespace limb_ring::fault

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "fault/fault.h"
+
+namespace limb_ring::fault {
+
+/// A node as people speak of it, and as a Fault does.
+struct NamedNode {
+  std::string name;
+  std::string number;  ///< its id in digits
+  NodeId id = 0;
+};
+/// All nodes of a ring, in ring order.
+using RingNodes = std::vector<NamedNode>;
+
+/// A text is no fault: `'WORD' is so wrong; allowed: ...`.
+struct ParseError : std::runtime_error {
+  ParseError(const std::string& why, const std::string& right)
+      : std::runtime_error(why + "; allowed: " + right), problem(why), allowed(right) {}
+  std::string problem, allowed;
+};
+
+/// The one form of a fault as text, of tools, services and scenarios: its word, what it is of, then what it is told.
+///
+///   drop left_hip -> left_hip_yaw packets=3 once_in=10 for=2s seed=4
+///   drop left_hip:left_hip_yaw                             (the same line; '>' is the shell's)
+///   delay body -> head delay=2ms jitter=500us
+///   cut left_hip -> left_hip_yaw after_packets=100 of=left_knee
+///   hang left_knee for=1s            kill left_knee right_knee            power_cycle all
+///
+/// Times have a unit (ns, us, ms, s), rates too (kbit/s, Mbit/s ...). @throw ParseError
+Fault from_words(const std::string& text, const RingNodes& nodes);
+/// The same form back: from_words() of it is the same fault.
+std::string to_words(const Fault& fault, const RingNodes& nodes);
+
+/// The keys that a fault takes, with their meanings, for help and errors.
+struct KeyWord {
+  Key key;
+  const char* word;
+  const char* allowed;
+  const char* meaning;
+};
+std::vector<KeyWord> keys_of(const Word& word);
+/// One `key=value` into the fault. @throw ParseError
+void set_key(Fault& fault, const std::string& key, const std::string& value, const RingNodes& nodes);
+/// Its nodes: one or several, or `all`. @throw ParseError
+void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNodes& nodes);
+/// A line, from a node to the next one in the ring. @throw ParseError
+void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes);
+/// What must be given is, and fits together. @throw ParseError
+void check(const Fault& fault);
+
+}  // namespace limb_ring::fault

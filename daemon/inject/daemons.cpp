@@ -1,0 +1,162 @@
+#include "inject/daemons.h"
+
+#include <fcntl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <functional>
+#include <thread>
+
+#include "limb_ring/ring_directory.h"
+#include "runtime/supervisor/process_state.h"
+#include "runtime/supervisor/spawn.h"
+
+namespace limb_ring::inject {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kStep{5};
+constexpr milliseconds kSignalled{5'000};  ///< for a signal to take effect
+constexpr milliseconds kHello{20'000};     ///< for a node to come up
+/// A fault may wait for a CPU to boot.
+constexpr milliseconds kAnswer{15'000};
+
+bool wait_for(const std::function<bool()>& condition, milliseconds patience) {
+  const auto deadline = steady_clock::now() + patience;
+  while (!condition()) {
+    if (steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(kStep);
+  }
+  return true;
+}
+
+/// The first thing a node says to the others; until it is home the node is no part of the ring.
+bool has_said_hello(const json& row) {
+  const std::string state = row.value("state", "");
+  return state != "" && state != "starting" && state != "joining";
+}
+
+}  // namespace
+
+Daemons::Daemons(std::string ring, fault::RingNodes nodes)
+    : ring_(std::move(ring)), nodes_(std::move(nodes)), folder_(ring_directory(ring_)) {}
+
+const fault::NamedNode& Daemons::node(wire::NodeId id) const {
+  return *std::find_if(nodes_.begin(), nodes_.end(), [id](const auto& node) { return node.id == id; });
+}
+
+HostPort Daemons::connect(wire::NodeId id) const {
+  if (is_stopped(id)) throw NotDone("node " + node(id).name + " is frozen: its daemon does not answer; thaw it first");
+  ConnectOptions options;
+  options.ring = ring_;
+  options.node = node(id).number;
+  options.timeout = milliseconds(0);
+  return HostPort::connect(options);
+}
+
+json Daemons::ask(wire::NodeId id, const json& request) const {
+  HostPort port = connect(id);
+  try {
+    return json::parse(port.ask(request.dump(), kAnswer));
+  } catch (const HostPortError& error) {
+    if (!port.connected()) throw;
+    throw NotDone(error.what());  // the daemon's own word
+  }
+}
+
+bool Daemons::is_stopped(wire::NodeId id) const {
+  const Holder holder = this->holder(id);
+  return holder.held && runtime::is_stopped(holder.pid);
+}
+
+// The pid is that of the lock's holder: no stranger is hit.
+void Daemons::signal(wire::NodeId id, int number) const {
+  const Holder holder = this->holder(id);
+  if (!holder.held || holder.pid <= 0)
+    throw NotDone("node " + node(id).name + " of ring " + ring_ + " has no daemon on this host that runs");
+  if (::kill(holder.pid, number) != 0)
+    throw NotDone("node " + node(id).name + ": pid " + std::to_string(holder.pid) + ": " + std::strerror(errno));
+}
+
+void Daemons::kill(wire::NodeId id) const {
+  const pid_t pid = holder(id).pid;
+  signal(id, SIGKILL);
+  // Where somebody watches over it, the lock may be held by the next one already.
+  const auto gone = [&] { return runtime::is_gone(pid) || holder(id).pid != pid; };
+  if (!wait_for(gone, kSignalled)) throw NotDone("node " + node(id).name + " does not die");
+}
+
+void Daemons::freeze(wire::NodeId id) const {
+  signal(id, SIGSTOP);
+  if (!wait_for([&] { return is_stopped(id); }, kSignalled)) throw NotDone("node " + node(id).name + " does not stop");
+}
+
+void Daemons::thaw(wire::NodeId id) const {
+  signal(id, SIGCONT);
+  if (!wait_for([&] { return !is_stopped(id); }, kSignalled))
+    throw NotDone("node " + node(id).name + " does not go on");
+}
+
+void Daemons::start(wire::NodeId id) const {
+  const Holder last = holder(id);
+  if (last.held) throw NotDone("node " + node(id).name + " runs already, pid " + std::to_string(last.pid));
+  if (last.program.empty())
+    throw NotDone("node " + node(id).name + " has never run on this host, so nobody knows how to start it");
+  const std::string log = folder_ + "/" + node(id).number + ".log";
+  const runtime::UniqueFd output(
+      ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!output.valid()) throw NotDone("cannot write " + log + ": " + std::strerror(errno));
+  runtime::SpawnRequest request;
+  request.path = last.program;
+  request.arguments = last.arguments;
+  request.arguments.insert(request.arguments.begin(), "ringd");
+  request.folder = last.folder;
+  request.output = output.get();
+  request.group = runtime::SpawnRequest::Group::session;
+  request.death_signal = 0;
+  const runtime::Spawned daemon = runtime::spawn(request);
+  if (daemon.pid < 0) throw NotDone(std::string("cannot fork: ") + std::strerror(daemon.error));
+}
+
+std::uint64_t Daemons::boot_of(wire::NodeId id) const {
+  return ask(id, {{"do", "status"}}).value("boot", std::uint64_t{0});
+}
+
+// It does not answer: its end is the answer, and a higher boot number the proof.
+void Daemons::power_cycle(wire::NodeId id) const {
+  HostPort port = connect(id);
+  const std::uint64_t before = json::parse(port.ask(R"({"do": "status"})", kAnswer)).value("boot", std::uint64_t{0});
+  const json request{{"do", "fault"}, {"fault", "power_cycle " + node(id).number}};
+  try {
+    port.ask(request.dump(), kAnswer);
+  } catch (const HostPortError& error) {
+    if (port.connected()) throw NotDone("node " + node(id).name + ": " + error.what());
+  }
+  const auto is_new = [&] {
+    try {
+      return boot_of(id) > before;
+    } catch (const HostPortError&) {
+      return false;  // not yet there
+    }
+  };
+  if (!wait_for(is_new, kHello)) throw NotDone("node " + node(id).name + " does not come back");
+}
+
+void Daemons::wait_for_hello(wire::NodeId id) const {
+  const auto joined = [&] {
+    try {
+      return has_said_hello(ask(id, {{"do", "status"}}));
+    } catch (const HostPortError&) {
+      return false;
+    }
+  };
+  if (!wait_for(joined, kHello))
+    throw NotDone("node " + node(id).name + " was started, but has not joined the ring in time");
+}
+
+}  // namespace limb_ring::inject

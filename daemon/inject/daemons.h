@@ -1,0 +1,54 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "fault/parse.h"
+#include "inject/lock_files.h"
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::inject {
+
+/// A fault that did not happen; what() says why.
+struct NotDone : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The daemons of one ring on this host: asked through their host ports, hit by signals, started again.
+/// Every call ends by a deadline. @throw NotDone with the node's name and what is wrong
+class Daemons {
+ public:
+  Daemons(std::string ring, fault::RingNodes nodes);
+
+  const fault::RingNodes& nodes() const { return nodes_; }
+  const fault::NamedNode& node(wire::NodeId id) const;
+  const std::string& folder() const { return folder_; }
+  Holder holder(wire::NodeId node) const { return holder_of(folder_, node); }
+  bool is_stopped(wire::NodeId node) const;
+
+  HostPort connect(wire::NodeId node) const;
+  nlohmann::json ask(wire::NodeId node, const nlohmann::json& request) const;
+
+  /// SIGKILL; gone when this returns.
+  void kill(wire::NodeId node) const;
+  /// SIGSTOP and SIGCONT, of the daemon alone: its CPU goes on.
+  void freeze(wire::NodeId node) const;
+  void thaw(wire::NodeId node) const;
+  /// As it was started the last time, apart from us, with a log file in the ring's folder.
+  void start(wire::NodeId node) const;
+  /// Off and on again, under the same pid.
+  void power_cycle(wire::NodeId node) const;
+  /// Returns when the node has said hello.
+  void wait_for_hello(wire::NodeId node) const;
+
+ private:
+  std::uint64_t boot_of(wire::NodeId node) const;
+  void signal(wire::NodeId node, int number) const;
+
+  std::string ring_;
+  fault::RingNodes nodes_;
+  std::string folder_;
+};
+
+}  // namespace limb_ring::inject

@@ -1,0 +1,188 @@
+#include "inject/live_faults.h"
+
+#include <functional>
+#include <thread>
+
+#include "inject/node_notes.h"
+
+namespace limb_ring::inject {
+
+using fault::Fault;
+using fault::Name;
+using fault::Of;
+using nlohmann::json;
+
+namespace {
+
+const char* const kKill = fault::word_of(Name::kill).word;
+const char* const kFreeze = fault::word_of(Name::freeze).word;
+
+/// One after the other would break them one after the other, and wait as often.
+std::vector<std::string> at_the_same_time(const std::vector<wire::NodeId>& nodes,
+                                          const std::function<void(std::size_t)>& act) {
+  std::vector<std::string> problems(nodes.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    threads.emplace_back([&, i] {
+      try {
+        act(i);
+      } catch (const std::exception& error) {
+        problems[i] = error.what();
+      }
+    });
+  for (auto& thread : threads) thread.join();
+  return problems;
+}
+
+LiveFault from_json(const json& row, const std::string& node) {
+  LiveFault fault;
+  fault.id = node + '.' + row.at("id").dump();
+  fault.name = row.at("name").get<std::string>();
+  fault.words = row.at("fault").get<std::string>();
+  fault.age_s = row.at("age_s").get<double>();
+  fault.hits = row.at("hits").get<std::uint64_t>();
+  fault.waits = row.at("waits").get<bool>();
+  if (row.contains("packets_left")) fault.packets_left = row["packets_left"].get<std::uint64_t>();
+  if (row.contains("seconds_left")) fault.seconds_left = row["seconds_left"].get<double>();
+  return fault;
+}
+
+Fault for_one(Fault fault, wire::NodeId node) {
+  fault.nodes = {node};
+  return fault;
+}
+
+}  // namespace
+
+// ---- beginning ------------------------------------------------------------------------------
+
+std::vector<Begun> LiveFaults::begin(const Fault& fault) const {
+  std::vector<Begun> begun(fault.nodes.size());
+  const auto problems =
+      at_the_same_time(fault.nodes, [&](std::size_t i) { begun[i] = begin_at(fault, fault.nodes[i]); });
+  std::string wrong;
+  for (const std::string& problem : problems)
+    if (!problem.empty()) wrong += (wrong.empty() ? "" : "; ") + problem;
+  if (!wrong.empty()) throw NotDone(wrong);
+  return begun;
+}
+
+Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node) const {
+  if (fault::word_of(fault.name).of != Of::node) return begin_at_daemon(fault, node);
+  const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
+  begin_at_node(fault, node);
+  const bool lasts = fault.name == Name::kill || fault.name == Name::freeze;
+  if (!lasts) return {"", words};
+  write_note(daemons_.folder(), node, words);
+  if (fault.lasts.count() != 0) return wait_and_thaw(fault.lasts, node), Begun{"", words};
+  return {daemons_.node(node).name + '.' + fault::word_of(fault.name).word, words};
+}
+
+void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
+  if (fault.name == Name::kill) return daemons_.kill(node);
+  if (fault.name == Name::freeze) return daemons_.freeze(node);
+  if (fault.name == Name::thaw) daemons_.thaw(node);
+  if (fault.name == Name::start) daemons_.start(node);
+  if (fault.name == Name::power_cycle) daemons_.power_cycle(node);
+  remove_note(daemons_.folder(), node);
+  if (fault.name != Name::thaw) daemons_.wait_for_hello(node);
+}
+
+// A frozen daemon cannot end it by itself, so the caller waits. It stays in the list meanwhile.
+void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const {
+  std::this_thread::sleep_for(lasts);
+  if (node_fault(node)) revive(node);
+}
+
+Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {
+  const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
+  const json answer = daemons_.ask(node, {{"do", "fault"}, {"fault", words}});
+  const auto id = answer.at("id").get<std::uint32_t>();
+  const std::string name = id == 0 ? std::string{} : daemons_.node(node).name + '.' + std::to_string(id);
+  return {name, answer.at("fault").get<std::string>()};
+}
+
+// ---- what there is --------------------------------------------------------------------------
+
+/// A note whose fault somebody else has ended says nothing any more.
+std::optional<LiveFault> LiveFaults::node_fault(wire::NodeId node) const {
+  const auto note = note_of(daemons_.folder(), node);
+  if (!note) return std::nullopt;
+  const std::string name = note->words.substr(0, note->words.find(' '));
+  const bool holds = name == kKill ? !daemons_.holder(node).held : daemons_.is_stopped(node);
+  if (!holds) return remove_note(daemons_.folder(), node), std::nullopt;
+  LiveFault fault;
+  fault.id = daemons_.node(node).name + '.' + name;
+  fault.name = name;
+  fault.words = note->words;
+  fault.age_s = std::chrono::duration<double>(std::chrono::system_clock::now() - note->since).count();
+  fault.hits = 1;
+  return fault;
+}
+
+std::vector<LiveFault> LiveFaults::faults_of(wire::NodeId node) const {
+  std::vector<LiveFault> faults;
+  if (auto of_node = node_fault(node)) return {*of_node};
+  const json answer = daemons_.ask(node, {{"do", "faults"}});
+  for (const json& row : answer.at("faults")) faults.push_back(from_json(row, daemons_.node(node).name));
+  return faults;
+}
+
+std::vector<LiveFault> LiveFaults::list() const {
+  std::vector<wire::NodeId> ids;
+  for (const auto& node : daemons_.nodes()) ids.push_back(node.id);
+  std::vector<std::vector<LiveFault>> found(ids.size());
+  at_the_same_time(ids, [&](std::size_t i) { found[i] = faults_of(ids[i]); });
+  std::vector<LiveFault> all;
+  for (const auto& faults : found) all.insert(all.end(), faults.begin(), faults.end());
+  return all;
+}
+
+// ---- the end --------------------------------------------------------------------------------
+
+wire::NodeId LiveFaults::node_called(const std::string& name) const {
+  for (const auto& node : daemons_.nodes())
+    if (name == node.name || name == node.number) return node.id;
+  throw NotDone("no node '" + name + "' in the ring");
+}
+
+void LiveFaults::remove(const std::string& id) const {
+  const std::size_t dot = id.rfind('.');
+  if (dot == std::string::npos) throw NotDone("'" + id + "' is no fault's id; 'ringctl fault list' shows them all");
+  const wire::NodeId node = node_called(id.substr(0, dot));
+  const std::string rest = id.substr(dot + 1);
+  if (rest == kKill || rest == kFreeze) {
+    const auto fault = node_fault(node);
+    if (fault && fault->name == rest) return revive(node);
+    throw NotDone("node " + daemons_.node(node).name + " has no fault " + rest + " (any more)");
+  }
+  if (rest.empty() || rest.size() > 9 || rest.find_first_not_of("0123456789") != std::string::npos)
+    throw NotDone("'" + id + "' is no fault's id; 'ringctl fault list' shows them all");
+  daemons_.ask(node, {{"do", "remove_fault"}, {"id", std::stoul(rest)}});
+}
+
+void LiveFaults::revive(wire::NodeId node) const {
+  if (daemons_.is_stopped(node)) daemons_.thaw(node);
+  if (!daemons_.holder(node).held) {
+    daemons_.start(node);
+    daemons_.wait_for_hello(node);
+  }
+  remove_note(daemons_.folder(), node);
+}
+
+void LiveFaults::clear_at(wire::NodeId node) const {
+  if (!daemons_.holder(node).held && !node_fault(node)) return;  // not there, and not by us
+  revive(node);
+  daemons_.ask(node, {{"do", "clear_faults"}});
+}
+
+std::vector<std::string> LiveFaults::clear() const {
+  std::vector<wire::NodeId> ids;
+  for (const auto& node : daemons_.nodes()) ids.push_back(node.id);
+  std::vector<std::string> problems;
+  for (const std::string& problem : at_the_same_time(ids, [&](std::size_t i) { clear_at(ids[i]); }))
+    if (!problem.empty()) problems.push_back(problem);
+  return problems;
+}
+
+}  // namespace limb_ring::inject

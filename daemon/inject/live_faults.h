@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+
+#include "inject/daemons.h"
+
+namespace limb_ring::inject {
+
+/// A fault that lasts, wherever it is kept.
+struct LiveFault {
+  std::string id;     ///< NODE.NUMBER, or NODE.freeze, NODE.kill; unique in the ring
+  std::string name;   ///< its word: "drop"
+  std::string words;  ///< what was asked for: "drop body -> head packets=3 seed=7"
+  double age_s = 0;
+  std::uint64_t hits = 0;  ///< packets, or times
+  bool waits = false;      ///< has not started yet
+  std::optional<std::uint64_t> packets_left;
+  std::optional<double> seconds_left;
+};
+
+/// What has been done.
+struct Begun {
+  std::string id;     ///< empty where it is over at once: heal, start, thaw, power_cycle, resume, reset, crash
+  std::string words;  ///< as in LiveFault; a seed that was drawn is among them
+};
+
+/// Breaks a living ring on purpose, and mends it. Faults of lines and CPUs are kept by the daemon at the node
+/// where they are, faults of whole nodes by notes in the ring's folder. Every call returns when it has taken
+/// effect, and ends by a deadline. (ours)
+class LiveFaults {
+ public:
+  LiveFaults(const std::string& ring, const fault::RingNodes& nodes) : daemons_(ring, nodes) {}
+
+  /// A node frozen for a time is thawed again when this returns.
+  /// @return one for each of its nodes. @throw NotDone
+  std::vector<Begun> begin(const fault::Fault& fault) const;
+  /// In ring order. A daemon that does not answer is left out, but for being frozen or killed.
+  std::vector<LiveFault> list() const;
+  /// What is frozen is thawed, what was killed is started. @throw NotDone where there is no such fault
+  void remove(const std::string& id) const;
+  /// All there are. @return what could not be done, one line each; empty: the ring is as new
+  std::vector<std::string> clear() const;
+
+ private:
+  Begun begin_at(const fault::Fault& fault, wire::NodeId node) const;
+  void begin_at_node(const fault::Fault& fault, wire::NodeId node) const;
+  Begun begin_at_daemon(const fault::Fault& fault, wire::NodeId node) const;
+  void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const;
+  void revive(wire::NodeId node) const;
+  void clear_at(wire::NodeId node) const;
+  std::optional<LiveFault> node_fault(wire::NodeId node) const;
+  std::vector<LiveFault> faults_of(wire::NodeId node) const;
+  wire::NodeId node_called(const std::string& name) const;
+
+  Daemons daemons_;
+};
+
+}  // namespace limb_ring::inject

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace limb_ring::inject {
+
+/// What the lock file of a node says of the daemon that holds it, or held it last (host/node_lock.h).
+struct Holder {
+  pid_t pid = -1;       ///< -1 where the file does not tell
+  std::string program;  ///< path
+  std::string folder;   ///< it works in
+  std::vector<std::string> arguments;  ///< without the program's name
+  bool held = false;    ///< it lives, perhaps stopped
+};
+
+/// Of one node of a ring's folder. Where there never was a daemon, nothing is known.
+Holder holder_of(const std::string& folder, std::uint8_t node);
+
+/// A node held by a daemon that lives, as its lock file says.
+struct HeldNode {
+  std::string lock;  ///< path of the lock file
+  pid_t pid = -1;    ///< of the daemon; -1 where the file does not tell
+};
+
+/// Nodes of a ring's folder that are held right now. No daemon: an empty list.
+std::vector<HeldNode> held_nodes(const std::string& folder);
+
+/// Removes what daemons that are gone have left in a ring's folder, and the folder.
+/// Call only where nothing is held any more.
+void remove_leftovers(const std::string& folder);
+
+}  // namespace limb_ring::inject

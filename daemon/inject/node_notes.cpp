@@ -1,0 +1,34 @@
+#include "inject/node_notes.h"
+
+#include <cstdio>
+#include <fstream>
+
+namespace limb_ring::inject {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::system_clock;
+
+std::string path_of(const std::string& folder, wire::NodeId node) {
+  return folder + "/" + std::to_string(node) + ".fault";
+}
+
+}  // namespace
+
+void write_note(const std::string& folder, wire::NodeId node, const std::string& words) {
+  const auto now = std::chrono::duration_cast<milliseconds>(system_clock::now().time_since_epoch());
+  std::ofstream(path_of(folder, node)) << now.count() << ' ' << words << '\n';
+}
+
+void remove_note(const std::string& folder, wire::NodeId node) { std::remove(path_of(folder, node).c_str()); }
+
+std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node) {
+  std::ifstream file(path_of(folder, node));
+  std::int64_t since = 0;
+  NodeNote note;
+  if (!(file >> since) || !std::getline(file >> std::ws, note.words)) return std::nullopt;
+  note.since = system_clock::time_point(milliseconds(since));
+  return note;
+}
+
+}  // namespace limb_ring::inject

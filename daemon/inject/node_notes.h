@@ -1,0 +1,22 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "wire/packet.h"
+
+namespace limb_ring::inject {
+
+/// What was done to a whole node from outside, and when: its daemon is dead or stopped and cannot keep it.
+/// One file for a node, ID.fault in the ring's folder. (ours)
+struct NodeNote {
+  std::string words;  ///< of the fault
+  std::chrono::system_clock::time_point since;
+};
+
+void write_note(const std::string& folder, wire::NodeId node, const std::string& words);
+void remove_note(const std::string& folder, wire::NodeId node);
+std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node);
+
+}  // namespace limb_ring::inject

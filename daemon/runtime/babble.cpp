@@ -1,0 +1,61 @@
+#include "runtime/babble.h"
+
+#include <algorithm>
+
+#include "runtime/owners.h"
+
+namespace limb_ring::runtime {
+
+namespace {
+
+/// After a rejection: going on at once would never let the event loop breathe.
+constexpr std::chrono::nanoseconds kRejectedPause = std::chrono::milliseconds(1);
+constexpr std::uint8_t kHighest = 0;
+constexpr std::uint8_t kUserChannel = 0;
+
+}  // namespace
+
+void Babble::start(std::chrono::nanoseconds period) {
+  stop();
+  period_ = period;
+  on_ = true;
+  ++run_;
+  sent_ = 0;
+  send();
+  engine_.pump();
+}
+
+void Babble::stop() {
+  if (!on_) return;
+  on_ = false;
+  next_.cancel();
+  engine_.controller().cancel(kBabbleOwner, engine_.now());
+  engine_.pump();
+}
+
+void Babble::send() {
+  wire::store_u32(data_.data(), static_cast<std::uint32_t>(sent_));  // no two alike
+  engine_.controller().send(
+      {kBabbleOwner, run_, wire::kBroadcast, kHighest, kUserChannel, {data_.data(), data_.size()}}, engine_.now());
+}
+
+void Babble::send_after(std::chrono::nanoseconds pause) {
+  next_.expires_after(pause);
+  next_.async_wait([this, run = run_](const boost::system::error_code& error) {
+    if (error || !on_ || run != run_) return;
+    send();
+    engine_.pump();
+  });
+}
+
+void Babble::on_ended(const core::SendEnded& ended) {
+  if (!on_ || ended.token != run_) return;
+  ++sent_;
+  const auto pause = ended.outcome == core::Outcome::rejected ? std::max(period_, kRejectedPause) : period_;
+  if (pause.count() > 0)
+    send_after(pause);
+  else
+    send();
+}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <boost/asio/steady_timer.hpp>
+
+#include "runtime/engine.h"
+
+namespace limb_ring::runtime {
+
+/// Sends as a CPU that babbles would: the largest packets, to all, at the highest priority, without end.
+/// The real CPU goes on beside it. (ours)
+class Babble {
+ public:
+  Babble(boost::asio::io_context& io, Engine& engine) : engine_(engine), next_(io) {}
+
+  /// One packet per `period`, as each has ended; 0: as fast as the network controller takes them.
+  void start(std::chrono::nanoseconds period);
+  void stop();
+  /// Packets that have ended, in whatever way, since start().
+  std::uint64_t sent() const { return sent_; }
+
+  void on_ended(const core::SendEnded& ended);
+
+ private:
+  void send();
+  void send_after(std::chrono::nanoseconds pause);
+
+  Engine& engine_;
+  boost::asio::steady_timer next_;
+  std::chrono::nanoseconds period_{0};
+  bool on_ = false;
+  std::uint32_t run_ = 0;  ///< token; what ends of an earlier one is none of this one's
+  std::uint64_t sent_ = 0;
+  std::array<std::uint8_t, wire::kMaxPayload> data_{};
+};
+
+}  // namespace limb_ring::runtime

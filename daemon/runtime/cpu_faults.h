@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "runtime/babble.h"
+#include "runtime/cpu_socket.h"
+
+namespace limb_ring::runtime {
+
+/// Breaks the node's CPU on purpose, and mends it; the network controller goes on. A process is hit by
+/// signals, whether it is our child or attached; what a CPU reads and sends is changed at its socket. (ours)
+class CpuFaults {
+ public:
+  /// Called once, when it has taken effect, with an empty text, or with why it has not.
+  using Done = std::function<void(const std::string& problem)>;
+
+  CpuFaults(boost::asio::io_context& io, Engine& engine, CpuSocket& cpu)
+      : io_(io), engine_(engine), cpu_(cpu), babble_(io, engine) {}
+
+  /// Stops its process.
+  void hang(const Done& done);
+  /// Ends its process as a wild pointer would.
+  void crash(const Done& done);
+  /// Done when it has booted again.
+  void reset(const Done& done);
+  void slow(core::Duration per_packet) { cpu_.reading().one_per(per_packet); }
+  void not_reading() { cpu_.reading().not_at_all(); }
+  void babble(std::chrono::nanoseconds period) { babble_.start(period); }
+
+  /// Its process goes on.
+  void wake(const Done& done);
+  void read_on();
+  void be_quiet() { babble_.stop(); }
+
+  /// Its process is stopped, by us or by others.
+  bool hangs() const;
+  std::uint64_t babbled() const { return babble_.sent(); }
+  void on_ended(const core::SendEnded& ended) { babble_.on_ended(ended); }
+
+ private:
+  void wait(std::function<bool()> condition, const std::string& otherwise, const Done& done);
+
+  boost::asio::io_context& io_;
+  Engine& engine_;
+  CpuSocket& cpu_;
+  Babble babble_;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,80 @@
+#include "runtime/fault_requests.h"
+
+#include <spdlog/spdlog.h>
+
+#include <random>
+
+#include "runtime/node.h"
+#include "runtime/request_fields.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+using fault::Fault;
+using fault::Name;
+using fault::Of;
+using nlohmann::json;
+
+/// Small enough to be typed in again.
+std::uint64_t drawn_seed() { return std::random_device{}() % 1'000'000 + 1; }
+
+Fault fault_in(const json& request, const fault::RingNodes& nodes) {
+  if (!request.contains("fault") || !request["fault"].is_string())
+    throw RequestError("fault is missing: a text as 'ringctl fault' takes it, 'drop body -> head packets=3'");
+  Fault fault = fault::from_words(request["fault"].get<std::string>(), nodes);
+  const bool random = (fault::word_of(fault.name).keys & fault::kSeed) != 0 &&
+                      (fault.once_in > 1 || fault.jitter.count() > 0 || fault.name == Name::corrupt ||
+                       fault.name == Name::truncate);
+  if (random && fault.seed == 0) fault.seed = drawn_seed();
+  return fault;
+}
+
+void require_own(const Fault& fault, Node& node) {
+  const auto& word = fault::word_of(fault.name);
+  if (fault.nodes != std::vector<wire::NodeId>{node.config().id})
+    throw RequestError("this is node " + node.config().name + "; a fault of a line is begun at the node where the "
+                       "line begins, one of a node or CPU at that node");
+  if (word.of == Of::node && fault.name != Name::power_cycle)
+    throw RequestError(std::string(word.word) + " is not for the daemon itself: 'ringctl fault' does it from outside");
+  if (fault.name == Name::reorder && node.next().link.transport != config::LinkConfig::Transport::udp)
+    throw RequestError("reorder: the line from " + node.config().name + " to " + node.next().name +
+                       " is a UNIX stream, which keeps order; it needs a UDP line (transport: udp)");
+}
+
+}  // namespace
+
+void begin_fault(Node& node, const json& request, const Requests::Answer& answer) {
+  const Fault fault = fault_in(request, node.faults().nodes());
+  require_own(fault, node);
+  const std::string words = fault::to_words(fault, node.faults().nodes());
+  spdlog::warn("fault on purpose: {}", words);
+  if (fault.name == Name::power_cycle) return node.power_cycle();
+  if (node.faults().full())
+    throw RequestError("there are " + std::to_string(Faults::kMost) + " faults here; remove some first");
+  node.faults().begin(fault, [answer, words](Faults::Id id, const std::string& problem) {
+    if (!problem.empty()) return answer({{"error", words + ": " + problem}});
+    answer({{"id", id}, {"fault", words}});
+  });
+}
+
+void list_faults(Node& node, const json&, const Requests::Answer& answer) {
+  answer({{"faults", node.faults().list()}});
+}
+
+void remove_fault(Node& node, const json& request, const Requests::Answer& answer) {
+  if (!request.contains("id")) throw RequestError("id is missing: of the fault, as 'faults' lists it");
+  const auto id = static_cast<Faults::Id>(number_in(request, "id", 0, 1, UINT32_MAX));
+  const auto done = [answer](const std::string& problem) {
+    answer(problem.empty() ? json::object() : json{{"error", problem}});
+  };
+  if (!node.faults().remove(id, done))
+    throw RequestError("node " + node.config().name + " has no fault " + std::to_string(id) + " (any more)");
+}
+
+void clear_faults(Node& node, const json&, const Requests::Answer& answer) {
+  node.faults().clear([answer](const std::string& problem) {
+    answer(problem.empty() ? json::object() : json{{"error", problem}});
+  });
+}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,191 @@
+#include "runtime/faults.h"
+
+#include <algorithm>
+
+#include "runtime/wait_until.h"
+
+namespace limb_ring::runtime {
+
+using fault::Fault;
+using fault::LineFaults;
+using fault::Name;
+using nlohmann::json;
+
+namespace {
+
+/// A mended line has to be connected again. Where nobody is there it stays down, which is not its fault.
+constexpr std::chrono::milliseconds kLinePatience{2000};
+
+double seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+const LineFaults::Listed* find(const std::vector<LineFaults::Listed>& line, LineFaults::Id id) {
+  const auto found = std::find_if(line.begin(), line.end(), [id](const auto& listed) { return listed.id == id; });
+  return found == line.end() ? nullptr : &*found;
+}
+
+void nobody(const std::string&) {}
+
+}  // namespace
+
+// ---- beginning ------------------------------------------------------------------------------
+
+void Faults::begin(const Fault& fault, const Begun& begun) {
+  drop_ended();
+  if (fault::word_of(fault.name).of == fault::Of::line)
+    begin_line(fault, begun);
+  else
+    begin_cpu(fault, begun);
+}
+
+Faults::Id Faults::add(const Fault& fault) {
+  const Id id = ++last_id_;
+  active_.try_emplace(id, io_, fault, engine_.now());
+  return id;
+}
+
+void Faults::begin_line(const Fault& fault, const Begun& begun) {
+  const LineFaults::Id line = engine_.faulty_line().begin(fault, engine_.now());
+  if (line == 0) {  // mended
+    drop_ended();
+    return wait_for_line([begun](const std::string& problem) { begun(0, problem); });
+  }
+  const Id id = add(fault);
+  active_.at(id).line = line;
+  begun(id, "");
+}
+
+void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
+  const auto over = [begun](const std::string& problem) { begun(0, problem); };
+  const auto listed = [this, fault, begun](const std::string& problem) {
+    const Id id = problem.empty() ? add(fault) : 0;
+    if (id != 0) end_later(id);
+    begun(id, problem);
+  };
+  switch (fault.name) {
+    case Name::resume: forget_cpu_faults(); return mend_cpu(over);
+    case Name::reset: return cpu_.reset(over);
+    case Name::crash: return cpu_.crash(over);
+    case Name::hang: return cpu_.hang(listed);
+    case Name::slow: cpu_.slow(fault.every); break;
+    case Name::not_reading: cpu_.not_reading(); break;
+    default: cpu_.babble(fault.every); break;
+  }
+  listed("");
+}
+
+void Faults::end_later(Id id) {
+  Active& active = active_.at(id);
+  if (active.fault.lasts.count() == 0) return;
+  active.end.expires_after(active.fault.lasts);
+  active.end.async_wait([this, id](const boost::system::error_code& error) {
+    if (!error) remove(id, nobody);
+  });
+}
+
+// ---- the end --------------------------------------------------------------------------------
+
+bool Faults::remove(Id id, const Done& done) {
+  drop_ended();
+  const auto found = active_.find(id);
+  if (found == active_.end()) return false;
+  const LineFaults::Id line = found->second.line;
+  const Name name = found->second.fault.name;
+  active_.erase(found);
+  if (line == 0) return mend(name, done), true;
+  engine_.faulty_line().remove(line, engine_.now());
+  wait_for_line(done);
+  return true;
+}
+
+void Faults::clear(const Done& done) {
+  active_.clear();
+  engine_.faulty_line().clear(engine_.now());
+  mend_cpu([this, done](const std::string& problem) {
+    if (!problem.empty()) return done(problem);
+    wait_for_line(done);
+  });
+}
+
+// Another one of the same kind may still hold.
+void Faults::mend(Name name, const Done& done) {
+  const auto holds = [name](const auto& entry) {
+    const Name other = entry.second.fault.name;
+    const auto reads = [](Name n) { return n == Name::slow || n == Name::not_reading; };
+    return other == name || (reads(other) && reads(name));
+  };
+  if (std::any_of(active_.begin(), active_.end(), holds)) return done("");
+  if (name == Name::hang) return cpu_.wake(done);
+  if (name == Name::babble) cpu_.be_quiet();
+  else cpu_.read_on();
+  done("");
+}
+
+void Faults::mend_cpu(const Done& done) {
+  cpu_.be_quiet();
+  cpu_.read_on();
+  cpu_.wake(done);
+}
+
+void Faults::stop() {
+  const auto hangs = [](const auto& entry) { return entry.second.fault.name == Name::hang; };
+  if (std::any_of(active_.begin(), active_.end(), hangs)) cpu_.wake(nobody);
+  active_.clear();
+}
+
+void Faults::forget_cpu_faults() {
+  for (auto it = active_.begin(); it != active_.end();) it = it->second.line == 0 ? active_.erase(it) : std::next(it);
+}
+
+void Faults::cpu_booted() {
+  forget_cpu_faults();
+  cpu_.be_quiet();
+  cpu_.read_on();
+}
+
+// A line that was taken down is mended when it leads on again.
+void Faults::wait_for_line(const Done& done) {
+  const auto mended = [this] { return engine_.output().up() || !engine_.faulty_line().carries(); };
+  wait_until(io_, mended, kLinePatience, [done](bool) { done(""); });
+}
+
+/// Those that have ended by themselves, and a hang that somebody else has ended.
+void Faults::drop_ended() {
+  const auto line = engine_.faulty_line().list(engine_.now());
+  for (auto it = active_.begin(); it != active_.end();) {
+    const Active& active = it->second;
+    const bool ended = active.line != 0 ? find(line, active.line) == nullptr
+                                        : active.fault.name == Name::hang && !cpu_.hangs();
+    it = ended ? active_.erase(it) : std::next(it);
+  }
+}
+
+// ---- what there is --------------------------------------------------------------------------
+
+json Faults::list() {
+  drop_ended();
+  const auto line = engine_.faulty_line().list(engine_.now());
+  json all = json::array();
+  for (const auto& [id, active] : active_) {
+    const Fault& fault = active.fault;
+    const auto* listed = find(line, active.line);
+    const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(engine_.now() - active.since);
+    json row{{"id", id},
+             {"name", fault::word_of(fault.name).word},
+             {"fault", fault::to_words(fault, nodes_)},
+             {"age_s", seconds(age)},
+             {"waits", listed != nullptr && listed->waits},
+             {"hits", hits_of(active, line)}};
+    if (fault.packets != 0) row["packets_left"] = fault.packets - listed->hits;
+    if (fault.lasts.count() != 0 && fault.after_packets == 0)
+      row["seconds_left"] = std::max(0.0, seconds(fault.after + fault.lasts - age));
+    all.push_back(std::move(row));
+  }
+  return all;
+}
+
+std::uint64_t Faults::hits_of(const Active& active, const std::vector<LineFaults::Listed>& line) const {
+  if (const auto* listed = find(line, active.line)) return listed->hits;
+  return active.fault.name == Name::babble ? cpu_.babbled() : 1;
+}
+
+}  // namespace limb_ring::runtime

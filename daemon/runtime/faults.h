@@ -1,0 +1,71 @@
+#pragma once
+
+#include <boost/asio/steady_timer.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "fault/parse.h"
+#include "runtime/cpu_faults.h"
+
+namespace limb_ring::runtime {
+
+/// What was broken on purpose at this node: the line out of it, and its CPU. Each fault has an id and can be
+/// listed and removed; one that ends by itself leaves the list. (ours)
+class Faults {
+ public:
+  using Id = std::uint32_t;  ///< from 1; 0: it was over when it was done (heal, resume, reset, crash)
+  static constexpr std::size_t kMost = 64;  ///< at the same time
+
+  /// Called once, when it has taken effect: with an empty text, or why it has not.
+  using Done = std::function<void(const std::string& problem)>;
+  using Begun = std::function<void(Id id, const std::string& problem)>;
+
+  Faults(boost::asio::io_context& io, fault::RingNodes nodes, Engine& engine, CpuSocket& cpu)
+      : io_(io), nodes_(std::move(nodes)), engine_(engine), cpu_(io, engine, cpu) {}
+
+  const fault::RingNodes& nodes() const { return nodes_; }
+  /// @pre a fault of the line out of this node, or of its CPU; where it takes a seed, it has one
+  void begin(const fault::Fault& fault, const Begun& begun);
+  /// @return false where there is no such fault (any more); `done` is not called then
+  bool remove(Id id, const Done& done);
+  void clear(const Done& done);
+  bool full() const { return active_.size() >= kMost; }
+
+  /// As daemon/host/requests.md describes it, in the order in which they began.
+  nlohmann::json list();
+
+  /// A CPU that has booted again has none of its old faults.
+  void cpu_booted();
+  void on_ended(const core::SendEnded& ended) { cpu_.on_ended(ended); }
+  /// The daemon ends. An outside CPU that was made to hang is not to do so for ever.
+  void stop();
+
+ private:
+  struct Active {
+    Active(boost::asio::io_context& io, fault::Fault f, core::Time now) : fault(std::move(f)), since(now), end(io) {}
+    fault::Fault fault;
+    core::Time since;
+    fault::LineFaults::Id line = 0;  ///< its id there; 0: a fault of the CPU
+    boost::asio::steady_timer end;
+  };
+
+  Id add(const fault::Fault& fault);
+  void begin_line(const fault::Fault& fault, const Begun& begun);
+  void begin_cpu(const fault::Fault& fault, const Begun& begun);
+  void end_later(Id id);
+  void mend(fault::Name name, const Done& done);
+  void mend_cpu(const Done& done);
+  void forget_cpu_faults();
+  void wait_for_line(const Done& done);
+  void drop_ended();
+  std::uint64_t hits_of(const Active& active, const std::vector<fault::LineFaults::Listed>& line) const;
+
+  boost::asio::io_context& io_;
+  fault::RingNodes nodes_;
+  Engine& engine_;
+  CpuFaults cpu_;
+  Id last_id_ = 0;
+  std::map<Id, Active> active_;
+};
+
+}  // namespace limb_ring::runtime

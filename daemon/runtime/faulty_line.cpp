@@ -1,0 +1,68 @@
+#include "runtime/faulty_line.h"
+
+#include "wire/slice.h"
+
+namespace limb_ring::runtime {
+
+// Every fault whose damage is random comes with a seed of its own, so this one decides nothing.
+FaultyLine::FaultyLine(boost::asio::io_context& io, const Clock& clock, link::Output& output)
+    : clock_(clock), output_(output), faults_(0), timer_(io) {}
+
+fault::LineFaults::Id FaultyLine::begin(const fault::Fault& fault, core::Time now) {
+  const auto id = faults_.begin(fault, now);
+  update(now);
+  return id;
+}
+
+bool FaultyLine::remove(fault::LineFaults::Id id, core::Time now) {
+  const bool removed = faults_.remove(id);
+  update(now);
+  return removed;
+}
+
+void FaultyLine::clear(core::Time now) {
+  faults_.clear();
+  update(now);
+}
+
+void FaultyLine::write(wire::ByteView framed_slices, core::Time now) {
+  wire::SliceParse parse;
+  for (; (parse = wire::parse_slice(framed_slices)).status == wire::SliceParse::Status::slice;
+       framed_slices = framed_slices.from(parse.consumed))
+    pass(parse.slice, now);
+  update(now);
+}
+
+// A datagram that is late is really sent late, below the check of its sequence number; what the faults
+// leave on the line is what the receiver makes of the others.
+void FaultyLine::pass(const wire::Slice& slice, core::Time now) {
+  const auto late = faults_.counters().line_reordered;
+  faults_.pass(slice, now);
+  const bool in_one_piece = slice.kind == wire::SliceKind::whole || slice.kind == wire::SliceKind::interrupt;
+  if (faults_.counters().line_reordered == late || !in_one_piece) return;
+  wire::SliceWriter one;
+  one.put(slice.kind, slice.bytes);
+  output_.write_late(one.view());
+}
+
+void FaultyLine::update(core::Time now) {
+  using link::Wire;
+  wire_ = faults_.cut(now) ? Wire::cut : faults_.stalled(now) ? Wire::held : Wire::whole;
+  output_.set_wire(wire_);
+  faults_.take(now, due_);
+  if (!due_.empty()) output_.write(due_.view());
+  due_.clear();
+  active_ = !faults_.idle();
+  arm_timer();
+}
+
+void FaultyLine::arm_timer() {
+  const core::Time due = faults_.next_deadline();
+  if (due == core::kNever) return;
+  timer_.expires_at(clock_.steady(due));
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) update(clock_.now());
+  });
+}
+
+}  // namespace limb_ring::runtime

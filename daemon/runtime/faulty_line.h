@@ -1,0 +1,52 @@
+#pragma once
+
+#include <boost/asio/steady_timer.hpp>
+
+#include "fault/line_faults.h"
+#include "link/output.h"
+#include "runtime/clock.h"
+
+namespace limb_ring::runtime {
+
+/// The line out of this node with what is wrong with it on purpose: between the Engine and its Output, on
+/// the way of every slice while anything is, and off it at no cost while nothing is. (ours)
+///
+/// Idles are the link's own and do not pass here: a line that drops every packet is not silent, one that
+/// stalls or is cut is.
+class FaultyLine {
+ public:
+  FaultyLine(boost::asio::io_context& io, const Clock& clock, link::Output& output);
+
+  /// Something is wrong, or still held back: whatever goes onto the line has to come through write().
+  bool active() const { return active_; }
+  /// The wire is neither cut nor held: the output is, or will be, connected.
+  bool carries() const { return wire_ == link::Wire::whole; }
+  void write(wire::ByteView framed_slices, core::Time now);
+  /// The output was lost, or leads to another node.
+  void line_lost() { faults_.line_lost(); }
+
+  /// As in fault::LineFaults; in effect when they return. Cutting or mending the line may call the
+  /// Output's handler.
+  fault::LineFaults::Id begin(const fault::Fault& fault, core::Time now);
+  bool remove(fault::LineFaults::Id id, core::Time now);
+  void clear(core::Time now);
+  std::vector<fault::LineFaults::Listed> list(core::Time now) { return faults_.list(now); }
+
+  const fault::LineCounters& counters() const { return faults_.counters(); }
+  void close() { timer_.cancel(); }
+
+ private:
+  void pass(const wire::Slice& slice, core::Time now);
+  void update(core::Time now);
+  void arm_timer();
+
+  const Clock& clock_;
+  link::Output& output_;
+  fault::LineFaults faults_;
+  boost::asio::steady_timer timer_;
+  wire::SliceWriter due_;
+  link::Wire wire_ = link::Wire::whole;
+  bool active_ = false;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <sys/types.h>
+
+namespace limb_ring::runtime {
+
+/// What the kernel says a process does: 'R' runs, 'S' waits, 'T' stopped, 'Z' ended but not waited for ...
+/// (proc(5)); 0 where there is none.
+char process_state(pid_t pid);
+
+inline bool is_stopped(pid_t pid) { return process_state(pid) == 'T'; }
+inline bool is_gone(pid_t pid) {
+  const char state = process_state(pid);
+  return state == 0 || state == 'Z' || state == 'X';
+}
+
+}  // namespace limb_ring::runtime

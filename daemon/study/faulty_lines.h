@@ -1,0 +1,44 @@
+#pragma once
+
+#include <deque>
+
+#include "fault/line_faults.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::study {
+
+/// Faults on the lines of a virtual ring: takes them down and up, and puts onto them later what they hold back.
+class FaultyLines : public sim::Witness {
+ public:
+  /// @param ring must outlive this, and never runs without it. @param seed of whatever is random
+  FaultyLines(sim::VirtualRing& ring, std::uint64_t seed);
+  FaultyLines(const FaultyLines&) = delete;
+  FaultyLines& operator=(const FaultyLines&) = delete;
+
+  /// Lays a tap on every line of the ring.
+  void tap_all();
+  /// On each line out of the fault's nodes. @pre it is of a line
+  void begin(const fault::Fault& fault);
+  /// Ends all on all lines.
+  void mend_all();
+
+  /// For a tap of the caller's own: what comes out of the line now.
+  void pass(wire::NodeId id, const wire::Slice& slice, wire::SliceWriter& arriving);
+  void fault(wire::NodeId id, sim::Fault fault, core::Time now) override;
+
+ private:
+  struct Line {
+    Line(std::uint64_t seed, core::Duration byte_time) : faults(seed, byte_time) {}
+    fault::LineFaults faults;
+    bool cut = false;                ///< by a fault
+    core::Time wake = core::kNever;  ///< next look
+  };
+  void look(wire::NodeId id);
+  void look_later(wire::NodeId id);
+
+  sim::VirtualRing& ring_;
+  std::deque<Line> lines_;  ///< out of each node
+  wire::SliceWriter late_;
+};
+
+}  // namespace limb_ring::study

@@ -1,0 +1,83 @@
+#include "ros_bridge/fault_services.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace limb_ring::bridge {
+namespace {
+
+using fault::Name;
+
+fault::RingNodes nodes_of(const config::RingConfig& ring) {
+  fault::RingNodes nodes;
+  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), node.id});
+  return nodes;
+}
+
+// As in services.cpp: a service that just fails gives its caller no reason.
+template <typename Response, typename Call>
+bool answered(Response& response, Call call) {
+  try {
+    response.success = true;
+    call();
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  return true;
+}
+
+void append(std::string& text, const std::string& more, const char* between) {
+  if (!more.empty()) text += (text.empty() ? "" : between) + more;
+}
+
+}  // namespace
+
+FaultServices::FaultServices(ros::NodeHandle& nodes, const config::RingConfig& ring, const std::string& own)
+    : ring_nodes_(nodes_of(ring)), own_(own), faults_(ring.ring, ring_nodes_) {
+  servers_ = {nodes.advertiseService("inject_fault", &FaultServices::inject, this),
+              nodes.advertiseService("clear_faults", &FaultServices::clear, this),
+              nodes.advertiseService("list_faults", &FaultServices::list, this)};
+}
+
+void FaultServices::require_survival(const fault::Fault& fault) const {
+  if (fault.name != Name::hang && fault.name != Name::crash && fault.name != Name::reset) return;
+  for (const auto& node : ring_nodes_) {
+    const bool hit = std::count(fault.nodes.begin(), fault.nodes.end(), node.id) != 0;
+    if (hit && (own_ == node.name || own_ == node.number))
+      throw std::invalid_argument("the CPU of node " + node.name + " is this bridge, which could not answer then; use "
+                                  "ringctl fault");
+  }
+}
+
+bool FaultServices::inject(InjectFault::Request& request, InjectFault::Response& response) {
+  return answered(response, [&] {
+    const fault::Fault fault = fault::from_words(request.fault, ring_nodes_);
+    require_survival(fault);
+    for (const inject::Begun& begun : faults_.begin(fault)) {
+      append(response.message, begun.words, "; ");
+      append(response.id, begun.id, " ");
+    }
+  });
+}
+
+bool FaultServices::clear(ClearFaults::Request& request, ClearFaults::Response& response) {
+  return answered(response, [&] {
+    if (!request.id.empty()) return faults_.remove(request.id);
+    for (const std::string& problem : faults_.clear()) append(response.message, problem, "; ");
+    response.success = response.message.empty();
+  });
+}
+
+bool FaultServices::list(ListFaults::Request&, ListFaults::Response& response) {
+  return answered(response, [&] {
+    for (const inject::LiveFault& fault : faults_.list()) {
+      response.ids.push_back(fault.id);
+      response.faults.push_back(fault.words);
+      response.ages.push_back(fault.age_s);
+      response.hits.push_back(fault.hits);
+    }
+  });
+}
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <limb_ring/ClearFaults.h>
+#include <limb_ring/InjectFault.h>
+#include <limb_ring/ListFaults.h>
+#include <ros/ros.h>
+
+#include <string>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "inject/live_faults.h"
+
+namespace limb_ring::bridge {
+
+/// `inject_fault`, `clear_faults`, `list_faults`: what `ringctl fault` does, for the whole ring as far as its
+/// daemons run on this host. A call returns when it has taken effect, or by a deadline; what went wrong is
+/// in its message.
+class FaultServices {
+ public:
+  /// @param nodes calls come by its queue @param own the bridge's node
+  FaultServices(ros::NodeHandle& nodes, const config::RingConfig& ring, const std::string& own);
+
+ private:
+  bool inject(InjectFault::Request& request, InjectFault::Response& response);
+  bool clear(ClearFaults::Request& request, ClearFaults::Response& response);
+  bool list(ListFaults::Request& request, ListFaults::Response& response);
+  void require_survival(const fault::Fault& fault) const;
+
+  fault::RingNodes ring_nodes_;
+  std::string own_;
+  inject::LiveFaults faults_;
+  std::vector<ros::ServiceServer> servers_;
+};
+
+}  // namespace limb_ring::bridge

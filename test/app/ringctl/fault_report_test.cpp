@@ -1,0 +1,89 @@
+// What ringctl says of faults, and of lines that are broken or noisy.
+#include <gmock/gmock.h>
+
+#include "app/ringctl/fault_table.h"
+#include "app/ringctl/line_report.h"
+#include "app/ringctl/status_table.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+using nlohmann::json;
+
+inject::LiveFault drop() {
+  inject::LiveFault fault;
+  fault.id = "body.3";
+  fault.name = "drop";
+  fault.words = "drop body -> head packets=5 for=2s";
+  fault.age_s = 0.54;
+  fault.hits = 2;
+  fault.packets_left = 3;
+  fault.seconds_left = 1.46;
+  return fault;
+}
+
+TEST(FaultTable, SaysWhatWhereSinceWhenHowOftenAndWhatIsLeft) {
+  inject::LiveFault cut;
+  cut.id = "knee.1";
+  cut.words = "cut knee -> ankle after=1s";
+  cut.waits = true;
+  EXPECT_EQ(fault_table({drop(), cut}),
+            "id      fault                               since s  struck  left\n"
+            "body.3  drop body -> head packets=5 for=2s      0.5  2       3 packets, 1.5 s\n"
+            "knee.1  cut knee -> ankle after=1s              0.0  waits   until removed\n");
+}
+
+TEST(FaultTable, HasNullInJsonForAnEndThatAFaultDoesNotHave) {
+  EXPECT_EQ(to_json(drop())["packets_left"], 3);
+  EXPECT_TRUE(to_json(inject::LiveFault{})["packets_left"].is_null());
+}
+
+/// Nodes 0 to 2, each with the one before it at its input.
+std::vector<json> three_nodes() {
+  std::vector<json> rows;
+  for (int id = 0; id < 3; ++id)
+    rows.push_back({{"id", id},
+                    {"name", "node" + std::to_string(id)},
+                    {"input", {{"from", (id + 2) % 3}}},
+                    {"broken_line", nullptr},
+                    {"faults", json::array()},
+                    {"counters", json::object()}});
+  return rows;
+}
+
+TEST(LineReport, IsEmptyWhereAllIsWell) { EXPECT_EQ(line_report(three_nodes()), ""); }
+
+TEST(LineReport, BelievesTheNodeBehindABreak) {
+  std::vector<json> rows = three_nodes();
+  for (json& row : rows) row["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.0}};
+  rows[1]["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.31}, {"noticed_ms", 21.44}};
+  EXPECT_EQ(line_report(rows), "broken line node0 -> node1 since 12.3 s, noticed after 21.4 ms\n");
+}
+
+TEST(LineReport, NamesTheNoisyLineAndNotThoseThatDamagedPacketsPassLater) {
+  std::vector<json> rows = three_nodes();
+  rows[1]["counters"] = {{"crc_errors", 6}, {"returns_damaged", 2}};  // four went on, two were its own
+  rows[2]["counters"] = {{"crc_errors", 4}, {"returns_damaged", 3}};
+  rows[0]["counters"] = {{"crc_errors", 1}, {"returns_damaged", 1}};
+  EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 6 packets came in damaged\n");
+}
+
+TEST(LineReport, TakesAFewThatAreUnderWayForNoNoiseOfTheNextLine) {
+  std::vector<json> rows = three_nodes();
+  rows[1]["counters"] = {{"crc_errors", 47}, {"returns_damaged", 1}};
+  rows[2]["counters"] = {{"crc_errors", 48}, {"returns_damaged", 48}};
+  EXPECT_EQ(line_report(rows), "noisy line node0 -> node1: 47 packets came in damaged\n");
+}
+
+TEST(LineReport, TellsFaultsOnPurpose) {
+  std::vector<json> rows = three_nodes();
+  rows[2]["faults"].push_back({{"id", 4}, {"fault", "stall node2 -> node0"}});
+  EXPECT_EQ(line_report(rows), "fault on purpose node2.4: stall node2 -> node0\n");
+}
+
+TEST(LineReport, IsSilentOfNodesThatDoNotAnswer) {
+  EXPECT_EQ(line_report({down_row({0, "node0"}), down_row({1, "node1"})}), "");
+}
+
+}  // namespace
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "fault/line_faults.h"
+#include "fault/parse.h"
+#include "wire/data_packet.h"
+#include "wire/interrupt_packet.h"
+
+namespace limb_ring::fault {
+
+using wire::SliceKind;
+using namespace std::chrono_literals;
+
+inline const RingNodes kNodes{{"hip", "10", 0}, {"knee", "11", 1}, {"ankle", "12", 2}};
+
+/// The line hip -> knee: packets go in at the present, and come out as words: "3" is a whole DATP whose data are 3,
+/// "start 3", "more", "end", "abort", "INTP 5" (factor 5), with a '!' where the CRC is wrong.
+class LineRig {
+ public:
+  explicit LineRig(std::uint64_t seed = 1, Duration byte_time = Duration{0}) : faults(seed, byte_time) {}
+
+  LineFaults::Id begin(const std::string& words) { return faults.begin(from_words(words, kNodes), now); }
+
+  void whole(unsigned number, NodeId source = 0, std::uint8_t channel = 0) {
+    const std::vector<std::uint8_t> bytes = packet(number, source, channel);
+    put({SliceKind::whole, {bytes.data(), bytes.size()}});
+  }
+  /// The parts of a DATP with 16 bytes of data.
+  void start(unsigned number) {
+    image_ = packet(number, 0, 0);
+    put({SliceKind::start, {image_.data(), 8}});
+  }
+  void more() { put({SliceKind::more, {image_.data() + 8, 8}}); }
+  void end() { put({SliceKind::end, {image_.data() + 16, image_.size() - 16}}); }
+  void interrupt(std::uint8_t factor) {
+    wire::InterruptPacket intp;
+    intp.factor = factor;
+    const wire::InterruptBytes bytes = wire::encode(intp);
+    put({SliceKind::interrupt, {bytes.data(), bytes.size()}});
+  }
+  void put(const wire::Slice& slice) {
+    faults.pass(slice, now);
+    look();
+  }
+
+  /// Looks when the line says so, and no more often.
+  void run_for(Duration duration) {
+    const Time until = now + duration;
+    while (faults.next_deadline() <= until) {
+      now = std::max(now, faults.next_deadline());
+      look();
+    }
+    now = until;
+  }
+  /// What has come out since the last call.
+  std::vector<std::string> came() { return std::exchange(came_, {}); }
+
+  LineFaults faults;
+  Time now{};
+  bool cut = false;
+
+ private:
+  static std::vector<std::uint8_t> packet(unsigned number, NodeId source, std::uint8_t channel) {
+    const std::vector<std::uint8_t> data(16, static_cast<std::uint8_t>(number));
+    wire::DataPacket datp;
+    datp.source = source;
+    datp.destination = 1;
+    datp.pri = wire::pri_byte(0, channel);
+    datp.data = {data.data(), data.size()};
+    std::vector<std::uint8_t> bytes(wire::kMaxDataPacketSize);
+    bytes.resize(wire::encode(datp, bytes.data()));
+    return bytes;
+  }
+
+  void look() {
+    cut = faults.cut(now);
+    wire::SliceWriter out;
+    faults.take(now, out);
+    for (wire::ByteView rest = out.view(); !rest.empty();) {
+      const wire::SliceParse parse = wire::parse_slice(rest);
+      came_.push_back(word_of(parse.slice));
+      rest = rest.from(parse.consumed);
+    }
+  }
+
+  static std::string word_of(const wire::Slice& slice) {
+    const auto number = [&](std::size_t at) { return std::to_string(slice.bytes[at]); };
+    switch (slice.kind) {
+      case SliceKind::whole: return number(wire::kHeaderSize) + (wire::PacketFields{slice.bytes}.crc_good() ? "" : "!");
+      case SliceKind::interrupt:
+        return "INTP " + number(7) + (wire::PacketFields{slice.bytes}.crc_good() ? "" : "!");
+      case SliceKind::start: return "start " + number(wire::kHeaderSize);
+      case SliceKind::more: return "more";
+      case SliceKind::end: return "end";
+      case SliceKind::abort: return "abort";
+      case SliceKind::idle: return "idle";
+      case SliceKind::fold: return "fold";
+    }
+    return "";
+  }
+
+  std::vector<std::uint8_t> image_;
+  std::vector<std::string> came_;
+};
+
+}  // namespace limb_ring::fault

@@ -1,0 +1,78 @@
+// Faults as text, and what is said of a text that is none.
+#include "fault/line_rig.h"
+
+namespace limb_ring::fault {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string refusal_of(const std::string& text) {
+  try {
+    from_words(text, kNodes);
+    return {};
+  } catch (const ParseError& error) {
+    return error.what();
+  }
+}
+
+TEST(FaultWords, SayALineAndWhatHappensOnIt) {
+  const Fault fault = from_words("drop hip -> knee packets=3 once_in=10 for=2s seed=4", kNodes);
+  EXPECT_EQ(fault.name, Name::drop);
+  EXPECT_THAT(fault.nodes, ElementsAre(0));
+  EXPECT_EQ(fault.packets, 3u);
+  EXPECT_EQ(fault.once_in, 10u);
+  EXPECT_EQ(fault.lasts, 2s);
+  EXPECT_EQ(fault.seed, 4u);
+}
+
+TEST(FaultWords, SayALineAlsoWithoutWhatAShellTakesForItself) {
+  for (const char* text : {"cut hip:knee", "cut hip -> knee", "cut hip->knee", "cut hip : knee"})
+    EXPECT_THAT(from_words(text, kNodes).nodes, ElementsAre(0)) << text;
+}
+
+TEST(FaultWords, SayNodesByNameNumberOrAll) {
+  EXPECT_THAT(from_words("kill knee 12", kNodes).nodes, ElementsAre(1, 2));
+  EXPECT_THAT(from_words("power_cycle all", kNodes).nodes, ElementsAre(0, 1, 2));
+}
+
+TEST(FaultWords, ComeBackAsTheyWere) {
+  for (const char* text : {"cut hip -> knee after_packets=100 of=ankle", "heal ankle -> hip", "kill knee ankle",
+                           "delay hip -> knee packets=7 delay=2ms jitter=500us after=1s", "hang knee for=1s",
+                           "rate hip -> knee rate=10Mbit/s", "flap hip -> knee every=40ms for=400ms",
+                           "drop hip -> knee packets=3 once_in=10 for=2s seed=4", "babble ankle"})
+    EXPECT_EQ(to_words(from_words(text, kNodes), kNodes), text);
+}
+
+TEST(FaultWords, AreInTheOrderOfTheirNames) {
+  for (std::size_t i = 0; i < std::size(kWords); ++i) EXPECT_EQ(kWords[i].name, static_cast<Name>(i));
+  EXPECT_EQ(kWords[std::size(kWords) - 1].name, Name::babble);
+}
+
+TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
+  EXPECT_THAT(refusal_of("dorp hip -> knee"),
+              StartsWith("'dorp' is no fault, did you mean 'drop'?; allowed: cut, heal"));
+  EXPECT_THAT(refusal_of(""), StartsWith("no fault is named; allowed: cut"));
+  EXPECT_THAT(refusal_of("kill nee"), StartsWith("'nee' is no node of the ring, did you mean 'knee'?; allowed: hip"));
+  EXPECT_THAT(refusal_of("cut hip -> ankle"), AllOf(HasSubstr("is no line of the ring"), HasSubstr("hip -> knee")));
+  EXPECT_THAT(refusal_of("cut hip"), StartsWith("cut says no line"));
+  EXPECT_THAT(refusal_of("kill"), StartsWith("kill says no node"));
+  EXPECT_THAT(refusal_of("drop hip -> knee packet=3"), HasSubstr("did you mean 'packets'?"));
+  EXPECT_THAT(refusal_of("stall hip -> knee packets=3"),
+              StartsWith("'packets' is nothing that stall takes; allowed: for, after, after_packets, of"));
+  EXPECT_THAT(refusal_of("drop hip -> knee packets=0"), StartsWith("'0' is no packets; allowed: a whole number"));
+  EXPECT_THAT(refusal_of("stall hip -> knee for=2"), StartsWith("'2' is no for; allowed: a time such as 5ms"));
+  EXPECT_THAT(refusal_of("rate hip -> knee rate=unlimited"), HasSubstr("allowed: a rate such as"));
+}
+
+TEST(FaultWords, SayWhatIsMissing) {
+  EXPECT_THAT(refusal_of("rate hip -> knee"), StartsWith("rate says no rate"));
+  EXPECT_THAT(refusal_of("delay hip -> knee"), StartsWith("delay says no delay or jitter"));
+  EXPECT_THAT(refusal_of("flap hip -> knee"), StartsWith("flap says no every"));
+  EXPECT_THAT(refusal_of("cut hip -> knee after_packets=5"), StartsWith("after_packets and of are not both given"));
+}
+
+}  // namespace
+}  // namespace limb_ring::fault

@@ -1,0 +1,193 @@
+"""Faults on living nodes and CPUs: each takes effect before it is answered, is listed, is removed, and the ring
+is whole again."""
+
+import os
+import re
+import signal
+
+import ring_process
+from fault_process import QUICK, FaultTest
+from ring_process import is_gone, plain_nodes, process_state
+
+
+class Nodes(FaultTest):
+    def test_a_killed_node_is_gone_when_answered_is_listed_and_started_again(self):
+        daemons = self.start_ring(plain_nodes(4))
+        self.assertEqual(self.begin('kill', 'node2'), ['node2.kill'])
+        self.assertTrue(is_gone(daemons[2].pid))
+        self.wait_closed([0, 1, 3])
+        self.assertEqual(self.listed()['node2.kill']['fault'], 'kill node2')
+        self.assertIn('no daemon', self.fault('freeze', 'node2', code=1))
+        self.fault('start', 'node2')
+        self.wait_closed(range(4))
+        self.assertEqual(self.listed(), {})
+        self.assertIn('runs already', self.fault('start', 'node2', code=1))
+
+    def test_a_node_started_again_ends_with_the_ring_in_the_foreground(self):
+        up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
+        self.wait_closed(range(3))
+        self.begin('kill', 'node1')
+        self.fault('start', 'node1')
+        pid = self.row(1)['pid']
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+        self.wait('the end of node 1', lambda: is_gone(pid))
+
+    def test_a_frozen_node_is_shown_as_frozen_and_goes_on_when_thawed(self):
+        daemons = self.start_ring(plain_nodes(4), timeouts=QUICK)
+        self.begin('freeze', 'node2')
+        self.assertEqual(process_state(daemons[2].pid), 'T')
+        self.wait_closed([0, 1, 3])
+        self.assertRegex(self.ctl('status').stdout, r'(?m)^ *2 +node2 +frozen ')
+        self.assertIn('is frozen', self.fault('cut', 'node2:node3', code=1))
+        self.assertEqual(list(self.listed()), ['node2.freeze'])
+        self.fault('thaw', 'node2')
+        self.assertNotEqual(process_state(daemons[2].pid), 'T')
+        self.wait_closed(range(4))
+        self.assertEqual(self.listed(), {})
+        boot = self.row(2)['boot']
+        self.assertEqual(self.fault('freeze', 'node2', '--for', '500ms'), 'done: freeze node2 for=500ms\n')
+        self.wait_closed(range(4))
+        self.wait('bypassed meanwhile', lambda: self.row(2)['boot'] > boot)
+
+    def test_a_power_cycle_gives_a_new_boot_number_a_new_cpu_and_the_same_pid(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = {'command': ['limb_firmware']}
+        daemons = self.start_ring(nodes)
+        cpu, boot = self.wait_cpu(1, 'running')['pid'], self.row(1)['boot']
+        self.fault('power_cycle', 'node1')
+        row = self.row(1)
+        self.assertGreater(row['boot'], boot)
+        self.assertEqual((row['pid'], daemons[1].poll()), (daemons[1].pid, None))
+        self.assertTrue(is_gone(cpu))
+        self.wait_closed(range(3))
+        self.assertNotEqual(self.wait_cpu(1, 'running')['pid'], cpu)
+        self.assertEqual(self.ping(0, 1)['delivered'], 20)
+
+    def test_a_power_cycle_of_all_over_udp_closes_the_ring_again(self):
+        self.start_ring(self.udp_nodes(4), timeouts=QUICK)
+        boots = [self.row(i)['boot'] for i in range(4)]
+        self.fault('power_cycle', 'all')
+        self.wait_closed(range(4))
+        for i in range(4):
+            self.assertGreater(self.row(i)['boot'], boots[i])
+
+    def test_clear_ends_everything(self):
+        self.start_ring(plain_nodes(5), timeouts=QUICK)
+        self.begin('kill', 'node1')
+        self.begin('freeze', 'node2')
+        self.begin('drop', 'node3:node4', '--once-in', 1000)
+        self.begin('not_reading', 'node4')
+        self.assertEqual(sorted(self.listed()), ['node1.kill', 'node2.freeze', 'node3.1', 'node4.1'])
+        self.fault('clear')
+        self.assertEqual(self.listed(), {})
+        self.wait_closed(range(5))
+
+
+class Cpus(FaultTest):
+    def start_limb(self, **cpu):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = dict({'command': ['limb_firmware']}, **cpu)
+        self.start_ring(nodes)
+        return self.wait_cpu(1, 'running')
+
+    def test_a_hung_cpu_is_stopped_shown_and_goes_on(self):
+        pid = self.start_limb()['pid']
+        self.assertEqual(self.begin('hang', 'node1'), ['node1.1'])
+        self.assertEqual(process_state(pid), 'T')
+        self.assertRegex(self.ctl('status').stdout, r'(?m)^ *1 +node1 +up .* stopped ')
+        self.assertEqual(self.listed()['node1.1']['fault'], 'hang node1')
+        self.assertEqual(self.fault('resume', 'node1'), 'done: resume node1\n')
+        self.assertNotEqual(process_state(pid), 'T')
+        self.assertEqual(self.listed(), {})
+
+    def test_a_hang_ends_with_its_time_or_with_a_reset(self):
+        cpu = self.start_limb()
+        self.begin('hang', 'node1', '--for', '100ms')
+        self.wait('running again', lambda: process_state(cpu['pid']) != 'T')
+        self.begin('hang', 'node1')
+        self.fault('reset', 'node1')
+        self.assertEqual(self.wait_cpu(1, 'running')['boots'], cpu['boots'] + 1)
+        self.assertEqual(self.listed(), {})
+
+    def test_a_crashed_cpu_is_gone_even_where_it_hung(self):
+        pid = self.start_limb()['pid']
+        self.begin('hang', 'node1')
+        self.fault('crash', 'node1')
+        self.assertTrue(is_gone(pid))
+        self.wait('its end told', lambda: 'signal 11' in self.row(1)['cpu']['last_exit'])
+
+    def test_an_attached_cpu_is_hit_as_well(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes)
+        firmware = self.start('cpu', [ring_process.program('limb_firmware'), '--ring', self.ring, '--node', '1',
+                                      '--config', os.path.join(self.folder, 'ring.yaml')])
+        self.wait_cpu(1, 'running')
+        self.begin('hang', 'node1')
+        self.assertEqual(process_state(firmware.pid), 'T')
+        self.fault('clear')
+        self.assertNotEqual(process_state(firmware.pid), 'T')
+        self.begin('hang', 'node1')
+        self.fault('power_cycle', 'node1')
+        self.assertNotEqual(process_state(firmware.pid), 'T', 'nobody else would end it')
+
+    def test_a_cpu_that_does_not_read_refuses_and_a_slow_one_takes_its_time(self):
+        self.start_ring(plain_nodes(2), limits={'receive_buffers': 2}, timeouts={'refused': '50ms'})
+        self.begin('not_reading', 'node1')
+        port = self.port(0)
+        outcomes = [port.result(port.send(1, b'x'))['outcome'] for _ in range(4)]
+        self.assertEqual(outcomes, ['delivered', 'delivered', 'refused', 'refused'])
+        self.fault('resume', 'node1')
+        self.assertEqual(port.result(port.send(1, b'x'))['outcome'], 'delivered')
+        slow = self.begin('slow', 'node1', '--every', '10s')
+        self.wait('full again', lambda: port.result(port.send(1, b'x'))['outcome'] == 'refused')
+        self.fault('remove', slow[0])
+        self.assertEqual(port.result(port.send(1, b'x'))['outcome'], 'delivered')
+
+    def test_a_babbling_cpu_is_counted_and_does_not_starve_the_others(self):
+        self.start_ring(plain_nodes(3))
+        babble = self.begin('babble', 'node1')
+        self.wait('a hundred packets', lambda: self.listed()[babble[0]]['hits'] >= 100)
+        self.assertEqual(self.ping(0, 2, 50)['delivered'], 50)
+        self.fault('remove', babble[0])
+        sent = self.counters(1)['sent_data']
+        self.assertEqual(self.ping(0, 2, 200)['delivered'], 200)
+        self.assertLess(self.counters(1)['sent_data'] - sent, 100, 'beacons alone')
+
+    def test_a_node_without_a_process_has_nothing_to_hang(self):
+        self.start_ring(plain_nodes(2))
+        self.assertIn('no CPU', self.fault('hang', 'node1', code=1))
+
+
+class Words(FaultTest):
+    def test_help_has_one_line_for_every_fault(self):
+        text = self.ctl('fault', '--help').stdout
+        for word in ('cut heal drop corrupt truncate duplicate reorder delay rate stall flap kill start power_cycle '
+                     'freeze thaw hang resume reset crash slow not_reading babble list remove clear').split():
+            self.assertRegex(text, r'(?m)^  %s +\S' % re.escape(word))
+
+    def test_wrong_words_are_refused_with_what_would_be_right(self):
+        self.start_ring(plain_nodes(3))
+        for arguments, what in (
+                (('cut', 'node0:node2'), 'node0 -> node1'),
+                (('cut', 'node0', '-'), "the shell has taken '>'"),
+                (('drop', 'node0:nodf1'), "did you mean 'node1'"),
+                (('drop', 'node0:node1', '--packets', 'few'), 'a whole number'),
+                (('drop', 'node0:node1', '--after-packets', 5), 'of=NODE'),
+                (('delay', 'node0:node1'), 'delay says no delay or jitter'),
+                (('stall', 'node0:node1', '--for', 3), 'a time such as'),
+                (('stall', 'node0:node1', '--packets', 3), '--packets'),
+                (('hang',), 'WHERE'),
+                (('explode', 'node1'), 'subcommand is required')):
+            self.assertIn(what, self.fault(*arguments, code=2), arguments)
+        self.assertIn('any more', self.fault('remove', 'node1.7', code=1))
+        self.assertIn("no fault's id", self.fault('remove', 'seven', code=1))
+        self.assertEqual(self.fault('list'), 'ring %s has no faults on purpose\n' % self.ring)
+
+    def test_no_ring_is_exit_code_3(self):
+        self.fault('list', code=3)
+
+
+if __name__ == '__main__':
+    ring_process.main()

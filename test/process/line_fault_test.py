@@ -1,0 +1,128 @@
+"""Faults on a living line: each takes effect before it is answered, is listed, is removed, and the ring is
+whole again."""
+
+import ring_process
+from fault_process import QUICK, FaultTest
+from ring_process import plain_nodes
+
+
+class Lines(FaultTest):
+    def cut_and_heal(self, nodes):
+        self.start_ring(nodes, timeouts=QUICK)
+        cut = self.begin('cut', 'node1:node2')
+        self.assertEqual(cut, ['node1.1'])
+        attempts = self.row(1)['counters']['output_attempts']
+        self.assertEqual(self.row(1)['output']['state'], 'down')  # at once
+        self.wait('break located by all', lambda: all(
+            (self.row(i)['broken_line'] or {}).get('behind') == 2 for i in range(len(nodes))))
+        row = self.row(2)
+        self.assertEqual((row['state'], row['broken_line']['before']), ('open_chain', 1))
+        text = self.ctl('status').stdout
+        self.assertRegex(text, r'broken line node1 -> node2 since [0-9.]+ s, noticed after [0-9.]+ ms\n')
+        self.assertRegex(text, r'fault on purpose node1\.1: cut node1 -> node2')
+        self.assertEqual(self.row(1)['counters']['output_attempts'], attempts, 'it was bypassed')
+        self.assertIn('cut node1 -> node2', self.fault('list'))
+        self.fault('remove', 'node1.1')
+        self.wait_closed(range(len(nodes)))
+        self.assertEqual(self.listed(), {})
+        self.assertNotIn('broken line', self.ctl('status').stdout)
+        return row['broken_line']['noticed_ms']
+
+    def test_a_cut_unix_line_is_noticed_at_once_located_and_whole_again_when_removed(self):
+        self.cut_and_heal(plain_nodes(4))
+
+    def test_a_cut_udp_line_is_silent_located_and_whole_again_when_removed(self):
+        noticed = self.cut_and_heal(self.udp_nodes(4))
+        self.assertGreaterEqual(noticed, 300, 'the silence counts')
+
+    def test_dropped_packets_are_sent_again_and_the_fault_ends_by_itself(self):
+        self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
+        self.assertEqual(self.begin('drop', 'node0 -> node1', '--packets', 3), ['node0.1'])
+        self.assertEqual(self.ping(0, 2)['delivered'], 20)
+        self.assertEqual(self.counters(0)['line_dropped'], 3)
+        self.assertEqual(self.listed(), {})
+
+    def test_a_noisy_line_is_shown_at_the_input_that_has_it_and_its_seed_is_told(self):
+        self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
+        said = self.fault('corrupt', 'node0:node1', '--once-in', 2, '--packets', 4)
+        self.assertRegex(said, r'^node0\.1: corrupt node0 -> node1 packets=4 once_in=2 seed=[0-9]+\n$')
+        self.wait('four packets hit', lambda: self.ping(0, 2) and not self.listed())
+        self.assertEqual(self.counters(1)['crc_errors'], 4)
+        text = self.ctl('status').stdout
+        self.assertIn('noisy line node0 -> node1: 4 packets came in damaged', text)
+        self.assertEqual(text.count('noisy line'), 1, text)
+
+    def test_truncated_and_doubled_packets_are_neither_lost_nor_taken_twice(self):
+        self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})
+        received = self.row(2)['received']
+        self.begin('truncate', 'node0:node1', '--packets', 2)
+        self.begin('duplicate', 'node1:node2', '--packets', 5)
+        self.assertEqual(self.ping(0, 2)['delivered'], 20)
+        self.assertEqual(self.row(2)['received'], received + 20)
+        self.assertEqual((self.counters(0)['line_truncated'], self.counters(1)['line_duplicated']), (2, 5))
+
+    def test_a_late_datagram_is_discarded_and_sent_again(self):
+        self.start_ring(self.udp_nodes(3), timeouts={'send': '100ms'})
+        before = self.counters(1)
+        self.begin('reorder', 'node0:node1', '--packets', 1)
+        self.assertEqual(self.ping(0, 2)['delivered'], 20)
+        after = self.counters(1)
+        for counter in ('input_datagrams_duplicate', 'input_datagrams_lost'):
+            self.assertEqual(after[counter] - before[counter], 1, counter)
+
+    def test_a_unix_line_keeps_order_and_says_so(self):
+        self.start_ring(plain_nodes(2))
+        self.assertIn('needs a UDP line', self.fault('reorder', 'node0:node1', code=1))
+
+    def test_delay_and_rate_make_round_trips_longer_until_removed(self):
+        self.start_ring(plain_nodes(3))
+        delay = self.begin('delay', 'node0:node1', '--delay', '20ms', '--jitter', '5ms')
+        self.assertGreaterEqual(self.ping(0, 2, 5)['round_trip_us']['min'], 20000)
+        self.assertGreaterEqual(self.listed()[delay[0]]['hits'], 5)
+        self.fault('remove', delay[0])
+        rate = self.begin('rate', 'node1:node2', '--rate', '1Mbit/s')
+        self.assertGreaterEqual(self.ping(0, 2, 5)['round_trip_us']['min'], 524 * 8)
+        self.fault('remove', rate[0])
+        self.assertEqual(self.ping(0, 2)['delivered'], 20)
+
+    def test_a_short_stall_loses_nothing_and_a_long_one_is_a_broken_line(self):
+        self.start_ring(plain_nodes(3), timeouts={'silence': '1s', 'bypass': '50ms', 'send': '2s'})
+        self.begin('stall', 'node0:node1', '--for', '200ms')
+        done = self.ping(0, 2, 5)
+        self.assertEqual(done['delivered'], 5)
+        self.assertGreater(self.counters(0)['line_held'], 0)
+        self.assertEqual(self.counters(1)['input_losses'], 0)
+        stall = self.begin('stall', 'node0:node1')
+        self.wait('broken line', lambda: (self.row(1)['broken_line'] or {}).get('before') == 0)
+        self.fault('remove', stall[0])
+        self.wait_closed(range(3))
+
+    def test_a_flapping_line_comes_and_goes(self):
+        self.start_ring(plain_nodes(3), timeouts=QUICK)
+        losses = self.counters(1)['input_losses']
+        self.begin('flap', 'node0:node1', '--every', '200ms')
+        self.wait('three times', lambda: self.counters(1)['input_losses'] >= losses + 3)
+        self.fault('heal', 'node0:node1')
+        self.wait_closed(range(3))
+        self.assertEqual(self.listed(), {})
+
+    def test_a_fault_waits_for_its_time_or_for_packets_of_a_node(self):
+        self.start_ring(plain_nodes(3), timeouts=QUICK)
+        self.begin('cut', 'node1:node2', '--after-packets', 10, '--of', 'node0')
+        self.assertTrue(self.listed()['node1.1']['waits'])
+        self.ping(1, 0)
+        self.assertTrue(self.listed()['node1.1']['waits'], 'packets of another node')
+        self.assertEqual(self.ping(0, 1, 9)['delivered'], 9)
+        self.assertTrue(self.listed()['node1.1']['waits'])
+        self.ctl('send', '--from', 'node0', '--to', 'node1', '--data', 'tenth')
+        self.wait('cut', lambda: self.row(1)['output']['state'] == 'down')
+        self.fault('clear')
+        self.wait_closed(range(3))
+        self.begin('cut', 'node1:node2', '--after', '100ms', '--for', '100ms')
+        self.wait('cut', lambda: self.row(1)['output']['state'] == 'down')
+        self.wait('its end', lambda: not self.listed())
+        self.wait_closed(range(3))
+
+
+if __name__ == '__main__':
+    ring_process.main()

@@ -1,0 +1,78 @@
+#!/usr/bin/python3
+"""Faults on purpose through the bridge's services: they take effect, are listed and end."""
+import unittest
+
+import rospy
+import rostest
+from limb_ring.srv import ClearFaults, InjectFault, ListFaults
+
+from ring_testing import Ring, is_alive, wait_for
+
+
+def service(name, kind):
+    rospy.wait_for_service(name, 30)
+    return rospy.ServiceProxy(name, kind)
+
+
+def process_state(pid):
+    with open('/proc/%d/stat' % pid) as stat:
+        return stat.read().rsplit(')', 1)[1].split()[0]
+
+
+class Faults(unittest.TestCase):
+    def setUp(self):
+        self.ring = Ring()
+        self.inject = service('inject_fault', InjectFault)
+        self.clear = service('clear_faults', ClearFaults)
+        self.list = service('list_faults', ListFaults)
+        self.ring.wait_until_up()
+
+    def begin(self, words):
+        answer = self.inject(fault=words)
+        self.assertTrue(answer.success, answer.message)
+        return answer
+
+    def test_a_hung_cpu_is_stopped_listed_and_goes_on(self):
+        pid = self.ring.node('left_knee').cpu_pid
+        answer = self.begin('hang left_knee')
+        self.assertEqual(process_state(pid), 'T')
+        self.assertEqual(answer.message, 'hang left_knee')
+        listed = self.list()
+        self.assertEqual((listed.ids, listed.faults), ([answer.id], ['hang left_knee']))
+        self.assertTrue(self.clear(id=answer.id).success)
+        self.assertNotEqual(process_state(pid), 'T')
+        self.assertEqual(self.list().ids, [])
+        self.ring.wait_until_up()
+
+    def test_a_cut_line_opens_the_chain_until_it_is_cleared(self):
+        self.begin('cut left_hip -> left_hip_yaw')
+        self.ring.wait_for_node('left_hip_yaw', lambda n: n.state == 'open_chain', 'to know of the break')
+        self.assertTrue(self.clear(id='').success)
+        self.ring.wait_until_up()
+
+    def test_a_power_cycle_brings_the_node_back_with_another_cpu(self):
+        before = self.ring.node('right_elbow')
+        self.begin('power_cycle right_elbow')
+        self.assertFalse(is_alive(before.cpu_pid))
+        after = self.ring.wait_for_node('right_elbow', lambda n: n.cpu_pid not in (0, before.cpu_pid) and
+                                        n.cpu_state == 'running', 'its new CPU')
+        self.assertEqual(after.pid, before.pid)
+        self.ring.wait_until_up()
+
+    def test_a_drawn_seed_is_told(self):
+        answer = self.begin('corrupt left_hip -> left_hip_yaw once_in=1000')
+        self.assertIn(' seed=', answer.message)
+        self.assertTrue(self.clear(id='').success)
+        wait_for(lambda: not self.list().ids, 'no faults')
+
+    def test_what_cannot_be_says_why(self):
+        self.assertIn("did you mean 'left_knee'", self.inject(fault='hang left_kneee').message)
+        self.assertIn('a line from a node to the next', self.inject(fault='cut head:left_knee').message)
+        self.assertIn('this bridge', self.inject(fault='hang body').message)
+        self.assertIn('any more', self.clear(id='left_knee.99').message)
+        self.assertFalse(self.inject(fault='').success)
+
+
+if __name__ == '__main__':
+    rospy.init_node('fault_test')
+    rostest.rosrun('limb_ring', 'fault', Faults)
