@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: all build test demo soak bench bench-sim deps clean
+.PHONY: all build test demo soak bench bench-sim install-dissector deps clean
 all: build
 
 deps:
@@ -55,6 +55,10 @@ bench-sim: deps
 	cmake -S . -B $(BUILD)-bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops
 	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
+
+# Into the user's Wireshark: see docs/capture.md.
+install-dissector:
+	@scripts/install_dissector
 
 clean:
 	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-bench

@@ -31,6 +31,7 @@ void Engine::close() {
 
 void Engine::on_slice(const wire::Slice& slice) {
   begin_batch();
+  if (tap_ != nullptr) tap_->on_input(slice, input_.from().value_or(wire::kBroadcast), clock_.steady(at_));
   second_ ? second_->fold().receive(slice, at_) : controller_.receive(slice, at_);
 }
 
@@ -43,6 +44,7 @@ core::Time Engine::begin_batch() {
 void Engine::on_batch_end() { pump(); }
 
 void Engine::on_input_gap(std::uint32_t) {
+  if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
   second_ ? second_->fold().input_gap(now()) : controller_.input_gap(now());
 }
 
@@ -54,6 +56,7 @@ void Engine::on_input_up(std::uint8_t from) {
 
 void Engine::on_input_lost(std::string_view reason) {
   listener_.on_link("input lost: " + std::string(reason));
+  if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
   input_lost_at_ = now() - (reason == link::kSilent ? silence_ : core::Duration{0});
   second_ ? second_->fold().input_lost(now()) : controller_.input_lost(now());
   pump();
@@ -67,6 +70,7 @@ void Engine::on_output_up(std::uint8_t to) {
 
 void Engine::on_output_lost(std::string_view reason) {
   listener_.on_link("output lost: " + std::string(reason));
+  if (tap_ != nullptr) tap_->on_output_gap(clock_.steady(now()));
   faulty_line_.line_lost();
   second_ ? second_->fold().output_lost(now()) : controller_.output_lost(now());
   pump();
@@ -119,6 +123,7 @@ void Engine::write_line() {
 
 void Engine::write(wire::SliceWriter& line) {
   if (line.empty()) return;
+  if (tap_ != nullptr && output_.up()) tap_->on_output(line.view(), output_.to(), clock_.steady(at_));
   if (faulty_line_.active())
     faulty_line_.write(line.view(), at_);
   else

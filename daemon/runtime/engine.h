@@ -24,6 +24,16 @@ struct EngineListener {
   virtual void on_link(std::string_view what) = 0;
 };
 
+/// Sees what is on the lines of the node, and changes nothing.
+struct LineTap {
+  virtual ~LineTap() = default;
+  virtual void on_input(const wire::Slice& slice, wire::NodeId from, Clock::Steady::time_point at) = 0;
+  virtual void on_output(wire::ByteView framed_slices, wire::NodeId to, Clock::Steady::time_point at) = 0;
+  /// Something is missing there, or the line has ended.
+  virtual void on_input_gap(Clock::Steady::time_point at) = 0;
+  virtual void on_output_gap(Clock::Steady::time_point at) = 0;
+};
+
 /// Drives the core: bytes from the links and the time go in, what comes out goes onto the output
 /// link and to the listener. One read, one write: all slices of a batch are handed in before
 /// anything is written.
@@ -54,6 +64,8 @@ class Engine final : private link::InputHandler,
   /// only makes another round follow.
   void pump() override;
   void close();
+  /// From now on `tap`, which may be null, sees the lines; it must outlive that.
+  void set_tap(LineTap* tap) { tap_ = tap; }
 
  private:
   void on_slice(const wire::Slice& slice) override;
@@ -81,6 +93,7 @@ class Engine final : private link::InputHandler,
   core::Time armed_for_ = core::kNever;
   core::Time deadline_{};
   core::Time at_{};
+  LineTap* tap_ = nullptr;
   core::Time input_lost_at_{};
   core::Duration silence_;
   bool in_batch_ = false;

@@ -68,6 +68,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       engine_(io, setup::core_settings(ring, config, boot_number()), link_settings(ring, config, directory_), *this),
       host_(io, host_options(ring, config, directory_), *this),
       observers_(host_),
+      packet_observers_(config.id, engine_, host_),
       cpu_(io, cpu_options(ring, config, cores_), engine_, host_, [this] { cpu_changed(); }),
       pins_(config.pins, cpu_),
       traffic_(io, engine_),
@@ -162,6 +163,7 @@ std::optional<std::string> Node::on_attach(const host::ClientInfo& client) {
 void Node::on_detach(const host::ClientInfo& client) {
   engine_.controller().cancel(client.id, engine_.now());
   observers_.remove(client.id);
+  packet_observers_.remove(client.id);
   if (client.role == Role::cpu) cpu_.detach(client);
   engine_.pump();
 }
@@ -197,7 +199,9 @@ void Node::on_request(host::ClientId client, std::uint32_t token, const std::str
 
 void Node::on_observe(host::ClientId client, const std::string& json) {
   try {
-    observers_.add(client, json);
+    const ObserveOrder order = read_observe_order(ring_, json);
+    observers_.set(client, order.kinds);
+    packet_observers_.set(client, order.packets);
   } catch (const std::exception& error) {
     host_.observed(client, nlohmann::json{{"error", error.what()}}.dump());
   }

@@ -13,8 +13,10 @@
 #include "runtime/cpu_socket.h"
 #include "runtime/engine.h"
 #include "runtime/faults.h"
+#include "runtime/observe_order.h"
 #include "runtime/observers.h"
 #include "runtime/orders.h"
+#include "runtime/packet_observers.h"
 #include "runtime/pin_board.h"
 #include "runtime/requests.h"
 #include "runtime/ring_supervisor.h"
@@ -93,6 +95,7 @@ class Node final : private EngineListener, private host::HostHandler {
   Engine engine_;
   host::HostServer host_;
   Observers observers_;
+  PacketObservers packet_observers_;
   CpuSocket cpu_;
   PinBoard pins_;
   Traffic traffic_;
