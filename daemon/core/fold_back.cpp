@@ -11,6 +11,8 @@ namespace {
 
 /// What may wait of the first line while the second drains: more than a lap of largest packets of 64 nodes.
 constexpr std::size_t kMostHeld = 64 * 1024;
+/// Of the time-out of a try that packets may be held up: a copy must not outlive it.
+constexpr int kHoldShare = 8;
 /// A tail that has not said so often that it is one, is gone.
 constexpr int kMissed = 5;
 
@@ -106,7 +108,8 @@ void FoldBack::begin_draining(Time now) {
 void FoldBack::drain_if_settled(Time now) {
   if (in_ != In::draining || !first_spoke_) return;
   if (!waits_for_last() && !second_open_) return drained(now);
-  if (drain_due_ == kNever) drain_due_ = now + controller_.settings().stall;
+  const Settings& settings = controller_.settings();
+  if (drain_due_ == kNever) drain_due_ = now + std::min(settings.stall, settings.send_timeout() / kHoldShare);
 }
 
 // The first line again; where the second goes on with the traffic of another fold, that is repeated now.
