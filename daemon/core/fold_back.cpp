@@ -304,9 +304,10 @@ void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
   settle(now);
 }
 
-// A word that has come back to who said it has found nobody behind a break.
+// A word that has come back to who said it has found nobody behind a break. Where a `begin` has been said
+// anew behind a `lost`, that goes round once more: else nobody would take from the second line what is on it.
 void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
-  if (word.node == id()) return;
+  if (word.node == id()) return word.mark == FoldMark::lost && tail_ ? lose_tail(now) : void();
   if (repeats()) second_.put(slice.kind, slice.bytes);
   if (word.mark == FoldMark::begin) {
     tail_ = word.node;
