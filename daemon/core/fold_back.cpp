@@ -24,10 +24,20 @@ bool open_after(const Slice& slice, bool open) {
   return open && (slice.kind == SliceKind::more || slice.kind == SliceKind::interrupt);
 }
 
-NodeId neighbour(const Settings& settings, std::size_t steps) {
+std::size_t place_of(const Settings& settings, NodeId node) {
   std::size_t at = 0;
-  while (settings.order[at] != settings.id) ++at;
-  return settings.order[(at + steps) % settings.order.size()];
+  while (at < settings.order.size() && settings.order[at] != node) ++at;
+  return at;
+}
+
+NodeId neighbour(const Settings& settings, std::size_t steps) {
+  return settings.order[(place_of(settings, settings.id) + steps) % settings.order.size()];
+}
+
+/// How many lines lie between a node and this one, in ring order.
+std::size_t distance(const Settings& settings, NodeId from) {
+  const std::size_t nodes = settings.order.size();
+  return (place_of(settings, settings.id) + nodes - place_of(settings, from)) % nodes;
 }
 
 }  // namespace
@@ -102,6 +112,9 @@ void FoldBack::begin_draining(Time now) {
   if (may_fold_) say(FoldMark::hears, id());
   if (in_ == In::first) return;
   in_ = In::draining;
+  const Settings& settings = controller_.settings();
+  const bool dead = tail_ && distance(settings, *tail_) < distance(settings, from_);  // it is bypassed now
+  if (dead) return forget_tail(now);
   if (!tail_) drained(now);
 }
 
@@ -308,6 +321,9 @@ void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
 // anew behind a `lost`, that goes round once more: else nobody would take from the second line what is on it.
 void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
   if (word.node == id()) return word.mark == FoldMark::lost && tail_ ? lose_tail(now) : void();
+  const bool said_just_now = word.mark == FoldMark::begin && tail_ == word.node &&
+                             tail_due_ - now > kMissed * pause() - pause() / 2;
+  if (said_just_now) return;  // it goes round, since nobody is behind a break
   if (repeats()) second_.put(slice.kind, slice.bytes);
   if (word.mark == FoldMark::begin) {
     tail_ = word.node;
