@@ -7,8 +7,14 @@ namespace limb_ring::runtime {
 namespace {
 
 const std::set<std::string>& all_kinds() {
-  static const std::set<std::string> kinds{"state", "link", "pin", "cpu", "sent"};
+  static const std::set<std::string> kinds{"state", "ring", "link", "noise", "pin", "cpu", "watchdog", "sent"};
   return kinds;
+}
+
+std::string named(const std::set<std::string>& kinds) {
+  std::string names;
+  for (const std::string& kind : kinds) names += (names.empty() ? "" : ", ") + kind;
+  return names;
 }
 
 }  // namespace
@@ -19,7 +25,7 @@ void Observers::add(host::ClientId client, const std::string& filter) {
   std::set<std::string> kinds;
   for (const auto& kind : json.value("kinds", nlohmann::json::array())) {
     if (!kind.is_string() || all_kinds().count(kind.get<std::string>()) == 0)
-      throw std::invalid_argument("observe: no kind " + kind.dump() + "; there are state, link, pin, cpu, sent");
+      throw std::invalid_argument("observe: no kind " + kind.dump() + "; there are " + named(all_kinds()));
     kinds.insert(kind.get<std::string>());
   }
   wanted_[client] = kinds.empty() ? all_kinds() : kinds;

@@ -14,7 +14,7 @@ class Observers {
  public:
   explicit Observers(host::HostServer& host) : host_(host) {}
 
-  /// `filter`: {"kinds": [...]} of state, link, pin, cpu, sent; all where not given.
+  /// `filter`: {"kinds": [...]} as in requests.md; all where not given.
   /// @throw std::invalid_argument naming what is wrong
   void add(host::ClientId client, const std::string& filter);
   void remove(host::ClientId client) { wanted_.erase(client); }
