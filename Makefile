@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: all build test demo soak bench bench-sim deps clean
+.PHONY: all build test demo soak bench bench-sim chaos fault-table install-dissector deps clean
 all: build
 
 deps:
@@ -46,6 +46,19 @@ SEEDS ?= 1000
 soak: build
 	$(BUILD)/devel/lib/limb_ring/ring_sim soak --seeds $(SEEDS)
 
+# Random faults on a live ring of 16, by SEED (drawn and printed where not given), for MINUTES.
+MINUTES ?= 1
+SEED ?=
+TRANSPORT ?= unix
+LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --programs $(BUILD)/devel/lib/limb_ring
+chaos: build
+	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(LIVE_ARGS)
+
+# What the ring does about each fault, in figures: COUNT times each.
+COUNT ?= 20
+fault-table: build
+	$(PYTHON) scripts/fault_table --count $(COUNT) $(LIVE_ARGS)
+
 bench: build
 	$(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)
 	@$(MAKE) bench-sim
@@ -55,6 +68,10 @@ bench-sim: deps
 	cmake -S . -B $(BUILD)-bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops
 	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
+
+# Into the user's Wireshark: see docs/capture.md.
+install-dissector:
+	@scripts/install_dissector
 
 clean:
 	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-bench

@@ -17,11 +17,13 @@ double rounded(double value) { return std::round(value * 100) / 100; }
 
 json row_json(const Row& row) {
   const RoundTrip& time = row.measured.round_trip_us;
-  return {{"round_trip_us", {{"p50", rounded(time.p50)}, {"p99", rounded(time.p99)}, {"max", rounded(time.max)}}},
+  json all{{"round_trip_us", {{"p50", rounded(time.p50)}, {"p99", rounded(time.p99)}, {"max", rounded(time.max)}}},
           {"packets_per_second", rounded(row.measured.packets_per_second)},
           {"reference_ratio", rounded(row.reference_ratio)},
           {"packets", row.measured.packets},
           {"failed", row.measured.failed}};
+  if (row.unwatched_ratio > 0) all["unwatched_ratio"] = rounded(row.unwatched_ratio);
+  return all;
 }
 
 json percent(const std::optional<double>& value) { return value ? json(rounded(*value)) : json(); }
@@ -29,6 +31,7 @@ json percent(const std::optional<double>& value) { return value ? json(rounded(*
 std::string label(const Row& row) {
   if (row.what == "reference") return "bare reference ring (UNIX)";
   if (row.what == "unix") return "limb_ring over UNIX stream";
+  if (row.what == "watched") return "  while one dump looks on";
   if (row.what == "udp") return "limb_ring over UDP";
   if (row.what == "cpu_to_cpu") return "limb_ring, CPU to CPU and back";
   return "chain of topic_tools/relay";
@@ -39,6 +42,7 @@ void print_line(std::ostream& out, const Row& row) {
   out << "  " << std::left << std::setw(32) << label(row) << std::right << std::setw(9) << time.p50 << std::setw(9)
       << time.p99 << std::setw(10) << time.max << std::setw(11) << std::setprecision(0)
       << row.measured.packets_per_second << std::setprecision(2) << std::setw(8) << row.reference_ratio << "x";
+  if (row.unwatched_ratio > 0) out << "  (" << row.unwatched_ratio << "x unwatched)";
   if (row.measured.failed != 0) out << "  " << row.measured.failed << " FAILED";
   out << std::setprecision(1) << '\n';
 }
@@ -46,7 +50,7 @@ void print_line(std::ostream& out, const Row& row) {
 void print_table(std::ostream& out, const Report& report, Pinning pinning, Sending sending) {
   out << (sending == Sending::one ? "one sender, " : "all sending, ")
       << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
-  for (const char* what : {"reference", "unix", "udp", "cpu_to_cpu", "relay_chain"})
+  for (const char* what : {"reference", "unix", "watched", "udp", "cpu_to_cpu", "relay_chain"})
     if (const Row* row = report.find(what, pinning, sending)) print_line(out, *row);
 }
 

@@ -6,6 +6,7 @@
 
 #include "bench/cpu_to_cpu.h"
 #include "bench/idle_share.h"
+#include "bench/onlooker.h"
 #include "bench/private_ring.h"
 #include "bench/reference_ring.h"
 #include "bench/relay_chain.h"
@@ -24,6 +25,7 @@ std::string words(Sending sending) { return sending == Sending::one ? "one sende
 struct Case {
   std::vector<Measurement> rounds;
   std::vector<double> ratios;
+  std::vector<double> unwatched;  ///< ratios by the ring's that nobody looked at
 };
 
 /// Measures everything at one pinning, round by round.
@@ -44,7 +46,8 @@ class Rounds {
 
   void add_rows(std::vector<Row>& rows) const {
     for (const auto& [key, measured] : cases_)
-      rows.push_back({key.first, pinning_, key.second, of_rounds(measured.rounds), median(measured.ratios)});
+      rows.push_back({key.first, pinning_, key.second, of_rounds(measured.rounds), median(measured.ratios),
+                      measured.unwatched.empty() ? 0 : median(measured.unwatched)});
   }
 
  private:
@@ -54,8 +57,19 @@ class Rounds {
     const PrivateRing ring(setup_, folder_, request);
     for (const Sending sending : kSendings) {
       tell(what, sending);
-      add(what, sending, measure_traffic(setup_, ring, sending), reference[sending]);
+      const Measurement measured = measure_traffic(setup_, ring, sending);
+      add(what, sending, measured, reference[sending]);
+      if (what == "unix") watched(ring, sending, measured, reference[sending]);
     }
+  }
+
+  /// The same again while somebody looks at all that one node sees: what looking costs.
+  void watched(const PrivateRing& ring, Sending sending, const Measurement& unwatched, double reference) {
+    tell("watched", sending);
+    const Onlooker onlooker(setup_, ring, 0, pinning_);
+    const Measurement measured = measure_traffic(setup_, ring, sending);
+    add("watched", sending, measured, reference);
+    cases_[{"watched", sending}].unwatched.push_back(measured.round_trip_us.p50 / unwatched.round_trip_us.p50);
   }
 
   void cpu_to_cpu(const RingRequest& request) {
@@ -97,7 +111,7 @@ void add_relay_chain(const Setup& setup, const PrivateFolder& folder, Report& re
     if (!result.skipped.empty()) return;
     const Row* reference = report.find("reference", pinning, Sending::one);
     const double ratio = result.measured.round_trip_us.p50 / reference->measured.round_trip_us.p50;
-    report.rows.push_back({"relay_chain", pinning, Sending::one, result.measured, ratio});
+    report.rows.push_back({"relay_chain", pinning, Sending::one, result.measured, ratio, 0});
   }
 }
 

@@ -12,11 +12,12 @@ namespace limb_ring::bench {
 
 /// One thing measured in every way, beside the reference of the same rounds.
 struct Row {
-  std::string what;  ///< reference, unix, udp, cpu_to_cpu, relay_chain
+  std::string what;  ///< reference, unix, watched, udp, cpu_to_cpu, relay_chain
   Pinning pinning = Pinning::one_core;
   Sending sending = Sending::one;
   Measurement measured;
   double reference_ratio = 1;  ///< p50 by the reference's, pinned and sending alike: median of rounds
+  double unwatched_ratio = 0;  ///< watched: the same by the ring's that nobody looks at, just before; else 0
 };
 
 struct Report {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <variant>
 
+#include "capture/packet_view.h"
 #include "client/frame.h"
 #include "limb_ring/host_port.h"
 
@@ -97,13 +98,23 @@ struct PacketView {
   wire::ByteView data;
 };
 
+/// A limb_ring::CapturedPacket whose bytes belong to someone else.
+/// | time 64, ns | steady 64, ns | lost before 32 | pseudo-header (capture/pseudo_header.h) | bytes |
+struct CapturedView {
+  std::int64_t time_ns = 0;
+  std::uint32_t lost_before = 0;
+  capture::PacketView packet;  ///< `at` by CLOCK_MONOTONIC
+};
+
 /// limb_ring::Interrupt     | action 8 | source 8 | factor 8 |
 /// limb_ring::Result        | token 32 | outcome 8 | tries 16 | round trip 64, ns | reason |
 /// limb_ring::Reply         | token 32 | JSON |
 /// limb_ring::Observed      | JSON |
 /// limb_ring::ObservedLost  | count 64 |
+/// limb_ring::CaptureCounts | seen 64 | filtered 64 | sampled out 64 | limited 64 | lost 64 | given 64 |
 using ToClient = std::variant<Welcome, Refused, PacketView, limb_ring::Interrupt, limb_ring::Result,
-                              limb_ring::Reply, limb_ring::Observed, limb_ring::ObservedLost>;
+                              limb_ring::Reply, limb_ring::Observed, limb_ring::ObservedLost,
+                              limb_ring::CapturedPacket, limb_ring::CaptureCounts>;
 
 void append(Bytes& out, const Greeting& message);
 void append(Bytes& out, const SendRequest& message);
@@ -122,6 +133,8 @@ void append(Bytes& out, const limb_ring::Result& message);
 void append(Bytes& out, const limb_ring::Reply& message);
 void append(Bytes& out, const limb_ring::Observed& message);
 void append(Bytes& out, const limb_ring::ObservedLost& message);
+void append(Bytes& out, const CapturedView& message);
+void append(Bytes& out, const limb_ring::CaptureCounts& message);
 
 /// Nothing where the frame is none of that direction, too short, too long, or holds a value that
 /// its field may not have. Destinations, priorities and sizes of a SendRequest are not judged

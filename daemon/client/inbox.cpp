@@ -34,6 +34,16 @@ void Inbox::put(ObservedLost lost) {
   if (observed_ < kMaxObserved) tell_lost();
 }
 
+void Inbox::put(CapturedPacket captured) {
+  if (captured_ >= kMaxObserved) {
+    captured_lost_ += 1 + captured.lost_before;
+    return;
+  }
+  captured.lost_before += std::exchange(captured_lost_, 0);
+  ++captured_;
+  put_other(std::move(captured));
+}
+
 void Inbox::put_other(Message message) { others_.push_back({arrivals_++, std::move(message)}); }
 
 void Inbox::tell_lost() {
@@ -59,6 +69,7 @@ Message Inbox::take_other() {
   Message message = std::move(others_.front().message);
   others_.pop_front();
   if (std::holds_alternative<Observed>(message)) --observed_;
+  if (std::holds_alternative<CapturedPacket>(message)) --captured_;
   if (others_.empty()) tell_lost();
   return message;
 }

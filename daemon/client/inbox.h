@@ -13,14 +13,16 @@ namespace limb_ring::client {
 ///
 /// Interrupts are handed out first. Everything else keeps its order of arrival, but where a
 /// packet's turn has come, it goes to the packet of the highest priority that is here.
-/// Limits: packets by the credit granted to the daemon; Observed to 4096, those beyond are
-/// counted; the rest to 65536, see full().
+/// Limits: packets by the credit granted to the daemon; Observed and CapturedPacket to 4096 each,
+/// those beyond are counted; the rest to 65536, see full().
 class Inbox {
  public:
   void put(Packet packet);
   void put(Interrupt interrupt);
   void put(Observed observed);
   void put(ObservedLost lost);
+  void put(CapturedPacket captured);
+  void put(CaptureCounts counts) { put_other(counts); }
   void put(Result result) { put_other(std::move(result)); }
   void put(Reply reply) { put_other(std::move(reply)); }
   void put(Disconnected end) { put_other(std::move(end)); }
@@ -52,6 +54,8 @@ class Inbox {
   std::deque<Other> others_;
   std::size_t observed_ = 0;
   std::uint64_t observed_lost_ = 0;
+  std::size_t captured_ = 0;
+  std::uint32_t captured_lost_ = 0;
 };
 
 }  // namespace limb_ring::client

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "capture/pseudo_header.h"
+
 namespace limb_ring::client {
 
 namespace {
@@ -14,11 +16,18 @@ enum Type : std::uint8_t {
   kResult,
   kReply,
   kObserved,
-  kObservedLost
+  kObservedLost,
+  kCaptured,
+  kCaptureCounts
 };
 
 constexpr std::uint8_t kLastPriority = 3;
 constexpr std::uint8_t kLastFactor = 7;
+
+/// In the order of the message.
+constexpr std::uint64_t limb_ring::CaptureCounts::*kCounts[] = {
+    &limb_ring::CaptureCounts::seen,    &limb_ring::CaptureCounts::filtered, &limb_ring::CaptureCounts::sampled_out,
+    &limb_ring::CaptureCounts::limited, &limb_ring::CaptureCounts::lost,     &limb_ring::CaptureCounts::given};
 
 std::optional<ToClient> read_welcome(FieldReader reader) {
   Welcome message;
@@ -79,6 +88,26 @@ std::optional<ToClient> read_observed_lost(FieldReader reader) {
   return message;
 }
 
+std::optional<ToClient> read_captured(FieldReader reader) {
+  limb_ring::CapturedPacket message;
+  message.time_ns = static_cast<std::int64_t>(reader.u64());
+  message.steady_ns = static_cast<std::int64_t>(reader.u64());
+  message.lost_before = reader.u32();
+  const wire::ByteView rest = reader.rest();
+  if (rest.size < capture::kPseudoHeaderSize + wire::kHeaderSize) return std::nullopt;
+  if (!capture::decode(rest, message.info)) return std::nullopt;
+  const wire::ByteView bytes = rest.from(capture::kPseudoHeaderSize);
+  message.bytes.assign(bytes.begin(), bytes.end());
+  return message;
+}
+
+std::optional<ToClient> read_capture_counts(FieldReader reader) {
+  limb_ring::CaptureCounts message;
+  for (const auto count : kCounts) message.*count = reader.u64();
+  if (!reader.complete()) return std::nullopt;
+  return message;
+}
+
 }  // namespace
 
 void append(Bytes& out, const Welcome& message) {
@@ -126,6 +155,21 @@ void append(Bytes& out, const limb_ring::ObservedLost& message) {
   FrameWriter(out, kObservedLost).u64(message.count);
 }
 
+void append(Bytes& out, const CapturedView& message) {
+  const capture::PseudoHeader header = capture::encode(message.packet.info);
+  FrameWriter(out, kCaptured)
+      .u64(static_cast<std::uint64_t>(message.time_ns))
+      .u64(static_cast<std::uint64_t>(message.packet.at.count()))
+      .u32(message.lost_before)
+      .rest({header.data(), header.size()})
+      .rest(message.packet.bytes);
+}
+
+void append(Bytes& out, const limb_ring::CaptureCounts& message) {
+  FrameWriter frame(out, kCaptureCounts);
+  for (const auto count : kCounts) frame.u64(message.*count);
+}
+
 std::optional<ToClient> decode_to_client(const Frame& frame) {
   FieldReader reader(frame.body);
   switch (frame.type) {
@@ -137,6 +181,8 @@ std::optional<ToClient> decode_to_client(const Frame& frame) {
     case kReply: return read_reply(reader);
     case kObserved: return limb_ring::Observed{std::string(reader.rest_text())};
     case kObservedLost: return read_observed_lost(reader);
+    case kCaptured: return read_captured(reader);
+    case kCaptureCounts: return read_capture_counts(reader);
     default: return std::nullopt;
   }
 }

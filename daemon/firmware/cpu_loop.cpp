@@ -65,6 +65,8 @@ class Run {
   void take(const Reply&) {}
   void take(const Observed&) {}
   void take(const ObservedLost&) {}
+  void take(const CapturedPacket&) {}
+  void take(const CaptureCounts&) {}
 
   void send() {
     const auto outgoing = cpu_.take_outgoing();

@@ -14,6 +14,7 @@ struct HostCounters {
   std::uint64_t never_greeted = 0;    ///< closed for not greeting in time
   std::uint64_t slow_clients = 0;     ///< closed for not reading what was for them
   std::uint64_t observed_lost = 0;    ///< Observed left out for observers that read too slowly
+  std::uint64_t captured_lost = 0;    ///< captured packets left out for observers that read too slowly
   std::uint64_t rejected = 0;         ///< calls with bad arguments
   std::uint64_t interrupts_lost = 0;  ///< interrupts for a CPU that was not attached
 };

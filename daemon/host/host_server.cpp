@@ -149,6 +149,17 @@ void HostServer::observed(ClientId client, const std::string& json) {
   if (session != nullptr && !session->put_observed({json})) ++counters_.observed_lost;
 }
 
+bool HostServer::captured(ClientId client, const client::CapturedView& packet) {
+  Session* session = find(client);
+  if (session == nullptr || session->put_captured(packet)) return true;
+  ++counters_.captured_lost;
+  return false;
+}
+
+void HostServer::capture_counts(ClientId client, const CaptureCounts& counts) {
+  if (Session* session = find(client)) session->put(counts);
+}
+
 void HostServer::disconnect(ClientId client, const std::string& reason) {
   Session* session = find(client);
   if (session == nullptr) return;

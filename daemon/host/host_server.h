@@ -44,6 +44,9 @@ class HostServer final : private SessionOwner {
   void reply(ClientId client, std::uint32_t token, const std::string& json);
   /// Left out, counted and told to the client where it reads too slowly.
   void observed(ClientId client, const std::string& json);
+  /// @return false where it was left out, and counted, since the client reads too slowly
+  bool captured(ClientId client, const client::CapturedView& packet);
+  void capture_counts(ClientId client, const CaptureCounts& counts);
 
   /// Ends a client's connection; on_detach() follows from the event loop.
   void disconnect(ClientId client, const std::string& reason);

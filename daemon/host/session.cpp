@@ -32,6 +32,7 @@ bool not_now(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 Session::Session(Socket socket, ClientInfo info, SessionOwner& owner)
     : socket_(std::move(socket)),
       greeting_timer_(socket_.get_executor()),
+      gather_timer_(socket_.get_executor()),
       info_(info),
       owner_(&owner) {}
 
@@ -104,6 +105,14 @@ bool Session::put_observed(const Observed& observed) {
   return true;
 }
 
+bool Session::put_captured(const client::CapturedView& packet) {
+  if (!open()) return true;
+  if (queued() + packet.packet.bytes.size > kMaxQueuedForCaptured) return false;
+  client::append(out_, packet);
+  queued() < kCapturedLot ? flush_later() : flush_soon();
+  return true;
+}
+
 void Session::tell_observed_lost() {
   const std::uint64_t lost = std::exchange(observed_lost_, 0);
   if (lost > 0) put(ObservedLost{lost});
@@ -112,6 +121,15 @@ void Session::tell_observed_lost() {
 void Session::flush_soon() {
   if (std::exchange(flush_under_way_, true)) return;
   boost::asio::post(socket_.get_executor(), [self = shared_from_this()] { self->flush(); });
+}
+
+void Session::flush_later() {
+  if (flush_under_way_ || std::exchange(gathering_, true)) return;
+  gather_timer_.expires_after(kGatherCaptured);
+  gather_timer_.async_wait([self = shared_from_this()](boost::system::error_code error) {
+    self->gathering_ = false;
+    if (!error) self->flush_soon();
+  });
 }
 
 void Session::flush() {
@@ -160,6 +178,7 @@ void Session::end(const std::string& reason) {
   if (!reason.empty()) append(out_, client::Refused{reason});
   write_now();
   greeting_timer_.cancel();
+  gather_timer_.cancel();
   boost::system::error_code error;
   socket_.close(error);
 }

@@ -36,6 +36,13 @@ class Session : public std::enable_shared_from_this<Session> {
   static constexpr std::size_t kMaxQueued = 4 * 1024 * 1024;
   /// An Observed is left out where more than this is waiting.
   static constexpr std::size_t kMaxQueuedForObserved = 256 * 1024;
+  /// A captured packet is left out where it would be more than this: 25 ms of a ring at its
+  /// busiest, since an observer that is scheduled late must not lose for that alone.
+  static constexpr std::size_t kMaxQueuedForCaptured = 1024 * 1024;
+  /// Captured packets are gathered for so long, or until they are so many bytes: an observer that is
+  /// woken for every packet costs the ring more than all else about it.
+  static constexpr std::chrono::milliseconds kGatherCaptured{5};
+  static constexpr std::size_t kCapturedLot = 32 * 1024;
   static constexpr std::chrono::seconds kGreetingDeadline{2};
 
   Session(Socket socket, ClientInfo info, SessionOwner& owner);
@@ -54,6 +61,7 @@ class Session : public std::enable_shared_from_this<Session> {
   }
   /// @return false where it was left out
   bool put_observed(const Observed& observed);
+  bool put_captured(const client::CapturedView& packet);
 
   bool open() const { return owner_ != nullptr; }
   bool attached() const { return attached_; }
@@ -69,6 +77,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void take_frames();
   void after_put();
   void flush_soon();
+  void flush_later();
   void flush();
   int write_now();  ///< 0, or the errno that stopped it
   void wait_writable();
@@ -79,6 +88,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   Socket socket_;
   boost::asio::steady_timer greeting_timer_;
+  boost::asio::steady_timer gather_timer_;
   ClientInfo info_;
   SessionOwner* owner_;
   bool attached_ = false;
@@ -86,6 +96,7 @@ class Session : public std::enable_shared_from_this<Session> {
   client::Bytes out_;
   std::size_t written_ = 0;
   bool flush_under_way_ = false;
+  bool gathering_ = false;
   std::uint64_t observed_lost_ = 0;
 };
 

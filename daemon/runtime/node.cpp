@@ -65,10 +65,10 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       cores_(own_cores(ring)),
       directory_(make_ring_directory(ring.ring)),
       lock_(directory_, ring.ring, config.id, config.name),
-      engine_(io, setup::core_settings(ring, config, boot_number()), input_settings(ring, config, directory_),
-              output_settings(ring, config, directory_), *this),
+      engine_(io, setup::core_settings(ring, config, boot_number()), link_settings(ring, config, directory_), *this),
       host_(io, host_options(ring, config, directory_), *this),
       observers_(host_),
+      packet_observers_(config.id, engine_, host_),
       cpu_(io, cpu_options(ring, config, cores_), engine_, host_, [this] { cpu_changed(); }),
       pins_(config.pins, cpu_),
       traffic_(io, engine_),
@@ -143,7 +143,8 @@ void Node::handle(const core::PinPulled& pin) {
 }
 
 void Node::handle(const core::StateChanged& change) {
-  if (change.after == core::NodeState::open_chain) broken_since_ = engine_.now();
+  if (change.after == core::NodeState::open_chain || change.after == core::NodeState::folded)
+    broken_since_ = engine_.now();
   const auto& membership = engine_.controller().membership();
   spdlog::info("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size());
   observers_.tell("state", {{"before", to_string(change.before)},
@@ -164,6 +165,7 @@ std::optional<std::string> Node::on_attach(const host::ClientInfo& client) {
 void Node::on_detach(const host::ClientInfo& client) {
   engine_.controller().cancel(client.id, engine_.now());
   observers_.remove(client.id);
+  packet_observers_.remove(client.id);
   if (client.role == Role::cpu) cpu_.detach(client);
   engine_.pump();
 }
@@ -199,8 +201,10 @@ void Node::on_request(host::ClientId client, std::uint32_t token, const std::str
 
 void Node::on_observe(host::ClientId client, const std::string& json) {
   try {
-    observers_.add(client, json);
+    const ObserveOrder order = read_observe_order(ring_, json);
+    observers_.set(client, order.kinds);
     noticed_ = {};  // whoever comes anew is told what there is
+    packet_observers_.set(client, order.packets);
   } catch (const std::exception& error) {
     host_.observed(client, nlohmann::json{{"error", error.what()}}.dump());
   }

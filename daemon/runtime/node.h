@@ -14,8 +14,10 @@
 #include "runtime/engine.h"
 #include "runtime/faults.h"
 #include "runtime/noticed.h"
+#include "runtime/observe_order.h"
 #include "runtime/observers.h"
 #include "runtime/orders.h"
+#include "runtime/packet_observers.h"
 #include "runtime/pin_board.h"
 #include "runtime/requests.h"
 #include "runtime/ring_supervisor.h"
@@ -96,6 +98,7 @@ class Node final : private EngineListener, private host::HostHandler {
   host::HostServer host_;
   Observers observers_;
   Noticed noticed_;
+  PacketObservers packet_observers_;
   CpuSocket cpu_;
   PinBoard pins_;
   Traffic traffic_;

@@ -14,9 +14,8 @@ class Observers {
  public:
   explicit Observers(host::HostServer& host) : host_(host) {}
 
-  /// `filter`: {"kinds": [...]} as in requests.md; all where not given.
-  /// @throw std::invalid_argument naming what is wrong
-  void add(host::ClientId client, const std::string& filter);
+  /// `kinds` of ObserveOrder; empty: the client wants no events any more.
+  void set(host::ClientId client, const std::set<std::string>& kinds);
   void remove(host::ClientId client) { wanted_.erase(client); }
   bool any() const { return !wanted_.empty(); }
   /// `what` gets "kind" and "time_ns" (CLOCK_REALTIME) added.

@@ -63,7 +63,8 @@ void Requests::handle(const std::string& text, const Answer& answer) {
 void Requests::config(const Json&, const Answer& answer) {
   Json nodes = Json::array();
   for (const auto& node : node_.ring().nodes) nodes.push_back({{"id", node.id}, {"name", node.name}});
-  answer({{"ring", node_.ring().ring}, {"path", node_.ring().path}, {"nodes", nodes}});
+  answer({{"ring", node_.ring().ring}, {"path", node_.ring().path}, {"nodes", nodes},
+          {"supervisor", config::supervisor_of(node_.ring()).id}});
 }
 
 void Requests::status(const Json&, const Answer& answer) {

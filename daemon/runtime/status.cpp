@@ -27,6 +27,12 @@ json cpu_json(CpuSocket& cpu) {
           {"last_exit", s.last_exit}};
 }
 
+/// Of the line out of the node; null where that is as fast as the host.
+json rate_json(const core::Settings& settings) {
+  const auto byte_time = settings.byte_time_out.count();
+  return byte_time == 0 ? json() : json(8 * core::Duration::period::den / byte_time);
+}
+
 json counters_json(Node& node) {
   json all = json::object();
   node.engine().controller().counters().each(
@@ -42,6 +48,7 @@ json counters_json(Node& node) {
   all["host_garbage"] = h.garbage + h.never_greeted;
   all["host_slow_clients"] = h.slow_clients;
   all["host_observed_lost"] = h.observed_lost;
+  all["host_captured_lost"] = h.captured_lost;
   all["host_interrupts_lost"] = h.interrupts_lost;
   return all;
 }
@@ -58,6 +65,13 @@ json broken_line_json(Node& node) {
               {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
   if (behind) broken["noticed_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
   return broken;
+}
+
+json fold_json(const SecondLine& second) {
+  return {{"input", second.fold().takes_second()},
+          {"output", second.fold().turned_back()},
+          {"second_input", second.input().up() ? "up" : "down"},
+          {"second_output", second.output().up() ? "up" : "down"}};
 }
 
 json heard_json(Node& node) {
@@ -116,7 +130,10 @@ json status_row(Node& node) {
            {"boot", membership.boot()},
            {"uptime_s", std::chrono::duration<double>(engine.clock().uptime()).count()},
            {"input", {{"state", input.up() ? "up" : "down"}, {"from", input.up() ? json(*input.from()) : json()}}},
-           {"output", {{"state", output.up() ? "up" : "down"}, {"to", output.up() ? json(output.to()) : json()}}},
+           {"output",
+            {{"state", output.up() ? "up" : "down"},
+             {"to", output.up() ? json(output.to()) : json()},
+             {"rate_bit_s", rate_json(engine.controller().settings())}}},
            {"round_trip_us", to_json(node.round_trips().get())},
            {"received", engine.controller().counters().received_data},
            {"waiting", engine.controller().received_waiting()},
@@ -124,6 +141,7 @@ json status_row(Node& node) {
            {"faults", node.faults().list()},
            {"counters", counters_json(node)},
            {"heard", heard_json(node)}};
+  if (engine.second_line()) row["fold"] = fold_json(*engine.second_line());
   if (node.supervisor()) row["supervisor"] = supervisor_json(node);
   return row;
 }

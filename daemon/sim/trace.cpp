@@ -19,12 +19,6 @@ const char* kind_name(wire::SliceKind kind) {
   return "";
 }
 
-const char* fault_name(Fault fault) {
-  constexpr const char* kNames[] = {"killed", "started", "frozen", "thawed", "cut", "healed", "output replaced",
-                                    "slice lost", "slice damaged", "slice late", "CPU reset", "sends cancelled"};
-  return kNames[static_cast<std::size_t>(fault)];
-}
-
 /// Bijective and cheap; order matters. (the finalizer of SplitMix64)
 std::uint64_t mix(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
@@ -33,6 +27,12 @@ std::uint64_t mix(std::uint64_t x) {
 }
 
 }  // namespace
+
+const char* to_string(Fault fault) {
+  constexpr const char* kNames[] = {"killed", "started", "frozen", "thawed", "cut", "healed", "output replaced",
+                                    "slice lost", "slice damaged", "slice late", "CPU reset", "sends cancelled"};
+  return kNames[static_cast<std::size_t>(fault)];
+}
 
 std::string hash_text(std::uint64_t hash) {
   std::string text(16, '0');
@@ -74,6 +74,6 @@ void Trace::packet(NodeId node, const core::ReceivedPacket& packet) {
   record(packet.at, node, "received", packet.source, packet.size, wire::crc32(packet.bytes()));
 }
 
-void Trace::fault(NodeId node, Fault fault, Time now) { record(now, node, fault_name(fault), 0, 0, 0); }
+void Trace::fault(NodeId node, Fault fault, Time now) { record(now, node, to_string(fault), 0, 0, 0); }
 
 }  // namespace limb_ring::sim

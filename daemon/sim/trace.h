@@ -32,6 +32,9 @@ class Trace : public Witness {
   std::uint64_t hash_ = 0xcbf29ce484222325;
 };
 
+/// "killed", "slice lost"
+const char* to_string(Fault fault);
+
 /// The hash as it is printed: 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 

@@ -1,9 +1,11 @@
 #include "study/cases.h"
 
 #include <functional>
+#include <optional>
 #include <random>
 
 #include "study/case_ring.h"
+#include "study/ring_capture.h"
 
 namespace limb_ring::study {
 namespace {
@@ -240,9 +242,12 @@ std::string formula_words(Case which, const Medium& medium) {
   return "";
 }
 
-CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace) {
+CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace,
+                    std::ostream* capture) {
   CaseResult result;
   CaseRing ring(medium, trace);
+  std::optional<RingCapture> captured;
+  if (capture != nullptr) captured.emplace(ring, *capture, plain_names(medium.nodes));
   const std::uint64_t bytes = ring.line_use().bytes();
   Run run{medium, ring, result, std::mt19937_64(seed)};
   dispatch(which, run);

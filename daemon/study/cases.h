@@ -40,7 +40,9 @@ struct CaseResult {
 
 /// Runs one case. The seed matters where something is random (interrupt_bound, random).
 /// @param trace where the lines of the trace go, or null
+/// @param capture where its packets go as pcapng, or null
 /// @throw sim::BrokenPromise
-CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace = nullptr);
+CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace = nullptr,
+                    std::ostream* capture = nullptr);
 
 }  // namespace limb_ring::study

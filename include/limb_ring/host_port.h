@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "limb_ring/captured_packet.h"
+
 namespace limb_ring {
 
 /// Destination of a packet to all nodes but its source. (paper)
@@ -75,7 +77,7 @@ struct Disconnected {
 };
 
 using Message =
-    std::variant<Packet, Interrupt, Result, Reply, Observed, ObservedLost, Disconnected>;
+    std::variant<Packet, Interrupt, Result, Reply, Observed, ObservedLost, CapturedPacket, CaptureCounts, Disconnected>;
 
 /// Connecting failed; what() names the socket, what went wrong and what would be right.
 struct HostPortError : std::runtime_error {
@@ -132,7 +134,8 @@ class HostPort {
   std::uint32_t pull(std::uint8_t input);
   /// Asks the daemon: a JSON object {"do": "...", ...}; see daemon/host/requests.md.
   std::uint32_t request(const std::string& json);
-  /// From now on, what passes this node comes as Observed: {"kinds": [...]} as in requests.md.
+  /// From now on, what happens at this node comes as Observed, and where "packets" is given, what
+  /// is on its lines as CapturedPacket: {"kinds": [...], "packets": {...}} as in requests.md.
   void observe(const std::string& json_filter);
   /// Says that the CPU is alive (any other call that sends, receives or waits does so too; one
   /// that is itself waiting does not).

@@ -28,9 +28,16 @@ def parser(text):
     return result
 
 
+def interrupt_no_more():
+    """While everything is being ended."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+
+
 def parse(options):
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     told = options.parse_args()
+    told.programs = os.path.abspath(told.programs)
     ringd = os.path.join(told.programs, 'ringd')
     if not os.access(ringd, os.X_OK):
         options.error('no program %s; run `make build` first, or say where it is by --programs' % ringd)

@@ -1,7 +1,7 @@
 """Faults on purpose, each with the moments of what the ring does about it (ns of CLOCK_REALTIME; None: not yet)."""
 import time
 
-from live_ring.ring import NODES, SUPERVISOR
+from live_ring.ring import NODES, SILENCE_MS, SUPERVISOR
 
 
 class Fault:
@@ -32,8 +32,13 @@ class Fault:
         return self.node in (source, to)
 
     def repair(self):
-        """Begins what mends it; None where it ends by itself."""
+        """What mends it, not begun; None where it ends by itself."""
         return None
+
+    def mend(self):
+        mending = self.repair()
+        if mending:
+            mending.start()
 
     def others(self):
         return [node for node in range(NODES) if node != self.node]
@@ -68,7 +73,7 @@ class LineFault(Fault):
 
 class Cut(LineFault):
     kind = 'broken line'
-    does = 'the node behind it tells all; they go on as an open chain, unconfirmed'
+    does = 'the node behind waits timeouts.bypass (200 ms) for a bypass, then tells all: open chain, unconfirmed'
 
     def begin(self):
         self.order('cut ' + self.live.ring.line(self.node))
@@ -79,7 +84,7 @@ class Cut(LineFault):
 
 class Stall(LineFault):
     kind = 'silent line'
-    does = 'counts as broken after timeouts.silence; then as above'
+    does = 'counts as broken after timeouts.silence (%d ms); then as a broken line' % SILENCE_MS
 
     def begin(self):
         self.order('stall ' + self.live.ring.line(self.node))
@@ -186,7 +191,7 @@ class Dead(Fault):
 
 class Frozen(Dead):
     kind = 'frozen node'
-    does = 'falls silent for timeouts.silence; then as a dead node'
+    does = 'counts as dead after timeouts.silence (%d ms); then as a dead node' % SILENCE_MS
 
     def begin(self):
         self.live.ring.freeze(self.node)

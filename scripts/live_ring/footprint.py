@@ -2,7 +2,7 @@
 import os
 
 FD_MARGIN = 2            # of a client that comes or goes in this very moment
-MEMORY_MARGIN_KB = 4096  # what an allocator may keep of a burst
+MEMORY_MARGIN_MB = 4     # what an allocator may keep of a burst
 
 
 def descriptors(pid):
@@ -17,8 +17,8 @@ def memory_kb(pid):
 class Footprint:
     """To be asked while the ring is whole and all connections stand."""
 
-    def __init__(self, ring):
-        self.ring = ring
+    def __init__(self, ring, memory_margin_mb):
+        self.ring, self.memory_margin_mb = ring, memory_margin_mb
         self.first = {}      # (node, life): (fds, kB)
         self.grown_fds = self.grown_kb = 0
 
@@ -33,6 +33,6 @@ class Footprint:
             self.grown_kb = max(self.grown_kb, now[1] - memory)
             if now[0] > fds + FD_MARGIN:
                 problems.append('node %d (pid %d) has %d descriptors, %d at first' % (node, pid, now[0], fds))
-            if now[1] > memory + MEMORY_MARGIN_KB:
+            if now[1] > memory + 1024 * self.memory_margin_mb:
                 problems.append('node %d (pid %d) has %d kB resident, %d at first' % (node, pid, now[1], memory))
         return problems

@@ -2,7 +2,7 @@
 import sys
 
 from live_ring import counting_cpu
-from live_ring.loop import Loop, NotInTime
+from live_ring.loop import Loop
 from live_ring.ring import NODES, LiveRing, RingFailed
 from live_ring.traffic import Traffic
 from live_ring.watch import Watch
@@ -23,7 +23,7 @@ class Live:
         targets = [node for node in range(NODES) if child_command is counting or node not in child_nodes]
         self.watch = Watch(self.loop, self.ring)
         self.traffic = Traffic(self.loop, self.ring, seed, rate, targets)
-        self.loop.turns.append(self.ring.check)
+        self.loop.seldom.append(self.ring.check)
 
     def start(self):
         self.ring.start()
@@ -55,5 +55,3 @@ class Live:
             raise RingFailed('node %d, asked %s: %s' % (node, order, answer['error']))
         return answer
 
-
-__all__ = ['Live', 'NotInTime', 'RingFailed']

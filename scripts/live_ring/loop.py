@@ -3,6 +3,7 @@ import selectors
 import time
 
 STEP = 0.005   # s
+SELDOM = 0.1   # s
 
 
 class NotInTime(Exception):
@@ -12,7 +13,9 @@ class NotInTime(Exception):
 class Loop:
     def __init__(self):
         self.selector = selectors.DefaultSelector()
-        self.turns = []   # called once a turn
+        self.turns = []    # called once a turn
+        self.seldom = []   # called once in SELDOM: what costs more
+        self.seldom_due = 0.0
 
     def add(self, connection, read):
         self.selector.register(connection, selectors.EVENT_READ, read)
@@ -26,6 +29,10 @@ class Loop:
                 key.data()
         for each in self.turns:
             each()
+        if time.monotonic() >= self.seldom_due:
+            self.seldom_due = time.monotonic() + SELDOM
+            for each in self.seldom:
+                each()
 
     def until(self, what, condition, seconds):
         """Turns until condition() is true, and returns what it returned."""

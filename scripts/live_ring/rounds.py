@@ -25,7 +25,14 @@ class Rounds:
             self.rows += episode.run(drawn[0], self.time())
         else:
             self.unmeasured(drawn)
+        self.look_for_ends({fault.node for fault in drawn if isinstance(fault, faults.Crash)})
         return words
+
+    def look_for_ends(self, ordered):
+        """CPUs that ended though nobody told them to."""
+        for node, event in self.live.watch.events['cpu']:
+            if event['state'] == 'failed' and node not in ordered:
+                self.live.traffic.promises.broken('the CPU of node %d (pid %d) ended by itself', node, event['pid'])
 
     def time(self):
         return SHORT + (LONG - SHORT) * self.chance.random()
@@ -51,17 +58,8 @@ class Rounds:
     def mend(self, drawn):
         self.chance.shuffle(drawn)
         for fault in drawn:
-            if hasattr(fault, 'mend'):
-                fault.mend()
-            else:
-                self.repair(fault)
+            fault.mend()
         # Only now: behind a broken line the supervisor cannot reach a CPU.
         for fault in drawn:
             if isinstance(fault, faults.OF_CPUS):
                 self.live.wait('the cure of node %d' % fault.node, fault.look)
-
-    @staticmethod
-    def repair(fault):
-        mending = fault.repair()
-        if mending:
-            mending.start()

@@ -13,7 +13,6 @@ from live_ring.ring import NOTIFY
 WINDOW = 8               # sends of one node that have not ended
 BROADCASTS_ONE_IN = 20
 INTERRUPTS_ONE_IN = 20
-FILES_EVERY = 0.1        # s, that what child CPUs have noted is read
 
 
 class Send:
@@ -41,9 +40,10 @@ class Traffic:
         self.interval = len(ring.nodes) / rate   # s, of one node
         self.results = Counter()
         self.recent = []      # sends since forget()
-        self.read_up_to, self.files_due = {}, 0.0
+        self.read_up_to = {}     # of what child CPUs have noted
         self.on = True
         loop.turns.append(self.turn)
+        loop.seldom.append(self.read_files)
 
     def turn(self):
         now = time.monotonic()
@@ -53,9 +53,6 @@ class Traffic:
             elif self.on and now >= station.due and len(station.under_way) < WINDOW:
                 station.due = now + self.interval * 2 * station.chance.random()
                 self.send(station)
-        if now >= self.files_due:
-            self.files_due = now + FILES_EVERY
-            self.read_files()
 
     # ---- connections ----------------------------------------------------------------------
 

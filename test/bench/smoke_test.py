@@ -58,6 +58,13 @@ class SmallBenchmark(unittest.TestCase):
         for pinning in ("one_core", "unpinned"):
             self.check_case(self.report["cpu_to_cpu"][pinning]["one_sender"])
 
+    def test_looking_on_is_set_beside_the_same_ring_unwatched(self):
+        for pinning in ("one_core", "unpinned"):
+            for sending in ("one_sender", "all_sending"):
+                watched = self.report["watched"][pinning][sending]
+                self.check_case(watched)
+                self.assertGreater(watched["unwatched_ratio"], 0)
+
     def test_a_part_left_out_says_so(self):
         self.assertIn("--no-ros", self.report["relay_chain"]["skipped"])
 

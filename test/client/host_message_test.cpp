@@ -224,5 +224,39 @@ TEST(HostMessage, RandomBytesNeverCrashTheReaders) {
   EXPECT_LT(read, 20000u);
 }
 
+TEST(HostMessage, CapturedPacketComesThrough) {
+  CapturedView sent;
+  sent.time_ns = 1'763'757'352'123'456'789;
+  sent.lost_before = 3;
+  sent.packet.at = nanoseconds{77};
+  sent.packet.info.input = false;
+  sent.packet.info.from = 4;
+  sent.packet.info.retry = true;
+  sent.packet.bytes = kDataView;
+  const Bytes bytes = encoded(sent);
+  const auto read = to_client<CapturedPacket>(bytes);
+  EXPECT_EQ(read.time_ns, sent.time_ns);
+  EXPECT_EQ(read.steady_ns, 77);
+  EXPECT_EQ(read.lost_before, 3u);
+  EXPECT_FALSE(read.info.input);
+  EXPECT_EQ(read.info.from, 4);
+  EXPECT_TRUE(read.info.retry);
+  EXPECT_EQ(read.bytes, kData);
+}
+
+TEST(HostMessage, CapturedPacketWithoutAHeaderIsNone) {
+  CapturedView sent;
+  sent.packet.bytes = kDataView.first(3);
+  EXPECT_FALSE(decode_to_client(only_frame(encoded(sent))));
+}
+
+TEST(HostMessage, CaptureCountsComeThrough) {
+  const Bytes bytes = encoded(CaptureCounts{21, 1, 2, 3, 4, 11});
+  const auto read = to_client<CaptureCounts>(bytes);
+  EXPECT_EQ(read.seen, 21u);
+  EXPECT_EQ(read.filtered + 10 * read.sampled_out + 100 * read.limited + 1000 * read.lost, 4321u);
+  EXPECT_EQ(read.given, 11u);
+}
+
 }  // namespace
 }  // namespace limb_ring::client

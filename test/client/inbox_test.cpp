@@ -22,6 +22,10 @@ std::string name(const Message& message) {
     std::string operator()(const Reply& r) { return "a" + std::to_string(r.token); }
     std::string operator()(const Observed& o) { return "o" + o.json; }
     std::string operator()(const ObservedLost& l) { return "lost" + std::to_string(l.count); }
+    std::string operator()(const CapturedPacket& c) {
+      return "c" + std::to_string(c.bytes.at(0)) + "-" + std::to_string(c.lost_before);
+    }
+    std::string operator()(const CaptureCounts& c) { return "counts" + std::to_string(c.seen); }
     std::string operator()(const Disconnected&) { return "end"; }
   };
   return std::visit(Namer{}, message);
@@ -92,6 +96,19 @@ TEST(Inbox, IsFullWhenResultsAreLeftLying) {
   EXPECT_FALSE(inbox.full());
   inbox.put(result(65535));
   EXPECT_TRUE(inbox.full());
+}
+
+TEST(Inbox, SaysHowManyCapturedPacketsItCouldNotHold) {
+  Inbox inbox;
+  CapturedPacket packet;
+  packet.bytes = {7};
+  for (int i = 0; i < 4096 + 5; ++i) inbox.put(packet);
+  packet.lost_before = 2;  // by the daemon
+  inbox.put(packet);
+  for (int i = 0; i < 4096; ++i) EXPECT_EQ(name(*inbox.take()), "c7-0");
+  EXPECT_FALSE(inbox.take());
+  inbox.put(packet);
+  EXPECT_EQ(name(*inbox.take()), "c7-10");
 }
 
 }  // namespace

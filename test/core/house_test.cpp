@@ -69,7 +69,8 @@ TEST(House, TheTestReadsTheSources) {
 }
 
 TEST(House, WireCoreAndSimUseTheStandardLibraryAlone) {
-  for (const char* part : {"wire", "core", "fault", "sim"}) EXPECT_THAT(not_standard(kSource / "daemon" / part), IsEmpty());
+  for (const char* part : {"wire", "capture", "core", "fault", "sim"})
+    EXPECT_THAT(not_standard(kSource / "daemon" / part), IsEmpty());
 }
 
 TEST(House, FaultsAreReadAndWrittenInOneFileAndElseKnowWireAndTimeAlone) {
@@ -94,18 +95,21 @@ TEST(House, CoreHasNoThreadsClocksOrStreams) {
 TEST(House, ArrowsPointOneWay) {
   const std::map<std::string, std::set<std::string>> may{
       {"wire", {"wire"}},
+      {"capture", {"wire", "capture", "limb_ring"}},
       {"core", {"wire", "core"}},
       {"fault", {"wire", "core", "config", "fault"}},
       {"sim", {"wire", "core", "sim"}},
-      {"study", {"wire", "core", "fault", "sim", "study", "setup", "config", "payload", "limb_ring"}},
+      {"study", {"wire", "capture", "core", "fault", "sim", "study", "setup", "config", "payload", "limb_ring"}},
       {"setup", {"core", "config", "setup"}},
       {"config", {"wire", "config", "limb_ring"}},
       {"payload", {"wire", "payload", "limb_ring"}},
-      {"client", {"wire", "client", "limb_ring"}},
+      {"client", {"wire", "capture", "client", "limb_ring"}},
       {"link", {"wire", "link"}},
-      {"host", {"wire", "client", "host", "limb_ring"}},
+      {"host", {"wire", "capture", "client", "host", "limb_ring"}},
       {"firmware", {"wire", "payload", "config", "client", "firmware", "limb_ring"}},
-      {"runtime", {"wire", "core", "fault", "link", "config", "setup", "host", "client", "payload", "runtime", "limb_ring"}},
+      {"runtime",
+       {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "runtime",
+        "limb_ring"}},
       {"inject", {"fault", "wire", "inject", "runtime", "limb_ring"}},
   };
   for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;

@@ -32,6 +32,25 @@ TEST_F(SlowClient, ThatObservesIsToldHowMuchItMissed) {
   EXPECT_TRUE(port.connected());
 }
 
+TEST_F(SlowClient, ThatCapturesLosesPacketsAndStaysConnected) {
+  HostPort port = tool();
+  const host::ClientId id = handler.attached.front().id;
+  const std::vector<std::uint8_t> bytes(524, 7);
+  client::CapturedView packet;
+  packet.packet.bytes = {bytes.data(), bytes.size()};
+  unsigned given = 0, lost = 0;
+  while (lost < 100) {
+    server->captured(id, packet) ? ++given : ++lost;
+    turn();
+  }
+  EXPECT_EQ(server->counters().captured_lost, lost);
+  server->capture_counts(id, {});
+  unsigned seen = 0;
+  while (std::holds_alternative<CapturedPacket>(during([&] { return port.receive(kGuard); }).value())) ++seen;
+  EXPECT_EQ(seen, given);
+  EXPECT_TRUE(port.connected());
+}
+
 TEST_F(SlowClient, ThatObservesStillGetsItsResults) {
   HostPort port = tool();
   const host::ClientId id = handler.attached.front().id;

@@ -8,7 +8,8 @@ import struct
 import time
 
 GREETING, SEND, INTERRUPT, PULL, REQUEST, OBSERVE, ALIVE, CREDIT = range(1, 9)
-WELCOME, REFUSED, PACKET, PULLED, RESULT, REPLY, OBSERVED, OBSERVED_LOST = range(0x81, 0x89)
+WELCOME, REFUSED, PACKET, PULLED, RESULT, REPLY, OBSERVED, OBSERVED_LOST, \
+    CAPTURED, CAPTURE_COUNTS = range(0x81, 0x8B)
 OUTCOMES = ['delivered', 'refused', 'no such node', 'lost', 'unconfirmed', 'rejected', 'cancelled']
 MAGIC, VERSION = 0x4C524850, 1
 TOOL, CPU = 0, 1
@@ -83,6 +84,12 @@ class HostPort:
 
     def observe(self, *kinds):
         self.connection.sendall(frame(OBSERVE, json.dumps({'kinds': kinds}).encode()))
+
+    def observe_packets(self, **wish):
+        self.connection.sendall(frame(OBSERVE, json.dumps({'packets': wish}).encode()))
+
+    def end_observing(self):
+        self.connection.sendall(frame(OBSERVE, b'{"packets": null}'))
 
     # ---- in -------------------------------------------------------------------------------
 
@@ -169,4 +176,22 @@ def decode(kind, body):
         return json.loads(body.decode())
     if kind == OBSERVED_LOST:
         return struct.unpack('>Q', body)[0]
+    if kind == CAPTURED:
+        return captured(body)
+    if kind == CAPTURE_COUNTS:
+        return dict(zip(COUNTS, struct.unpack('>6Q', body)))
     return body.decode(errors='replace')
+
+
+COUNTS = ['seen', 'filtered', 'sampled_out', 'limited', 'lost', 'given']
+FLAGS = ['crc_bad', 'aborted', 'truncated', 'embedded', 'retry', 'own', 'input']
+
+
+def captured(body):
+    time_ns, steady_ns, lost = struct.unpack_from('>QQI', body)
+    version, flags, line_from, line_to, span = struct.unpack_from('>BBBBI', body, 20)
+    assert version == 1
+    seen = {name: bool(flags >> bit & 1) for bit, name in enumerate(FLAGS)}
+    seen.update(time_ns=time_ns, steady_ns=steady_ns, lost_before=lost, span=span,
+                line=(line_from, line_to), bytes=body[32:])
+    return seen

@@ -16,7 +16,7 @@ struct Options {
   Case which = Case::alone;
   study::Medium medium;
   std::uint64_t seed = 1;
-  std::string trace;
+  std::string trace, capture;
   app::Format format = app::Format::text;
 };
 
@@ -28,12 +28,19 @@ std::string in_lines(const app::Row& row) {
   return app::format_rows(lines, app::Format::text);
 }
 
+void open(std::ofstream& file, const std::string& option, const std::string& path) {
+  if (path.empty()) return;
+  file.open(path, std::ios::binary);
+  if (!file) throw UsageError(option + path + ": cannot be written");
+}
+
 int run(const Options& options) {
-  std::ofstream trace;
-  if (!options.trace.empty()) trace.open(options.trace);
-  if (!options.trace.empty() && !trace) throw UsageError("--trace " + options.trace + ": cannot be written");
-  const study::CaseResult result =
-      run_case(options.which, options.medium, options.seed, trace.is_open() ? &trace : nullptr);
+  std::ofstream trace, capture;
+  open(trace, "--trace ", options.trace);
+  open(capture, "--capture ", options.capture);
+  const study::CaseResult result = run_case(options.which, options.medium, options.seed,
+                                            trace.is_open() ? &trace : nullptr, capture.is_open() ? &capture : nullptr);
+  if (!trace.flush() || !capture.flush()) throw std::runtime_error("not all of the trace or capture could be written");
   const app::Row row = run_row(options.which, options.medium, result, options.seed);
   if (options.format == app::Format::text) std::cout << in_lines(row);
   if (options.format == app::Format::json) std::cout << row.dump(2) << '\n';
@@ -57,6 +64,7 @@ void add_run(CLI::App& app, Context& context) {
   add_seed(*command, options->seed);
   command->add_option("--trace", options->trace,
                       "Write everything that happened here: time in ps, node, what, and three figures of it");
+  command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
   add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] { return run(*options); };

@@ -5,6 +5,7 @@
 
 #include "app/ringctl/commands.h"
 #include "app/ringctl/problems.h"
+#include "capture/pcapng_reader.h"
 #include "config/config_error.h"
 #include "limb_ring/host_port.h"
 
@@ -35,6 +36,9 @@ void add_commands(CLI::App& app, Context& context) {
   add_reset(app, context);
   add_ping(app, context);
   add_observe(app, context);
+  add_dump(app, context);
+  add_replay(app, context);
+  add_top(app, context);
   add_bench(app, context);
   add_fault(app, context);
   add_scenario(app, context);
@@ -51,6 +55,8 @@ int act(const Context& context) {
   } catch (const UsageError& problem) {
     return failed(problem, kUsage);
   } catch (const config::ConfigError& problem) {
+    return failed(problem, kUsage);
+  } catch (const capture::CaptureFileError& problem) {
     return failed(problem, kUsage);
   } catch (const NoRing& problem) {
     return failed(problem, kNoRing);

@@ -22,7 +22,7 @@ using study::scenario::ScenarioRun;
 
 struct Options {
   std::vector<std::string> files;
-  std::string junit;
+  std::string junit, capture;
   std::optional<std::uint64_t> seed;
   std::string transport;
   bool live = false, json = false;
@@ -43,6 +43,16 @@ void write_junit(const std::string& path, const std::vector<ScenarioRun>& runs) 
   if (!out) throw NotDone(path + ": cannot be written");
 }
 
+std::ofstream open_capture(const Options& options) {
+  std::ofstream capture;
+  if (options.capture.empty()) return capture;
+  if (options.live) throw UsageError("--capture: under the virtual clock alone; beside --live there is 'ringctl dump'");
+  if (options.files.size() != 1) throw UsageError("--capture: one scenario at a time, its times begin at 0");
+  capture.open(options.capture, std::ios::binary);
+  if (!capture) throw UsageError(options.capture + ": cannot be written");
+  return capture;
+}
+
 void require_live(const Scenario& scenario, const std::string& transport) {
   std::string text;
   for (const std::string& reason : only_virtual(scenario, transport)) text += "\n  " + reason;
@@ -60,10 +70,13 @@ std::vector<Scenario> load(const Options& options) {
 }
 
 int run(const Options& options) {
+  const std::vector<Scenario> scenarios = load(options);
+  std::ofstream capture = open_capture(options);
   std::vector<ScenarioRun> runs;
-  for (const Scenario& scenario : load(options)) {
+  for (const Scenario& scenario : scenarios) {
     const std::uint64_t seed = options.seed.value_or(scenario.seed);
-    runs.push_back(options.live ? play_live(scenario, seed, options.transport) : run_scenario(scenario, seed));
+    runs.push_back(options.live ? play_live(scenario, seed, options.transport)
+                                : run_scenario(scenario, seed, capture.is_open() ? &capture : nullptr));
     if (!options.json) std::cout << text_of(runs.back()) << std::endl;
   }
   std::vector<app::Row> rows;
@@ -92,6 +105,7 @@ void add_scenario(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"unix", "udp"}))
       ->needs(live);
   command->add_option("--junit", options->junit, "Write JUnit XML there");
+  command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
   command->add_option("--seed", options->seed, "Instead of the files' own");
   add_json(*command, options->json);
   command->callback([&context, options] {

@@ -17,6 +17,9 @@ class Robot final : public Stage {
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
+  /// To look on, as a capture does.
+  sim::VirtualRing& ring() { return *ring_; }
+
   unsigned size() const override { return ring_->size(); }
   const std::string& name(NodeId id) const override { return scenario_.ring.nodes[id].name; }
   bool alive(NodeId id) const override { return ring_->alive(id); }

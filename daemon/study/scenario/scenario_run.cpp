@@ -1,6 +1,7 @@
 #include "study/scenario/scenario_run.h"
 
 #include "config/quantity.h"
+#include "study/ring_capture.h"
 #include "study/scenario/look.h"
 #include "study/scenario/robot.h"
 
@@ -14,6 +15,13 @@ using core::Duration;
 std::string microseconds(nanoseconds time) {
   const std::string thousandths = std::to_string(1000 + time.count() % 1000);
   return std::to_string(time.count() / 1000) + '.' + thousandths.substr(1) + " us";
+}
+
+/// Nodes are places in ring order here.
+capture::RingNames names_of(const config::RingConfig& ring) {
+  capture::RingNames names{ring.ring, {}};
+  for (const auto& node : ring.nodes) names.nodes.emplace(static_cast<NodeId>(names.nodes.size()), node.name);
+  return names;
 }
 
 class Run {
@@ -101,8 +109,10 @@ ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& st
   return Run(scenario, seed, stage).run();
 }
 
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed) {
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture) {
   Robot robot(scenario, seed);
+  std::optional<RingCapture> captured;
+  if (capture != nullptr) captured.emplace(robot.ring(), *capture, names_of(scenario.ring));
   return run_scenario(scenario, seed, robot);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,8 @@ struct ScenarioRun {
 
 /// Runs a scenario under a virtual clock; every promise of the ring is an expectation too. The same scenario
 /// and seed give the same run.
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed);
+/// @param capture where its packets go as pcapng, or null
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr);
 
 /// Plays it on a stage that has not begun. @param seed the stage's, for the report
 ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage);

@@ -34,7 +34,7 @@ using Usage = OwnFolder;
 
 TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
   for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop",
-                              "reset", "ping", "observe"}) {
+                              "reset", "ping", "observe", "dump", "replay", "top"}) {
     const Said said = ringctl({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.text, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));

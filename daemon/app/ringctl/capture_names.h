@@ -1,0 +1,14 @@
+#pragma once
+
+#include "app/ringctl/ring_access.h"
+#include "capture/pcapng_writer.h"
+
+namespace limb_ring::ringctl {
+
+inline capture::RingNames names_of(const RingAccess& ring) {
+  capture::RingNames names{ring.ring(), {}};
+  for (const NodeName& node : ring.nodes()) names.nodes[node.id] = node.name;
+  return names;
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,71 @@
+#include "app/ringctl/capture_sink.h"
+
+#include <cerrno>
+#include <cstring>
+#include <iostream>
+
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+class TextSink final : public CaptureSink {
+ public:
+  TextSink(const capture::RingNames& names, const PacketTextOptions& options) : text_(names, options) {}
+  void packet(const CapturedPacket& packet) override { std::cout << text_.line(packet) << '\n'; }
+  void event(const capture::CapturedEvent& event) override { std::cout << text_.line(event) << '\n'; }
+  bool flush() override { return std::cout.flush().good(); }
+
+ private:
+  PacketText text_;
+};
+
+class JsonSink final : public CaptureSink {
+ public:
+  explicit JsonSink(capture::RingNames names) : names_(std::move(names)) {}
+  void packet(const CapturedPacket& packet) override { std::cout << packet_json(packet, names_) << '\n'; }
+  void event(const capture::CapturedEvent& event) override { std::cout << event_json(event, names_) << '\n'; }
+  bool flush() override { return std::cout.flush().good(); }
+
+ private:
+  capture::RingNames names_;
+};
+
+class FileSink final : public CaptureSink {
+ public:
+  FileSink(const capture::RingNames& names, const std::string& path)
+      : out_(open(path) ? file_ : std::cout), writer_(out_, names) {}
+  void packet(const CapturedPacket& packet) override {
+    writer_.packet(packet.time_ns, packet.info, {packet.bytes.data(), packet.bytes.size()}, packet.lost_before);
+  }
+  void event(const capture::CapturedEvent& event) override { writer_.event(event.time_ns, event.node, event.what); }
+  bool flush() override { return out_.flush().good(); }
+
+ private:
+  /// @return false where standard output is meant
+  bool open(const std::string& path) {
+    if (path == "-") return false;
+    file_.open(path, std::ios::binary);
+    if (!file_) throw UsageError(path + ": cannot be written: " + std::strerror(errno));
+    return true;
+  }
+
+  std::ofstream file_;
+  std::ostream& out_;
+  capture::PcapngWriter writer_;
+};
+
+}  // namespace
+
+std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const PacketTextOptions& options) {
+  return std::make_unique<TextSink>(names, options);
+}
+
+std::unique_ptr<CaptureSink> json_sink(const capture::RingNames& names) { return std::make_unique<JsonSink>(names); }
+
+std::unique_ptr<CaptureSink> file_sink(const capture::RingNames& names, const std::string& path) {
+  return std::make_unique<FileSink>(names, path);
+}
+
+}  // namespace limb_ring::ringctl

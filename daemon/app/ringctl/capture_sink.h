@@ -1,0 +1,28 @@
+#pragma once
+
+#include <fstream>
+#include <memory>
+
+#include "app/ringctl/packet_text.h"
+
+namespace limb_ring::ringctl {
+
+/// Where `dump` puts what it sees.
+class CaptureSink {
+ public:
+  virtual ~CaptureSink() = default;
+  virtual void packet(const CapturedPacket& packet) = 0;
+  virtual void event(const capture::CapturedEvent& event) = 0;
+  /// Somebody may be looking: nothing is held back.
+  /// @return false where nobody can be any more (a pipe that was closed, a full disk)
+  virtual bool flush() = 0;
+};
+
+/// Lines of text on standard output.
+std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const PacketTextOptions& options);
+/// Lines of JSON on standard output.
+std::unique_ptr<CaptureSink> json_sink(const capture::RingNames& names);
+/// pcapng in a file, or on standard output where the path is "-". @throw UsageError
+std::unique_ptr<CaptureSink> file_sink(const capture::RingNames& names, const std::string& path);
+
+}  // namespace limb_ring::ringctl

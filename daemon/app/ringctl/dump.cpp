@@ -1,0 +1,131 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstring>
+#include <iostream>
+#include <memory>
+
+#include "app/ringctl/answers.h"
+#include "app/ringctl/capture_names.h"
+#include "app/ringctl/commands.h"
+#include "app/ringctl/dump_filter.h"
+#include "app/ringctl/live_dump.h"
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+struct Options {
+  std::vector<std::string> nodes;
+  FilterWords filter;
+  PacketTextOptions text;
+  std::uint64_t count = 0;
+  std::string write, read;
+  bool events = false, json = false;
+};
+
+std::unique_ptr<CaptureSink> sink_of(const Options& options, const capture::RingNames& names) {
+  if (!options.write.empty()) return file_sink(names, options.write);
+  if (options.json) return json_sink(names);
+  PacketTextOptions text = options.text;
+  text.colour = ::isatty(STDOUT_FILENO) == 1;
+  return text_sink(names, text);
+}
+
+/// One node's input shows every packet of a closed ring once: the supervisor's, where none is named.
+std::vector<NodeName> nodes_of(const RingAccess& ring, const std::vector<std::string>& words) {
+  if (words.empty()) {
+    HostPort port = ring.connect(ring.source(""));
+    return {ring.node(std::to_string(ask(port, {{"do", "config"}}, kAnswerTime).at("supervisor").get<unsigned>()))};
+  }
+  if (words.size() == 1 && words.front() == "all") return ring.nodes();
+  std::vector<NodeName> nodes;
+  for (const std::string& word : words) nodes.push_back(ring.node(word));
+  return nodes;
+}
+
+int dump_live(const Context& context, const Options& options) {
+  const std::string first = options.nodes.empty() ? "" : options.nodes.front();
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring), first);
+  const capture::RingNames names = names_of(ring);
+  nlohmann::json order{{"packets", order_of(wish_of(options.filter, names))}};
+  // A file is read later, by somebody who was not there.
+  if (options.events || !options.write.empty()) order["kinds"] = {"state", "link", "pin", "cpu"};
+  const auto sink = sink_of(options, names);
+  const DumpTotals totals = LiveDump(ring, nodes_of(ring, options.nodes), order, *sink).run(options.count);
+  std::cerr << "ringctl: " << summary(totals) << std::endl;
+  if (!sink->flush()) throw NotDone("not all could be written");
+  return kDone;
+}
+
+/// Of a file all lines are shown where the command line does not choose.
+capture::Wish file_wish(const Options& options, const capture::RingNames& names) {
+  capture::Wish wish = wish_of(options.filter, names);
+  if (options.filter.at.empty()) wish.filter.output = true;
+  return wish;
+}
+
+DumpTotals show_records(capture::PcapngReader& reader, const Options& options, CaptureSink& sink) {
+  capture::Selection selection(file_wish(options, reader.names()));
+  DumpTotals totals;
+  while (const auto record = reader.next()) {
+    if (const auto* event = std::get_if<capture::CapturedEvent>(&*record)) {
+      if (options.events || !options.write.empty()) sink.event(*event);
+      continue;
+    }
+    const auto& packet = std::get<CapturedPacket>(*record);
+    const wire::ByteView bytes{packet.bytes.data(), packet.bytes.size()};
+    if (!selection.takes({std::chrono::nanoseconds(packet.time_ns), packet.info, bytes})) continue;
+    sink.packet(packet);
+    if (++totals.shown == options.count) break;
+  }
+  totals.nodes = selection.counts();
+  return totals;
+}
+
+int dump_file(const Options& options) {
+  if (!options.nodes.empty()) throw UsageError("-r reads a file, which has its own nodes: leave NODE out");
+  std::ifstream file(options.read, std::ios::binary);
+  if (!file) throw UsageError(options.read + ": cannot be read: " + std::strerror(errno));
+  capture::PcapngReader reader(file, options.read);
+  const auto sink = sink_of(options, reader.names());
+  const DumpTotals totals = show_records(reader, options, *sink);
+  const bool written = sink->flush();
+  if (reader.cut_short()) std::cerr << "ringctl: " << options.read << " ends in the middle of a packet" << std::endl;
+  std::cerr << "ringctl: " << summary(totals) << std::endl;
+  if (!written) throw NotDone("not all could be written");
+  return kDone;
+}
+
+int run(const Context& context, const Options& options) {
+  if (options.json && !options.write.empty()) throw UsageError("--json and -w: choose one of them");
+  return options.read.empty() ? dump_live(context, options) : dump_file(options);
+}
+
+void add_options(CLI::App& command, Options& options) {
+  command.add_option("NODE", options.nodes, "Nodes to look at, id or name, or all; default: the supervisor");
+  const std::map<std::string, Stamps> stamps{
+      {"a", Stamps::absolute}, {"d", Stamps::delta}, {"z", Stamps::zero}};
+  command.add_option("-t,--time", options.text.stamps, "Times: a absolute, d since the one before, z since the first")
+      ->transform(CLI::CheckedTransformer(stamps).description("a|d|z"));
+  command.add_flag("-d,--decode", options.text.decode, "Hellos, beacons, joints, sensors and topics in words");
+  command.add_flag("-e,--events", options.events, "Changes of state, links, pins and CPUs too; -w always writes them");
+  command.add_option("-n,--count", options.count, "End after so many packets; default 0: never");
+  command.add_option("-w,--write", options.write, "Write pcapng there instead of text; - is standard output");
+  command.add_option("-r,--read", options.read, "Read a pcapng file instead of a ring");
+  add_filter(command, options.filter);
+  command.add_flag("--json", options.json, "A line of JSON for each packet, for programs");
+}
+
+}  // namespace
+
+void add_dump(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      add_command(app, "dump", "Print the packets on nodes' lines, a line each, until interrupted; or a capture file");
+  add_options(*command, *options);
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace limb_ring::ringctl

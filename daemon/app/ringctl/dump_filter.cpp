@@ -1,0 +1,92 @@
+#include "app/ringctl/dump_filter.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+using nlohmann::json;
+
+const std::vector<std::string> kLines{"in", "out"};
+const std::vector<std::string> kKinds{"data", "control", "interrupt"};  // by capture::Kind
+
+bool given(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+wire::NodeId node_of(const std::string& word, const capture::RingNames& names) {
+  std::string there;
+  if (word == "all") return wire::kBroadcast;
+  for (const auto& [id, name] : names.nodes) {
+    if (word == name || word == std::to_string(id)) return id;
+    there += (there.empty() ? "" : ", ") + std::to_string(id) + " (" + name + ")";
+  }
+  throw UsageError("unknown node '" + word + "'; ring " + names.ring + " has: " + there);
+}
+
+template <std::size_t N>
+json list_of(const std::bitset<N>& set) {
+  json list = json::array();
+  for (std::size_t i = 0; i < N; ++i)
+    if (set[i]) list.push_back(i);
+  return list;
+}
+
+}  // namespace
+
+void add_filter(CLI::App& command, FilterWords& words) {
+  command.add_option("--at", words.at, "in, out or both; default in, where each packet of a closed ring passes once")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kLines));
+  command.add_option("--kind", words.kinds, "data, control (hellos, beacons), interrupt; default all")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kKinds));
+  command.add_option("--from", words.from, "Only of these sources, id or name")->delimiter(',');
+  command.add_option("--to", words.to, "Only to these destinations; all: broadcasts")->delimiter(',');
+  command.add_option("--priority", words.priority, "Only data packets of these, 0 to 3")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 3));
+  command.add_option("--channel", words.channel, "Only data packets of these, 0 to 63; 0 user, 2 joint, 3 topics")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 63));
+  command.add_option("--sample", words.sample, "Of those only every so many-th")->check(CLI::Range(1u, 1000000u));
+  command.add_option("--limit", words.limit, "At most so many a second from each node; default 0: no limit");
+}
+
+capture::Wish wish_of(const FilterWords& words, const capture::RingNames& names) {
+  capture::Wish wish;
+  if (!words.at.empty()) {
+    wish.filter.input = given(words.at, "in");
+    wish.filter.output = given(words.at, "out");
+  }
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind) wish.filter.kinds[kind] = given(words.kinds, kKinds[kind]);
+  for (const std::string& node : words.from) wish.filter.source.set(node_of(node, names));
+  for (const std::string& node : words.to) wish.filter.destination.set(node_of(node, names));
+  for (const unsigned priority : words.priority) wish.filter.priority.set(priority);
+  for (const unsigned channel : words.channel) wish.filter.channel.set(channel);
+  wish.sample = words.sample;
+  wish.limit_per_s = words.limit;
+  return wish;
+}
+
+json order_of(const capture::Wish& wish) {
+  json order{{"at", json::array()},
+             {"kinds", json::array()},
+             {"source", list_of(wish.filter.source)},
+             {"destination", list_of(wish.filter.destination)},
+             {"priority", list_of(wish.filter.priority)},
+             {"channel", list_of(wish.filter.channel)},
+             {"sample", wish.sample},
+             {"limit_per_s", wish.limit_per_s}};
+  if (wish.filter.input) order["at"].push_back("in");
+  if (wish.filter.output) order["at"].push_back("out");
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
+    if (wish.filter.kinds[kind]) order["kinds"].push_back(kKinds[kind]);
+  return order;
+}
+
+}  // namespace limb_ring::ringctl

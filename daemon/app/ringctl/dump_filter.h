@@ -1,0 +1,32 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "capture/pcapng_writer.h"
+#include "capture/selection.h"
+
+namespace CLI {
+class App;
+}
+
+namespace limb_ring::ringctl {
+
+/// Which packets a command line asks for, in its own words.
+struct FilterWords {
+  std::vector<std::string> at, kinds, from, to;
+  std::vector<unsigned> priority, channel;
+  std::uint32_t sample = 1, limit = 0;
+};
+
+/// Adds --at, --kind, --from, --to, --priority, --channel, --sample and --limit.
+void add_filter(CLI::App& command, FilterWords& words);
+
+/// @throw UsageError naming the word that is wrong, and what there is
+capture::Wish wish_of(const FilterWords& words, const capture::RingNames& names);
+
+/// As `packets` of an observe order (daemon/host/requests.md).
+nlohmann::json order_of(const capture::Wish& wish);
+
+}  // namespace limb_ring::ringctl

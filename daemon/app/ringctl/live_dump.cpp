@@ -1,0 +1,140 @@
+#include "app/ringctl/live_dump.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "app/ringctl/problems.h"
+#include "app/ringctl/signal_wait.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kTick{50};        // how soon Ctrl-C is noticed
+constexpr milliseconds kLastWords{1000};  // how long a daemon may take to count up
+/// Taken from one node before the next has its turn.
+constexpr int kAtOnce = 1000;
+
+std::string event_words(const nlohmann::json& seen) {
+  const std::string kind = seen.value("kind", "");
+  if (kind == "state")
+    return seen.value("before", "") + " -> " + seen.value("after", "") + ", ring of " +
+           std::to_string(seen.value("ring_size", 0));
+  if (kind == "cpu")
+    return "CPU " + seen.value("state", "") + ", boot " + std::to_string(seen.value("boots", 0));
+  return seen.value("what", seen.dump());
+}
+
+}  // namespace
+
+std::string summary(const DumpTotals& totals) {
+  const CaptureCounts& nodes = totals.nodes;
+  return std::to_string(totals.shown) + " packets shown of " + std::to_string(nodes.seen) + " seen; left out: " +
+         std::to_string(nodes.filtered) + " by the filter, " + std::to_string(nodes.sampled_out) + " by --sample, " +
+         std::to_string(nodes.limited) + " by --limit, " + std::to_string(totals.beyond) + " after the last; " +
+         std::to_string(nodes.lost) + " lost, read too slowly";
+}
+
+LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order,
+                   CaptureSink& sink)
+    : sink_(sink) {
+  for (const NodeName& node : nodes) {
+    sources_.emplace_back(ring.connect(node));
+    sources_.back().port.observe(order.dump());
+  }
+}
+
+DumpTotals LiveDump::run(std::uint64_t count) {
+  count_ = count;
+  SignalWait signals;
+  bool go_on = true;
+  while (go_on && !full()) {
+    for (Source& source : sources_) drain(source);
+    go_on = sink_.flush() && !SignalWait::asks_to_end(signals.next(milliseconds(0)));
+    if (go_on && !full()) wait();
+  }
+  end();
+  return totals_;
+}
+
+void LiveDump::drain(Source& source) {
+  for (int i = 0; i < kAtOnce && !source.gone && !full(); ++i) {
+    const auto message = source.port.receive(milliseconds(0));
+    if (!message) return;
+    take(source, *message);
+  }
+}
+
+void LiveDump::take(Source& source, const Message& message) {
+  std::visit([&](const auto& what) { on(source, what); }, message);
+}
+
+void LiveDump::wait() {
+  std::vector<pollfd> ports;
+  for (const Source& source : sources_)
+    if (!source.gone) ports.push_back({source.port.fd(), POLLIN, 0});
+  ::poll(ports.data(), ports.size(), static_cast<int>(kTick.count()));
+}
+
+/// Asks for the last counts; what was under way is counted and not shown.
+void LiveDump::end() {
+  ending_ = true;
+  const auto deadline = steady_clock::now() + kLastWords;
+  for (Source& source : sources_) {
+    if (!source.gone) source.port.observe(R"({"packets": null})");
+    const std::uint32_t token = source.gone ? 0 : source.port.request(R"({"do": "latch"})");
+    while (!source.gone && !source.ended && steady_clock::now() < deadline) {
+      const auto message = source.port.receive(kTick);
+      const Reply* reply = message ? std::get_if<Reply>(&*message) : nullptr;
+      source.ended = reply != nullptr && reply->token == token;
+      if (message) take(source, *message);
+    }
+  }
+  add_up();
+}
+
+void LiveDump::add_up() {
+  for (const Source& source : sources_) {
+    const CaptureCounts& counts = source.counts;
+    totals_.nodes.seen += counts.seen;
+    totals_.nodes.filtered += counts.filtered;
+    totals_.nodes.sampled_out += counts.sampled_out;
+    totals_.nodes.limited += counts.limited;
+    // What was given and never came out here was lost in this process.
+    totals_.nodes.lost += counts.lost + (counts.given - std::min(counts.given, source.received));
+  }
+}
+
+void LiveDump::on(Source& source, const CapturedPacket& packet) {
+  ++source.received;
+  if (ending_) {
+    ++totals_.beyond;
+    return;
+  }
+  ++totals_.shown;
+  sink_.packet(packet);
+}
+
+void LiveDump::on(Source& source, const CaptureCounts& counts) { source.counts = counts; }
+
+void LiveDump::on(Source& source, const Observed& seen) {
+  const nlohmann::json json = nlohmann::json::parse(seen.json, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object() || ending_) return;
+  if (json.contains("error")) throw UsageError(json["error"].get<std::string>());
+  sink_.event({json.value("time_ns", std::int64_t{0}), source.port.id(), event_words(json)});
+}
+
+void LiveDump::on(Source& source, const Disconnected& end) {
+  source.gone = true;
+  const std::string who = "node " + label({source.port.id(), source.port.name()});
+  std::cerr << "ringctl: " << who << ": " << end.reason << std::endl;
+  if (std::all_of(sources_.begin(), sources_.end(), [](const Source& other) { return other.gone; }))
+    throw HostPortError("no daemon is left to look at");
+}
+
+}  // namespace limb_ring::ringctl

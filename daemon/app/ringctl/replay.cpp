@@ -1,0 +1,172 @@
+#include <poll.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/ringctl/commands.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/replay_plan.h"
+#include "app/ringctl/ring_access.h"
+#include "app/ringctl/signal_wait.h"
+#include "wire/data_packet.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kTick{20};
+/// Above all time-outs a send may have by default.
+constexpr milliseconds kLastResults{30'000};
+
+struct Options {
+  std::string file;
+  double speed = 1;
+  unsigned loop = 1;
+  bool no_interrupts = false, json = false;
+};
+
+/// Sends of a plan through the ports of their sources, in their time.
+class Replay {
+ public:
+  Replay(const RingAccess& ring, const ReplayPlan& plan) : plan_(plan) {
+    for (const ReplaySend& send : plan.sends)
+      if (ports_.count(send.source) == 0)
+        ports_.emplace(send.source, ring.connect(ring.node(std::to_string(send.source))));
+    for (const auto& [node, port] : ports_) waiting_.push_back({port.fd(), POLLIN, 0});
+  }
+
+  /// @return false where somebody has asked it to end
+  bool run(double speed, SignalWait& signals) {
+    const auto begin = steady_clock::now();
+    for (const ReplaySend& send : plan_.sends) {
+      const nanoseconds after(static_cast<std::int64_t>(static_cast<double>(send.after_ns) / speed));
+      if (!wait_until(begin + after, signals)) return false;
+      put(send);
+    }
+    return true;
+  }
+
+  void wait_for_results(SignalWait& signals) {
+    const auto deadline = steady_clock::now() + kLastResults;
+    while (ended_ < sent_ && steady_clock::now() < deadline && !asked_to_end(signals)) take_results(kTick);
+  }
+
+  std::uint64_t sent() const { return sent_; }
+  std::uint64_t unanswered() const { return sent_ - ended_; }
+  const std::map<Outcome, std::uint64_t>& outcomes() const { return outcomes_; }
+
+ private:
+  static bool asked_to_end(SignalWait& signals) { return SignalWait::asks_to_end(signals.next(milliseconds(0))); }
+
+  bool wait_until(steady_clock::time_point due, SignalWait& signals) {
+    for (;;) {
+      if (asked_to_end(signals)) return false;
+      const auto left = std::chrono::ceil<milliseconds>(due - steady_clock::now());
+      take_results(std::clamp(left, milliseconds(0), kTick));
+      if (left <= milliseconds(0)) return true;
+    }
+  }
+
+  void put(const ReplaySend& send) {
+    HostPort& port = ports_.at(send.source);
+    ++sent_;
+    if (send.interrupt) port.interrupt(send.destination, send.last);
+    else port.send(send.destination, send.data, wire::priority_of(send.last), wire::channel_of(send.last));
+  }
+
+  void take_results(milliseconds patience) {
+    for (auto& [node, port] : ports_)
+      while (const auto message = port.receive(milliseconds(0))) take(*message);
+    if (patience > milliseconds(0)) ::poll(waiting_.data(), waiting_.size(), static_cast<int>(patience.count()));
+  }
+
+  void take(const Message& message) {
+    if (const auto* end = std::get_if<Disconnected>(&message)) throw HostPortError(end->reason);
+    const auto* result = std::get_if<Result>(&message);
+    if (result == nullptr) return;
+    ++ended_;
+    ++outcomes_[result->outcome];
+  }
+
+  const ReplayPlan& plan_;
+  std::map<wire::NodeId, HostPort> ports_;
+  std::vector<pollfd> waiting_;
+  std::map<Outcome, std::uint64_t> outcomes_;
+  std::uint64_t sent_ = 0, ended_ = 0;
+};
+
+ReplayPlan read_plan(const Options& options) {
+  std::ifstream file(options.file, std::ios::binary);
+  if (!file) throw UsageError(options.file + ": cannot be read: " + std::strerror(errno));
+  capture::PcapngReader reader(file, options.file);
+  ReplayPlan plan = plan_replay(reader);
+  const auto unwanted = [&](const ReplaySend& send) { return options.no_interrupts && send.interrupt; };
+  plan.sends.erase(std::remove_if(plan.sends.begin(), plan.sends.end(), unwanted), plan.sends.end());
+  if (plan.sends.empty()) throw NotDone(options.file + ": holds nothing that can be sent again");
+  return plan;
+}
+
+nlohmann::json report_of(const Replay& replay, const ReplayPlan& plan) {
+  nlohmann::json outcomes = nlohmann::json::object();
+  for (const auto& [outcome, count] : replay.outcomes()) outcomes[to_string(outcome)] = count;
+  return {{"sent", replay.sent()},
+          {"outcomes", outcomes},
+          {"unanswered", replay.unanswered()},
+          {"left_out",
+           {{"control", plan.control},
+            {"broken", plan.broken},
+            {"repeated", plan.repeated},
+            {"on_other_lines", plan.elsewhere}}}};
+}
+
+void print_text(const nlohmann::json& report) {
+  std::cout << "sent " << report["sent"];
+  for (const auto& [outcome, count] : report["outcomes"].items()) std::cout << ", " << outcome << ' ' << count;
+  if (report["unanswered"] != 0) std::cout << ", without a result " << report["unanswered"];
+  const nlohmann::json& left = report["left_out"];
+  std::cout << "\nleft out of the file: " << left["control"] << " hellos and beacons, " << left["broken"]
+            << " broken, " << left["repeated"] << " repeated, " << left["on_other_lines"] << " seen on other lines\n";
+}
+
+int run(const Context& context, const Options& options) {
+  const ReplayPlan plan = read_plan(options);
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  SignalWait signals;
+  Replay replay(ring, plan);
+  bool go_on = true;
+  for (unsigned i = 0; i < options.loop && go_on; ++i) go_on = replay.run(options.speed, signals);
+  replay.wait_for_results(signals);
+  const nlohmann::json report = report_of(replay, plan);
+  if (options.json) std::cout << report.dump(2) << '\n';
+  else print_text(report);
+  const bool all = report["outcomes"].value("delivered", std::uint64_t{0}) == plan.sends.size() * options.loop;
+  return all ? kDone : kNotDone;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(app, "replay", "Send the data packets and interrupts of a capture again, each from "
+                                                 "its source, in their time");
+  command->add_option("FILE", options->file, "pcapng, of 'ringctl dump -w' or 'ring_sim run --capture'")->required();
+  command->add_option("--speed", options->speed, "So many times as fast, 0.001 to 1000; default 1")
+      ->check(CLI::Range(0.001, 1000.0));
+  command->add_option("--loop", options->loop, "So many times, 1 to 1000000; default 1")->check(CLI::Range(1, 1000000));
+  command->add_flag("--no-interrupts", options->no_interrupts, "Data packets alone: interrupts may reset CPUs again");
+  add_json(*command, options->json);
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,133 @@
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <limits>
+#include <memory>
+
+#include "app/ringctl/answers.h"
+#include "app/ringctl/commands.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/screen.h"
+#include "app/ringctl/signal_wait.h"
+#include "app/ringctl/status_table.h"
+#include "app/ringctl/top_table.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::duration;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+/// How long one that does not answer may hold up the picture.
+constexpr milliseconds kAnswerWait{500};
+constexpr milliseconds kTick{50};
+
+struct Options {
+  double interval_s = 1;
+  bool once = false, json = false;
+};
+
+/// Asks all nodes for their status, over connections that it keeps.
+class StatusPoll {
+ public:
+  explicit StatusPoll(const RingAccess& ring) : ring_(ring), ports_(ring.nodes().size()) {}
+
+  StatusSample sample() {
+    std::vector<std::uint32_t> tokens;
+    for (std::size_t i = 0; i < ports_.size(); ++i) tokens.push_back(ask(i));
+    StatusSample sample;
+    sample.at_s = duration<double>(steady_clock::now().time_since_epoch()).count();
+    const auto deadline = steady_clock::now() + kAnswerWait;
+    for (std::size_t i = 0; i < ports_.size(); ++i) {
+      const auto row = answer(i, tokens[i], deadline);
+      sample.rows.push_back(row ? *row : down_row(ring_.nodes()[i]));
+    }
+    return sample;
+  }
+
+ private:
+  std::uint32_t ask(std::size_t index) {
+    try {
+      if (!ports_[index]) ports_[index] = ring_.connect(ring_.nodes()[index]);
+      return ports_[index]->request(R"({"do": "status"})");
+    } catch (const HostPortError&) {
+      return 0;  // it is down, and asked again next time
+    }
+  }
+
+  std::optional<nlohmann::json> answer(std::size_t index, std::uint32_t token, steady_clock::time_point deadline) {
+    while (ports_[index] && ports_[index]->connected()) {
+      const auto left = std::chrono::ceil<milliseconds>(deadline - steady_clock::now());
+      const auto message = ports_[index]->receive(std::max(left, milliseconds(0)));
+      const Reply* reply = message ? std::get_if<Reply>(&*message) : nullptr;
+      if (reply != nullptr && reply->token == token) {
+        auto row = nlohmann::json::parse(reply->json, nullptr, /*allow_exceptions=*/false);
+        if (row.is_object()) return row;
+      }
+      if (!message) return std::nullopt;
+    }
+    ports_[index].reset();
+    return std::nullopt;
+  }
+
+  const RingAccess& ring_;
+  std::vector<std::optional<HostPort>> ports_;
+};
+
+/// @return false where somebody has asked it to end
+bool wait(const Options& options, const Screen* screen, SignalWait& signals) {
+  const auto until = steady_clock::now() + duration<double>(options.interval_s);
+  while (steady_clock::now() < until) {
+    if (SignalWait::asks_to_end(signals.next(kTick))) return false;
+    if (screen == nullptr) continue;
+    const char key = screen->key();
+    if (key == 'q' || key == 'Q') return false;
+  }
+  return true;
+}
+
+int once(const RingAccess& ring, const Options& options) {
+  SignalWait signals;
+  StatusPoll poll(ring);
+  const StatusSample before = poll.sample();
+  if (!wait(options, nullptr, signals)) return kNotDone;
+  const auto rows = top_rows(before, poll.sample());
+  if (options.json) std::cout << nlohmann::json{{"ring", ring.ring()}, {"nodes", rows}}.dump(2) << '\n';
+  else std::cout << top_table(ring.ring(), rows, std::numeric_limits<std::size_t>::max());
+  return kDone;
+}
+
+int redraw(const RingAccess& ring, const Options& options) {
+  SignalWait signals;
+  const Screen screen;
+  StatusPoll poll(ring);
+  StatusSample before = poll.sample();
+  do {
+    StatusSample now = poll.sample();
+    screen.draw(top_table(ring.ring(), top_rows(before, now), Screen::size().lines - 1) + "q ends");
+    before = std::move(now);
+  } while (wait(options, &screen, signals));
+  return kDone;
+}
+
+int run(const Context& context, const Options& options) {
+  if (options.json && !options.once) throw UsageError("--json goes with --once");
+  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  return options.once ? once(ring, options) : redraw(ring, options);
+}
+
+}  // namespace
+
+void add_top(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(app, "top", "Watch all nodes: states, traffic, load, round trips, errors");
+  command->add_option("--interval", options->interval_s, "Seconds between two looks, 0.1 to 3600; default 1")
+      ->check(CLI::Range(0.1, 3600.0));
+  command->add_flag("--once", options->once, "Print once, after one interval, and end");
+  add_json(*command, options->json);
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,90 @@
+#include "runtime/observe_order.h"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "runtime/request_fields.h"
+#include "wire/data_packet.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+const Words kEvents{"state", "ring", "link", "noise", "pin", "cpu", "watchdog", "sent"};
+const Words kKinds{"data", "control", "interrupt"};  // by capture::Kind
+const Words kLines{"in", "out"};
+constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+
+std::string listed(const Words& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+json list_in(const json& from, const char* field) {
+  if (!from.contains(field)) return json::array();
+  if (!from[field].is_array()) throw RequestError(std::string("observe: ") + field + " is a list");
+  return from[field];
+}
+
+std::set<std::size_t> words_in(const json& from, const char* field, const Words& allowed) {
+  std::set<std::size_t> found;
+  for (const json& word : list_in(from, field)) {
+    const auto place = std::find(allowed.begin(), allowed.end(), word.is_string() ? word.get<std::string>() : "");
+    if (place == allowed.end())
+      throw RequestError(std::string("observe: ") + field + ": there is no " + word.dump() + "; there are " +
+                         listed(allowed));
+    found.insert(static_cast<std::size_t>(place - allowed.begin()));
+  }
+  return found;
+}
+
+template <std::size_t N>
+std::bitset<N> numbers_in(const json& from, const char* field) {
+  std::bitset<N> found;
+  for (const json& number : list_in(from, field)) found.set(number_in({{field, number}}, field, 0, 0, N - 1));
+  return found;
+}
+
+/// A source may be none that is configured: a stray packet is what one looks for.
+std::bitset<256> nodes_of(const config::RingConfig& ring, const json& from, const char* field) {
+  std::bitset<256> found;
+  for (const json& node : list_in(from, field))
+    found.set(node.is_number() ? number_in({{field, node}}, field, 0, 0, 255) : nodes_in(ring, {{field, node}}, field));
+  return found;
+}
+
+capture::Wish wish_of(const config::RingConfig& ring, const json& packets) {
+  if (!packets.is_object()) throw RequestError("observe: packets is an object");
+  capture::Wish wish;
+  if (const auto at = words_in(packets, "at", kLines); !at.empty()) {
+    wish.filter.input = at.count(0) != 0;
+    wish.filter.output = at.count(1) != 0;
+  }
+  for (const std::size_t kind : words_in(packets, "kinds", kKinds)) wish.filter.kinds.set(kind);
+  wish.filter.source = nodes_of(ring, packets, "source");
+  wish.filter.destination = nodes_of(ring, packets, "destination");
+  wish.filter.priority = numbers_in<4>(packets, "priority");
+  wish.filter.channel = numbers_in<64>(packets, "channel");
+  wish.sample = static_cast<std::uint32_t>(number_in(packets, "sample", 1, 1, kMost));
+  wish.limit_per_s = static_cast<std::uint32_t>(number_in(packets, "limit_per_s", 0, 0, kMost));
+  return wish;
+}
+
+}  // namespace
+
+ObserveOrder read_observe_order(const config::RingConfig& ring, const std::string& text) {
+  const json order = json::parse(text.empty() ? "{}" : text, nullptr, /*allow_exceptions=*/false);
+  if (!order.is_object()) throw RequestError("an observe filter is a JSON object");
+  ObserveOrder read;
+  for (const std::size_t kind : words_in(order, "kinds", kEvents)) read.kinds.insert(kEvents[kind]);
+  const bool packets = order.contains("packets");
+  if (read.kinds.empty() && !packets) read.kinds.insert(kEvents.begin(), kEvents.end());
+  if (packets && !order["packets"].is_null()) read.packets = wish_of(ring, order["packets"]);
+  return read;
+}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "capture/selection.h"
+#include "config/ring_config.h"
+
+namespace limb_ring::runtime {
+
+/// What a client wants to observe; see "Observing" in daemon/host/requests.md.
+struct ObserveOrder {
+  std::set<std::string> kinds;           ///< of events; empty: none
+  std::optional<capture::Wish> packets;  ///< nothing: none
+};
+
+/// @throw std::runtime_error naming what is wrong, and what is allowed
+ObserveOrder read_observe_order(const config::RingConfig& ring, const std::string& text);
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,82 @@
+#include "runtime/packet_observers.h"
+
+namespace limb_ring::runtime {
+
+using Instant = Clock::Steady::time_point;
+
+PacketObservers::PacketObservers(wire::NodeId self, Engine& engine, host::HostServer& host)
+    : self_(self),
+      engine_(engine),
+      host_(host),
+      input_([this](const capture::PacketView& packet) { seen(packet); }),
+      output_([this](const capture::PacketView& packet) { seen(packet); }) {}
+
+void PacketObservers::set(host::ClientId client, const std::optional<capture::Wish>& wish) {
+  const auto found = observers_.find(client);
+  if (found != observers_.end()) {
+    host_.capture_counts(client, found->second.selection.counts());
+    observers_.erase(found);
+  }
+  if (wish) {
+    observers_.emplace(client, Observer{capture::Selection(*wish)});
+    host_.capture_counts(client, {});
+  }
+  look_where_wanted();
+}
+
+void PacketObservers::remove(host::ClientId client) {
+  observers_.erase(client);
+  look_where_wanted();
+}
+
+void PacketObservers::look_where_wanted() {
+  look_at_input_ = look_at_output_ = false;
+  for (const auto& [client, observer] : observers_) {
+    look_at_input_ = look_at_input_ || observer.selection.filter().input;
+    look_at_output_ = look_at_output_ || observer.selection.filter().output;
+  }
+  if (!look_at_input_) input_.reset();
+  if (!look_at_output_) output_.reset();
+  engine_.set_tap(observers_.empty() ? nullptr : this);
+}
+
+// ---- the lines ----------------------------------------------------------------------------
+
+void PacketObservers::on_input(const wire::Slice& slice, wire::NodeId from, Instant at) {
+  if (!look_at_input_) return;
+  input_.set_line(true, from, self_);
+  input_.put(slice, at.time_since_epoch());
+}
+
+void PacketObservers::on_output(wire::ByteView framed_slices, wire::NodeId to, Instant at) {
+  if (!look_at_output_) return;
+  output_.set_line(false, self_, to);
+  while (!framed_slices.empty()) {
+    const wire::SliceParse parse = wire::parse_slice(framed_slices);
+    output_.put(parse.slice, at.time_since_epoch());
+    framed_slices = framed_slices.from(parse.consumed);
+  }
+}
+
+void PacketObservers::on_input_gap(Instant at) { input_.gap(at.time_since_epoch()); }
+
+void PacketObservers::on_output_gap(Instant at) { output_.gap(at.time_since_epoch()); }
+
+// ---- the observers ------------------------------------------------------------------------
+
+void PacketObservers::seen(const capture::PacketView& packet) {
+  for (auto& [client, observer] : observers_)
+    if (observer.selection.takes(packet)) give(client, observer, packet);
+}
+
+void PacketObservers::give(host::ClientId client, Observer& observer, const capture::PacketView& packet) {
+  capture::Selection& selection = observer.selection;
+  const std::int64_t time = wall_.at(Instant(packet.at));
+  if (!host_.captured(client, {time, selection.lost_before(), packet})) return selection.lost();
+  selection.given();
+  if (packet.at - observer.told_at < std::chrono::seconds(1)) return;
+  observer.told_at = packet.at;
+  host_.capture_counts(client, selection.counts());
+}
+
+}  // namespace limb_ring::runtime

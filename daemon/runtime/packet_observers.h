@@ -1,0 +1,50 @@
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "capture/packet_assembler.h"
+#include "capture/selection.h"
+#include "host/host_server.h"
+#include "runtime/engine.h"
+#include "runtime/wall_clock.h"
+
+namespace limb_ring::runtime {
+
+/// Clients that want to see the packets on this node's lines. Each gets those that it chose, as far
+/// as it reads; one that is slow loses, and is told. While there are none the engine has no tap.
+class PacketObservers final : private LineTap {
+ public:
+  PacketObservers(wire::NodeId self, Engine& engine, host::HostServer& host);
+  ~PacketObservers() override { engine_.set_tap(nullptr); }
+
+  /// Nothing: the client wants no packets any more. It is told its counts as it begins and ends.
+  void set(host::ClientId client, const std::optional<capture::Wish>& wish);
+  /// The client is gone.
+  void remove(host::ClientId client);
+
+ private:
+  struct Observer {
+    capture::Selection selection;
+    std::chrono::nanoseconds told_at{0};  ///< its counts
+  };
+
+  void on_input(const wire::Slice& slice, wire::NodeId from, Clock::Steady::time_point at) override;
+  void on_output(wire::ByteView framed_slices, wire::NodeId to, Clock::Steady::time_point at) override;
+  void on_input_gap(Clock::Steady::time_point at) override;
+  void on_output_gap(Clock::Steady::time_point at) override;
+
+  void look_where_wanted();
+  void seen(const capture::PacketView& packet);
+  void give(host::ClientId client, Observer& observer, const capture::PacketView& packet);
+
+  wire::NodeId self_;
+  Engine& engine_;
+  host::HostServer& host_;
+  WallClock wall_;
+  capture::PacketAssembler input_, output_;
+  std::map<host::ClientId, Observer> observers_;
+  bool look_at_input_ = false, look_at_output_ = false;  ///< somebody wants to see it
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <ostream>
+#include <vector>
+
+#include "capture/packet_assembler.h"
+#include "capture/pcapng_writer.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::study {
+
+/// Writes what is on the lines of a virtual ring as pcapng, in virtual time: every packet as it comes
+/// into a node, so that what faults did to it shows; every line an interface. Faults, states and pins
+/// are events. Must live as long as the ring runs.
+class RingCapture : public sim::Witness {
+ public:
+  RingCapture(sim::VirtualRing& ring, std::ostream& out, capture::RingNames names);
+
+  void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
+  void event(wire::NodeId node, const core::Event& event) override;
+  void fault(wire::NodeId node, sim::Fault fault, core::Time now) override;
+
+ private:
+  wire::NodeId upstream(wire::NodeId node) const;
+  void write(const capture::PacketView& packet);
+
+  sim::VirtualRing& ring_;
+  capture::PcapngWriter writer_;
+  std::vector<capture::PacketAssembler> inputs_;  ///< by node
+};
+
+/// Names of a ring of plain nodes: node0, node1 ...
+capture::RingNames plain_names(unsigned nodes);
+
+}  // namespace limb_ring::study

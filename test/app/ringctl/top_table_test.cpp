@@ -1,0 +1,65 @@
+#include "app/ringctl/top_table.h"
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+namespace limb_ring::ringctl {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+json row(int id, int to, std::uint64_t relayed, std::uint64_t bytes, std::uint64_t slices) {
+  return {{"id", id},
+          {"name", "a_node_with_a_long_name" + std::to_string(id)},
+          {"state", "up"},
+          {"pid", 100 + id},
+          {"cpu", {{"state", "running"}}},
+          {"output", {{"to", to}, {"rate_bit_s", 1000000}}},
+          {"round_trip_us", {{"p50", 123.4}, {"p99", 1234.5}}},
+          {"counters",
+           {{"relayed_data", relayed}, {"input_bytes", bytes}, {"input_slices", slices}, {"crc_errors", 2}}}};
+}
+
+const StatusSample kBefore{{row(0, 1, 100, 0, 0), row(1, 0, 100, 1000, 10)}, 10.0};
+const StatusSample kNow{{row(0, 1, 300, 0, 0), row(1, 0, 100, 51200, 60)}, 12.0};
+
+TEST(TopRows, AreRatesBetweenTwoSamples) {
+  const auto rows = top_rows(kBefore, kNow);
+  EXPECT_EQ(rows[0]["packets_per_second"], 100.0);
+  EXPECT_EQ(rows[1]["packets_per_second"], 0.0);
+}
+
+TEST(TopRows, CountBytesOfALineWhereTheyComeInWithoutTheLinksFraming) {
+  const auto rows = top_rows(kBefore, kNow);
+  EXPECT_EQ(rows[0]["bytes_per_second"], (50200 - 4 * 50) / 2.0);
+  EXPECT_EQ(rows[0]["load"], 25000 * 8 / 1e6);
+}
+
+TEST(TopRows, SayNothingOfANodeThatHasStartedAnew) {
+  StatusSample now = kNow;
+  now.rows[0]["pid"] = 999;
+  EXPECT_TRUE(top_rows(kBefore, now)[0]["packets_per_second"].is_null());
+}
+
+TEST(TopTable, ShowsTheLoadOfALineInPercent) {
+  EXPECT_THAT(top_table("robot", top_rows(kBefore, kNow), 24), HasSubstr(" 20% "));
+}
+
+TEST(TopTable, FitsEightyColumnsAndTheLinesThereAre) {
+  std::vector<json> rows = top_rows(kBefore, kNow);
+  rows[0]["bytes_per_second"] = 123456789012.0;
+  while (rows.size() < 16) rows.push_back(rows[0]);
+  std::istringstream all(top_table("robot", rows, 24)), cut(top_table("robot", rows, 10));
+  std::size_t lines = 0;
+  for (std::string line; std::getline(all, line); ++lines) EXPECT_LE(line.size(), 80u) << line;
+  EXPECT_EQ(lines, 18u);
+  std::string last;
+  for (lines = 0; std::getline(cut, last);) ++lines;
+  EXPECT_LE(lines, 10u);
+  EXPECT_THAT(top_table("robot", rows, 10), HasSubstr("more nodes"));
+}
+
+}  // namespace
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "capture/packet_view.h"
+#include "wire/data_packet.h"
+#include "wire/interrupt_packet.h"
+
+namespace limb_ring::test {
+
+using Bytes = std::vector<std::uint8_t>;
+
+inline wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
+
+/// A DATP with a good CRC; its payload counts up from 0.
+inline Bytes data_packet(wire::NodeId source, wire::NodeId destination, std::size_t size = 8, std::uint8_t pri = 2,
+                         wire::Code code = {}) {
+  Bytes payload(size);
+  for (std::size_t i = 0; i < size; ++i) payload[i] = static_cast<std::uint8_t>(i);
+  wire::DataPacket packet;
+  packet.code = code;
+  packet.source = source;
+  packet.destination = destination;
+  packet.pri = pri;
+  packet.data = view(payload);
+  Bytes bytes(size + wire::kOverhead);
+  wire::encode(packet, bytes.data());
+  return bytes;
+}
+
+inline Bytes interrupt_packet(wire::NodeId source, wire::NodeId destination, std::uint8_t factor) {
+  wire::InterruptPacket packet;
+  packet.source = source;
+  packet.destination = destination;
+  packet.factor = factor;
+  const wire::InterruptBytes bytes = encode(packet);
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace limb_ring::test

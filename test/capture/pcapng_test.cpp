@@ -1,0 +1,129 @@
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "capture/packets.h"
+#include "capture/pcapng_reader.h"
+#include "support/thrown.h"
+
+namespace limb_ring::capture {
+namespace {
+
+using test::Bytes;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const RingNames kNames{"robot", {{1, "hip"}, {2, "knee"}, {3, "foot"}}};
+const Bytes kPacket = test::data_packet(1, 3, 5);  // 17 bytes: padding is needed
+
+CaptureInfo some_info() {
+  CaptureInfo info;
+  info.input = true;
+  info.from = 1;
+  info.to = 2;
+  info.crc_bad = info.embedded = info.own = true;
+  info.span = std::chrono::nanoseconds(4192);
+  info.carrier_source = 3;
+  info.carrier_code = 0x45;
+  info.carrier_offset = 516;
+  return info;
+}
+
+std::vector<PcapngReader::Record> read_all(const std::string& file) {
+  std::istringstream in(file);
+  PcapngReader reader(in, "file");
+  std::vector<PcapngReader::Record> records;
+  while (auto record = reader.next()) records.push_back(*record);
+  return records;
+}
+
+std::string file_of_one_packet() {
+  std::ostringstream out;
+  PcapngWriter(out, kNames).packet(1'763'757'352'123'456'789, some_info(), test::view(kPacket), 42);
+  return out.str();
+}
+
+std::string problem_with(const std::string& file) {
+  return test::thrown<CaptureFileError>([&] { read_all(file); });
+}
+
+TEST(Pcapng, PacketsComeBackAsTheyWereWritten) {
+  const auto records = read_all(file_of_one_packet());
+  ASSERT_EQ(records.size(), 1u);
+  const auto& packet = std::get<CapturedPacket>(records[0]);
+  EXPECT_EQ(packet.time_ns, 1'763'757'352'123'456'789);
+  EXPECT_EQ(packet.lost_before, 42u);
+  EXPECT_EQ(packet.bytes, kPacket);
+  const CaptureInfo info = some_info();
+  EXPECT_EQ(packet.info.input, info.input);
+  EXPECT_EQ(packet.info.from, info.from);
+  EXPECT_EQ(packet.info.to, info.to);
+  EXPECT_TRUE(packet.info.crc_bad && packet.info.embedded && packet.info.own);
+  EXPECT_FALSE(packet.info.aborted || packet.info.truncated || packet.info.retry);
+  EXPECT_EQ(packet.info.span, info.span);
+  EXPECT_EQ(packet.info.carrier_source, info.carrier_source);
+  EXPECT_EQ(packet.info.carrier_code, info.carrier_code);
+  EXPECT_EQ(packet.info.carrier_offset, info.carrier_offset);
+}
+
+TEST(Pcapng, EventsAndNamesComeBack) {
+  std::ostringstream out;
+  PcapngWriter writer(out, kNames);
+  writer.event(7, 2, "up -> open_chain");
+  std::istringstream in(out.str());
+  PcapngReader reader(in, "file");
+  const auto event = std::get<CapturedEvent>(reader.next().value());
+  EXPECT_EQ(event.time_ns, 7);
+  EXPECT_EQ(event.node, 2);
+  EXPECT_EQ(event.what, "up -> open_chain");
+  EXPECT_EQ(reader.names().ring, "robot");
+  EXPECT_EQ(reader.names().nodes, kNames.nodes);
+  EXPECT_EQ(reader.names().line(3, 9), "foot -> 9");
+}
+
+TEST(Pcapng, EveryLineIsAnInterfaceOnce) {
+  std::ostringstream out;
+  PcapngWriter writer(out, kNames);
+  CaptureInfo info;
+  for (const auto& [from, to] : {std::pair{1, 2}, std::pair{2, 3}, std::pair{1, 2}}) {
+    info.from = static_cast<wire::NodeId>(from);
+    info.to = static_cast<wire::NodeId>(to);
+    writer.packet(0, info, test::view(kPacket));
+  }
+  const std::string file = out.str();
+  EXPECT_THAT(file, HasSubstr("knee -> foot"));
+  EXPECT_EQ(file.find("hip -> knee"), file.rfind("hip -> knee"));
+  EXPECT_EQ(read_all(file).size(), 3u);
+}
+
+TEST(Pcapng, AFileThatWasCutShortIsReadAsFarAsItGoes) {
+  const std::string one = file_of_one_packet();
+  std::istringstream in(one + one.substr(0, 20));
+  PcapngReader reader(in, "file");
+  EXPECT_TRUE(reader.next().has_value());
+  EXPECT_FALSE(reader.next().has_value());
+  EXPECT_TRUE(reader.cut_short());
+}
+
+TEST(Pcapng, AnotherFileIsRefusedWithItsName) {
+  EXPECT_THAT(problem_with("no capture at all"), StartsWith("file: at byte 0: no pcapng file"));
+  EXPECT_THAT(problem_with(""), HasSubstr("no pcapng file"));
+}
+
+TEST(Pcapng, NoCutOrFlippedByteMakesTheReaderStumble) {
+  const std::string good = file_of_one_packet();
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ 0xFF);
+    for (const std::string& file : {bad, good.substr(0, i)}) {
+      try {
+        EXPECT_LE(read_all(file).size(), 1u);
+      } catch (const CaptureFileError& problem) {
+        EXPECT_THAT(problem.what(), StartsWith("file: at byte "));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limb_ring::capture

@@ -1,0 +1,191 @@
+"""ringctl dump, replay and top: the traffic of a ring, as its users see it."""
+
+import json
+import os
+import pty
+import select
+import signal
+import subprocess
+import termios
+import time
+
+import ring_process
+from ring_process import GUARD, RingTest, plain_nodes, program
+
+
+class Looking(RingTest):
+    def sends(self, source, to, data=b'look', priority=2):
+        port = self.port(source)
+        port.send(to, data, priority=priority)
+        self.assertEqual(port.result()['outcome'], 'delivered')
+        port.close()
+
+    def dump_until_done(self, *arguments):
+        """A dump that ends by itself, beside packets that go on until it has."""
+        dump = self.start('dump', [program('ringctl'), 'dump'] + [str(a) for a in arguments])
+        self.wait('the end of the dump', lambda: self.sends(1, 2) or dump.poll() is not None)
+        self.assertEqual(dump.returncode, 0, self.log_of(dump))
+        return self.log_of(dump)
+
+    def capture(self, *arguments):
+        path = os.path.join(self.folder, '%d.pcapng' % len(self.processes))
+        self.dump_until_done('-w', path, *arguments)
+        return path
+
+    def rows(self, *arguments):
+        done = self.ctl('dump', '--json', *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+class Dump(Looking):
+    def test_shows_every_packet_once_as_it_comes_into_the_supervisor(self):
+        self.start_ring(plain_nodes(3))
+        lines = self.dump_until_done('--kind', 'data', '-n', 3).splitlines()
+        self.assertEqual(len(lines), 4, lines)
+        for line in lines[:3]:
+            for word in ('node2 -> node0', 'DATP', 'node1 -> node2', 'p2 user', '[  4]  6c 6f 6f 6b'):
+                self.assertIn(word, line)
+        self.assertIn('3 packets shown', lines[3])
+        self.assertIn('0 lost', lines[3])
+
+    def test_ends_with_ctrl_c_and_says_what_it_saw(self):
+        self.start_ring(plain_nodes(3))
+        dump = self.start('dump', [program('ringctl'), 'dump', 'node2', '-t', 'd', '-d'])
+        self.wait('a beacon', lambda: 'beacon, boot' in self.log_of(dump))
+        dump.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(dump), 0)
+        self.assertIn('packets shown', self.log_of(dump).splitlines()[-1])
+
+    def test_a_file_reads_back_as_what_was_seen(self):
+        self.start_ring(plain_nodes(3))
+        path = self.capture('node2', '--at', 'in,out', '--kind', 'data', '-n', 6)
+        rows = self.rows('-r', path)
+        self.assertEqual(len(rows), 6)
+        self.assertEqual({(r['source'], r['destination'], r['data']) for r in rows},
+                         {('node1', 'node2', '6c 6f 6f 6b')})
+        self.assertEqual({tuple(r['line']) for r in rows}, {('node1', 'node2'), ('node2', 'node0')})
+        self.assertEqual([r['time_ns'] for r in rows], sorted(r['time_ns'] for r in rows))
+        self.assertEqual(len(self.rows('-r', path, '--at', 'out')), 3)
+        self.assertEqual(self.rows('-r', path, '--from', 'node0'), [])
+        text = self.ctl('dump', '-r', path, '-t', 'z', '-n', 1).stdout
+        self.assertTrue(text.startswith('(000.000000000)  node1 -> node2'), text)
+
+    def test_events_are_shown_and_written(self):
+        daemons = self.start_ring(plain_nodes(3))
+        path = os.path.join(self.folder, 'events.pcapng')
+        writer = self.start('writer', [program('ringctl'), 'dump', 'node0', '-w', path])
+        shower = self.start('shower', [program('ringctl'), 'dump', 'node0', '-e'])
+        self.wait('a packet', lambda: 'DATP' in self.log_of(shower) and os.path.getsize(path) > 1000)
+        daemons[1].kill()
+        self.wait('the lost neighbour', lambda: '* node0: output' in self.log_of(shower))
+        self.wait('it in the file', lambda: any('event' in row for row in self.rows('-e', '-r', path)))
+        for process in (writer, shower):
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(self.wait_exit(process), 0)
+
+    def test_wrong_arguments_and_files_are_named(self):
+        self.start_ring(plain_nodes(2))
+        bad = os.path.join(self.folder, 'bad.pcapng')
+        with open(bad, 'w') as file:
+            file.write('this is text')
+        for arguments, words in ((['nobody'], ['nobody', '0 (node0)']),
+                                 (['--from', 'nobody'], ['nobody', 'node1']),
+                                 (['--kind', 'rain'], ['rain', 'interrupt']),
+                                 (['-t', 'x'], ['-t']),
+                                 (['-r', bad], [bad, 'pcapng']),
+                                 (['-r', bad + '2'], [bad + '2', 'No such file']),
+                                 (['-w', '/nowhere/x'], ['/nowhere/x'])):
+            done = self.ctl('dump', *arguments)
+            self.assertEqual(done.returncode, 2, arguments)
+            for word in words:
+                self.assertIn(word, done.stderr)
+        self.assertEqual(self.ctl('--ring', 'none', 'dump').returncode, 3)
+
+
+class Replay(Looking):
+    def test_sends_again_what_was_captured(self):
+        self.start_ring(plain_nodes(3))
+        path = self.capture('node0', '--kind', 'data,control', '-n', 20)
+        data = sum(row.get('channel') == 0 for row in self.rows('-r', path))
+        before = self.counters(1)['ended_delivered']
+        report = self.ctl_json('replay', path, '--speed', 5, '--loop', 2)
+        self.assertEqual(report['sent'], 2 * data)
+        self.assertEqual(report['outcomes'], {'delivered': 2 * data})
+        self.assertEqual(report['left_out']['control'], 20 - data)
+        self.assertEqual(self.counters(1)['ended_delivered'] - before, 2 * data)
+
+    def test_of_a_file_of_all_lines_takes_each_packet_once(self):
+        self.start_ring(plain_nodes(3))
+        path = self.capture('all', '--at', 'in,out', '--kind', 'data', '-n', 18)
+        report = self.ctl_json('replay', path)
+        self.assertEqual(report['sent'] + report['left_out']['on_other_lines'], 18)
+        self.assertLessEqual(report['sent'], 4)
+
+    def test_needs_a_ring_that_has_the_sources_and_something_to_send(self):
+        self.start_ring(plain_nodes(3))
+        path = self.capture('node0', '--kind', 'data', '-n', 1)
+        control = self.capture('node0', '--kind', 'control', '-n', 1)
+        self.assertEqual(self.ctl('replay', control).returncode, 1)
+        self.assertEqual(self.ctl('--ring', 'none', 'replay', path).returncode, 3)
+
+
+class Top(Looking):
+    def test_once_gives_rates_of_every_line(self):
+        self.start_ring(plain_nodes(3))
+        top = self.start('top', [program('ringctl'), 'top', '--once', '--json', '--interval', '0.5'])
+        self.wait('the end of top', lambda: self.sends(1, 2) or top.poll() is not None)
+        nodes = json.loads(self.log_of(top))['nodes']
+        self.assertEqual([node['state'] for node in nodes], ['up'] * 3)
+        for node in nodes:
+            self.assertGreater(node['packets_per_second'], 0)
+            self.assertGreater(node['bytes_per_second'], 12 * node['packets_per_second'])
+            self.assertIsNone(node['load'], 'the lines have no rate')
+
+    def test_fits_a_terminal_and_shows_a_node_that_is_down(self):
+        daemons = self.start_ring(plain_nodes(4))
+        daemons[3].kill()
+        self.wait_closed(range(3))
+        lines = self.ctl('top', '--once', '--interval', '0.1').stdout.splitlines()
+        self.assertEqual(len(lines), 6)
+        self.assertLessEqual(max(len(line) for line in lines), 80)
+        self.assertIn('3 of 4 nodes up', lines[0])
+        self.assertIn('down', lines[5])
+
+    def test_redraws_until_q_and_leaves_the_terminal_as_it_was(self):
+        self.start_ring(plain_nodes(2))
+        for ending in ('q', 'signal'):
+            terminal, inside = pty.openpty()
+            before = termios.tcgetattr(inside)
+            top = subprocess.Popen([program('ringctl'), 'top', '--interval', '0.1'], stdin=inside,
+                                   stdout=inside, stderr=inside, env=self.environment)
+            self.processes.append(('top', top))
+            top.log = os.devnull
+            seen = self.read_until(terminal, lambda text: text.count('2 of 2 nodes up') >= 2)
+            self.assertNotEqual(termios.tcgetattr(inside), before)
+            os.write(terminal, b'q') if ending == 'q' else top.send_signal(signal.SIGINT)
+            seen += self.read_until(terminal, lambda text: '\033[?1049l' in text)
+            self.assertEqual(self.wait_exit(top), 0)
+            self.assertEqual(termios.tcgetattr(inside), before)
+            self.assertIn('\033[?25h', seen)
+            os.close(terminal)
+            os.close(inside)
+
+    def read_until(self, terminal, enough):
+        text, deadline = '', time.monotonic() + GUARD
+        while not enough(text):
+            ready, _, _ = select.select([terminal], [], [], max(0, deadline - time.monotonic()))
+            self.assertTrue(ready, text)
+            text += os.read(terminal, 65536).decode()
+        return text
+
+    def test_wants_a_terminal_unless_once(self):
+        self.start_ring(plain_nodes(2))
+        done = self.ctl('top')
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('--once', done.stderr)
+        self.assertEqual(self.ctl('top', '--json').returncode, 2)
+
+
+if __name__ == '__main__':
+    ring_process.main()
