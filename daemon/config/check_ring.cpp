@@ -42,15 +42,19 @@ void check_part_names(const Entry& file, const RingConfig& ring) {
 /// For unix links too: the command line can make them udp.
 void check_ports(const Entry& file, const RingConfig& ring) {
   std::map<std::pair<std::string, unsigned>, std::string> taken;
+  const bool folds = ring.redundancy == RingConfig::Redundancy::foldback;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
     const LinkConfig& link = ring.nodes[n].link;
-    const auto [other, free] =
-        taken.emplace(std::make_pair(link.address, link.port), ring.nodes[n].name);
-    if (!free)
+    const auto take = [&](unsigned port) {
+      const auto [other, free] = taken.emplace(std::make_pair(link.address, port), ring.nodes[n].name);
+      if (free && port <= 65535) return;
       element(file, "nodes", n)
-          .refuse("its link listens at " + link.address + " port " + std::to_string(link.port) +
-                      ", as does node '" + other->second + "'",
-                  "a port of its own");
+          .refuse("its link listens at " + link.address + " port " + std::to_string(port) +
+                      (free ? "" : ", as does node '" + other->second + "'"),
+                  free ? "a port of at most 65279: the second line is at port + 256" : "a port of its own");
+    };
+    take(link.port);
+    if (folds) take(link.port + 256u);
   }
 }
 

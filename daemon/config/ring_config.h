@@ -63,6 +63,8 @@ struct LinkConfig {
   /// udp: `links.port` + id where the node's own is not given; loading fills it in. In
   /// RingConfig::links: the port of id 0, of the ring's name where not given.
   std::uint16_t port = 0;
+  /// udp: where the node listens on the second line, against the ring. (ours)
+  std::uint16_t second_port() const { return static_cast<std::uint16_t>(port + 256); }
   std::uint64_t rate = 0;             ///< bit/s; 0: as fast as the host
   nanoseconds delay{0};
 };
@@ -161,6 +163,8 @@ struct RingConfig {
   std::string ring;
   std::string path;  ///< file it was read from; empty where made by plain_ring()
   std::vector<NodeConfig> nodes;  ///< in ring order, which is the file's order
+  /// foldback: a second, counter-rotating line closes the ring again around a break. (ours)
+  enum class Redundancy { none, foldback } redundancy = Redundancy::none;
   Limits limits;
   Timeouts timeouts;
   LinkConfig links;  ///< what the nodes' links are where they do not say otherwise

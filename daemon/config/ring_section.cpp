@@ -52,6 +52,9 @@ const Section<RingConfig>& ring_section() {
   static const Section<RingConfig> section{
       name_option("ring", &RingConfig::ring, is_ring_name, kRingNameRule, kRequired,
                   "Name of the ring, by which programs find it."),
+      choice_option("redundancy", &RingConfig::redundancy, {"none", "foldback"},
+                    "foldback: a second line, against the ring, closes it again around a break. With udp a node "
+                    "listens there at its port + 256."),
       section_option("limits", &RingConfig::limits, limits_section(), "Sizes of the queues."),
       section_option("timeouts", &RingConfig::timeouts, timeouts_section(), "Waits and periods."),
       section_option("links", &RingConfig::links, links_section(),

@@ -105,7 +105,7 @@ void FoldBack::begin_draining(Time now) {
 
 void FoldBack::drain_if_settled(Time now) {
   if (in_ != In::draining || !first_spoke_) return;
-  if (!waits_for_last()) return second_open_ ? void() : drained(now);
+  if (!waits_for_last() && !second_open_) return drained(now);
   if (drain_due_ == kNever) drain_due_ = now + controller_.settings().stall;
 }
 
@@ -355,7 +355,7 @@ void FoldBack::handle_timeout(Time now) {
     settle(now);
   }
   if (say_again_ <= now) say_again(now);
-  if (drain_due_ <= now) forget_tail(now);
+  if (drain_due_ <= now) waits_for_last() ? forget_tail(now) : drained(now);
   if (tail_due_ <= now) lose_tail(now);
   release(now);
 }

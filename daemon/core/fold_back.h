@@ -58,6 +58,11 @@ class FoldBack {
   wire::SliceWriter& line() { return first_; }
   wire::SliceWriter& second_line() { return second_; }
 
+  /// The output goes onto the second line.
+  bool turned_back() const { return out_ != Out::first; }
+  /// The second line stands for the input.
+  bool takes_second() const { return in_ != In::first && tail_; }
+
   void handle_timeout(Time now);
   Time deadline() const { return std::min(std::min(patience_, say_again_), std::min(drain_due_, tail_due_)); }
 
@@ -69,7 +74,7 @@ class FoldBack {
 
   void settle(Time now);
   void tell_folded(Time now) {
-    controller_.set_folded(in_ != In::first && tail_, out_ != Out::first && told_output_, now);
+    controller_.set_folded(takes_second(), turned_back() && told_output_, now);
   }
   void settle_input(Time now);
   void settle_output(Time now);

@@ -61,7 +61,7 @@ class Membership {
   /// An own packet came home with that HOP from a ring that has grown together out of two parts: nodes of the
   /// other part may have missed hellos, so what they say of a packet's number may be of an older one. (ours)
   bool has_merged(std::uint8_t hop, Time now) const {
-    return settings_.fold_back && ring_size_ != 0 && hop + 1u > ring_size_ && now < fold_over_;
+    return merged_ || (settings_.fold_back && ring_size_ != 0 && hop + 1u > ring_size_ && now < fold_over_);
   }
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);

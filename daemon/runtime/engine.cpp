@@ -1,65 +1,76 @@
 #include "runtime/engine.h"
 
+#include <algorithm>
 #include <string>
 
 namespace limb_ring::runtime {
 
-Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const link::InputSettings& input,
-               const link::OutputSettings& output, EngineListener& listener)
+Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const LinkSettings& links,
+               EngineListener& listener)
     : listener_(listener),
       controller_(core),
       timer_(io),
-      silence_(input.timing.silence),
-      input_(io, input, *this),
-      output_(io, output, *this),
-      faulty_line_(io, clock_, output_) {}
+      silence_(links.first.input.timing.silence),
+      input_(io, links.first.input, *this),
+      output_(io, links.first.output, *this),
+      faulty_line_(io, clock_, output_) {
+  if (links.second) second_.emplace(io, *links.second, controller_, *this, *this);
+}
 
 void Engine::close() {
   closed_ = true;
   input_.close();
   output_.close();
   faulty_line_.close();
+  if (second_) second_->close();
   timer_.cancel();
 }
 
 void Engine::on_slice(const wire::Slice& slice) {
+  begin_batch();
+  second_ ? second_->fold().receive(slice, at_) : controller_.receive(slice, at_);
+}
+
+core::Time Engine::begin_batch() {
   if (!in_batch_) at_ = clock_.now();
   in_batch_ = true;
-  controller_.receive(slice, at_);
+  return at_;
 }
 
 void Engine::on_batch_end() { pump(); }
 
-void Engine::on_input_gap(std::uint32_t) { controller_.input_gap(now()); }
+void Engine::on_input_gap(std::uint32_t) {
+  second_ ? second_->fold().input_gap(now()) : controller_.input_gap(now());
+}
 
 void Engine::on_input_up(std::uint8_t from) {
   listener_.on_link("input from node " + std::to_string(from));
-  controller_.input_up(from, now());
+  second_ ? second_->fold().input_up(from, now()) : controller_.input_up(from, now());
   pump();
 }
 
 void Engine::on_input_lost(std::string_view reason) {
   listener_.on_link("input lost: " + std::string(reason));
   input_lost_at_ = now() - (reason == link::kSilent ? silence_ : core::Duration{0});
-  controller_.input_lost(now());
+  second_ ? second_->fold().input_lost(now()) : controller_.input_lost(now());
   pump();
 }
 
 void Engine::on_output_up(std::uint8_t to) {
   listener_.on_link("output to node " + std::to_string(to));
-  controller_.output_up(to, now());
+  second_ ? second_->fold().output_up(to, now()) : controller_.output_up(to, now());
   pump();
 }
 
 void Engine::on_output_lost(std::string_view reason) {
   listener_.on_link("output lost: " + std::string(reason));
   faulty_line_.line_lost();
-  controller_.output_lost(now());
+  second_ ? second_->fold().output_lost(now()) : controller_.output_lost(now());
   pump();
 }
 
 void Engine::on_output_ready() {
-  controller_.set_output_ready(true);
+  if (!second_ || !second_->fold().turned_back()) controller_.set_output_ready(true);
   pump();
 }
 
@@ -76,7 +87,10 @@ void Engine::pump() {
 
 void Engine::round() {
   again_ = false;
-  if (deadline_ <= at_) controller_.handle_timeout(at_);
+  if (deadline_ <= at_) {
+    controller_.handle_timeout(at_);
+    if (second_) second_->fold().handle_timeout(at_);
+  }
   controller_.run(at_);
   core::Event event;
   while (controller_.take_event(at_, event)) {
@@ -88,17 +102,26 @@ void Engine::round() {
   if (!again_) write_line();
   listener_.on_round_end();
   deadline_ = controller_.next_deadline(at_);
+  if (second_) deadline_ = std::min(deadline_, second_->fold().deadline());
 }
 
 void Engine::write_line() {
-  wire::SliceWriter& line = controller_.line();
+  if (!second_) return write(controller_.line());
+  core::FoldBack& fold = second_->fold();
+  fold.carry(at_);
+  write(fold.line());
+  second_->write();
+  controller_.set_output_ready((fold.turned_back() ? second_->output() : output_).ready());
+}
+
+void Engine::write(wire::SliceWriter& line) {
   if (line.empty()) return;
   if (faulty_line_.active())
     faulty_line_.write(line.view(), at_);
   else
     output_.write(line.view());
   line.clear();
-  controller_.set_output_ready(output_.ready());
+  if (!second_) controller_.set_output_ready(output_.ready());
 }
 
 // A timer that fires too early costs less than setting it anew for every packet.

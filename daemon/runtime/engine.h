@@ -9,6 +9,7 @@
 #include "link/output.h"
 #include "runtime/clock.h"
 #include "runtime/faulty_line.h"
+#include "runtime/second_line.h"
 #include "runtime/settings.h"
 
 namespace limb_ring::runtime {
@@ -26,27 +27,32 @@ struct EngineListener {
 /// Drives the core: bytes from the links and the time go in, what comes out goes onto the output
 /// link and to the listener. One read, one write: all slices of a batch are handed in before
 /// anything is written.
-class Engine final : private link::InputHandler, private link::OutputHandler {
+class Engine final : private link::InputHandler,
+                     private link::OutputHandler,
+                     private core::FoldBack::Receiver,
+                     private SecondLine::Driver {
  public:
-  Engine(boost::asio::io_context& io, const core::Settings& core, const link::InputSettings& input,
-         const link::OutputSettings& output, EngineListener& listener);
+  Engine(boost::asio::io_context& io, const core::Settings& core, const LinkSettings& links,
+         EngineListener& listener);
   ~Engine() override { close(); }
 
   core::Controller& controller() { return controller_; }
   const core::Controller& controller() const { return controller_; }
   const link::Input& input() const { return input_; }
   const link::Output& output() const { return output_; }
+  /// Nothing where the ring does not fold back.
+  const std::optional<SecondLine>& second_line() const { return second_; }
   FaultyLine& faulty_line() { return faulty_line_; }
   const FaultyLine& faulty_line() const { return faulty_line_; }
   /// When the input was last lost, or where it fell silent, when it was last heard.
   core::Time input_lost_at() const { return input_lost_at_; }
   const Clock& clock() const { return clock_; }
   /// One instant for all that a batch, and what follows from it, sets off: that it came in at.
-  core::Time now() const { return in_batch_ || pumping_ ? at_ : clock_.now(); }
+  core::Time now() const override { return in_batch_ || pumping_ ? at_ : clock_.now(); }
 
   /// To be called after anything was asked of the controller. Calling it from within a handler
   /// only makes another round follow.
-  void pump();
+  void pump() override;
   void close();
 
  private:
@@ -59,7 +65,12 @@ class Engine final : private link::InputHandler, private link::OutputHandler {
   void on_output_lost(std::string_view reason) override;
   void on_output_ready() override;
 
+  void take(const wire::Slice& slice, core::Time now) override { controller_.receive(slice, now); }
+  core::Time begin_batch() override;
+  void say(std::string_view what) override { listener_.on_link(what); }
+
   void round();
+  void write(wire::SliceWriter& line);
   void write_line();
   void arm_timer();
 
@@ -79,6 +90,7 @@ class Engine final : private link::InputHandler, private link::OutputHandler {
   link::Input input_;
   link::Output output_;
   FaultyLine faulty_line_;
+  std::optional<SecondLine> second_;
 };
 
 }  // namespace limb_ring::runtime

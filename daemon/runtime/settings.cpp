@@ -1,5 +1,7 @@
 #include "runtime/settings.h"
 
+#include <algorithm>
+
 #include "limb_ring/ring_directory.h"
 #include "setup/core_settings.h"
 
@@ -10,10 +12,21 @@ using config::LinkConfig;
 using config::NodeConfig;
 using config::RingConfig;
 
-link::Endpoint endpoint_of(const NodeConfig& node, const std::string& directory) {
+/// The second runs against the ring.
+enum class Line : std::uint8_t { first, second };
+
+link::Endpoint endpoint_of(const NodeConfig& node, const std::string& directory, Line line) {
+  const bool second = line == Line::second;
   if (node.link.transport == LinkConfig::Transport::udp)
-    return link::Endpoint::udp(node.link.address, node.link.port);
-  return link::Endpoint::unix_stream(socket_path(directory, std::to_string(node.id), "link"));
+    return link::Endpoint::udp(node.link.address, second ? node.link.second_port() : node.link.port);
+  return link::Endpoint::unix_stream(socket_path(directory, std::to_string(node.id), second ? "link2" : "link"));
+}
+
+/// Ids in the order in which the line runs.
+std::vector<std::uint8_t> order_on(const RingConfig& ring, Line line) {
+  std::vector<std::uint8_t> order = setup::order_of(ring);
+  if (line == Line::second) std::reverse(order.begin(), order.end());
+  return order;
 }
 
 link::Timing timing_of(const RingConfig& ring) {
@@ -24,20 +37,33 @@ link::Identity identity_of(const RingConfig& ring, const NodeConfig& node) {
   return {link::ring_hash(ring.ring), node.id};
 }
 
-}  // namespace
-
-link::InputSettings input_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
-  return {identity_of(ring, node), endpoint_of(node, directory), setup::order_of(ring), timing_of(ring), node.link.delay};
+link::InputSettings input_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
+                                   Line line) {
+  return {identity_of(ring, node), endpoint_of(node, directory, line), order_on(ring, line), timing_of(ring),
+          node.link.delay};
 }
 
-link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
+link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
+                                     Line line) {
   link::OutputSettings s{identity_of(ring, node), {}, timing_of(ring)};
   const std::size_t at = setup::index_of(ring, node);
-  for (std::size_t i = 1; i <= ring.nodes.size(); ++i) {
-    const NodeConfig& next = ring.nodes[(at + i) % ring.nodes.size()];
-    s.candidates.push_back({next.id, endpoint_of(next, directory)});
+  const std::size_t nodes = ring.nodes.size();
+  for (std::size_t i = 1; i <= nodes; ++i) {
+    const NodeConfig& next = ring.nodes[(at + (line == Line::first ? i : nodes - i)) % nodes];
+    s.candidates.push_back({next.id, endpoint_of(next, directory, line)});
   }
   return s;
+}
+
+}  // namespace
+
+LinkSettings link_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
+  const auto ends = [&](Line line) {
+    return LinkSettings::Ends{input_settings(ring, node, directory, line), output_settings(ring, node, directory, line)};
+  };
+  LinkSettings settings{ends(Line::first), {}};
+  if (ring.redundancy == RingConfig::Redundancy::foldback) settings.second = ends(Line::second);
+  return settings;
 }
 
 }  // namespace limb_ring::runtime

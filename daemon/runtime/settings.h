@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "config/ring_config.h"
 #include "link/input_line.h"
 #include "link/output.h"
@@ -7,10 +9,16 @@
 namespace limb_ring::runtime {
 
 /// What one node's links are told, out of the configuration of its ring.
+struct LinkSettings {
+  struct Ends {
+    link::InputSettings input;
+    link::OutputSettings output;
+  };
+  Ends first;
+  std::optional<Ends> second;  ///< where the ring folds back
+};
 /// @param directory the ring's folder, where UNIX links live
-link::InputSettings input_settings(const config::RingConfig& ring, const config::NodeConfig& node,
-                                   const std::string& directory);
-link::OutputSettings output_settings(const config::RingConfig& ring, const config::NodeConfig& node,
-                                     const std::string& directory);
+LinkSettings link_settings(const config::RingConfig& ring, const config::NodeConfig& node,
+                           const std::string& directory);
 
 }  // namespace limb_ring::runtime

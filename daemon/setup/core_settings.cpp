@@ -64,6 +64,7 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.stall = ring.timeouts.stall;
   s.beacon = ring.timeouts.beacon;
   s.break_grace = ring.timeouts.bypass;
+  s.fold_back = ring.redundancy == RingConfig::Redundancy::foldback;
   for (unsigned factor = 0; factor < 8; ++factor) {
     s.wired[factor] = node.pins[factor].action != config::PinConfig::Action::none;
     if (const auto& input = node.inputs[factor])

@@ -184,7 +184,9 @@ int Invariants::due_fbc(NodeId node, const Sent* sent, const Tail& tail, const B
   if (after.repeated == before.repeated) return tail.fbc;
   if (is_control(tail)) return least(free);
   if (!sent) return Passage::kAnyFbc;
-  return sent->taken_last_by(node) ? least(std::max<std::size_t>(1, free)) : 0;
+  if (sent->taken_last_by(node)) return least(std::max<std::size_t>(1, free));
+  // Parts of a folded ring that have grown together: its word is of an older number, and its source doubts it.
+  return ring_.settings(node).fold_back ? Passage::kAnyFbc : 0;
 }
 
 void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now) {

@@ -19,5 +19,6 @@ void add_observe(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_fault(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
+void add_scenario_list(CLI::App& scenario, Context& context);  ///< below `scenario`
 
 }  // namespace limb_ring::ringctl

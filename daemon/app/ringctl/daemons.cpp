@@ -48,15 +48,18 @@ runtime::SpawnRequest request_for(const RingPlan& plan, const NodeName& node,
 }
 
 Daemon start(const RingPlan& plan, const NodeName& node, const std::string& ringd,
-             const std::string& log) {
+             const std::string& log, Daemons::Mode mode) {
   runtime::SpawnRequest request = request_for(plan, node, ringd);
   runtime::UniqueFd output;
   if (!log.empty()) {
     output = open_log(log);
     request.output = output.get();
+  }
+  if (mode == Daemons::Mode::detached) {
     request.group = runtime::SpawnRequest::Group::session;
     request.death_signal = 0;
   }
+  if (mode == Daemons::Mode::kept) request.death_signal = SIGKILL;  // one that is stopped would not see another
   Daemon daemon{node, runtime::spawn(request), log, {}};
   if (daemon.process.pid < 0)
     daemon.ended = runtime::not_started(std::string("cannot fork: ") +
@@ -101,7 +104,7 @@ Daemons::Daemons(const RingPlan& plan, Mode mode) {
   for (const PlannedNode& planned : plan.nodes) {
     const std::string log = folder + "/" + std::to_string(planned.node.id) + ".log";
     daemons_.push_back(
-        start(plan, planned.node, ringd, mode == Mode::detached ? log : std::string{}));
+        start(plan, planned.node, ringd, mode == Mode::foreground ? std::string{} : log, mode));
   }
 }
 

@@ -30,7 +30,8 @@ class Daemons {
  public:
   enum class Mode {
     foreground,  ///< they end with us, whatever ends us
-    detached     ///< they go on without us, each with a log file in the ring's folder
+    detached,    ///< they go on without us, each with a log file in the ring's folder
+    kept         ///< they end with us, at once and whatever ends us; each with a log file
   };
 
   /// Starts one ringd per node. @throw NotDone where there is none to start

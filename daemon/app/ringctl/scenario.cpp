@@ -7,8 +7,10 @@
 
 #include "app/common/rows.h"
 #include "app/ringctl/commands.h"
+#include "app/ringctl/live/play_live.h"
 #include "app/ringctl/problems.h"
 #include "study/scenario/load_scenario.h"
+#include "study/scenario/only_virtual.h"
 #include "study/scenario/report.h"
 
 namespace limb_ring::ringctl {
@@ -22,12 +24,13 @@ struct Options {
   std::vector<std::string> files;
   std::string junit;
   std::optional<std::uint64_t> seed;
-  bool json = false;
+  std::string transport;
+  bool live = false, json = false;
 };
 
 app::Row row_of(const ScenarioRun& run) {
   app::Row row{{"file", run.path}, {"scenario", run.name}, {"seed", run.seed}, {"met", !run.unmet.has_value()},
-               {"virtual_ns", run.lasted.count()}};
+               {"clock", run.live ? "live" : "virtual"}, {"lasted_ns", run.lasted.count()}};
   row["expected"] = run.unmet ? app::Row(run.unmet->expected) : app::Row();
   row["seen"] = run.unmet ? app::Row(run.unmet->seen) : app::Row();
   for (const auto& line : run.log) row["log"].push_back({{"at_ns", line.at.count()}, {"what", line.words}});
@@ -40,13 +43,27 @@ void write_junit(const std::string& path, const std::vector<ScenarioRun>& runs) 
   if (!out) throw NotDone(path + ": cannot be written");
 }
 
+void require_live(const Scenario& scenario, const std::string& transport) {
+  std::string text;
+  for (const std::string& reason : only_virtual(scenario, transport)) text += "\n  " + reason;
+  if (!text.empty()) throw UsageError(scenario.path + ": only under the virtual clock (--sim):" + text);
+}
+
 // All files are read before the first is run: a bad one is known at once.
-int run(const Options& options) {
+std::vector<Scenario> load(const Options& options) {
   std::vector<Scenario> scenarios;
-  for (const std::string& file : options.files) scenarios.push_back(study::scenario::load_scenario(file));
+  for (const std::string& file : options.files) {
+    scenarios.push_back(study::scenario::load_scenario(file));
+    if (options.live) require_live(scenarios.back(), options.transport);
+  }
+  return scenarios;
+}
+
+int run(const Options& options) {
   std::vector<ScenarioRun> runs;
-  for (const Scenario& scenario : scenarios) {
-    runs.push_back(run_scenario(scenario, options.seed.value_or(scenario.seed)));
+  for (const Scenario& scenario : load(options)) {
+    const std::uint64_t seed = options.seed.value_or(scenario.seed);
+    runs.push_back(options.live ? play_live(scenario, seed, options.transport) : run_scenario(scenario, seed));
     if (!options.json) std::cout << text_of(runs.back()) << std::endl;
   }
   std::vector<app::Row> rows;
@@ -64,13 +81,21 @@ void add_scenario(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* scenario = add_command(app, "scenario", "Faults by script, and whether the ring copes");
   scenario->require_subcommand(1);
-  CLI::App* command = add_command(*scenario, "run", "Run scenarios under a virtual clock; exit code 1: an expectation "
-                                                    "was not met");
+  add_scenario_list(*scenario, context);
+  CLI::App* command = add_command(*scenario, "run", "Run scenarios; exit code 1: an expectation was not met");
   command->add_option("FILE", options->files, "Scenarios, YAML")->required();
+  auto* sim = command->add_flag("--sim", "Under a virtual clock, exact and the same everywhere: the default");
+  auto* live = command->add_flag("--live", options->live,
+                                 "On live daemons: a ring of its own for each scenario, which meets no other");
+  sim->excludes(live);
+  command->add_option("--transport", options->transport, "unix or udp for all lines, with --live")
+      ->check(CLI::IsMember({"unix", "udp"}))
+      ->needs(live);
   command->add_option("--junit", options->junit, "Write JUnit XML there");
   command->add_option("--seed", options->seed, "Instead of the files' own");
   add_json(*command, options->json);
   command->callback([&context, options] {
+    if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
     context.action = [options] { return run(*options); };
   });
 }

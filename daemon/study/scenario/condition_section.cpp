@@ -122,7 +122,7 @@ Section<Taken> taken_section() { return with_bounds<Taken>({send_option<Taken>("
 Section<Latency> latency_section() {
   return {send_option<Latency>("latency"),
           {"at_most", config::kRequired, "a time, or {sim: TIME, live: TIME}", "The longest allowed.",
-           [](const Entry& entry, Latency& latency) { latency.at_most = read_deadline(entry); }}};
+           [](const Entry& entry, Latency& latency) { latency.at_most = read_limit(entry); }}};
 }
 
 // ---- and what has to be in it ---------------------------------------------------------------

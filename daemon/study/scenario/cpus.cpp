@@ -82,7 +82,7 @@ void Cpus::crash(NodeId id) {
   read(id, true);
   ring_.reset_cpu(id);
   ring_.node(id).set_cpu_present(false);
-  tell(id, wire::CpuState::absent);
+  tell(id, wire::CpuState::failed);
   ring_.at(ring_.now() + kBackOff, [this, id, epoch = ++cpu.epoch] {
     if (cpus_[id].epoch == epoch) reset(id);
   });

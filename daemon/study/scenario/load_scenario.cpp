@@ -89,6 +89,8 @@ Scenario parse_scenario(const std::string& text, const std::string& name) {
   nanoseconds delay = std::chrono::duration_cast<nanoseconds>(usual.relay_delay);
   if (const auto entry = file.find("rate")) rate = read_line_rate(*entry);
   if (const auto entry = file.find("relay_delay")) delay = read_relay_delay(*entry);
+  scenario.rates_assumed = std::any_of(scenario.ring.nodes.begin(), scenario.ring.nodes.end(),
+                                       [](const config::NodeConfig& node) { return node.link.rate == 0; });
   scenario.ring = with_assumed_lines(std::move(scenario.ring), rate, delay);
   read_section(file, scenario_section(), scenario);
   check_scenario(file, scenario);

@@ -54,7 +54,8 @@ std::string test_case(const ScenarioRun& run) {
 }  // namespace
 
 std::string text_of(const ScenarioRun& run) {
-  std::string text = run.path + ": " + run.name + " (seed " + std::to_string(run.seed) + ")\n";
+  const std::string where = run.live ? "live, " : "";
+  std::string text = run.path + ": " + run.name + " (" + where + "seed " + std::to_string(run.seed) + ")\n";
   for (const LogLine& line : run.log) text += milliseconds(line.at) + "  " + line.words + '\n';
   if (!run.unmet) return text + milliseconds(run.lasted) + "  end: all as expected\n";
   const std::string indent(milliseconds(run.lasted).size() + 2, ' ');

@@ -26,6 +26,43 @@ Robot::Robot(const Scenario& scenario, std::uint64_t seed)
   for (const NodeId id : scenario.absent) ring_->kill(id);
 }
 
+// ---- sight and time -------------------------------------------------------------------------
+
+std::optional<wire::Beacon> Robot::heard(NodeId by, NodeId of) const {
+  const core::Peer& peer = members_[by]->peers()[of];
+  return peer.beacon_heard ? std::optional(peer.beacon) : std::nullopt;
+}
+
+std::uint64_t Robot::counter(NodeId id, const std::string& name) const {
+  std::uint64_t count = 0;
+  ring_->counters(id).each([&](const char* each, const char*, std::uint64_t value) {
+    if (name == each) count = value;
+  });
+  return count;
+}
+
+std::optional<Stage::Surprise> Robot::begin() {
+  const bool joined = ring_->join();
+  start_ = ring_->now();
+  if (joined) return std::nullopt;
+  return Surprise{"every node joins", "not within 10 s"};
+}
+
+bool Robot::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
+  const core::Time end = start_ + until;
+  if (ring_->run_until(done, end - ring_->now())) return true;
+  ring_->run_until(end);
+  return done();
+}
+
+std::optional<Stage::Surprise> Robot::broken() const {
+  const auto& violation = ring_->violation();
+  if (!violation) return std::nullopt;
+  return Surprise{std::string("the ring's promise: ") + sim::to_string(violation->promise), violation->what};
+}
+
+// ---- deeds ----------------------------------------------------------------------------------
+
 void Robot::came(const core::Event& event, NodeId at) {
   senders_.came(event, at);
   const auto* pin = std::get_if<core::PinPulled>(&event.what);
@@ -33,7 +70,12 @@ void Robot::came(const core::Event& event, NodeId at) {
   ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
 }
 
-void Robot::apply(const Fault& fault) {
+std::optional<Stage::Surprise> Robot::apply(const Fault& fault) {
+  do_it(fault);
+  return std::nullopt;
+}
+
+void Robot::do_it(const Fault& fault) {
   if (fault::word_of(fault.name).of == fault::Of::line) return lines_.begin(fault);
   // All are off before the first is on again.
   if (fault.name == Name::power_cycle)
@@ -46,7 +88,7 @@ void Robot::end_later(const Fault& fault) {
   Fault end;
   end.name = fault.name == Name::freeze ? Name::thaw : Name::resume;
   end.nodes = fault.nodes;
-  ring_->at(ring_->now() + core::Duration(fault.lasts), [this, end] { apply(end); });
+  ring_->at(ring_->now() + core::Duration(fault.lasts), [this, end] { do_it(end); });
 }
 
 void Robot::apply(const Fault& fault, NodeId id) {

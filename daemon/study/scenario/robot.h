@@ -5,27 +5,40 @@
 #include "sim/watched_ring.h"
 #include "study/faulty_lines.h"
 #include "study/scenario/senders.h"
+#include "study/scenario/stage.h"
 
 namespace limb_ring::study::scenario {
 
 /// The ring of a scenario under a virtual clock, with its CPUs, what they send, and what breaks.
-class Robot {
+class Robot final : public Stage {
  public:
   /// @param scenario outlives this
   Robot(const Scenario& scenario, std::uint64_t seed);
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
-  sim::WatchedRing& ring() { return *ring_; }
-  const sim::WatchedRing& ring() const { return *ring_; }
-  const std::string& name(NodeId id) const { return scenario_.ring.nodes[id].name; }
-  const core::Membership& membership(NodeId id) const { return *members_[id]; }
-  const Senders& senders() const { return senders_; }
+  unsigned size() const override { return ring_->size(); }
+  const std::string& name(NodeId id) const override { return scenario_.ring.nodes[id].name; }
+  bool alive(NodeId id) const override { return ring_->alive(id); }
+  core::NodeState state(NodeId id) const override { return members_[id]->state(); }
+  unsigned ring_size(NodeId id) const override { return members_[id]->ring_size(); }
+  std::optional<wire::Beacon> heard(NodeId by, NodeId of) const override;
+  std::uint64_t counter(NodeId id, const std::string& name) const override;
+  const Tally& tally(const std::string& send) const override { return senders_.tally(send); }
+  nanoseconds allowed(const Limit& limit) const override { return limit.sim; }
 
-  void apply(const Fault& fault);
-  void send(const Send& send) { senders_.begin(send); }
+  std::optional<Surprise> begin() override;
+  core::Duration now() const override { return ring_->now() - start_; }
+  bool exact() const override { return true; }
+  bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) override;
+  /// The ring's promises.
+  std::optional<Surprise> broken() const override;
+
+  std::optional<Surprise> apply(const Fault& fault) override;
+  void send(const Send& send) override { senders_.begin(send); }
 
  private:
+  void do_it(const Fault& fault);
   void apply(const Fault& fault, NodeId id);
   void end_later(const Fault& fault);
   void start(NodeId id);
@@ -33,6 +46,7 @@ class Robot {
 
   const Scenario& scenario_;
   std::unique_ptr<sim::WatchedRing> ring_;
+  core::Time start_{};
   std::vector<const core::Membership*> members_;  ///< to look at a node without waking it
   std::vector<bool> frozen_;
   Cpus cpus_;

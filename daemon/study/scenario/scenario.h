@@ -37,6 +37,13 @@ struct Send {
 
 // ---- what is seen ---------------------------------------------------------------------------
 
+/// How long something may take: exactly, under the virtual clock; live, where machines are busy, something else.
+struct Limit {
+  nanoseconds sim{0}, live{0};
+};
+/// Where a file gives one time for both, a live run allows so much more. (ours)
+constexpr std::chrono::seconds kLiveGuard{5};
+
 struct Range {
   std::optional<std::uint64_t> at_least, at_most;
   bool holds(std::uint64_t value) const {
@@ -87,7 +94,7 @@ struct Taken {
 /// The worst so far of that name, from the CPU's request to the confirmation, of what was delivered.
 struct Latency {
   std::string send;
-  nanoseconds at_most{0};
+  Limit at_most;
 };
 
 struct Condition {
@@ -102,7 +109,7 @@ struct Step {
   std::optional<nanoseconds> at;     ///< from the start
   std::optional<nanoseconds> after;  ///< from the step before
   std::optional<Condition> when;
-  nanoseconds within{0};             ///< `when` has to hold by then; 0: at once
+  Limit within;                      ///< `when` has to hold by then; 0: at once
   std::variant<std::monostate, Fault, Send> deed;
   std::string words;                 ///< of the deed, as it stands in the file
 };
@@ -111,6 +118,8 @@ struct Scenario {
   std::string path;
   std::string name;          ///< one line of what it is about
   config::RingConfig ring;   ///< every line has a rate
+  bool rates_assumed = false;  ///< of some lines: the ring's file gives none
+  bool only_sim = false;     ///< its author says so
   std::uint64_t seed = 1;
   std::vector<NodeId> absent;  ///< not there at the start
   std::vector<Step> steps;

@@ -2,13 +2,13 @@
 
 #include "config/quantity.h"
 #include "study/scenario/look.h"
+#include "study/scenario/robot.h"
 
 namespace limb_ring::study::scenario {
 
 namespace {
 
 using core::Duration;
-using core::Time;
 
 /// In us: the ring's own measure, whatever the length.
 std::string microseconds(nanoseconds time) {
@@ -18,10 +18,11 @@ std::string microseconds(nanoseconds time) {
 
 class Run {
  public:
-  Run(const Scenario& scenario, std::uint64_t seed) : scenario_(scenario), robot_(scenario, seed) {
+  Run(const Scenario& scenario, std::uint64_t seed, Stage& stage) : scenario_(scenario), stage_(stage) {
     result_.name = scenario.name;
     result_.path = scenario.path;
     result_.seed = seed;
+    result_.live = !stage.exact();
   }
 
   ScenarioRun run() {
@@ -33,7 +34,7 @@ class Run {
   }
 
  private:
-  nanoseconds now() const { return std::chrono::duration_cast<nanoseconds>(robot_.ring().now() - start_); }
+  nanoseconds now() const { return std::chrono::duration_cast<nanoseconds>(stage_.now()); }
   void log(const std::string& words) { result_.log.push_back({now(), words}); }
   bool fail(const std::string& expected, const std::string& seen) {
     if (!result_.unmet) result_.unmet = Unmet{now(), expected, seen};
@@ -41,65 +42,68 @@ class Run {
   }
 
   void begin() {
-    const bool joined = robot_.ring().join();
-    start_ = robot_.ring().now();
-    if (!joined) return void(fail("every node joins", "not within 10 s"));
+    if (const auto surprise = stage_.begin()) return void(fail(surprise->expected, surprise->seen));
     const std::size_t there = scenario_.ring.nodes.size() - scenario_.absent.size();
     log("start: " + std::to_string(there) + " nodes have joined");
-    watch();
+    go_to(Duration{0});
   }
 
-  /// What has to hold at every moment. @return true where it does
+  /// What has to hold at every look. @return true where it does
   bool watch() {
     if (result_.unmet) return false;
-    if (const auto& broken = robot_.ring().violation())
-      return fail(std::string("the ring's promise: ") + sim::to_string(broken->promise), broken->what);
+    if (const auto broken = stage_.broken()) return fail(broken->expected, broken->seen);
     for (const Condition& condition : scenario_.always)
-      if (!holds(condition, robot_)) return fail("always " + condition.words, seen(condition, robot_));
+      if (!holds(condition, stage_)) return fail("always " + condition.words, seen(condition, stage_));
     for (const Condition& condition : scenario_.never)
-      if (holds(condition, robot_)) return fail("never " + condition.words, seen(condition, robot_));
+      if (holds(condition, stage_)) return fail("never " + condition.words, seen(condition, stage_));
     return true;
   }
 
   /// @return false where something did not hold on the way
-  bool go_to(Time until) {
-    if (until < robot_.ring().now()) return fail("a step that is in time", "it was later already");
-    robot_.ring().run_until([this] { return !watch(); }, until - robot_.ring().now());
-    if (!result_.unmet) robot_.ring().run_until(until);
-    return watch();
+  bool go_to(Duration until) {
+    if (stage_.exact() && until < stage_.now()) return fail("a step that is in time", "it was later already");
+    stage_.run_until([this] { return !watch(); }, until, "waiting for the next step");
+    return !result_.unmet;
   }
 
-  bool wait_for(const Condition& condition, nanoseconds within) {
-    const Time from = robot_.ring().now(), until = from + Duration(within);
-    bool reached = false;
-    const auto done = [&] { return !watch() || (reached = holds(condition, robot_)); };
-    if (!robot_.ring().run_until(done, Duration(within)) && !go_to(until)) return false;
-    if (result_.unmet) return false;
+  bool wait_for(const Condition& condition, const Limit& limit) {
+    const nanoseconds within = stage_.allowed(limit);
     const std::string expected = "when " + condition.words + " within " + config::format_time(within);
-    if (!reached && !holds(condition, robot_)) return fail(expected, seen(condition, robot_));
-    const auto took = std::chrono::duration_cast<nanoseconds>(robot_.ring().now() - from);
-    log(expected + ": after " + microseconds(took));
+    const Duration from = stage_.now();
+    bool reached = false;
+    const auto done = [&] { return !watch() || (reached = holds(condition, stage_)); };
+    stage_.run_until(done, from + Duration(within), expected);
+    if (result_.unmet) return false;
+    if (!reached) return fail(expected, seen(condition, stage_));
+    log(expected + ": after " + microseconds(std::chrono::duration_cast<nanoseconds>(stage_.now() - from)));
     return true;
   }
 
   bool do_step(const Step& step) {
-    if (step.at && !go_to(start_ + Duration(*step.at))) return false;
-    if (step.after && !go_to(robot_.ring().now() + Duration(*step.after))) return false;
+    if (step.at && !go_to(Duration(*step.at))) return false;
+    if (step.after && !go_to(stage_.now() + Duration(*step.after))) return false;
     if (step.when && !wait_for(*step.when, step.within)) return false;
     if (!step.words.empty()) log("do " + step.words);
-    if (const auto* fault = std::get_if<Fault>(&step.deed)) robot_.apply(*fault);
-    if (const auto* send = std::get_if<Send>(&step.deed)) robot_.send(*send);
+    if (const auto* fault = std::get_if<Fault>(&step.deed))
+      if (const auto problem = stage_.apply(*fault)) return fail(problem->expected, problem->seen);
+    if (const auto* send = std::get_if<Send>(&step.deed)) stage_.send(*send);
     return true;
   }
 
   const Scenario& scenario_;
-  Robot robot_;
-  Time start_{};
+  Stage& stage_;
   ScenarioRun result_;
 };
 
 }  // namespace
 
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed) { return Run(scenario, seed).run(); }
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage) {
+  return Run(scenario, seed, stage).run();
+}
+
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed) {
+  Robot robot(scenario, seed);
+  return run_scenario(scenario, seed, robot);
+}
 
 }  // namespace limb_ring::study::scenario

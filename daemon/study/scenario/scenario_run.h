@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "study/scenario/scenario.h"
+#include "study/scenario/stage.h"
 
 namespace limb_ring::study::scenario {
 
@@ -23,6 +23,7 @@ struct Unmet {
 struct ScenarioRun {
   std::string name, path;
   std::uint64_t seed = 0;
+  bool live = false;
   std::vector<LogLine> log;
   std::optional<Unmet> unmet;  ///< the first; nothing after it was done
   nanoseconds lasted{0};
@@ -31,5 +32,8 @@ struct ScenarioRun {
 /// Runs a scenario under a virtual clock; every promise of the ring is an expectation too. The same scenario
 /// and seed give the same run.
 ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed);
+
+/// Plays it on a stage that has not begun. @param seed the stage's, for the report
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage);
 
 }  // namespace limb_ring::study::scenario

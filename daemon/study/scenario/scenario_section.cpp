@@ -57,11 +57,11 @@ std::uint64_t read_line_rate(const Entry& entry) {
 
 nanoseconds read_relay_delay(const Entry& entry) { return read_time(entry, kDelays); }
 
-nanoseconds read_deadline(const Entry& entry) {
-  if (!entry.is_map()) return read_time(entry, kTimes);
-  config::check_names(entry, {"sim", "live"}, {"sim"});
-  if (const auto live = entry.find("live")) read_time(*live, kTimes);
-  return read_time(*entry.find("sim"), kTimes);
+Limit read_limit(const Entry& entry) {
+  if (entry.is_map()) config::check_names(entry, {"sim", "live"}, {"sim"});
+  const nanoseconds sim = read_time(entry.is_map() ? *entry.find("sim") : entry, kTimes);
+  const auto live = entry.is_map() ? entry.find("live") : std::nullopt;
+  return {sim, live ? read_time(*live, kTimes) : sim + kLiveGuard};
 }
 
 std::vector<NodeId> read_nodes(const Entry& entry) {
@@ -99,6 +99,8 @@ const Section<Scenario>& scenario_section() {
        [](const Entry& entry, Scenario& scenario) {
          scenario.seed = static_cast<std::uint64_t>(read_integer(entry, {0, INT64_MAX}));
        }},
+      {"only", "none", "sim", "For the virtual clock alone.",
+       [](const Entry& entry, Scenario& scenario) { scenario.only_sim = read_choice(entry, {"sim"}) == 0; }},
       {"absent", "[]", "a node or a list of nodes", "Not there at the start.",
        [](const Entry& entry, Scenario& scenario) { scenario.absent = read_nodes(entry); }},
       {"steps", config::kRequired, "a list of steps", "What happens and what is seen, in this order.",
@@ -123,7 +125,7 @@ const Section<Step>& step_section() {
       {"when", "none", "a condition", "Then wait until it holds.",
        [](const Entry& entry, Step& step) { step.when = read_condition(entry); }},
       {"within", "none", "a time, or {sim: TIME, live: TIME}", "`when` has to hold by then.",
-       [](const Entry& entry, Step& step) { step.within = read_deadline(entry); }},
+       [](const Entry& entry, Step& step) { step.within = read_limit(entry); }},
       {"do", "none", "a fault or a send", "Then do this.", read_deed},
   };
   return section;

@@ -20,8 +20,8 @@ nanoseconds read_relay_delay(const config::Entry& entry);
 
 /// A node, a list of nodes, or `all`. @throw config::ConfigError
 std::vector<NodeId> read_nodes(const config::Entry& entry);
-/// A time; of `{sim: TIME, live: TIME}` that of `sim`. @throw config::ConfigError
-nanoseconds read_deadline(const config::Entry& entry);
+/// `{sim: TIME, live: TIME}`, or a time: live it is kLiveGuard longer. @throw config::ConfigError
+Limit read_limit(const config::Entry& entry);
 /// `A -> B`, two nodes that follow each other in the ring. @throw config::ConfigError
 Located read_line(const config::Entry& entry);
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <deque>
 #include <map>
 #include <random>
@@ -8,15 +7,9 @@
 #include <vector>
 
 #include "study/scenario/cpus.h"
+#include "study/scenario/tally.h"
 
 namespace limb_ring::study::scenario {
-
-/// What became of the sends of one name.
-struct Tally {
-  std::array<std::uint64_t, 7> results{};  ///< by core::Outcome
-  std::uint64_t taken = 0;                 ///< by CPUs; of an interrupt, pins pulled
-  core::Duration worst{0};                 ///< from the request until it was confirmed, of what was delivered
-};
 
 /// Sends what a scenario says, and keeps account by name. A CPU that does not run asks for nothing; an
 /// interrupt input is pulled whatever its CPU does.

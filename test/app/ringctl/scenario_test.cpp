@@ -55,6 +55,19 @@ TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
   EXPECT_THAT(said.error, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
 }
 
+TEST_F(ScenarioCommand, HasARingOfItsOwnAndATransportOnlyLive) {
+  const std::string good = write("good.yaml", kGood);
+  EXPECT_THAT(run_scenarios({good, "--ring", "mine"}).error, HasSubstr("a scenario has a ring of its own"));
+  EXPECT_EQ(run_scenarios({good, "--transport", "udp"}).code, kUsage);
+  EXPECT_EQ(run_scenarios({good, "--sim", "--live"}).code, kUsage);
+}
+
+TEST_F(ScenarioCommand, SaysWhyAStoryIsNotForLiveDaemons) {
+  const Said said = run_scenarios({write("only.yaml", std::string(kGood) + "only: sim\n"), "--live"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.error, HasSubstr("only.yaml: only under the virtual clock (--sim):\n  only: sim"));
+}
+
 TEST_F(ScenarioCommand, WritesJunitAndJson) {
   const std::string junit = folder + "/junit.xml";
   const Said said = run_scenarios({write("unmet.yaml", kUnmet), "--junit", junit, "--json"});

@@ -16,13 +16,23 @@ TEST(LoadScenario, ReadsStepsInTheirOrder) {
   EXPECT_EQ(scenario.seed, 7u);
   ASSERT_EQ(scenario.steps.size(), 2u);
   EXPECT_EQ(std::get<Fault>(scenario.steps[0].deed).nodes, (std::vector<NodeId>{1, 2}));
-  EXPECT_EQ(scenario.steps[1].within, std::chrono::microseconds(2));
+  EXPECT_EQ(scenario.steps[1].within.sim, std::chrono::microseconds(2));
 }
 
 TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLife) {
   const Scenario scenario = parse_scenario(
       four_nodes("steps: [{when: {node: all, is: up}, within: {sim: 200us, live: 2s}}]\n"), "t");
-  EXPECT_EQ(scenario.steps[0].within, std::chrono::microseconds(200));
+  EXPECT_EQ(scenario.steps[0].within.sim, std::chrono::microseconds(200));
+}
+
+TEST(LoadScenario, LiveRunsHaveMoreTimeWhereTheFileGivesOne) {
+  const auto within = [](const std::string& time) {
+    const std::string step = "{when: {node: all, is: up}, within: " + time + "}";
+    return parse_scenario(four_nodes("steps: [" + step + "]\n"), "t").steps[0].within;
+  };
+  EXPECT_EQ(within("{sim: 200us, live: 2s}").live, std::chrono::seconds(2));
+  EXPECT_EQ(within("1s").live, std::chrono::seconds(1) + kLiveGuard);
+  EXPECT_EQ(within("{sim: 0s}").live, kLiveGuard);
 }
 
 TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/ringctl/daemons.h"
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+
+/// The user wants no more of it.
+struct Interrupted : std::runtime_error {
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+/// The daemons of a ring of our own, by their place in it, and a connection to each. One thread; messages come in
+/// while look(), pump() or ask() wait. All that was started has ended when this is destroyed.
+class LiveNodes {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// None is started yet. @param plan, signals outlive this
+  LiveNodes(const RingPlan& plan, SignalWait& signals) : plan_(plan), signals_(signals), nodes_(plan.nodes.size()) {}
+  ~LiveNodes();
+  LiveNodes(const LiveNodes&) = delete;
+  LiveNodes& operator=(const LiveNodes&) = delete;
+
+  /// @name In effect when they return; nothing where it is so already
+  ///@{
+  void start(std::size_t place);
+  void kill(std::size_t place);
+  void freeze(std::size_t place);
+  void thaw(std::size_t place);
+  ///@}
+
+  std::size_t size() const { return nodes_.size(); }
+  /// Its process lives and is not frozen.
+  bool running(std::size_t place) const { return nodes_[place].daemons && !nodes_[place].frozen; }
+  /// Why a daemon ended that was not to; nothing where none did.
+  std::optional<std::string> obituary();
+  /// The last words of a node's log.
+  std::string last_words(std::size_t place) const;
+
+  /// Fresh status rows of all that run. @return who does not answer, or what an order() met. @throw Interrupted
+  std::string look();
+  /// Of the last look; null where the node was not there.
+  const nlohmann::json* row(std::size_t place) const { return nodes_[place].row ? &*nodes_[place].row : nullptr; }
+  /// null where there is no connection.
+  HostPort* port(std::size_t place) { return nodes_[place].port ? &*nodes_[place].port : nullptr; }
+
+  /// Passes messages on until then, or until `done`. @return whether it was done. @throw Interrupted
+  bool pump(Clock::time_point until, const std::function<bool()>& done = [] { return false; });
+  /// Its answer, while all else goes on. @throw NotDone with what it says is wrong, or where it does not answer
+  nlohmann::json ask(std::size_t place, const nlohmann::json& request);
+  /// Does not wait for the answer; where that is an error, a later look() says so. @throw NotDone as ask()
+  void order(std::size_t place, const nlohmann::json& request);
+
+  /// Results and observations; called from pump().
+  std::function<void(std::size_t place, const Message&)> on_message = [](std::size_t, const Message&) {};
+  /// Called at every turn of pump(). @return when to call it again
+  std::function<Clock::time_point()> on_turn = [] { return Clock::time_point::max(); };
+
+ private:
+  struct Node {
+    std::unique_ptr<Daemons> daemons;  ///< one; null: not started, or killed
+    bool frozen = false;
+    std::optional<HostPort> port;
+    std::optional<nlohmann::json> row;
+    std::optional<std::uint32_t> asked;  ///< for the row
+  };
+
+  /// A request other than for the row.
+  struct Asked {
+    std::size_t place;
+    std::uint32_t token;
+    std::optional<nlohmann::json> answer;
+  };
+
+  Asked request(std::size_t place, const nlohmann::json& request);
+  void answered(std::size_t place, const Reply& reply);
+  const std::string& name(std::size_t place) const { return plan_.nodes[place].node.name; }
+  bool ask_for_rows();
+  void connect(std::size_t place);
+  void take_messages();
+  void take(std::size_t place, const Message& message);
+  void wait_for_messages(Clock::time_point until);
+
+  const RingPlan& plan_;
+  SignalWait& signals_;
+  std::vector<Node> nodes_;
+  std::optional<Asked> asked_;  ///< by ask()
+  std::vector<Asked> ordered_;
+  std::string failed_order_;
+};
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <random>
+
+#include "app/ringctl/live/live_nodes.h"
+#include "study/scenario/scenario.h"
+#include "study/scenario/tally.h"
+
+namespace limb_ring::ringctl {
+
+/// Sends what a scenario says on live daemons, as a tool beside each node's CPU, and keeps account by name. A CPU
+/// that does not run asks for nothing; an interrupt input is pulled whatever its CPU does.
+///
+/// Of a stream no more than kMostWaiting wait at a node: on a busy machine a stream is late, and its packets are not
+/// rejected for that.
+class LiveSenders {
+ public:
+  using Clock = LiveNodes::Clock;
+  static constexpr unsigned kMostWaiting = 16;
+
+  /// All outlive this. @param seed of where in its period a stream begins
+  LiveSenders(const study::scenario::Scenario& scenario, LiveNodes& nodes, std::uint64_t seed);
+
+  void begin(const study::scenario::Send& send);
+  /// Asks for what is due by now. @return when the next is
+  Clock::time_point act();
+  /// Whether a CPU is told to hang.
+  void set_hung(std::size_t place, bool hung) { hung_[place] = hung; }
+
+  void came(std::size_t place, const Message& message);
+  /// By name; of `taken` only the pins.
+  const study::scenario::Tally& tally(const std::string& send) const { return tallies_[mark_of(send)]; }
+  /// The first byte of a send's packets.
+  std::uint8_t mark_of(const std::string& send) const;
+
+ private:
+  /// One node's part of a send.
+  struct Job {
+    study::scenario::Send send;
+    std::size_t from;
+    std::uint8_t mark;
+    std::uint64_t left;
+    Clock::time_point due;
+    unsigned waiting = 0;  ///< for their results
+  };
+  struct Asked {
+    Job* job;
+    Clock::time_point at;
+  };
+
+  bool can_send(const Job& job);
+  void ask(Job& job);
+  std::uint32_t ask(HostPort& port, const Job& job);
+  std::uint8_t id_of(std::uint8_t place_or_all) const;
+  void came(std::size_t place, const Result& result);
+  void came(const Observed& seen);
+
+  const study::scenario::Scenario& scenario_;
+  LiveNodes& nodes_;
+  std::mt19937_64 random_;
+  std::vector<bool> hung_;
+  std::vector<std::string> names_;
+  std::vector<study::scenario::Tally> tallies_;
+  std::deque<Job> jobs_;  ///< they stay where they are
+  std::map<std::pair<std::size_t, std::uint32_t>, Asked> asked_;                 ///< by source and token
+  std::map<std::pair<std::uint8_t, std::uint8_t>, std::uint8_t> of_interrupt_;   ///< by source's id and factor
+};
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,63 @@
+#include "app/ringctl/live/story_ring.h"
+
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+
+#include <fstream>
+
+#include "app/ringctl/problems.h"
+#include "config/yaml_file.h"
+#include "runtime/supervisor/find_program.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+constexpr const char* kAlivePeriod = "200ms";  // a hung CPU is known after three of them
+
+YAML::Node plain_file(const config::RingConfig& ring) {
+  YAML::Node file;
+  file["ring"] = ring.ring;
+  for (const config::NodeConfig& node : ring.nodes) {
+    YAML::Node entry;
+    entry["id"] = static_cast<unsigned>(node.id);
+    entry["name"] = node.name;
+    file["nodes"].push_back(entry);
+  }
+  return file;
+}
+
+YAML::Node story_cpu() {
+  const std::string program = runtime::find_program("scenario_cpu");
+  if (program.empty())
+    throw NotDone("no program scenario_cpu beside ringctl (" + runtime::own_folder() + ") or on PATH");
+  YAML::Node cpu;
+  cpu["command"].push_back(program);
+  cpu["alive_period"] = kAlivePeriod;
+  return cpu;
+}
+
+void write(const YAML::Node& file, const std::string& path) {
+  YAML::Emitter text;
+  text << file;
+  std::ofstream out(path);
+  out << text.c_str() << std::endl;
+  if (!out) throw NotDone("cannot write " + path);
+}
+
+}  // namespace
+
+RingPlan plan_story_ring(const study::scenario::Scenario& scenario, const std::string& folder,
+                         const std::string& transport) {
+  const config::RingConfig& ring = scenario.ring;
+  YAML::Node file = ring.path.empty() ? plain_file(ring) : config::parse_yaml(config::read_file(ring.path), ring.path);
+  for (auto node : file["nodes"]) node["cpu"] = story_cpu();
+  UpRequest request;
+  request.config = folder + "/ring.yaml";
+  request.ring = "scenario" + std::to_string(::getpid());  // UDP ports follow from it
+  request.transport = transport;
+  write(file, request.config);
+  return plan_ring(request);
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,38 @@
+// scenario_cpu: the CPU of a node in a scenario on live daemons, started by ringd. It takes what comes and counts it;
+// what it sends, the scenario sends for it.
+#include <limb_ring/host_port.h>
+
+#include <cstdio>
+#include <exception>
+
+#include "app/scenario_cpu/taken_board.h"
+
+namespace {
+
+constexpr std::uint8_t kUserChannel = 0;
+constexpr std::chrono::milliseconds kTick{50};
+
+void take_all(limb_ring::HostPort& port, limb_ring::scenario_cpu::TakenBoard& board) {
+  while (port.connected()) {
+    const auto message = port.receive(kTick);
+    const auto* packet = message ? std::get_if<limb_ring::Packet>(&*message) : nullptr;
+    if (packet && packet->channel == kUserChannel) board.count(packet->data[0]);
+  }
+}
+
+}  // namespace
+
+int main() {
+  try {
+    limb_ring::ConnectOptions options;  // ring and node: the environment's, as ringd sets it
+    options.role = limb_ring::Role::cpu;
+    options.alive_period = 4 * kTick;
+    auto port = limb_ring::HostPort::connect(options);
+    limb_ring::scenario_cpu::TakenBoard board(port.ring(), port.id());
+    take_all(port, board);
+    return 0;
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "scenario_cpu: %s\n", problem.what());
+    return 1;
+  }
+}

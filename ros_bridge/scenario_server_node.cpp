@@ -1,0 +1,40 @@
+// scenario_server: plays scenarios for whoever asks by the service run_scenario, one after the other. A node apart
+// from ring_bridge: a scenario takes seconds, and its ring is none of the bridge's.
+#include <limb_ring/RunScenario.h>
+#include <ros/ros.h>
+
+#include <exception>
+#include <stdexcept>
+
+#include "ros_bridge/scenario_runner.h"
+
+namespace {
+
+using limb_ring::RunScenario;
+
+bool run_scenario(RunScenario::Request& request, RunScenario::Response& response) {
+  try {
+    const auto end =
+        limb_ring::bridge::play_scenario({request.path, request.text, request.live != 0, request.seed}, ros::ok);
+    response.exit_code = end.exit_code;
+    response.report = end.report;
+    response.junit = end.junit;
+  } catch (const std::invalid_argument& problem) {
+    response.exit_code = 2;
+    response.report = problem.what();
+  } catch (const std::exception& problem) {
+    response.exit_code = 1;
+    response.report = problem.what();
+  }
+  response.success = response.exit_code == 0;
+  return true;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "scenario_server");
+  ros::NodeHandle nodes;
+  const auto server = nodes.advertiseService("run_scenario", &run_scenario);
+  ros::spin();
+}

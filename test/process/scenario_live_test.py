@@ -1,0 +1,140 @@
+"""ringctl scenario run --live: exit codes, and that nothing it started is left behind."""
+
+import os
+import signal
+import xml.etree.ElementTree
+
+import ring_process
+from ring_process import RingTest
+
+KILL = '''scenario: a node dies
+nodes: 4
+steps:
+  - do: {send: {name: before, from: node0, to: node3, size: 64, count: 5}}
+  - when: {taken: before, at_least: 5, at_most: 5}
+    within: 1s
+  - do: {kill: node3}
+  - when: {node: living, is: up, ring_size: 3}
+    within: 1s
+  - do: {send: {name: late, from: node0, to: node3, size: 64}}
+  - when: {results: late, are: no such node, at_least: 1}
+    within: 1s
+'''
+SURPRISE = '''scenario: a surprise
+nodes: 4
+steps:
+  - when: {node: node2, is: down}
+    within: {sim: 1ms, live: 100ms}
+'''
+ENDLESS = '''scenario: nothing happens for long
+nodes: 3
+steps:
+  - at: 1ms
+    do: {freeze: node1}
+  - at: 600s
+'''
+TOO_FAST = '''scenario: a story of microseconds
+nodes: 4
+steps: [{after: 6us, do: {kill: node3}}]
+'''
+
+
+class ScenarioLive(RingTest):
+    def setUp(self):
+        super().setUp()
+        # Private folders lie in the test's own, and what is started is known by it.
+        self.temporary = os.path.join(self.folder, 'tmp')
+        os.mkdir(self.temporary)
+        self.environment['TMPDIR'] = self.temporary
+
+    def play(self, *files, more=()):
+        paths = [self.write('%d.yaml' % i, text) for i, text in enumerate(files)]
+        return self.ctl('scenario', 'run', '--live', *paths, *more)
+
+    def started(self):
+        """Processes that a run has started."""
+        mark = ('TMPDIR=' + self.temporary).encode()
+        pids = []
+        for entry in os.listdir('/proc'):
+            try:
+                with open('/proc/%s/environ' % entry, 'rb') as environ, open('/proc/%s/comm' % entry) as comm:
+                    if mark in environ.read().split(b'\0') and comm.read().strip() in ('ringd', 'scenario_cpu'):
+                        pids.append(int(entry))
+            except (OSError, ValueError):
+                continue
+        return [pid for pid in pids if not ring_process.is_gone(pid)]
+
+    def assert_clean(self):
+        self.assertEqual(self.started(), [])
+        self.assertEqual(os.listdir(self.temporary), [])
+
+    def start_endless(self):
+        """A run that has a frozen node and goes on for minutes."""
+        run = self.start('run', [ring_process.program('ringctl'), 'scenario', 'run', '--live',
+                                 self.write('endless.yaml', ENDLESS)])
+        self.wait('a frozen node', lambda: 'T' in [ring_process.process_state(pid) for pid in self.started()])
+        return run
+
+    def test_as_expected_over_unix_and_udp(self):
+        for transport in ('unix', 'udp'):
+            done = self.play(KILL, more=['--transport', transport])
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertIn('a node dies (live, seed 1)', done.stdout)
+            self.assertIn('end: all as expected', done.stdout)
+            self.assert_clean()
+
+    def test_an_unmet_expectation(self):
+        junit = os.path.join(self.folder, 'out.xml')
+        done = self.play(KILL, SURPRISE, more=['--junit', junit])
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn('seen instead: node2 is up, in a ring of 4', done.stdout)
+        suite = xml.etree.ElementTree.parse(junit).getroot().find('testsuite')
+        self.assertEqual((suite.get('tests'), suite.get('failures')), ('2', '1'))
+        self.assert_clean()
+
+    def test_what_only_the_virtual_clock_can_do_is_said_before_anything_starts(self):
+        done = self.play(KILL, TOO_FAST)
+        self.assertEqual((done.returncode, done.stdout), (2, ''))
+        self.assertIn('only under the virtual clock (--sim):\n  after: 6us', done.stderr)
+        listed = self.ctl('scenario', 'list', self.folder).stdout.splitlines()
+        self.assertRegex(listed[1], r'^0.yaml +sim, live +a node dies$')
+        self.assertRegex(listed[2], r'^1.yaml +sim only +a story of microseconds$')
+
+    def test_a_running_ring_of_the_user_is_not_met(self):
+        up = self.ctl('--ring', self.ring, 'up', '--nodes', 4, '--detach', '--timeout', 60)
+        self.assertEqual(up.returncode, 0, up.stderr)
+        boots = [self.row(node)['boot'] for node in range(4)]
+        self.assertEqual(self.play(KILL).returncode, 0)
+        self.assertEqual([self.row(node)['boot'] for node in range(4)], boots)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+
+    def test_interrupted_by_the_user(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            run = self.start_endless()
+            run.send_signal(number)
+            self.assertEqual(self.wait_exit(run), 1)
+            self.assertIn('interrupted', self.log_of(run))
+            self.assert_clean()
+
+    def test_killed_itself(self):
+        run = self.start_endless()
+        run.kill()
+        self.wait('all gone', lambda: not self.started())
+
+    def test_a_daemon_that_somebody_else_ends(self):
+        run = self.start_endless()
+        living = [pid for pid in self.started() if ring_process.process_state(pid) != 'T']
+        daemons = [pid for pid in living if self._comm(pid) == 'ringd']
+        os.kill(daemons[0], signal.SIGKILL)
+        self.assertEqual(self.wait_exit(run), 1)
+        self.assertIn('every daemon runs', self.log_of(run))
+        self.assert_clean()
+
+    @staticmethod
+    def _comm(pid):
+        with open('/proc/%d/comm' % pid) as comm:
+            return comm.read().strip()
+
+
+if __name__ == '__main__':
+    ring_process.main()
