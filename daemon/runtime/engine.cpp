@@ -14,7 +14,9 @@ Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const Li
       input_(io, links.first.input, *this),
       output_(io, links.first.output, *this),
       faulty_line_(io, clock_, output_) {
-  if (links.second) second_.emplace(io, *links.second, controller_, *this, *this);
+  core::FoldBack::Receiver& receiver = *this;  // privately, so not to be converted by emplace()
+  SecondLine::Driver& driver = *this;
+  if (links.second) second_.emplace(io, *links.second, controller_, receiver, driver);
 }
 
 void Engine::close() {
