@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import types
 import unittest
 
 import ring_process
@@ -16,8 +17,9 @@ from ring_process import GUARD, STEP
 SCRIPTS = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts')
 sys.path.insert(0, SCRIPTS)
 from live_ring import faults, payload, report  # noqa: E402
+from live_ring.loop import Loop  # noqa: E402
 from live_ring.promises import Promises  # noqa: E402
-from live_ring.traffic import Send  # noqa: E402
+from live_ring.traffic import Send, Traffic  # noqa: E402
 
 ALL = 0xFF
 
@@ -117,6 +119,19 @@ class Accounts(unittest.TestCase):
     def test_a_dead_node_concerns_only_itself(self):
         dead = faults.Dead(None, 2)
         self.assertEqual([dead.concerns(*way) for way in ((2, 1), (1, 2), (1, 3))], [True, True, False])
+
+    def test_lost_by_others_is_what_neither_was_confirmed_nor_came(self):
+        ring = types.SimpleNamespace(nodes=range(4), child_nodes=[])
+        traffic = Traffic(Loop(), ring, seed=1, rate=1, targets=ring.nodes)
+        dead = faults.Dead(None, 3)
+        for number, (to, outcome) in enumerate([(1, 'lost'), (1, 'delivered'), (1, 'unconfirmed'), (3, 'lost')]):
+            send = Send(0, number, to, False, life=1)
+            send.outcome = outcome
+            traffic.recent.append(send)
+        lost = traffic.lost(dead.concerns, 0, time.time_ns())
+        self.assertEqual([send.number for send in lost], [0, 2])
+        traffic.promises.packet(1, 0, 2, 1, 0)
+        self.assertEqual([send.number for send in traffic.lost(dead.concerns, 0, time.time_ns())], [0])
 
     def test_percentiles_are_of_the_nearest_rank(self):
         self.assertEqual(report.percentile([3, 1, 2, 4], 50), 2)
