@@ -50,7 +50,8 @@ soak: build
 MINUTES ?= 1
 SEED ?=
 TRANSPORT ?= unix
-LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --programs $(BUILD)/devel/lib/limb_ring
+REDUNDANCY ?= none
+LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --redundancy $(REDUNDANCY) --programs $(BUILD)/devel/lib/limb_ring
 chaos: build
 	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(LIVE_ARGS)
 

@@ -55,8 +55,12 @@ class Fault:
 class LineFault(Fault):
     """Of the line out of `node`."""
 
+    def __init__(self, live, node):
+        super().__init__(live, node)
+        self.folds = live.ring.redundancy == 'foldback'
+
     def concerns(self, source, to):
-        return (self.node - source) % NODES < (to - source) % NODES
+        return not self.folds and (self.node - source) % NODES < (to - source) % NODES
 
     def behind(self):
         return (self.node + 1) % NODES
@@ -65,7 +69,7 @@ class LineFault(Fault):
         return self.link('input lost', [self.behind()])
 
     def recovered(self):
-        return self.live.watch.all_are('open_chain', range(NODES))
+        return self.live.watch.all_are('folded' if self.folds else 'open_chain', range(NODES))
 
     def repair(self):
         return Mended(self.live, self.node)
@@ -74,6 +78,11 @@ class LineFault(Fault):
 class Cut(LineFault):
     kind = 'broken line'
     does = 'the node behind waits timeouts.bypass (200 ms) for a bypass, then tells all: open chain, unconfirmed'
+
+    def __init__(self, live, node):
+        super().__init__(live, node)
+        if self.folds:
+            self.does = 'the node before it turns back, the one behind takes the second line: all confirmed'
 
     def begin(self):
         self.order('cut ' + self.live.ring.line(self.node))

@@ -16,13 +16,13 @@ def counting(folder):
 
 
 class Live:
-    def __init__(self, programs, transport, seed, rate, child_nodes, child_command=counting):
+    def __init__(self, told, rate, child_nodes, child_command=counting):
         self.loop = Loop()
-        self.ring = LiveRing(programs, transport, child_nodes, child_command, seed)
+        self.ring = LiveRing(told, child_nodes, child_command)
         # What other programs receive cannot be checked.
         targets = [node for node in range(NODES) if child_command is counting or node not in child_nodes]
         self.watch = Watch(self.loop, self.ring)
-        self.traffic = Traffic(self.loop, self.ring, seed, rate, targets)
+        self.traffic = Traffic(self.loop, self.ring, told.seed, rate, targets)
         self.loop.seldom.append(self.ring.check)
 
     def start(self):

@@ -25,12 +25,12 @@ class RingFailed(Exception):
 class LiveRing:
     """Nodes with a CPU of the caller's (attached) but for `child_nodes`, whose CPU ringd starts."""
 
-    def __init__(self, programs, transport, child_nodes, child_command, seed):
+    def __init__(self, told, child_nodes, child_command):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))   # crashes are ordered here
         self.folder = tempfile.mkdtemp(prefix='limb_ring_')
-        self.programs, self.transport = programs, transport
+        self.programs, self.transport, self.redundancy = told.programs, told.transport, told.redundancy
         self.nodes, self.child_nodes = list(range(NODES)), list(child_nodes)
-        self.name = 'live%d_%d' % (seed, os.getpid())
+        self.name = 'live%d_%d' % (told.seed, os.getpid())
         self.environment = {k: v for k, v in os.environ.items() if not k.startswith('LIMB_RING')}
         self.environment.update(XDG_RUNTIME_DIR=self.folder, PYTHONDONTWRITEBYTECODE='1')
         self.config = self._write(child_command)
@@ -46,7 +46,7 @@ class LiveRing:
             node['pins'] = {str(NOTIFY): 'notify'}
             if first:
                 node['link'] = {'transport': 'udp', 'port': first + node['id']}
-        ring = {'ring': self.name, 'nodes': nodes, 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
+        ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes, 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
                 'supervisor': {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}}
         path = os.path.join(self.folder, 'ring.yaml')
         with open(path, 'w') as file:
