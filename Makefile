@@ -51,7 +51,8 @@ MINUTES ?= 1
 SEED ?=
 TRANSPORT ?= unix
 REDUNDANCY ?= none
-LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --redundancy $(REDUNDANCY) --programs $(BUILD)/devel/lib/limb_ring
+LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --redundancy $(REDUNDANCY) \
+            --programs $(BUILD)/devel/lib/limb_ring
 chaos: build
 	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(LIVE_ARGS)
 

@@ -46,7 +46,8 @@ class LiveRing:
             node['pins'] = {str(NOTIFY): 'notify'}
             if first:
                 node['link'] = {'transport': 'udp', 'port': first + node['id']}
-        ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes, 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
+        ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes,
+                'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
                 'supervisor': {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}}
         path = os.path.join(self.folder, 'ring.yaml')
         with open(path, 'w') as file:

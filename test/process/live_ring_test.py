@@ -28,6 +28,10 @@ def data(source, number):
     return payload.make(source, number, random.Random(number))
 
 
+def live_of(redundancy):
+    return types.SimpleNamespace(ring=types.SimpleNamespace(redundancy=redundancy))
+
+
 class BrokenPromises(unittest.TestCase):
     def setUp(self):
         self.promises = Promises(range(3))
@@ -109,12 +113,16 @@ class BrokenPromises(unittest.TestCase):
 
 class Accounts(unittest.TestCase):
     def test_a_broken_line_concerns_those_whose_way_leads_over_it(self):
-        cut = faults.Cut(None, 15)   # from node 15 to node 0
+        cut = faults.Cut(live_of('none'), 15)   # from node 15 to node 0
         self.assertTrue(cut.concerns(14, 0))
         self.assertTrue(cut.concerns(15, 3))
         self.assertTrue(cut.concerns(3, 2))
         self.assertFalse(cut.concerns(0, 15))
         self.assertFalse(cut.concerns(2, 3))
+
+    def test_a_broken_line_of_a_ring_that_folds_back_concerns_nobody(self):
+        cut = faults.Cut(live_of('foldback'), 15)
+        self.assertFalse(cut.concerns(14, 0))
 
     def test_a_dead_node_concerns_only_itself(self):
         dead = faults.Dead(None, 2)
