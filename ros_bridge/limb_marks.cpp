@@ -71,7 +71,8 @@ std::vector<Marker> LimbMarks::markers(const RingStatus& status) const {
   std::vector<Marker> all;
   for (const auto& node : ring_.nodes) {
     const Condition condition = condition_of(node, status);
-    if (condition == Condition::well) continue;
+    // One in an open chain obeys and speaks: its ball on the ring tells, its limb is well.
+    if (condition != Condition::hung && condition != Condition::down) continue;
     for (std::size_t joint = 0; joint < node.joints.size(); ++joint) {
       const auto shape = shapes_.find(node.joints[joint].name);
       if (shape == shapes_.end()) continue;

@@ -11,7 +11,7 @@
 
 namespace limb_ring::bridge {
 
-/// The limbs of nodes that are not well, as a shell in their colour around the robot's own: for each
+/// The limbs of nodes that are down or whose CPU hangs, as a shell in their colour around the robot's own: for each
 /// joint of such a node the shape of the link that it moves, in that link's frame.
 /// Namespace: limbs of NODE; id: joint, in the node's order.
 class LimbMarks {

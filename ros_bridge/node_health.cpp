@@ -58,12 +58,12 @@ bool NodeHealth::is_heard() const {
 void NodeHealth::note_changes(const NodeStatus& now, Clock::time_point at) {
   for (const auto& step : losses_.take(now))
     recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
-  if (status_.state.empty()) return;
   if (was_heard_ && !is_well(now.state)) recent_.note("state", "was " + now.state, at);
   if (now.cpu_boots > status_.cpu_boots && status_.cpu_boots != 0)
     recent_.note("boots", "its CPU was started anew (boot " + std::to_string(now.cpu_boots) + ")", at);
-  if (now.pid != 0 && status_.pid != 0 && now.pid != status_.pid)
-    recent_.note("pid", "its daemon was started anew", at);
+  if (now.pid == 0) return;
+  if (last_pid_ != 0 && now.pid != last_pid_) recent_.note("pid", "its daemon was started anew", at);
+  last_pid_ = now.pid;
 }
 
 void NodeHealth::tell(DiagnosticStatusWrapper& out, Clock::time_point now) {

@@ -41,6 +41,7 @@ class NodeHealth {
   Recent recent_{kWarnFor};
   CounterGrowth losses_;
   NodeStatus status_;
+  std::int32_t last_pid_ = 0;  // while it is down it has none
   bool bridge_connected_ = false, has_silent_joints_ = false, was_heard_ = false;
   Clock::time_point heard_at_{};
 };

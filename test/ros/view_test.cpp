@@ -131,11 +131,13 @@ TEST(HumanoidDescription, HasTheJointsOfTheConfigurationWithTheirLimits) {
   EXPECT_EQ(model->joints_.size(), joints);
 }
 
-TEST(Limbs, AreMarkedInTheirFramesWhereTheirNodeIsNotWell) {
+TEST(Limbs, AreMarkedInTheirFramesWhereTheirNodeIsDown) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/humanoid16.yaml");
   const LimbMarks limbs(ring, humanoid_urdf());
   EXPECT_EQ(limbs.root(), "body");
   RingStatus status = well(ring);
+  EXPECT_THAT(limbs.markers(status), IsEmpty());
+  status.nodes[10].state = "open_chain";
   EXPECT_THAT(limbs.markers(status), IsEmpty());
   status.nodes[11].state = "down";
   std::vector<std::string> frames;

@@ -22,7 +22,7 @@ class View(unittest.TestCase):
         self.ring = Ring()
         self.markers = Newest('ring_markers', MarkerArray)
         self.ring.wait_until_up()
-        wait_for(lambda: not self.spaces() & {'limbs of left_knee', 'breaks'}, 'a picture of a whole ring')
+        wait_for(lambda: self.spaces() == {'', 'nodes', 'names', 'lines'}, 'a picture of a whole ring')
 
     def spaces(self):
         message = self.markers.get()
