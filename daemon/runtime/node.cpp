@@ -147,8 +147,12 @@ void Node::handle(const core::StateChanged& change) {
     broken_since_ = engine_.now();
   const auto& membership = engine_.controller().membership();
   spdlog::info("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size());
+  const auto line = membership.broken_line();
+  nlohmann::json broken;
+  if (line) broken = {{"before", line->before}, {"behind", line->behind}};
   observers_.tell("state", {{"before", to_string(change.before)},
                             {"after", to_string(change.after)},
+                            {"broken_line", broken},
                             {"ring_size", membership.ring_size()}});
 }
 
