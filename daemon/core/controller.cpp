@@ -193,8 +193,10 @@ void Controller::data_came_home(const PacketFields& packet, bool good, Time at) 
     ++counters_.returns_damaged;
     return transmit_.data.returned_damaged(at);
   }
-  // A packet to oneself is taken when it returns; before the own hello is home it is only stripped.
-  const bool to_self = packet.destination() == settings_.id && membership_.accepts_sends();
+  // A packet to oneself is taken when it returns; before the own hello is home it is only stripped, as is
+  // a copy that nobody waits for any more.
+  const bool to_self = packet.destination() == settings_.id && membership_.accepts_sends() &&
+                       transmit_.data.expects(packet);
   const std::uint8_t fbc = to_self ? receive_.offer(packet, at) : packet.fbc();
   const bool matched = transmit_.data.returned(packet, fbc, membership_.has_merged(packet.hop(), at), at);
   if (matched)
@@ -209,7 +211,8 @@ void Controller::interrupt_came_home(const PacketFields& packet, bool good, Time
     ++counters_.returns_damaged;
     return transmit_.interrupts.returned_damaged(at);
   }
-  const bool to_self = packet.destination() == settings_.id && membership_.accepts_sends();
+  const bool to_self = packet.destination() == settings_.id && membership_.accepts_sends() &&
+                       transmit_.interrupts.expects(packet);
   const std::uint8_t fbc = to_self ? pins_.offer(packet, at) : packet.fbc();
   const bool matched = transmit_.interrupts.returned(packet, fbc, membership_.has_merged(packet.hop(), at), at);
   if (matched)

@@ -50,6 +50,8 @@ class DataUnit {
   wire::ByteView start(Time now);
   /// True while a packet is out, or waits for its retry.
   bool busy() const { return !flight_.idle(); }
+  /// It is what was sent last, and not home yet. @pre its CRC is good
+  bool expects(const wire::PacketFields& packet) const { return flight_.is_return(packet); }
 
   /// An own packet came home with a good CRC; `fbc` what the receivers wrote.
   /// @return true where it was the one outstanding

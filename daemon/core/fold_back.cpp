@@ -3,29 +3,13 @@
 namespace limb_ring::core {
 
 using wire::FoldMark;
-using wire::FoldWord;
 using wire::Slice;
 using wire::SliceKind;
 
 namespace {
 
-/// What may wait of the first line while the second drains: more than a lap of largest packets of 64 nodes.
-constexpr std::size_t kMostHeld = 64 * 1024;
-/// A tail that has not said so often that it is one, is gone.
-constexpr int kMissed = 5;
-
-bool begins_data(const Slice& slice) { return slice.kind == SliceKind::start || slice.kind == SliceKind::whole; }
-
-/// Whether a DATP is under way after this slice.
-bool open_after(const Slice& slice, bool open) {
-  if (slice.kind == SliceKind::start) return true;
-  return open && (slice.kind == SliceKind::more || slice.kind == SliceKind::interrupt);
-}
-
 NodeId neighbour(const Settings& settings, std::size_t steps) {
-  std::size_t at = 0;
-  while (settings.order[at] != settings.id) ++at;
-  return settings.order[(at + steps) % settings.order.size()];
+  return settings.order[(place_of(settings, settings.id) + steps) % settings.order.size()];
 }
 
 }  // namespace
@@ -91,79 +75,6 @@ void FoldBack::receive(const Slice& slice, Time now) {
   drain_if_settled(now);
 }
 
-// ---- input: first or second line ----------------------------------------------------------
-
-// What the node before has turned back is still on its way on the second line, and comes first. It
-// says on both lines when it has left the second.
-void FoldBack::begin_draining(Time now) {
-  first_spoke_ = false;
-  if (may_fold_) say(FoldMark::hears, id());
-  if (in_ == In::first) return;
-  in_ = In::draining;
-  if (!tail_) drained(now);
-}
-
-void FoldBack::drain_if_settled(Time now) {
-  if (in_ != In::draining || !first_spoke_) return;
-  if (!waits_for_last() && !second_open_) return drained(now);
-  if (drain_due_ == kNever) drain_due_ = now + controller_.settings().stall;
-}
-
-// The first line again; where the second goes on with the traffic of another fold, that is repeated now.
-void FoldBack::drained(Time now) {
-  in_ = In::first;
-  drain_due_ = kNever;
-  if (second_open_) controller_.input_gap(now);
-  second_open_ = false;
-  if (tail_ && waits_for_last()) {
-    tail_.reset();
-    tail_due_ = kNever;
-  }
-  if (tail_) say(FoldMark::begin, *tail_);
-  release(now);
-}
-
-void FoldBack::hold(const Slice& slice, Time now) {
-  if (held_.view().size > kMostHeld) {
-    drop_held();
-    controller_.input_gap(now);
-  }
-  held_.put(slice.kind, slice.bytes);
-  if (in_ == In::first) release(now);
-}
-
-// As fast as the insertion buffer takes it.
-void FoldBack::release(Time now) {
-  if (in_ != In::first) return;
-  while (released_ < held_.view().size) {
-    const wire::SliceParse parse = wire::parse_slice(held_.view().from(released_));
-    if (begins_data(parse.slice) && !controller_.has_room()) return;
-    released_ += parse.consumed;
-    receiver_.take(parse.slice, now);
-  }
-  held_.clear();
-  released_ = 0;
-}
-
-void FoldBack::drop_held() {
-  while (released_ < held_.view().size) {
-    released_ += wire::parse_slice(held_.view().from(released_)).consumed;
-    ++counters_.fold_held_dropped;
-  }
-  held_.clear();
-  released_ = 0;
-}
-
-void FoldBack::settle_input(Time now) {
-  const bool up = in_ == In::first ? input_up_ : tail_.has_value();
-  if (up == told_input_) return;
-  told_input_ = up;
-  if (up)
-    controller_.input_up(from_, now);
-  else
-    controller_.input_lost(now);
-}
-
 // ---- output: first or second line ---------------------------------------------------------
 
 void FoldBack::settle_output(Time now) {
@@ -214,6 +125,11 @@ void FoldBack::greet_on_first() {
   if (out_ == Out::first) wire::put(first_, {FoldMark::last, id()});
 }
 
+bool FoldBack::open_after(const Slice& slice, bool open) {
+  if (slice.kind == SliceKind::start) return true;
+  return open && (slice.kind == SliceKind::more || slice.kind == SliceKind::interrupt);
+}
+
 void FoldBack::put_out(const Slice& slice) {
   (out_ == Out::first ? first_ : second_).put(slice.kind, slice.bytes);
   out_open_ = open_after(slice, out_open_);
@@ -234,92 +150,6 @@ void FoldBack::carry(Time now) {
   }
   line.clear();
   tell_folded(now);
-}
-
-// ---- the second line ----------------------------------------------------------------------
-
-void FoldBack::second_input_up(Time now) {
-  second_input_up_ = true;
-  settle(now);
-}
-
-void FoldBack::second_input_lost(Time now) {
-  second_input_up_ = false;
-  lose_tail(now);
-}
-
-void FoldBack::lose_tail(Time now) {
-  break_off_second(now);
-  if (tail_ && repeats()) say(FoldMark::lost, id());
-  forget_tail(now);
-}
-
-void FoldBack::second_input_gap(Time now) { break_off_second(now); }
-
-void FoldBack::second_output_up(Time now) {
-  second_output_up_ = true;
-  if (tail_ && repeats()) say(FoldMark::begin, *tail_);
-  say_again(now);
-  settle(now);
-}
-
-void FoldBack::second_output_lost(Time now) {
-  second_output_up_ = false;
-  settle(now);
-}
-
-void FoldBack::receive_second(const Slice& slice, Time now) {
-  if (slice.kind == SliceKind::idle) return;
-  if (const auto word = wire::fold_word(slice)) return hear(*word, slice, now);
-  const bool takes = in_ != In::first;
-  if (!takes && (!repeats() || !tail_)) {
-    ++counters_.fold_discarded;
-    return;
-  }
-  second_open_ = open_after(slice, second_open_);
-  if (!takes) return second_.put(slice.kind, slice.bytes);
-  receiver_.take(slice, now);
-  drain_if_settled(now);
-}
-
-// What was coming in on the second line will never be whole.
-void FoldBack::break_off_second(Time now) {
-  if (!second_open_) return;
-  second_open_ = false;
-  if (in_ != In::first)
-    controller_.input_gap(now);
-  else
-    second_.put(SliceKind::abort, {});
-}
-
-void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
-  const bool of_neighbour = word.mark == FoldMark::deaf || word.mark == FoldMark::hears;
-  if (!of_neighbour) return hear_of_tail(word, slice, now);
-  if (word.node != to_) return;  // one that is bypassed
-  next_is_deaf_ = word.mark == FoldMark::deaf;
-  if (!next_is_deaf_) greet_on_first();
-  settle(now);
-}
-
-// A word that has come back to who said it has found nobody behind a break.
-void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
-  if (word.node == id()) return;
-  if (repeats()) second_.put(slice.kind, slice.bytes);
-  if (word.mark == FoldMark::begin) {
-    tail_ = word.node;
-    tail_due_ = now + kMissed * pause();
-    return settle(now);
-  }
-  if (word.mark == FoldMark::last && tail_ != word.node) return;
-  break_off_second(now);
-  forget_tail(now);
-}
-
-void FoldBack::forget_tail(Time now) {
-  tail_.reset();
-  tail_due_ = kNever;
-  if (in_ == In::draining) drained(now);
-  settle(now);
 }
 
 // ---- time ---------------------------------------------------------------------------------

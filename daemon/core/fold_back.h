@@ -1,11 +1,18 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "core/controller.h"
 #include "wire/fold_mark.h"
 
 namespace limb_ring::core {
+
+/// A node's place in ring order, from 0; nodes() where it has none.
+inline std::size_t place_of(const Settings& settings, NodeId node) {
+  return static_cast<std::size_t>(std::find(settings.order.begin(), settings.order.end(), node) -
+                                  settings.order.begin());
+}
 
 /// Fold-back around a break, with a second, counter-rotating line. (ours, protocol.md section 8; Honda's
 /// own answer is switches to a redundant line, US10742444)
@@ -96,6 +103,10 @@ class FoldBack {
   void hear(wire::FoldWord word, const wire::Slice& slice, Time now);
   void hear_of_tail(wire::FoldWord word, const wire::Slice& slice, Time now);
   void forget_tail(Time now);
+  /// Whether a DATP is under way after this slice.
+  static bool open_after(const wire::Slice& slice, bool open);
+  /// A tail that has not said so often that it is one, is gone.
+  static constexpr int kMissed = 5;
   void break_off_second(Time now);
   void say(wire::FoldMark mark, NodeId node) { wire::put(second_, {mark, node}); }
   void say_again(Time now);

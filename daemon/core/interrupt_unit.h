@@ -30,6 +30,8 @@ class InterruptUnit {
   }
   wire::ByteView start(Time now);
   bool busy() const { return !flight_.idle(); }
+  /// It is what was sent last, and not home yet. @pre its CRC is good
+  bool expects(const wire::PacketFields& packet) const { return flight_.is_return(packet); }
 
   /// @param doubtful what receivers wrote says nothing (Membership::has_merged): it ends lost
   bool returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at);

@@ -63,8 +63,15 @@ json broken_line_json(Node& node) {
   json broken{{"before", line->before},
               {"behind", line->behind},
               {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
-  if (behind) broken["noticed_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
+  if (behind) broken["announced_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
   return broken;
+}
+
+json fold_json(const SecondLine& second) {
+  return {{"input", second.fold().takes_second()},
+          {"output", second.fold().turned_back()},
+          {"second_input", second.input().up() ? "up" : "down"},
+          {"second_output", second.output().up() ? "up" : "down"}};
 }
 
 json heard_json(Node& node) {
@@ -134,6 +141,7 @@ json status_row(Node& node) {
            {"faults", node.faults().list()},
            {"counters", counters_json(node)},
            {"heard", heard_json(node)}};
+  if (engine.second_line()) row["fold"] = fold_json(*engine.second_line());
   if (node.supervisor()) row["supervisor"] = supervisor_json(node);
   return row;
 }

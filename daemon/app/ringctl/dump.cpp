@@ -104,7 +104,7 @@ int run(const Context& context, const Options& options) {
 }
 
 void add_options(CLI::App& command, Options& options) {
-  command.add_option("NODE", options.nodes, "Nodes whose lines to look at, id or name, or all; default: the supervisor");
+  command.add_option("NODE", options.nodes, "Nodes to look at, id or name, or all; default: the supervisor");
   const std::map<std::string, Stamps> stamps{
       {"a", Stamps::absolute}, {"d", Stamps::delta}, {"z", Stamps::zero}};
   command.add_option("-t,--time", options.text.stamps, "Times: a absolute, d since the one before, z since the first")

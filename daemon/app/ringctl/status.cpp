@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -37,9 +38,15 @@ std::vector<nlohmann::json> rows_of(const RingAccess& ring) {
 }
 
 std::string summary(const std::vector<nlohmann::json>& rows) {
-  std::size_t up = 0;
-  for (const auto& row : rows) up += row.value("state", "") == "up" ? 1 : 0;
-  return std::to_string(up) + " of " + std::to_string(rows.size()) + " nodes up";
+  std::size_t up = 0, folded = 0, part = rows.size();
+  for (const auto& row : rows) {
+    const std::string state = row.value("state", "");
+    if (state == "folded") part = std::min(part, row.value("ring_size", rows.size()));
+    folded += state == "folded" ? 1 : 0;
+    up += state == "up" || state == "folded" ? 1 : 0;
+  }
+  const char* fold = folded == 0 ? "" : part < up ? ", folded back in parts" : ", folded back around a break";
+  return std::to_string(up) + " of " + std::to_string(rows.size()) + " nodes up" + fold;
 }
 
 int run(const Context& context, bool json) {

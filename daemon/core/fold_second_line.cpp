@@ -1,0 +1,99 @@
+// FoldBack's second line: what the nodes tell each other on it, and what is repeated.
+#include "core/fold_back.h"
+
+namespace limb_ring::core {
+
+using wire::FoldMark;
+using wire::FoldWord;
+using wire::Slice;
+using wire::SliceKind;
+
+void FoldBack::second_input_up(Time now) {
+  second_input_up_ = true;
+  settle(now);
+}
+
+void FoldBack::second_input_lost(Time now) {
+  second_input_up_ = false;
+  lose_tail(now);
+}
+
+void FoldBack::lose_tail(Time now) {
+  break_off_second(now);
+  if (tail_ && repeats()) say(FoldMark::lost, id());
+  forget_tail(now);
+}
+
+void FoldBack::second_input_gap(Time now) { break_off_second(now); }
+
+void FoldBack::second_output_up(Time now) {
+  second_output_up_ = true;
+  if (tail_ && repeats()) say(FoldMark::begin, *tail_);
+  say_again(now);
+  settle(now);
+}
+
+void FoldBack::second_output_lost(Time now) {
+  second_output_up_ = false;
+  settle(now);
+}
+
+void FoldBack::receive_second(const Slice& slice, Time now) {
+  if (slice.kind == SliceKind::idle) return;
+  if (const auto word = wire::fold_word(slice)) return hear(*word, slice, now);
+  const bool takes = in_ != In::first;
+  if (!takes && (!repeats() || !tail_)) {
+    ++counters_.fold_discarded;
+    return;
+  }
+  second_open_ = open_after(slice, second_open_);
+  if (!takes) return second_.put(slice.kind, slice.bytes);
+  receiver_.take(slice, now);
+  drain_if_settled(now);
+}
+
+// What was coming in on the second line will never be whole.
+void FoldBack::break_off_second(Time now) {
+  if (!second_open_) return;
+  second_open_ = false;
+  if (in_ != In::first)
+    controller_.input_gap(now);
+  else
+    second_.put(SliceKind::abort, {});
+}
+
+void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
+  const bool of_neighbour = word.mark == FoldMark::deaf || word.mark == FoldMark::hears;
+  if (!of_neighbour) return hear_of_tail(word, slice, now);
+  if (word.node != to_) return;  // one that is bypassed
+  next_is_deaf_ = word.mark == FoldMark::deaf;
+  if (!next_is_deaf_) greet_on_first();
+  settle(now);
+}
+
+// A word that has come back to who said it has found nobody behind a break. Where a `begin` has been said
+// anew behind a `lost`, that goes round once more: else nobody would take from the second line what is on it.
+void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
+  if (word.node == id()) return word.mark == FoldMark::lost && tail_ ? lose_tail(now) : void();
+  const bool said_just_now = word.mark == FoldMark::begin && tail_ == word.node &&
+                             tail_due_ - now > kMissed * pause() - pause() / 2;
+  if (said_just_now) return;  // it goes round, since nobody is behind a break
+  if (repeats()) second_.put(slice.kind, slice.bytes);
+  if (word.mark == FoldMark::begin) {
+    tail_ = word.node;
+    tail_due_ = now + kMissed * pause();
+    return settle(now);
+  }
+  if (word.mark == FoldMark::last && tail_ != word.node) return;
+  break_off_second(now);
+  forget_tail(now);
+}
+
+void FoldBack::forget_tail(Time now) {
+  tail_.reset();
+  tail_due_ = kNever;
+  if (in_ == In::draining) drained(now);
+  settle(now);
+}
+
+}  // namespace limb_ring::core
