@@ -11,7 +11,8 @@ constexpr std::uint64_t kSliceHeader = 4;  // the framing of the link: no bytes 
 constexpr double kShortest = 0.5;          // s between looks: a status at every change tells no rate
 
 std::uint64_t bytes_in(const NodeStatus& node) {
-  const std::uint64_t framing = kSliceHeader * (counter_of(node, "input_slices") + counter_of(node, "input_idle_slices"));
+  const std::uint64_t slices = counter_of(node, "input_slices") + counter_of(node, "input_idle_slices");
+  const std::uint64_t framing = kSliceHeader * slices;
   const std::uint64_t all = counter_of(node, "input_bytes");
   return all - std::min(all, framing);
 }

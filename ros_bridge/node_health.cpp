@@ -58,7 +58,8 @@ bool NodeHealth::is_heard() const {
 void NodeHealth::note_changes(const NodeStatus& now, Clock::time_point at) {
   for (const auto& step : losses_.take(now))
     recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
-  if (was_heard_ && !is_well(now.state)) recent_.note("state", "was " + now.state, at);
+  if (was_heard_ && is_well(now.state) && !is_well(status_.state))
+    recent_.note("state", "was " + status_.state, at);
   if (now.cpu_boots > status_.cpu_boots && status_.cpu_boots != 0)
     recent_.note("boots", "its CPU was started anew (boot " + std::to_string(now.cpu_boots) + ")", at);
   if (now.pid == 0) return;

@@ -17,7 +17,8 @@ constexpr double kBall = 0.07, kText = 0.042, kShaft = 0.012, kHead = 0.035, kCr
 const double kTurn = 2 * std::acos(-1.0);
 
 const NodeStatus* find(const RingStatus& ring, std::uint8_t id) {
-  const auto found = std::find_if(ring.nodes.begin(), ring.nodes.end(), [id](const auto& node) { return node.id == id; });
+  const auto found =
+      std::find_if(ring.nodes.begin(), ring.nodes.end(), [id](const auto& node) { return node.id == id; });
   return found == ring.nodes.end() ? nullptr : &*found;
 }
 

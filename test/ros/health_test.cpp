@@ -81,6 +81,17 @@ TEST_F(Health, IsStaleForANodeNobodyHasHeardAndAnErrorForOneThatWent) {
   EXPECT_THAT(of_node().message, HasSubstr("not heard for 3 s"));
 }
 
+TEST_F(Health, WarnsForAWhileOfAStateThatIsOver) {
+  take();
+  knee().state = "open_chain";
+  take();
+  EXPECT_EQ(of_node().message, "open_chain");
+  knee().state = "up";
+  take();
+  EXPECT_EQ(of_node().level, Level::WARN);
+  EXPECT_EQ(of_node().message, "was open_chain");
+}
+
 TEST_F(Health, IsAnErrorForANodeOfAnotherHostWhoseBeaconsAreOld) {
   knee().pid = 0;
   knee().beacon_age = 0.1;
