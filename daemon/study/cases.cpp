@@ -5,7 +5,6 @@
 #include <random>
 
 #include "study/case_ring.h"
-#include "study/ring_capture.h"
 
 namespace limb_ring::study {
 namespace {
@@ -243,11 +242,11 @@ std::string formula_words(Case which, const Medium& medium) {
 }
 
 CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace,
-                    std::ostream* capture) {
+                    std::ostream* capture, CaptureAt at) {
   CaseResult result;
   CaseRing ring(medium, trace);
   std::optional<RingCapture> captured;
-  if (capture != nullptr) captured.emplace(ring, *capture, plain_names(medium.nodes));
+  if (capture != nullptr) captured.emplace(ring, *capture, plain_names(medium.nodes), at);
   const std::uint64_t bytes = ring.line_use().bytes();
   Run run{medium, ring, result, std::mt19937_64(seed)};
   dispatch(which, run);

@@ -6,6 +6,7 @@
 
 #include "study/latency.h"
 #include "study/medium.h"
+#include "study/ring_capture.h"
 
 namespace limb_ring::study {
 
@@ -40,9 +41,9 @@ struct CaseResult {
 
 /// Runs one case. The seed matters where something is random (interrupt_bound, random).
 /// @param trace where the lines of the trace go, or null
-/// @param capture where its packets go as pcapng, or null
+/// @param capture where its packets go as pcapng, or null; taken where `at` says
 /// @throw sim::BrokenPromise
 CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace = nullptr,
-                    std::ostream* capture = nullptr);
+                    std::ostream* capture = nullptr, CaptureAt at = CaptureAt::inputs);
 
 }  // namespace limb_ring::study

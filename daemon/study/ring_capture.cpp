@@ -29,10 +29,11 @@ capture::RingNames plain_names(unsigned nodes) {
   return names;
 }
 
-RingCapture::RingCapture(sim::VirtualRing& ring, std::ostream& out, capture::RingNames names)
+RingCapture::RingCapture(sim::VirtualRing& ring, std::ostream& out, capture::RingNames names, CaptureAt at)
     : ring_(ring), writer_(out, std::move(names)) {
-  for (unsigned id = 0; id < ring.size(); ++id)
-    inputs_.emplace_back([this](const capture::PacketView& packet) { write(packet); });
+  const auto written = [this](const capture::PacketView& packet) { write(packet); };
+  inputs_.assign(ring.size(), capture::PacketAssembler(written));
+  if (at == CaptureAt::inputs_and_outputs) outputs_.assign(ring.size(), capture::PacketAssembler(written));
   ring.add_witness(*this);
 }
 
@@ -43,8 +44,21 @@ wire::NodeId RingCapture::upstream(wire::NodeId node) const {
   return static_cast<wire::NodeId>(from);
 }
 
+wire::NodeId RingCapture::downstream(wire::NodeId node) const {
+  unsigned to = node;
+  do to = (to + 1) % ring_.size();
+  while (to != node && !ring_.alive(static_cast<wire::NodeId>(to)));
+  return static_cast<wire::NodeId>(to);
+}
+
 void RingCapture::write(const capture::PacketView& packet) {
   writer_.packet(packet.at.count(), packet.info, packet.bytes);
+}
+
+void RingCapture::leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) {
+  if (outputs_.empty()) return;
+  outputs_[node].set_line(false, node, downstream(node));
+  outputs_[node].put(slice, in_ns(now));
 }
 
 void RingCapture::arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) {

@@ -17,6 +17,7 @@ struct Options {
   study::Medium medium;
   std::uint64_t seed = 1;
   std::string trace, capture;
+  bool outputs = false;
   app::Format format = app::Format::text;
 };
 
@@ -38,8 +39,10 @@ int run(const Options& options) {
   std::ofstream trace, capture;
   open(trace, "--trace ", options.trace);
   open(capture, "--capture ", options.capture);
-  const study::CaseResult result = run_case(options.which, options.medium, options.seed,
-                                            trace.is_open() ? &trace : nullptr, capture.is_open() ? &capture : nullptr);
+  const study::CaptureAt at = options.outputs ? study::CaptureAt::inputs_and_outputs : study::CaptureAt::inputs;
+  const study::CaseResult result =
+      run_case(options.which, options.medium, options.seed, trace.is_open() ? &trace : nullptr,
+               capture.is_open() ? &capture : nullptr, at);
   if (!trace.flush() || !capture.flush()) throw std::runtime_error("not all of the trace or capture could be written");
   const app::Row row = run_row(options.which, options.medium, result, options.seed);
   if (options.format == app::Format::text) std::cout << in_lines(row);
@@ -64,7 +67,10 @@ void add_run(CLI::App& app, Context& context) {
   add_seed(*command, options->seed);
   command->add_option("--trace", options->trace,
                       "Write everything that happened here: time in ps, node, what, and three figures of it");
-  command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
+  CLI::Option* capture =
+      command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
+  command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
+      ->needs(capture);
   add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] { return run(*options); };

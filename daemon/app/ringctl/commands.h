@@ -17,6 +17,7 @@ void add_reset(CLI::App& app, Context& context);
 void add_ping(CLI::App& app, Context& context);
 void add_observe(CLI::App& app, Context& context);
 void add_dump(CLI::App& app, Context& context);
+void add_trace(CLI::App& app, Context& context);
 void add_replay(CLI::App& app, Context& context);
 void add_top(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);

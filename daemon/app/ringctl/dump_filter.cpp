@@ -18,16 +18,6 @@ bool given(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-wire::NodeId node_of(const std::string& word, const capture::RingNames& names) {
-  std::string there;
-  if (word == "all") return wire::kBroadcast;
-  for (const auto& [id, name] : names.nodes) {
-    if (word == name || word == std::to_string(id)) return id;
-    there += (there.empty() ? "" : ", ") + std::to_string(id) + " (" + name + ")";
-  }
-  throw UsageError("unknown node '" + word + "'; ring " + names.ring + " has: " + there);
-}
-
 template <std::size_t N>
 json list_of(const std::bitset<N>& set) {
   json list = json::array();
@@ -36,7 +26,20 @@ json list_of(const std::bitset<N>& set) {
   return list;
 }
 
+wire::NodeId destination_of(const std::string& word, const capture::RingNames& names) {
+  return word == "all" ? wire::kBroadcast : node_of(word, names);
+}
+
 }  // namespace
+
+wire::NodeId node_of(const std::string& word, const capture::RingNames& names) {
+  std::string there;
+  for (const auto& [id, name] : names.nodes) {
+    if (word == name || word == std::to_string(id)) return id;
+    there += (there.empty() ? "" : ", ") + std::to_string(id) + " (" + name + ")";
+  }
+  throw UsageError("unknown node '" + word + "'; ring " + names.ring + " has: " + there);
+}
 
 void add_filter(CLI::App& command, FilterWords& words) {
   command.add_option("--at", words.at, "in, out or both; default in, where each packet of a closed ring passes once")
@@ -64,8 +67,8 @@ capture::Wish wish_of(const FilterWords& words, const capture::RingNames& names)
     wish.filter.output = given(words.at, "out");
   }
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) wish.filter.kinds[kind] = given(words.kinds, kKinds[kind]);
-  for (const std::string& node : words.from) wish.filter.source.set(node_of(node, names));
-  for (const std::string& node : words.to) wish.filter.destination.set(node_of(node, names));
+  for (const std::string& node : words.from) wish.filter.source.set(destination_of(node, names));
+  for (const std::string& node : words.to) wish.filter.destination.set(destination_of(node, names));
   for (const unsigned priority : words.priority) wish.filter.priority.set(priority);
   for (const unsigned channel : words.channel) wish.filter.channel.set(channel);
   wish.sample = words.sample;

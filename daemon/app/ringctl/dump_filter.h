@@ -23,6 +23,9 @@ struct FilterWords {
 /// Adds --at, --kind, --from, --to, --priority, --channel, --sample and --limit.
 void add_filter(CLI::App& command, FilterWords& words);
 
+/// Id of a node by id or name. @throw UsageError listing those there are
+wire::NodeId node_of(const std::string& word, const capture::RingNames& names);
+
 /// @throw UsageError naming the word that is wrong, and what there is
 capture::Wish wish_of(const FilterWords& words, const capture::RingNames& names);
 

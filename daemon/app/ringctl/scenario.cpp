@@ -25,7 +25,7 @@ struct Options {
   std::string junit, capture;
   std::optional<std::uint64_t> seed;
   std::string transport;
-  bool live = false, json = false;
+  bool live = false, json = false, outputs = false;
 };
 
 app::Row row_of(const ScenarioRun& run) {
@@ -72,11 +72,12 @@ std::vector<Scenario> load(const Options& options) {
 int run(const Options& options) {
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options);
+  const study::CaptureAt at = options.outputs ? study::CaptureAt::inputs_and_outputs : study::CaptureAt::inputs;
   std::vector<ScenarioRun> runs;
   for (const Scenario& scenario : scenarios) {
     const std::uint64_t seed = options.seed.value_or(scenario.seed);
     runs.push_back(options.live ? play_live(scenario, seed, options.transport)
-                                : run_scenario(scenario, seed, capture.is_open() ? &capture : nullptr));
+                                : run_scenario(scenario, seed, capture.is_open() ? &capture : nullptr, at));
     if (!options.json) std::cout << text_of(runs.back()) << std::endl;
   }
   std::vector<app::Row> rows;
@@ -105,7 +106,10 @@ void add_scenario(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"unix", "udp"}))
       ->needs(live);
   command->add_option("--junit", options->junit, "Write JUnit XML there");
-  command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
+  CLI::Option* capture =
+      command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
+  command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
+      ->needs(capture);
   command->add_option("--seed", options->seed, "Instead of the files' own");
   add_json(*command, options->json);
   command->callback([&context, options] {

@@ -1,7 +1,6 @@
 #include "study/scenario/scenario_run.h"
 
 #include "config/quantity.h"
-#include "study/ring_capture.h"
 #include "study/scenario/look.h"
 #include "study/scenario/robot.h"
 
@@ -109,10 +108,10 @@ ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& st
   return Run(scenario, seed, stage).run();
 }
 
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture) {
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, CaptureAt at) {
   Robot robot(scenario, seed);
   std::optional<RingCapture> captured;
-  if (capture != nullptr) captured.emplace(robot.ring(), *capture, names_of(scenario.ring));
+  if (capture != nullptr) captured.emplace(robot.ring(), *capture, names_of(scenario.ring), at);
   return run_scenario(scenario, seed, robot);
 }
 

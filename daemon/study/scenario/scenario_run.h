@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "study/ring_capture.h"
 #include "study/scenario/stage.h"
 
 namespace limb_ring::study::scenario {
@@ -32,8 +33,9 @@ struct ScenarioRun {
 
 /// Runs a scenario under a virtual clock; every promise of the ring is an expectation too. The same scenario
 /// and seed give the same run.
-/// @param capture where its packets go as pcapng, or null
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr);
+/// @param capture where its packets go as pcapng, or null; taken where `at` says
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr,
+                         CaptureAt at = CaptureAt::inputs);
 
 /// Plays it on a stage that has not begun. @param seed the stage's, for the report
 ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage);

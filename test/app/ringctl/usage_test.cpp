@@ -34,7 +34,7 @@ using Usage = OwnFolder;
 
 TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
   for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop",
-                              "reset", "ping", "observe", "dump", "replay", "top"}) {
+                              "reset", "ping", "observe", "dump", "trace", "replay", "top"}) {
     const Said said = ringctl({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.text, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
@@ -122,6 +122,21 @@ TEST_F(Usage, UpNeedsAFileOrANumberOfNodes) {
   EXPECT_EQ(ringctl({"up", "ring.yaml", "--nodes", "4"}).code, kUsage);
   EXPECT_EQ(ringctl({"up", "--nodes", "1"}).code, kUsage);
   EXPECT_EQ(ringctl({"up", "--nodes", "4", "--transport", "smoke"}).code, kUsage);
+}
+
+TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
+      {{"trace"}, "either FILE, a capture, or --live"},
+      {{"trace", "walk.pcapng", "--live"}, "either FILE, a capture, or --live"},
+      {{"trace", "walk.pcapng", "--for", "5s"}, "with --live"},
+      {{"trace", "--live", "--at", "5ms"}, "--at"},
+      {{"trace", "walk.pcapng", "--sequence", "8"}, "--sequence"},
+      {{"trace", "no_such.pcapng"}, "no_such.pcapng: cannot be read"}};
+  for (const auto& [arguments, about] : wrong) {
+    const Said said = ringctl(arguments);
+    EXPECT_EQ(said.code, kUsage) << about;
+    EXPECT_THAT(said.text, HasSubstr(about));
+  }
 }
 
 }  // namespace

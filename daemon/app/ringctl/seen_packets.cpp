@@ -1,0 +1,73 @@
+#include "app/ringctl/seen_packets.h"
+
+#include <cstring>
+#include <deque>
+#include <iostream>
+
+#include "app/ringctl/capture_names.h"
+#include "app/ringctl/dump_filter.h"
+#include "app/ringctl/live_dump.h"
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Of a live look the latest so many are kept: about 70 bytes each.
+constexpr std::size_t kWindow = 1000000;
+
+/// Keeps the latest packets until its time is over.
+class Window final : public CaptureSink {
+ public:
+  explicit Window(std::chrono::nanoseconds how_long) : end_(steady_clock::now() + how_long) {}
+
+  void packet(const CapturedPacket& packet) override {
+    lost_ += packet.lost_before;
+    packets_.push_back(capture::seen(packet));
+    if (packets_.size() <= kWindow) return;
+    packets_.pop_front();
+    ++lost_;
+  }
+  void event(const capture::CapturedEvent&) override {}
+  bool flush() override { return steady_clock::now() < end_; }
+
+  SeenPackets take(capture::RingNames names) const {
+    return {std::move(names), {packets_.begin(), packets_.end()}, lost_};
+  }
+
+ private:
+  steady_clock::time_point end_;
+  std::deque<capture::SeenPacket> packets_;
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace
+
+SeenPackets packets_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw UsageError(path + ": cannot be read: " + std::strerror(errno));
+  capture::PcapngReader reader(file, path);
+  SeenPackets seen;
+  while (const auto record = reader.next()) {
+    const auto* packet = std::get_if<CapturedPacket>(&*record);
+    if (packet == nullptr) continue;
+    seen.packets.push_back(capture::seen(*packet));
+    seen.lost += packet->lost_before;
+  }
+  seen.names = reader.names();
+  if (reader.cut_short()) std::cerr << "ringctl: " << path << " ends in the middle of a packet" << std::endl;
+  return seen;
+}
+
+SeenPackets packets_of_ring(const std::string& ring, std::chrono::nanoseconds how_long) {
+  const RingAccess access = RingAccess::open(choose_ring(ring));
+  capture::Wish wish;
+  wish.filter.output = true;
+  Window window(how_long);
+  LiveDump(access, access.nodes(), {{"packets", order_of(wish)}}, window).run(0);
+  return window.take(names_of(access));
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/ringctl/capture_sink.h"
+#include "capture/seen_packet.h"
+
+namespace limb_ring::ringctl {
+
+/// What `trace` looks at.
+struct SeenPackets {
+  capture::RingNames names;
+  std::vector<capture::SeenPacket> packets;
+  std::uint64_t lost = 0;  ///< missing: read too slowly, or more than the window of a live look holds
+};
+
+/// All packets of a capture file. @throw UsageError, capture::CaptureFileError
+SeenPackets packets_of_file(const std::string& path);
+/// What is on all lines of a running ring for so long, or until somebody asks it to end.
+/// @throw HostPortError, NoRing
+SeenPackets packets_of_ring(const std::string& ring, std::chrono::nanoseconds how_long);
+
+}  // namespace limb_ring::ringctl

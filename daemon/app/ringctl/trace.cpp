@@ -1,0 +1,142 @@
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "app/ringctl/commands.h"
+#include "app/ringctl/dump_filter.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/seen_packets.h"
+#include "app/ringctl/way_svg.h"
+#include "app/ringctl/way_words.h"
+#include "capture/trip_choice.h"
+#include "config/quantity.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+using std::chrono::nanoseconds;
+
+struct Options {
+  std::string file, source, at, over, how_long, svg;
+  std::optional<unsigned> sequence;
+  std::size_t count = 1;
+  bool live = false, json = false;
+};
+
+nanoseconds time_of(const std::string& option, const std::string& text) {
+  const auto time = config::parse_time(text);
+  if (!time || time->count() < 0) throw UsageError(option + " " + text + ": not a time; one is 200us, 1.5ms or 5s");
+  return *time;
+}
+
+/// With a unit: since the first packet; without: seconds as `dump` prints them. A double would lose the ns.
+nanoseconds instant_of(const std::string& text, nanoseconds first) {
+  constexpr std::size_t kDecimals = 9;
+  constexpr std::int64_t kLatest = std::chrono::floor<std::chrono::seconds>(nanoseconds::max()).count() - 1;
+  if (const auto since = config::parse_time(text)) return first + *since;
+  const std::size_t point = text.find('.');
+  std::string decimals = point == std::string::npos ? "" : text.substr(point + 1);
+  decimals.resize(std::max(decimals.size(), kDecimals), '0');
+  const auto whole = config::parse_integer(text.substr(0, point));
+  const auto parts = config::parse_integer(decimals);
+  if (!whole || !parts || *whole < 0 || *whole > kLatest || *parts < 0 || decimals.size() != kDecimals)
+    throw UsageError("--at " + text + ": not a time; one is 12.5ms since the first packet, or 1763757352.123456789 as "
+                     "'ringctl dump' prints it");
+  return std::chrono::seconds(*whole) + nanoseconds(*parts);
+}
+
+capture::TripChoice choice_of(const Options& options, const SeenPackets& seen) {
+  capture::TripChoice choice;
+  if (!options.source.empty()) choice.source = node_of(options.source, seen.names);
+  if (options.sequence) choice.sequence = static_cast<std::uint8_t>(*options.sequence);
+  if (!options.over.empty()) choice.over = time_of("--over", options.over);
+  if (options.at.empty()) return choice;
+  nanoseconds first = nanoseconds::max();
+  for (const capture::SeenPacket& packet : seen.packets) first = std::min(first, packet.began);
+  choice.at = instant_of(options.at, first);
+  return choice;
+}
+
+void check(const Options& options) {
+  if (options.live != options.file.empty())
+    throw UsageError("trace: either FILE, a capture, or --live: choose one of them");
+  if (!options.how_long.empty() && !options.live) throw UsageError("--for: how long to look, with --live");
+  if (!options.live) return;
+  if (!options.at.empty()) throw UsageError("--at: of a capture; what is to come with --live has no time yet");
+}
+
+SeenPackets look(const Context& context, const Options& options) {
+  if (!options.live) return packets_of_file(options.file);
+  return packets_of_ring(context.ring, time_of("--for", options.how_long.empty() ? "5s" : options.how_long));
+}
+
+void write_picture(const Options& options, const capture::Way& way, const capture::RingNames& names) {
+  std::ofstream out(options.svg);
+  if (!out) throw UsageError(options.svg + ": cannot be written: " + std::strerror(errno));
+  out << way_svg(way, names) << std::flush;
+  if (!out) throw NotDone(options.svg + ": not all could be written");
+}
+
+void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips, const Options& options,
+          const SeenPackets& seen) {
+  for (std::size_t i = 0; i < trips.size(); ++i) {
+    const capture::Way way = ring.way(trips[i]);
+    if (i == 0 && !options.svg.empty()) write_picture(options, way, seen.names);
+    if (options.json) std::cout << way_json(way, seen.names) << '\n';
+    else std::cout << (i == 0 ? "" : "\n") << way_text(way, seen.names);
+  }
+  std::cout << std::flush;
+}
+
+int run(const Context& context, const Options& options) {
+  check(options);
+  SeenPackets seen = look(context, options);
+  const capture::TripChoice choice = choice_of(options, seen);
+  if (seen.lost != 0)
+    std::cerr << "ringctl: " << seen.lost << " packets are missing in this capture; ways have gaps" << std::endl;
+  const bool any = !seen.packets.empty();
+  const capture::TracedRing ring(std::move(seen.packets));
+  if (any && !ring.outputs_seen())
+    throw UsageError(options.file + ": what packets waited for shows only where they go out too; 'ringctl dump all --at "
+                     "in,out -w FILE' captures that, or --capture FILE --outputs under the virtual clock");
+  std::vector<std::size_t> trips = choose_trips(ring, choice);
+  if (trips.empty()) throw NotDone("no such packet among " + std::to_string(ring.trips()) + " that were seen");
+  if (options.count != 0 && trips.size() > options.count) {
+    std::cerr << "ringctl: " << options.count << " of " << trips.size() << " that fit; -n shows more" << std::endl;
+    trips.resize(options.count);
+  }
+  show(ring, trips, options, seen);
+  return kDone;
+}
+
+void add_options(CLI::App& command, Options& options) {
+  command.add_option("FILE", options.file, "A capture, pcapng, of inputs and outputs");
+  command.add_flag("--live", options.live, "Look at all lines of the running ring instead");
+  command.add_option("--for", options.how_long, "With --live: how long; default 5s");
+  command.add_option("--over", options.over, "Only round trips above that, as 200us; all of them, unless -n is given");
+  command.add_option("--source", options.source, "Only packets of that node, id or name");
+  command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")->check(CLI::Range(0u, 7u));
+  command.add_option("--at", options.at, "Only those on their way then: 12.5ms since the first packet, or as dump -t a");
+  command.add_option("-n,--count", options.count, "At most so many, the slowest first; default 1; 0: all");
+  command.add_option("--svg", options.svg, "Draw the first of them there");
+  add_json(command, options.json);
+}
+
+}  // namespace
+
+void add_trace(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(app, "trace", "Why was it late: the way of the slowest packet, hop by hop, and what it "
+                                                "waited for");
+  add_options(*command, *options);
+  command->callback([&context, command, options] {
+    if (!options->over.empty() && command->count("--count") == 0) options->count = 0;
+    context.action = [&context, options] { return run(context, *options); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "capture/seen_packet.h"
+
+namespace limb_ring::capture {
+
+/// What has gone out of one node, in the order of its line.
+class LineHistory {
+ public:
+  /// @param packet goes on living; in the order of `began`
+  void add(const SeenPacket& packet);
+
+  /// Those that had the line while a packet waited for it: not free before it came in, begun before it
+  /// went out. Of an INTP that was embedded, its carrier is none of them, unless nothing else is there:
+  /// then it waited for a word of the carrier, its header among them.
+  std::vector<SeenPacket> in_front_of(const SeenPacket& in, const SeenPacket& out) const;
+  /// INTPs inside that packet.
+  std::vector<SeenPacket> inside(const SeenPacket& out) const;
+
+ private:
+  std::chrono::nanoseconds time_of(std::size_t bytes) const;
+  std::chrono::nanoseconds free_after(const SeenPacket& packet) const;
+  std::vector<const SeenPacket*>::const_iterator first_since(std::chrono::nanoseconds time) const;
+
+  std::vector<const SeenPacket*> packets_;
+  double byte_ns_ = -1;  ///< time of a byte on this line; 0 as fast as the host, negative: not known yet
+  std::chrono::nanoseconds longest_{0};  ///< of one packet, first slice to last
+};
+
+}  // namespace limb_ring::capture

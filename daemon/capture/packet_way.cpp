@@ -1,0 +1,44 @@
+#include "capture/packet_way.h"
+
+namespace limb_ring::capture {
+
+using std::chrono::nanoseconds;
+
+SeenPacket seen(const CapturedPacket& packet) {
+  const wire::PacketFields fields{{packet.bytes.data(), packet.bytes.size()}};
+  SeenPacket seen;
+  seen.last = nanoseconds(packet.time_ns);
+  seen.began = seen.last - packet.info.span;
+  seen.info = packet.info;
+  seen.code = fields.code_byte();
+  seen.hop = fields.hop();
+  seen.source = fields.source();
+  seen.size = static_cast<std::uint16_t>(packet.bytes.size());
+  const bool whole = PacketView{{}, packet.info, fields.bytes}.whole();
+  if (whole) seen.trailer = SeenPacket::Trailer{fields.fbc(), fields.destination(), fields.last()};
+  return seen;
+}
+
+std::optional<nanoseconds> Hop::waited() const {
+  if (!in || !out) return std::nullopt;
+  return out->began - in->began;
+}
+
+nanoseconds Way::waited() const {
+  nanoseconds all{0};
+  for (const Hop& hop : hops) all += hop.waited().value_or(nanoseconds(0));
+  return all;
+}
+
+const char* to_string(WayEnd end) {
+  switch (end) {
+    case WayEnd::home: return "came home";
+    case WayEnd::refused: return "came home refused";
+    case WayEnd::damaged: return "came home damaged";
+    case WayEnd::broken: return "came home broken off";
+    case WayEnd::not_home: return "did not come home";
+  }
+  return "";
+}
+
+}  // namespace limb_ring::capture

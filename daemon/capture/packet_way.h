@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "capture/seen_packet.h"
+
+namespace limb_ring::capture {
+
+/// What happened to a packet at one node: its source first, and where it came home its source again.
+struct Hop {
+  wire::NodeId node = 0;
+  std::optional<SeenPacket> in, out;  ///< nothing where it was not seen there
+  /// On the node's line out between its coming in and its going out, in the order of that line.
+  std::vector<SeenPacket> behind;
+  /// INTPs that were on the line out inside of it.
+  std::vector<SeenPacket> cut_by;
+
+  /// From its first slice in to its first slice out; nothing where one of them is missing, or at home.
+  std::optional<std::chrono::nanoseconds> waited() const;
+};
+
+/// How one try of a packet ended, as far as the capture shows.
+enum class WayEnd : std::uint8_t {
+  home,      ///< came back to its source, taken or not
+  refused,   ///< came back with FBC 0
+  damaged,   ///< came back with a bad CRC
+  broken,    ///< came back without its end
+  not_home   ///< was not seen coming back
+};
+const char* to_string(WayEnd end);
+
+/// The way of one try of a packet, hop by hop, and of the tries before it.
+struct Way {
+  wire::NodeId source = 0;
+  std::uint8_t code = 0;
+  std::optional<SeenPacket::Trailer> trailer;
+  std::uint16_t size = 0;
+  std::vector<Hop> hops;
+  WayEnd end = WayEnd::not_home;
+  std::chrono::nanoseconds began{0}, ended{0};  ///< first slice of its first sighting, last slice of its last
+  /// What was tried before it, the first one first: retries, and a packet of the same data sent again as new
+  /// after a refusal. Without hops of their own.
+  struct Earlier {
+    std::uint8_t code = 0;
+    WayEnd end = WayEnd::not_home;
+    SeenPacket last_seen;
+    std::chrono::nanoseconds began{0};
+  };
+  std::vector<Earlier> earlier;
+
+  bool came_home() const { return end != WayEnd::not_home; }
+  /// First slice of its first try.
+  std::chrono::nanoseconds sent() const { return earlier.empty() ? began : earlier.front().began; }
+  std::chrono::nanoseconds waited() const;  ///< at all nodes, as far as known
+};
+
+}  // namespace limb_ring::capture

@@ -1,0 +1,88 @@
+#include "capture/traced_ring.h"
+
+#include <algorithm>
+
+#include "capture/earlier_tries.h"
+
+namespace limb_ring::capture {
+
+namespace {
+
+std::vector<SeenPacket> in_order(std::vector<SeenPacket> packets) {
+  std::stable_sort(packets.begin(), packets.end(), [](const SeenPacket& a, const SeenPacket& b) {
+    return std::make_pair(a.began, a.stage()) < std::make_pair(b.began, b.stage());
+  });
+  return packets;
+}
+
+}  // namespace
+
+TracedRing::TracedRing(std::vector<SeenPacket> packets)
+    : packets_(in_order(std::move(packets))), trips_(sort_into_trips(packets_)) {
+  for (const SeenPacket& packet : packets_)
+    if (!packet.info.input) outputs_[packet.info.from].add(packet);
+  EarlierTries tries;
+  for (std::size_t trip = 0; trip < trips_.size(); ++trip)
+    before_.push_back(tries.before(first(trip), trailer_of(trip), end_of(trip)));
+}
+
+std::optional<SeenPacket::Trailer> TracedRing::trailer_of(std::size_t trip) const {
+  for (const std::size_t seen : trips_[trip].seen)
+    if (packets_[seen].trailer) return packets_[seen].trailer;
+  return std::nullopt;
+}
+
+WayEnd TracedRing::end_of(std::size_t trip) const {
+  const SeenPacket& end = last(trip);
+  if (!end.home()) return WayEnd::not_home;
+  if (!end.trailer) return WayEnd::broken;
+  if (end.info.crc_bad) return WayEnd::damaged;
+  return end.trailer->fbc == 0 ? WayEnd::refused : WayEnd::home;
+}
+
+std::optional<std::chrono::nanoseconds> TracedRing::round_trip(std::size_t trip) const {
+  if (end_of(trip) == WayEnd::not_home) return std::nullopt;
+  std::size_t begin = trip;
+  while (before_[begin]) begin = *before_[begin];
+  if (first(begin).stage() != 0) return std::nullopt;
+  return last(trip).last - first(begin).began;
+}
+
+// Stage 2 h is the way out of the h-th node, stage 2 h - 1 the way into it.
+std::vector<Hop> TracedRing::hops_of(std::size_t trip) const {
+  std::vector<Hop> hops;
+  std::optional<unsigned> place;
+  for (const std::size_t seen : trips_[trip].seen) {
+    const SeenPacket& packet = packets_[seen];
+    const unsigned here = (packet.stage() + 1) / 2;
+    if (place != here) hops.push_back({packet.seen_by(), {}, {}, {}, {}});
+    place = here;
+    (packet.info.input ? hops.back().in : hops.back().out) = packet;
+  }
+  for (Hop& hop : hops) add_company(hop);
+  return hops;
+}
+
+void TracedRing::add_company(Hop& hop) const {
+  if (!hop.out) return;
+  const LineHistory& line = outputs_.at(hop.node);
+  if (hop.in) hop.behind = line.in_front_of(*hop.in, *hop.out);
+  if (!hop.out->interrupt()) hop.cut_by = line.inside(*hop.out);
+}
+
+Way TracedRing::way(std::size_t trip) const {
+  Way way;
+  way.source = first(trip).source;
+  way.code = first(trip).code;
+  way.size = first(trip).size;
+  way.trailer = trailer_of(trip);
+  way.hops = hops_of(trip);
+  way.end = end_of(trip);
+  way.began = first(trip).began;
+  way.ended = last(trip).last;
+  for (auto before = before_[trip]; before; before = before_[*before])
+    way.earlier.insert(way.earlier.begin(), {first(*before).code, end_of(*before), last(*before), first(*before).began});
+  return way;
+}
+
+}  // namespace limb_ring::capture

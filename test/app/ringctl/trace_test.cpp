@@ -1,0 +1,111 @@
+// ringctl trace, on captures of ring_sim's cases.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "app/ringctl/command_line.h"
+#include "app/ringctl/own_folder.h"
+#include "app/ringctl/problems.h"
+#include "study/cases.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+using study::Case;
+using study::CaptureAt;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Said {
+  int code = -1;
+  std::string out, error;
+};
+
+class Trace : public OwnFolder {
+ protected:
+  std::string file(const char* name) const { return folder + "/" + name; }
+
+  std::string captured(Case which, CaptureAt at = CaptureAt::inputs_and_outputs) {
+    study::Medium medium;
+    medium.nodes = 4;
+    std::ofstream out(file("case.pcapng"), std::ios::binary);
+    run_case(which, medium, 1, nullptr, &out, at);
+    return file("case.pcapng");
+  }
+
+  static Said trace(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"ringctl", "trace"});
+    std::vector<char*> argv;
+    for (auto& argument : arguments) argv.push_back(argument.data());
+    ::testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
+    const std::string out = ::testing::internal::GetCapturedStdout();
+    return {code, out, ::testing::internal::GetCapturedStderr()};
+  }
+};
+
+TEST_F(Trace, OfTheWorstCaseNamesTheOwnPacketOfEveryNode) {
+  const Said said = trace({captured(Case::adversarial)});
+  EXPECT_EQ(said.code, kDone) << said.error;
+  EXPECT_THAT(said.out, HasSubstr("node0 -> node2  DATP"));
+  for (const char* node : {"node1", "node2", "node3"})
+    EXPECT_THAT(said.out, AllOf(HasSubstr("4.192  behind own DATP"), HasSubstr("of " + std::string(node) + " to node0")));
+  EXPECT_THAT(said.error, HasSubstr("1 of 4 that fit"));
+}
+
+TEST_F(Trace, DrawsAPictureWithABarForEachPacketInTheWay) {
+  const Said said = trace({captured(Case::adversarial), "--svg", file("way.svg")});
+  EXPECT_EQ(said.code, kDone) << said.error;
+  std::ifstream in(file("way.svg"));
+  const std::string picture{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_THAT(picture, AllOf(HasSubstr("<svg"), HasSubstr("</svg>"), HasSubstr("node0 -&gt; node2")));
+  std::size_t grey = 0;
+  for (auto at = picture.find("#9a9a9a"); at != std::string::npos; at = picture.find("#9a9a9a", at + 1)) ++grey;
+  EXPECT_EQ(grey, 3u);
+}
+
+TEST_F(Trace, WithOverShowsAllThatWereSlower) {
+  EXPECT_THAT(trace({captured(Case::adversarial), "--over", "1us"}).error, Not(HasSubstr("that fit")));
+}
+
+TEST_F(Trace, WithoutSuchAPacketDidNotHappen) {
+  for (const std::vector<std::string>& choice : {std::vector<std::string>{"--over", "1s"}, {"--at", "1s"}}) {
+    std::vector<std::string> arguments{captured(Case::alone)};
+    arguments.insert(arguments.end(), choice.begin(), choice.end());
+    const Said said = trace(arguments);
+    EXPECT_EQ(said.code, kNotDone);
+    EXPECT_THAT(said.error, HasSubstr("no such packet among 1 that were seen"));
+  }
+}
+
+TEST_F(Trace, RefusesACaptureWithoutOutputsAndSaysHowToTakeOne) {
+  const Said said = trace({captured(Case::alone, CaptureAt::inputs)});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.error, AllOf(HasSubstr("case.pcapng"), HasSubstr("--at in,out"), HasSubstr("--outputs")));
+}
+
+TEST_F(Trace, RefusesWrongTimesAndNodesWithWhatIsRight) {
+  const std::string path = captured(Case::alone);
+  EXPECT_THAT(trace({path, "--source", "knee"}).error, AllOf(HasSubstr("'knee'"), HasSubstr("0 (node0)")));
+  for (const char* option : {"--over", "--at"}) {
+    for (const char* time : {"soon", "1.2.3", "5 weeks"}) {
+      const Said said = trace({path, option, time});
+      EXPECT_EQ(said.code, kUsage) << option << " " << time;
+      EXPECT_THAT(said.error, HasSubstr(std::string(option) + " " + time + ": not a time"));
+    }
+  }
+}
+
+TEST_F(Trace, WithJsonPrintsALineAPacket) {
+  const Said said = trace({captured(Case::adversarial), "--json", "-n", "0"});
+  EXPECT_EQ(std::count(said.out.begin(), said.out.end(), '\n'), 4);
+  EXPECT_THAT(said.out, HasSubstr(R"("waited_ns":4192)"));
+}
+
+}  // namespace
+}  // namespace limb_ring::ringctl
