@@ -19,17 +19,17 @@ class Health : public ::testing::Test {
   Health() {
     status.connected = true;
     for (const auto& config : ring.nodes) {
-      NodeStatus node;
-      node.id = config.id;
-      node.state = "up";
-      node.pid = 100 + config.id;
-      node.cpu_state = "running";
-      node.cpu_boots = 1;
-      node.input_state = node.output_state = "up";
-      node.broken_before = node.broken_behind = -1;
-      node.counter_names = {"crc_errors", "ended_lost"};
-      node.counter_values = {4, 7};
-      status.nodes.push_back(node);
+      NodeStatus one;
+      one.id = config.id;
+      one.state = "up";
+      one.pid = 100 + config.id;
+      one.cpu_state = "running";
+      one.cpu_boots = 1;
+      one.input_state = one.output_state = "up";
+      one.broken_before = one.broken_behind = -1;
+      one.counter_names = {"crc_errors", "ended_lost"};
+      one.counter_values = {4, 7};
+      status.nodes.push_back(one);
     }
     knee().output_to = 3;
     hip().input_from = 7;
