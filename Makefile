@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: all build test demo soak bench bench-sim install-dissector deps clean
+.PHONY: all build test demo soak bench bench-sim chaos fault-table install-dissector deps clean
 all: build
 
 deps:
@@ -45,6 +45,20 @@ demo: build
 SEEDS ?= 1000
 soak: build
 	$(BUILD)/devel/lib/limb_ring/ring_sim soak --seeds $(SEEDS)
+
+# Random faults on a live ring of 16, by SEED (drawn and printed where not given), for MINUTES.
+MINUTES ?= 1
+SEED ?=
+TRANSPORT ?= unix
+REDUNDANCY ?= none
+LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --redundancy $(REDUNDANCY) --programs $(BUILD)/devel/lib/limb_ring
+chaos: build
+	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(LIVE_ARGS)
+
+# What the ring does about each fault, in figures: COUNT times each.
+COUNT ?= 20
+fault-table: build
+	$(PYTHON) scripts/fault_table --count $(COUNT) $(LIVE_ARGS)
 
 bench: build
 	$(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)

@@ -3,7 +3,8 @@
 # build's tests would find no Python messages.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/devel/lib/python3/dist-packages)
 find_package(catkin REQUIRED COMPONENTS
-  roscpp sensor_msgs geometry_msgs std_msgs topic_tools message_generation)
+  roscpp sensor_msgs geometry_msgs std_msgs topic_tools message_generation diagnostic_msgs
+  diagnostic_updater visualization_msgs tf2_ros)
 file(GLOB msg_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/msg msg/*.msg)
 file(GLOB srv_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/srv srv/*.srv)
 if(msg_files)
@@ -16,7 +17,8 @@ generate_messages(DEPENDENCIES std_msgs sensor_msgs)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES limb_ring_client
-  CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools)
+  CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools diagnostic_msgs
+    diagnostic_updater visualization_msgs tf2_ros)
 set(LIMB_RING_BIN ${CATKIN_PACKAGE_BIN_DESTINATION})
 set(LIMB_RING_LIB ${CATKIN_PACKAGE_LIB_DESTINATION})
 set(LIMB_RING_INCLUDE ${CATKIN_PACKAGE_INCLUDE_DESTINATION})

@@ -13,6 +13,10 @@ void tell_connection(const std::string& node, const std::string& problem) {
     ROS_WARN("node '%s': %s (trying again)", node.c_str(), problem.c_str());
 }
 
+FrameFilter frame_filter(const Parameters& parameters) {
+  return read_frame_filter(parameters.frames, parameters.ring, *parameters.ring.find(parameters.door.node));
+}
+
 }  // namespace
 
 Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
@@ -24,8 +28,11 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
                   counters_),
       commands_(nodes_, parameters_.ring, port_,
                 [this](std::uint8_t node) { return joints_.speaks(node); }, counters_),
+      diagnostics_(nodes_, parameters_.ring),
       status_(nodes_, parameters_.ring, parameters_.door, port_, joints_, counters_,
               [this](std::uint8_t node) { on_boot(node); }),
+      events_(nodes_, parameters_.ring, parameters_.door, counters_),
+      frames_(nodes_, parameters_.ring, parameters_.door, frame_filter(parameters_), counters_),
       services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.door, commands_)) {
   make_topics();
   port_.on_connection(
@@ -34,6 +41,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
     ROS_WARN("interrupt %u from node %u: %s", interrupt.factor, interrupt.source,
              interrupt.action == Interrupt::Action::stop ? "stop" : "notice");
   });
+  status_.on_status([this](const RingStatus& status) { diagnostics_.take(status); });
   port_.start();
   status_.start();
   // From the thread that serves the topics: what it proves is that this one is alive.

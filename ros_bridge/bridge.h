@@ -7,6 +7,9 @@
 
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/counters.h"
+#include "ros_bridge/diagnostics_out.h"
+#include "ros_bridge/events_out.h"
+#include "ros_bridge/frames_out.h"
 #include "ros_bridge/joint_data_out.h"
 #include "ros_bridge/parameters.h"
 #include "ros_bridge/ring_port.h"
@@ -20,7 +23,7 @@ namespace limb_ring::bridge {
 /// The CPU of one node of the ring, as ROS sees it: one class per direction, put together here.
 ///
 ///   ROS -> ring   CommandIn, TopicIn (one per topic), Services
-///   ring -> ROS   JointDataOut, TopicOut, StatusOut
+///   ring -> ROS   JointDataOut, TopicOut, StatusOut (and with it DiagnosticsOut), EventsOut, FramesOut
 class Bridge {
  public:
   Bridge(ros::NodeHandle nodes, Parameters parameters);
@@ -38,7 +41,10 @@ class Bridge {
   TopicOut topics_out_;
   CommandIn commands_;
   std::vector<std::unique_ptr<TopicIn>> topics_in_;
+  DiagnosticsOut diagnostics_;
   StatusOut status_;
+  EventsOut events_;
+  FramesOut frames_;
   std::unique_ptr<Services> services_;
   ros::WallTimer alive_;
 };

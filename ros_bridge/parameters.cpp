@@ -69,6 +69,7 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   const auto ring = text_parameter(own, "ring");
   if (!ring.empty()) parameters.ring.ring = ring;
   parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
+  own.getParam("frames", parameters.frames);
   parameters.door.ring = parameters.ring.ring;
   parameters.door.node = bridge_node(parameters.ring, text_parameter(own, "node")).name;
   parameters.door.role = Role::cpu;

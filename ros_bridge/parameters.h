@@ -4,6 +4,7 @@
 
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
+#include "ros_bridge/frame_filter.h"
 
 namespace limb_ring::bridge {
 
@@ -12,6 +13,7 @@ struct Parameters {
   config::RingConfig ring;
   ConnectOptions door;  ///< to the daemon of the bridge's node, as its CPU
   double rate = 50.0;   ///< Hz of joint_states
+  XmlRpc::XmlRpcValue frames;  ///< what `frames` shows, see FrameFilter
 };
 
 /// @throw std::invalid_argument, config::ConfigError naming what is wrong and what would be right

@@ -40,6 +40,19 @@ void take_counters(const json& counters, NodeStatus& status) {
   }
 }
 
+void take_lines(const json& row, NodeStatus& status) {
+  const json& input = member(row, "input");
+  take_text(input, "state", status.input_state);
+  take_number(input, "from", status.input_from);
+  const json& output = member(row, "output");
+  take_text(output, "state", status.output_state);
+  take_number(output, "to", status.output_to);
+  take_number(output, "rate_bit_s", status.output_rate);
+  const json& broken = member(row, "broken_line");
+  take_number(broken, "before", status.broken_before);
+  take_number(broken, "behind", status.broken_behind);
+}
+
 auto substance(const NodeStatus& s) {
   return std::tie(s.id, s.state, s.pid, s.cpu_state, s.cpu_pid, s.cpu_boots, s.ring_size);
 }
@@ -53,6 +66,8 @@ NodeStatus unheard_node(const config::NodeConfig& node) {
   status.state = "down";
   status.cpu_state = "unknown";
   status.beacon_age = -1;
+  status.input_state = status.output_state = "unknown";
+  status.input_from = status.output_to = status.broken_before = status.broken_behind = -1;
   return status;
 }
 
@@ -65,6 +80,7 @@ void merge_status_row(const json& row, NodeStatus& status) {
   take_text(cpu, "state", status.cpu_state);
   take_number(cpu, "pid", status.cpu_pid);
   take_number(cpu, "boots", status.cpu_boots);
+  take_lines(row, status);
   const json& trip = member(row, "round_trip_us");
   take_number(trip, "p50", status.round_trip_p50, kMicroseconds);
   take_number(trip, "p99", status.round_trip_p99, kMicroseconds);

@@ -81,6 +81,7 @@ void StatusOut::publish() {
   if (own != status.nodes.end()) status.ring_size = own->ring_size;
   notice_boots(status);
   publisher_.publish(status);
+  for (const auto& handler : on_status_) handler(status);
 }
 
 void StatusOut::fill_header(RingStatus& status) {

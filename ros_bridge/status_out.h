@@ -24,9 +24,13 @@ class StatusOut {
   /// The CPU of a node (by id) has started anew.
   using OnBoot = std::function<void(std::uint8_t node)>;
 
+  using OnStatus = std::function<void(const RingStatus&)>;
+
   StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door,
             RingPort& port, const JointDataOut& joints, const Counters& counters, OnBoot on_boot);
   ~StatusOut();
+  /// Before start(): calls `handler` with every status that is published, from this class's thread.
+  void on_status(OnStatus handler) { on_status_.push_back(std::move(handler)); }
   void start();
 
  private:
@@ -44,6 +48,7 @@ class StatusOut {
   const JointDataOut& joints_;
   const Counters& counters_;
   OnBoot on_boot_;
+  std::vector<OnStatus> on_status_;
   ros::Publisher publisher_;
 
   std::map<std::uint8_t, std::uint32_t> boots_;

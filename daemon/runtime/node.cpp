@@ -76,7 +76,8 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       faults_(io, fault_nodes(ring), engine_, cpu_),
       requests_(*this) {
   if (config::supervisor_of(ring).id == config.id)
-    supervisor_.emplace(io, ring, engine_.clock(), orders_, [this](wire::NodeId node) { return sighting_of(node); });
+    supervisor_.emplace(io, ring, engine_.clock(), orders_, [this](wire::NodeId node) { return sighting_of(node); },
+                        [this](const Watchdog::Finding& finding) { found(finding); });
 }
 
 void Node::start() {
@@ -112,6 +113,7 @@ void Node::on_event(const core::Event& event) {
 
 void Node::on_round_end() {
   if (engine_.controller().received_waiting() != 0) cpu_.hand_over();
+  if (observers_.any()) noticed_.look(engine_, observers_);
 }
 
 void Node::on_link(std::string_view what) {
@@ -145,8 +147,12 @@ void Node::handle(const core::StateChanged& change) {
     broken_since_ = engine_.now();
   const auto& membership = engine_.controller().membership();
   spdlog::info("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size());
+  const auto line = membership.broken_line();
+  nlohmann::json broken;
+  if (line) broken = {{"before", line->before}, {"behind", line->behind}};
   observers_.tell("state", {{"before", to_string(change.before)},
                             {"after", to_string(change.after)},
+                            {"broken_line", broken},
                             {"ring_size", membership.ring_size()}});
 }
 
@@ -201,6 +207,7 @@ void Node::on_observe(host::ClientId client, const std::string& json) {
   try {
     const ObserveOrder order = read_observe_order(ring_, json);
     observers_.set(client, order.kinds);
+    noticed_ = {};  // whoever comes anew is told what there is
     packet_observers_.set(client, order.packets);
   } catch (const std::exception& error) {
     host_.observed(client, nlohmann::json{{"error", error.what()}}.dump());
@@ -221,6 +228,10 @@ void Node::cpu_changed() {
   observers_.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
   orders_.on_cpu_changed(config_.id);
   if (status.boots != std::exchange(cpu_boots_, status.boots)) faults_.cpu_booted();
+}
+
+void Node::found(const Watchdog::Finding& finding) {
+  observers_.tell("watchdog", {{"id", finding.node}, {"verdict", to_string(finding.verdict)}, {"what", finding.what}});
 }
 
 CpuSighting Node::sighting_of(wire::NodeId node) const {

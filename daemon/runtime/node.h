@@ -13,6 +13,7 @@
 #include "runtime/cpu_socket.h"
 #include "runtime/engine.h"
 #include "runtime/faults.h"
+#include "runtime/noticed.h"
 #include "runtime/observe_order.h"
 #include "runtime/observers.h"
 #include "runtime/orders.h"
@@ -84,6 +85,7 @@ class Node final : private EngineListener, private host::HostHandler {
   void on_credit(host::ClientId client) override;
 
   void cpu_changed();
+  void found(const Watchdog::Finding& finding);
   CpuSighting sighting_of(wire::NodeId node) const;
   Orders::Cpu cpu_of(wire::NodeId node) const;
 
@@ -95,6 +97,7 @@ class Node final : private EngineListener, private host::HostHandler {
   Engine engine_;
   host::HostServer host_;
   Observers observers_;
+  Noticed noticed_;
   PacketObservers packet_observers_;
   CpuSocket cpu_;
   PinBoard pins_;

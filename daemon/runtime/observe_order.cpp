@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 using Words = std::vector<std::string>;
 
-const Words kEvents{"state", "link", "pin", "cpu", "sent"};
+const Words kEvents{"state", "ring", "link", "noise", "pin", "cpu", "watchdog", "sent"};
 const Words kKinds{"data", "control", "interrupt"};  // by capture::Kind
 const Words kLines{"in", "out"};
 constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();

@@ -19,11 +19,12 @@ std::vector<wire::NodeId> watched_in(const config::RingConfig& ring) {
 }  // namespace
 
 RingSupervisor::RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock,
-                               Orders& orders, Watchdog::SightingOf sighting_of)
+                               Orders& orders, Watchdog::SightingOf sighting_of, Found found)
     : ring_(ring),
       clock_(clock),
       orders_(orders),
       sighting_of_(std::move(sighting_of)),
+      found_(std::move(found)),
       watchdog_(ring.supervisor, kMissedBeacons * ring.timeouts.beacon, watched_in(ring)),
       timer_(io) {}
 
@@ -62,6 +63,7 @@ void RingSupervisor::tell(const Watchdog::Finding& finding) const {
   const bool bad = finding.verdict == CpuVerdict::hung || finding.verdict == CpuVerdict::unreachable;
   spdlog::log(bad ? spdlog::level::warn : spdlog::level::info, "CPU of node {} ({}) {}: {}", finding.node,
               ring_.find(finding.node)->name, to_string(finding.verdict), finding.what);
+  found_(finding);
 }
 
 }  // namespace limb_ring::runtime

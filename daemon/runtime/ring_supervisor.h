@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <functional>
 
 #include "runtime/clock.h"
 #include "runtime/orders.h"
@@ -10,11 +11,13 @@
 namespace limb_ring::runtime {
 
 /// What the ring's supervisor node does beside its own work: the watchdog, looked at once a beacon
-/// period, its findings logged (a line each), its orders given.
+/// period, its findings logged (a line each) and told, its orders given.
 class RingSupervisor {
  public:
+  using Found = std::function<void(const Watchdog::Finding&)>;
+
   RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock, Orders& orders,
-                 Watchdog::SightingOf sighting_of);
+                 Watchdog::SightingOf sighting_of, Found found);
 
   /// Does nothing where no CPU is to be watched, or the policy is off.
   void start();
@@ -31,6 +34,7 @@ class RingSupervisor {
   const Clock& clock_;
   Orders& orders_;
   Watchdog::SightingOf sighting_of_;
+  Found found_;
   Watchdog watchdog_;
   boost::asio::steady_timer timer_;
 };

@@ -63,7 +63,7 @@ json broken_line_json(Node& node) {
   json broken{{"before", line->before},
               {"behind", line->behind},
               {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
-  if (behind) broken["noticed_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
+  if (behind) broken["announced_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
   return broken;
 }
 

@@ -25,7 +25,7 @@ class Nodes(FaultTest):
 
     def test_a_node_started_again_ends_with_the_ring_in_the_foreground(self):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
-        self.wait_closed(range(3))
+        self.wait('the ring announced', lambda: 'is closed' in self.log_of(up))
         self.begin('kill', 'node1')
         self.fault('start', 'node1')
         pid = self.row(1)['pid']

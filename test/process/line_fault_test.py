@@ -18,7 +18,7 @@ class Lines(FaultTest):
         row = self.row(2)
         self.assertEqual((row['state'], row['broken_line']['before']), ('open_chain', 1))
         text = self.ctl('status').stdout
-        self.assertRegex(text, r'broken line node1 -> node2 since [0-9.]+ s, noticed after [0-9.]+ ms\n')
+        self.assertRegex(text, r'broken line node1 -> node2 since [0-9.]+ s, announced after [0-9.]+ ms\n')
         self.assertRegex(text, r'fault on purpose node1\.1: cut node1 -> node2')
         self.assertEqual(self.row(1)['counters']['output_attempts'], attempts, 'it was bypassed')
         self.assertIn('cut node1 -> node2', self.fault('list'))
@@ -26,7 +26,7 @@ class Lines(FaultTest):
         self.wait_closed(range(len(nodes)))
         self.assertEqual(self.listed(), {})
         self.assertNotIn('broken line', self.ctl('status').stdout)
-        return row['broken_line']['noticed_ms']
+        return row['broken_line']['announced_ms']
 
     def test_a_cut_unix_line_is_noticed_at_once_located_and_whole_again_when_removed(self):
         self.cut_and_heal(plain_nodes(4))

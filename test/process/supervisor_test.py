@@ -45,11 +45,16 @@ class Supervisor(RingTest):
         boots = self.wait_cpu(1, 'running')['boots']
         self.wait_verdict(1, 'alive')
         ping = self.port(0)
+        observer = self.port(0)
+        observer.observe('watchdog')
         run = ping.request({'do': 'ping', 'to': 2, 'count': 3000, 'interval_us': 200})
         old = self.hang(1)
         cured = self.wait_watched(1, 'a confirmed reset', lambda cpu: cpu['confirmed'] == 1)
         self.assertEqual((cured['verdict'], cured['hangs'], cured['resets']), ('alive', 1, 1))
         self.assertIn('silent for', cured['reset_reason'])
+        told = [observer.next_of(host_port.OBSERVED) for _ in range(2)]
+        self.assertEqual([(what['id'], what['verdict']) for what in told], [(1, 'hung')] * 2)
+        self.assertRegex(told[1]['what'], 'reset 1 of 2 ordered')
         cpu = self.wait_cpu(1, 'running')
         self.assertEqual((cpu['boots'], cpu['resets'], cpu['last_reset']), (boots + 1, 1, 'INT0 from node 0'))
         self.assertTrue(is_gone(old))

@@ -58,6 +58,16 @@ class Tools(RingTest):
         self.assertEqual(observer.next_of(host_port.OBSERVED)['kind'], 'link')
         cpu.close()
 
+    def test_observer_is_told_of_noise_and_of_the_rings_size(self):
+        daemons = self.start_ring(plain_nodes(3), timeouts={'bypass': '50ms'})
+        observer = self.port(1)
+        observer.observe('ring', 'noise')
+        self.assertEqual(observer.next_of(host_port.OBSERVED)['ring_size'], 3)
+        self.port(0).ask({'do': 'fault', 'fault': 'corrupt node0 -> node1 packets=1 seed=1'})
+        self.assertEqual(observer.next_of(host_port.OBSERVED)['crc_errors'], 1)
+        daemons[2].kill()
+        self.assertEqual(observer.next_of(host_port.OBSERVED)['ring_size'], 2)
+
     def test_observer_with_a_wrong_filter_is_told(self):
         self.start_ring(plain_nodes(2))
         observer = self.port(0)

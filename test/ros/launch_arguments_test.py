@@ -48,6 +48,10 @@ class LaunchArguments(unittest.TestCase):
         self.assertIn('/play', launched_nodes('bag:=any.bag'))
         self.assertNotIn('/play', launched_nodes())
 
+    def test_a_view_is_shown_where_one_is_asked_for(self):
+        self.assertTrue({'/rviz', '/ring_view', '/robot_state_publisher'} <= set(launched_nodes('view:=true')))
+        self.assertFalse({'/rviz', '/ring_view'} & set(launched_nodes()))
+
     def test_without_arguments_it_is_the_humanoid_with_its_bridge(self):
         names = launched_nodes()
         self.assertIn('/ring_bridge', names)

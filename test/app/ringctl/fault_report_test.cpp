@@ -56,8 +56,8 @@ TEST(LineReport, IsEmptyWhereAllIsWell) { EXPECT_EQ(line_report(three_nodes()), 
 TEST(LineReport, BelievesTheNodeBehindABreak) {
   std::vector<json> rows = three_nodes();
   for (json& row : rows) row["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.0}};
-  rows[1]["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.31}, {"noticed_ms", 21.44}};
-  EXPECT_EQ(line_report(rows), "broken line node0 -> node1 since 12.3 s, noticed after 21.4 ms\n");
+  rows[1]["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.31}, {"announced_ms", 21.44}};
+  EXPECT_EQ(line_report(rows), "broken line node0 -> node1 since 12.3 s, announced after 21.4 ms\n");
 }
 
 TEST(LineReport, NamesTheNoisyLineAndNotThoseThatDamagedPacketsPassLater) {

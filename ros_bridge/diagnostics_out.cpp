@@ -1,0 +1,50 @@
+#include "ros_bridge/diagnostics_out.h"
+
+#include <algorithm>
+
+namespace limb_ring::bridge {
+namespace {
+
+using diagnostic_updater::DiagnosticStatusWrapper;
+using Level = diagnostic_msgs::DiagnosticStatus;
+using Clock = std::chrono::steady_clock;
+
+std::string prefix_in(const ros::NodeHandle& nodes) { return nodes.resolveName("limb_ring"); }
+
+}  // namespace
+
+DiagnosticsOut::DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring)
+    : updater_(nodes, ros::NodeHandle("~"), prefix_in(nodes)) {
+  updater_.setHardwareID(ring.ring);
+  updater_.add("ring", [this](DiagnosticStatusWrapper& out) { tell_bridge(out); });
+  for (std::size_t i = 0; i < ring.nodes.size(); ++i) {
+    NodeHealth& node = nodes_.emplace_back(ring.nodes[i], ring.timeouts.beacon);
+    updater_.add(ring.nodes[i].name, [&node](DiagnosticStatusWrapper& out) { node.tell(out, Clock::now()); });
+    LineHealth& line = lines_.emplace_back(ring.nodes[i], ring.nodes[(i + 1) % ring.nodes.size()]);
+    updater_.add(line.name(), [&line](DiagnosticStatusWrapper& out) { line.tell(out, Clock::now()); });
+  }
+}
+
+void DiagnosticsOut::take(const RingStatus& status) {
+  status_ = status;
+  for (NodeHealth& node : nodes_) node.take(status, Clock::now());
+  for (LineHealth& line : lines_) line.take(status, Clock::now());
+  // Not update(): its period is by ROS time, which may stand still while the ring does not.
+  updater_.force_update();
+}
+
+void DiagnosticsOut::tell_bridge(DiagnosticStatusWrapper& out) const {
+  const auto up = std::count_if(status_.nodes.begin(), status_.nodes.end(),
+                                [](const NodeStatus& node) { return node.state == "up"; });
+  const std::string counted = std::to_string(up) + " of " + std::to_string(status_.nodes.size()) + " nodes up";
+  if (!status_.connected) out.summary(Level::ERROR, status_.message);
+  else if (up != static_cast<long>(status_.nodes.size())) out.summary(Level::WARN, counted);
+  else out.summary(Level::OK, counted);
+  out.add("ring", status_.ring);
+  out.add("bridge at node", status_.node);
+  out.add("ring size", status_.ring_size);
+  for (std::size_t i = 0; i < status_.counter_names.size(); ++i)
+    out.add(status_.counter_names[i], status_.counter_values[i]);
+}
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+
+#include <deque>
+
+#include "ros_bridge/line_health.h"
+#include "ros_bridge/node_health.h"
+
+namespace limb_ring::bridge {
+
+/// `/diagnostics`: the ring, every node and every line of it, as `limb_ring: NAME` (behind the
+/// namespace, where there is one); hardware id: the ring's name. One thread.
+class DiagnosticsOut {
+ public:
+  DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring);
+
+  /// Publishes what the status says, together with what was wrong lately.
+  void take(const RingStatus& status);
+
+ private:
+  void tell_bridge(diagnostic_updater::DiagnosticStatusWrapper& out) const;
+
+  RingStatus status_;
+  std::deque<NodeHealth> nodes_;  // a deque: the updater's tasks hold on to them
+  std::deque<LineHealth> lines_;
+  diagnostic_updater::Updater updater_;
+};
+
+}  // namespace limb_ring::bridge

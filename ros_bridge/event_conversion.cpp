@@ -1,0 +1,125 @@
+#include "ros_bridge/event_conversion.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace limb_ring::bridge {
+namespace {
+
+using nlohmann::json;
+
+// Behind these the daemon names the node at the other end (Engine's words).
+constexpr const char* kInputUp = "input from node ";
+constexpr const char* kOutputUp = "output to node ";
+
+bool begins(const std::string& text, const std::string& with) { return text.compare(0, with.size(), with) == 0; }
+
+std::string text_of(const json& said, const char* member) {
+  const auto found = said.find(member);
+  return found != said.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+std::int64_t number_of(const json& said, const char* member, std::int64_t otherwise) {
+  const auto found = said.find(member);
+  return found != said.end() && found->is_number_integer() ? found->get<std::int64_t>() : otherwise;
+}
+
+ros::Time time_of(const json& said) {
+  ros::Time time;
+  time.fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(0, number_of(said, "time_ns", 0))));
+  return time;
+}
+
+RingEvent event(std::uint8_t kind, const json& said) {
+  RingEvent made;
+  made.header.stamp = time_of(said);
+  made.kind = kind;
+  return made;
+}
+
+}  // namespace
+
+std::vector<RingEvent> EventConversion::events_of(const config::NodeConfig& node, const std::string& line) {
+  const json said = json::parse(line, nullptr, /*allow_exceptions=*/false);
+  if (!said.is_object()) return {};
+  const std::string kind = text_of(said, "kind");
+  RingEvent made = event(RingEvent::NODE_STATE, said);
+  made.node = node.name;
+  std::vector<RingEvent> all;
+  if (kind == "link") {
+    take_link(text_of(said, "what"), made);
+  } else if (kind == "pin") {
+    take_pin(said, node, made);
+  } else if (kind == "cpu") {
+    made.kind = RingEvent::CPU_STATE;
+    made.text = text_of(said, "state");
+    made.value = number_of(said, "boots", 0);
+  } else if (kind == "state") {
+    made.text = text_of(said, "before") + " -> " + text_of(said, "after");
+    made.value = number_of(said, "ring_size", 0);
+    if (auto fault = fault_of(said)) all.push_back(*fault);
+    if (auto cure = cure_of(said, node)) all.push_back(*cure);
+  } else {
+    return {};
+  }
+  all.insert(all.begin(), made);
+  return all;
+}
+
+std::string EventConversion::name_of(int id) const {
+  if (id < 0 || id > 255) return "";
+  const auto* node = ring_.find(static_cast<std::uint8_t>(id));
+  return node ? node->name : std::to_string(id);
+}
+
+void EventConversion::take_link(const std::string& what, RingEvent& made) const {
+  made.kind = RingEvent::LINK_DOWN;
+  made.text = what;
+  for (const std::string up : {kInputUp, kOutputUp}) {
+    if (!begins(what, up)) continue;
+    made.kind = RingEvent::LINK_UP;
+    made.other_node = name_of(std::atoi(what.c_str() + up.size()));
+  }
+}
+
+void EventConversion::take_pin(const json& said, const config::NodeConfig& node, RingEvent& made) const {
+  made.value = number_of(said, "factor", -1);
+  const bool is_pin = made.value >= 0 && made.value < static_cast<std::int64_t>(node.pins.size());
+  const bool resets = is_pin && node.pins[static_cast<std::size_t>(made.value)].action ==
+                                    config::PinConfig::Action::reset;
+  made.kind = resets ? RingEvent::RESET : RingEvent::INTERRUPT;
+  made.other_node = name_of(static_cast<int>(number_of(said, "source", -1)));
+  made.text = text_of(said, "what");
+}
+
+// Every node of the chain says so; the first one is told.
+std::optional<RingEvent> EventConversion::fault_of(const json& said) {
+  const auto line = said.find("broken_line");
+  const std::string after = text_of(said, "after");
+  if (line == said.end() || !line->is_object() || (after != "open_chain" && after != "folded")) return std::nullopt;
+  const Line now{static_cast<int>(number_of(*line, "before", -1)), static_cast<int>(number_of(*line, "behind", -1))};
+  if (broken_ == now) return std::nullopt;
+  broken_ = now;
+  RingEvent made = event(RingEvent::LOCATED_FAULT, said);
+  made.node = name_of(now.before);
+  made.other_node = name_of(now.behind);
+  made.text = "the line from " + made.node + " to " + made.other_node + " is broken, or " + made.node +
+              " does not send";
+  return made;
+}
+
+// One that still runs as a chain knows of no cure yet: the last of them tells.
+std::optional<RingEvent> EventConversion::cure_of(const json& said, const config::NodeConfig& node) {
+  const std::string after = text_of(said, "after");
+  if (after == "open_chain" || after == "folded") open_.insert(node.id);
+  else open_.erase(node.id);
+  if (after != "up" || !broken_ || !open_.empty()) return std::nullopt;
+  RingEvent made = event(RingEvent::HEALED, said);
+  made.node = name_of(broken_->before);
+  made.other_node = name_of(broken_->behind);
+  made.text = "the ring is closed again";
+  broken_.reset();
+  return made;
+}
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,35 @@
+#include "ros_bridge/events_out.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+constexpr std::uint32_t kQueue = 1000;  // a restart of the ring is some ten events of every node
+constexpr const char* kOrder = R"({"kinds": ["state", "link", "pin", "cpu"]})";
+
+}  // namespace
+
+std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring) {
+  std::vector<const config::NodeConfig*> nodes;
+  for (const auto& node : ring.nodes) nodes.push_back(&node);
+  return nodes;
+}
+
+EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door,
+                     Counters& counters)
+    : counters_(counters),
+      conversion_(ring),
+      publisher_(nodes.advertise<RingEvent>("events", kQueue)),
+      listener_(all_nodes(ring), door, kOrder,
+                [this](const config::NodeConfig& node, const Message& message) { take(node, message); }) {}
+
+void EventsOut::take(const config::NodeConfig& node, const Message& message) {
+  if (const auto* seen = std::get_if<Observed>(&message)) {
+    for (const RingEvent& event : conversion_.events_of(node, seen->json)) publisher_.publish(event);
+  } else if (const auto* lost = std::get_if<ObservedLost>(&message)) {
+    counters_.add("events_lost", lost->count);
+  } else if (std::holds_alternative<Disconnected>(message)) {
+    conversion_.forget(node);
+  }
+}
+
+}  // namespace limb_ring::bridge

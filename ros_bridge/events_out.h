@@ -1,0 +1,29 @@
+#pragma once
+
+#include <ros/ros.h>
+
+#include "ros_bridge/counters.h"
+#include "ros_bridge/event_conversion.h"
+#include "ros_bridge/ring_listener.h"
+
+namespace limb_ring::bridge {
+
+/// `events`: what happens at the nodes of this host, as their daemons see it. Always listened to, so
+/// that a recording that begins late is the only one to miss something: events are rare.
+class EventsOut {
+ public:
+  EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, Counters& counters);
+
+ private:
+  void take(const config::NodeConfig& node, const Message& message);
+
+  Counters& counters_;
+  EventConversion conversion_;
+  ros::Publisher publisher_;
+  RingListener listener_;  // last: its thread uses the others
+};
+
+/// All nodes of a ring, in ring order.
+std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring);
+
+}  // namespace limb_ring::bridge

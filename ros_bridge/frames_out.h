@@ -1,0 +1,35 @@
+#pragma once
+
+#include <ros/ros.h>
+
+#include <map>
+#include <memory>
+
+#include "ros_bridge/counters.h"
+#include "ros_bridge/frame_filter.h"
+#include "ros_bridge/ring_listener.h"
+
+namespace limb_ring::bridge {
+
+/// `frames`: packets on the nodes' lines. The daemons are asked to look as the first subscriber comes,
+/// and left alone as the last has gone: until then nothing is spent. Counter `frames_watched_nodes`.
+class FramesOut {
+ public:
+  FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, FrameFilter filter,
+            Counters& counters);
+
+ private:
+  void on_subscribers();
+  void take(const config::NodeConfig& node, const Message& message);
+  void publish(const config::NodeConfig& node, const CapturedPacket& packet);
+
+  const config::RingConfig& ring_;
+  ConnectOptions door_;
+  FrameFilter filter_;
+  Counters& counters_;
+  ros::Publisher publisher_;
+  std::map<std::uint8_t, CaptureCounts> counts_;  // by node; of the listening thread
+  std::unique_ptr<RingListener> listener_;        // last: its thread uses the others
+};
+
+}  // namespace limb_ring::bridge

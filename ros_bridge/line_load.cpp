@@ -1,0 +1,47 @@
+#include "ros_bridge/line_load.h"
+
+#include <algorithm>
+
+#include "ros_bridge/counter_growth.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+constexpr std::uint64_t kSliceHeader = 4;  // the framing of the link: no bytes of the ring
+constexpr double kShortest = 0.5;          // s between looks: a status at every change tells no rate
+
+std::uint64_t bytes_in(const NodeStatus& node) {
+  const std::uint64_t slices = counter_of(node, "input_slices") + counter_of(node, "input_idle_slices");
+  const std::uint64_t framing = kSliceHeader * slices;
+  const std::uint64_t all = counter_of(node, "input_bytes");
+  return all - std::min(all, framing);
+}
+
+}  // namespace
+
+void LineLoad::take(const RingStatus& ring) {
+  for (const NodeStatus& node : ring.nodes) {
+    if (node.output_to >= 0) rates_[static_cast<std::uint8_t>(node.output_to)] = node.output_rate;
+    const Count now{bytes_in(node), node.pid, ring.header.stamp};
+    Count& before = counts_[node.id];
+    const double seconds = (now.at - before.at).toSec();
+    if (seconds < kShortest && now.pid == before.pid) continue;
+    if (now.pid != 0 && now.pid == before.pid && now.bytes >= before.bytes)
+      bytes_per_second_[node.id] = static_cast<double>(now.bytes - before.bytes) / seconds;
+    else
+      bytes_per_second_.erase(node.id);
+    before = now;
+  }
+  busiest_ = 0;
+  for (const auto& [end, bytes] : bytes_per_second_) busiest_ = std::max(busiest_, bytes);
+}
+
+std::optional<double> LineLoad::of(std::uint8_t end) const {
+  const auto bytes = bytes_per_second_.find(end);
+  if (bytes == bytes_per_second_.end()) return std::nullopt;
+  const auto rate = rates_.find(end);
+  if (rate != rates_.end() && rate->second > 0) return std::min(1.0, 8 * bytes->second / rate->second);
+  return busiest_ > 0 ? bytes->second / busiest_ : 0;
+}
+
+}  // namespace limb_ring::bridge

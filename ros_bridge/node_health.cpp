@@ -1,0 +1,117 @@
+#include "ros_bridge/node_health.h"
+
+#include <algorithm>
+
+namespace limb_ring::bridge {
+namespace {
+
+using diagnostic_updater::DiagnosticStatusWrapper;
+using Level = diagnostic_msgs::DiagnosticStatus;
+
+// Packets lost or given up at a node, whatever its lines do; those of lines are LineHealth's.
+const std::vector<std::string> kLosses{
+    "ended_lost",           "ended_refused",         "timeouts",          "returns_damaged", "returns_unmatched",
+    "refused_no_buffer",    "insertion_buffer_full", "interrupt_buffer_full", "flushed_on_reset",
+    "orphans_hop",          "doubled_id_signs",      "host_slow_clients", "host_interrupts_lost"};
+// As many in a row make a CPU unreachable for the supervisor.
+constexpr int kMissedBeacons = 5;
+
+bool is_well(const std::string& state) { return state == "up"; }
+
+std::string seconds_ago(std::chrono::steady_clock::duration time) {
+  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + " s";
+}
+
+int level_of(const std::string& state) {
+  if (state == "up") return Level::OK;
+  return state == "alone" || state == "doubled_id" ? Level::ERROR : Level::WARN;
+}
+
+}  // namespace
+
+NodeHealth::NodeHealth(const config::NodeConfig& node, std::chrono::milliseconds beacon)
+    : config_(node),
+      longest_silence_(kMissedBeacons * std::chrono::duration<double>(beacon).count()),
+      losses_(kLosses) {}
+
+void NodeHealth::take(const RingStatus& ring, Clock::time_point now) {
+  const auto found = std::find_if(ring.nodes.begin(), ring.nodes.end(),
+                                  [this](const NodeStatus& node) { return node.id == config_.id; });
+  if (found == ring.nodes.end()) return;
+  note_changes(*found, now);
+  status_ = *found;
+  bridge_connected_ = ring.connected;
+  has_silent_joints_ = std::any_of(config_.joints.begin(), config_.joints.end(), [&](const auto& joint) {
+    return std::count(ring.silent_joints.begin(), ring.silent_joints.end(), joint.name) != 0;
+  });
+  if (!is_heard()) return;
+  was_heard_ = true;
+  heard_at_ = now;
+}
+
+// A daemon on this host is asked itself; of another host's the beacons tell, and they may be old.
+bool NodeHealth::is_heard() const {
+  if (status_.state.empty() || status_.state == "down") return false;
+  return status_.pid != 0 || status_.beacon_age <= longest_silence_;
+}
+
+void NodeHealth::note_changes(const NodeStatus& now, Clock::time_point at) {
+  for (const auto& step : losses_.take(now))
+    recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
+  if (was_heard_ && is_well(now.state) && !is_well(status_.state))
+    recent_.note("state", "was " + status_.state, at);
+  if (now.cpu_boots > status_.cpu_boots && status_.cpu_boots != 0)
+    recent_.note("boots", "its CPU was started anew (boot " + std::to_string(now.cpu_boots) + ")", at);
+  if (now.pid == 0) return;
+  if (last_pid_ != 0 && now.pid != last_pid_) recent_.note("pid", "its daemon was started anew", at);
+  last_pid_ = now.pid;
+}
+
+void NodeHealth::tell(DiagnosticStatusWrapper& out, Clock::time_point now) {
+  out.summary(Level::OK, "");
+  tell_node(out, now);
+  if (is_heard()) {
+    tell_cpu(out);
+    recent_.each(now, [&](const std::string& text) { out.mergeSummary(Level::WARN, text); });
+  }
+  if (out.level == Level::OK) out.summary(Level::OK, "up");
+  tell_values(out);
+}
+
+void NodeHealth::tell_node(DiagnosticStatusWrapper& out, Clock::time_point now) const {
+  if (is_heard()) {
+    if (!is_well(status_.state)) out.mergeSummary(static_cast<unsigned char>(level_of(status_.state)), status_.state);
+  } else if (!bridge_connected_) {
+    // Not Level::ERROR: nothing is known of this node, the bridge's own tells what is wrong.
+    out.summary(Level::STALE, "nobody to ask: the bridge has no connection to its daemon");
+  } else if (was_heard_) {
+    out.summary(Level::ERROR, "down: not heard for " + seconds_ago(now - heard_at_));
+  } else {
+    out.summary(Level::STALE, "nobody has heard of it");
+  }
+}
+
+void NodeHealth::tell_cpu(DiagnosticStatusWrapper& out) const {
+  const std::string& cpu = status_.cpu_state;
+  if (cpu == "silent" || cpu == "failed")
+    out.mergeSummary(Level::ERROR, cpu == "silent" ? "its CPU hangs" : "its CPU has failed");
+  else if (cpu == "absent" || cpu == "booting")
+    out.mergeSummary(Level::WARN, "its CPU is " + cpu);
+  if (has_silent_joints_) out.mergeSummary(Level::WARN, "no joint states of it");
+  if (status_.stopped) out.mergeSummary(Level::WARN, "stopped until `resume`");
+}
+
+void NodeHealth::tell_values(DiagnosticStatusWrapper& out) const {
+  out.add("state", status_.state);
+  out.add("pid", status_.pid);
+  out.add("ring size", status_.ring_size);
+  out.add("CPU state", status_.cpu_state);
+  out.add("CPU boots", status_.cpu_boots);
+  out.add("round trip p50 (us)", status_.round_trip_p50 * 1e6);
+  out.add("round trip p99 (us)", status_.round_trip_p99 * 1e6);
+  out.add("round trip max (us)", status_.round_trip_max * 1e6);
+  out.add("joint states missing", status_.states_missing);
+  for (const std::string& name : losses_.names()) out.add(name, counter_of(status_, name));
+}
+
+}  // namespace limb_ring::bridge

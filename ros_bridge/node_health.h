@@ -1,0 +1,49 @@
+#pragma once
+
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <limb_ring/RingStatus.h>
+
+#include <chrono>
+
+#include "config/ring_config.h"
+#include "ros_bridge/counter_growth.h"
+#include "ros_bridge/recent.h"
+
+namespace limb_ring::bridge {
+
+/// An event is warned of for so long after it.
+constexpr std::chrono::seconds kWarnFor{5};
+
+/// How one node is, as diagnostics tell it. (ours)
+///   STALE  nobody has heard of it, or there is nobody to ask
+///   ERROR  it was heard and is not any more; alone; doubled; its CPU has failed or is silent
+///   WARN   it is up with something wrong, or something was wrong within kWarnFor
+class NodeHealth {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  NodeHealth(const config::NodeConfig& node, std::chrono::milliseconds beacon);
+
+  /// Each status in its turn.
+  void take(const RingStatus& ring, Clock::time_point now);
+  /// As of the status taken last.
+  void tell(diagnostic_updater::DiagnosticStatusWrapper& out, Clock::time_point now);
+
+ private:
+  bool is_heard() const;
+  void note_changes(const NodeStatus& now, Clock::time_point at);
+  void tell_node(diagnostic_updater::DiagnosticStatusWrapper& out, Clock::time_point now) const;
+  void tell_cpu(diagnostic_updater::DiagnosticStatusWrapper& out) const;
+  void tell_values(diagnostic_updater::DiagnosticStatusWrapper& out) const;
+
+  const config::NodeConfig& config_;
+  double longest_silence_;  // s, of its beacons
+  Recent recent_{kWarnFor};
+  CounterGrowth losses_;
+  NodeStatus status_;
+  std::int32_t last_pid_ = 0;  // while it is down it has none
+  bool bridge_connected_ = false, has_silent_joints_ = false, was_heard_ = false;
+  Clock::time_point heard_at_{};
+};
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::bridge {
+
+/// Observes daemons on this host, as any tool may, for as long as it lives: a thread of its own. A
+/// daemon that is gone, or not there yet, is looked for once a second; on another host it never is.
+class RingListener {
+ public:
+  /// What came of a node, Disconnected included; called from the listening thread.
+  using OnMessage = std::function<void(const config::NodeConfig& node, const Message& message)>;
+
+  /// `order`: as HostPort::observe() takes it. `door`: how to reach a daemon; node and role are ignored.
+  RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions door, std::string order,
+               OnMessage on_message);
+  RingListener(const RingListener&) = delete;
+  RingListener& operator=(const RingListener&) = delete;
+  /// Nothing is called any more after it.
+  ~RingListener();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Ear {
+    const config::NodeConfig* node;
+    std::optional<HostPort> port;
+    Clock::time_point next_try{};
+  };
+  void run();
+  void connect(Ear& ear);
+  void wait() const;
+  /// @return true where there may be more
+  bool drain(Ear& ear);
+
+  std::vector<Ear> ears_;
+  ConnectOptions door_;
+  std::string order_;
+  OnMessage on_message_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,87 @@
+// ring_view: what RViz shows of a ring, from ring_status and joint_states alone (live, or out of a bag).
+#include <ros/ros.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <exception>
+
+#include "config/load_ring.h"
+#include "ros_bridge/held_joints.h"
+#include "ros_bridge/limb_marks.h"
+#include "ros_bridge/ring_picture.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+const ros::WallDuration kFrame{1.0 / 30};  // of what is seen, not of what is controlled
+
+ros::Time wall_now() {
+  const auto now = ros::WallTime::now();
+  return {now.sec, now.nsec};
+}
+
+class RingView {
+ public:
+  RingView(ros::NodeHandle& nodes, const config::RingConfig& ring)
+      : picture_(ring),
+        limbs_(ring, nodes.param("robot_description", std::string())),
+        joints_(ring),
+        markers_(nodes.advertise<visualization_msgs::MarkerArray>("ring_markers", 1, /*latch=*/true)),
+        held_(nodes.advertise<sensor_msgs::JointState>("held_joint_states", 1)) {
+    if (!limbs_.root().empty()) place_robot();
+    status_in_ = nodes.subscribe("ring_status", 1, &RingView::show, this);
+    states_in_ = nodes.subscribe("joint_states", 1, &RingView::take_joints, this);
+    timer_ = nodes.createWallTimer(
+        kFrame, [this](const ros::WallTimerEvent&) { held_.publish(joints_.all(wall_now())); });
+  }
+
+ private:
+  void place_robot() {
+    geometry_msgs::TransformStamped robot;
+    robot.header.stamp = wall_now();
+    robot.header.frame_id = kRingFrame;
+    robot.child_frame_id = limbs_.root();
+    robot.transform.rotation.w = 1;
+    transforms_.sendTransform(robot);
+  }
+
+  void take_joints(const sensor_msgs::JointState& message) { joints_.take(message); }
+
+  void show(const RingStatus& status) {
+    load_.take(status);
+    visualization_msgs::MarkerArray all;
+    all.markers = picture_.markers(status, load_);
+    for (auto& limb : limbs_.markers(status)) all.markers.push_back(std::move(limb));
+    // What is not in this picture any more (a break, a limb) leaves the screen.
+    auto clear = blank_marker(kRingFrame, "", 0, visualization_msgs::Marker::ARROW);
+    clear.action = visualization_msgs::Marker::DELETEALL;
+    all.markers.insert(all.markers.begin(), clear);
+    markers_.publish(all);
+  }
+
+  RingPicture picture_;
+  LimbMarks limbs_;
+  HeldJoints joints_;
+  LineLoad load_;
+  tf2_ros::StaticTransformBroadcaster transforms_;
+  ros::Publisher markers_, held_;
+  ros::Subscriber status_in_, states_in_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace
+}  // namespace limb_ring::bridge
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "ring_view");
+  try {
+    ros::NodeHandle nodes;
+    const auto ring = limb_ring::config::load_ring(ros::NodeHandle("~").param("config", std::string()));
+    const limb_ring::bridge::RingView view(nodes, ring);
+    ros::spin();
+  } catch (const std::exception& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+  return 0;
+}

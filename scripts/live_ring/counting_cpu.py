@@ -1,0 +1,47 @@
+#!/usr/bin/python3
+"""The CPU of a node that ringd starts, resets and may see crash: notes every packet in a file.
+
+Usage: counting_cpu.py FOLDER   (ring and node from the environment, as ringd sets them)
+"""
+import os
+import struct
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+from live_ring import payload  # noqa: E402  (finds host_port)
+import host_port  # noqa: E402
+
+SPEAKS_EVERY = 0.1   # s
+NOTE = struct.Struct('>BIBB')   # source, number, destination, priority
+DAMAGED = NOTE.pack(0, 0, 0, 0xFF)
+
+
+def path_of(folder, node):
+    return os.path.join(folder, 'cpu_%s.packets' % node)
+
+
+def note_of(packet):
+    known = payload.read(packet['data'])
+    return NOTE.pack(*known, packet['destination'], packet['priority']) if known else DAMAGED
+
+
+def main():
+    ring, node = os.environ['LIMB_RING_RING'], os.environ['LIMB_RING_NODE']
+    socket = os.path.join(os.environ['XDG_RUNTIME_DIR'], 'limb_ring', ring, node + '.host')
+    port = host_port.HostPort.connect(socket, ring, role=host_port.CPU)
+    notes = os.open(path_of(sys.argv[1], node), os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
+    while True:
+        try:
+            kind, value = port.receive(SPEAKS_EVERY)
+        except TimeoutError:
+            port.connection.sendall(host_port.frame(host_port.ALIVE))
+            continue
+        if kind == host_port.PACKET:
+            os.write(notes, note_of(value))
+
+
+if __name__ == '__main__':
+    try:
+        main()
+    except OSError as problem:   # the daemon has gone
+        sys.exit('counting_cpu: %s' % problem)

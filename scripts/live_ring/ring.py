@@ -1,0 +1,128 @@
+"""A ring of real daemons in a folder of its own, ended with all it started."""
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+
+from ring_process import free_udp_ports, plain_nodes
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+BUILT = os.path.join(ROOT, 'build', 'devel', 'lib', 'limb_ring')
+NODES = 16
+SUPERVISOR = 0
+NOTIFY = 3        # the factor that interrupts of the traffic have
+SILENCE_MS = 250  # as config/humanoid16.yaml: a desktop that compiles lets a process wait for 100 ms
+END_TIMEOUT = 10  # s
+
+
+class RingFailed(Exception):
+    """The ring did what it must not."""
+
+
+class LiveRing:
+    """Nodes with a CPU of the caller's (attached) but for `child_nodes`, whose CPU ringd starts."""
+
+    def __init__(self, told, child_nodes, child_command):
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))   # crashes are ordered here
+        self.folder = tempfile.mkdtemp(prefix='limb_ring_')
+        self.programs, self.transport, self.redundancy = told.programs, told.transport, told.redundancy
+        self.nodes, self.child_nodes = list(range(NODES)), list(child_nodes)
+        self.name = 'live%d_%d' % (told.seed, os.getpid())
+        self.environment = {k: v for k, v in os.environ.items() if not k.startswith('LIMB_RING')}
+        self.environment.update(XDG_RUNTIME_DIR=self.folder, PYTHONDONTWRITEBYTECODE='1')
+        self.config = self._write(child_command)
+        self.daemons, self.ordered, self.frozen = {}, set(), set()
+        self.lives = {node: 0 for node in self.nodes}
+
+    def _write(self, child_command):
+        nodes = plain_nodes(NODES)
+        first = free_udp_ports(NODES) if self.transport == 'udp' else 0
+        for node in nodes:
+            child = node['id'] in self.child_nodes
+            node['cpu'] = {'command': child_command(self.folder), 'alive_period': '200ms'} if child else 'attached'
+            node['pins'] = {str(NOTIFY): 'notify'}
+            if first:
+                node['link'] = {'transport': 'udp', 'port': first + node['id']}
+        ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes, 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
+                'supervisor': {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}}
+        path = os.path.join(self.folder, 'ring.yaml')
+        with open(path, 'w') as file:
+            json.dump(ring, file)   # which is YAML too
+        return path
+
+    def name_of(self, node):
+        return 'node%d' % (node % NODES)
+
+    def line(self, node):
+        """Out of that node, as `fault` takes it."""
+        return '%s -> %s' % (self.name_of(node), self.name_of(node + 1))
+
+    def socket_of(self, node):
+        return os.path.join(self.folder, 'limb_ring', self.name, '%d.host' % node)
+
+    def log_of(self, node):
+        return os.path.join(self.folder, 'ringd_%d.log' % node)
+
+    # ---- processes ------------------------------------------------------------------------
+
+    def start(self):
+        for node in self.nodes:
+            self.start_node(node)
+
+    def start_node(self, node):
+        # In a session of its own: Ctrl-C is for the caller, who ends the ring.
+        with open(self.log_of(node), 'ab') as log:
+            self.daemons[node] = subprocess.Popen(
+                [os.path.join(self.programs, 'ringd'), '--config', self.config, '--node', str(node)],
+                stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=self.environment,
+                start_new_session=True)
+        self.ordered.discard(node)
+        self.lives[node] += 1
+
+    def kill(self, node):
+        self.ordered.add(node)
+        self.daemons[node].kill()
+
+    def gone(self, node):
+        self.daemons[node].wait(END_TIMEOUT)
+
+    def freeze(self, node):
+        self.frozen.add(node)
+        self.daemons[node].send_signal(signal.SIGSTOP)
+
+    def thaw(self, node):
+        self.daemons[node].send_signal(signal.SIGCONT)
+        self.frozen.discard(node)
+
+    def can_answer(self, node):
+        return node not in self.ordered and node not in self.frozen
+
+    def check(self):
+        """@raise RingFailed where a daemon has ended that nobody told to"""
+        for node, daemon in self.daemons.items():
+            if node not in self.ordered and daemon.poll() is not None:
+                raise RingFailed('ringd of node %d (pid %d) has ended by itself with %d; its last lines:\n%s' % (
+                    node, daemon.pid, daemon.returncode, self.last_lines(node)))
+
+    def last_lines(self, node, count=20):
+        with open(self.log_of(node), errors='replace') as log:
+            return ''.join(log.readlines()[-count:])
+
+    def stop(self):
+        for node in list(self.frozen):
+            self.thaw(node)
+        for daemon in self.daemons.values():
+            if daemon.poll() is None:
+                daemon.terminate()
+        try:
+            for daemon in self.daemons.values():
+                daemon.wait(END_TIMEOUT)
+        except subprocess.TimeoutExpired:
+            pass
+        for daemon in self.daemons.values():
+            daemon.kill()
+            daemon.wait(END_TIMEOUT)
+        shutil.rmtree(self.folder, ignore_errors=True)

@@ -1,0 +1,160 @@
+"""Every node sends all the time: unicasts and broadcasts of random size and priority, and interrupts."""
+import random
+import time
+from collections import Counter
+
+import host_port
+
+from live_ring import counting_cpu, payload
+from live_ring.port import Port
+from live_ring.promises import Promises
+from live_ring.ring import NOTIFY
+
+WINDOW = 8               # sends of one node that have not ended
+BROADCASTS_ONE_IN = 20
+INTERRUPTS_ONE_IN = 20
+
+
+class Send:
+    __slots__ = ('source', 'number', 'to', 'interrupt', 'asked_ns', 'life', 'outcome')
+
+    def __init__(self, source, number, to, interrupt, life):
+        self.source, self.number, self.to, self.interrupt = source, number, to, interrupt
+        self.asked_ns, self.life, self.outcome = time.time_ns(), life, None
+
+
+class Station:
+    """The program at one node; where the CPU is ringd's child, a tool beside it."""
+
+    def __init__(self, node, seed):
+        self.node, self.port, self.life, self.number = node, None, 0, 0
+        self.under_way, self.due = {}, 0.0
+        self.chance = random.Random('%d %d' % (seed, node))
+
+
+class Traffic:
+    def __init__(self, loop, ring, seed, rate, targets):
+        self.loop, self.ring, self.targets = loop, ring, targets
+        self.stations = {node: Station(node, seed) for node in ring.nodes}
+        self.promises = Promises(ring.nodes)
+        self.interval = len(ring.nodes) / rate   # s, of one node
+        self.results = Counter()
+        self.recent = []      # sends since forget()
+        self.read_up_to = {}     # of what child CPUs have noted
+        self.on = True
+        loop.turns.append(self.turn)
+        loop.seldom.append(self.read_files)
+
+    def turn(self):
+        now = time.monotonic()
+        for station in self.stations.values():
+            if station.port is None:
+                self.connect(station)
+            elif self.on and now >= station.due and len(station.under_way) < WINDOW:
+                station.due = now + self.interval * 2 * station.chance.random()
+                self.send(station)
+
+    # ---- connections ----------------------------------------------------------------------
+
+    def is_cpu(self, node):
+        return node not in self.ring.child_nodes
+
+    def connect(self, station):
+        if not self.ring.can_answer(station.node):
+            return
+        role = host_port.CPU if self.is_cpu(station.node) else host_port.TOOL
+        station.port = Port.open(self.loop, self.ring.socket_of(station.node), self.ring.name,
+                                 lambda _, kind, value: self.handle(station, kind, value),
+                                 lambda _: self.gone(station), role)
+        station.life += station.port is not None
+
+    def gone(self, station):
+        station.port = None
+        station.life += 1
+        self.promises.connection_lost(station.node)
+        for send in list(station.under_way.values()):
+            self.end(send, 'cancelled')   # as the client library says by itself
+        station.under_way.clear()
+
+    # ---- out ------------------------------------------------------------------------------
+
+    def send(self, station):
+        to = station.chance.choice([node for node in self.targets if node != station.node])
+        if station.chance.randrange(INTERRUPTS_ONE_IN) == 0:
+            return self.order(station, to, True, station.port.interrupt, to, NOTIFY)
+        if station.chance.randrange(BROADCASTS_ONE_IN) == 0:
+            to = host_port.BROADCAST
+        data = payload.make(station.node, station.number + 1, station.chance)
+        self.order(station, to, False, station.port.send, to, data, station.chance.randrange(4))
+
+    def order(self, station, to, interrupt, say, *arguments):
+        station.number += not interrupt
+        life = 0 if to == host_port.BROADCAST else self.stations[to].life
+        send = Send(station.node, station.number, to, interrupt, life)
+        token = station.port.order(say, *arguments)
+        if token:   # else it has not gone out: the daemon had ended
+            station.under_way[token] = send
+            self.recent.append(send)
+
+    # ---- in -------------------------------------------------------------------------------
+
+    def handle(self, station, kind, value):
+        if kind == host_port.PACKET:
+            self.promises.message(station.node, value)
+        elif kind == host_port.PULLED and value['action'] == 'notify':
+            self.promises.pin(station.node, value['source'])
+        elif kind == host_port.RESULT:
+            send = station.under_way.pop(value['token'], None)
+            if send is None:
+                return self.promises.broken('node %d was told a second time how send %d ended: %s', station.node,
+                                            value['token'], value['outcome'])
+            self.end(send, value['outcome'])
+
+    def end(self, send, outcome):
+        send.outcome = outcome
+        self.results[outcome] += 1
+        there = not send.interrupt and send.to != host_port.BROADCAST and self.is_cpu(send.to)
+        connected = there and self.stations[send.to].port and self.stations[send.to].life == send.life
+        self.promises.ended(send, outcome, connected)
+
+    def read_files(self):
+        for node in self.ring.child_nodes:
+            try:
+                with open(counting_cpu.path_of(self.ring.folder, node), 'rb') as notes:
+                    notes.seek(self.read_up_to.get(node, 0))
+                    data = notes.read()
+            except FileNotFoundError:
+                continue
+            whole = len(data) - len(data) % counting_cpu.NOTE.size
+            self.read_up_to[node] = self.read_up_to.get(node, 0) + whole
+            for offset in range(0, whole, counting_cpu.NOTE.size):
+                self.note(node, data[offset:offset + counting_cpu.NOTE.size])
+
+    def note(self, node, note):
+        if note == counting_cpu.DAMAGED:
+            return self.promises.broken('node %d was given a damaged packet', node)
+        self.promises.packet(node, *counting_cpu.NOTE.unpack(note))
+
+    # ---- accounts -------------------------------------------------------------------------
+
+    def all_connected(self):
+        return all(station.port for station in self.stations.values())
+
+    def under_way(self):
+        return sum(len(station.under_way) for station in self.stations.values())
+
+    def ended_before(self, time_ns):
+        return all(send.asked_ns >= time_ns for station in self.stations.values()
+                   for send in station.under_way.values())
+
+    def lost(self, concerns, from_ns, to_ns):
+        """Unicasts that were asked for in this time, that the fault did not concern, and that neither were confirmed
+        nor arrived."""
+        self.read_files()
+        return [send for send in self.recent
+                if from_ns <= send.asked_ns < to_ns and not send.interrupt and send.to != host_port.BROADCAST and
+                not concerns(send.source, send.to) and send.outcome != 'delivered' and
+                (send.source, send.number) not in self.promises.arrived[send.to]]
+
+    def forget(self):
+        self.recent = [send for send in self.recent if send.outcome is None]

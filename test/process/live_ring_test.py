@@ -1,0 +1,208 @@
+"""scripts/chaos and what it stands on: each promise can be seen broken, and nothing is left behind."""
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import types
+import unittest
+
+import ring_process
+from ring_process import GUARD, STEP
+
+SCRIPTS = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts')
+sys.path.insert(0, SCRIPTS)
+from live_ring import faults, payload, report  # noqa: E402
+from live_ring.loop import Loop  # noqa: E402
+from live_ring.promises import Promises  # noqa: E402
+from live_ring.traffic import Send, Traffic  # noqa: E402
+
+ALL = 0xFF
+
+
+def data(source, number):
+    return payload.make(source, number, random.Random(number))
+
+
+class BrokenPromises(unittest.TestCase):
+    def setUp(self):
+        self.promises = Promises(range(3))
+
+    def arrive(self, node, source, number, to=None, priority=2, packet=None):
+        self.promises.message(node, {'source': source, 'destination': node if to is None else to, 'priority': priority,
+                                     'data': packet or data(source, number)})
+
+    def end(self, number, outcome, interrupt=False):
+        self.promises.ended(Send(0, number, 1, interrupt, life=1), outcome, can_be_owed=True)
+
+    def assert_told(self, words):
+        self.promises.settle()
+        self.assertEqual(len(self.promises.problems), 1, self.promises.problems)
+        self.assertIn(words, self.promises.problems[0])
+
+    def assert_kept(self):
+        self.promises.settle()
+        self.assertEqual(self.promises.problems, [])
+
+    def test_what_arrives_once_in_order_and_is_confirmed_is_well(self):
+        for number in (1, 2):
+            self.arrive(1, 0, number)
+            self.end(number, 'delivered')
+        self.arrive(1, 0, 1 + 2, priority=1)
+        self.end(3, 'lost')
+        self.assert_kept()
+
+    def test_priorities_and_broadcasts_may_overtake(self):
+        self.arrive(1, 0, 3, priority=0)
+        self.arrive(1, 0, 2, priority=3)
+        self.arrive(1, 0, 1, to=ALL, priority=0)
+        self.assert_kept()
+
+    def test_a_packet_that_comes_twice(self):
+        self.arrive(1, 0, 1)
+        self.arrive(1, 0, 1)
+        self.assert_told('twice')
+
+    def test_a_packet_out_of_order(self):
+        self.arrive(1, 0, 2)
+        self.arrive(1, 0, 1)
+        self.assert_told('after 2')
+
+    def test_a_damaged_packet(self):
+        whole = data(0, 1)
+        self.arrive(1, 0, 1, packet=whole[:5] + bytes([whole[5] ^ 1]) + whole[6:])
+        self.assert_told('damaged')
+
+    def test_a_packet_of_another_source(self):
+        self.arrive(1, 2, 1, packet=data(0, 1))
+        self.assert_told('damaged')
+
+    def test_delivered_and_never_come(self):
+        self.end(1, 'delivered')
+        self.assert_told('never came')
+
+    def test_delivered_to_a_program_that_has_gone_is_not_owed(self):
+        self.end(1, 'delivered')
+        self.promises.connection_lost(1)
+        self.assert_kept()
+
+    def test_refused_and_come_all_the_same(self):
+        self.end(1, 'refused')
+        self.arrive(1, 0, 1)
+        self.assert_told('said not to have arrived')
+
+    def test_come_and_refused_all_the_same(self):
+        self.arrive(1, 0, 1)
+        self.end(1, 'refused')
+        self.assert_told('has it')
+
+    def test_a_pin_pulled_more_often_than_asked_for(self):
+        self.end(1, 'delivered', interrupt=True)
+        self.promises.pin(1, 0)
+        self.promises.pin(1, 0)
+        self.assert_told('2 times, with 1')
+
+
+class Accounts(unittest.TestCase):
+    def test_a_broken_line_concerns_those_whose_way_leads_over_it(self):
+        cut = faults.Cut(None, 15)   # from node 15 to node 0
+        self.assertTrue(cut.concerns(14, 0))
+        self.assertTrue(cut.concerns(15, 3))
+        self.assertTrue(cut.concerns(3, 2))
+        self.assertFalse(cut.concerns(0, 15))
+        self.assertFalse(cut.concerns(2, 3))
+
+    def test_a_dead_node_concerns_only_itself(self):
+        dead = faults.Dead(None, 2)
+        self.assertEqual([dead.concerns(*way) for way in ((2, 1), (1, 2), (1, 3))], [True, True, False])
+
+    def test_lost_by_others_is_what_neither_was_confirmed_nor_came(self):
+        ring = types.SimpleNamespace(nodes=range(4), child_nodes=[])
+        traffic = Traffic(Loop(), ring, seed=1, rate=1, targets=ring.nodes)
+        dead = faults.Dead(None, 3)
+        for number, (to, outcome) in enumerate([(1, 'lost'), (1, 'delivered'), (1, 'unconfirmed'), (3, 'lost')]):
+            send = Send(0, number, to, False, life=1)
+            send.outcome = outcome
+            traffic.recent.append(send)
+        lost = traffic.lost(dead.concerns, 0, time.time_ns())
+        self.assertEqual([send.number for send in lost], [0, 2])
+        traffic.promises.packet(1, 0, 2, 1, 0)
+        self.assertEqual([send.number for send in traffic.lost(dead.concerns, 0, time.time_ns())], [0])
+
+    def test_percentiles_are_of_the_nearest_rank(self):
+        self.assertEqual(report.percentile([3, 1, 2, 4], 50), 2)
+        self.assertEqual(report.percentile([5], 50), 5)
+        self.assertEqual(report.percentile(range(1, 101), 99), 99)
+
+
+class Program(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix='chaos_')
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def start(self, *arguments):
+        return subprocess.Popen([sys.executable, os.path.join(SCRIPTS, 'chaos'), *arguments], stdin=subprocess.DEVNULL,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                                env=dict(os.environ, TMPDIR=self.folder))
+
+    def daemons(self):
+        found = []
+        for pid in filter(str.isdigit, os.listdir('/proc')):
+            try:
+                with open('/proc/%s/cmdline' % pid) as line:
+                    words = line.read().split('\0')
+            except OSError:
+                continue
+            if words[0].endswith('ringd') and any(word.startswith(self.folder) for word in words):
+                found.append(int(pid))
+        return found
+
+    def wait_for_round(self, chaos):
+        for line in chaos.stdout:
+            if 'round 1:' in line:
+                return
+        self.fail('chaos has ended')
+
+    def end(self, chaos):
+        """What it said after the first round."""
+        said = chaos.communicate(timeout=GUARD)[0]
+        self.assertEqual(chaos.returncode, 1, said)
+        self.assertEqual(os.listdir(self.folder), [])
+        self.wait_none()
+        return said
+
+    def wait_none(self):
+        deadline = time.monotonic() + GUARD
+        while self.daemons() and time.monotonic() < deadline:
+            time.sleep(STEP)
+        self.assertEqual(self.daemons(), [])
+
+    def test_an_interrupted_chaos_leaves_nothing_behind(self):
+        chaos = self.start('--minutes', '5', '--seed', '1')
+        self.wait_for_round(chaos)
+        chaos.send_signal(signal.SIGINT)
+        self.assertIn('chaos: interrupted', self.end(chaos))
+
+    def test_a_daemon_that_ends_by_itself_is_told_with_the_seed(self):
+        chaos = self.start('--minutes', '5', '--seed', '4')
+        self.wait_for_round(chaos)
+        os.kill(self.daemons()[0], signal.SIGTERM)
+        said = self.end(chaos)
+        self.assertRegex(said, r'FAILED after .* round [0-9]+.*ringd of node [0-9]+ .* has ended by itself')
+        self.assertIn('--seed 4', said)
+
+    def test_wrong_arguments_are_named(self):
+        for arguments, words in ((('--minutes', '0'), 'more than 0'), (('--seed', '-1'), '0 or more'),
+                                 (('--programs', '/nowhere'), 'no program /nowhere/ringd')):
+            done = self.start(*arguments)
+            said = done.communicate(timeout=GUARD)[0]
+            self.assertEqual(done.returncode, 2, said)
+            self.assertIn(words, said)
+
+
+if __name__ == '__main__':
+    ring_process.main()

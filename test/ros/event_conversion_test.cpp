@@ -1,0 +1,91 @@
+#include "ros_bridge/event_conversion.h"
+
+#include <gmock/gmock.h>
+
+#include "ros/small_robot.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class Events : public ::testing::Test {
+ protected:
+  const config::RingConfig ring = small_robot();
+  const config::NodeConfig &body = ring.nodes.at(0), &knee = ring.nodes.at(1), &hip = ring.nodes.at(2);
+  EventConversion conversion{ring};
+
+  RingEvent only(const config::NodeConfig& node, const std::string& line) {
+    const auto all = conversion.events_of(node, line);
+    EXPECT_THAT(all, SizeIs(1));
+    return all.empty() ? RingEvent() : all.front();
+  }
+  static std::string state(const std::string& before, const std::string& after, const std::string& line) {
+    return R"({"kind":"state","before":")" + before + R"(","after":")" + after + R"(","ring_size":3,"broken_line":)" +
+           line + "}";
+  }
+};
+
+TEST_F(Events, OfALinkNameTheOtherEnd) {
+  const auto up = only(knee, R"({"kind":"link","what":"input from node 0","time_ns":1500000000000000001})");
+  EXPECT_EQ(up.kind, RingEvent::LINK_UP);
+  EXPECT_EQ(up.node, "knee");
+  EXPECT_EQ(up.other_node, "body");
+  EXPECT_EQ(up.header.stamp, ros::Time(1500000000, 1));
+  EXPECT_EQ(only(knee, R"({"kind":"link","what":"output to node 3"})").other_node, "hip");
+  const auto down = only(knee, R"({"kind":"link","what":"input lost: silent"})");
+  EXPECT_EQ(down.kind, RingEvent::LINK_DOWN);
+  EXPECT_EQ(down.text, "input lost: silent");
+}
+
+TEST_F(Events, OfAPinAreAResetWhereItIsWiredSo) {
+  const auto reset = only(knee, R"({"kind":"pin","factor":0,"source":0,"what":"reset"})");
+  EXPECT_EQ(reset.kind, RingEvent::RESET);
+  EXPECT_EQ(reset.other_node, "body");
+  const auto stop = only(knee, R"({"kind":"pin","factor":1,"source":3,"what":"stop"})");
+  EXPECT_EQ(stop.kind, RingEvent::INTERRUPT);
+  EXPECT_EQ(stop.value, 1);
+  EXPECT_EQ(stop.other_node, "hip");
+}
+
+TEST_F(Events, OfACpuTellStateAndBoots) {
+  const auto cpu = only(hip, R"({"kind":"cpu","state":"running","pid":7,"boots":2})");
+  EXPECT_EQ(cpu.kind, RingEvent::CPU_STATE);
+  EXPECT_EQ(cpu.text, "running");
+  EXPECT_EQ(cpu.value, 2);
+}
+
+TEST_F(Events, OfABreakAreToldOnceAndItsCureByTheLast) {
+  const std::string line = R"({"before":7,"behind":3})";
+  const auto first = conversion.events_of(hip, state("up", "open_chain", line));
+  ASSERT_THAT(first, SizeIs(2));
+  EXPECT_EQ(first[0].text, "up -> open_chain");
+  EXPECT_EQ(first[1].kind, RingEvent::LOCATED_FAULT);
+  EXPECT_EQ(first[1].node, "knee");
+  EXPECT_EQ(first[1].other_node, "hip");
+  EXPECT_THAT(conversion.events_of(body, state("up", "open_chain", line)), SizeIs(1));
+  EXPECT_THAT(conversion.events_of(hip, state("open_chain", "up", "null")), SizeIs(1));
+  const auto last = conversion.events_of(body, state("open_chain", "up", "null"));
+  ASSERT_THAT(last, SizeIs(2));
+  EXPECT_EQ(last[1].kind, RingEvent::HEALED);
+  EXPECT_EQ(last[1].node, "knee");
+}
+
+TEST_F(Events, OfANodeThatIsGoneDoNotHoldUpTheCure) {
+  const std::string line = R"({"before":7,"behind":3})";
+  conversion.events_of(hip, state("up", "open_chain", line));
+  conversion.events_of(body, state("up", "open_chain", line));
+  conversion.forget(hip);
+  EXPECT_THAT(conversion.events_of(body, state("open_chain", "up", "null")), SizeIs(2));
+}
+
+TEST_F(Events, AreNotMadeOfWhatIsNone) {
+  EXPECT_THAT(conversion.events_of(knee, "no json"), IsEmpty());
+  EXPECT_THAT(conversion.events_of(knee, "[1]"), IsEmpty());
+  EXPECT_THAT(conversion.events_of(knee, R"({"error":"no kind"})"), IsEmpty());
+  EXPECT_THAT(conversion.events_of(knee, R"({"kind":"pin","factor":"x","source":null})"), SizeIs(1));
+}
+
+}  // namespace
+}  // namespace limb_ring::bridge

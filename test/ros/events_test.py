@@ -1,0 +1,71 @@
+#!/usr/bin/python3
+"""What happens at the nodes comes as typed events."""
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from limb_ring.msg import RingEvent
+from limb_ring.srv import ClearFaults, InjectFault, ResetNode, SendInterrupt
+
+from ring_testing import Ring, wait_for
+
+
+def service(name, kind):
+    rospy.wait_for_service(name, 30)
+    return rospy.ServiceProxy(name, kind)
+
+
+class Events(unittest.TestCase):
+    def setUp(self):
+        self.ring = Ring()
+        self.ring.wait_until_up()
+        self.lock, self.seen = threading.Lock(), []
+        subscriber = rospy.Subscriber('events', RingEvent, self.take, queue_size=1000)
+        wait_for(subscriber.get_num_connections, 'the bridge to be found')
+
+    def take(self, event):
+        with self.lock:
+            self.seen.append(event)
+
+    def all(self, kind, node):
+        with self.lock:
+            return [event for event in self.seen if event.kind == kind and event.node == node]
+
+    def wait_for(self, kind, node, condition=lambda event: True):
+        return wait_for(lambda: [e for e in self.all(kind, node) if condition(e)],
+                        'event %d of %s' % (kind, node))[0]
+
+    def test_a_break_is_located_and_healed_once(self):
+        fault = service('inject_fault', InjectFault)(fault='cut left_hip -> left_hip_yaw')
+        self.assertTrue(fault.success, fault.message)
+        located = self.wait_for(RingEvent.LOCATED_FAULT, 'left_hip')
+        self.assertEqual(located.other_node, 'left_hip_yaw')
+        self.assertLess(abs(located.header.stamp.to_sec() - time.time()), 60)
+        self.wait_for(RingEvent.LINK_DOWN, 'left_hip_yaw')
+        self.wait_for(RingEvent.NODE_STATE, 'head', lambda e: e.text.endswith('-> open_chain'))
+        self.assertTrue(service('clear_faults', ClearFaults)(id='').success)
+        self.assertEqual(self.wait_for(RingEvent.HEALED, 'left_hip').other_node, 'left_hip_yaw')
+        self.wait_for(RingEvent.LINK_UP, 'left_hip_yaw', lambda e: e.other_node == 'left_hip')
+        self.ring.wait_until_up()
+        self.assertEqual(len(self.all(RingEvent.LOCATED_FAULT, 'left_hip')), 1)
+        self.assertEqual(len(self.all(RingEvent.HEALED, 'left_hip')), 1)
+
+    def test_a_reset_tells_who_ordered_it_and_what_the_cpu_did(self):
+        answer = service('reset_node', ResetNode)(node='left_elbow', timeout=10.0)
+        self.assertTrue(answer.success, answer.message)
+        reset = self.wait_for(RingEvent.RESET, 'left_elbow')
+        self.assertEqual((reset.other_node, reset.value), ('body', 0))
+        self.wait_for(RingEvent.CPU_STATE, 'left_elbow',
+                      lambda e: e.text == 'running' and e.value == answer.boots)
+
+    def test_another_interrupt_is_told_with_its_factor(self):
+        self.assertTrue(service('send_interrupt', SendInterrupt)(node='head', factor=2, force=False).success)
+        interrupt = self.wait_for(RingEvent.INTERRUPT, 'head')
+        self.assertEqual((interrupt.other_node, interrupt.value), ('body', 2))
+
+
+if __name__ == '__main__':
+    rospy.init_node('events_test')
+    rostest.rosrun('limb_ring', 'events', Events)

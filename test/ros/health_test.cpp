@@ -1,0 +1,183 @@
+#include <gmock/gmock.h>
+
+#include "ros/small_robot.h"
+#include "ros_bridge/line_health.h"
+#include "ros_bridge/node_health.h"
+#include "ros_bridge/status_conversion.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+using Level = diagnostic_msgs::DiagnosticStatus;
+using Status = diagnostic_updater::DiagnosticStatusWrapper;
+
+/// The line from the knee (7) to the hip (3), and the knee itself.
+class Health : public ::testing::Test {
+ protected:
+  Health() {
+    status.connected = true;
+    for (const auto& config : ring.nodes) {
+      NodeStatus node;
+      node.id = config.id;
+      node.state = "up";
+      node.pid = 100 + config.id;
+      node.cpu_state = "running";
+      node.cpu_boots = 1;
+      node.input_state = node.output_state = "up";
+      node.broken_before = node.broken_behind = -1;
+      node.counter_names = {"crc_errors", "ended_lost"};
+      node.counter_values = {4, 7};
+      status.nodes.push_back(node);
+    }
+    knee().output_to = 3;
+    hip().input_from = 7;
+  }
+  NodeStatus& knee() { return status.nodes.at(1); }
+  NodeStatus& hip() { return status.nodes.at(2); }
+
+  NodeStatus unheard() const { return unheard_node(ring.nodes.at(1)); }
+
+  void take() {
+    node.take(status, now);
+    line.take(status, now);
+  }
+  Status of_node() {
+    Status out;
+    node.tell(out, now);
+    return out;
+  }
+  Status of_line() {
+    Status out;
+    line.tell(out, now);
+    return out;
+  }
+
+  const config::RingConfig ring = small_robot();
+  RingStatus status;
+  std::chrono::steady_clock::time_point now{1h};
+  NodeHealth node{ring.nodes.at(1), 100ms};
+  LineHealth line{ring.nodes.at(1), ring.nodes.at(2)};
+};
+
+TEST_F(Health, IsOkWhereNothingIsWrongWhateverWasCountedBefore) {
+  take();
+  EXPECT_EQ(of_node().level, Level::OK);
+  EXPECT_EQ(of_line().level, Level::OK);
+}
+
+TEST_F(Health, IsStaleForANodeNobodyHasHeardAndAnErrorForOneThatWent) {
+  const NodeStatus well = knee();
+  knee() = unheard();
+  take();
+  EXPECT_EQ(of_node().level, Level::STALE);
+  knee() = well;
+  take();
+  knee() = unheard();
+  now += 3s;
+  take();
+  EXPECT_EQ(of_node().level, Level::ERROR);
+  EXPECT_THAT(of_node().message, HasSubstr("not heard for 3 s"));
+}
+
+TEST_F(Health, WarnsForAWhileOfAStateThatIsOver) {
+  take();
+  knee().state = "open_chain";
+  take();
+  EXPECT_EQ(of_node().message, "open_chain");
+  knee().state = "up";
+  take();
+  EXPECT_EQ(of_node().level, Level::WARN);
+  EXPECT_EQ(of_node().message, "was open_chain");
+}
+
+TEST_F(Health, IsAnErrorForANodeOfAnotherHostWhoseBeaconsAreOld) {
+  knee().pid = 0;
+  knee().beacon_age = 0.1;
+  take();
+  EXPECT_EQ(of_node().level, Level::OK);
+  knee().beacon_age = 0.6;
+  take();
+  EXPECT_EQ(of_node().level, Level::ERROR);
+}
+
+TEST_F(Health, IsStaleNotAnErrorWhereThereIsNobodyToAsk) {
+  take();
+  status.connected = false;
+  knee() = unheard();
+  take();
+  EXPECT_EQ(of_node().level, Level::STALE);
+  EXPECT_THAT(of_node().message, HasSubstr("nobody to ask"));
+}
+
+TEST_F(Health, IsAnErrorForAHungCpu) {
+  knee().cpu_state = "silent";
+  take();
+  EXPECT_EQ(of_node().level, Level::ERROR);
+  EXPECT_THAT(of_node().message, HasSubstr("CPU hangs"));
+  EXPECT_EQ(of_line().level, Level::OK);
+}
+
+TEST_F(Health, WarnsOfALossForFiveSeconds) {
+  take();
+  knee().counter_values = {4, 9};
+  take();
+  EXPECT_EQ(of_node().level, Level::WARN);
+  EXPECT_THAT(of_node().message, HasSubstr("ended_lost +2"));
+  now += 5s;
+  take();
+  EXPECT_EQ(of_node().level, Level::WARN);
+  now += 1ms;
+  EXPECT_EQ(of_node().level, Level::OK);
+}
+
+TEST_F(Health, WarnsOfANewBootAndOfANewDaemonWhoseCountersBeginAnew) {
+  take();
+  knee().cpu_boots = 2;
+  take();
+  EXPECT_THAT(of_node().message, HasSubstr("boot 2"));
+  knee().pid = 999;
+  knee().counter_values = {0, 1};
+  take();
+  EXPECT_THAT(of_node().message, HasSubstr("daemon was started anew"));
+  EXPECT_THAT(of_node().message, HasSubstr("ended_lost +1"));
+}
+
+TEST_F(Health, OfALineCountsWhatItsEndReceived) {
+  take();
+  hip().counter_values = {6, 7};
+  take();
+  EXPECT_EQ(of_line().level, Level::WARN);
+  EXPECT_THAT(of_line().message, HasSubstr("crc_errors +2"));
+  EXPECT_EQ(of_node().level, Level::OK);
+}
+
+TEST_F(Health, OfABrokenLineIsAnErrorAndThenAWarning) {
+  hip().broken_before = 7;
+  hip().broken_behind = 3;
+  take();
+  EXPECT_EQ(of_line().level, Level::ERROR);
+  hip().broken_before = hip().broken_behind = -1;
+  now += 1s;
+  take();
+  EXPECT_EQ(of_line().level, Level::WARN);
+  EXPECT_THAT(of_line().message, HasSubstr("was broken"));
+}
+
+TEST_F(Health, OfALineWarnsOfABypass) {
+  hip().input_from = 0;
+  take();
+  EXPECT_EQ(of_line().level, Level::WARN);
+  EXPECT_THAT(of_line().message, HasSubstr("hip hears node 0"));
+}
+
+TEST_F(Health, OfALineIsStaleWhereNeitherEndIsKnown) {
+  knee() = unheard();
+  hip() = unheard_node(ring.nodes.at(2));
+  take();
+  EXPECT_EQ(of_line().level, Level::STALE);
+}
+
+}  // namespace
+}  // namespace limb_ring::bridge

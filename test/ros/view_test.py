@@ -1,0 +1,65 @@
+#!/usr/bin/python3
+"""What RViz is given: markers of ring and limbs, and the robot's joints, also those that are silent."""
+import unittest
+
+import rospy
+import rostest
+from limb_ring.srv import ClearFaults, InjectFault
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from ring_testing import Newest, Ring, wait_for
+
+
+def service(name, kind):
+    rospy.wait_for_service(name, 30)
+    return rospy.ServiceProxy(name, kind)
+
+
+class View(unittest.TestCase):
+    def setUp(self):
+        self.ring = Ring()
+        self.markers = Newest('ring_markers', MarkerArray)
+        self.ring.wait_until_up()
+        wait_for(lambda: self.spaces() == {'', 'nodes', 'names', 'lines'}, 'a picture of a whole ring')
+
+    def spaces(self):
+        message = self.markers.get()
+        return {marker.ns for marker in message.markers} if message else set()
+
+    def fault(self, words):
+        answer = service('inject_fault', InjectFault)(fault=words)
+        self.assertTrue(answer.success, answer.message)
+
+    def test_a_ball_a_name_and_an_arrow_for_every_node(self):
+        message = self.markers.get()
+        for space in ('nodes', 'names', 'lines'):
+            self.assertEqual([m.id for m in message.markers if m.ns == space], list(range(16)))
+        self.assertTrue(all(m.header.frame_id == 'ring' for m in message.markers if m.ns == 'nodes'))
+
+    def test_a_hung_limb_is_marked_where_it_is_and_keeps_its_pose(self):
+        transforms, held = Newest('/tf', TFMessage), Newest('held_joint_states', JointState)
+        self.fault('hang left_knee')
+        message = self.markers.wait(lambda m: any(k.ns == 'limbs of left_knee' for k in m.markers), 'the knee marked')
+        limb = [m for m in message.markers if m.ns == 'limbs of left_knee'][0]
+        self.assertEqual(limb.header.frame_id, 'l_knee_link')
+        states = Newest('joint_states', JointState)
+        states.wait(lambda s: len(s.name) == 25, 'the knee to fall silent')
+        held.wait_for_more(30, 'held joint states')
+        self.assertEqual(len(held.get().name), 26)
+        transforms.wait(lambda t: 'l_knee_link' in [one.child_frame_id for one in t.transforms], 'the knee to be shown')
+        self.assertTrue(service('clear_faults', ClearFaults)(id='').success)
+        wait_for(lambda: 'limbs of left_knee' not in self.spaces(), 'the knee to look well')
+
+    def test_a_break_is_marked_until_it_is_healed(self):
+        self.fault('cut left_hip -> left_hip_yaw')
+        message = self.markers.wait(lambda m: any(k.ns == 'breaks' for k in m.markers), 'the break marked')
+        self.assertEqual([m.id for m in message.markers if m.ns == 'breaks'], [8])
+        self.assertTrue(service('clear_faults', ClearFaults)(id='').success)
+        wait_for(lambda: 'breaks' not in self.spaces(), 'the break to be gone')
+
+
+if __name__ == '__main__':
+    rospy.init_node('view_test')
+    rostest.rosrun('limb_ring', 'view', View)
