@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -55,7 +56,7 @@ capture::TripChoice choice_of(const Options& options, const SeenPackets& seen) {
   if (options.sequence) choice.sequence = static_cast<std::uint8_t>(*options.sequence);
   if (!options.over.empty()) choice.over = time_of("--over", options.over);
   if (options.at.empty()) return choice;
-  nanoseconds first = nanoseconds::max();
+  nanoseconds first = seen.packets.empty() ? nanoseconds(0) : seen.packets.front().began;
   for (const capture::SeenPacket& packet : seen.packets) first = std::min(first, packet.began);
   choice.at = instant_of(options.at, first);
   return choice;
