@@ -53,7 +53,8 @@ std::vector<const SeenPacket*>::const_iterator LineHistory::first_since(nanoseco
 
 std::vector<SeenPacket> LineHistory::in_front_of(const SeenPacket& in, const SeenPacket& out) const {
   std::vector<SeenPacket> front, carrier;
-  for (auto at = first_since(in.began - longest_ - time_of(kInterruptPacketSize)); at != packets_.end() && (*at)->began < out.began; ++at)
+  const nanoseconds since = in.began - longest_ - time_of(kInterruptPacketSize);
+  for (auto at = first_since(since); at != packets_.end() && (*at)->began < out.began; ++at)
     if (free_after(**at) > in.began) (carries(**at, out) ? carrier : front).push_back(**at);
   return front.empty() && out.began > in.began ? carrier : front;
 }

@@ -80,8 +80,10 @@ Way TracedRing::way(std::size_t trip) const {
   way.end = end_of(trip);
   way.began = first(trip).began;
   way.ended = last(trip).last;
-  for (auto before = before_[trip]; before; before = before_[*before])
-    way.earlier.insert(way.earlier.begin(), {first(*before).code, end_of(*before), last(*before), first(*before).began});
+  for (auto before = before_[trip]; before; before = before_[*before]) {
+    const SeenPacket& out = first(*before);
+    way.earlier.insert(way.earlier.begin(), {out.code, end_of(*before), last(*before), out.began});
+  }
   return way;
 }
 

@@ -107,8 +107,10 @@ TEST(TracedRing, InTheWorstCaseItWaitsAtEveryNodeForThatNodesOwnPacket) {
 
 /// Every nanosecond of a round trip is a wait, a relay delay or its own length, and who waited has one in its way.
 void expect_all_accounted_for(const TracedRing& ring) {
-  const auto trips = capture::choose_trips(ring, {});
-  EXPECT_GT(trips.size(), 100u);
+  constexpr std::size_t kSlowest = 1000;
+  auto trips = capture::choose_trips(ring, {});
+  ASSERT_GT(trips.size(), kSlowest);
+  trips.resize(kSlowest);
   for (const std::size_t trip : trips) {
     const Way way = ring.way(trip);
     ASSERT_THAT(way.hops, SizeIs(5));

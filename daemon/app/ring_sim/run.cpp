@@ -67,8 +67,8 @@ void add_run(CLI::App& app, Context& context) {
   add_seed(*command, options->seed);
   command->add_option("--trace", options->trace,
                       "Write everything that happened here: time in ps, node, what, and three figures of it");
-  CLI::Option* capture =
-      command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
+  CLI::Option* capture = command->add_option("--capture", options->capture,
+                                             "Write the packets on all lines there, as pcapng for Wireshark");
   command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
       ->needs(capture);
   add_format(*command, options->format);

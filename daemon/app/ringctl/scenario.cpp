@@ -106,8 +106,8 @@ void add_scenario(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"unix", "udp"}))
       ->needs(live);
   command->add_option("--junit", options->junit, "Write JUnit XML there");
-  CLI::Option* capture =
-      command->add_option("--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark");
+  CLI::Option* capture = command->add_option("--capture", options->capture,
+                                             "Write the packets on all lines there, as pcapng for Wireshark");
   command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
       ->needs(capture);
   command->add_option("--seed", options->seed, "Instead of the files' own");

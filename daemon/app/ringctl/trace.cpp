@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -55,7 +56,7 @@ capture::TripChoice choice_of(const Options& options, const SeenPackets& seen) {
   if (options.sequence) choice.sequence = static_cast<std::uint8_t>(*options.sequence);
   if (!options.over.empty()) choice.over = time_of("--over", options.over);
   if (options.at.empty()) return choice;
-  nanoseconds first = nanoseconds::max();
+  nanoseconds first = seen.packets.empty() ? nanoseconds(0) : seen.packets.front().began;
   for (const capture::SeenPacket& packet : seen.packets) first = std::min(first, packet.began);
   choice.at = instant_of(options.at, first);
   return choice;
@@ -101,8 +102,8 @@ int run(const Context& context, const Options& options) {
   const bool any = !seen.packets.empty();
   const capture::TracedRing ring(std::move(seen.packets));
   if (any && !ring.outputs_seen())
-    throw UsageError(options.file + ": what packets waited for shows only where they go out too; 'ringctl dump all --at "
-                     "in,out -w FILE' captures that, or --capture FILE --outputs under the virtual clock");
+    throw UsageError(options.file + ": what packets waited for shows only where they go out too; 'ringctl dump all "
+                     "--at in,out -w FILE' captures that, or --capture FILE --outputs under the virtual clock");
   std::vector<std::size_t> trips = choose_trips(ring, choice);
   if (trips.empty()) throw NotDone("no such packet among " + std::to_string(ring.trips()) + " that were seen");
   if (options.count != 0 && trips.size() > options.count) {
@@ -117,7 +118,7 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("FILE", options.file, "A capture, pcapng, of inputs and outputs");
   command.add_flag("--live", options.live, "Look at all lines of the running ring instead");
   command.add_option("--for", options.how_long, "With --live: how long; default 5s");
-  command.add_option("--over", options.over, "Only round trips above that, as 200us; all of them, unless -n is given");
+  command.add_option("--over", options.over, "Only round trips above that, as 200us; all, unless -n is given");
   command.add_option("--source", options.source, "Only packets of that node, id or name");
   command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")->check(CLI::Range(0u, 7u));
   command.add_option("--at", options.at, "Only those on their way then: 12.5ms since the first packet, or as dump -t a");
@@ -130,8 +131,8 @@ void add_options(CLI::App& command, Options& options) {
 
 void add_trace(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(app, "trace", "Why was it late: the way of the slowest packet, hop by hop, and what it "
-                                                "waited for");
+  CLI::App* command = add_command(
+      app, "trace", "Why was it late: the way of the slowest packet, hop by hop, and what it waited for");
   add_options(*command, *options);
   command->callback([&context, command, options] {
     if (!options->over.empty() && command->count("--count") == 0) options->count = 0;

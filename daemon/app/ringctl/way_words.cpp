@@ -62,8 +62,8 @@ std::string behind_words(const Hop& hop, const RingNames& names) {
 
 std::string embedded_words(const SeenPacket& packet, const RingNames& names) {
   if (!packet.info.embedded) return {};
-  return "in DATP " + number_of(packet.info.carrier_code) + " of " + names.of(packet.info.carrier_source) + " behind byte " +
-         to_string(packet.info.carrier_offset);
+  return "in DATP " + number_of(packet.info.carrier_code) + " of " + names.of(packet.info.carrier_source) +
+         " behind byte " + to_string(packet.info.carrier_offset);
 }
 
 std::string why_again(WayEnd end, std::chrono::nanoseconds after, const SeenPacket& last, const RingNames& names) {
@@ -116,7 +116,7 @@ std::vector<std::string> retry_words(const Way& way, const RingNames& names) {
                                                                        : tried.last_seen.last - tried.began,
                               tried.last_seen, names));
   }
-  const wire::NodeId first = way.earlier.empty() ? way.code : way.earlier.front().code;
+  const std::uint8_t first = way.earlier.empty() ? way.code : way.earlier.front().code;
   if (wire::code_of(first).attempt > 0) words.insert(words.begin(), "the tries before are not in this capture");
   return words;
 }

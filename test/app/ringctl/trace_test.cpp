@@ -54,7 +54,8 @@ TEST_F(Trace, OfTheWorstCaseNamesTheOwnPacketOfEveryNode) {
   EXPECT_EQ(said.code, kDone) << said.error;
   EXPECT_THAT(said.out, HasSubstr("node0 -> node2  DATP"));
   for (const char* node : {"node1", "node2", "node3"})
-    EXPECT_THAT(said.out, AllOf(HasSubstr("4.192  behind own DATP"), HasSubstr("of " + std::string(node) + " to node0")));
+    EXPECT_THAT(said.out,
+                AllOf(HasSubstr("4.192  behind own DATP"), HasSubstr("of " + std::string(node) + " to node0")));
   EXPECT_THAT(said.error, HasSubstr("1 of 4 that fit"));
 }
 
