@@ -59,9 +59,10 @@ class Membership {
   void set_folded(bool input, bool output, Time now);
 
   /// An own packet came home with that HOP from a ring that has grown together out of two parts: nodes of the
-  /// other part may have missed hellos, so what they say of a packet's number may be of an older one. (ours)
+  /// other part may have missed hellos, so what they say of a packet's number may be of an older one. One node
+  /// more is none: a node that was alone forgets everything and says hello itself. (ours)
   bool has_merged(std::uint8_t hop, Time now) const {
-    return merged_ || (settings_.fold_back && ring_size_ != 0 && hop + 1u > ring_size_ && now < fold_over_);
+    return merged_ || (settings_.fold_back && ring_size_ != 0 && hop > ring_size_ && now < fold_over_);
   }
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);
