@@ -64,6 +64,7 @@ field("crc.status", ProtoField.uint8, "CRC status", base.DEC, crc_status)
 -- Channel 1: what network controllers tell each other.
 field("control", ProtoField.uint8, "Control message", base.DEC, control_types)
 field("boot", ProtoField.uint64, "Boot number")
+field("hello.remembers", ProtoField.bool, "Has forgotten nothing of the others")
 field("beacon.cpu_boots", ProtoField.uint32, "CPU boots")
 field("beacon.cpu_state", ProtoField.uint8, "CPU state", base.DEC, cpu_states)
 field("beacon.cpu_silent", ProtoField.uint32, "CPU silent (ms)")
@@ -167,9 +168,10 @@ end
 
 local function dissect_control(data, tree)
   local kind = data(0, 1):uint()
-  if kind == 1 and data:len() == 9 then
+  if kind == 1 and data:len() == 10 then
     tree:add(f["control"], data(0, 1))
     tree:add(f["boot"], data(1, 8))
+    tree:add(f["hello.remembers"], data(9, 1))
     return "hello"
   elseif kind == 2 and data:len() == 26 then
     tree:add(f["control"], data(0, 1))

@@ -107,7 +107,7 @@ void Membership::say_hello(Time now) {
   ++counters_.hellos;
   transmit_.set_gate(Gate::control);
   std::array<std::uint8_t, wire::kHelloSize> bytes;
-  wire::encode(wire::Hello{boot_}, bytes.data());
+  wire::encode(wire::Hello{boot_, renumbering_}, bytes.data());
   transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kHelloToken, now);
   if (state_ == NodeState::starting) enter(NodeState::joining, now);
 }
@@ -214,7 +214,11 @@ void Membership::heard(const wire::PacketFields& packet, Time now) {
 }
 
 void Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now) {
-  if (peers_.heard_hello(packet.source(), packet.hop(), hello, now)) new_life(packet.source(), now);
+  const NodeId source = packet.source();
+  const Peer& peer = peers_[source];
+  const bool goes_on = hello.remembers && peer.known && hello.boot == peer.boot + 1;  // no start was missed
+  if (!peers_.heard_hello(source, packet.hop(), hello, now)) return;
+  goes_on ? forget(source) : new_life(source, now);
 }
 
 // Where nothing is confirmed a hello can be missed; the boot number of the beacons after it still

@@ -37,6 +37,7 @@ const char* to_string(LinkState state) {
 std::size_t encode(const Hello& hello, std::uint8_t* out) {
   out[0] = kTypeHello;
   store_u64(out + 1, hello.boot);
+  out[9] = hello.remembers ? 1 : 0;
   return kHelloSize;
 }
 
@@ -58,8 +59,8 @@ std::size_t encode(const Beacon& b, std::uint8_t* out) {
 }
 
 std::optional<Hello> decode_hello(ByteView data) {
-  if (!is(data, kTypeHello, kHelloSize)) return std::nullopt;
-  return Hello{load_u64(data.data + 1)};
+  if (!is(data, kTypeHello, kHelloSize) || data[9] > 1) return std::nullopt;
+  return Hello{load_u64(data.data + 1), data[9] == 1};
 }
 
 std::optional<Beacon> decode_beacon(ByteView data) {

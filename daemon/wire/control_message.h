@@ -8,13 +8,15 @@
 /// What network controllers tell each other: the data of broadcast DATPs on channel 1. (ours)
 namespace limb_ring::wire {
 
-/// A node's first words after a start: "forget what you remember of me".
+/// A node's first words after a start, or before its numbers begin anew: "forget what you remember of me".
 ///
-///   | type 1 | boot number 64 |      9 bytes
+///   | type 1 | boot number 64 | remembers 8 |      10 bytes
 struct Hello {
   std::uint64_t boot = 0;  ///< never repeats for one node id
+  /// It begins its numbers anew and has forgotten nothing of the others, as they believe after a start.
+  bool remembers = false;
 };
-constexpr std::size_t kHelloSize = 9;
+constexpr std::size_t kHelloSize = 10;
 
 enum class CpuState : std::uint8_t { none, absent, booting, running, silent, failed };
 /// folded: the second line stands for it (ours; fold-back, protocol.md section 8).

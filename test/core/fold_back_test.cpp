@@ -201,6 +201,27 @@ TEST_F(FoldBackTest, ADeadNodeIsLeftAsideNotFoldedAround) {
   }
 }
 
+// Its neighbours fold until they have bypassed it, and again when it is back; others' packets are only sent again.
+TEST_F(FoldBackTest, ANodeThatDiesAndReturnsCostsOthersNothing) {
+  std::map<Outcome, unsigned> ends;
+  keep_sending(ring, ends);
+  unsigned lost_by_others = 0;
+  ring.on_event = [&, before = ring.on_event](NodeId id, const Event& event) {
+    const auto* end = std::get_if<SendEnded>(&event.what);
+    if (end && end->owner == 1 && end->outcome == Outcome::lost && id != 4 && id != 7) ++lost_by_others;
+    before(id, event);
+  };
+  for (int times = 0; times < 10; ++times) {
+    ring.run_for(3ms);
+    ring.kill(4);
+    ring.run_for(3ms);
+    ring.start(4);
+  }
+  EXPECT_GT(ends[Outcome::delivered], 1000u);
+  EXPECT_GT(ends[Outcome::no_such_node], 0u) << "node 7 sends to node 4";
+  EXPECT_EQ(lost_by_others, 0u);
+}
+
 TEST_F(FoldBackTest, ANodeStartedBehindABreakJoins) {
   ring.kill(4);
   ring.run_for(10ms);

@@ -9,8 +9,8 @@ namespace {
 
 TEST(ControlMessage, HelloComesBack) {
   std::array<std::uint8_t, kHelloSize> bytes;
-  encode(Hello{0x0102030405060708}, bytes.data());
-  EXPECT_EQ(bytes, (std::array<std::uint8_t, kHelloSize>{1, 1, 2, 3, 4, 5, 6, 7, 8}));
+  encode(Hello{0x0102030405060708, true}, bytes.data());
+  EXPECT_EQ(bytes, (std::array<std::uint8_t, kHelloSize>{1, 1, 2, 3, 4, 5, 6, 7, 8, 1}));
   EXPECT_EQ(decode_hello({bytes.data(), bytes.size()})->boot, 0x0102030405060708u);
 }
 

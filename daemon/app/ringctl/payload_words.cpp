@@ -17,7 +17,9 @@ using capture::RingNames;
 using std::to_string;
 using wire::ByteView;
 
-std::string words(const wire::Hello& hello) { return "hello, boot " + to_string(hello.boot); }
+std::string words(const wire::Hello& hello) {
+  return "hello, boot " + to_string(hello.boot) + (hello.remembers ? ", numbers begin anew" : "");
+}
 
 std::string link_words(wire::LinkState state, const std::string& neighbour) {
   return wire::to_string(state) + (state == wire::LinkState::down ? "" : neighbour);
