@@ -51,8 +51,8 @@ class FoldBack {
   ///@}
 
   /// @name The second line: its input comes from the next node, its output goes to the one before
+  /// That its input is up says nothing: words and packets that come do.
   ///@{
-  void second_input_up(Time now);
   void second_input_lost(Time now);
   void second_input_gap(Time now);
   void second_output_up(Time now);
@@ -120,7 +120,7 @@ class FoldBack {
   wire::SliceWriter first_, second_;
 
   bool input_up_ = false, output_up_ = false;
-  bool second_input_up_ = false, second_output_up_ = false;
+  bool second_output_up_ = false;
   NodeId from_, to_;            ///< neighbours on the first line, now or last
   In in_ = In::second;
   Out out_ = Out::first;

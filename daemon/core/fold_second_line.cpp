@@ -8,15 +8,7 @@ using wire::FoldWord;
 using wire::Slice;
 using wire::SliceKind;
 
-void FoldBack::second_input_up(Time now) {
-  second_input_up_ = true;
-  settle(now);
-}
-
-void FoldBack::second_input_lost(Time now) {
-  second_input_up_ = false;
-  lose_tail(now);
-}
+void FoldBack::second_input_lost(Time now) { lose_tail(now); }
 
 void FoldBack::lose_tail(Time now) {
   break_off_second(now);

@@ -32,8 +32,6 @@ void SecondLine::on_input_gap(std::uint32_t) { fold_.second_input_gap(driver_.no
 
 void SecondLine::on_input_up(std::uint8_t from) {
   driver_.say("second line: input from node " + std::to_string(from));
-  fold_.second_input_up(driver_.now());
-  driver_.pump();
 }
 
 void SecondLine::on_input_lost(std::string_view reason) {
