@@ -40,6 +40,13 @@ class Supervisor(RingTest):
         self.wait('CPU stopped or killed', lambda: process_state(pid) == 'T' or is_gone(pid))
         return pid
 
+    def next_finding(self, observer, verdict):
+        """Of the supervisor; on a busy machine it may have found something else before."""
+        while True:
+            what = observer.next_of(host_port.OBSERVED)
+            if what['verdict'] == verdict:
+                return what
+
     def test_hung_cpu_is_reset_while_others_lose_nothing(self):
         daemons = self.start_ring(watched_limbs(1), supervisor=dict(QUICK, policy='auto'))
         boots = self.wait_cpu(1, 'running')['boots']
@@ -52,8 +59,8 @@ class Supervisor(RingTest):
         cured = self.wait_watched(1, 'a confirmed reset', lambda cpu: cpu['confirmed'] == 1)
         self.assertEqual((cured['verdict'], cured['hangs'], cured['resets']), ('alive', 1, 1))
         self.assertIn('silent for', cured['reset_reason'])
-        told = [observer.next_of(host_port.OBSERVED) for _ in range(2)]
-        self.assertEqual([(what['id'], what['verdict']) for what in told], [(1, 'hung')] * 2)
+        told = [self.next_finding(observer, 'hung') for _ in range(2)]
+        self.assertEqual([what['id'] for what in told], [1, 1])
         self.assertRegex(told[1]['what'], 'reset 1 of 2 ordered')
         cpu = self.wait_cpu(1, 'running')
         self.assertEqual((cpu['boots'], cpu['resets'], cpu['last_reset']), (boots + 1, 1, 'INT0 from node 0'))
