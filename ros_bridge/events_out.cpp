@@ -18,7 +18,7 @@ EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, con
                      Counters& counters)
     : counters_(counters),
       conversion_(ring),
-      publisher_(nodes.advertise<RingEvent>("events", kQueue)),
+      publisher_(nodes.advertise<RingEvent>("ring_events", kQueue)),
       listener_(all_nodes(ring), door, kOrder,
                 [this](const config::NodeConfig& node, const Message& message) { take(node, message); }) {}
 

@@ -8,7 +8,7 @@
 
 namespace limb_ring::bridge {
 
-/// `events`: what happens at the nodes of this host, as their daemons see it. Always listened to, so
+/// `ring_events`: what happens at the nodes of this host, as their daemons see it. Always listened to, so
 /// that a recording that begins late is the only one to miss something: events are rare.
 class EventsOut {
  public:

@@ -14,7 +14,7 @@ FramesOut::FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, con
     : ring_(ring), door_(door), filter_(std::move(filter)), counters_(counters) {
   // Called by the spinner, as topics are: never while this is being made.
   const auto changed = [this](const ros::SingleSubscriberPublisher&) { on_subscribers(); };
-  publisher_ = nodes.advertise<Frame>("frames", kQueue, changed, changed);
+  publisher_ = nodes.advertise<Frame>("ring_frames", kQueue, changed, changed);
   counters_.set("frames_watched_nodes", 0);
 }
 

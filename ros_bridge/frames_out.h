@@ -11,7 +11,7 @@
 
 namespace limb_ring::bridge {
 
-/// `frames`: packets on the nodes' lines. The daemons are asked to look as the first subscriber comes,
+/// `ring_frames`: packets on the nodes' lines. The daemons are asked to look as the first subscriber comes,
 /// and left alone as the last has gone: until then nothing is spent. Counter `frames_watched_nodes`.
 class FramesOut {
  public:

@@ -13,7 +13,7 @@ struct Parameters {
   config::RingConfig ring;
   ConnectOptions door;  ///< to the daemon of the bridge's node, as its CPU
   double rate = 50.0;   ///< Hz of joint_states
-  XmlRpc::XmlRpcValue frames;  ///< what `frames` shows, see FrameFilter
+  XmlRpc::XmlRpcValue frames;  ///< what `ring_frames` shows, see FrameFilter
 };
 
 /// @throw std::invalid_argument, config::ConfigError naming what is wrong and what would be right

@@ -22,7 +22,7 @@ class Events(unittest.TestCase):
         self.ring = Ring()
         self.ring.wait_until_up()
         self.lock, self.seen = threading.Lock(), []
-        subscriber = rospy.Subscriber('events', RingEvent, self.take, queue_size=1000)
+        subscriber = rospy.Subscriber('ring_events', RingEvent, self.take, queue_size=1000)
         wait_for(subscriber.get_num_connections, 'the bridge to be found')
 
     def take(self, event):

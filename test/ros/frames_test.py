@@ -25,14 +25,14 @@ class Frames(unittest.TestCase):
 
     def test_nobody_looks_until_somebody_subscribes_nor_after(self):
         self.wait_until_watched(0)
-        frames = Newest('frames', Frame)
+        frames = Newest('ring_frames', Frame)
         self.wait_until_watched(1)
         frames.wait_for_more(5, 'frames')
         frames.unregister()
         self.wait_until_watched(0)
 
     def test_a_frame_has_the_fields_of_its_packet_and_what_was_left_out(self):
-        frames = Newest('frames', Frame)
+        frames = Newest('ring_frames', Frame)
         state = frames.wait(lambda f: f.kind == Frame.DATA and f.channel == 2, 'joint data')
         self.assertEqual((state.node, state.line_to, state.direction), ('body', 'body', Frame.IN))
         self.assertEqual(state.line_from, 'right_ankle')
@@ -46,10 +46,10 @@ class Frames(unittest.TestCase):
         frames.unregister()
 
     def test_an_interrupt_comes_with_its_factor(self):
-        frames = Newest('frames', Frame)
+        frames = Newest('ring_frames', Frame)
         frames.wait_for_more(1, 'frames')
         seen = []
-        interrupts = rospy.Subscriber('frames', Frame, lambda f: f.kind == Frame.INTERRUPT and seen.append(f))
+        interrupts = rospy.Subscriber('ring_frames', Frame, lambda f: f.kind == Frame.INTERRUPT and seen.append(f))
         send = rospy.ServiceProxy('send_interrupt', SendInterrupt)
 
         def is_seen():
@@ -64,7 +64,7 @@ class Frames(unittest.TestCase):
     def test_rosbag_records_frames(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, 'frames.bag')
-            subprocess.run(['rosbag', 'record', '--limit=20', '-O', path, rospy.resolve_name('frames')],
+            subprocess.run(['rosbag', 'record', '--limit=20', '-O', path, rospy.resolve_name('ring_frames')],
                            check=True, timeout=120, stdout=subprocess.DEVNULL)
             with rosbag.Bag(path) as bag:
                 recorded = [message for _, message, _ in bag.read_messages()]
