@@ -17,8 +17,7 @@ generate_messages(DEPENDENCIES std_msgs sensor_msgs)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES limb_ring_client
-  CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools diagnostic_msgs
-    diagnostic_updater visualization_msgs tf2_ros)
+  CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools)
 set(LIMB_RING_BIN ${CATKIN_PACKAGE_BIN_DESTINATION})
 set(LIMB_RING_LIB ${CATKIN_PACKAGE_LIB_DESTINATION})
 set(LIMB_RING_INCLUDE ${CATKIN_PACKAGE_INCLUDE_DESTINATION})

@@ -24,7 +24,7 @@ if(SANITIZE)
 endif()
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/project -B ${SCRATCH}/build
   "-DCMAKE_PREFIX_PATH=${prefix};${SEARCH}" -DCMAKE_CXX_COMPILER=${COMPILER}
-  -DCMAKE_CXX_FLAGS=${flags} -DECHO_CPU=${PROJECT_SOURCE}/examples/echo_cpu.cpp)
+  -DCMAKE_CXX_FLAGS=${flags} -DPYTHON_EXECUTABLE=${PYTHON} -DECHO_CPU=${PROJECT_SOURCE}/examples/echo_cpu.cpp)
 run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
 
 # Without a ring the example has to say so.
