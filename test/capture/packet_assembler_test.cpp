@@ -25,12 +25,12 @@ class Assembler : public testing::Test {
 
   void put(SliceKind kind, wire::ByteView bytes, int at) { assembler.put({kind, bytes}, nanoseconds(at)); }
   /// As far as its last word before the trailer.
-  void put_beginning(const Bytes& packet, int at) { put(SliceKind::start, view(packet).first(8), at); }
-  void put_end(const Bytes& packet, int at) { put(SliceKind::end, view(packet).from(8), at); }
+  void put_beginning(const Bytes& whole, int at) { put(SliceKind::start, view(whole).first(8), at); }
+  void put_end(const Bytes& whole, int at) { put(SliceKind::end, view(whole).from(8), at); }
 
   std::vector<Seen> seen;
-  PacketAssembler assembler{[this](const PacketView& packet) {
-    seen.push_back({packet.at, packet.info, {packet.bytes.begin(), packet.bytes.end()}});
+  PacketAssembler assembler{[this](const PacketView& taken) {
+    seen.push_back({taken.at, taken.info, {taken.bytes.begin(), taken.bytes.end()}});
   }};
   const Bytes packet = test::data_packet(7, 9, 16);
   const Bytes interrupt = test::interrupt_packet(5, 2, 3);

@@ -37,13 +37,13 @@ TEST_F(NodeLockTest, SaysWhoHoldsTheNode) {
 TEST_F(NodeLockTest, SaysHowToStartTheHolderAgain) {
   const NodeLock held(directory, "r", 3, "left_knee");
   std::ifstream file(directory + "/3.lock");
-  std::string pid, program, folder;
+  std::string pid, program, working_folder;
   std::getline(file, pid);
   std::getline(file, program);
-  std::getline(file, folder);
+  std::getline(file, working_folder);
   EXPECT_EQ(pid, std::to_string(getpid()));
   EXPECT_EQ(std::filesystem::path(program).filename(), "host_test");
-  EXPECT_EQ(folder, std::filesystem::current_path());
+  EXPECT_EQ(working_folder, std::filesystem::current_path());
 }
 
 TEST_F(NodeLockTest, IsPerNode) {

@@ -1,6 +1,5 @@
 #include "app/ringctl/dump_filter.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "app/ringctl/problems.h"
@@ -10,9 +9,6 @@ namespace limb_ring::ringctl {
 namespace {
 
 using nlohmann::json;
-
-const std::vector<std::string> kLines{"in", "out"};
-const std::vector<std::string> kKinds{"data", "control", "interrupt"};  // by capture::Kind
 
 bool given(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -39,25 +35,6 @@ wire::NodeId node_of(const std::string& word, const capture::RingNames& names) {
     there += (there.empty() ? "" : ", ") + std::to_string(id) + " (" + name + ")";
   }
   throw UsageError("unknown node '" + word + "'; ring " + names.ring + " has: " + there);
-}
-
-void add_filter(CLI::App& command, FilterWords& words) {
-  command.add_option("--at", words.at, "in, out or both; default in, where each packet of a closed ring passes once")
-      ->delimiter(',')
-      ->check(CLI::IsMember(kLines));
-  command.add_option("--kind", words.kinds, "data, control (hellos, beacons), interrupt; default all")
-      ->delimiter(',')
-      ->check(CLI::IsMember(kKinds));
-  command.add_option("--from", words.from, "Only of these sources, id or name")->delimiter(',');
-  command.add_option("--to", words.to, "Only to these destinations; all: broadcasts")->delimiter(',');
-  command.add_option("--priority", words.priority, "Only data packets of these, 0 to 3")
-      ->delimiter(',')
-      ->check(CLI::Range(0, 3));
-  command.add_option("--channel", words.channel, "Only data packets of these, 0 to 63; 0 user, 2 joint, 3 topics")
-      ->delimiter(',')
-      ->check(CLI::Range(0, 63));
-  command.add_option("--sample", words.sample, "Of those only every so many-th")->check(CLI::Range(1u, 1000000u));
-  command.add_option("--limit", words.limit, "At most so many a second from each node; default 0: no limit");
 }
 
 capture::Wish wish_of(const FilterWords& words, const capture::RingNames& names) {

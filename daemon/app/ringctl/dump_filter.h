@@ -7,11 +7,11 @@
 #include "capture/pcapng_writer.h"
 #include "capture/selection.h"
 
-namespace CLI {
-class App;
-}
-
 namespace limb_ring::ringctl {
+
+/// The words for the ends of a line, and for capture::Kind.
+inline const std::vector<std::string> kLines{"in", "out"};
+inline const std::vector<std::string> kKinds{"data", "control", "interrupt"};
 
 /// Which packets a command line asks for, in its own words.
 struct FilterWords {
@@ -19,9 +19,6 @@ struct FilterWords {
   std::vector<unsigned> priority, channel;
   std::uint32_t sample = 1, limit = 0;
 };
-
-/// Adds --at, --kind, --from, --to, --priority, --channel, --sample and --limit.
-void add_filter(CLI::App& command, FilterWords& words);
 
 /// Id of a node by id or name. @throw UsageError listing those there are
 wire::NodeId node_of(const std::string& word, const capture::RingNames& names);

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "app/ring_sim/command_line.h"
-#include "app/ring_sim/problems.h"
 #include "app/ring_sim/plot_folder.h"
+#include "app/ring_sim/problems.h"
+#include "app/ring_sim/said.h"
 
 namespace limb_ring::ring_sim {
 namespace {
@@ -17,18 +17,9 @@ const char* const kPictures[] = {"latency_nodes",  "latency_nodes_own_rates", "e
 
 struct Plots : PlotTest {
   /// compare on a small ring, so that it does not take long.
-  int compare(const std::string& to) {
-    std::vector<std::string> words{"ring_sim", "compare", "--nodes", "4", "--payload", "64", "--seed", "9", "--plots", to};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const int code = run_command_line(static_cast<int>(arguments.size()), arguments.data());
-    output = testing::internal::GetCapturedStdout();
-    errors = testing::internal::GetCapturedStderr();
-    return code;
+  static Said compare(const std::string& to) {
+    return ring_sim({"compare", "--nodes", "4", "--payload", "64", "--seed", "9", "--plots", to});
   }
-  std::string output, errors;
 };
 
 /// Width and height, from the chunk that begins every PNG. (W3C PNG specification, IHDR)
@@ -43,11 +34,12 @@ std::pair<unsigned, unsigned> size_of_png(const std::string& png) {
 
 TEST_F(Plots, WritesEveryPictureWithItsDataAndScript) {
   LIMB_RING_NEEDS_GNUPLOT();
-  ASSERT_EQ(compare(folder + "/plots"), kDone) << errors;
-  EXPECT_THAT(output, HasSubstr("seed 9"));
+  const Said said = compare(folder + "/plots");
+  ASSERT_EQ(said.code, kDone) << said.errors;
+  EXPECT_THAT(said.out, HasSubstr("seed 9"));
   for (const std::string name : kPictures) {
     const std::string path = folder + "/plots/" + name;
-    EXPECT_THAT(errors, HasSubstr(name + ".png")) << "progress";
+    EXPECT_THAT(said.errors, HasSubstr(name + ".png")) << "progress";
     EXPECT_THAT(read(path + ".gp"), HasSubstr(name + ".csv"));
     EXPECT_THAT(read(path + ".csv"), HasSubstr("\n"));
     const std::string png = read(path + ".png"), svg = read(path + ".svg");
@@ -61,15 +53,17 @@ TEST_F(Plots, WritesEveryPictureWithItsDataAndScript) {
 
 TEST_F(Plots, WithoutGnuplotEndBeforeAnythingIsMeasured) {
   ::setenv("PATH", "", 1);
-  EXPECT_EQ(compare(folder), kBroken);
-  EXPECT_THAT(errors, HasSubstr("gnuplot-nox"));
-  EXPECT_EQ(output, "");
+  const Said said = compare(folder);
+  EXPECT_EQ(said.code, kBroken);
+  EXPECT_THAT(said.errors, HasSubstr("gnuplot-nox"));
+  EXPECT_EQ(said.out, "");
 }
 
 TEST_F(Plots, IntoAFolderThatCannotBeMadeIsAUsageError) {
   std::ofstream(folder + "/file") << "in the way";
-  EXPECT_EQ(compare(folder + "/file/plots"), kUsage);
-  EXPECT_THAT(errors, HasSubstr("cannot make the folder " + folder + "/file/plots"));
+  const Said said = compare(folder + "/file/plots");
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("cannot make the folder " + folder + "/file/plots"));
 }
 
 }  // namespace

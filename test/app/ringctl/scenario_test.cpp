@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/command_line.h"
 #include "app/ringctl/own_folder.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/said.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -15,20 +15,9 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-struct Said {
-  int code = -1;
-  std::string out, error;
-};
-
 Said run_scenarios(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {"ringctl", "scenario", "run"});
-  std::vector<char*> argv;
-  for (auto& argument : arguments) argv.push_back(argument.data());
-  ::testing::internal::CaptureStderr();
-  ::testing::internal::CaptureStdout();
-  const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
-  const std::string out = ::testing::internal::GetCapturedStdout();
-  return {code, out, ::testing::internal::GetCapturedStderr()};
+  arguments.insert(arguments.begin(), {"scenario", "run"});
+  return ringctl(std::move(arguments));
 }
 
 const char* const kGood = "scenario: nothing happens\nnodes: 4\nsteps: [{at: 1ms}]\n";
@@ -52,12 +41,12 @@ TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
   const Said said = run_scenarios({write("good.yaml", kGood), write("bad.yaml", "scenario: x\nnodes: 4\nstep: []\n")});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_EQ(said.out, "");
-  EXPECT_THAT(said.error, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
+  EXPECT_THAT(said.errors, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
 }
 
 TEST_F(ScenarioCommand, HasARingOfItsOwnAndATransportOnlyLive) {
   const std::string good = write("good.yaml", kGood);
-  EXPECT_THAT(run_scenarios({good, "--ring", "mine"}).error, HasSubstr("a scenario has a ring of its own"));
+  EXPECT_THAT(run_scenarios({good, "--ring", "mine"}).errors, HasSubstr("a scenario has a ring of its own"));
   EXPECT_EQ(run_scenarios({good, "--transport", "udp"}).code, kUsage);
   EXPECT_EQ(run_scenarios({good, "--sim", "--live"}).code, kUsage);
 }
@@ -65,7 +54,7 @@ TEST_F(ScenarioCommand, HasARingOfItsOwnAndATransportOnlyLive) {
 TEST_F(ScenarioCommand, SaysWhyAStoryIsNotForLiveDaemons) {
   const Said said = run_scenarios({write("only.yaml", std::string(kGood) + "only: sim\n"), "--live"});
   EXPECT_EQ(said.code, kUsage);
-  EXPECT_THAT(said.error, HasSubstr("only.yaml: only under the virtual clock (--sim):\n  only: sim"));
+  EXPECT_THAT(said.errors, HasSubstr("only.yaml: only under the virtual clock (--sim):\n  only: sim"));
 }
 
 TEST_F(ScenarioCommand, WritesJunitAndJson) {

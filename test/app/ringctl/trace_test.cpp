@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/command_line.h"
 #include "app/ringctl/own_folder.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/said.h"
 #include "study/cases.h"
 
 namespace limb_ring::ringctl {
@@ -19,11 +19,6 @@ using study::CaptureAt;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-struct Said {
-  int code = -1;
-  std::string out, error;
-};
 
 class Trace : public OwnFolder {
  protected:
@@ -38,30 +33,24 @@ class Trace : public OwnFolder {
   }
 
   static Said trace(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"ringctl", "trace"});
-    std::vector<char*> argv;
-    for (auto& argument : arguments) argv.push_back(argument.data());
-    ::testing::internal::CaptureStderr();
-    ::testing::internal::CaptureStdout();
-    const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
-    const std::string out = ::testing::internal::GetCapturedStdout();
-    return {code, out, ::testing::internal::GetCapturedStderr()};
+    arguments.insert(arguments.begin(), "trace");
+    return ringctl(std::move(arguments));
   }
 };
 
 TEST_F(Trace, OfTheWorstCaseNamesTheOwnPacketOfEveryNode) {
   const Said said = trace({captured(Case::adversarial)});
-  EXPECT_EQ(said.code, kDone) << said.error;
+  EXPECT_EQ(said.code, kDone) << said.errors;
   EXPECT_THAT(said.out, HasSubstr("node0 -> node2  DATP"));
   for (const char* node : {"node1", "node2", "node3"})
     EXPECT_THAT(said.out,
                 AllOf(HasSubstr("4.192  behind own DATP"), HasSubstr("of " + std::string(node) + " to node0")));
-  EXPECT_THAT(said.error, HasSubstr("1 of 4 that fit"));
+  EXPECT_THAT(said.errors, HasSubstr("1 of 4 that fit"));
 }
 
 TEST_F(Trace, DrawsAPictureWithABarForEachPacketInTheWay) {
   const Said said = trace({captured(Case::adversarial), "--svg", file("way.svg")});
-  EXPECT_EQ(said.code, kDone) << said.error;
+  EXPECT_EQ(said.code, kDone) << said.errors;
   std::ifstream in(file("way.svg"));
   const std::string picture{std::istreambuf_iterator<char>(in), {}};
   EXPECT_THAT(picture, AllOf(HasSubstr("<svg"), HasSubstr("</svg>"), HasSubstr("node0 -&gt; node2")));
@@ -71,7 +60,7 @@ TEST_F(Trace, DrawsAPictureWithABarForEachPacketInTheWay) {
 }
 
 TEST_F(Trace, WithOverShowsAllThatWereSlower) {
-  EXPECT_THAT(trace({captured(Case::adversarial), "--over", "1us"}).error, Not(HasSubstr("that fit")));
+  EXPECT_THAT(trace({captured(Case::adversarial), "--over", "1us"}).errors, Not(HasSubstr("that fit")));
 }
 
 TEST_F(Trace, WithoutSuchAPacketDidNotHappen) {
@@ -80,24 +69,24 @@ TEST_F(Trace, WithoutSuchAPacketDidNotHappen) {
     arguments.insert(arguments.end(), choice.begin(), choice.end());
     const Said said = trace(arguments);
     EXPECT_EQ(said.code, kNotDone);
-    EXPECT_THAT(said.error, HasSubstr("no such packet among 1 that were seen"));
+    EXPECT_THAT(said.errors, HasSubstr("no such packet among 1 that were seen"));
   }
 }
 
 TEST_F(Trace, RefusesACaptureWithoutOutputsAndSaysHowToTakeOne) {
   const Said said = trace({captured(Case::alone, CaptureAt::inputs)});
   EXPECT_EQ(said.code, kUsage);
-  EXPECT_THAT(said.error, AllOf(HasSubstr("case.pcapng"), HasSubstr("--at in,out"), HasSubstr("--outputs")));
+  EXPECT_THAT(said.errors, AllOf(HasSubstr("case.pcapng"), HasSubstr("--at in,out"), HasSubstr("--outputs")));
 }
 
 TEST_F(Trace, RefusesWrongTimesAndNodesWithWhatIsRight) {
   const std::string path = captured(Case::alone);
-  EXPECT_THAT(trace({path, "--source", "knee"}).error, AllOf(HasSubstr("'knee'"), HasSubstr("0 (node0)")));
+  EXPECT_THAT(trace({path, "--source", "knee"}).errors, AllOf(HasSubstr("'knee'"), HasSubstr("0 (node0)")));
   for (const char* option : {"--over", "--at"}) {
     for (const char* time : {"soon", "1.2.3", "5 weeks"}) {
       const Said said = trace({path, option, time});
       EXPECT_EQ(said.code, kUsage) << option << " " << time;
-      EXPECT_THAT(said.error, HasSubstr(std::string(option) + " " + time + ": not a time"));
+      EXPECT_THAT(said.errors, HasSubstr(std::string(option) + " " + time + ": not a time"));
     }
   }
 }

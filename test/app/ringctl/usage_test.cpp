@@ -4,31 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/command_line.h"
 #include "app/ringctl/own_folder.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/said.h"
 
 namespace limb_ring::ringctl {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-struct Said {
-  int code = -1;
-  std::string text;
-};
-
-Said ringctl(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "ringctl");
-  std::vector<char*> argv;
-  for (auto& argument : arguments) argv.push_back(argument.data());
-  ::testing::internal::CaptureStderr();
-  ::testing::internal::CaptureStdout();
-  const int code = run_command_line(static_cast<int>(argv.size()), argv.data());
-  const std::string out = ::testing::internal::GetCapturedStdout();
-  return {code, out + ::testing::internal::GetCapturedStderr()};
-}
 
 using Usage = OwnFolder;
 
@@ -37,7 +21,7 @@ TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
                               "reset", "ping", "observe", "dump", "trace", "replay", "top"}) {
     const Said said = ringctl({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
-    EXPECT_THAT(said.text, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
+    EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
   }
 }
 
@@ -49,7 +33,7 @@ TEST_F(Usage, SizesOutsideAPacketAreRefusedWithTheRange) {
   for (const char* size : {"0", "513", "-1", "many"}) {
     const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", size});
     EXPECT_EQ(said.code, kUsage) << size;
-    EXPECT_THAT(said.text, AllOf(HasSubstr("--size"), HasSubstr("1"), HasSubstr("512"))) << size;
+    EXPECT_THAT(said.errors, AllOf(HasSubstr("--size"), HasSubstr("1"), HasSubstr("512"))) << size;
     EXPECT_EQ(ringctl({"ping", "--from", "0", "--to", "1", "--size", size}).code, kUsage);
   }
 }
@@ -58,13 +42,13 @@ TEST_F(Usage, BadPriorityIsRefusedWithTheRange) {
   const Said said =
       ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--priority", "4"});
   EXPECT_EQ(said.code, kUsage);
-  EXPECT_THAT(said.text, AllOf(HasSubstr("--priority"), HasSubstr("4"), HasSubstr("3")));
+  EXPECT_THAT(said.errors, AllOf(HasSubstr("--priority"), HasSubstr("4"), HasSubstr("3")));
 }
 
 TEST_F(Usage, ChannelOfTheNetworkControllersIsRefused) {
   const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "1"});
   EXPECT_EQ(said.code, kUsage);
-  EXPECT_THAT(said.text, HasSubstr("network controllers"));
+  EXPECT_THAT(said.errors, HasSubstr("network controllers"));
 }
 
 TEST_F(Usage, SendNeedsExactlyOneKindOfData) {
@@ -76,13 +60,13 @@ TEST_F(Usage, SendNeedsExactlyOneKindOfData) {
 TEST_F(Usage, TooLongATextIsRefusedWithTheRange) {
   const Said said = ringctl({"send", "--from", "0", "--to", "1", "--data", std::string(513, 'x')});
   EXPECT_EQ(said.code, kUsage);
-  EXPECT_THAT(said.text, AllOf(HasSubstr("513 bytes"), HasSubstr("1 to 512")));
+  EXPECT_THAT(said.errors, AllOf(HasSubstr("513 bytes"), HasSubstr("1 to 512")));
 }
 
 TEST_F(Usage, BadHexadecimalDigitIsNamed) {
   const Said said = ringctl({"send", "--from", "0", "--to", "1", "--hex", "0xfg"});
   EXPECT_EQ(said.code, kUsage);
-  EXPECT_THAT(said.text, HasSubstr("'g' at position 4"));
+  EXPECT_THAT(said.errors, HasSubstr("'g' at position 4"));
 }
 
 TEST_F(Usage, FactorsAndInputsEndAtSeven) {
@@ -93,14 +77,14 @@ TEST_F(Usage, FactorsAndInputsEndAtSeven) {
 TEST_F(Usage, WhereNoRingRunsThatIsSaid) {
   const Said said = ringctl({"status"});
   EXPECT_EQ(said.code, kNoRing);
-  EXPECT_THAT(said.text, AllOf(HasSubstr("no ring is running"), HasSubstr(folder)));
+  EXPECT_THAT(said.errors, AllOf(HasSubstr("no ring is running"), HasSubstr(folder)));
 }
 
 TEST_F(Usage, RingThatDoesNotRunIsNamed) {
   for (const char* command : {"status", "sync", "stop", "down"}) {
     const Said said = ringctl({command, "--ring", "legs"});
     EXPECT_EQ(said.code, kNoRing) << command;
-    EXPECT_THAT(said.text, HasSubstr("ring legs")) << command;
+    EXPECT_THAT(said.errors, HasSubstr("ring legs")) << command;
   }
 }
 
@@ -113,7 +97,7 @@ TEST_F(Usage, UpRefusesABrokenFileBeforeAnythingStarts) {
   const std::string file = write("broken.yaml", "ring: r\nnodes: [{id: 999, name: a}, {id: 1, name: b}]\n");
   const Said said = ringctl({"up", file});
   EXPECT_EQ(said.code, kUsage);
-  EXPECT_THAT(said.text, AllOf(HasSubstr(file), HasSubstr("999")));
+  EXPECT_THAT(said.errors, AllOf(HasSubstr(file), HasSubstr("999")));
   EXPECT_FALSE(std::filesystem::exists(folder + "/limb_ring"));
 }
 
@@ -135,7 +119,7 @@ TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
   for (const auto& [arguments, about] : wrong) {
     const Said said = ringctl(arguments);
     EXPECT_EQ(said.code, kUsage) << about;
-    EXPECT_THAT(said.text, HasSubstr(about));
+    EXPECT_THAT(said.errors, HasSubstr(about));
   }
 }
 

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <memory>
 
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/daemons.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"

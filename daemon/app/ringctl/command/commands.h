@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/ringctl/context.h"
+#include "app/ringctl/command/context.h"
 
 namespace limb_ring::ringctl {
 

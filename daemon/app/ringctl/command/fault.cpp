@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/fault_table.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"

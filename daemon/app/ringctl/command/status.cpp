@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "app/ringctl/answers.h"
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/status_table.h"

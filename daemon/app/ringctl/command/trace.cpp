@@ -6,7 +6,7 @@
 #include <iostream>
 #include <memory>
 
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/seen_packets.h"

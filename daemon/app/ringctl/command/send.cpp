@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/hex.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"

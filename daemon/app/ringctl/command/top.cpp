@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "app/ringctl/answers.h"
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/screen.h"
 #include "app/ringctl/signal_wait.h"

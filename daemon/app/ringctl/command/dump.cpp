@@ -7,7 +7,7 @@
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/capture_names.h"
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
 #include "app/ringctl/problems.h"
@@ -101,6 +101,25 @@ int dump_file(const Options& options) {
 int run(const Context& context, const Options& options) {
   if (options.json && !options.write.empty()) throw UsageError("--json and -w: choose one of them");
   return options.read.empty() ? dump_live(context, options) : dump_file(options);
+}
+
+void add_filter(CLI::App& command, FilterWords& words) {
+  command.add_option("--at", words.at, "in, out or both; default in, where each packet of a closed ring passes once")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kLines));
+  command.add_option("--kind", words.kinds, "data, control (hellos, beacons), interrupt; default all")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kKinds));
+  command.add_option("--from", words.from, "Only of these sources, id or name")->delimiter(',');
+  command.add_option("--to", words.to, "Only to these destinations; all: broadcasts")->delimiter(',');
+  command.add_option("--priority", words.priority, "Only data packets of these, 0 to 3")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 3));
+  command.add_option("--channel", words.channel, "Only data packets of these, 0 to 63; 0 user, 2 joint, 3 topics")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 63));
+  command.add_option("--sample", words.sample, "Of those only every so many-th")->check(CLI::Range(1u, 1000000u));
+  command.add_option("--limit", words.limit, "At most so many a second from each node; default 0: no limit");
 }
 
 void add_options(CLI::App& command, Options& options) {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "app/ringctl/answers.h"
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 
 namespace limb_ring::ringctl {

@@ -1,9 +1,9 @@
-#include "app/ringctl/command_line.h"
+#include "app/ringctl/command/command_line.h"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "capture/pcapng_reader.h"
 #include "config/config_error.h"

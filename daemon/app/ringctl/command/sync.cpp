@@ -5,7 +5,7 @@
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/clock_offsets.h"
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/common/text_table.h"
 

@@ -3,7 +3,7 @@
 #include <iostream>
 #include <memory>
 
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/signal_wait.h"
 #include "bench/report_text.h"

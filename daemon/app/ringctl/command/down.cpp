@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "app/ringctl/answers.h"
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "inject/lock_files.h"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "app/common/rows.h"
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/live/play_live.h"
 #include "app/ringctl/problems.h"
 #include "study/scenario/load_scenario.h"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "app/common/rows.h"
-#include "app/ringctl/commands.h"
+#include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "study/scenario/load_scenario.h"
 #include "study/scenario/only_virtual.h"

@@ -1,0 +1,2 @@
+// What every test program includes, compiled once: see CMakeLists.txt.
+int main() {}
