@@ -29,13 +29,13 @@ build: deps $(BUILD)/CMakeCache.txt
 
 ifeq ($(SANITIZE),)
 test: build
-	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest --output-on-failure
+	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest -j$(JOBS) --output-on-failure
 else
 # What needs no ROS, under sanitizers.
 test: deps
 	cmake -S . -B $(BUILD)-sanitize -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=$(SANITIZE) -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-sanitize -j$(JOBS)
-	cd $(BUILD)-sanitize && ctest --output-on-failure
+	cd $(BUILD)-sanitize && ctest -j$(JOBS) --output-on-failure
 endif
 
 demo: build
