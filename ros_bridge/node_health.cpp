@@ -72,6 +72,7 @@ void NodeHealth::tell(DiagnosticStatusWrapper& out, Clock::time_point now) {
   tell_node(out, now);
   if (is_heard()) {
     tell_cpu(out);
+    if (status_.second_input_state == "down") out.mergeSummary(Level::WARN, "no second line: cannot fold back here");
     recent_.each(now, [&](const std::string& text) { out.mergeSummary(Level::WARN, text); });
   }
   if (out.level == Level::OK) out.summary(Level::OK, "up");

@@ -48,6 +48,7 @@ void take_lines(const json& row, NodeStatus& status) {
   take_text(output, "state", status.output_state);
   take_number(output, "to", status.output_to);
   take_number(output, "rate_bit_s", status.output_rate);
+  take_text(member(row, "fold"), "second_input", status.second_input_state);
   const json& broken = member(row, "broken_line");
   take_number(broken, "before", status.broken_before);
   take_number(broken, "behind", status.broken_behind);

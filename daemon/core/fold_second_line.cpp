@@ -8,6 +8,14 @@ using wire::FoldWord;
 using wire::Slice;
 using wire::SliceKind;
 
+namespace {
+
+/// What may wait to be repeated: more than a lap of largest packets of 254 nodes. Nobody strips on the second line,
+/// so where words are lost and lines double packets there could be ever more of them until the tail is given up.
+constexpr std::size_t kMostRepeated = 256 * 1024;
+
+}  // namespace
+
 void FoldBack::second_input_lost(Time now) { lose_tail(now); }
 
 void FoldBack::lose_tail(Time now) {
@@ -34,7 +42,9 @@ void FoldBack::receive_second(const Slice& slice, Time now) {
   if (slice.kind == SliceKind::idle) return;
   if (const auto word = wire::fold_word(slice)) return hear(*word, slice, now);
   const bool takes = in_ != In::first;
-  if (!takes && (!repeats() || !tail_)) {
+  const bool repeated = repeats() && tail_ && second_.view().size < kMostRepeated;
+  const bool wanted = slice.kind != SliceKind::fold && (takes || repeated);
+  if (!wanted) {
     ++counters_.fold_discarded;
     return;
   }
@@ -67,6 +77,8 @@ void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
 // anew behind a `lost`, that goes round once more: else nobody would take from the second line what is on it.
 void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
   if (word.node == id()) return word.mark == FoldMark::lost && tail_ ? lose_tail(now) : void();
+  // The node before still sends back what this one would hear: a `hears` was lost.
+  if (word.mark == FoldMark::begin && word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
   const bool said_just_now = word.mark == FoldMark::begin && tail_ == word.node &&
                              tail_due_ - now > kMissed * pause() - pause() / 2;
   if (said_just_now) return;  // it goes round, since nobody is behind a break

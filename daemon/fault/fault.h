@@ -15,7 +15,8 @@ using wire::NodeId;
 /// One fault, or the end of one, as a value. Which members count is in Word::keys.
 struct Fault {
   Name name = Name::cut;
-  std::vector<NodeId> nodes;        ///< whom it hits; of a line the node before it
+  std::vector<NodeId> nodes;        ///< whom it hits; of a line the node it leads from
+  bool second_line = false;         ///< of a line: the second one of a ring that folds back, against ring order
 
   std::uint64_t packets = 0;        ///< the next so many; 0: no limit
   std::uint64_t once_in = 1;        ///< ... each with the probability 1 / once_in

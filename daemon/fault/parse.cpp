@@ -118,6 +118,11 @@ const std::string& name_of(NodeId id, const RingNodes& nodes) {
   return found->name;
 }
 
+/// Place of the node that the line out of the one at `place` leads to.
+std::size_t end_of_line(std::size_t place, bool second, const RingNodes& nodes) {
+  return (place + (second ? nodes.size() - 1 : 1)) % nodes.size();
+}
+
 const Word& read_word(const std::string& text) {
   if (const Word* word = find_word(text)) return *word;
   throw ParseError(text.empty() ? "no fault is named" : with_guess("is no fault", text, words()),
@@ -168,11 +173,15 @@ void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNo
 }
 
 void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes) {
-  const std::size_t from = place_of(before, nodes), next = (from + 1) % nodes.size();
-  if (place_of(behind, nodes) != next)
+  const std::size_t from = place_of(before, nodes), to = place_of(behind, nodes);
+  const std::size_t next = end_of_line(from, false, nodes), previous = end_of_line(from, true, nodes);
+  if (to != next && to != previous)
     throw ParseError(quoted(before + " -> " + behind, "is no line of the ring"),
-                     "a line from a node to the next: " + nodes[from].name + " -> " + nodes[next].name);
+                     "a line from a node to the next: " + nodes[from].name + " -> " + nodes[next].name +
+                         "; where the ring folds back, its second line: " + nodes[from].name + " -> " +
+                         nodes[previous].name);
   fault.nodes = {nodes[from].id};
+  fault.second_line = to != next;
 }
 
 void check(const Fault& fault) {
@@ -232,7 +241,7 @@ std::string to_words(const Fault& fault, const RingNodes& nodes) {
   for (const NodeId id : fault.nodes) text += ' ' + name_of(id, nodes);
   if (word.of == Of::line && !fault.nodes.empty()) {
     const std::size_t place = place_of(name_of(fault.nodes[0], nodes), nodes);
-    text += " -> " + nodes[(place + 1) % nodes.size()].name;
+    text += " -> " + nodes[end_of_line(place, fault.second_line, nodes)].name;
   }
   for (const Row& row : kRows) {
     const std::string value = row.write(fault);

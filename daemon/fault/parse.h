@@ -29,6 +29,7 @@ struct ParseError : std::runtime_error {
 ///   drop left_hip -> left_hip_yaw packets=3 once_in=10 for=2s seed=4
 ///   drop left_hip:left_hip_yaw                             (the same line; '>' is the shell's)
 ///   delay body -> head delay=2ms jitter=500us
+///   cut left_hip_yaw -> left_hip                           (the second line of a ring that folds back)
 ///   cut left_hip -> left_hip_yaw after_packets=100 of=left_knee
 ///   hang left_knee for=1s            kill left_knee right_knee            power_cycle all
 ///
@@ -49,7 +50,7 @@ std::vector<KeyWord> keys_of(const Word& word);
 void set_key(Fault& fault, const std::string& key, const std::string& value, const RingNodes& nodes);
 /// Its nodes: one or several, or `all`. @throw ParseError
 void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNodes& nodes);
-/// A line, from a node to the next one in the ring. @throw ParseError
+/// A line, from a node to the next one in the ring; to the one before it, the second line. @throw ParseError
 void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes);
 /// What must be given is, and fits together. @throw ParseError
 void check(const Fault& fault);

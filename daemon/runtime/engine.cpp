@@ -17,7 +17,7 @@ Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const Li
   if (!links.second) return;
   core::FoldBack::Receiver& receiver = *this;
   SecondLine::Driver& driver = *this;
-  second_.emplace(io, *links.second, controller_, receiver, driver);
+  second_.emplace(io, clock_, *links.second, controller_, receiver, driver);
 }
 
 void Engine::close() {
@@ -31,8 +31,15 @@ void Engine::close() {
 
 void Engine::on_slice(const wire::Slice& slice) {
   begin_batch();
-  if (tap_ != nullptr) tap_->on_input(slice, input_.from().value_or(wire::kBroadcast), clock_.steady(at_));
-  second_ ? second_->fold().receive(slice, at_) : controller_.receive(slice, at_);
+  second_ ? second_->fold().receive(slice, at_) : take(slice, at_);
+}
+
+void Engine::take(const wire::Slice& slice, core::Time now) {
+  if (tap_ != nullptr) {
+    const link::Input& line = second_ && second_->fold().takes_second() ? second_->input() : input_;
+    tap_->on_input(slice, line.from().value_or(wire::kBroadcast), clock_.steady(now));
+  }
+  controller_.receive(slice, now);
 }
 
 core::Time Engine::begin_batch() {
@@ -112,7 +119,14 @@ void Engine::round() {
   if (second_) deadline_ = std::min(deadline_, second_->fold().deadline());
 }
 
+void Engine::show_output() {
+  if (tap_ == nullptr || controller_.line().empty()) return;
+  const link::Output& line = second_ && second_->fold().turned_back() ? second_->output() : output_;
+  if (line.up()) tap_->on_output(controller_.line().view(), line.to(), clock_.steady(at_));
+}
+
 void Engine::write_line() {
+  show_output();
   if (!second_) return write(controller_.line());
   core::FoldBack& fold = second_->fold();
   fold.carry(at_);
@@ -123,11 +137,7 @@ void Engine::write_line() {
 
 void Engine::write(wire::SliceWriter& line) {
   if (line.empty()) return;
-  if (tap_ != nullptr && output_.up()) tap_->on_output(line.view(), output_.to(), clock_.steady(at_));
-  if (faulty_line_.active())
-    faulty_line_.write(line.view(), at_);
-  else
-    output_.write(line.view());
+  faulty_line_.put(line.view(), at_);
   line.clear();
   if (!second_) controller_.set_output_ready(output_.ready());
 }

@@ -24,7 +24,8 @@ struct EngineListener {
   virtual void on_link(std::string_view what) = 0;
 };
 
-/// Sees what is on the lines of the node, and changes nothing.
+/// Sees what comes to the node's controller and leaves it, and changes nothing. Where the ring has folded back
+/// that is each packet once, on whichever line; what only passes back on the second one is not shown.
 struct LineTap {
   virtual ~LineTap() = default;
   virtual void on_input(const wire::Slice& slice, wire::NodeId from, Clock::Steady::time_point at) = 0;
@@ -51,6 +52,7 @@ class Engine final : private link::InputHandler,
   const link::Input& input() const { return input_; }
   const link::Output& output() const { return output_; }
   /// Nothing where the ring does not fold back.
+  std::optional<SecondLine>& second_line() { return second_; }
   const std::optional<SecondLine>& second_line() const { return second_; }
   FaultyLine& faulty_line() { return faulty_line_; }
   const FaultyLine& faulty_line() const { return faulty_line_; }
@@ -77,12 +79,13 @@ class Engine final : private link::InputHandler,
   void on_output_lost(std::string_view reason) override;
   void on_output_ready() override;
 
-  void take(const wire::Slice& slice, core::Time now) override { controller_.receive(slice, now); }
+  void take(const wire::Slice& slice, core::Time now) override;
   core::Time begin_batch() override;
   void say(std::string_view what) override { listener_.on_link(what); }
 
   void round();
   void write(wire::SliceWriter& line);
+  void show_output();
   void write_line();
   void arm_timer();
 

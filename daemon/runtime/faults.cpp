@@ -18,11 +18,6 @@ constexpr std::chrono::milliseconds kLinePatience{2000};
 
 double seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
-const LineFaults::Listed* find(const std::vector<LineFaults::Listed>& line, LineFaults::Id id) {
-  const auto found = std::find_if(line.begin(), line.end(), [id](const auto& listed) { return listed.id == id; });
-  return found == line.end() ? nullptr : &*found;
-}
-
 void nobody(const std::string&) {}
 
 }  // namespace
@@ -44,12 +39,14 @@ Faults::Id Faults::add(const Fault& fault) {
 }
 
 void Faults::begin_line(const Fault& fault, const Begun& begun) {
-  const LineFaults::Id line = engine_.faulty_line().begin(fault, engine_.now());
+  FaultyLine& on = line_of(fault);
+  const LineFaults::Id line = on.begin(fault, engine_.now());
   if (line == 0) {  // mended
     drop_ended();
-    return wait_for_line([begun](const std::string& problem) { begun(0, problem); });
+    return wait_for(on, [begun](const std::string& problem) { begun(0, problem); });
   }
   const Id id = add(fault);
+  active_.at(id).on = &on;
   active_.at(id).line = line;
   begun(id, "");
 }
@@ -88,21 +85,25 @@ bool Faults::remove(Id id, const Done& done) {
   drop_ended();
   const auto found = active_.find(id);
   if (found == active_.end()) return false;
+  FaultyLine* on = found->second.on;
   const LineFaults::Id line = found->second.line;
   const Name name = found->second.fault.name;
   active_.erase(found);
-  if (line == 0) return mend(name, done), true;
-  engine_.faulty_line().remove(line, engine_.now());
-  wait_for_line(done);
+  if (on == nullptr) return mend(name, done), true;
+  on->remove(line, engine_.now());
+  wait_for(*on, done);
   return true;
 }
 
 void Faults::clear(const Done& done) {
   active_.clear();
   engine_.faulty_line().clear(engine_.now());
-  mend_cpu([this, done](const std::string& problem) {
+  auto& second = engine_.second_line();
+  if (second) second->faulty_line().clear(engine_.now());
+  mend_cpu([this, &second, done](const std::string& problem) {
     if (!problem.empty()) return done(problem);
-    wait_for_line(done);
+    if (!second) return wait_for(engine_.faulty_line(), done);
+    wait_for(engine_.faulty_line(), [this, &second, done](const std::string&) { wait_for(second->faulty_line(), done); });
   });
 }
 
@@ -133,7 +134,7 @@ void Faults::stop() {
 }
 
 void Faults::forget_cpu_faults() {
-  for (auto it = active_.begin(); it != active_.end();) it = it->second.line == 0 ? active_.erase(it) : std::next(it);
+  for (auto it = active_.begin(); it != active_.end();) it = it->second.on == nullptr ? active_.erase(it) : std::next(it);
 }
 
 void Faults::cpu_booted() {
@@ -142,40 +143,47 @@ void Faults::cpu_booted() {
   cpu_.read_on();
 }
 
-// A line that was taken down is mended when it leads on again.
-void Faults::wait_for_line(const Done& done) {
-  const auto mended = [this] { return engine_.output().up() || !engine_.faulty_line().carries(); };
-  wait_until(io_, mended, kLinePatience, [done](bool) { done(""); });
+FaultyLine& Faults::line_of(const Fault& fault) {
+  return fault.second_line ? engine_.second_line()->faulty_line() : engine_.faulty_line();
+}
+
+void Faults::wait_for(const FaultyLine& line, const Done& done) {
+  wait_until(io_, [&line] { return line.mended(); }, kLinePatience, [done](bool) { done(""); });
 }
 
 /// Those that have ended by themselves, and a hang that somebody else has ended.
 void Faults::drop_ended() {
-  const auto line = engine_.faulty_line().list(engine_.now());
   for (auto it = active_.begin(); it != active_.end();) {
     const Active& active = it->second;
-    const bool ended = active.line != 0 ? find(line, active.line) == nullptr
-                                        : active.fault.name == Name::hang && !cpu_.hangs();
+    const bool ended = active.on != nullptr ? !listed(active).has_value()
+                                            : active.fault.name == Name::hang && !cpu_.hangs();
     it = ended ? active_.erase(it) : std::next(it);
   }
 }
 
 // ---- what there is --------------------------------------------------------------------------
 
+std::optional<LineFaults::Listed> Faults::listed(const Active& active) const {
+  if (active.on == nullptr) return std::nullopt;
+  for (const LineFaults::Listed& one : active.on->list(engine_.now()))
+    if (one.id == active.line) return one;
+  return std::nullopt;
+}
+
 json Faults::list() {
   drop_ended();
-  const auto line = engine_.faulty_line().list(engine_.now());
   json all = json::array();
   for (const auto& [id, active] : active_) {
     const Fault& fault = active.fault;
-    const auto* listed = find(line, active.line);
+    const auto of_line = listed(active);
     const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(engine_.now() - active.since);
     json row{{"id", id},
              {"name", fault::word_of(fault.name).word},
              {"fault", fault::to_words(fault, nodes_)},
              {"age_s", seconds(age)},
-             {"waits", listed != nullptr && listed->waits},
-             {"hits", hits_of(active, line)}};
-    if (fault.packets != 0) row["packets_left"] = fault.packets - listed->hits;
+             {"waits", of_line && of_line->waits},
+             {"hits", hits_of(active)}};
+    if (fault.packets != 0) row["packets_left"] = fault.packets - of_line->hits;
     if (fault.lasts.count() != 0 && fault.after_packets == 0)
       row["seconds_left"] = std::max(0.0, seconds(fault.after + fault.lasts - age));
     all.push_back(std::move(row));
@@ -183,8 +191,8 @@ json Faults::list() {
   return all;
 }
 
-std::uint64_t Faults::hits_of(const Active& active, const std::vector<LineFaults::Listed>& line) const {
-  if (const auto* listed = find(line, active.line)) return listed->hits;
+std::uint64_t Faults::hits_of(const Active& active) const {
+  if (const auto of_line = listed(active)) return of_line->hits;
   return active.fault.name == Name::babble ? cpu_.babbled() : 1;
 }
 

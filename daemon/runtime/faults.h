@@ -45,7 +45,8 @@ class Faults {
     Active(boost::asio::io_context& io, fault::Fault f, core::Time now) : fault(std::move(f)), since(now), end(io) {}
     fault::Fault fault;
     core::Time since;
-    fault::LineFaults::Id line = 0;  ///< its id there; 0: a fault of the CPU
+    FaultyLine* on = nullptr;        ///< the line it is of; null: a fault of the CPU
+    fault::LineFaults::Id line = 0;  ///< its id there
     boost::asio::steady_timer end;
   };
 
@@ -56,9 +57,11 @@ class Faults {
   void mend(fault::Name name, const Done& done);
   void mend_cpu(const Done& done);
   void forget_cpu_faults();
-  void wait_for_line(const Done& done);
+  FaultyLine& line_of(const fault::Fault& fault);
+  void wait_for(const FaultyLine& line, const Done& done);
   void drop_ended();
-  std::uint64_t hits_of(const Active& active, const std::vector<fault::LineFaults::Listed>& line) const;
+  std::optional<fault::LineFaults::Listed> listed(const Active& active) const;
+  std::uint64_t hits_of(const Active& active) const;
 
   boost::asio::io_context& io_;
   fault::RingNodes nodes_;

@@ -8,7 +8,7 @@
 
 namespace limb_ring::runtime {
 
-/// The line out of this node with what is wrong with it on purpose: between the Engine and its Output, on
+/// A line out of this node with what is wrong with it on purpose: between the Engine and the Output, on
 /// the way of every slice while anything is, and off it at no cost while nothing is. (ours)
 ///
 /// Idles are the link's own and do not pass here: a line that drops every packet is not silent, one that
@@ -17,11 +17,13 @@ class FaultyLine {
  public:
   FaultyLine(boost::asio::io_context& io, const Clock& clock, link::Output& output);
 
-  /// Something is wrong, or still held back: whatever goes onto the line has to come through write().
-  bool active() const { return active_; }
   /// The wire is neither cut nor held: the output is, or will be, connected.
   bool carries() const { return wire_ == link::Wire::whole; }
-  void write(wire::ByteView framed_slices, core::Time now);
+  void put(wire::ByteView framed_slices, core::Time now) {
+    active_ ? pass_all(framed_slices, now) : output_.write(framed_slices);
+  }
+  /// As good as new for whoever waits: it leads on, or has another fault that keeps it from that.
+  bool mended() const { return output_.up() || !carries(); }
   /// The output was lost, or leads to another node.
   void line_lost() { faults_.line_lost(); }
 
@@ -36,6 +38,7 @@ class FaultyLine {
   void close() { timer_.cancel(); }
 
  private:
+  void pass_all(wire::ByteView framed_slices, core::Time now);
   void pass(const wire::Slice& slice, core::Time now);
   void update(core::Time now);
   void arm_timer();
@@ -46,7 +49,7 @@ class FaultyLine {
   boost::asio::steady_timer timer_;
   wire::SliceWriter due_;
   link::Wire wire_ = link::Wire::whole;
-  bool active_ = false;
+  bool active_ = false;  ///< something is wrong, or still held back
 };
 
 }  // namespace limb_ring::runtime

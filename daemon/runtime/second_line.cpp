@@ -4,23 +4,25 @@
 
 namespace limb_ring::runtime {
 
-SecondLine::SecondLine(boost::asio::io_context& io, const LinkSettings::Ends& ends, core::Controller& controller,
-                       core::FoldBack::Receiver& receiver, Driver& driver)
+SecondLine::SecondLine(boost::asio::io_context& io, const Clock& clock, const LinkSettings::Ends& ends,
+                       core::Controller& controller, core::FoldBack::Receiver& receiver, Driver& driver)
     : controller_(controller),
       driver_(driver),
       fold_(controller, receiver, driver.now()),
       input_(io, ends.input, *this),
-      output_(io, ends.output, *this) {}
+      output_(io, ends.output, *this),
+      faulty_line_(io, clock, output_) {}
 
 void SecondLine::close() {
   input_.close();
   output_.close();
+  faulty_line_.close();
 }
 
 void SecondLine::write() {
   wire::SliceWriter& line = fold_.second_line();
   if (line.empty()) return;
-  output_.write(line.view());
+  faulty_line_.put(line.view(), driver_.now());
   line.clear();
 }
 
@@ -48,6 +50,7 @@ void SecondLine::on_output_up(std::uint8_t to) {
 
 void SecondLine::on_output_lost(std::string_view reason) {
   driver_.say("second line: output lost: " + std::string(reason));
+  faulty_line_.line_lost();
   fold_.second_output_lost(driver_.now());
   driver_.pump();
 }

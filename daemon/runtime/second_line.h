@@ -3,6 +3,7 @@
 #include "core/fold_back.h"
 #include "link/input.h"
 #include "link/output.h"
+#include "runtime/faulty_line.h"
 #include "runtime/settings.h"
 
 namespace limb_ring::runtime {
@@ -24,13 +25,15 @@ class SecondLine final : private link::InputHandler, private link::OutputHandler
     ~Driver() = default;
   };
 
-  SecondLine(boost::asio::io_context& io, const LinkSettings::Ends& ends, core::Controller& controller,
-             core::FoldBack::Receiver& receiver, Driver& driver);
+  SecondLine(boost::asio::io_context& io, const Clock& clock, const LinkSettings::Ends& ends,
+             core::Controller& controller, core::FoldBack::Receiver& receiver, Driver& driver);
 
   core::FoldBack& fold() { return fold_; }
   const core::FoldBack& fold() const { return fold_; }
   const link::Input& input() const { return input_; }
   const link::Output& output() const { return output_; }
+  FaultyLine& faulty_line() { return faulty_line_; }
+  const FaultyLine& faulty_line() const { return faulty_line_; }
   /// Puts onto the line what the fold has for it.
   void write();
   void close();
@@ -50,6 +53,7 @@ class SecondLine final : private link::InputHandler, private link::OutputHandler
   core::FoldBack fold_;
   link::Input input_;
   link::Output output_;
+  FaultyLine faulty_line_;
 };
 
 }  // namespace limb_ring::runtime

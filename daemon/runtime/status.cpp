@@ -33,6 +33,18 @@ json rate_json(const core::Settings& settings) {
   return byte_time == 0 ? json() : json(8 * core::Duration::period::den / byte_time);
 }
 
+/// What its faults do is counted with those of the first line; what is lost between its ends has names of its own.
+void add_second_line(const SecondLine& second, json& all) {
+  second.faulty_line().counters().each(
+      [&](const char* name, const char*, std::uint64_t value) { all[name] = all[name].get<std::uint64_t>() + value; });
+  link::for_each_counter(second.input().counters(), [&](const char* name, std::uint64_t value) {
+    all[std::string("second_input_") + name] = value;
+  });
+  link::for_each_counter(second.output().counters(), [&](const char* name, std::uint64_t value) {
+    all[std::string("second_output_") + name] = value;
+  });
+}
+
 json counters_json(Node& node) {
   json all = json::object();
   node.engine().controller().counters().each(
@@ -43,6 +55,7 @@ json counters_json(Node& node) {
                          [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
   node.engine().faulty_line().counters().each(
       [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
+  if (node.engine().second_line()) add_second_line(*node.engine().second_line(), all);
   const host::HostCounters& h = node.host().counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full;
   all["host_garbage"] = h.garbage + h.never_greeted;

@@ -139,10 +139,13 @@ void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
   if (slice.kind != SliceKind::interrupt) at(node).coming_size += slice.bytes.size;
   const std::uint8_t priority = whole_or_end(slice) ? wire::priority_of(Tail::of(slice.bytes).last) : 0;
   at(node).before = count(node, priority);
+  // What was to go on when the output turned back is gone.
+  if (at(node).no_output != ring_.counters(node).dropped_no_output) at(node).passage.clear();
 }
 
 void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
   const Before after = count(node, 0);
+  at(node).no_output = ring_.counters(node).dropped_no_output;
   if (slice.kind == SliceKind::abort || after.stray != at(node).before.stray) at(node).coming.reset();
   if (whole_or_end(slice)) data_has_arrived(node, slice, after, now);
   if (slice.kind == SliceKind::interrupt) interrupt_has_arrived(node, slice, after, now);
@@ -231,9 +234,12 @@ void Invariants::check_insertion(NodeId node) {
 
 // ---- faults ---------------------------------------------------------------------------------
 
-void Invariants::fault(NodeId node, Fault fault, Time now) {
+void Invariants::fault(NodeId node, Fault fault, Time now, Way) {
   faults_ = true;
-  if (fault == Fault::late_slice) late_ = now;
+  if (fault == Fault::late_slice) {
+    late_ = now;
+    ledger_.line_let_go(now);
+  }
   Node& n = at(node);
   if (fault == Fault::killed || fault == Fault::frozen) n.away_since = now;
   if (fault == Fault::started || fault == Fault::thawed) n.away_since.reset();

@@ -29,7 +29,7 @@ class Invariants : public Witness {
   void has_arrived(NodeId node, const wire::Slice& slice, Time now) override;
   void event(NodeId node, const core::Event& event) override;
   void packet(NodeId node, const core::ReceivedPacket& packet) override;
-  void fault(NodeId node, Fault fault, Time now) override;
+  void fault(NodeId node, Fault fault, Time now, Way way) override;
 
  private:
   /// What the node had counted, and how many buffers were free, before a slice came in.
@@ -43,6 +43,7 @@ class Invariants : public Witness {
     Passage passage;
     std::optional<Head> coming;         ///< header of the DATP that is coming in
     bool passes_on = false;             ///< it is not dropped
+    std::uint64_t no_output = 0;        ///< dropped for that when something last came in
     std::size_t coming_size = 0;        ///< bytes of it that have come
     Head going;                         ///< of the one that is leaving
     Time going_since{};

@@ -90,6 +90,8 @@ class Ledger {
   void start(NodeId node);
   /// It goes on, and may pull a pin for what was under way before.
   void forgets_interrupts(NodeId node) { ++interrupt_lives_[node]; }
+  /// A line has let go of what it held back: of what was asked for before there may be a second copy about.
+  void line_let_go(Time now) { let_go_ = now; }
   /// Everything that living nodes were asked for must have ended.
   void finish(const std::vector<bool>& alive);
 
@@ -130,6 +132,7 @@ class Ledger {
   std::vector<std::array<std::deque<Unread>, 4>> unread_;  ///< by node and priority
   std::vector<std::uint32_t> newest_;                      ///< token, by node, source, lane
   std::vector<std::uint32_t> interrupt_lives_;
+  Time let_go_{core::Duration{-1}};                        ///< when a line last did
 };
 
 }  // namespace limb_ring::sim

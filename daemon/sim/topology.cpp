@@ -58,7 +58,7 @@ void VirtualRing::disconnect_output(NodeId id, Way way) {
   const auto to = static_cast<NodeId>(out.successor);
   ++out.epoch;
   if (alive(id)) output_lost(id, way);
-  tell_fault(id, Fault::output_replaced);
+  tell_fault(id, Fault::output_replaced, way);
   if (alive(to) && line(to, way).predecessor == id) {
     input_lost(to, way);
     line(to, way).predecessor = -1;
@@ -108,8 +108,8 @@ void VirtualRing::enter(NodeId id) {
   });
 }
 
-void VirtualRing::tell_fault(NodeId id, Fault fault) {
-  for (Witness* witness : witnesses_) witness->fault(id, fault, now_);
+void VirtualRing::tell_fault(NodeId id, Fault fault, Way way) {
+  for (Witness* witness : witnesses_) witness->fault(id, fault, now_, way);
 }
 
 void VirtualRing::kill(NodeId id) {
@@ -144,42 +144,36 @@ void VirtualRing::thaw(NodeId id) {
   enter(id);
 }
 
-void VirtualRing::cut_wire(NodeId id, Way way) {
+void VirtualRing::cut(NodeId id, Way way) {
   Line& out = line(id, way);
   if (out.cut) return;
-  tell_fault(id, Fault::cut);
+  tell_fault(id, Fault::cut, way);
   out.cut = true;
   ++out.epoch;  // what is under way is gone
   if (out.successor >= 0) input_lost(static_cast<NodeId>(out.successor), way);
 }
 
-void VirtualRing::heal_wire(NodeId id, Way way) {
+void VirtualRing::heal(NodeId id, Way way) {
   Line& out = line(id, way);
   if (!out.cut) return;
-  tell_fault(id, Fault::healed);
+  tell_fault(id, Fault::healed, way);
   out.cut = false;
   ++out.epoch;
   if (out.successor < 0 || out.successor != next(id, way)) return connect(id, way);
   input_up(static_cast<NodeId>(out.successor), id, way);
 }
 
-void VirtualRing::cut(NodeId id) { cut_wire(id, Way::first); }
-void VirtualRing::heal(NodeId id) { heal_wire(id, Way::first); }
-
-void VirtualRing::cut_second(NodeId id) { cut_wire(static_cast<NodeId>((id + 1) % size()), Way::second); }
-void VirtualRing::heal_second(NodeId id) { heal_wire(static_cast<NodeId>((id + 1) % size()), Way::second); }
-
 void VirtualRing::cut_cable(NodeId id) {
   const auto after = static_cast<NodeId>((id + 1) % size());
   cut(id);
-  cut_second(id);
+  cut(after, Way::second);
   if (line(id).successor == after && alive(id)) disconnect_output(id, Way::first);
   if (line(after, Way::second).successor == id && alive(after)) disconnect_output(after, Way::second);
 }
 
 void VirtualRing::heal_cable(NodeId id) {
   heal(id);
-  heal_second(id);
+  heal(static_cast<NodeId>((id + 1) % size()), Way::second);
 }
 
 }  // namespace limb_ring::sim

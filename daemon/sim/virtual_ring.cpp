@@ -206,8 +206,8 @@ void VirtualRing::carry_line(NodeId id) {
 void VirtualRing::put_on_line(NodeId id, Way way, SliceWriter& slices) {
   if (slices.empty()) return;
   SliceWriter* arriving = &slices;
-  if (way == Way::first && nodes_[id].tap) {
-    pass_through_tap(id, slices);
+  if (line(id, way).tap) {
+    pass_through_tap(id, way, slices);
     slices.clear();
     arriving = &tapped_;
   }
@@ -221,9 +221,9 @@ void VirtualRing::carry_off(NodeId id, Way way, SliceWriter& slices) {
   lanes_[nodes_[to].lane].put(now_, id, to, out.epoch, way == Way::second, slices);
 }
 
-void VirtualRing::put_late(NodeId id, SliceWriter& slices) {
-  tell_fault(id, Fault::late_slice);
-  carry_off(id, Way::first, slices);
+void VirtualRing::put_late(NodeId id, SliceWriter& slices, Way way) {
+  tell_fault(id, Fault::late_slice, way);
+  carry_off(id, way, slices);
 }
 
 void VirtualRing::tell_leaving(NodeId id, wire::ByteView rest) {
@@ -235,23 +235,23 @@ void VirtualRing::tell_leaving(NodeId id, wire::ByteView rest) {
   }
 }
 
-void VirtualRing::pass_through_tap(NodeId id, SliceWriter& line) {
-  wire::ByteView rest = line.view();
+void VirtualRing::pass_through_tap(NodeId id, Way way, SliceWriter& slices) {
+  wire::ByteView rest = slices.view();
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
     const std::size_t before = tapped_.view().size;
-    nodes_[id].tap(parse.slice, now_, tapped_);
-    if (!witnesses_.empty()) tell_tapped(id, parse.slice, before);
+    line(id, way).tap(parse.slice, now_, tapped_);
+    if (!witnesses_.empty()) tell_tapped(id, way, parse.slice, before);
     rest = rest.from(parse.consumed);
   }
 }
 
-void VirtualRing::tell_tapped(NodeId id, const wire::Slice& slice, std::size_t before) {
+void VirtualRing::tell_tapped(NodeId id, Way way, const wire::Slice& slice, std::size_t before) {
   const wire::ByteView put = tapped_.view().from(before);
-  if (put.empty()) return tell_fault(id, Fault::lost_slice);
+  if (put.empty()) return tell_fault(id, Fault::lost_slice, way);
   const wire::ByteView bytes = put.from(wire::kSliceHeaderSize);
   const bool same = bytes.size == slice.bytes.size && std::equal(bytes.begin(), bytes.end(), slice.bytes.begin());
-  if (!same) tell_fault(id, Fault::damaged_slice);
+  if (!same) tell_fault(id, Fault::damaged_slice, way);
 }
 
 void VirtualRing::give_out(NodeId id) {

@@ -84,28 +84,26 @@ class VirtualRing {
   /// The node's process stops and is bypassed; later it goes on, and finds both its links gone.
   void freeze(NodeId id);
   void thaw(NodeId id);
-  /// The wire out of node `id`: cut, whole again. The node behind learns of it at once, the one
-  /// before it does not.
-  void cut(NodeId id);
-  void heal(NodeId id);
-  /// Where the rings fold back: the second line's wire, from the node after `id` to `id`; and the cable
-  /// between the two, which is both wires, and of which both ends learn at once.
-  void cut_second(NodeId id);
-  void heal_second(NodeId id);
+  /// A wire out of node `id`: cut, whole again. The node behind learns of it at once, the one
+  /// before it does not. @pre the ring folds back, for the second
+  void cut(NodeId id, Way way = Way::first);
+  void heal(NodeId id, Way way = Way::first);
+  /// Where the ring folds back: the cable between `id` and the node after it, which is a wire of each
+  /// line, and of which both ends learn at once.
   void cut_cable(NodeId id);
   void heal_cable(NodeId id);
 
-  /// Sees every slice that leaves node `id` and may change what arrives: put what shall arrive
+  /// Sees every slice that leaves node `id` on that line and may change what arrives: put what shall arrive
   /// into `arriving` (empty: lost).
   using Tap = std::function<void(const wire::Slice& slice, Time now, wire::SliceWriter& arriving)>;
-  void tap(NodeId id, Tap tap) { nodes_[id].tap = std::move(tap); }
+  void tap(NodeId id, Tap tap, Way way = Way::first) { line(id, way).tap = std::move(tap); }
   /// What a tap has held back goes onto the line out of `id` now; leaves `slices` empty.
-  void put_late(NodeId id, wire::SliceWriter& slices);
+  void put_late(NodeId id, wire::SliceWriter& slices, Way way = Way::first);
   /// Told of everything from now on; must outlive the ring.
   void add_witness(Witness& witness) { witnesses_.push_back(&witness); }
   /// Tells the witnesses that a tap lost or damaged something on the line out of `id`, or that its
   /// CPU was reset or had its sends cancelled.
-  void tell_fault(NodeId id, Fault fault);
+  void tell_fault(NodeId id, Fault fault, Way way = Way::first);
   /// Called for each event and packet as it comes out of a node; may send.
   std::function<void(NodeId, const core::Event&)> on_event = [](NodeId, const core::Event&) {};
   std::function<void(NodeId, const core::ReceivedPacket&)> on_packet = [](NodeId, const core::ReceivedPacket&) {};
@@ -113,13 +111,13 @@ class VirtualRing {
   std::vector<bool> cpu_reads;
 
  private:
-  enum class Way : std::uint8_t { first, second };  ///< the second line runs against the first
   /// The line out of a node, and who sends into it.
   struct Line {
     bool cut = false;
     int successor = -1;
     int predecessor = -1;
     std::uint64_t epoch = 0;     ///< bytes under way on a line that was replaced are lost
+    Tap tap;
   };
   /// Hands on what a node's fold lets in.
   struct Gate final : core::FoldBack::Receiver {
@@ -138,7 +136,6 @@ class VirtualRing {
     std::uint32_t next_token = 1;
     std::size_t lane = 0;          ///< of the line into it
     NodeLog log;
-    Tap tap;
   };
   struct Action {
     Time at;
@@ -161,8 +158,6 @@ class VirtualRing {
   }
   void connect(NodeId id, Way way);
   void disconnect_output(NodeId id, Way way);
-  void cut_wire(NodeId id, Way way);
-  void heal_wire(NodeId id, Way way);
   void input_up(NodeId id, NodeId from, Way way);
   void input_lost(NodeId id, Way way);
   void output_up(NodeId id, NodeId to, Way way);
@@ -184,8 +179,8 @@ class VirtualRing {
   void put_on_line(NodeId id, Way way, wire::SliceWriter& slices);
   void carry_off(NodeId id, Way way, wire::SliceWriter& slices);
   void tell_leaving(NodeId id, wire::ByteView slices);
-  void tell_tapped(NodeId id, const wire::Slice& slice, std::size_t before);
-  void pass_through_tap(NodeId id, wire::SliceWriter& line);
+  void tell_tapped(NodeId id, Way way, const wire::Slice& slice, std::size_t before);
+  void pass_through_tap(NodeId id, Way way, wire::SliceWriter& slices);
   void give_out(NodeId id);
 
   VirtualRingOptions options_;

@@ -7,7 +7,10 @@ namespace limb_ring::sim {
 using core::Time;
 using wire::NodeId;
 
-/// What happens to a node or to the line out of it.
+/// A line of a ring, or the second one of a ring that folds back, which runs against the first.
+enum class Way : std::uint8_t { first, second };
+
+/// What happens to a node or to a line out of it.
 enum class Fault : std::uint8_t {
   killed, started, frozen, thawed, cut, healed,
   output_replaced,            ///< its neighbour came or went: its line ends, or leads elsewhere
@@ -31,8 +34,8 @@ class Witness {
   /// A node gives out an event, or a packet to its CPU.
   virtual void event(NodeId, const core::Event&) {}
   virtual void packet(NodeId, const core::ReceivedPacket&) {}
-  /// A fault, or its end: what the ring promises is weaker for a while.
-  virtual void fault(NodeId, Fault, Time) {}
+  /// A fault, or its end: what the ring promises is weaker for a while. Of a line, the one it is on.
+  virtual void fault(NodeId, Fault, Time, Way) {}
 };
 
 }  // namespace limb_ring::sim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <deque>
 
 #include "fault/line_faults.h"
@@ -23,8 +24,8 @@ class FaultyLines : public sim::Witness {
   void mend_all();
 
   /// For a tap of the caller's own: what comes out of the line now.
-  void pass(wire::NodeId id, const wire::Slice& slice, wire::SliceWriter& arriving);
-  void fault(wire::NodeId id, sim::Fault fault, core::Time now) override;
+  void pass(wire::NodeId id, sim::Way way, const wire::Slice& slice, wire::SliceWriter& arriving);
+  void fault(wire::NodeId id, sim::Fault fault, core::Time now, sim::Way way) override;
 
  private:
   struct Line {
@@ -33,11 +34,18 @@ class FaultyLines : public sim::Witness {
     bool cut = false;                ///< by a fault
     core::Time wake = core::kNever;  ///< next look
   };
-  void look(wire::NodeId id);
-  void look_later(wire::NodeId id);
+  Line& line(wire::NodeId id, sim::Way way) { return lines_[static_cast<std::size_t>(way)][id]; }
+  template <class Each>
+  void each_line(Each each) const {
+    for (const sim::Way way : {sim::Way::first, sim::Way::second})
+      for (std::size_t id = 0; id < lines_[static_cast<std::size_t>(way)].size(); ++id)
+        each(static_cast<wire::NodeId>(id), way);
+  }
+  void look(wire::NodeId id, sim::Way way);
+  void look_later(wire::NodeId id, sim::Way way);
 
   sim::VirtualRing& ring_;
-  std::deque<Line> lines_;  ///< out of each node
+  std::array<std::deque<Line>, 2> lines_;  ///< out of each node, by Way; no second ones without fold-back
   wire::SliceWriter late_;
 };
 

@@ -5,6 +5,7 @@
 namespace limb_ring::study {
 
 using core::Duration;
+using sim::Way;
 using wire::NodeId;
 using namespace std::chrono_literals;
 
@@ -27,7 +28,7 @@ void RandomFaults::choose_mix() {
   damage_ = levels[random(4)];
   trouble_ = levels[random(4)];
   fold_back_ = nodes_ > 2 && once_in(3);
-  doubles_ = once_in(2);
+  doubles_ = once_in(2) && !fold_back_;  // a fold may bring a doubled copy behind the source's next packet
 }
 
 std::string RandomFaults::describe() const {
@@ -65,16 +66,23 @@ void RandomFaults::make_ring() {
   ring_->on_event = [this](NodeId, const core::Event& event) {
     if (const auto* end = std::get_if<core::SendEnded>(&event.what)) ++ended_[static_cast<std::size_t>(end->outcome)];
   };
-  for (unsigned node = 0; node < nodes_; ++node)
-    ring_->tap(static_cast<NodeId>(node), [this, node](const wire::Slice& slice, core::Time,
-                                                       wire::SliceWriter& arriving) {
-      pass(static_cast<NodeId>(node), slice, arriving);
-    });
+  tap_all(Way::first);
+  if (fold_back_) tap_all(Way::second);
+}
+
+void RandomFaults::tap_all(Way way) {
+  for (unsigned node = 0; node < nodes_; ++node) {
+    const auto id = static_cast<NodeId>(node);
+    const auto tap = [this, id, way](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
+      pass(id, way, slice, arriving);
+    };
+    ring_->tap(id, tap, way);
+  }
 }
 
 // ---- lines ----------------------------------------------------------------------------------
 
-void RandomFaults::pass(NodeId id, const wire::Slice& slice, wire::SliceWriter& arriving) {
+void RandomFaults::pass(NodeId id, Way way, const wire::Slice& slice, wire::SliceWriter& arriving) {
   if (quiet_) {
     const bool control = slice.kind != wire::SliceKind::interrupt && slice.bytes.size >= 13 &&
                          slice.bytes[slice.bytes.size - 5] >> 2 == 1;
@@ -82,11 +90,11 @@ void RandomFaults::pass(NodeId id, const wire::Slice& slice, wire::SliceWriter& 
     if (!control && !part) ++slices_when_quiet_;
   }
   if (!quiet_ && once_in(drop_)) return;
-  if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, slice, arriving);
+  if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, way, slice, arriving);
   std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
   std::copy(slice.bytes.begin(), slice.bytes.end(), bytes.begin());
   bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1 + random(255));
-  lines_->pass(id, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
+  lines_->pass(id, way, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
 }
 
 // ---- what happens ---------------------------------------------------------------------------
@@ -158,12 +166,15 @@ void RandomFaults::fault() {
 }
 
 // No copy may outlive the time-out of a try: a receiver takes a second one for a new packet, and one that has joined
-// anew meanwhile knows nothing of the first. So a line holds back for a part of it, and a small one where lines double.
+// anew meanwhile knows nothing of the first. So a line holds back for a part of it: a small one where lines double,
+// and where a part of a folded ring sends what is nobody's over the same line again and again.
 void RandomFaults::line_fault(NodeId node) {
-  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / (doubles_ ? 32 : 2) / 1ns);
+  const int share = doubles_ ? 32 : fold_back_ ? 16 : 2;
+  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / share / 1ns);
   fault::Fault fault;
   fault.name = once_in(2) ? fault::Name::delay : doubles_ ? fault::Name::duplicate : fault::Name::stall;
   fault.nodes = {node};
+  fault.second_line = fold_back_ && once_in(3);
   fault.once_in = 1 + random(10);
   fault.delay = 1ns * (1 + random(longest));
   fault.jitter = 1ns * random(longest);
@@ -173,7 +184,7 @@ void RandomFaults::line_fault(NodeId node) {
 
 void RandomFaults::cut(NodeId node) {
   if (!fold_back_ || once_in(3)) return ring_->cut(node);
-  once_in(4) ? ring_->cut_second(node) : ring_->cut_cable(node);
+  once_in(4) ? ring_->cut(static_cast<NodeId>((node + 1) % nodes_), Way::second) : ring_->cut_cable(node);
 }
 
 void RandomFaults::heal(NodeId node) { fold_back_ ? ring_->heal_cable(node) : ring_->heal(node); }

@@ -42,7 +42,8 @@ class RandomFaults {
 
   void choose_mix();
   void make_ring();
-  void pass(wire::NodeId id, const wire::Slice& slice, wire::SliceWriter& arriving);
+  void tap_all(sim::Way way);
+  void pass(wire::NodeId id, sim::Way way, const wire::Slice& slice, wire::SliceWriter& arriving);
   void act();
   void send();
   void interrupt();

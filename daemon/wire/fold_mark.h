@@ -9,7 +9,10 @@
 
 /// What nodes tell each other on the second line, in slices of their own between packets. (ours)
 ///
-///   | mark 8 | node 8 |      2 bytes
+///   | mark 8 | node 8 | check 8 |      3 bytes; check = 0xFF xor mark xor node
+///
+/// A word that noise has changed would have a node fold, or unfold, for nothing: it is none, and the next one,
+/// a beacon period later, says it again.
 namespace limb_ring::wire {
 
 enum class FoldMark : std::uint8_t {
@@ -24,17 +27,20 @@ struct FoldWord {
   FoldMark mark;
   NodeId node;
 };
-constexpr std::size_t kFoldWordSize = 2;
+
+constexpr std::uint8_t fold_check(std::uint8_t mark, NodeId node) { return static_cast<std::uint8_t>(~(mark ^ node)); }
 
 inline void put(SliceWriter& line, FoldWord word) {
-  const std::array<std::uint8_t, kFoldWordSize> bytes{static_cast<std::uint8_t>(word.mark), word.node};
+  const auto mark = static_cast<std::uint8_t>(word.mark);
+  const std::array<std::uint8_t, kFoldWordSize> bytes{mark, word.node, fold_check(mark, word.node)};
   line.put(SliceKind::fold, {bytes.data(), bytes.size()});
 }
 
-/// @return nothing where the slice is none, or says what nobody knows
+/// @return nothing where the slice is none, is damaged, or says what nobody knows
 inline std::optional<FoldWord> fold_word(const Slice& slice) {
   if (slice.kind != SliceKind::fold || slice.bytes.size != kFoldWordSize) return std::nullopt;
   const std::uint8_t mark = slice.bytes[0];
+  if (slice.bytes[2] != fold_check(mark, slice.bytes[1])) return std::nullopt;
   if (mark < static_cast<std::uint8_t>(FoldMark::begin) || mark > static_cast<std::uint8_t>(FoldMark::hears))
     return std::nullopt;
   return FoldWord{static_cast<FoldMark>(mark), slice.bytes[1]};

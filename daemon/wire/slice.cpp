@@ -14,7 +14,7 @@ bool slice_size_fits(SliceKind kind, std::size_t size) {
     case SliceKind::interrupt: return size == 12;
     case SliceKind::abort:
     case SliceKind::idle: return size == 0;
-    case SliceKind::fold: return size == 2;
+    case SliceKind::fold: return size == kFoldWordSize;
   }
   return false;
 }

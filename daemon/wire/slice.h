@@ -22,6 +22,8 @@ namespace limb_ring::wire {
 /// `fold` is the second line's own (fold_mark.h).
 enum class SliceKind : std::uint8_t { start = 1, more, end, whole, interrupt, abort, idle, fold };
 
+constexpr std::size_t kFoldWordSize = 3;
+
 struct Slice {
   SliceKind kind;
   ByteView bytes;

@@ -235,13 +235,13 @@ TEST_F(FoldBackTest, ANodeStartedBehindABreakJoins) {
 
 // Both lines broken on one side, the first on another: nothing leads back, as without a second line.
 TEST_F(FoldBackTest, WithTheSecondLineBrokenElsewhereTheRingIsAnOpenChain) {
-  ring.cut_second(6);
+  ring.cut(7, sim::Way::second);
   ring.run_for(30ms);
   expect_all(NodeState::up);
   ring.cut(2);
   ring.run_for(100ms);
   EXPECT_EQ(membership(3).state(), NodeState::open_chain);
-  ring.heal_second(6);
+  ring.heal(7, sim::Way::second);
   ring.run_for(100ms);
   expect_all(NodeState::folded);
   ring.heal(2);

@@ -33,13 +33,20 @@ TEST(FaultWords, SayALineAlsoWithoutWhatAShellTakesForItself) {
     EXPECT_THAT(from_words(text, kNodes).nodes, ElementsAre(0)) << text;
 }
 
+TEST(FaultWords, SayTheSecondLineAgainstRingOrder) {
+  const Fault fault = from_words("cut hip:ankle", kNodes);
+  EXPECT_THAT(fault.nodes, ElementsAre(0));
+  EXPECT_TRUE(fault.second_line);
+  EXPECT_FALSE(from_words("cut ankle:hip", kNodes).second_line);
+}
+
 TEST(FaultWords, SayNodesByNameNumberOrAll) {
   EXPECT_THAT(from_words("kill knee 12", kNodes).nodes, ElementsAre(1, 2));
   EXPECT_THAT(from_words("power_cycle all", kNodes).nodes, ElementsAre(0, 1, 2));
 }
 
 TEST(FaultWords, ComeBackAsTheyWere) {
-  for (const char* text : {"cut hip -> knee after_packets=100 of=ankle", "heal ankle -> hip", "kill knee ankle",
+  for (const char* text : {"cut hip -> knee after_packets=100 of=ankle", "heal ankle -> hip", "stall ankle -> knee", "kill knee ankle",
                            "delay hip -> knee packets=7 delay=2ms jitter=500us after=1s", "hang knee for=1s",
                            "rate hip -> knee rate=10Mbit/s", "flap hip -> knee every=40ms for=400ms",
                            "drop hip -> knee packets=3 once_in=10 for=2s seed=4", "babble ankle"})
@@ -56,7 +63,8 @@ TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
               StartsWith("'dorp' is no fault, did you mean 'drop'?; allowed: cut, heal"));
   EXPECT_THAT(refusal_of(""), StartsWith("no fault is named; allowed: cut"));
   EXPECT_THAT(refusal_of("kill nee"), StartsWith("'nee' is no node of the ring, did you mean 'knee'?; allowed: hip"));
-  EXPECT_THAT(refusal_of("cut hip -> ankle"), AllOf(HasSubstr("is no line of the ring"), HasSubstr("hip -> knee")));
+  EXPECT_THAT(refusal_of("cut hip -> hip"), AllOf(HasSubstr("is no line of the ring"), HasSubstr("hip -> knee"),
+                                                   HasSubstr("its second line: hip -> ankle")));
   EXPECT_THAT(refusal_of("cut hip"), StartsWith("cut says no line"));
   EXPECT_THAT(refusal_of("kill"), StartsWith("kill says no node"));
   EXPECT_THAT(refusal_of("drop hip -> knee packet=3"), HasSubstr("did you mean 'packets'?"));

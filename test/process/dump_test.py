@@ -49,6 +49,17 @@ class Dump(Looking):
         self.assertIn('3 packets shown', lines[3])
         self.assertIn('0 lost', lines[3])
 
+    def test_of_a_folded_ring_shows_each_packet_once_on_the_line_it_came_on(self):
+        self.start_ring(plain_nodes(4), redundancy='foldback')
+        self.assertEqual(self.ctl('fault', 'cut', 'node0:node1').returncode, 0)
+        self.wait('folded', lambda: {self.row(i)['state'] for i in range(4)} == {'folded'})
+        for node, line in (('node1', 'node2 -> node1'), ('node2', 'node1 -> node2')):
+            packets = self.dump_until_done(node, '--kind', 'data', '-n', 3, '--json').splitlines()[:3]
+            numbers = [json.loads(packet)['sequence'] for packet in packets]
+            self.assertEqual(numbers, list(range(numbers[0], numbers[0] + 3)))
+            text = self.dump_until_done(node, '--kind', 'data', '-n', 1)
+            self.assertIn(line, text)
+
     def test_ends_with_ctrl_c_and_says_what_it_saw(self):
         self.start_ring(plain_nodes(3))
         dump = self.start('dump', [program('ringctl'), 'dump', 'node2', '-t', 'd', '-d'])

@@ -97,6 +97,26 @@ class Lines(FaultTest):
         self.fault('remove', stall[0])
         self.wait_closed(range(3))
 
+    def test_the_second_line_breaks_unnoticed_but_for_the_status_and_is_noisy_when_it_is_needed(self):
+        self.start_ring(plain_nodes(4), timeouts=QUICK, redundancy='foldback')
+        self.assertEqual(self.begin('cut', 'node2:node1'), ['node2.1'])
+        self.wait('shown', lambda: 'broken second line node2 -> node1' in self.ctl('status').stdout)
+        self.assertEqual({self.row(i)['state'] for i in range(4)}, {'up'})
+        self.fault('heal', 'node2:node1')
+        self.assertEqual(self.listed(), {})
+        self.wait('whole', lambda: 'second line' not in self.ctl('status').stdout)
+        self.begin('cut', 'node3:node0')
+        self.wait('folded', lambda: {self.row(i)['state'] for i in range(4)} == {'folded'})
+        self.begin('drop', 'node2:node1', '--packets', 3)
+        self.assertEqual(self.ping(0, 2)['delivered'], 20)
+        self.assertEqual(self.counters(2)['line_dropped'], 3)
+        self.fault('clear')
+        self.wait_closed(range(4))
+
+    def test_a_ring_without_a_second_line_says_so(self):
+        self.start_ring(plain_nodes(3))
+        self.assertIn('redundancy: foldback', self.fault('cut', 'node2:node1', code=1))
+
     def test_a_flapping_line_comes_and_goes(self):
         self.start_ring(plain_nodes(3), timeouts=QUICK)
         losses = self.counters(1)['input_losses']

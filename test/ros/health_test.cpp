@@ -119,6 +119,16 @@ TEST_F(Health, IsAnErrorForAHungCpu) {
   EXPECT_EQ(of_line().level, Level::OK);
 }
 
+TEST_F(Health, WarnsWhereTheRingCouldNotFoldBack) {
+  knee().second_input_state = "down";
+  take();
+  EXPECT_EQ(of_node().level, Level::WARN);
+  EXPECT_THAT(of_node().message, HasSubstr("no second line"));
+  knee().second_input_state = "up";
+  take();
+  EXPECT_EQ(of_node().level, Level::OK);
+}
+
 TEST_F(Health, WarnsOfALossForFiveSeconds) {
   take();
   knee().counter_values = {4, 9};

@@ -26,7 +26,7 @@ TEST_F(Status, OfANodeNobodyHearsIsDown) {
 TEST_F(Status, TakesARowInSecondsAndWithItsCounters) {
   merge_status_row(json::parse(R"({"state": "up", "pid": 4711,
       "cpu": {"pid": 4712, "boots": 2, "state": "running"}, "ring_size": 16,
-      "round_trip_us": {"p50": 61.5, "p99": 90, "max": 120.25},
+      "fold": {"second_input": "down"}, "round_trip_us": {"p50": 61.5, "p99": 90, "max": 120.25},
       "counters": {"lost": 3, "relayed_data": 12345678901}})"),
                    status);
   EXPECT_EQ(status.state, "up");
@@ -34,6 +34,7 @@ TEST_F(Status, TakesARowInSecondsAndWithItsCounters) {
   EXPECT_EQ(status.cpu_pid, 4712);
   EXPECT_EQ(status.cpu_boots, 2u);
   EXPECT_EQ(status.ring_size, 16);
+  EXPECT_EQ(status.second_input_state, "down");
   EXPECT_DOUBLE_EQ(status.round_trip_p50, 61.5e-6);
   EXPECT_DOUBLE_EQ(status.round_trip_p99, 90e-6);
   EXPECT_THAT(status.counter_names, ElementsAre("lost", "relayed_data"));

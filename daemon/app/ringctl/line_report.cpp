@@ -40,6 +40,25 @@ std::string broken_lines(const std::vector<json>& rows) {
   return text;
 }
 
+/// Whose second line leads to the node at `place`: the next one that is there; null where there is none.
+const json* answering_after(const std::vector<json>& rows, std::size_t place) {
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    if (const json& row = rows[(place + i) % rows.size()]; has(row, "fold")) return &row;
+  return nullptr;
+}
+
+/// Nothing else shows it until a line of the ring breaks as well, and then it is too late.
+std::string broken_second_lines(const std::vector<json>& rows) {
+  std::string text;
+  for (std::size_t place = 0; place < rows.size(); ++place) {
+    const json& row = rows[place];
+    if (!has(row, "fold") || row["fold"]["second_input"] != "down") continue;
+    if (const json* from = answering_after(rows, place))
+      text += "broken second line " + arrow(rows, (*from)["id"], row["id"]) + ": the ring cannot fold back there\n";
+  }
+  return text;
+}
+
 /// One in so many of the damaged packets that a node has seen counts as under way.
 constexpr std::int64_t kUnderWay = 8;
 
@@ -77,7 +96,7 @@ std::string faults_on_purpose(const json& row) {
 }  // namespace
 
 std::string line_report(const std::vector<json>& rows) {
-  std::string text = broken_lines(rows);
+  std::string text = broken_lines(rows) + broken_second_lines(rows);
   for (const json& row : rows) text += noisy_line(rows, row);
   for (const json& row : rows) text += faults_on_purpose(row);
   return text;

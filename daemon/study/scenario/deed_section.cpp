@@ -40,12 +40,18 @@ Fault fault_in_words(const Entry& entry, const std::string& word, const fault::R
   return at_entry(entry, [&] { return fault::from_words(word + ' ' + rest, nodes); });
 }
 
+void set_line(Fault& fault, const std::string& text, const fault::RingNodes& nodes) {
+  const Fault line = fault::from_words("heal " + text, nodes);
+  fault.nodes = line.nodes;
+  fault.second_line = line.second_line;
+}
+
 /// What the fault is of is read by the others' readers, so that lists of nodes look the same everywhere.
 void read_member(const config::Member& member, Fault& fault, const fault::RingNodes& nodes) {
   const std::string text = member.name == "nodes" ? "" : member.value.text("a value");
   at_entry(member.value, [&] {
     if (member.name == "nodes") return void(fault.nodes = read_nodes(member.value));
-    if (member.name == "line") return void(fault.nodes = fault::from_words("heal " + text, nodes).nodes);
+    if (member.name == "line") return set_line(fault, text, nodes);
     fault::set_key(fault, member.name, text, nodes);
   });
 }

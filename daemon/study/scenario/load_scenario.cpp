@@ -56,7 +56,13 @@ void check_condition(const Entry& condition, const std::vector<std::string>& nam
   }
 }
 
-/// What no single entry shows: names of sends, and times that run backwards.
+void check_line(const Entry& entry, const Step& step, const config::RingConfig& ring) {
+  const auto* fault = std::get_if<fault::Fault>(&step.deed);
+  if (!fault || !fault->second_line || ring.redundancy == config::RingConfig::Redundancy::foldback) return;
+  entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
+}
+
+/// What no single entry shows: names of sends, lines that the ring has not, and times that run backwards.
 void check_scenario(const Entry& file, const Scenario& scenario) {
   const std::vector<std::string> names = send_names(scenario);
   if (names.size() > kMostNames) file.refuse("it has too many sends", std::to_string(kMostNames) + " names");
@@ -67,6 +73,7 @@ void check_scenario(const Entry& file, const Scenario& scenario) {
   const std::vector<Entry> steps = file.find("steps")->items("");
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (const auto when = steps[i].find("when")) check_condition(*when, names);
+    check_line(steps[i], scenario.steps[i], scenario.ring);
     if (!scenario.steps[i].at) continue;
     if (*scenario.steps[i].at < latest)
       steps[i].find("at")->refuse_value("is before an earlier step", "times in order");

@@ -60,6 +60,16 @@ TEST(LineReport, BelievesTheNodeBehindABreak) {
   EXPECT_EQ(line_report(rows), "broken line node0 -> node1 since 12.3 s, announced after 21.4 ms\n");
 }
 
+TEST(LineReport, NamesASecondLineThatIsBrokenByTheNextNodeThatIsThere) {
+  auto rows = three_nodes();
+  for (json& row : rows) row["fold"] = {{"second_input", "up"}};
+  EXPECT_EQ(line_report(rows), "");
+  rows[1]["fold"]["second_input"] = "down";
+  EXPECT_EQ(line_report(rows), "broken second line node2 -> node1: the ring cannot fold back there\n");
+  rows[2].erase("fold");  // it does not answer
+  EXPECT_EQ(line_report(rows), "broken second line node0 -> node1: the ring cannot fold back there\n");
+}
+
 TEST(LineReport, NamesTheNoisyLineAndNotThoseThatDamagedPacketsPassLater) {
   std::vector<json> rows = three_nodes();
   rows[1]["counters"] = {{"crc_errors", 6}, {"returns_damaged", 2}};  // four went on, two were its own
