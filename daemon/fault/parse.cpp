@@ -184,6 +184,14 @@ void set_line(Fault& fault, const std::string& before, const std::string& behind
   fault.second_line = to != next;
 }
 
+void check_second_line(const Fault& fault, bool folds_back, const RingNodes& nodes) {
+  if (!fault.second_line || folds_back) return;
+  Fault first = fault;
+  first.second_line = false;
+  throw ParseError(quoted(to_words(fault, nodes), "is of a second line, which this ring has not"),
+                   "a line in ring order: " + to_words(first, nodes) + "; or redundancy: foldback");
+}
+
 void check(const Fault& fault) {
   const Word& word = word_of(fault.name);
   const auto missing = [&](const char* what, const char* right) {

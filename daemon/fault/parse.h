@@ -52,6 +52,8 @@ void set_key(Fault& fault, const std::string& key, const std::string& value, con
 void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNodes& nodes);
 /// A line, from a node to the next one in the ring; to the one before it, the second line. @throw ParseError
 void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes);
+/// A second line is there only where the ring folds back. @throw ParseError
+void check_second_line(const Fault& fault, bool folds_back, const RingNodes& nodes);
 /// What must be given is, and fits together. @throw ParseError
 void check(const Fault& fault);
 

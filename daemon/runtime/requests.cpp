@@ -64,6 +64,7 @@ void Requests::config(const Json&, const Answer& answer) {
   Json nodes = Json::array();
   for (const auto& node : node_.ring().nodes) nodes.push_back({{"id", node.id}, {"name", node.name}});
   answer({{"ring", node_.ring().ring}, {"path", node_.ring().path}, {"nodes", nodes},
+          {"folds_back", node_.ring().redundancy == config::RingConfig::Redundancy::foldback},
           {"supervisor", config::supervisor_of(node_.ring()).id}});
 }
 

@@ -1,5 +1,6 @@
 // Faults as text, and what is said of a text that is none.
 #include "fault/line_rig.h"
+#include "support/thrown.h"
 
 namespace limb_ring::fault {
 namespace {
@@ -38,6 +39,9 @@ TEST(FaultWords, SayTheSecondLineAgainstRingOrder) {
   EXPECT_THAT(fault.nodes, ElementsAre(0));
   EXPECT_TRUE(fault.second_line);
   EXPECT_FALSE(from_words("cut ankle:hip", kNodes).second_line);
+  EXPECT_NO_THROW(check_second_line(fault, true, kNodes));
+  EXPECT_THAT(test::thrown<ParseError>([&] { check_second_line(fault, false, kNodes); }),
+              AllOf(HasSubstr("'cut hip -> ankle' is of a second line"), HasSubstr("cut hip -> knee")));
 }
 
 TEST(FaultWords, SayNodesByNameNumberOrAll) {

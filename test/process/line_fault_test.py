@@ -115,7 +115,7 @@ class Lines(FaultTest):
 
     def test_a_ring_without_a_second_line_says_so(self):
         self.start_ring(plain_nodes(3))
-        self.assertIn('redundancy: foldback', self.fault('cut', 'node2:node1', code=1))
+        self.assertIn('redundancy: foldback', self.fault('cut', 'node2:node1', code=2))
 
     def test_a_flapping_line_comes_and_goes(self):
         self.start_ring(plain_nodes(3), timeouts=QUICK)

@@ -60,7 +60,7 @@ RingAccess described_by(const std::string& ring, const std::string& node) {
   HostPort port = connect_node(ring, node);
   const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime);
   const std::vector<NodeName> nodes = names_of(config);
-  return RingAccess(ring, config.value("path", ""), nodes, index_of(nodes, port.id()));
+  return RingAccess(ring, config.value("path", ""), config.value("folds_back", false), nodes, index_of(nodes, port.id()));
 }
 
 std::vector<std::string> whom_to_ask(const std::string& ring, const std::string& first) {
@@ -110,9 +110,9 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
   throw NoRing("ring " + ring + " does not run: " + why);
 }
 
-RingAccess::RingAccess(std::string ring, std::string path, std::vector<NodeName> nodes,
+RingAccess::RingAccess(std::string ring, std::string path, bool folds_back, std::vector<NodeName> nodes,
                        std::size_t answered)
-    : ring_(std::move(ring)), path_(std::move(path)), nodes_(std::move(nodes)),
+    : ring_(std::move(ring)), path_(std::move(path)), folds_back_(folds_back), nodes_(std::move(nodes)),
       answered_(answered) {}
 
 const NodeName& RingAccess::node(const std::string& id_or_name) const {

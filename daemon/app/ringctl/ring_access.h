@@ -30,11 +30,12 @@ class RingAccess {
   /// configured. @throw NoRing where none answers
   static RingAccess open(const std::string& ring, const std::string& first = {});
   /// `answered`: index of the node that said all this.
-  RingAccess(std::string ring, std::string path, std::vector<NodeName> nodes,
+  RingAccess(std::string ring, std::string path, bool folds_back, std::vector<NodeName> nodes,
              std::size_t answered);
 
   const std::string& ring() const { return ring_; }
   const std::string& path() const { return path_; }  ///< of its YAML file; may be empty
+  bool folds_back() const { return folds_back_; }          ///< it has a second line
   const std::vector<NodeName>& nodes() const { return nodes_; }  ///< in ring order
 
   /// @throw UsageError listing the nodes there are
@@ -48,6 +49,7 @@ class RingAccess {
 
  private:
   std::string ring_, path_;
+  bool folds_back_;
   std::vector<NodeName> nodes_;
   std::size_t answered_;
 };

@@ -43,9 +43,11 @@ std::string words_of(const fault::Word& word, const Options& options) {
   return words;
 }
 
-fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes) {
+fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes, bool folds_back) {
   try {
-    return fault::from_words(words, nodes);
+    const fault::Fault fault = fault::from_words(words, nodes);
+    fault::check_second_line(fault, folds_back, nodes);
+    return fault;
   } catch (const fault::ParseError& error) {
     throw UsageError(words + ": " + error.what());
   }
@@ -57,7 +59,7 @@ int begin(const Context& context, const fault::Word& word, const Options& option
     throw UsageError(std::string(word.word) + ": the shell has taken '>' for itself: write A:B, or quote 'A -> B'");
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   const fault::RingNodes nodes = nodes_of(ring);
-  const fault::Fault fault = parsed(words_of(word, options), nodes);
+  const fault::Fault fault = parsed(words_of(word, options), nodes, ring.folds_back());
   json all = json::array();
   for (const inject::Begun& begun : LiveFaults(ring.ring(), nodes).begin(fault)) {
     all.push_back({{"id", begun.id.empty() ? json() : json(begun.id)}, {"fault", begun.words}});
