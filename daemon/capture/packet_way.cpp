@@ -30,6 +30,11 @@ nanoseconds Way::waited() const {
   return all;
 }
 
+std::optional<nanoseconds> Way::on_line(std::size_t hop) const {
+  if (hop == 0 || !hops[hop].in || !hops[hop - 1].out) return std::nullopt;
+  return hops[hop].in->began - hops[hop - 1].out->began;
+}
+
 const char* to_string(WayEnd end) {
   switch (end) {
     case WayEnd::home: return "came home";

@@ -53,6 +53,9 @@ struct Way {
   /// First slice of its first try.
   std::chrono::nanoseconds sent() const { return earlier.empty() ? began : earlier.front().began; }
   std::chrono::nanoseconds waited() const;  ///< at all nodes, as far as known
+  /// From its first slice out of the node before to its first slice into that hop; nothing where one is missing. Of a
+  /// living ring that is also the time in which the node's process was not running.
+  std::optional<std::chrono::nanoseconds> on_line(std::size_t hop) const;
 };
 
 }  // namespace limb_ring::capture

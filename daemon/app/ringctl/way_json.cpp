@@ -25,15 +25,18 @@ json rows_of(const std::vector<SeenPacket>& packets, const RingNames& names) {
   return rows;
 }
 
-json hop_row(const capture::Hop& hop, const RingNames& names) {
+json hop_row(const capture::Way& way, std::size_t place, const RingNames& names) {
+  const capture::Hop& hop = way.hops[place];
+  const auto line = way.on_line(place);
   const auto waited = hop.waited();
   return {{"node", names.of(hop.node)},
+          {"line_ns", line ? json(line->count()) : json()},
           {"in_ns", hop.in ? json(hop.in->began.count()) : json()},
           {"out_ns", hop.out ? json(hop.out->began.count()) : json()},
           {"waited_ns", waited ? json(waited->count()) : json()},
           {"behind", rows_of(hop.behind, names)},
           {"cut_by", rows_of(hop.cut_by, names)},
-          {"why", hop_words(hop, names)}};
+          {"why", hop_words(way, place, names)}};
 }
 
 }  // namespace
@@ -44,7 +47,7 @@ std::string way_json(const capture::Way& way, const RingNames& names) {
            {"sequence", code.sequence}, {"end", to_string(way.end)}, {"sent_ns", way.sent().count()},
            {"began_ns", way.began.count()}, {"ended_ns", way.ended.count()}, {"waited_ns", way.waited().count()},
            {"retries", retry_words(way, names)}, {"hops", json::array()}};
-  for (const capture::Hop& hop : way.hops) row["hops"].push_back(hop_row(hop, names));
+  for (std::size_t place = 0; place < way.hops.size(); ++place) row["hops"].push_back(hop_row(way, place, names));
   return row.dump();
 }
 

@@ -52,7 +52,7 @@ class Picture {
     text(kMargin, 20, title_of(way_, names_), "start");
     text(kMargin, 38, end_words(way_, names_), "start");
     axis();
-    for (std::size_t row = 0; row < way_.hops.size(); ++row) hop(way_.hops[row], row);
+    for (std::size_t row = 0; row < way_.hops.size(); ++row) hop(row);
     out_ << "</svg>\n";
     return out_.str();
   }
@@ -91,11 +91,12 @@ class Picture {
     bar(packet.began, packet.last, row, packet.interrupt() ? kInterrupt : colour, packet_words(packet, names_));
   }
 
-  void hop(const Hop& hop, std::size_t row) {
+  void hop(std::size_t row) {
+    const Hop& hop = way_.hops[row];
     text(kLabels - 8, y(row) + kBar - 4, names_.of(hop.node), "end");
     for (const SeenPacket& other : hop.behind) seen(other, row, kOther);
     if (hop.waited()) wait(hop, row);
-    if (hop.out || hop.in) bar(line(hop).began, line(hop).last, row, kPacket, hop_words(hop, names_));
+    if (hop.out || hop.in) bar(line(hop).began, line(hop).last, row, kPacket, hop_words(way_, row, names_));
     for (const SeenPacket& cut : hop.cut_by) seen(cut, row, kInterrupt);
   }
 

@@ -11,16 +11,18 @@ std::string time_or_dash(const std::optional<capture::SeenPacket>& seen, std::ch
   return seen ? in_us(seen->began - since) : "-";
 }
 
+std::string us_or_dash(const std::optional<std::chrono::nanoseconds>& time) { return time ? in_us(*time) : "-"; }
+
 }  // namespace
 
 std::string way_text(const capture::Way& way, const capture::RingNames& names) {
   std::string text = title_of(way, names) + "  " + end_words(way, names) + "\n";
   for (const std::string& words : retry_words(way, names)) text += words + "\n";
-  std::vector<std::vector<std::string>> rows{{"node", "in, us", "out, us", "waited", "why"}};
-  for (const Hop& hop : way.hops) {
-    const auto waited = hop.waited();
-    rows.push_back({names.of(hop.node), time_or_dash(hop.in, way.began), time_or_dash(hop.out, way.began),
-                    waited ? in_us(*waited) : "-", hop_words(hop, names)});
+  std::vector<std::vector<std::string>> rows{{"node", "line, us", "in, us", "out, us", "waited", "why"}};
+  for (std::size_t i = 0; i < way.hops.size(); ++i) {
+    const Hop& hop = way.hops[i];
+    rows.push_back({names.of(hop.node), us_or_dash(way.on_line(i)), time_or_dash(hop.in, way.began),
+                    time_or_dash(hop.out, way.began), us_or_dash(hop.waited()), hop_words(way, i, names)});
   }
   return text + app::text_table(rows);
 }

@@ -66,6 +66,12 @@ std::string embedded_words(const SeenPacket& packet, const RingNames& names) {
          " behind byte " + to_string(packet.info.carrier_offset);
 }
 
+/// One line of at least three took more than half of it all.
+bool mostly_on_line(const Way& way, std::size_t hop) {
+  const auto line = way.on_line(hop);
+  return line && way.hops.size() > 3 && 2 * *line > way.ended - way.began;
+}
+
 std::string why_again(WayEnd end, std::chrono::nanoseconds after, const SeenPacket& last, const RingNames& names) {
   if (end == WayEnd::not_home)
     return "no return within " + in_us(after) + " us, last seen " + place_of(last, names) + ": sent again";
@@ -121,8 +127,10 @@ std::vector<std::string> retry_words(const Way& way, const RingNames& names) {
   return words;
 }
 
-std::string hop_words(const Hop& hop, const RingNames& names) {
+std::string hop_words(const Way& way, std::size_t place, const RingNames& names) {
+  const Hop& hop = way.hops[place];
   std::string words;
+  if (mostly_on_line(way, place)) add(words, "most of the time on the line here, or until this node's process ran");
   const std::string damage = damage_of(hop.in ? *hop.in : *hop.out);
   if (!damage.empty()) add(words, damage);
   const std::string behind = behind_words(hop, names);

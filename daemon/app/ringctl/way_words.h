@@ -16,8 +16,8 @@ std::string title_of(const capture::Way& way, const capture::RingNames& names);
 std::string end_words(const capture::Way& way, const capture::RingNames& names);
 /// Why it is another try, one sentence each; none where it is the first.
 std::vector<std::string> retry_words(const capture::Way& way, const capture::RingNames& names);
-/// What happened at that node, in words; empty where nothing did.
-std::string hop_words(const capture::Hop& hop, const capture::RingNames& names);
+/// What happened at that hop and on the line to it, in words; empty where nothing did.
+std::string hop_words(const capture::Way& way, std::size_t hop, const capture::RingNames& names);
 /// "12.384", in us to the nanosecond.
 std::string in_us(std::chrono::nanoseconds time);
 
