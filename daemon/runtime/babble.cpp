@@ -21,7 +21,9 @@ void Babble::start(std::chrono::nanoseconds period) {
   on_ = true;
   ++run_;
   sent_ = 0;
-  send();
+  // One is on the ring, the queue is full, and one is too many.
+  const unsigned at_once = period.count() == 0 ? engine_.controller().settings().send_queue + 2 : 1;
+  for (unsigned i = 0; i < at_once; ++i) send();
   engine_.pump();
 }
 
@@ -34,7 +36,7 @@ void Babble::stop() {
 }
 
 void Babble::send() {
-  wire::store_u32(data_.data(), static_cast<std::uint32_t>(sent_));  // no two alike
+  wire::store_u32(data_.data(), static_cast<std::uint32_t>(asked_++));  // no two alike
   engine_.controller().send(
       {kBabbleOwner, run_, wire::kBroadcast, kHighest, kUserChannel, {data_.data(), data_.size()}}, engine_.now());
 }

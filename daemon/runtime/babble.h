@@ -13,7 +13,7 @@ class Babble {
  public:
   Babble(boost::asio::io_context& io, Engine& engine) : engine_(engine), next_(io) {}
 
-  /// One packet per `period`, as each has ended; 0: as fast as the network controller takes them.
+  /// One packet per `period`, as each has ended; 0: its queue is always full, and what is beyond that is rejected.
   void start(std::chrono::nanoseconds period);
   void stop();
   /// Packets that have ended, in whatever way, since start().
@@ -30,7 +30,7 @@ class Babble {
   std::chrono::nanoseconds period_{0};
   bool on_ = false;
   std::uint32_t run_ = 0;  ///< token; what ends of an earlier one is none of this one's
-  std::uint64_t sent_ = 0;
+  std::uint64_t asked_ = 0, sent_ = 0;
   std::array<std::uint8_t, wire::kMaxPayload> data_{};
 };
 
