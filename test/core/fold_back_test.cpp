@@ -233,6 +233,52 @@ TEST_F(FoldBackTest, ANodeStartedBehindABreakJoins) {
   expect_all_reach_all();
 }
 
+// A line that is gone for less than a `begin` takes to come round: the node behind says `hears` once, and is done.
+TEST_F(FoldBackTest, AHearsThatIsLostIsSaidAgain) {
+  bool lost = false;
+  const auto lose_one = [&lost](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+    const auto word = wire::fold_word(slice);
+    if (word && word->mark == wire::FoldMark::hears && !lost) return void(lost = true);
+    arriving.put(slice.kind, slice.bytes);
+  };
+  ring.tap(4, lose_one, sim::Way::second);
+  ring.cut(3);
+  ring.run_for(1us);
+  ring.heal(3);
+  ring.run_for(300ms);
+  EXPECT_TRUE(lost);
+  expect_all(NodeState::up);
+  expect_all_reach_all();
+}
+
+// Where nobody strips, what nobody understands would go on and on.
+TEST_F(FoldBackTest, ADamagedWordIsNotRepeated) {
+  ring.cut(3);
+  ring.run_for(30ms);
+  expect_all(NodeState::folded);
+  unsigned damaged = 0, repeated = 0;
+  const auto damage = [&damaged](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+    std::vector<std::uint8_t> bytes(slice.bytes.begin(), slice.bytes.end());
+    if (slice.kind == wire::SliceKind::fold) bytes[1] ^= 4, ++damaged;
+    arriving.put(slice.kind, {bytes.data(), bytes.size()});
+  };
+  const auto look = [&repeated](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+    if (slice.kind == wire::SliceKind::fold && !wire::fold_word(slice)) ++repeated;
+    arriving.put(slice.kind, slice.bytes);
+  };
+  const auto discarded = ring.counters(1).fold_discarded;
+  ring.tap(2, damage, sim::Way::second);
+  ring.tap(1, look, sim::Way::second);
+  ring.run_for(30ms);
+  EXPECT_GE(damaged, 2u);
+  EXPECT_EQ(repeated, 0u);
+  EXPECT_EQ(ring.counters(1).fold_discarded, discarded + damaged);
+  ring.tap(2, nullptr, sim::Way::second);
+  ring.run_for(100ms);
+  expect_all(NodeState::folded);
+  expect_all_reach_all();
+}
+
 // Both lines broken on one side, the first on another: nothing leads back, as without a second line.
 TEST_F(FoldBackTest, WithTheSecondLineBrokenElsewhereTheRingIsAnOpenChain) {
   ring.cut(7, sim::Way::second);
