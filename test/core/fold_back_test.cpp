@@ -279,6 +279,30 @@ TEST_F(FoldBackTest, ADamagedWordIsNotRepeated) {
   expect_all_reach_all();
 }
 
+// As much as 254 nodes have under way, and no more, should packets ever go round where nobody strips.
+TEST_F(FoldBackTest, WhatWaitsToBeRepeatedHasALimit) {
+  struct Nobody final : FoldBack::Receiver {
+    void take(const wire::Slice&, Time) override {}
+  } nobody;
+  Controller controller(ring.node(1).settings());
+  FoldBack fold(controller, nobody, Time{});
+  fold.input_up(0, Time{});
+  fold.output_up(2, Time{});
+  fold.second_output_up(Time{});
+  wire::SliceWriter word;
+  wire::put(word, {wire::FoldMark::begin, 3});
+  fold.receive_second(wire::parse_slice(word.view()).slice, Time{});
+  const std::vector<std::uint8_t> packet(wire::kMaxDataPacketSize, 0x55);
+  const wire::Slice slice{wire::SliceKind::whole, {packet.data(), packet.size()}};
+  constexpr std::size_t kLap = 254 * wire::kMaxDataPacketSize;
+  std::size_t given = 0;
+  for (; given < kLap; given += packet.size()) fold.receive_second(slice, Time{});
+  EXPECT_EQ(controller.counters().fold_discarded, 0u);
+  for (; given < 4 * kLap; given += packet.size()) fold.receive_second(slice, Time{});
+  EXPECT_GT(controller.counters().fold_discarded, 0u);
+  EXPECT_LE(fold.second_line().view().size, 257u * 1024);
+}
+
 // Both lines broken on one side, the first on another: nothing leads back, as without a second line.
 TEST_F(FoldBackTest, WithTheSecondLineBrokenElsewhereTheRingIsAnOpenChain) {
   ring.cut(7, sim::Way::second);
