@@ -20,7 +20,7 @@ enum class Verdict : std::uint8_t {
 };
 const char* to_string(Verdict verdict);
 
-/// Lets a command through only where it may be acted on now (ours, section 9 of the protocol).
+/// Lets a command through only where it may be acted on now (ours, protocol.md section 9.1).
 ///
 /// Stamps are compared by wall clock, the only one that the nodes share. Order is by stamp, then
 /// by sequence: a commander that restarts counts from 0, but its stamps go on. The order is

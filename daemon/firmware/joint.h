@@ -6,7 +6,7 @@
 
 namespace limb_ring::firmware {
 
-/// A servo with section 9's duty (ours): without a command for `command_timeout` it goes to its
+/// A servo that keeps to protocol.md section 9.1 (ours): without a command for `command_timeout` it goes to its
 /// configured safe state. It starts there.
 class Joint {
  public:

@@ -9,7 +9,7 @@
 
 namespace limb_ring::link {
 
-/// Who may be our upstream neighbour (ours). The nearest living node in ring order is; so one
+/// Who may be our upstream neighbour (ours, protocol.md section 6.8). The nearest living node in ring order is; so one
 /// that is at least as near as the present one takes its place: the same id is a restart.
 class Admission {
  public:

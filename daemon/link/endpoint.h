@@ -29,7 +29,7 @@ struct Endpoint {
 /// As a person would name it: a path, or ADDRESS:PORT.
 std::string to_string(const Endpoint& endpoint);
 
-/// The times both ends of a link live by. (ours, protocol.md section 6)
+/// The times both ends of a link live by. (ours, protocol.md section 7.4)
 struct Timing {
   milliseconds idle{10};     ///< a quiet end says so this often; also the grain of all else here
   milliseconds silence{50};  ///< an end silent for so long counts as gone

@@ -8,7 +8,7 @@
 
 namespace limb_ring::link {
 
-/// What the two ends of a link say about the link itself (ours). A UDP datagram is a head and,
+/// What the two ends of a link say about the link itself (ours, protocol.md section 6.5). A UDP datagram is a head and,
 /// where its type is `slices`, one slice. A UNIX stream opens with one `connect` head, goes on
 /// with bare slices, and carries heads the other way.
 ///

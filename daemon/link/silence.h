@@ -4,7 +4,7 @@
 
 namespace limb_ring::link {
 
-/// Judges at every tick whether the other end has fallen silent. (ours)
+/// Judges at every tick whether the other end has fallen silent. (ours, protocol.md section 6.10)
 /// A tick that comes late counts as two at most: who was not scheduled itself knows nothing
 /// about the others.
 class Silence {

@@ -8,7 +8,7 @@
 namespace limb_ring::link {
 
 /// Chooses whom our output goes to: the nearest living node in ring order (bypass, protocol.md
-/// section 8; the rules are ours). No IO: told what happened, it says whom to try next.
+/// section 6.9; the rules are ours). No IO: told what happened, it says whom to try next.
 ///
 /// Candidates are numbered in ring order, 0 being the configured successor and the last one
 /// ourselves. A candidate is passed over when nobody is there, or when it leaves an attempt

@@ -18,7 +18,7 @@ enum class PacketType : std::uint8_t {
 constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kMaxPacket = 512;  ///< bytes of data in one packet (paper)
 
-/// Channels of protocol.md section 3.
+/// Channels of protocol.md section 3.6.
 constexpr std::uint8_t kUserChannel = 0;
 constexpr std::uint8_t kJointChannel = 2;
 constexpr std::uint8_t kTopicChannel = 3;

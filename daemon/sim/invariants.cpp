@@ -177,7 +177,7 @@ void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, const B
 }
 
 // min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken,
-// for what was decided before. (protocol.md sections 3 and 4)
+// for what was decided before. (protocol.md sections 3.5 and 4.10)
 int Invariants::due_fbc(NodeId node, const Sent* sent, const Tail& tail, const Before& after) const {
   const Before& before = nodes_[node]->before;
   const std::size_t free = is_control(tail) ? wire::kFbcMax : before.free;
@@ -220,7 +220,7 @@ void Invariants::home(NodeId node, Sent* sent, int fbc, std::size_t tail_size, T
 }
 
 // While nothing is lost a node whose output is no slower is behind its input by its own DATP and INTP;
-// what has left of the DATP on the line counts until its end is through. (protocol.md section 2)
+// what has left of the DATP on the line counts until its end is through. (protocol.md section 2.5)
 void Invariants::check_insertion(NodeId node) {
   constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
   const std::size_t bytes = ring_.insertion_buffer(node).bytes();

@@ -13,7 +13,7 @@ const char* to_string(Promise promise) {
     case Promise::undamaged: return "nothing damaged, partial or misled is delivered";
     case Promise::exactly_once: return "exactly once";
     case Promise::in_order: return "order is kept per source and priority";
-    case Promise::interrupt_wait: return "an INTP waits no longer than section 5 allows";
+    case Promise::interrupt_wait: return "an INTP waits no longer than protocol.md section 5.2 allows";
     case Promise::insertion_bound: return "the insertion buffer keeps its bound";
     case Promise::no_circling: return "no packet circles on without its source";
     case Promise::true_fbc: return "FBC is truthful";

@@ -45,7 +45,7 @@ void Passage::went(const Head& head, const Tail& tail, Time now) {
 
 void Passage::own_interrupt_went(Time since, Time now) { check_wait(since, now, "its own INTP"); }
 
-// 12 bytes for each INTP before it, and at most 3 odd bytes, trailer and CRC. (protocol.md section 5)
+// 12 bytes for each INTP before it, and at most 3 odd bytes, trailer and CRC. (protocol.md section 5.2)
 void Passage::check_wait(Time since, Time now, const std::string& which) const {
   const Duration interrupt = byte_time_ * static_cast<std::int64_t>(wire::kOverhead);
   const auto ahead = std::count_if(interrupts_gone_.begin(), interrupts_gone_.end(),

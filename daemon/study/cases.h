@@ -10,7 +10,7 @@
 
 namespace limb_ring::study {
 
-/// The cases of protocol.md section 7, each on the real core under a virtual clock: the ring has
+/// The cases of protocol.md section 7.2, each on the real core under a virtual clock: the ring has
 /// joined before time zero and beacons are off. T = (B + 12) bytes on the line, i = 12 bytes.
 enum class Case {
   alone,            ///< one packet, nobody else sends: T + N d

@@ -7,7 +7,7 @@
 
 namespace limb_ring::study {
 
-/// Worst laps of the packets of a ring whose lines may differ (protocol.md section 7; the formulae
+/// Worst laps of the packets of a ring whose lines may differ (protocol.md section 7.2; the formulae
 /// for lines that differ are ours). No losses, every receiver has room.
 ///
 ///   lap    = T + sum of d + what is ahead at each other node + I

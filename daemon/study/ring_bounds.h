@@ -5,7 +5,7 @@
 
 namespace limb_ring::study {
 
-// What our ring promises while nothing is lost. (protocol.md section 7)
+// What our ring promises while nothing is lost. (protocol.md section 7.2)
 
 /// T: a whole DATP of the medium's payload on the line.
 inline Duration packet_time(const Medium& medium) {

@@ -16,7 +16,7 @@ void join(sim::VirtualRing& ring);
 void join_and_settle(sim::VirtualRing& ring, const Medium& medium);
 
 /// Our ring as a method among others: the core of the daemon, sim::VirtualRing, with lines of rate R
-/// and relay delay d, beacons off, joined before time zero. (ours; protocol.md section 7)
+/// and relay delay d, beacons off, joined before time zero. (ours; protocol.md section 7.2)
 ///
 /// Delivered is what the destination's controller has in its receive buffer with a good CRC; an
 /// interrupt-like message is an INTP, delivered when the pin is pulled.

@@ -12,7 +12,8 @@ std::uint32_t crc32(ByteView bytes);
 
 /// What to XOR into the CRC of a run of bytes when one of them is XORed with `delta` and
 /// `bytes_after` bytes of the run follow it. CRC is linear, so a good CRC stays good and a bad
-/// one bad: a relay never launders an error. The cost does not depend on the length. (ours)
+/// one bad: a relay never launders an error. The cost does not depend on the length. (ours, protocol.md
+/// section 3.7)
 /// @pre bytes_after <= 520
 std::uint32_t crc32_change(std::uint8_t delta, std::size_t bytes_after);
 

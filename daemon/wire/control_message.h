@@ -5,7 +5,8 @@
 
 #include "wire/packet.h"
 
-/// What network controllers tell each other: the data of broadcast DATPs on channel 1. (ours)
+/// What network controllers tell each other: the data of broadcast DATPs on channel 1. (ours, protocol.md sections 3.8
+/// and 3.9)
 namespace limb_ring::wire {
 
 /// A node's first words after a start, or before its numbers begin anew: "forget what you remember of me".
@@ -19,7 +20,7 @@ struct Hello {
 constexpr std::size_t kHelloSize = 10;
 
 enum class CpuState : std::uint8_t { none, absent, booting, running, silent, failed };
-/// folded: the second line stands for it (ours; fold-back, protocol.md section 8).
+/// folded: the second line stands for it (ours; fold-back, protocol.md section 8.7).
 enum class LinkState : std::uint8_t { down, up, silent, folded };
 const char* to_string(CpuState state);
 const char* to_string(LinkState state);

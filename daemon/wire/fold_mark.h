@@ -7,7 +7,8 @@
 #include "wire/packet.h"
 #include "wire/slice.h"
 
-/// What nodes tell each other on the second line, in slices of their own between packets. (ours)
+/// What nodes tell each other on the second line, in slices of their own between packets. (ours, protocol.md
+/// section 8.8)
 ///
 ///   | mark 8 | node 8 | check 8 |      3 bytes; check = 0xFF xor mark xor node
 ///

@@ -5,7 +5,7 @@
 #include "wire/bytes.h"
 #include "wire/checksum.h"
 
-/// What DATP and INTP have in common: header, trailer, CRC. (paper, fields' use partly ours)
+/// What DATP and INTP have in common: header, trailer, CRC. (paper, fields' use partly ours; protocol.md section 3)
 ///
 ///   Header  | Code | SOP | HOP | SID |    4 bytes
 ///   Data                                  1..512 bytes, DATP only

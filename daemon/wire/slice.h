@@ -9,7 +9,7 @@
 
 namespace limb_ring::wire {
 
-/// What travels on a link (ours, protocol.md section 6). Slices keep control and data apart, as
+/// What travels on a link (ours, protocol.md section 6.2). Slices keep control and data apart, as
 /// the fibre's line code does: any payload byte is legal, an INTP can sit inside a DATP, and a
 /// relay can pass on what has arrived.
 ///

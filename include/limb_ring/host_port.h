@@ -18,7 +18,7 @@ constexpr std::uint8_t kBroadcast = 0xFF;
 /// Bytes of data in one packet: 1 to 512. (paper)
 constexpr std::size_t kMaxPayload = 512;
 
-/// How a send ended. Every send has exactly one. (ours, protocol.md section 4)
+/// How a send ended. Every send has exactly one. (ours, protocol.md section 4.6)
 enum class Outcome : std::uint8_t {
   delivered,     ///< taken by the destination's network controller; not: read by its CPU
   refused,       ///< the destination had no buffer free (or, for an interrupt, no pin wired)

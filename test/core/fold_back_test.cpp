@@ -1,4 +1,4 @@
-// Fold-back: a second, counter-rotating line closes the ring again around a break. (protocol.md section 8)
+// Fold-back: a second, counter-rotating line closes the ring again around a break. (protocol.md section 8.7)
 #include <map>
 
 #include "core/ring_fixture.h"
@@ -129,7 +129,7 @@ TEST_P(AnyPlace, HealsOneWayToo) {
   for (NodeId id = 0; id < kNodes; ++id) EXPECT_FALSE(membership(id).peers()[behind].beacon.break_known);
 }
 
-// Section 8: what is confirmed is neither lost nor doubled; the fixture's invariants look at every packet.
+// What is confirmed is neither lost nor doubled: the fixture's invariants check every packet.
 TEST_F(FoldBackTest, ABreakInFullTrafficLosesNothingThatCanBeSentAgain) {
   std::map<Outcome, unsigned> ends;
   keep_sending(ring, ends);

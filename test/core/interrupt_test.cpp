@@ -98,7 +98,7 @@ TEST(InterruptOnALine, DelayTheDatpAroundThemByTheirOwnLength) {
   EXPECT_EQ(outcome_of(ring, 0, data).round_trip, 8ns * 524 + 4 * 512ns + 2 * 96ns);
 }
 
-// Protocol section 7: behind another INTP, trailer and CRC at every node.
+// protocol.md section 7.2: behind another INTP, trailer and CRC at every node.
 TEST(InterruptOnALine, RoundTripStaysWithinItsBoundUnderFullLoad) {
   VirtualRing ring(gigabit(16));
   ASSERT_TRUE(ring.join());

@@ -38,7 +38,7 @@ inline Bytes pattern(std::size_t size, unsigned start = 0) {
   return bytes;
 }
 
-/// The ring of protocol.md section 7: 1 Gbit/s, d = 512 ns; joined, beacons off.
+/// The ring of protocol.md section 7.2: 1 Gbit/s, d = 512 ns; joined, beacons off.
 inline VirtualRingOptions gigabit(unsigned nodes) {
   VirtualRingOptions options;
   options.nodes = nodes;

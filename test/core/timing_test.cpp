@@ -1,4 +1,4 @@
-// The figures of protocol.md section 7, each case under its own name.
+// The figures of protocol.md section 7.2, each case under its own name.
 #include "core/ring_fixture.h"
 
 namespace limb_ring::core {

@@ -1,4 +1,4 @@
-// The cases of protocol.md section 7, as ring_sim shows them.
+// The cases of protocol.md section 7.2, as ring_sim shows them.
 #include "study/cases.h"
 
 #include <gmock/gmock.h>

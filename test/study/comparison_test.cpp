@@ -64,7 +64,7 @@ TEST(Comparison, HasEveryMethodAtBothRates) {
   EXPECT_FALSE(all.methods[1].subject.own_rate);
 }
 
-// Section 7, and the frames of CAN: 8 a message, 579 ns each but for the last one's intermission.
+// protocol.md section 7.2, and the frames of CAN: 8 a message, 579 ns each but for the last one's intermission.
 TEST(Comparison, MeasuresWhatTheModelsSay) {
   const Comparison all = compare(small());
   const Figures &ring = all.methods[0].figures, &can = all.methods[5].figures;

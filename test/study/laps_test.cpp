@@ -18,7 +18,7 @@ config::RingConfig paper_ring() {
   return ring;
 }
 
-// protocol.md section 7: N (T + d) = 75.264 us, h hops: h (T + d); INTP: N (d + 96 ns + 64 ns) = 10.752 us.
+// protocol.md section 7.2: N (T + d) = 75.264 us, h hops: h (T + d); INTP: N (d + 96 ns + 64 ns) = 10.752 us.
 TEST(Laps, AreThoseOfThePaperOnItsRing) {
   const Laps laps(paper_ring(), one_from_each(16, 512));
   EXPECT_EQ(laps.data(0, 0, 512), ns(75264));

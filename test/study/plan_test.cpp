@@ -9,7 +9,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// protocol.md section 7, request of the CPU to tail back: (N + 1) T + N d = 79.456 us.
+// protocol.md section 7.2, request of the CPU to tail back: (N + 1) T + N d = 79.456 us.
 TEST(Plan, SixteenNodesOfThePaper) {
   config::RingConfig ring = small_ring(16);
   std::vector<Stream> streams;

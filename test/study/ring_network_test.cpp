@@ -1,4 +1,4 @@
-// Our own ring as one of the methods: the figures of protocol.md section 7, at the destination.
+// Our own ring as one of the methods: the figures of protocol.md section 7.2, at the destination.
 #include "study/network_fixture.h"
 #include "study/ring_network.h"
 

@@ -32,7 +32,7 @@ struct Timeline {
 Timeline timeline_alone(const Medium& medium);
 
 /// The worst case: every other node starts a packet of its own in the instant in which its header arrives.
-/// (protocol.md section 7) @throw std::runtime_error as above
+/// (protocol.md section 7.2) @throw std::runtime_error as above
 Timeline timeline_worst(const Medium& medium);
 
 }  // namespace limb_ring::study

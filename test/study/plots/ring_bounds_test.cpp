@@ -1,4 +1,4 @@
-// The bounds that the pictures draw: protocol.md section 7, by hand.
+// The bounds that the pictures draw: protocol.md section 7.2, by hand.
 #include "study/ring_bounds.h"
 
 #include "study/network_fixture.h"
