@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""docs/protocol.md is the specification of the ring: what is cited of it exists, and what the code counts, waits for
+and sends stands in it."""
+import os
+import re
+import unittest
+import zlib
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+SPECIFICATION = os.path.join("docs", "protocol.md")
+# Number the sections themselves, and cite them without the page's name.
+OWN_PAGES = {SPECIFICATION, os.path.join("docs", "glossary.md")}
+THIS_FILE = os.path.join("test", "specification", "specification_test.py")
+TEXTS = (".h", ".cpp", ".py", ".md", ".cmake", ".txt", ".yaml", ".launch", ".lua", ".msg", ".srv", ".test", "")
+
+NUMBER = r"\d{1,2}(?:\.\d{1,2})*"
+NUMBERS = NUMBER + r"(?:(?:, | and | or | to )" + NUMBER + r")*"
+COMMENT = re.compile(r"^\s*(?:///?<?|//!|#|\*|--)\s?", re.MULTILINE)
+CITED = re.compile(r"protocol\.md\)?,? sections? (" + NUMBERS + r")\b")
+BARE = re.compile(r"(?<!protocol\.md )(?<!protocol\.md\) )\b[Ss]ections? \d")
+
+
+def read(path):
+    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def files():
+    """All texts of the project, relative to its root."""
+    for top in sorted(os.listdir(ROOT)):
+        if top.startswith((".", "build")):
+            continue
+        if os.path.isfile(os.path.join(ROOT, top)):
+            yield top
+        for folder, _, names in os.walk(os.path.join(ROOT, top)):
+            for name in sorted(names):
+                if os.path.splitext(name)[1] in TEXTS:
+                    yield os.path.relpath(os.path.join(folder, name), ROOT)
+
+
+def texts():
+    for path in files():
+        if path == THIS_FILE:
+            continue  # it cites sections that are not there, to test itself
+        try:
+            yield path, read(path)
+        except UnicodeDecodeError:
+            pass  # a picture, a recording
+
+
+def running(text):
+    """The text without line ends and marks of comments, so that a citation may go over a line's end."""
+    return " ".join(COMMENT.sub("", text).split())
+
+
+def sections_in(citations):
+    return re.findall(NUMBER, citations)
+
+
+def headings(page):
+    return re.findall(r"^#{2,4} (" + NUMBER + r")\.? \S", page, re.MULTILINE)
+
+
+def section(page, number):
+    """From the heading of a section to the next heading of any kind."""
+    found = re.search(r"^#+ " + re.escape(number) + r"\.? .*?(?=^#|\Z)", page, re.MULTILINE | re.DOTALL)
+    return found.group(0) if found else ""
+
+
+def rows(text):
+    """First cells of the rows of its tables that are a `name`."""
+    return re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)
+
+
+def enumerators(name):
+    """Of an enum class somewhere in the daemon's headers."""
+    for path, text in texts():
+        if not path.startswith("daemon") or not path.endswith(".h"):
+            continue
+        found = re.search(r"enum class " + name + r"[^{;]*\{(.*?)\}", text, re.DOTALL)
+        if found:
+            body = re.sub(r"//.*", "", found.group(1))
+            return re.findall(r"(\w+)\s*(?:=\s*\d+)?\s*(?:,|$)", body.strip())
+    raise AssertionError("no 'enum class %s' in daemon/: if it has a new name, this test needs it" % name)
+
+
+class Citations(unittest.TestCase):
+    def test_every_section_that_is_cited_exists(self):
+        there = set(headings(read(SPECIFICATION)))
+        wrong = ["%s cites section %s" % (path, number)
+                 for path, text in texts()
+                 for citations in CITED.findall(running(text))
+                 for number in sections_in(citations) if number not in there]
+        self.assertEqual(wrong, [])
+
+    def test_sections_are_cited_with_the_name_of_the_page(self):
+        wrong = ["%s: '...%s...'" % (path, text[max(0, found.start() - 30):found.end() + 10])
+                 for path, text in ((path, running(text)) for path, text in texts()
+                                    if path not in OWN_PAGES)
+                 for found in BARE.finditer(text)]
+        self.assertEqual(wrong, [])
+
+    def test_the_pages_own_references_exist(self):
+        there = set(headings(read(SPECIFICATION)))
+        reference = re.compile(r"\((\d{1,2}\.\d{1,2}(?:, \d{1,2}\.\d{1,2})*)\)")
+        for path in OWN_PAGES:
+            cited = {number for found in reference.findall(read(path)) for number in found.split(", ")}
+            self.assertEqual(cited - there, set(), path)
+            self.assertGreater(len(cited), 10, path)
+
+    def test_no_two_sections_have_one_number(self):
+        numbers = headings(read(SPECIFICATION))
+        self.assertEqual(len(numbers), len(set(numbers)))
+        self.assertGreater(len(numbers), 50)
+
+    def test_a_citation_is_found_also_over_the_end_of_a_line(self):
+        text = running("/// a (protocol.md\n/// section 8.4) b\n# protocol.md sections 3, 4.10 and 77\n")
+        self.assertEqual([sections_in(found) for found in CITED.findall(text)], [["8.4"], ["3", "4.10", "77"]])
+        self.assertIsNone(BARE.search(text))
+        self.assertIsNotNone(BARE.search("as Section 5 says"))
+
+
+class Contents(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.page = read(SPECIFICATION)
+
+    def counters(self, folder, pattern):
+        return [name for path, text in texts()
+                if path.startswith(folder) and os.path.basename(path) == "counters.h"
+                for name in re.findall(pattern, text)]
+
+    def test_every_counter_of_the_network_controller_is_listed(self):
+        counted = self.counters(os.path.join("daemon", "core"), r'X\((\w+), "')
+        self.assertGreater(len(counted), 40)
+        self.assertCountEqual(rows(section(self.page, "10.1")), counted)
+
+    def test_every_counter_of_a_link_is_listed(self):
+        counted = self.counters(os.path.join("daemon", "link"), r'visit\("(\w+)"')
+        self.assertGreater(len(counted), 20)
+        self.assertCountEqual(rows(section(self.page, "10.2")) + rows(section(self.page, "10.3")), counted)
+
+    def test_every_timeout_is_in_the_table_of_timers_with_its_default(self):
+        options = re.search(r"^## `timeouts`\n(.*?)^## ", read(os.path.join("config", "OPTIONS.md")),
+                            re.MULTILINE | re.DOTALL).group(1)
+        defaults = dict(re.findall(r"^\| `(\w+)` \| `(\w+)` \|", options, re.MULTILINE))
+        self.assertGreater(len(defaults), 10)
+        timers = section(self.page, "7.4")
+        self.assertEqual(dict(re.findall(r"`timeouts\.(\w+)` \((\w+)", timers)), defaults)
+
+    def test_every_state_reason_and_code_is_listed(self):
+        for name, where in [("NodeState", "8.1"), ("Reject", "4.6"), ("SliceKind", "6.2"), ("HeadType", "6.5"),
+                            ("Refusal", "6.5"), ("FoldMark", "8.8")]:
+            for word in enumerators(name):
+                if (name, word) != ("Reject", "none"):
+                    self.assertIn("`%s`" % word, section(self.page, where), name)
+
+
+class WorkedExample(unittest.TestCase):
+    """The CRCs of section 11, by another CRC than the project's own."""
+
+    def bytes_of(self, number):
+        block = re.search(r"```\n(.*?)```", section(read(SPECIFICATION), number), re.DOTALL).group(1)
+        return [bytes.fromhex(line.replace("|", " ")) for line in block.splitlines()]
+
+    def check(self, packet):
+        self.assertEqual(zlib.crc32(packet[:-4]), int.from_bytes(packet[-4:], "big"), packet.hex())
+
+    def test_packets_have_good_crcs(self):
+        for number in ("11.1", "11.2", "11.3", "11.6", "11.7"):
+            [packet] = self.bytes_of(number)
+            self.check(packet)
+
+    def test_slices_hold_packets_with_good_crcs(self):
+        [whole] = self.bytes_of("11.4")
+        self.check(whole[4:])
+        start, interrupt, end = self.bytes_of("11.5")
+        self.check(interrupt[4:])
+        self.check(start[4:] + end[4:])
+
+    def test_the_patch_rule_as_written_gives_the_relayed_crc(self):
+        def change(delta, after):
+            crc = delta
+            for _ in range(8 * (after + 1)):
+                crc = crc >> 1 ^ (0xEDB88320 if crc & 1 else 0)
+            return crc
+        [sent], [relayed] = self.bytes_of("11.1"), self.bytes_of("11.2")
+        crc = int.from_bytes(sent[-4:], "big")
+        crc ^= change(sent[2] ^ relayed[2], len(sent) - 7) ^ change(sent[-7] ^ relayed[-7], 2)
+        self.assertEqual(crc, int.from_bytes(relayed[-4:], "big"))
+
+
+if __name__ == "__main__":
+    unittest.main()
