@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""A node that was written from docs/protocol.md alone closes a ring with two daemons, and all reach all."""
+
+import os
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, '..', 'process'))
+
+import foreign_node
+import ring_process
+from ring_process import RingTest, free_udp_ports, plain_nodes
+
+FOREIGN = 2
+
+
+class ForeignNode(RingTest):
+    def close_ring(self, listen, successor, **sections):
+        """Nodes 0 and 1 are daemons, node 2 is the foreign one."""
+        config = self.write_ring(plain_nodes(3), **sections)
+        for node in (0, 1):
+            self.ringd(config, node)
+        self.wait('sockets of the daemons', lambda: all(self.row(node) for node in (0, 1)))
+        self.start_node(listen, successor)
+
+    def start_node(self, listen, successor):
+        self.node = foreign_node.Node(self.ring, FOREIGN, [0, 1, 2], listen, successor)
+        self.node.start()
+        self.addCleanup(self.node.stop)
+        self.wait('ring of 3 closed', lambda: self.node.joined and self.node.size == 3 and self.daemons_see(3))
+
+    def daemons_see(self, size):
+        return all(row and row['state'] == 'up' and row['ring_size'] == size for row in map(self.row, (0, 1)))
+
+    def close_unix_ring(self):
+        self.close_ring(self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link'))
+
+    def outcome(self, token):
+        self.wait('an outcome', lambda: token in self.node.ended)
+        return self.node.ended[token]
+
+    def assert_all_reach_all(self):
+        for source, destination in ((0, FOREIGN), (1, FOREIGN), (0, 1), (1, 0)):
+            ping = self.port(source).ask({'do': 'ping', 'to': destination, 'count': 50, 'size': 511})
+            self.assertEqual(ping['delivered'], 50, (source, destination))
+        for destination in (0, 1, foreign_node.ALL):
+            for _ in range(10):  # more than sequence numbers there are
+                self.assertEqual(self.outcome(self.node.send(destination, b'abc')), 'delivered')
+        for node in (0, 1):
+            self.assertEqual(self.counters(node)['crc_errors'], 0)
+            self.assertEqual(self.counters(node)['malformed_packets'], 0)
+            self.assertEqual(self.counters(node)['doubled_id_signs'], 0)
+
+    def test_over_unix_lines(self):
+        self.close_unix_ring()
+        self.assert_all_reach_all()
+
+    def test_over_udp_lines(self):
+        ports = free_udp_ports(3)
+        self.close_ring(('127.0.0.1', ports + FOREIGN), ('127.0.0.1', ports),
+                        links={'transport': 'udp', 'port': ports})
+        self.assert_all_reach_all()
+        self.assertEqual(self.counters(0)['input_datagrams_lost'], 0)
+        self.assertEqual(self.counters(0)['input_strangers'], 0)
+
+    def test_it_may_leave_and_come_back(self):
+        self.close_unix_ring()
+        self.assert_all_reach_all()
+        self.node.stop()
+        self.wait('bypassed', lambda: self.daemons_see(2))
+        port = self.port(0)
+        self.assertEqual(port.result(port.send(FOREIGN, b'x'))['outcome'], 'no such node')
+        self.start_node(self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link'))
+        self.assert_all_reach_all()
+
+    def test_damage_stays_damage_all_the_way_round(self):
+        self.close_unix_ring()
+        with self.node.lock:
+            self.node.output.write(foreign_node.slice_of(foreign_node.WHOLE, self.damaged_packet()))
+        self.wait('both have counted it', lambda: all(self.counters(n)['crc_errors'] == 1 for n in (0, 1)))
+        self.wait('it is back', lambda: self.node.damaged_returns == 1)
+
+    def damaged_packet(self):
+        covered = bytes([0x40, foreign_node.SOP, 0, FOREIGN]) + b'abcd' + bytes([foreign_node.EOP, 0xFF, 1, 0])
+        return covered[:5] + b'X' + covered[6:] + foreign_node.crc(covered)
+
+    def test_data_priority_and_channel_arrive(self):
+        self.close_unix_ring()
+        port = self.port(1)
+        self.assertEqual(port.result(port.send(FOREIGN, b'knee!', priority=1, channel=4))['outcome'], 'delivered')
+        self.assertEqual(self.node.received, [(1, 1, 4, b'knee!')])
+
+    def test_interrupts_pull_pins_both_ways(self):
+        self.close_unix_ring()
+        port = self.port(0)
+        self.assertEqual(port.result(port.interrupt(FOREIGN, 3))['outcome'], 'delivered')
+        self.assertEqual(self.node.pins, [(3, 0)])
+        self.assertEqual(self.outcome(self.node.interrupt(0, 2)), 'delivered')  # pin 2: sync
+        self.assertEqual(self.outcome(self.node.interrupt(0, 7)), 'refused')    # wired to nothing
+        self.assertEqual(self.counters(0)['pins_pulled'], 1)
+
+    def test_an_interrupt_is_taken_out_of_a_packet_and_both_go_on(self):
+        self.close_unix_ring()
+        for size in (1, 4, 21, 512):
+            pulled = self.counters(1)['pins_pulled']
+            data, interrupt = self.send_embedded(bytes(size))
+            self.assertEqual(self.outcome(data), 'delivered')
+            self.assertEqual(self.outcome(interrupt), 'delivered')
+            self.assertEqual(self.counters(1)['pins_pulled'], pulled + 1)
+
+    def send_embedded(self, data):
+        """A DATP to node 0 leaves as `start` and `end` with an INTP to node 1 between them."""
+        node, written = self.node, []
+        node.transmit = lambda: None  # nothing leaves by itself
+        self.wait('nothing outstanding', lambda: node.out == {False: None, True: None})
+        with node.lock:
+            node.queue[False].clear()  # a beacon
+            tokens = node.send(0, data), node.interrupt(1, 2)
+            write, node.output.write = node.output.write, written.append
+            node.transmit_kind(False)
+            node.transmit_kind(True)
+            node.output.write = write
+            packet, interrupt = (slice_[4:] for slice_ in written)
+            words = 4 + len(data) // 4 * 4
+            write(foreign_node.slice_of(foreign_node.START, packet[:words]) +
+                  foreign_node.slice_of(foreign_node.INTERRUPT, interrupt) +
+                  foreign_node.slice_of(foreign_node.END, packet[words:]))
+            del node.transmit
+        return tokens
+
+
+if __name__ == '__main__':
+    ring_process.main()
