@@ -1,36 +1,24 @@
 """A node of the ring written from docs/protocol.md alone, with nothing of the project's code: small and slow, but a node.
-Its CPU takes all, and its pins are only noted. It passes packets on only when they are whole, and it knows no bypass, open
-chain or fold."""
+Its CPU takes all, and its pins are only noted. It passes packets on only when they are whole, and it knows no bypass and
+no open chain."""
 
 import collections
-import os
 import select
-import socket
 import struct
 import threading
 import time
 import zlib
 
+from foreign_fold import Fold, NoFold
+from foreign_links import ABORT, END, INTERRUPT, MORE, START, WHOLE, slice_of
+
 VERSION, SOP, EOP, ALL, UNTAKEN = 1, 0xFB, 0xFD, 0xFF, 0xFF
-START, MORE, END, WHOLE, INTERRUPT, ABORT, IDLE = 1, 2, 3, 4, 5, 6, 7
-CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = 1, 2, 3, 4, 5, 6
-NO_REFUSAL, BUSY, REPLACED, WRONG_RING, NOT_IN_RING, UNKNOWN_SESSION = 0, 1, 2, 3, 4, 5
 HELLO, BEACON = 1, 2
 CONTROL_PRI = 1 << 2  # channel 1, priority 0
 TRY_TIMEOUT, BEACON_PERIOD, TICK = 1.0, 0.1, 0.01
 FREE_BUFFERS = 32
 
-LinkHeader = collections.namedtuple('LinkHeader', 'magic version type ring session sequence sender refusal')
-LINK_HEADER = struct.Struct('>HBBQQIBB')
 Outstanding = collections.namedtuple('Outstanding', 'packet token due')
-
-
-def ring_hash(name):
-    """FNV-1a, 64 bits. (protocol.md section 6.5)"""
-    value = 0xCBF29CE484222325
-    for byte in name.encode():
-        value = (value ^ byte) * 0x100000001B3 % 2 ** 64
-    return value
 
 
 def crc(data):
@@ -54,229 +42,12 @@ def with_hop_and_fbc(packet, hop, fbc):
     return bytes(out)
 
 
-def slice_of(kind, data=b''):
-    return struct.pack('>BBH', 0xA7, kind, len(data)) + data
-
-
-class UnixInput:
-    """Listens for the upstream neighbour. (protocol.md section 6.6)"""
-
-    def __init__(self, node, path):
-        self.node, self.path, self.stream, self.pending, self.buffer = node, path, None, [], b''
-        self.door = socket.socket(socket.AF_UNIX)
-        self.door.bind(path)
-        os.chmod(path, 0o600)
-        self.door.listen(8)
-
-    def up(self):
-        return self.stream is not None
-
-    def sockets(self):
-        return [self.door] + self.pending + ([self.stream] if self.stream else [])
-
-    def read(self, which):
-        if which is self.door:
-            self.pending.append(self.door.accept()[0])
-        elif which is self.stream:
-            data = self.stream.recv(65536)
-            if not data:
-                self.stream = None
-                return
-            self.buffer = self.node.take_slices(self.buffer + data)
-        else:
-            self.greet(which)
-
-    def greet(self, guest):
-        self.pending.remove(guest)
-        data = guest.recv(LINK_HEADER.size, socket.MSG_WAITALL)
-        if len(data) != LINK_HEADER.size:
-            return guest.close()
-        connect = LinkHeader._make(LINK_HEADER.unpack(data))
-        refusal = self.node.judge(connect)
-        if refusal != NO_REFUSAL:
-            guest.sendall(self.node.link_header(REFUSE, refusal=refusal))
-            return guest.close()
-        if self.stream:
-            self.stream.sendall(self.node.link_header(REFUSE, refusal=REPLACED))
-            self.stream.close()
-        guest.sendall(self.node.link_header(ACCEPT, connect.session))
-        self.stream, self.buffer, self.node.input_from = guest, b'', connect.sender
-
-    def tick(self):
-        if self.stream:
-            try:
-                self.stream.sendall(self.node.link_header(ALIVE))
-            except OSError:
-                self.stream = None
-
-    def close(self):
-        os.unlink(self.path)
-        for each in self.sockets():
-            each.close()
-
-
-class UnixOutput:
-    """Connects to the downstream neighbour."""
-
-    def __init__(self, node, path):
-        self.node, self.path, self.stream, self.accepted = node, path, None, False
-
-    def up(self):
-        return self.accepted
-
-    def sockets(self):
-        return [self.stream] if self.stream else []
-
-    def read(self, _):
-        data = self.stream.recv(LINK_HEADER.size, socket.MSG_WAITALL)
-        kind = LinkHeader._make(LINK_HEADER.unpack(data)).type if len(data) == LINK_HEADER.size else REFUSE
-        if kind == REFUSE:
-            self.stream, self.accepted = None, False
-        elif kind == ACCEPT:
-            self.accepted = True
-            self.write(slice_of(IDLE))
-
-    def write(self, data):
-        if self.accepted:
-            self.stream.sendall(data)
-
-    def tick(self):
-        if self.stream:
-            return self.write(slice_of(IDLE))
-        stream = socket.socket(socket.AF_UNIX)
-        try:
-            stream.connect(self.path)
-            stream.sendall(self.node.link_header(CONNECT, self.node.random_number() << 32))
-            self.stream = stream
-        except OSError:
-            stream.close()
-
-    def close(self):
-        if self.stream:
-            self.stream.close()
-
-
-class UdpInput:
-    """Offers sessions, and takes slices in one. (protocol.md section 6.7)"""
-
-    def __init__(self, node, address):
-        self.node, self.offers, self.session, self.next = node, {}, None, 1
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(address)
-
-    def up(self):
-        return self.session is not None
-
-    def sockets(self):
-        return [self.socket]
-
-    def read(self, _):
-        data, address = self.socket.recvfrom(2048)
-        if len(data) < LINK_HEADER.size:
-            return
-        header = LinkHeader._make(LINK_HEADER.unpack_from(data))
-        if header.magic != 0x4C52 or header.version != 1:
-            return
-        if header.type == CONNECT:
-            self.connect(header, address)
-        elif header.ring != self.node.ring:
-            return
-        elif header.type == SLICES:
-            self.slices(header, data[LINK_HEADER.size:], address)
-        elif header.type == BYE and self.session == (header.sender, header.session):
-            self.session = None
-
-    def connect(self, header, address):
-        refusal = self.node.judge(header)
-        if refusal != NO_REFUSAL:
-            return self.socket.sendto(self.node.link_header(REFUSE, header.session, refusal=refusal), address)
-        number = header.session >> 32
-        if self.session and self.session[0] == header.sender and self.session[1] >> 32 == number:
-            offer = self.session[1]
-        else:
-            offer = self.offers.get(header.sender, 0)
-            if offer >> 32 != number:
-                offer = self.offers[header.sender] = number << 32 | self.node.random_number()
-        self.socket.sendto(self.node.link_header(ACCEPT, offer), address)
-
-    def slices(self, header, data, address):
-        if self.session != (header.sender, header.session):
-            if self.offers.get(header.sender) != header.session:
-                return self.socket.sendto(
-                    self.node.link_header(REFUSE, header.session, refusal=UNKNOWN_SESSION), address)
-            del self.offers[header.sender]
-            self.session, self.next, self.address = (header.sender, header.session), 1, address
-            self.node.input_from = header.sender
-        missing = (header.sequence - self.next) % 2 ** 32
-        if missing >= 2 ** 31:
-            return
-        if missing:
-            self.node.break_off()
-        self.next = (header.sequence + 1) % 2 ** 32
-        self.node.take_slices(data)
-
-    def tick(self):
-        if self.session:
-            self.socket.sendto(self.node.link_header(ALIVE, self.session[1]), self.address)
-
-    def close(self):
-        self.socket.close()
-
-
-class UdpOutput:
-    def __init__(self, node, address):
-        self.node, self.number, self.session, self.sequence = node, node.random_number(), None, 1
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.connect(address)
-
-    def up(self):
-        return self.session is not None
-
-    def sockets(self):
-        return [self.socket]
-
-    def read(self, _):
-        try:
-            header = LinkHeader._make(LINK_HEADER.unpack(self.socket.recv(2048)))
-        except OSError:
-            self.session = None  # port unreachable
-            return
-        if header.session >> 32 != self.number:
-            return
-        if header.type == REFUSE:
-            self.number, self.session = self.node.random_number(), None
-        elif header.type == ACCEPT and self.session is None and header.ring == self.node.ring:
-            self.session, self.sequence = header.session, 1
-            self.write(slice_of(IDLE))
-
-    def write(self, data):
-        while self.session is not None and data:
-            size = 4 + struct.unpack_from('>H', data, 2)[0]
-            header = self.node.link_header(SLICES, self.session, self.sequence)
-            self.sequence = (self.sequence + 1) % 2 ** 32
-            self.socket.send(header + data[:size])
-            data = data[size:]
-
-    def tick(self):
-        try:
-            if self.session is None:
-                self.socket.send(self.node.link_header(CONNECT, self.number << 32))
-            else:
-                self.write(slice_of(IDLE))
-        except OSError:
-            self.session = None
-
-    def close(self):
-        self.socket.close()
-
-
 class Node(threading.Thread):
-    """One node. `listen` and `successor` are paths of UNIX sockets or (address, port) of UDP ones."""
+    """One node. `second`: its second line, if the ring folds back."""
 
-    def __init__(self, ring, node, order, listen, successor):
+    def __init__(self, line, second=None):
         super().__init__(daemon=True)
-        self.id, self.order, self.ring = node, order, ring_hash(ring)
-        self.input_from, self.boot = 0, time.time_ns()
+        self.id, self.order, self.boot = line.id, line.order, time.time_ns()
         self.received, self.pins, self.ended, self.peers = [], [], {}, {}
         self.joined, self.size, self.tokens, self.damaged_returns = False, 0, 0, 0
         self.numbers, self.memory = collections.Counter(), {}
@@ -284,65 +55,35 @@ class Node(threading.Thread):
         self.out = {False: None, True: None}
         self.coming, self.beacon_due, self.hello_asked = None, 0, False
         self.lock, self.stopped = threading.RLock(), False
-        unix = isinstance(listen, str)
-        self.input = (UnixInput if unix else UdpInput)(self, listen)
-        self.output = (UnixOutput if unix else UdpOutput)(self, successor)
+        self.line, self.lines = line, [line] + ([second] if second else [])
+        self.fold = Fold(self, line, second) if second else NoFold(self, line)
 
     # ---- the event loop -------------------------------------------------------------------
 
     def run(self):
         ticked = 0
         while not self.stopped:
-            readable = select.select(self.input.sockets() + self.output.sockets(), [], [], TICK)[0]
+            readable = select.select(sum((line.sockets() for line in self.lines), []), [], [], TICK)[0]
             with self.lock:
-                for which in readable:
-                    for end in (self.input, self.output):
-                        if which in end.sockets():
-                            end.read(which)
+                for line in self.lines:
+                    line.read(readable)
                 if time.monotonic() - ticked >= TICK:
                     ticked = time.monotonic()
-                    self.input.tick()
-                    self.output.tick()
+                    for line in self.lines:
+                        line.tick()
+                self.fold.poll(time.monotonic())
                 self.transmit()
-        self.input.close()
-        self.output.close()
+        for line in self.lines:
+            line.close()
 
     def stop(self):
         self.stopped = True
         self.join()  # the thread
 
-    # ---- links ----------------------------------------------------------------------------
+    def write(self, kind, packet):
+        self.fold.write(slice_of(kind, packet))
 
-    @staticmethod
-    def random_number():
-        return int.from_bytes(os.urandom(4), 'big') or 1
-
-    def link_header(self, kind, session=0, sequence=0, refusal=NO_REFUSAL):
-        return LINK_HEADER.pack(0x4C52, 1, kind, self.ring, session, sequence, self.id, refusal)
-
-    def distance(self, node):
-        return (self.order.index(self.id) - self.order.index(node)) % len(self.order) or len(self.order)
-
-    def judge(self, connect):
-        """protocol.md section 6.8"""
-        if connect.ring != self.ring:
-            return WRONG_RING
-        if connect.sender not in self.order:
-            return NOT_IN_RING
-        if self.input.up() and self.distance(connect.sender) > self.distance(self.input_from):
-            return BUSY
-        return NO_REFUSAL
-
-    def take_slices(self, data):
-        """Returns what is not a whole slice yet."""
-        while len(data) >= 4:
-            magic, kind, size = struct.unpack_from('>BBH', data)
-            assert magic == 0xA7
-            if len(data) < 4 + size:
-                break
-            self.take_slice(kind, data[4:4 + size])
-            data = data[4 + size:]
-        return data
+    # ---- what comes in ----------------------------------------------------------------------
 
     def take_slice(self, kind, data):
         if kind == WHOLE:
@@ -378,7 +119,7 @@ class Node(threading.Thread):
         if hop + 1 >= len(self.order):
             return
         fbc = self.receive(packet, interrupt) if good else packet[-7]
-        self.output.write(slice_of(INTERRUPT if interrupt else WHOLE, with_hop_and_fbc(packet, hop + 1, fbc)))
+        self.write(INTERRUPT if interrupt else WHOLE, with_hop_and_fbc(packet, hop + 1, fbc))
 
     def receive(self, packet, interrupt):
         """Returns the FBC with which it goes on. (protocol.md section 3.5)"""
@@ -426,7 +167,7 @@ class Node(threading.Thread):
 
     def transmit(self):
         if not self.joined:
-            if not self.hello_asked and self.input.up() and self.output.up():
+            if not self.hello_asked and self.fold.closed():
                 self.hello_asked = True
                 self.queue[False].appendleft((ALL, CONTROL_PRI, struct.pack('>BQB', HELLO, self.boot, 0), 'hello'))
         elif time.monotonic() >= self.beacon_due:
@@ -450,7 +191,7 @@ class Node(threading.Thread):
     def launch(self, interrupt, covered, token):
         packet = covered + crc(covered)
         self.out[interrupt] = Outstanding(packet, token, time.monotonic() + TRY_TIMEOUT)
-        self.output.write(slice_of(INTERRUPT if interrupt else WHOLE, packet))
+        self.write(INTERRUPT if interrupt else WHOLE, packet)
 
     def failed(self, interrupt):
         out = self.out[interrupt]
@@ -459,8 +200,9 @@ class Node(threading.Thread):
         self.launch(interrupt, bytes([out.packet[0] + (1 << 3)]) + out.packet[1:-4], out.token)
 
     def beacon(self):
-        return struct.pack('>BQIBIBBBBBBBB', BEACON, self.boot, 1, 3, 0, self.input.up(), self.input_from,
-                           self.output.up(), self.order[(self.order.index(self.id) + 1) % len(self.order)], 0, 0, 0, 1)
+        input_state, output_state = self.fold.link_states()
+        return struct.pack('>BQIBIBBBBBBBB', BEACON, self.boot, 1, 3, 0, input_state, self.line.sender, output_state,
+                           self.line.successor, 0, 0, 0, 1)
 
     def came_home(self, packet, interrupt):
         out = self.out[interrupt]

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A node that was written from docs/protocol.md alone closes a ring with two daemons, and all reach all."""
+"""A node that was written from docs/protocol.md alone closes a ring with two daemons, and all reach all; also around a
+break, if the ring folds back."""
 
 import os
 import sys
@@ -8,32 +9,40 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, '..', 'process'))
 
 import foreign_node
+from foreign_fold import FOLDED, UP
+from foreign_links import END, INTERRUPT, START, WHOLE, Line, slice_of
 import ring_process
 from ring_process import RingTest, free_udp_ports, plain_nodes
 
 FOREIGN = 2
 
 
-class ForeignNode(RingTest):
-    def close_ring(self, listen, successor, **sections):
-        """Nodes 0 and 1 are daemons, node 2 is the foreign one."""
+class WithAForeignNode(RingTest):
+    """Nodes 0 and 1 are daemons, node 2 is the foreign one."""
+
+    node = None
+
+    def wait(self, what, condition):
+        return super().wait(what, lambda: self.runs() and condition())
+
+    def runs(self):
+        self.assertTrue(self.node is None or self.node.stopped or self.node.is_alive(), 'the node has ended')
+        return True
+
+    def start_daemons(self, **sections):
         config = self.write_ring(plain_nodes(3), **sections)
         for node in (0, 1):
             self.ringd(config, node)
-        self.wait('sockets of the daemons', lambda: all(self.row(node) for node in (0, 1)))
-        self.start_node(listen, successor)
+        self.wait('the daemons', lambda: all(self.row(node) for node in (0, 1)))
 
-    def start_node(self, listen, successor):
-        self.node = foreign_node.Node(self.ring, FOREIGN, [0, 1, 2], listen, successor)
+    def start_node(self, *lines):
+        self.node = foreign_node.Node(*lines)
         self.node.start()
         self.addCleanup(self.node.stop)
-        self.wait('ring of 3 closed', lambda: self.node.joined and self.node.size == 3 and self.daemons_see(3))
+        self.wait('ring of 3 closed', lambda: self.node.joined and self.node.size == 3 and self.daemons_see(3, 'up'))
 
-    def daemons_see(self, size):
-        return all(row and row['state'] == 'up' and row['ring_size'] == size for row in map(self.row, (0, 1)))
-
-    def close_unix_ring(self):
-        self.close_ring(self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link'))
+    def daemons_see(self, size, state):
+        return all(row and row['state'] == state and row['ring_size'] == size for row in map(self.row, (0, 1)))
 
     def outcome(self, token):
         self.wait('an outcome', lambda: token in self.node.ended)
@@ -47,9 +56,17 @@ class ForeignNode(RingTest):
             for _ in range(10):  # more than sequence numbers there are
                 self.assertEqual(self.outcome(self.node.send(destination, b'abc')), 'delivered')
         for node in (0, 1):
-            self.assertEqual(self.counters(node)['crc_errors'], 0)
-            self.assertEqual(self.counters(node)['malformed_packets'], 0)
-            self.assertEqual(self.counters(node)['doubled_id_signs'], 0)
+            for bad in ('crc_errors', 'malformed_packets', 'doubled_id_signs'):
+                self.assertEqual(self.counters(node)[bad], 0, bad)
+
+
+class ForeignNode(WithAForeignNode):
+    def unix_line(self):
+        return Line(self.ring, FOREIGN, [0, 1, 2], self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link'))
+
+    def close_unix_ring(self):
+        self.start_daemons()
+        self.start_node(self.unix_line())
 
     def test_over_unix_lines(self):
         self.close_unix_ring()
@@ -57,8 +74,8 @@ class ForeignNode(RingTest):
 
     def test_over_udp_lines(self):
         ports = free_udp_ports(3)
-        self.close_ring(('127.0.0.1', ports + FOREIGN), ('127.0.0.1', ports),
-                        links={'transport': 'udp', 'port': ports})
+        self.start_daemons(links={'transport': 'udp', 'port': ports})
+        self.start_node(Line(self.ring, FOREIGN, [0, 1, 2], ('127.0.0.1', ports + FOREIGN), ('127.0.0.1', ports)))
         self.assert_all_reach_all()
         self.assertEqual(self.counters(0)['input_datagrams_lost'], 0)
         self.assertEqual(self.counters(0)['input_strangers'], 0)
@@ -67,16 +84,16 @@ class ForeignNode(RingTest):
         self.close_unix_ring()
         self.assert_all_reach_all()
         self.node.stop()
-        self.wait('bypassed', lambda: self.daemons_see(2))
+        self.wait('bypassed', lambda: self.daemons_see(2, 'up'))
         port = self.port(0)
         self.assertEqual(port.result(port.send(FOREIGN, b'x'))['outcome'], 'no such node')
-        self.start_node(self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link'))
+        self.start_node(self.unix_line())
         self.assert_all_reach_all()
 
     def test_damage_stays_damage_all_the_way_round(self):
         self.close_unix_ring()
         with self.node.lock:
-            self.node.output.write(foreign_node.slice_of(foreign_node.WHOLE, self.damaged_packet()))
+            self.node.write(WHOLE, self.damaged_packet())
         self.wait('both have counted it', lambda: all(self.counters(n)['crc_errors'] == 1 for n in (0, 1)))
         self.wait('it is back', lambda: self.node.damaged_returns == 1)
 
@@ -116,17 +133,58 @@ class ForeignNode(RingTest):
         with node.lock:
             node.queue[False].clear()  # a beacon
             tokens = node.send(0, data), node.interrupt(1, 2)
-            write, node.output.write = node.output.write, written.append
+            write, node.line.output.write = node.line.output.write, written.append
             node.transmit_kind(False)
             node.transmit_kind(True)
-            node.output.write = write
+            node.line.output.write = write
             packet, interrupt = (slice_[4:] for slice_ in written)
             words = 4 + len(data) // 4 * 4
-            write(foreign_node.slice_of(foreign_node.START, packet[:words]) +
-                  foreign_node.slice_of(foreign_node.INTERRUPT, interrupt) +
-                  foreign_node.slice_of(foreign_node.END, packet[words:]))
+            write(slice_of(START, packet[:words]) +
+                  slice_of(INTERRUPT, interrupt) +
+                  slice_of(END, packet[words:]))
             del node.transmit
         return tokens
+
+
+class FoldingForeignNode(WithAForeignNode):
+    """The ring has a second line, and one line of the first is cut."""
+
+    def setUp(self):
+        super().setUp()
+        self.start_daemons(redundancy='foldback')
+        self.start_node(
+            Line(self.ring, FOREIGN, [0, 1, 2], self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link')),
+            Line(self.ring, FOREIGN, [2, 1, 0], self.socket_of(FOREIGN, 'link2'), self.socket_of(1, 'link2')))
+
+    def assert_folds_and_unfolds(self, cut, heal, place):
+        self.assert_all_reach_all()
+        cut()
+        self.wait('folded', lambda: self.daemons_see(3, 'folded') and place())
+        self.assert_all_reach_all()
+        heal()
+        self.wait('unfolded', lambda: self.daemons_see(3, 'up') and self.node.fold.link_states() == (UP, UP))
+        self.assert_all_reach_all()
+
+    def fault(self, node, text):
+        return lambda: self.assertNotIn('error', self.port(node).ask({'do': 'fault', 'fault': text}))
+
+    def set_cut(self, value):
+        def change():
+            self.node.line.output.cut = value
+        return change
+
+    def test_it_takes_the_second_line_behind_a_break(self):
+        self.assert_folds_and_unfolds(self.fault(1, 'cut node1:node2'), self.fault(1, 'heal node1:node2'),
+                                      lambda: self.node.fold.link_states() == (FOLDED, UP))
+
+    def test_it_turns_back_before_a_break(self):
+        self.assert_folds_and_unfolds(self.set_cut(True), self.set_cut(False),
+                                      lambda: self.node.fold.link_states() == (UP, FOLDED))
+
+    def test_it_repeats_what_others_turned_back(self):
+        self.assert_folds_and_unfolds(self.fault(0, 'cut node0:node1'), self.fault(0, 'heal node0:node1'),
+                                      lambda: self.node.fold.repeats())
+        self.assertGreater(self.node.fold.repeated, 0)
 
 
 if __name__ == '__main__':

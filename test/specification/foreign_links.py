@@ -1,0 +1,324 @@
+"""The lines of a foreign node: handshakes of UNIX and UDP links, and slices. (protocol.md section 6)"""
+
+import collections
+import os
+import socket
+import struct
+
+START, MORE, END, WHOLE, INTERRUPT, ABORT, IDLE, FOLD = 1, 2, 3, 4, 5, 6, 7, 8
+CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = 1, 2, 3, 4, 5, 6
+NO_REFUSAL, BUSY, REPLACED, WRONG_RING, NOT_IN_RING, UNKNOWN_SESSION = 0, 1, 2, 3, 4, 5
+
+LinkHeader = collections.namedtuple('LinkHeader', 'magic version type ring session sequence sender refusal')
+LINK_HEADER = struct.Struct('>HBBQQIBB')
+
+
+def ring_hash(name):
+    """FNV-1a, 64 bits. (protocol.md section 6.5)"""
+    value = 0xCBF29CE484222325
+    for byte in name.encode():
+        value = (value ^ byte) * 0x100000001B3 % 2 ** 64
+    return value
+
+
+def random_number():
+    return int.from_bytes(os.urandom(4), 'big') or 1
+
+
+def slice_of(kind, data=b''):
+    return struct.pack('>BBH', 0xA7, kind, len(data)) + data
+
+
+def received(stream, size, flags=0):
+    """Nothing where the other end has closed, also while something was on its way to it."""
+    try:
+        return stream.recv(size, flags)
+    except OSError:
+        return b''
+
+
+def tell(stream, header):
+    try:
+        stream.sendall(header)
+    except OSError:
+        pass  # the other end has closed, which reading will show
+
+
+class UnixInput:
+    """Listens for the upstream neighbour. (protocol.md section 6.6)"""
+
+    def __init__(self, line, path):
+        self.line, self.path, self.stream, self.pending, self.buffer = line, path, None, [], b''
+        self.door = socket.socket(socket.AF_UNIX)
+        self.door.bind(path)
+        os.chmod(path, 0o600)
+        self.door.listen(8)
+
+    def up(self):
+        return self.stream is not None
+
+    def sockets(self):
+        return [self.door] + self.pending + ([self.stream] if self.stream else [])
+
+    def read(self, which):
+        if which is self.door:
+            self.pending.append(self.door.accept()[0])
+        elif which is self.stream:
+            data = received(self.stream, 65536)
+            if not data:
+                return self.lose()
+            self.buffer = self.line.take_slices(self.buffer + data)
+        else:
+            self.greet(which)
+
+    def greet(self, guest):
+        self.pending.remove(guest)
+        data = received(guest, LINK_HEADER.size, socket.MSG_WAITALL)
+        if len(data) != LINK_HEADER.size:
+            return guest.close()
+        connect = LinkHeader._make(LINK_HEADER.unpack(data))
+        refusal = self.line.judge(connect)
+        if refusal != NO_REFUSAL:
+            tell(guest, self.line.header(REFUSE, refusal=refusal))
+            return guest.close()
+        if self.stream:
+            tell(self.stream, self.line.header(REFUSE, refusal=REPLACED))
+            self.stream.close()
+        tell(guest, self.line.header(ACCEPT, connect.session))
+        self.stream, self.buffer, self.line.sender = guest, b'', connect.sender
+
+    def lose(self):
+        self.stream.close()
+        self.stream = None
+
+    def tick(self):
+        if self.stream:
+            tell(self.stream, self.line.header(ALIVE))
+
+    def close(self):
+        os.unlink(self.path)
+        for each in self.sockets():
+            each.close()
+
+
+class UnixOutput:
+    """Connects to the downstream neighbour."""
+
+    def __init__(self, line, path):
+        self.line, self.path, self.stream, self.accepted, self.cut = line, path, None, False, False
+
+    def up(self):
+        return self.accepted
+
+    def sockets(self):
+        return [self.stream] if self.stream else []
+
+    def read(self, _):
+        data = received(self.stream, LINK_HEADER.size, socket.MSG_WAITALL)
+        kind = LinkHeader._make(LINK_HEADER.unpack(data)).type if len(data) == LINK_HEADER.size else REFUSE
+        if kind == REFUSE:
+            self.lose()
+        elif kind == ACCEPT:
+            self.accepted = True
+            self.write(slice_of(IDLE))
+
+    def write(self, data):
+        if self.accepted:
+            try:
+                self.stream.sendall(data)
+            except OSError:
+                self.lose()
+
+    def lose(self):
+        self.stream.close()
+        self.stream, self.accepted = None, False
+
+    def tick(self):
+        if self.cut and self.stream:
+            self.lose()
+        if self.cut:
+            return
+        if self.stream:
+            return self.write(slice_of(IDLE))
+        stream = socket.socket(socket.AF_UNIX)
+        try:
+            stream.connect(self.path)
+            stream.sendall(self.line.header(CONNECT, random_number() << 32))
+            self.stream = stream
+        except OSError:
+            stream.close()
+
+    def close(self):
+        if self.stream:
+            self.stream.close()
+
+
+class UdpInput:
+    """Offers sessions, and takes slices in one. (protocol.md section 6.7)"""
+
+    def __init__(self, line, address):
+        self.line, self.offers, self.session, self.next = line, {}, None, 1
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(address)
+
+    def up(self):
+        return self.session is not None
+
+    def sockets(self):
+        return [self.socket]
+
+    def read(self, _):
+        data, address = self.socket.recvfrom(2048)
+        if len(data) < LINK_HEADER.size:
+            return
+        header = LinkHeader._make(LINK_HEADER.unpack_from(data))
+        if header.magic != 0x4C52 or header.version != 1:
+            return
+        if header.type == CONNECT:
+            self.connect(header, address)
+        elif header.ring != self.line.ring:
+            return
+        elif header.type == SLICES:
+            self.slices(header, data[LINK_HEADER.size:], address)
+        elif header.type == BYE and self.session == (header.sender, header.session):
+            self.session = None
+
+    def connect(self, header, address):
+        refusal = self.line.judge(header)
+        if refusal != NO_REFUSAL:
+            return self.socket.sendto(self.line.header(REFUSE, header.session, refusal=refusal), address)
+        number = header.session >> 32
+        if self.session and self.session[0] == header.sender and self.session[1] >> 32 == number:
+            offer = self.session[1]
+        else:
+            offer = self.offers.get(header.sender, 0)
+            if offer >> 32 != number:
+                offer = self.offers[header.sender] = number << 32 | random_number()
+        self.socket.sendto(self.line.header(ACCEPT, offer), address)
+
+    def slices(self, header, data, address):
+        if self.session != (header.sender, header.session):
+            if self.offers.get(header.sender) != header.session:
+                return self.socket.sendto(
+                    self.line.header(REFUSE, header.session, refusal=UNKNOWN_SESSION), address)
+            del self.offers[header.sender]
+            self.session, self.next, self.address = (header.sender, header.session), 1, address
+            self.line.sender = header.sender
+        missing = (header.sequence - self.next) % 2 ** 32
+        if missing >= 2 ** 31:
+            return
+        if missing:
+            self.line.gap()
+        self.next = (header.sequence + 1) % 2 ** 32
+        self.line.take_slices(data)
+
+    def tick(self):
+        if self.session:
+            self.socket.sendto(self.line.header(ALIVE, self.session[1]), self.address)
+
+    def close(self):
+        self.socket.close()
+
+
+class UdpOutput:
+    def __init__(self, line, address):
+        self.line, self.number, self.session, self.sequence = line, random_number(), None, 1
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.connect(address)
+
+    def up(self):
+        return self.session is not None
+
+    def sockets(self):
+        return [self.socket]
+
+    def read(self, _):
+        try:
+            header = LinkHeader._make(LINK_HEADER.unpack(self.socket.recv(2048)))
+        except OSError:
+            self.session = None  # port unreachable
+            return
+        if header.session >> 32 != self.number:
+            return
+        if header.type == REFUSE:
+            self.number, self.session = random_number(), None
+        elif header.type == ACCEPT and self.session is None and header.ring == self.line.ring:
+            self.session, self.sequence = header.session, 1
+            self.write(slice_of(IDLE))
+
+    def write(self, data):
+        while self.session is not None and data:
+            size = 4 + struct.unpack_from('>H', data, 2)[0]
+            header = self.line.header(SLICES, self.session, self.sequence)
+            self.sequence = (self.sequence + 1) % 2 ** 32
+            self.socket.send(header + data[:size])
+            data = data[size:]
+
+    def tick(self):
+        try:
+            if self.session is None:
+                self.socket.send(self.line.header(CONNECT, self.number << 32))
+            else:
+                self.write(slice_of(IDLE))
+        except OSError:
+            self.session = None
+
+    def close(self):
+        self.socket.close()
+
+
+class Line:
+    """One of the lines of a node: where it comes in and where it goes out. `order` is that in which it runs."""
+
+    def __init__(self, ring, node, order, listen, connect_to):
+        self.ring, self.id, self.order = ring_hash(ring), node, order
+        self.sender = order[order.index(node) - 1]
+        self.successor = order[(order.index(node) + 1) % len(order)]
+        self.on_slice, self.gap = lambda kind, data: None, lambda: None
+        unix = isinstance(listen, str)
+        self.input = (UnixInput if unix else UdpInput)(self, listen)
+        self.output = (UnixOutput if unix else UdpOutput)(self, connect_to)
+
+    def header(self, kind, session=0, sequence=0, refusal=NO_REFUSAL):
+        return LINK_HEADER.pack(0x4C52, 1, kind, self.ring, session, sequence, self.id, refusal)
+
+    def distance(self, node):
+        return (self.order.index(self.id) - self.order.index(node)) % len(self.order) or len(self.order)
+
+    def judge(self, connect):
+        """protocol.md section 6.8"""
+        if connect.ring != self.ring:
+            return WRONG_RING
+        if connect.sender not in self.order:
+            return NOT_IN_RING
+        if self.input.up() and self.distance(connect.sender) > self.distance(self.sender):
+            return BUSY
+        return NO_REFUSAL
+
+    def take_slices(self, data):
+        """Returns what is not a whole slice yet."""
+        while len(data) >= 4:
+            magic, kind, size = struct.unpack_from('>BBH', data)
+            assert magic == 0xA7
+            if len(data) < 4 + size:
+                break
+            self.on_slice(kind, data[4:4 + size])
+            data = data[4 + size:]
+        return data
+
+    def read(self, readable):
+        for which in readable:
+            for end in (self.input, self.output):
+                if which in end.sockets():
+                    end.read(which)
+
+    def tick(self):
+        self.input.tick()
+        self.output.tick()
+
+    def sockets(self):
+        return self.input.sockets() + self.output.sockets()
+
+    def close(self):
+        self.input.close()
+        self.output.close()
