@@ -15,19 +15,21 @@ constexpr unsigned kSteps = 1200;
 
 }  // namespace
 
-RandomFaults::RandomFaults(std::uint64_t seed) : seed_(seed), random_(seed) {
-  choose_mix();
+RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back) : seed_(seed), random_(seed) {
+  choose_mix(fold_back);
   make_ring();
 }
 
-void RandomFaults::choose_mix() {
+void RandomFaults::choose_mix(FoldBack fold_back) {
   nodes_ = once_in(3) ? 2 + random(15) : 16;
+  if (fold_back == FoldBack::all && nodes_ < 3) nodes_ = 3;  // a ring of two has no way round a break
   paced_ = once_in(2);
   const unsigned levels[] = {0, 2000, 200, 33};
   drop_ = levels[random(4)];
   damage_ = levels[random(4)];
   trouble_ = levels[random(4)];
-  fold_back_ = nodes_ > 2 && once_in(3);
+  const bool drawn = nodes_ > 2 && once_in(3);
+  fold_back_ = drawn || fold_back == FoldBack::all;
   doubles_ = once_in(2) && !fold_back_;  // a fold may bring a doubled copy behind the source's next packet
 }
 

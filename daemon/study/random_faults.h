@@ -18,7 +18,9 @@ namespace limb_ring::study {
 /// has to be whole again and fall silent.
 class RandomFaults {
  public:
-  explicit RandomFaults(std::uint64_t seed);
+  /// Which rings fold back around a break: a third of them, or all.
+  enum class FoldBack { some, all };
+  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some);
 
   /// Runs it all, or until a promise is broken.
   void run();
@@ -40,7 +42,7 @@ class RandomFaults {
   wire::NodeId random_node() { return static_cast<wire::NodeId>(random(nodes_)); }
   wire::NodeId random_destination() { return once_in(5) ? wire::kBroadcast : random_node(); }
 
-  void choose_mix();
+  void choose_mix(FoldBack fold_back);
   void make_ring();
   void tap_all(sim::Way way);
   void pass(wire::NodeId id, sim::Way way, const wire::Slice& slice, wire::SliceWriter& arriving);

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <random>
 
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
@@ -12,7 +13,10 @@ namespace limb_ring::ring_sim {
 namespace {
 
 struct Options {
-  std::uint64_t seeds = 1000, first = 1;
+  std::uint64_t seeds = 1000;
+  std::uint64_t first = 0;  ///< drawn where it is not given: ranges that were run before find less
+  bool all_fold_back = false;
+  std::uint64_t failures = 1;
   app::Format format = app::Format::text;
 };
 
@@ -33,26 +37,38 @@ struct Tally {
   }
 };
 
-std::string violation_text(const study::RandomFaults& run, std::uint64_t seed) {
+std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, bool all_fold_back) {
   const sim::Violation& broken = *run.violation();
   return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
          "\nat " + std::to_string(broken.at.time_since_epoch().count()) + " ps: " + broken.what +
-         "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1\n";
+         "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
+         (all_fold_back ? " --redundancy foldback" : "") + "\n";
+}
+
+/// The first of a range that hardly anybody has run before.
+std::uint64_t fresh_range() {
+  std::random_device device;
+  return std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(device);
 }
 
 int run(const Options& options) {
+  using FoldBack = study::RandomFaults::FoldBack;
   Progress progress;
   Tally tally;
+  std::uint64_t broken = 0;
+  std::cerr << "Seeds " << options.first << " to " << options.first + options.seeds - 1 << ".\n";
   for (std::uint64_t seed = options.first; seed - options.first < options.seeds; ++seed) {
-    study::RandomFaults faults(seed);
+    study::RandomFaults faults(seed, options.all_fold_back ? FoldBack::all : FoldBack::some);
     faults.run();
     tally.add(faults);
     if (faults.violation()) {
-      std::cerr << violation_text(faults, seed);
-      return kBroken;
+      std::cerr << violation_text(faults, seed, options.all_fold_back);
+      if (++broken >= options.failures) return kBroken;
+      continue;
     }
     progress.tell(std::to_string(tally.seeds) + " of " + std::to_string(options.seeds) + " seeds, no promise broken");
   }
+  if (broken != 0) return kBroken;
   if (options.format == app::Format::json) std::cout << tally.row(options).dump(2) << '\n';
   else std::cout << app::format_rows({tally.row(options)}, options.format);
   if (options.format == app::Format::text) std::cout << "No promise was broken.\n";
@@ -68,10 +84,21 @@ void add_soak(CLI::App& app, Context& context) {
                                   "checked at every event; stops at the first that is broken");
   command->add_option("--seeds", options->seeds, "How many, 1 to 100000000; default 1000")
       ->check(CLI::Range(1u, 100000000u));
-  command->add_option("--first", options->first, "The first of them; default 1");
+  command->add_option("--first", options->first, "The first of them, above 0; drawn and printed where it is not given")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--failures", options->failures, "Stop after so many broken seeds; default 1")
+      ->check(CLI::PositiveNumber);
+  command->add_option_function<std::string>(
+             "--redundancy",
+             [options](const std::string& what) { options->all_fold_back = what == "foldback"; },
+             "mixed: a third of the rings folds back (default); foldback: all of them")
+      ->check(CLI::IsMember({"mixed", "foldback"}));
   add_format(*command, options->format);
   command->callback([&context, options] {
-    context.action = [options] { return run(*options); };
+    context.action = [options] {
+      if (options->first == 0) options->first = fresh_range();
+      return run(*options);
+    };
   });
 }
 
