@@ -13,11 +13,12 @@ using wire::SliceKind;
 Controller::Controller(const Settings& settings)
     : settings_(settings),
       transmit_(settings_, counters_, events_),
-      receive_(settings_, counters_),
-      pins_(settings_, counters_, events_),
+      memory_(settings_.send_timeout()),
+      receive_(settings_, memory_, counters_),
+      pins_(settings_, memory_, counters_, events_),
       relay_(settings_, counters_),
       packet_manager_(settings_, transmit_, counters_, line_),
-      membership_(settings_, transmit_, receive_, pins_, counters_, events_) {}
+      membership_(settings_, transmit_, receive_, memory_, counters_, events_) {}
 
 // ---- the lines ----------------------------------------------------------------------------
 
@@ -108,24 +109,25 @@ void Controller::on_start(ByteView bytes, Time now) {
   if (place) packet_manager_.relay_header(bytes.size);
 }
 
-bool Controller::append(ByteView bytes, Time now) {
+bool Controller::append(ByteView bytes, Time now, std::size_t most) {
   if (!incoming_.open()) {
     ++counters_.stray_slices;
     return false;
   }
-  if (incoming_.append(bytes, now)) return true;
+  if (incoming_.append(bytes, now, most)) return true;
   break_off(counters_.oversize_packets, now);
   return false;
 }
 
 void Controller::on_more(ByteView bytes, Time now) {
-  if (append(bytes, now) && incoming_.fate() == Fate::pass_on) packet_manager_.relay_words(bytes.size);
+  const std::size_t most = wire::kHeaderSize + wire::kMaxPayload;  // trailer and CRC come with the end alone
+  if (append(bytes, now, most) && incoming_.fate() == Fate::pass_on) packet_manager_.relay_words(bytes.size);
 }
 
 // An `end` slice is given out as its last odd bytes, trailer and CRC begin: they are in, a few byte
 // times later.
 void Controller::on_end(ByteView bytes, Time now) {
-  if (!append(bytes, now)) return;
+  if (!append(bytes, now, wire::kMaxDataPacketSize)) return;
   const PacketFields packet{incoming_.bytes()};
   if (packet.bytes.size < wire::kMinDataPacketSize) return break_off(counters_.malformed_packets, now);
   incoming_.close();
@@ -183,7 +185,7 @@ bool Controller::is_strangers_retry(const PacketFields& packet) {
 
 std::uint8_t Controller::receive_data(const PacketFields& packet, bool good, Time at) {
   if (!good) return packet.fbc();
-  if (is_control(packet)) membership_.heard(packet, at);
+  if (is_control(packet) && !membership_.heard(packet, at)) return 0;
   if (is_strangers_retry(packet)) return packet.fbc();
   return receive_.offer(packet, at);
 }

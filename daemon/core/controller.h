@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/counters.h"
+#include "core/duplicate_memory.h"
 #include "core/events.h"
 #include "core/incoming.h"
 #include "core/membership.h"
@@ -42,6 +43,8 @@ class Controller {
   void set_neighbours(NodeId before, NodeId next, NodeId successor);
   /// The second line stands for the input, for the output: beacons say so. (ours, fold_back.h)
   void set_folded(bool input, bool output, Time now) { membership_.set_folded(input, output, now); }
+  /// The second line stands for the input, and what comes was turned back at `node`. (ours, fold_back.h)
+  void set_turned_back_at(std::optional<NodeId> node) { relay_.set_turned_back_at(node); }
   /// Another DATP of the largest size could come in.
   bool has_room() const { return packet_manager_.has_room(); }
   void set_output_ready(bool ready) { packet_manager_.set_ready(ready); }
@@ -100,7 +103,7 @@ class Controller {
   void on_more(wire::ByteView bytes, Time now);
   void on_end(wire::ByteView bytes, Time now);
   Fate fate_of_data(wire::ByteView header);
-  bool append(wire::ByteView bytes, Time now);
+  bool append(wire::ByteView bytes, Time now, std::size_t most);
   void break_off(std::uint64_t& counter, Time now);
   std::uint8_t receive_data(const wire::PacketFields& packet, bool good, Time at);
   void data_came_home(const wire::PacketFields& packet, bool good, Time at);
@@ -121,6 +124,7 @@ class Controller {
   EventQueue events_;
   wire::SliceWriter line_;
   Transmit transmit_;
+  DuplicateMemory memory_;
   Receive receive_;
   Pins pins_;
   Relay relay_;

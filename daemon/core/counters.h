@@ -28,6 +28,7 @@ namespace limb_ring::core {
   X(refusals, "return with a refusal, to be tried again")                                        \
   X(hellos, "hello said")                                                                        \
   X(duplicates, "packet or interrupt taken before, not delivered again")                         \
+  X(earlier_incarnation, "packet refused: its source has begun a later incarnation since")       \
   X(refused_no_buffer, "DATP refused: no receive buffer of its priority free")                   \
   X(refused_cpu_absent, "DATP refused: the CPU is configured but not there")                     \
   X(refused_joining, "user's DATP refused: the own hello is not home yet")                       \
@@ -46,6 +47,7 @@ namespace limb_ring::core {
   X(returns_damaged, "own packet that came home damaged")                                        \
   X(orphans_hop, "foreign packet discarded: HOP says its source is gone")                        \
   X(orphans_bypassed, "packet of a bypassed node discarded")                                     \
+  X(orphans_cut_off, "packet discarded: its source is beyond the break this node is behind (fold-back)") \
   X(control_malformed, "channel 1 packet that is neither hello nor beacon")                      \
   X(flushed_on_reset, "received packet thrown away because the CPU was reset")                   \
   X(retries_of_strangers, "retry not taken: its source has not been heard since the own start (fold-back)") \

@@ -74,7 +74,7 @@ std::size_t DataUnit::choose(Time now) const {
 }
 
 void DataUnit::load(Job& job) {
-  const wire::Code code{false, 0, numbers_.next(job.destination)};
+  const wire::Code code = numbers_.next(false, job.destination);
   std::memcpy(flight_.load(code, settings_.id, job.destination, job.pri, job.size), job.data.data(), job.size);
 }
 
@@ -245,7 +245,6 @@ void DataUnit::restart(Time now) {
   jobs_ = 0;
   control_ends_.clear();
   flight_.clear();
-  numbers_.restart();
 }
 
 bool DataUnit::take_control_end(SendEnded& out) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <deque>
 
@@ -36,7 +37,10 @@ class DataUnit {
     queues_[kControlQueue].clear();
   }
 
-  void set_gate(Gate gate) { gate_ = gate; }
+  void set_gate(Gate gate, Time now) {
+    gate_ = gate;
+    free_at_ = std::max(free_at_, now);  // what waited at it asks for the line now, not when it was asked for
+  }
   /// Open chain: nothing returns, so every send ends `unconfirmed` as it leaves, at this pace.
   void set_open_chain(bool open, Time now);
 
@@ -72,9 +76,10 @@ class DataUnit {
 
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
   void cancel(Owner owner, Time now);
-  /// Ends everything, the NC's own too, and forgets the numbers: a new life of this node.
+  /// Ends everything, the NC's own too. New numbers are due then.
   void restart(Time now);
-  void restart_numbers() { numbers_.restart(); }
+  /// Its sequence numbers begin anew, in the incarnation of that boot number.
+  void restart_numbers(std::uint64_t boot) { numbers_.restart(boot); }
   bool numbers_exhausted() const { return numbers_.exhausted(); }
 
   bool has_control_end() const { return !control_ends_.empty(); }
@@ -136,7 +141,7 @@ class DataUnit {
   std::size_t jobs_ = 0;     ///< in all of them
   std::size_t current_ = 0;  ///< queue whose front is in flight
   Flight flight_;
-  Time free_at_{};           ///< the tail of the last return is in
+  Time free_at_{};           ///< not before: the tail of the last return is in, or the gate was opened
   SequenceNumbers numbers_;
   std::deque<SendEnded> control_ends_;
 };

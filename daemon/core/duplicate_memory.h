@@ -11,6 +11,11 @@ namespace limb_ring::core {
 
 /// Exactly once: a receiver remembers, per (SID, kind, unicast or broadcast), the last sequence
 /// number it decided, and its verdict. Links keep order, so the last one is enough. (ours)
+///
+/// Numbers hold within one incarnation of their source. Each packet says of which it is (Code), so nothing
+/// depends on whether a hello was heard in time: a packet of a later incarnation begins a new page, one of an
+/// earlier incarnation is never taken. Two bits tell apart the one before, this one and the next two; hellos
+/// and beacons say the whole boot number. (ours)
 class DuplicateMemory {
  public:
   enum class Verdict : std::uint8_t { none, taken, refused };
@@ -19,18 +24,53 @@ class DuplicateMemory {
   ///        former is left, and numbers wrap unseen behind a line that is down for long. (ours)
   explicit DuplicateMemory(Duration horizon) : horizon_(horizon) {}
 
-  /// The verdict on this sequence number, `none` where it is new.
+  /// A packet of that incarnation came.
+  /// @return false where it is of an earlier one than is known: not to be taken
+  bool meet(wire::NodeId source, std::uint8_t incarnation) {
+    Source& s = sources_[source];
+    switch (s.known ? (incarnation - s.incarnation) & 3 : 2) {
+      case 0: return true;
+      case 3: return false;
+      default: break;
+    }
+    s = {};
+    s.known = s.from_packet = true;
+    s.incarnation = incarnation;
+    return true;
+  }
+  /// A hello of that boot number came. Nothing else of its incarnation comes before it.
+  /// @return false where it is of an earlier incarnation than is known
+  bool meet_hello(wire::NodeId source, std::uint64_t boot) {
+    if (sources_[source].boot != boot) sources_[source].from_packet = false;
+    return meet_beacon(source, boot);
+  }
+  /// A beacon of that boot number came. Where its hello was missed, other packets of this incarnation may have come
+  /// before: what was decided of them stays.
+  /// @return false where it is of an earlier incarnation than is known
+  bool meet_beacon(wire::NodeId source, std::uint64_t boot) {
+    Source& s = sources_[source];
+    if (s.boot == boot) return true;
+    if (s.boot > boot && s.boot - boot <= kEarlier) return false;
+    const auto incarnation = wire::incarnation_of(boot);
+    if (!s.from_packet || s.incarnation != incarnation) s = {};
+    s.known = true;
+    s.from_packet = false;
+    s.incarnation = incarnation;
+    s.boot = boot;
+    return true;
+  }
+
+  /// The verdict on this sequence number, `none` where it is new. @pre meet() was true
   Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast, Time now) const {
-    const Entry& e = entry(source, code, broadcast);
+    const Entry& e = sources_[source].entries[place(code, broadcast)];
     if (e.sequence != code.sequence || broken(Mutation::forgets_duplicates)) return Verdict::none;
     const bool fresh = !e.aged && now - e.decided <= horizon_;
     return fresh || code.attempt > 0 ? e.verdict : Verdict::none;
   }
   void remember(wire::NodeId source, wire::Code code, bool broadcast, Verdict verdict, Time now) {
-    entry(source, code, broadcast) = {now, code.sequence, verdict, false};
+    sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict, false};
   }
-  void forget(wire::NodeId source) { entries_[source] = {}; }
-  void forget_all() { entries_ = {}; }
+
   /// From now on a first try is new, whatever its number; a retry is still known. For a node that
   /// was bypassed, until its hello is home: until then a source may repeat what was taken before.
   void age_all() { each([](Entry& e) { e.aged = true; }); }
@@ -41,29 +81,33 @@ class DuplicateMemory {
   }
 
  private:
+  /// Boot numbers that are lower by so few are of earlier incarnations; by more: the node's clock was set back.
+  static constexpr std::uint64_t kEarlier = 1000;
+
   struct Entry {
     Time decided{};
     std::uint8_t sequence = 0;
     Verdict verdict = Verdict::none;
     bool aged = false;
   };
+  struct Source {
+    std::array<Entry, 4> entries{};
+    std::uint64_t boot = 0;         ///< of the last hello or beacon; 0: none was heard
+    std::uint8_t incarnation = 0;   ///< 0..3
+    bool known = false;
+    bool from_packet = false;       ///< the incarnation is known from a packet alone
+  };
   template <class Visit>
   void each(Visit visit) {
-    for (auto& source : entries_)
-      for (Entry& e : source) visit(e);
+    for (Source& source : sources_)
+      for (Entry& e : source.entries) visit(e);
   }
   static std::size_t place(wire::Code code, bool broadcast) {
     return (code.interrupt ? 2u : 0u) + (broadcast ? 1u : 0u);
   }
-  const Entry& entry(wire::NodeId source, wire::Code code, bool broadcast) const {
-    return entries_[source][place(code, broadcast)];
-  }
-  Entry& entry(wire::NodeId source, wire::Code code, bool broadcast) {
-    return entries_[source][place(code, broadcast)];
-  }
 
   Duration horizon_;
-  std::array<std::array<Entry, 4>, 256> entries_{};
+  std::array<Source, 256> sources_{};
 };
 
 }  // namespace limb_ring::core

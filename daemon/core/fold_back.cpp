@@ -20,6 +20,7 @@ FoldBack::FoldBack(Controller& controller, Receiver& receiver, Time now)
       counters_(controller.counters()),
       from_(neighbour(controller.settings(), controller.settings().order.size() - 1)),
       to_(neighbour(controller.settings(), 1)),
+      second_from_(to_),
       patience_(now + controller.settings().break_grace) {}
 
 // ---- the first line -----------------------------------------------------------------------
@@ -159,6 +160,7 @@ void FoldBack::settle(Time now) {
   if (may_fold_) patience_ = kNever;
   settle_input(now);
   settle_output(now);
+  tell_turned_back();
   tell_folded(now);
 }
 

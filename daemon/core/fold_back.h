@@ -51,8 +51,9 @@ class FoldBack {
   ///@}
 
   /// @name The second line: its input comes from the next node, its output goes to the one before
-  /// That its input is up says nothing: words and packets that come do.
+  /// That its input is up says nothing of a fold: words and packets that come do.
   ///@{
+  void second_input_up(NodeId from) { second_from_ = from; }
   void second_input_lost(Time now);
   void second_input_gap(Time now);
   void second_output_up(Time now);
@@ -80,6 +81,9 @@ class FoldBack {
   enum class Out : std::uint8_t { first, second, leaving };
 
   void settle(Time now);
+  void tell_turned_back() {
+    controller_.set_turned_back_at(takes_second() ? tail_ : std::nullopt);
+  }
   void tell_folded(Time now) {
     controller_.set_folded(takes_second(), turned_back() && told_output_, now);
   }
@@ -100,6 +104,7 @@ class FoldBack {
   void drop_held();
 
   bool repeats() const { return in_ == In::first && out_ == Out::first; }
+  bool has_come_round(wire::FoldWord word) const;
   void hear(wire::FoldWord word, const wire::Slice& slice, Time now);
   void hear_of_tail(wire::FoldWord word, const wire::Slice& slice, Time now);
   void forget_tail(Time now);
@@ -122,6 +127,7 @@ class FoldBack {
   bool input_up_ = false, output_up_ = false;
   bool second_output_up_ = false;
   NodeId from_, to_;            ///< neighbours on the first line, now or last
+  NodeId second_from_;          ///< who sends to this node on the second line, now or last
   In in_ = In::second;
   Out out_ = Out::first;
   bool next_is_deaf_ = false;   ///< the next node hears nothing of us on the first line

@@ -56,6 +56,7 @@ void FoldBack::drained(Time now) {
     tail_due_ = kNever;
   }
   if (tail_) say(FoldMark::begin, *tail_);
+  tell_turned_back();
   release(now);
 }
 

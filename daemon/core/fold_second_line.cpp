@@ -40,7 +40,8 @@ void FoldBack::second_output_lost(Time now) {
 
 void FoldBack::receive_second(const Slice& slice, Time now) {
   if (slice.kind == SliceKind::idle) return;
-  if (const auto word = wire::fold_word(slice)) return hear(*word, slice, now);
+  if (const auto word = wire::fold_word(slice); word && place_of(controller_.settings(), word->node) < controller_.settings().nodes())
+    return hear(*word, slice, now);
   const bool takes = in_ != In::first;
   const bool repeated = repeats() && tail_ && second_.view().size < kMostRepeated;
   const bool wanted = slice.kind != SliceKind::fold && (takes || repeated);
@@ -73,10 +74,20 @@ void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
   settle(now);
 }
 
+// A node that this node's input on the second line bypasses lies between the two: its word has been all the way
+// round, and whoever could strip it is gone.
+bool FoldBack::has_come_round(FoldWord word) const {
+  const Settings& settings = controller_.settings();
+  const std::size_t nodes = settings.order.size();
+  const auto ahead = [&](NodeId node) { return (place_of(settings, node) + nodes - place_of(settings, id())) % nodes; };
+  return ahead(word.node) != 0 && ahead(word.node) < ahead(second_from_);
+}
+
 // A word that has come back to who said it has found nobody behind a break. Where a `begin` has been said
 // anew behind a `lost`, that goes round once more: else nobody would take from the second line what is on it.
 void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
   if (word.node == id()) return word.mark == FoldMark::lost && tail_ ? lose_tail(now) : void();
+  if (has_come_round(word)) return;
   // The node before still sends back what this one would hear: a `hears` was lost.
   if (word.mark == FoldMark::begin && word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
   const bool said_just_now = word.mark == FoldMark::begin && tail_ == word.node &&

@@ -31,9 +31,10 @@ class Incoming {
     place_ = place ? place : own_.data();
     append(bytes, now);
   }
-  /// @return false where it would be longer than any DATP
-  bool append(wire::ByteView bytes, Time now) {
-    if (size_ + bytes.size > own_.size()) return false;
+  /// @param most bytes of it that may have come in then
+  /// @return false where it would be longer
+  bool append(wire::ByteView bytes, Time now, std::size_t most = wire::kMaxDataPacketSize) {
+    if (size_ + bytes.size > most) return false;
     std::memcpy(place_ + size_, bytes.data, bytes.size);
     size_ += bytes.size;
     last_slice_ = now;

@@ -21,7 +21,7 @@ void InterruptUnit::set_open_chain(bool open, Time now) {
 wire::ByteView InterruptUnit::start(Time now) {
   const InterruptRequest& request = queue_.front().request;
   if (flight_.idle())
-    flight_.load({true, 0, numbers_.next(request.destination)}, settings_.id, request.destination, request.factor,
+    flight_.load(numbers_.next(true, request.destination), settings_.id, request.destination, request.factor,
                  0);
   else
     ++counters_.retries;
@@ -117,7 +117,6 @@ void InterruptUnit::restart(Time now) {
   for (Job& job : queue_) tell(job, Outcome::cancelled, now, Duration{0});
   queue_.clear();
   flight_.clear();
-  numbers_.restart();
 }
 
 }  // namespace limb_ring::core

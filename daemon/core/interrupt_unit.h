@@ -20,7 +20,10 @@ class InterruptUnit {
   InterruptUnit(const Settings& settings, Counters& counters, EventQueue& events);
 
   Reject enqueue(const InterruptRequest& request, Time now);
-  void set_gate(Gate gate) { gate_ = gate; }
+  void set_gate(Gate gate, Time now) {
+    gate_ = gate;
+    free_at_ = std::max(free_at_, now);  // what waited at it asks for the line now, not when it was asked for
+  }
   void set_open_chain(bool open, Time now);
 
   Time ready_at() const {
@@ -45,7 +48,8 @@ class InterruptUnit {
   void forgotten_by(NodeId peer, Time now);
   void cancel(Owner owner, Time now);
   void restart(Time now);
-  void restart_numbers() { numbers_.restart(); }
+  /// Its sequence numbers begin anew, in the incarnation of that boot number.
+  void restart_numbers(std::uint64_t boot) { numbers_.restart(boot); }
   bool numbers_exhausted() const { return numbers_.exhausted(); }
 
  private:

@@ -18,15 +18,17 @@ wire::LinkState link_state(bool up, bool lost, bool folded) {
 
 }  // namespace
 
-Membership::Membership(const Settings& settings, Transmit& transmit, Receive& receive, Pins& pins,
+Membership::Membership(const Settings& settings, Transmit& transmit, Receive& receive, DuplicateMemory& memory,
                        Counters& counters, EventQueue& events)
     : settings_(settings),
       transmit_(transmit),
       receive_(receive),
-      pins_(pins),
+      memory_(memory),
       counters_(counters),
       events_(events),
-      boot_(settings.boot) {}
+      boot_(settings.boot) {
+  transmit_.restart_numbers(boot_);
+}
 
 void Membership::enter(NodeState state, Time now) {
   if (state == state_) return;
@@ -90,13 +92,21 @@ void Membership::start_over(Time now) {
 // Sends end cancelled, and everything is as after a start, until the next hello is home.
 void Membership::new_life(Time now) {
   transmit_.restart(now);
-  transmit_.set_gate(Gate::closed);
-  receive_.forget_all();
-  pins_.start_over();
+  transmit_.set_gate(Gate::closed, now);
+  // Interrupts are taken while the own hello is out: retries of what was taken before have to be known until
+  // it is home.
+  memory_.age_all();
   receive_.set_joining(true);
   hello_out_ = renumbering_ = merged_ = beacon_out_ = break_known_ = false;
   beacon_due_ = break_due_ = drained_at_ = kNever;
+  next_boot();
+}
+
+// A new incarnation: its packets say so, and its sequence numbers begin anew.
+void Membership::next_boot() {
   ++boot_;
+  transmit_.restart_numbers(boot_);
+  memory_.meet_hello(settings_.id, boot_);  // packets to oneself
 }
 
 // ---- hello --------------------------------------------------------------------------------
@@ -105,7 +115,7 @@ void Membership::say_hello(Time now) {
   if (hello_out_) transmit_.restart(now);
   hello_out_ = true;
   ++counters_.hellos;
-  transmit_.set_gate(Gate::control);
+  transmit_.set_gate(Gate::control, now);
   std::array<std::uint8_t, wire::kHelloSize> bytes;
   wire::encode(wire::Hello{boot_, renumbering_}, bytes.data());
   transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kHelloToken, now);
@@ -123,24 +133,22 @@ void Membership::hello_ended(const SendEnded& ended, Time now) {
 
 void Membership::joined(Time now) {
   renumbering_ = false;
-  forget(settings_.id);
   receive_.set_joining(false);
-  pins_.joined();
-  transmit_.set_gate(Gate::open);
+  memory_.forget_aged();
+  transmit_.set_gate(Gate::open, now);
   if (state_ != NodeState::open_chain) enter(settled_state(), now);
   change(now);
 }
 
 // Sequence numbers are used up without a verdict: everyone is told to forget them. (ours)
 void Membership::renumber(Time now) {
-  if (!renumbering_) transmit_.set_gate(Gate::closed);
+  if (!renumbering_) transmit_.set_gate(Gate::closed, now);
   renumbering_ = true;
   if (!transmit_.idle()) return;
   transmit_.data.drop_control();  // nothing goes before the hello; its beacon follows it
   beacon_out_ = hello_out_ = false;
-  transmit_.restart_numbers();
   merged_ = false;
-  ++boot_;
+  next_boot();
   say_hello(now);
 }
 
@@ -204,43 +212,34 @@ void Membership::found_double(Time now) {
 
 // ---- the others ---------------------------------------------------------------------------
 
-void Membership::heard(const wire::PacketFields& packet, Time now) {
-  if (const auto hello = wire::decode_hello(packet.data()))
-    heard_hello(packet, *hello, now);
-  else if (const auto beacon = wire::decode_beacon(packet.data()))
-    heard_beacon(packet, *beacon, now);
-  else
-    ++counters_.control_malformed;
+bool Membership::heard(const wire::PacketFields& packet, Time now) {
+  if (const auto hello = wire::decode_hello(packet.data())) return heard_hello(packet, *hello, now);
+  if (const auto beacon = wire::decode_beacon(packet.data())) return heard_beacon(packet, *beacon, now);
+  ++counters_.control_malformed;
+  return true;
 }
 
-void Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now) {
+bool Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now) {
   const NodeId source = packet.source();
   const Peer& peer = peers_[source];
   const bool goes_on = hello.remembers && peer.known && hello.boot == peer.boot + 1;  // no start was missed
-  if (!peers_.heard_hello(source, packet.hop(), hello, now)) return;
-  goes_on ? forget(source) : new_life(source, now);
+  if (!memory_.meet_hello(source, hello.boot)) return ++counters_.earlier_incarnation, false;
+  // It has forgotten us as we forget it.
+  if (peers_.heard_hello(source, packet.hop(), hello, now) && !goes_on) transmit_.forgotten_by(source, now);
+  return true;
 }
 
 // Where nothing is confirmed a hello can be missed; the boot number of the beacons after it still
 // tells of the new life. A first beacon tells of none. (ours)
-void Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
+bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
   const NodeId source = packet.source();
-  if (peers_[source].known && peers_[source].boot != beacon.boot) new_life(source, now);
+  if (!memory_.meet_beacon(source, beacon.boot)) return ++counters_.earlier_incarnation, false;
+  if (peers_[source].known && peers_[source].boot != beacon.boot) transmit_.forgotten_by(source, now);
   if (peers_.heard_beacon(source, packet.hop(), beacon, now)) events_.put(now, PeerChanged{source});
   if (beacon.break_known && beacon.break_behind == source) hear_break(beacon, now);
   if (!beacon.break_known && break_behind_ == source && state_ != NodeState::open_chain) break_known_ = false;
   look_for_folds(now);
-}
-
-// It has forgotten us as we forget it.
-void Membership::new_life(NodeId source, Time now) {
-  forget(source);
-  transmit_.forgotten_by(source, now);
-}
-
-void Membership::forget(NodeId source) {
-  receive_.forget(source);
-  pins_.forget(source);
+  return true;
 }
 
 void Membership::set_cpu(const CpuReport& report, Time now) {

@@ -6,7 +6,6 @@
 #include "core/counters.h"
 #include "core/events.h"
 #include "core/peers.h"
-#include "core/pins.h"
 #include "core/receive.h"
 #include "core/settings.h"
 #include "core/transmit.h"
@@ -25,8 +24,8 @@ struct CpuReport {
 /// size, doubled ids, a broken ring. (ours, protocol.md sections 4 and 8)
 class Membership {
  public:
-  Membership(const Settings& settings, Transmit& transmit, Receive& receive, Pins& pins, Counters& counters,
-             EventQueue& events);
+  Membership(const Settings& settings, Transmit& transmit, Receive& receive, DuplicateMemory& memory,
+             Counters& counters, EventQueue& events);
 
   NodeState state() const { return state_; }
   std::uint64_t boot() const { return boot_; }
@@ -69,7 +68,8 @@ class Membership {
   /// An own packet came home with a good CRC, whether it matched anything or not.
   void own_seen(const wire::PacketFields& packet, bool matched, Time now);
   /// A control packet of another node, before Receive decides on it.
-  void heard(const wire::PacketFields& packet, Time now);
+  /// @return false where it is of an earlier incarnation of its source, and says nothing
+  bool heard(const wire::PacketFields& packet, Time now);
 
   void handle_timeout(Time now) {
     if (deadline() <= now) act_on_time(now);
@@ -95,6 +95,7 @@ class Membership {
   bool links_up() const { return input_ == Link::up && output_ == Link::up; }
   void start_over(Time now);
   void new_life(Time now);
+  void next_boot();
   void found_double(Time now);
   void say_hello(Time now);
   void hello_ended(const SendEnded& ended, Time now);
@@ -103,10 +104,8 @@ class Membership {
   void renumber_when_settled(Time now);
   void renumber(Time now);
 
-  void heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);
-  void heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
-  void new_life(NodeId source, Time now);
-  void forget(NodeId source);
+  bool heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);
+  bool heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
 
   void send_beacon(Time now);
   void change(Time now);
@@ -126,7 +125,7 @@ class Membership {
   const Settings& settings_;
   Transmit& transmit_;
   Receive& receive_;
-  Pins& pins_;
+  DuplicateMemory& memory_;
   Counters& counters_;
   EventQueue& events_;
 

@@ -41,7 +41,7 @@ void Membership::enter_open_chain(Time now) {
   transmit_.set_open_chain(true, now);
   if (hello_out_) return;
   if (!joined_before) return say_hello(now);
-  transmit_.set_gate(Gate::open);
+  transmit_.set_gate(Gate::open, now);
   change(now);
 }
 

@@ -53,7 +53,7 @@ std::uint8_t* PacketManager::relay_begin(Time now) {
     return nullptr;
   }
   receiving_ = true;
-  return buffer_.push(now).bytes.data();
+  return buffer_.push(now + lag(wire::kHeaderSize)).bytes.data();
 }
 
 void PacketManager::relay_header(std::size_t bytes) {
@@ -72,7 +72,7 @@ void PacketManager::relay_end(std::size_t bytes, std::uint8_t fbc, Time now) {
   ++counters_.relayed_data;
   buffer_.grow(bytes);
   RelayedPacket& slot = buffer_.back();
-  slot.tail_at = now;
+  slot.tail_at = now + lag((slot.size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize);
   slot.state = RelayedPacket::State::complete;
   wire::rewrite(slot.bytes.data(), slot.size, static_cast<std::uint8_t>(slot.bytes[2] + 1), fbc);
 }
@@ -90,7 +90,7 @@ void PacketManager::relay_interrupt(const wire::InterruptBytes& packet, Time now
     return;
   }
   ++counters_.relayed_interrupts;
-  interrupts_.push() = {packet, now};
+  interrupts_.push() = {packet, now + lag(wire::kInterruptPacketSize)};
 }
 
 // ---- the line -----------------------------------------------------------------------------

@@ -68,6 +68,11 @@ class PacketManager {
 
   bool paced() const { return settings_.byte_time_out.count() != 0; }
   Duration bytes_time(std::size_t bytes) const { return settings_.byte_time_out * static_cast<std::int64_t>(bytes); }
+  /// How much later than on the input so many bytes may begin on the output, where that one is faster: no byte leaves
+  /// before it has come in. (ours)
+  Duration lag(std::size_t bytes) const {
+    return std::max(Duration{0}, settings_.byte_time_in - settings_.byte_time_out) * static_cast<std::int64_t>(bytes);
+  }
   bool can_pass(Time now) const;
   void count_drop(std::uint64_t packets) { counters_.dropped_no_output += packets; }
   bool step(Time now);

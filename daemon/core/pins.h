@@ -11,18 +11,12 @@ namespace limb_ring::core {
 /// firmware involved. (paper) Only after a good CRC, and once per INTP. (ours)
 class Pins {
  public:
-  Pins(const Settings& settings, Counters& counters, EventQueue& events)
-      : settings_(settings), counters_(counters), events_(events), memory_(settings.send_timeout()) {}
+  Pins(const Settings& settings, DuplicateMemory& memory, Counters& counters, EventQueue& events)
+      : settings_(settings), memory_(memory), counters_(counters), events_(events) {}
 
   /// An INTP with a good CRC passes.
   /// @return the FBC it goes on with: 1 pin pulled, 0 pin wired to nothing
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
-
-  void forget(NodeId source) { memory_.forget(source); }
-  /// Unlike data, interrupts are taken while the own hello is out: retries of what was taken before
-  /// have to be known until it is home.
-  void start_over() { memory_.age_all(); }
-  void joined() { memory_.forget_aged(); }
 
  private:
   using Verdict = DuplicateMemory::Verdict;
@@ -30,9 +24,9 @@ class Pins {
   bool pull(const wire::PacketFields& packet, Time at);
 
   const Settings& settings_;
+  DuplicateMemory& memory_;
   Counters& counters_;
   EventQueue& events_;
-  DuplicateMemory memory_;
 };
 
 }  // namespace limb_ring::core

@@ -30,6 +30,8 @@ bool Receive::accepts(const PacketFields& packet) {
 
 std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   if (!addressed(packet)) return packet.fbc();
+  if (!memory_.meet(packet.source(), packet.code().incarnation))
+    return ++counters_.earlier_incarnation, std::uint8_t{0};
   const bool broadcast = packet.destination() == wire::kBroadcast;
   const std::size_t free = std::min<std::size_t>(free_buffers(packet), wire::kFbcMax);
   const auto least = [&](std::size_t value) {

@@ -27,7 +27,8 @@ struct ReceivedPacket {
 /// or broadcast, by priority, and ignores the rest. (paper) Verdicts and exactly-once are ours.
 class Receive {
  public:
-  Receive(const Settings& settings, Counters& counters) : settings_(settings), counters_(counters), memory_(settings.send_timeout()) {}
+  Receive(const Settings& settings, DuplicateMemory& memory, Counters& counters)
+      : settings_(settings), memory_(memory), counters_(counters) {}
 
   /// A packet with a good CRC passes.
   /// @return the FBC it goes on with
@@ -46,9 +47,6 @@ class Receive {
   /// A reset of the CPU: no stale command is acted on.
   void flush();
 
-  void forget(NodeId source) { memory_.forget(source); }
-  void forget_all() { memory_.forget_all(); }
-
  private:
   using Verdict = DuplicateMemory::Verdict;
   bool addressed(const wire::PacketFields& packet) const;
@@ -59,8 +57,8 @@ class Receive {
   void store(const wire::PacketFields& packet, Time at);
 
   const Settings& settings_;
+  DuplicateMemory& memory_;
   Counters& counters_;
-  DuplicateMemory memory_;
   std::array<SlotQueue<ReceivedPacket>, 4> buffers_;
   std::size_t waiting_ = 0;  ///< in all of them
   bool cpu_present_ = false;

@@ -12,8 +12,9 @@ namespace limb_ring::core {
 /// packet for an old one, so after 6 sends in a row without its verdict new numbers are due. (ours)
 class SequenceNumbers {
  public:
-  std::uint8_t next(wire::NodeId destination) {
-    return counts_[destination].next++ & 7;
+  /// Code of a first try to `destination`.
+  wire::Code next(bool interrupt, wire::NodeId destination) {
+    return {interrupt, 0, static_cast<std::uint8_t>(counts_[destination].next++ & 7), incarnation_};
   }
   void decided(wire::NodeId destination) { counts_[destination].undecided = 0; }
   void undecided(wire::NodeId destination) {
@@ -21,7 +22,11 @@ class SequenceNumbers {
   }
   /// New numbers (a new hello) are due.
   bool exhausted() const { return exhausted_; }
-  void restart() { *this = {}; }
+  /// The numbers of a new incarnation.
+  void restart(std::uint64_t boot) {
+    *this = {};
+    incarnation_ = wire::incarnation_of(boot);
+  }
 
  private:
   static constexpr int kMostUndecided = 6;
@@ -31,6 +36,7 @@ class SequenceNumbers {
   };
   std::array<Count, 256> counts_{};
   bool exhausted_ = false;
+  std::uint8_t incarnation_ = 0;
 };
 
 }  // namespace limb_ring::core

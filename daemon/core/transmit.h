@@ -14,9 +14,9 @@ struct Transmit {
   DataUnit data;
   InterruptUnit interrupts;
 
-  void set_gate(Gate gate) {
-    data.set_gate(gate);
-    interrupts.set_gate(gate);
+  void set_gate(Gate gate, Time now) {
+    data.set_gate(gate, now);
+    interrupts.set_gate(gate, now);
   }
   void set_open_chain(bool open, Time now) {
     data.set_open_chain(open, now);
@@ -24,9 +24,9 @@ struct Transmit {
   }
   bool idle() const { return !data.busy() && !interrupts.busy(); }
   bool numbers_exhausted() const { return data.numbers_exhausted() || interrupts.numbers_exhausted(); }
-  void restart_numbers() {
-    data.restart_numbers();
-    interrupts.restart_numbers();
+  void restart_numbers(std::uint64_t boot) {
+    data.restart_numbers(boot);
+    interrupts.restart_numbers(boot);
   }
   void restart(Time now) {
     data.restart(now);

@@ -33,6 +33,7 @@ void SecondLine::on_batch_end() { driver_.pump(); }
 void SecondLine::on_input_gap(std::uint32_t) { fold_.second_input_gap(driver_.now()); }
 
 void SecondLine::on_input_up(std::uint8_t from) {
+  fold_.second_input_up(from);
   driver_.say("second line: input from node " + std::to_string(from));
 }
 

@@ -119,13 +119,13 @@ Invariants::Before Invariants::count(NodeId node, std::uint8_t priority) const {
   const std::size_t used = ring_.received_waiting(node, priority);
   const std::size_t buffers = ring_.settings(node).receive_buffers;
   return {c.received_data + c.received_control,
-          c.refused_joining + c.refused_cpu_absent + c.refused_no_buffer + c.refused_unwired,
+          c.earlier_incarnation + c.refused_joining + c.refused_cpu_absent + c.refused_no_buffer + c.refused_unwired,
           c.duplicates,
           c.crc_errors + c.malformed_packets,
           c.pins_pulled,
           c.returned_data + c.returned_interrupts,
           c.insertion_buffer_full + c.interrupt_buffer_full + c.dropped_no_output + c.orphans_hop +
-              c.orphans_bypassed,
+              c.orphans_bypassed + c.orphans_cut_off,
           c.stray_slices + c.oversize_packets,
           std::min<std::size_t>(buffers - std::min(used, buffers), wire::kFbcMax)};
 }

@@ -25,7 +25,7 @@ int VirtualRing::previous_alive(NodeId id) const {
 void VirtualRing::input_up(NodeId id, NodeId from, Way way) {
   Node& n = nodes_[id];
   touch(id);
-  if (way == Way::second) return;
+  if (way == Way::second) return n.fold->second_input_up(from);
   n.fold ? n.fold->input_up(from, now_) : n.controller->input_up(from, now_);
 }
 

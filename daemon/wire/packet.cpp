@@ -9,7 +9,7 @@ const char* to_string(PacketError error) {
   switch (error) {
     case PacketError::none: return "good";
     case PacketError::size: return "a size no packet of its kind has";
-    case PacketError::header: return "no valid header (version, kind, SOP or SID)";
+    case PacketError::header: return "no valid header (kind, SOP or SID)";
     case PacketError::trailer: return "no EOP where the trailer should begin";
     case PacketError::crc: return "wrong CRC";
   }

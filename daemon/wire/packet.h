@@ -17,7 +17,6 @@ using NodeId = std::uint8_t;               ///< SID, DID: 0..254
 constexpr NodeId kBroadcast = 0xFF;        ///< as DID: every node but the source
 constexpr std::uint8_t kSop = 0xFB;
 constexpr std::uint8_t kEop = 0xFD;
-constexpr std::uint8_t kVersion = 1;
 constexpr std::uint8_t kFbcUntaken = 0xFF; ///< FBC as the source sends it: nobody took it yet
 constexpr std::uint8_t kFbcMax = 254;      ///< the most free buffers a receiver may write
 
@@ -26,21 +25,24 @@ constexpr std::size_t kTrailerSize = 4;
 constexpr std::size_t kCrcSize = 4;
 constexpr std::size_t kOverhead = kHeaderSize + kTrailerSize + kCrcSize;
 
-/// Code: bits 7..6 version, 5 kind (0 DATP, 1 INTP), 4..3 try, 2..0 sequence. (ours)
+/// Code: bits 7..6 incarnation of the source, 5 kind (0 DATP, 1 INTP), 4..3 try, 2..0 sequence. (ours)
 struct Code {
   bool interrupt = false;
-  std::uint8_t attempt = 0;   ///< 0 the first, 1..3 retries
-  std::uint8_t sequence = 0;  ///< 0..7
+  std::uint8_t attempt = 0;      ///< 0 the first, 1..3 retries
+  std::uint8_t sequence = 0;     ///< 0..7
+  std::uint8_t incarnation = 0;  ///< 0..3, incarnation_of() the source's boot number
 
   std::uint8_t byte() const {
-    return static_cast<std::uint8_t>(kVersion << 6 | (interrupt ? 1 << 5 : 0) | (attempt & 3) << 3 |
+    return static_cast<std::uint8_t>((incarnation & 3) << 6 | (interrupt ? 1 << 5 : 0) | (attempt & 3) << 3 |
                                      (sequence & 7));
   }
 };
 inline Code code_of(std::uint8_t byte) {
   return {(byte >> 5 & 1) != 0, static_cast<std::uint8_t>(byte >> 3 & 3),
-          static_cast<std::uint8_t>(byte & 7)};
+          static_cast<std::uint8_t>(byte & 7), static_cast<std::uint8_t>(byte >> 6)};
 }
+/// What a packet says of its source's boot number: its two low bits.
+constexpr std::uint8_t incarnation_of(std::uint64_t boot) { return boot & 3; }
 
 /// Fields of a packet as it lies in memory, from its first header byte to its last CRC byte.
 /// @pre bytes.size >= kOverhead (header fields alone: >= kHeaderSize)
@@ -61,7 +63,7 @@ struct PacketFields {
 
 /// True where the four header bytes can begin a packet of that kind.
 inline bool header_valid(ByteView header, bool interrupt) {
-  return header[0] >> 6 == kVersion && (header[0] >> 5 & 1) == (interrupt ? 1 : 0) &&
+  return (header[0] >> 5 & 1) == (interrupt ? 1 : 0) &&
          header[1] == kSop && header[3] != kBroadcast;
 }
 /// True where trailer and size can end one. @pre bytes.size >= kOverhead

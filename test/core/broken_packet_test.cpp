@@ -64,6 +64,32 @@ TEST_F(BrokenPacket, LongerThan524BytesIsAborted) {
   EXPECT_EQ(solo.counters().oversize_packets, 1u);
 }
 
+// A defective node upstream: 524 bytes without an end. What of it waited for the output would have gone on as a `start`
+// of 524 bytes, which is none, and the innocent node would have been hung up on.
+TEST_F(BrokenPacket, MoreWordsThanAPayloadHasAreAbortedThoughTheyWouldFit) {
+  solo.node().set_output_ready(false);
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.receive(SliceKind::more, pattern(512));
+  solo.node().set_output_ready(true);
+  solo.run();
+  EXPECT_EQ(solo.counters().oversize_packets, 1u);
+  for (const auto& slice : solo.line()) EXPECT_TRUE(wire::slice_size_fits(slice.kind, slice.bytes.size()));
+}
+
+TEST_F(BrokenPacket, WhatWaitedForTheOutputGoesOnInLegalSlices) {
+  const Bytes longest = Foreign{0, 1}.with(pattern(512));
+  solo.node().set_output_ready(false);
+  solo.receive(SliceKind::start, {longest.begin(), longest.begin() + 4});
+  solo.receive(SliceKind::more, {longest.begin() + 4, longest.begin() + 516});
+  solo.node().set_output_ready(true);
+  solo.run();
+  solo.receive(SliceKind::end, {longest.begin() + 516, longest.end()});
+  const auto out = solo.line();
+  EXPECT_EQ(out.size(), 2u);
+  for (const auto& slice : out) EXPECT_TRUE(wire::slice_size_fits(slice.kind, slice.bytes.size()));
+  EXPECT_THAT(solo.packets(), ElementsAre(pattern(512)));
+}
+
 TEST_F(BrokenPacket, ShorterThan13BytesIsAborted) {
   solo.receive(SliceKind::start, {packet.begin(), packet.begin() + 4});
   solo.receive(SliceKind::end, Bytes(8));
@@ -125,9 +151,9 @@ TEST_F(BrokenPacket, StraySlicesAreCounted) {
 }
 
 TEST_F(BrokenPacket, WithoutAValidHeaderIsDiscarded) {
-  for (std::size_t at : {0u, 1u}) {  // Code's version, SOP
+  for (std::size_t at : {0u, 1u}) {  // Code's kind, SOP
     Bytes wrong = packet;
-    wrong[at] ^= 0xC0;
+    wrong[at] ^= 0x20;
     solo.receive(SliceKind::whole, wrong);
     solo.receive(SliceKind::start, head_of(wrong));
     solo.receive(SliceKind::end, tail_of(wrong));

@@ -73,39 +73,99 @@ TEST_F(ExactlyOnce, DamagedFirstTryLeavesNoTrace) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("x")));
 }
 
-TEST_F(ExactlyOnce, HelloWithANewBootNumberMakesItForget) {
-  const auto hello = [&](std::uint64_t boot, std::uint8_t sequence) {
+struct Incarnations : ExactlyOnce {
+  static std::uint8_t of(std::uint64_t boot) { return wire::incarnation_of(boot); }
+  void hello(std::uint64_t boot, std::uint8_t sequence = 0) {
     Bytes bytes(wire::kHelloSize);
     wire::encode(wire::Hello{boot}, bytes.data());
-    pass({0, wire::kBroadcast, sequence, 0, 0, wire::pri_byte(0, 1)}, bytes);
-  };
-  hello(7, 0);
-  pass({0, 1, 0}, text("first life"));
-  hello(7, 1);
-  pass({0, 1, 0}, text("first life"));
-  hello(8, 0);
-  pass({0, 1, 0}, text("second life"));
-  pass_interrupt(foreign_interrupt(0, 1, 1, 0));
-  hello(9, 0);
-  pass_interrupt(foreign_interrupt(0, 1, 1, 0));
-  EXPECT_THAT(solo.packets(), ElementsAre(text("first life"), text("second life")));
-  EXPECT_EQ(solo.counters().pins_pulled, 2u);
-}
-
-TEST_F(ExactlyOnce, BeaconOfALifeWhoseHelloWasMissedMakesItForgetToo) {
-  const auto beacon = [&](std::uint64_t boot, std::uint8_t sequence) {
+    control(boot, sequence, bytes);
+  }
+  void beacon(std::uint64_t boot, std::uint8_t sequence) {
     Bytes bytes(wire::kBeaconSize);
     wire::Beacon b;
     b.boot = boot;
     wire::encode(b, bytes.data());
-    pass({0, wire::kBroadcast, sequence, 0, 0, wire::pri_byte(0, 1)}, bytes);
-  };
-  pass({0, 1, 0}, text("before any word of it"));
+    control(boot, sequence, bytes);
+  }
+  std::uint8_t data(std::uint64_t boot, const std::string& what, std::uint8_t sequence = 0, std::uint8_t attempt = 0) {
+    return pass({0, 1, sequence, attempt, 0, 0, wire::kFbcUntaken, of(boot)}, text(what));
+  }
+  std::uint8_t interrupt(std::uint64_t boot, std::uint8_t attempt = 0) {
+    return pass_interrupt(foreign_interrupt(0, 1, 1, 0, attempt, of(boot)));
+  }
+
+ private:
+  void control(std::uint64_t boot, std::uint8_t sequence, const Bytes& bytes) {
+    pass({0, wire::kBroadcast, sequence, 0, 0, wire::pri_byte(0, 1), wire::kFbcUntaken, of(boot)}, bytes);
+  }
+};
+
+TEST_F(Incarnations, AHelloBeginsNewNumbers) {
+  hello(7);
+  data(7, "seven");
+  hello(7, 1);
+  data(7, "seven");
+  hello(8);
+  data(8, "eight");
+  interrupt(8);
+  hello(9);
+  interrupt(9);
+  EXPECT_THAT(solo.packets(), ElementsAre(text("seven"), text("eight")));
+  EXPECT_EQ(solo.counters().pins_pulled, 2u);
+}
+
+TEST_F(Incarnations, ABeaconBeginsNewNumbersWhereTheHelloWasMissed) {
+  data(7, "before any word of it");
   beacon(7, 0);
-  pass({0, 1, 0, 1}, text("before any word of it"));
+  data(7, "before any word of it", 0, 1);
   beacon(8, 1);
-  pass({0, 1, 0}, text("second life"));
-  EXPECT_THAT(solo.packets(), ElementsAre(text("before any word of it"), text("second life")));
+  data(8, "eight");
+  EXPECT_THAT(solo.packets(), ElementsAre(text("before any word of it"), text("eight")));
+}
+
+TEST_F(Incarnations, APacketBeginsNewNumbersWhereHelloAndBeaconWereMissed) {
+  beacon(7, 0);
+  data(7, "seven");
+  data(8, "eight");
+  EXPECT_THAT(solo.packets(), ElementsAre(text("seven"), text("eight")));
+}
+
+// One INTP pulled its pin twice: the first beacon of the incarnation made the receiver forget that it had.
+TEST_F(Incarnations, OneInterruptPullsOnceThoughTheHelloOfItsSourceWasMissed) {
+  beacon(1000, 3);
+  EXPECT_EQ(interrupt(1001), 1);
+  beacon(1001, 1);
+  EXPECT_EQ(interrupt(1001, 1), 1) << "the retry has the verdict of the first try";
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+}
+
+TEST_F(Incarnations, APacketOfAnEarlierOneIsRefused) {
+  hello(7);
+  data(7, "seven");
+  hello(8);
+  EXPECT_EQ(data(7, "late", 1), 0);
+  EXPECT_EQ(interrupt(7), 0);
+  EXPECT_EQ(solo.counters().earlier_incarnation, 2u);
+  EXPECT_THAT(solo.packets(), ElementsAre(text("seven")));
+  EXPECT_EQ(solo.counters().pins_pulled, 0u);
+}
+
+TEST_F(Incarnations, AHelloOrBeaconOfAnEarlierOneSaysNothing) {
+  hello(8);
+  data(8, "eight");
+  hello(7);
+  beacon(6, 0);
+  EXPECT_EQ(solo.node().membership().peers()[0].boot, 8u);
+  EXPECT_EQ(data(8, "eight", 0, 1), 1) << "taken before";
+  EXPECT_THAT(solo.packets(), ElementsAre(text("eight")));
+}
+
+// A process that was started anew may have the same two bits by chance: its hello tells.
+TEST_F(Incarnations, AHelloBeginsNewNumbersAlsoWhereTheTwoBitsAreTheSame) {
+  data(4, "four");
+  hello(4 + 4);
+  data(4 + 4, "eight");
+  EXPECT_THAT(solo.packets(), ElementsAre(text("four"), text("eight")));
 }
 
 TEST(ExactlyOnceJoining, RefusesUsersDataAndTakesTheRest) {

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "core/ring_fixture.h"
+#include "wire/interrupt_packet.h"
 
 namespace limb_ring::core {
 namespace {
@@ -277,6 +278,72 @@ TEST_F(FoldBackTest, ADamagedWordIsNotRepeated) {
   ring.run_for(100ms);
   expect_all(NodeState::folded);
   expect_all_reach_all();
+}
+
+/// Node 4 of the ring with its four lines in the hands of the test.
+struct LoneFold : testing::Test, FoldBack::Receiver {
+  static Settings settings() {
+    Settings s;
+    s.id = 4;
+    for (NodeId id = 1; id < kNodes; ++id) s.order.push_back(id);
+    s.fold_back = true;
+    s.wired.fill(true);
+    return s;
+  }
+  Controller controller{settings()};
+  FoldBack fold{controller, *this, Time{}};
+  void take(const wire::Slice& slice, Time now) override { controller.receive(slice, now); }
+  void SetUp() override {
+    fold.input_up(3, Time{});
+    fold.output_up(5, Time{});
+    fold.second_input_up(5);
+    fold.second_output_up(Time{});
+    fold.second_line().clear();
+  }
+  void hear(wire::FoldMark mark, NodeId node) {
+    wire::SliceWriter word;
+    wire::put(word, {mark, node});
+    fold.receive_second(wire::parse_slice(word.view()).slice, Time{});
+  }
+  static wire::InterruptBytes interrupt(std::uint8_t sequence, std::uint8_t hop) {
+    return wire::encode(wire::InterruptPacket{{true, 0, sequence}, hop, 1, wire::kFbcUntaken, wire::kBroadcast, 0});
+  }
+  static wire::Slice slice_of(const wire::InterruptBytes& bytes) {
+    return {wire::SliceKind::interrupt, {bytes.data(), bytes.size()}};
+  }
+};
+
+// Its own node would take it off; that one is dead, and bypassed by this one's input.
+TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
+  fold.second_input_up(7);
+  hear(wire::FoldMark::begin, 6);
+  EXPECT_TRUE(fold.second_line().empty());
+  const auto packet = interrupt(0, 2);
+  fold.receive_second(slice_of(packet), Time{});
+  EXPECT_TRUE(fold.second_line().empty()) << "nor does what follows it go round";
+  hear(wire::FoldMark::begin, 0);
+  EXPECT_FALSE(fold.second_line().empty());
+}
+
+TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
+  hear(wire::FoldMark::begin, 200);
+  EXPECT_TRUE(fold.second_line().empty());
+  EXPECT_EQ(controller.counters().fold_discarded, 1u);
+}
+
+// It passed here before the line behind it broke, was turned back at node 6, and is on its way back when the line
+// before this node breaks too.
+TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
+  hear(wire::FoldMark::begin, 6);
+  const auto first = interrupt(0, 2), second = interrupt(1, 2);
+  fold.receive(slice_of(first), Time{});
+  fold.receive(slice_of(second), Time{});
+  EXPECT_EQ(controller.counters().pins_pulled, 2u);
+  fold.input_lost(Time{});
+  const auto again = interrupt(0, 5);
+  fold.receive_second(slice_of(again), Time{});
+  EXPECT_EQ(controller.counters().pins_pulled, 2u);
+  EXPECT_EQ(controller.counters().orphans_cut_off, 1u);
 }
 
 // As much as 254 nodes have under way, and no more, should packets ever go round where nobody strips.

@@ -115,20 +115,20 @@ class SoloNode {
 /// A DATP as another node has sent it.
 struct Foreign {
   NodeId source = 0, destination = 1;
-  std::uint8_t sequence = 0, attempt = 0, hop = 0, pri = 0, fbc = wire::kFbcUntaken;
+  std::uint8_t sequence = 0, attempt = 0, hop = 0, pri = 0, fbc = wire::kFbcUntaken, incarnation = 0;
 
   Bytes with(const Bytes& data) const {
     Bytes out(data.size() + wire::kOverhead);
-    wire::encode({{false, attempt, sequence}, hop, source, fbc, destination, pri, {data.data(), data.size()}},
+    wire::encode({{false, attempt, sequence, incarnation}, hop, source, fbc, destination, pri, {data.data(), data.size()}},
                  out.data());
     return out;
   }
 };
 
 inline Bytes foreign_interrupt(NodeId source, NodeId destination, std::uint8_t factor, std::uint8_t sequence = 0,
-                               std::uint8_t attempt = 0) {
+                               std::uint8_t attempt = 0, std::uint8_t incarnation = 0) {
   const auto bytes = wire::encode(
-      wire::InterruptPacket{{true, attempt, sequence}, 0, source, wire::kFbcUntaken, destination, factor});
+      wire::InterruptPacket{{true, attempt, sequence, incarnation}, 0, source, wire::kFbcUntaken, destination, factor});
   return {bytes.begin(), bytes.end()};
 }
 

@@ -22,9 +22,9 @@ Bytes encoded(const DataPacket& packet) {
 // before them.
 TEST(DataPacket, GoldenBytes) {
   const Bytes data{'h', 'i', 0xFB, 0xFD, 0x00};
-  const DataPacket packet{{false, 1, 5}, 3, 12, kFbcUntaken, 7, pri_byte(2, 4), {data.data(), data.size()}};
+  const DataPacket packet{{false, 1, 5, 1}, 3, 12, kFbcUntaken, 7, pri_byte(2, 4), {data.data(), data.size()}};
   const Bytes golden{
-      0x4D, 0xFB, 0x03, 0x0C,        // version 1, DATP, try 1, sequence 5 | SOP | HOP 3 | SID 12
+      0x4D, 0xFB, 0x03, 0x0C,        // incarnation 1, DATP, try 1, sequence 5 | SOP | HOP 3 | SID 12
       'h',  'i',  0xFB, 0xFD, 0x00,  // any value is legal data
       0xFD, 0xFF, 0x07, 0x12,        // EOP | FBC untaken | DID 7 | channel 4, priority 2
       0xD2, 0x12, 0x9A, 0x12};
@@ -33,6 +33,7 @@ TEST(DataPacket, GoldenBytes) {
   ASSERT_EQ(decode({golden.data(), golden.size()}, back), PacketError::none);
   EXPECT_EQ(back.code.attempt, 1);
   EXPECT_EQ(back.code.sequence, 5);
+  EXPECT_EQ(back.code.incarnation, 1);
   EXPECT_EQ(back.hop, 3);
   EXPECT_EQ(back.source, 12);
   EXPECT_EQ(back.destination, 7);
@@ -42,8 +43,8 @@ TEST(DataPacket, GoldenBytes) {
 }
 
 TEST(InterruptPacket, GoldenBytes) {
-  const InterruptPacket packet{{true, 0, 2}, 15, 0, 1, 12, 6};
-  const Bytes golden{0x62, 0xFB, 0x0F, 0x00,   // version 1, INTP, try 0, sequence 2 | SOP | HOP 15 | SID 0
+  const InterruptPacket packet{{true, 0, 2, 1}, 15, 0, 1, 12, 6};
+  const Bytes golden{0x62, 0xFB, 0x0F, 0x00,   // incarnation 1, INTP, try 0, sequence 2 | SOP | HOP 15 | SID 0
                      0xFD, 0x01, 0x0C, 0x06,   // EOP | FBC 1: pin pulled | DID 12 | factor 6
                      0x50, 0xDB, 0xEA, 0x2D};
   EXPECT_THAT(encode(packet), ElementsAreArray(golden));

@@ -1,0 +1,73 @@
+// Nothing leaves before it can: not before it has come in, not before it was allowed to.
+#include "core/solo_node.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using wire::SliceKind;
+
+/// A line of 100 Mbit/s in, one of 1 Gbit/s out.
+struct SlowLineIntoAFastOne : testing::Test {
+  SoloNode solo{Duration{8ns}, [](Settings& s) { s.byte_time_in = Duration{80ns}; }};
+  void SetUp() override {
+    solo.join();
+    solo.run_for(1ms);
+    solo.line();
+  }
+};
+
+TEST_F(SlowLineIntoAFastOne, AnInterruptsLastByteLeavesNoEarlierThanItCameIn) {
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 2, 1));
+  const Duration lag = 12 * (80ns - 8ns);
+  solo.run_for(lag - Duration{1});
+  EXPECT_THAT(solo.line(), IsEmpty());
+  solo.run_for(Duration{1});
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::interrupt));
+}
+
+TEST_F(SlowLineIntoAFastOne, ADataPacketsLastByteLeavesNoEarlierThanItCameIn) {
+  const Bytes packet = Foreign{0, 2}.with(pattern(22));
+  solo.receive(SliceKind::start, {packet.begin(), packet.begin() + 4});
+  solo.run_for(4 * (80ns - 8ns) - Duration{1});
+  EXPECT_THAT(solo.line(), IsEmpty()) << "its header is not in yet";
+  solo.run_for(24 * Duration{80ns} - 4 * (80ns - 8ns) + Duration{1});
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start));
+  solo.receive(SliceKind::end, {packet.begin() + 4, packet.end()});
+  const Duration lag = (2 + 8) * (80ns - 8ns);  // odd bytes, trailer and CRC
+  solo.run_for(lag - Duration{1});
+  EXPECT_THAT(solo.line(), IsEmpty());
+  solo.run_for(Duration{1});
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::end));
+}
+
+// What waits while numbers begin anew was dated back to when it was asked for, and the packet after it began before the
+// line was free.
+struct ClosedGate : testing::Test {
+  Settings settings;
+  Counters counters;
+  EventQueue events;
+  const Time asked = Time{} + 10us, opened = Time{} + 50us;
+};
+
+TEST_F(ClosedGate, AnInterruptThatWaitedAsksForTheLineWhenItIsOpened) {
+  InterruptUnit unit(settings, counters, events);
+  ASSERT_EQ(unit.enqueue({1, 1, 2, 0}, asked), Reject::none);
+  EXPECT_EQ(unit.ready_at(), kNever);
+  unit.set_gate(Gate::open, opened);
+  EXPECT_EQ(unit.ready_at(), opened);
+}
+
+TEST_F(ClosedGate, DataThatWaitedAsksForTheLineWhenItIsOpened) {
+  DataUnit unit(settings, counters, events);
+  const Bytes data = text("x");
+  ASSERT_EQ(unit.enqueue({1, 1, 2, 0, 0, {data.data(), data.size()}}, asked), Reject::none);
+  unit.set_gate(Gate::control, asked);
+  EXPECT_EQ(unit.ready_at(), kNever);
+  unit.set_gate(Gate::open, opened);
+  EXPECT_EQ(unit.ready_at(), opened);
+}
+
+}  // namespace
+}  // namespace limb_ring::core
