@@ -12,8 +12,8 @@ const char* const kHead =
     "\n"
     "One YAML file describes one ring. An entry that is not listed here is refused, as is a value\n"
     "that is not allowed. Times are written with their unit (`ns`, `us`, `ms`, `s`), data rates\n"
-    "as `10Mbit/s` (`bit/s`, `kbit/s`, `Mbit/s`, `Gbit/s`; a plain number is bit/s). Angles are\n"
-    "in rad.\n";
+    "as `10Mbit/s` (`bit/s`, `kbit/s`, `Mbit/s`, `Gbit/s`, also `10Mbps` or `10M`; a plain number\n"
+    "is bit/s). Numbers may be written `1e6` or `64k`. Angles are in rad.\n";
 
 /// Bare code where it stands so in a file, plain words where it explains.
 std::string cell(const std::string& fallback) {

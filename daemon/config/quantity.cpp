@@ -1,5 +1,6 @@
 #include "config/quantity.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -20,40 +21,71 @@ constexpr std::array<Unit, 4> kTimeUnits{
 constexpr std::array<Unit, 4> kRateUnits{
     {{"Gbit/s", 1000000000}, {"Mbit/s", 1000000}, {"kbit/s", 1000}, {"bit/s", 1}}};
 
-/// Digits with at most one point among them: no sign, no exponent, so that units may follow.
-std::optional<long double> parse_decimal(const std::string& text) {
-  long double value = 0, place = 0;
-  bool digits = false;
-  for (const char c : text) {
-    if (c == '.' && place == 0) {
-      place = 1;
-    } else if (c >= '0' && c <= '9') {
-      digits = true;
-      value = value * 10 + (c - '0');
-      place *= 10;
-    } else {
-      return std::nullopt;
-    }
-  }
-  if (!digits) return std::nullopt;
-  return place > 1 ? value / place : value;
+struct Scaled {
+  long double number = 0;
+  std::string unit;    ///< what stands behind it, without the blank between
+};
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// End of an exponent that begins at `at`; `at` where there is none, since a unit may begin with an e.
+std::size_t end_of_exponent(const std::string& text, std::size_t at) {
+  if (at >= text.size() || (text[at] != 'e' && text[at] != 'E')) return at;
+  std::size_t end = at + 1;
+  if (end < text.size() && (text[end] == '+' || text[end] == '-')) ++end;
+  if (end >= text.size() || !is_digit(text[end])) return at;
+  while (end < text.size() && is_digit(text[end])) ++end;
+  return end;
 }
 
-std::optional<std::uint64_t> scale(long double number, std::uint64_t unit) {
-  const long double whole = std::round(number * static_cast<long double>(unit));
+/// Digits with at most one point among them and perhaps an exponent, no sign, then a unit.
+std::optional<Scaled> split(const std::string& text) {
+  const std::size_t mantissa = std::min(text.find_first_not_of("0123456789."), text.size());
+  const std::size_t end = end_of_exponent(text, mantissa);
+  const auto number = parse_real(text.substr(0, end));
+  if (!number || mantissa == 0) return std::nullopt;
+  const std::size_t unit = end < text.size() && text[end] == ' ' ? end + 1 : end;
+  if (unit != end && unit == text.size()) return std::nullopt;  // a blank at the end
+  std::istringstream in(text.substr(0, end));
+  in.imbue(std::locale::classic());
+  Scaled scaled;
+  in >> scaled.number;
+  scaled.unit = text.substr(unit);
+  return scaled;
+}
+
+std::optional<std::uint64_t> scale(long double number, long double unit) {
+  const long double whole = std::round(number * unit);
   if (!(whole < 9.2e18L)) return std::nullopt;
   return static_cast<std::uint64_t>(whole);
 }
 
-std::optional<std::uint64_t> parse_quantity(const std::string& text,
-                                            const std::array<Unit, 4>& units) {
-  const std::size_t end = text.find_first_not_of("0123456789.");
-  if (end == std::string::npos) return std::nullopt;
-  const std::string unit = text.substr(text[end] == ' ' ? end + 1 : end);
-  const auto number = parse_decimal(text.substr(0, end));
-  for (const Unit& known : units)
-    if (number && unit == known.name) return scale(*number, known.size);
-  return std::nullopt;
+/// Of k, M, G, T, as people write them; 0 for another.
+long double prefix_of(char c) {
+  switch (c) {
+    case 'k': case 'K': return 1e3L;
+    case 'm': case 'M': return 1e6L;
+    case 'g': case 'G': return 1e9L;
+    case 't': case 'T': return 1e12L;
+    default: return 0;
+  }
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return text;
+}
+
+/// Bits in a second: bit/s, bps, with a prefix or the prefix alone; 0 for another. 10MB/s would be bytes: a b that
+/// stands for bytes is not taken for bits.
+long double rate_unit(const std::string& unit) {
+  const long double prefix = unit.empty() ? 0 : prefix_of(unit[0]);
+  const std::string rest = prefix == 0 ? unit : unit.substr(1);
+  if (rest.rfind('B', 0) == 0 && lower(rest).rfind("bit", 0) != 0) return 0;
+  for (const char* known : {"", "bit/s", "bits/s", "bit", "bps", "b/s"})
+    if (lower(rest) == known) return prefix == 0 ? 1 : prefix;
+  return 0;
 }
 
 std::string format_quantity(std::uint64_t value, const std::array<Unit, 4>& units) {
@@ -65,9 +97,16 @@ std::string format_quantity(std::uint64_t value, const std::array<Unit, 4>& unit
 }  // namespace
 
 std::optional<std::chrono::nanoseconds> parse_time(const std::string& text) {
-  const auto count = parse_quantity(text, kTimeUnits);
-  if (!count) return std::nullopt;
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(*count));
+  const auto scaled = split(text);
+  if (!scaled) return std::nullopt;
+  const std::string unit = scaled->unit == "µs" ? "us" : scaled->unit;
+  for (const Unit& known : kTimeUnits) {
+    if (unit != known.name) continue;
+    const auto count = scale(scaled->number, static_cast<long double>(known.size));
+    if (!count) return std::nullopt;
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(*count));
+  }
+  return std::nullopt;
 }
 
 std::string format_time(std::chrono::nanoseconds time) {
@@ -76,8 +115,9 @@ std::string format_time(std::chrono::nanoseconds time) {
 
 std::optional<std::uint64_t> parse_rate(const std::string& text) {
   if (text == "unlimited") return 0;
-  if (const auto plain = parse_decimal(text)) return scale(*plain, 1);
-  return parse_quantity(text, kRateUnits);
+  const auto scaled = split(text);
+  const long double unit = scaled ? rate_unit(scaled->unit) : 0;
+  return unit == 0 ? std::nullopt : scale(scaled->number, unit);
 }
 
 std::string format_rate(std::uint64_t bits_per_second) {
@@ -100,7 +140,9 @@ std::string format_real(double value) {
   return out.str();
 }
 
-std::optional<std::int64_t> parse_integer(const std::string& text) {
+namespace {
+
+std::optional<std::int64_t> plain_integer(const std::string& text) {
   std::int64_t value = 0;
   if (text.rfind("+-", 0) == 0) return std::nullopt;
   const char* begin = text.data() + (text.rfind('+', 0) == 0 ? 1 : 0);  // from_chars takes no '+'
@@ -108,6 +150,21 @@ std::optional<std::int64_t> parse_integer(const std::string& text) {
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end) return std::nullopt;
   return value;
+}
+
+}  // namespace
+
+std::optional<std::int64_t> parse_integer(const std::string& text) {
+  if (const auto plain = plain_integer(text)) return plain;
+  const auto scaled = split(text);
+  if (!scaled || scaled->unit.size() > 1) return std::nullopt;
+  // m is milli to as many as it is million.
+  const bool prefix = !scaled->unit.empty() && scaled->unit != "m";
+  const bool exponent = scaled->unit.empty() && text.find_first_of("eE") != std::string::npos;
+  const long double unit = prefix ? prefix_of(scaled->unit[0]) : exponent ? 1 : 0;
+  const long double value = scaled->number * unit;
+  if (unit == 0 || !(value < 9.2e18L) || value != std::floor(value)) return std::nullopt;
+  return static_cast<std::int64_t>(value);
 }
 
 }  // namespace limb_ring::config

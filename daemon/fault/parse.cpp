@@ -160,7 +160,7 @@ void set_key(Fault& fault, const std::string& key, const std::string& value, con
   if (row == std::end(kRows))
     throw ParseError(with_guess(std::string("is nothing that ") + word.word + " takes", key, known),
                      known.empty() ? "nothing" : config::join(known));
-  if (!row->read(fault, value)) throw ParseError(quoted(value, "is no " + key), row->key.allowed);
+  if (!row->read(fault, value)) throw ParseError(quoted(value, "is not allowed for '" + key + "'"), row->key.allowed);
 }
 
 void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNodes& nodes) {

@@ -18,6 +18,9 @@ TEST(Time, IsReadInEveryUnit) {
 TEST(Time, MayHaveAFractionAndOneBlank) {
   EXPECT_EQ(parse_time("0.5ms"), 500us);
   EXPECT_EQ(parse_time("1.5 s"), 1500ms);
+  EXPECT_EQ(parse_time("1e3ms"), 1s);
+  EXPECT_EQ(parse_time("2.5e-3s"), 2500us);
+  EXPECT_EQ(parse_time("50µs"), 50us);
 }
 
 TEST(Time, WrittenAndReadAgainIsTheSame) {
@@ -34,8 +37,8 @@ TEST(Time, IsWrittenInTheLargestWholeUnit) {
 }
 
 TEST(Time, IsNothingElse) {
-  for (const char* text : {"", "12", "12 parsec", "ms", "1e3ms", "-5ms", "+5ms", "5  ms", "5ms ",
-                           ".", ".ms", "1.2.3s", "5 MS", "99999999999s", "1,5s"})
+  for (const char* text : {"", "12", "12 parsec", "ms", "e3ms", "-5ms", "+5ms", "5  ms", "5ms ",
+                           ".", ".ms", "1.2.3s", "5 MS", "99999999999s", "1,5s", "1e99s"})
     EXPECT_FALSE(parse_time(text)) << text;
 }
 
@@ -48,13 +51,25 @@ TEST(Rate, IsReadInEveryUnitAndAsAPlainNumber) {
   EXPECT_EQ(parse_rate("unlimited"), 0u);
 }
 
+TEST(Rate, IsReadAsPeopleWriteIt) {
+  for (const char* text : {"1e9", "1G", "1g", "1Gbps", "1Gbit", "1 Gb/s", "1000M", "1000Mbits/s", "1E+9", "1.0e9 bit/s"})
+    EXPECT_EQ(parse_rate(text), 1000000000u) << text;
+  EXPECT_EQ(parse_rate("10MBit/s"), 10000000u);
+  EXPECT_EQ(parse_rate("10mbit/s"), 10000000u);
+}
+
+TEST(Rate, InBytesIsRefusedRatherThanTakenForBits) {
+  for (const char* text : {"10MB/s", "10 MB/s", "10MBps", "10B/s", "10MB", "10MByte/s"})
+    EXPECT_FALSE(parse_rate(text)) << text;
+}
+
 TEST(Rate, WrittenAndReadAgainIsTheSame) {
   for (const std::uint64_t rate : {0u, 1u, 9600u, 125000u, 10000000u, 1000000000u, 2500000000u})
     EXPECT_EQ(parse_rate(format_rate(rate)), rate) << format_rate(rate);
 }
 
 TEST(Rate, IsNothingElse) {
-  for (const char* text : {"", "fast", "10Mbps", "10 MB/s", "-1", "1e9", "99999999999Gbit/s"})
+  for (const char* text : {"", "fast", "Gbit/s", "10M ", "10 ", "1GG", "-1", "1e", "1e9e", "99999999999Gbit/s"})
     EXPECT_FALSE(parse_rate(text)) << text;
 }
 
@@ -65,12 +80,22 @@ TEST(Real, IsAPlainFiniteDecimalNumber) {
     EXPECT_FALSE(parse_real(text)) << text;
 }
 
+TEST(Integer, MayHaveAnExponentOrAPrefix) {
+  EXPECT_EQ(parse_integer("1e6"), 1000000);
+  EXPECT_EQ(parse_integer("1.5E3"), 1500);
+  EXPECT_EQ(parse_integer("64k"), 64000);
+  EXPECT_EQ(parse_integer("1M"), 1000000);
+  EXPECT_EQ(parse_integer("2G"), 2000000000);
+  EXPECT_EQ(parse_integer("0.5k"), 500);
+}
+
 TEST(Integer, IsAPlainWholeNumber) {
   EXPECT_EQ(parse_integer("254"), 254);
   EXPECT_EQ(parse_integer("-3"), -3);
   EXPECT_EQ(parse_integer("+3"), 3);
   for (const char* text :
-       {"", "+", "-", "+-3", "1.0", "0x10", "1e3", "12 ", "99999999999999999999"})
+       {"", "+", "-", "+-3", "1.0", "0x10", "1e", "1e-3", "1.5", "1.0001k", "5m", "-1k", "12 ", "1 kB", "1e30",
+        "99999999999999999999"})
     EXPECT_FALSE(parse_integer(text)) << text;
 }
 

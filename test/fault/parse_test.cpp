@@ -74,8 +74,8 @@ TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
   EXPECT_THAT(refusal_of("drop hip -> knee packet=3"), HasSubstr("did you mean 'packets'?"));
   EXPECT_THAT(refusal_of("stall hip -> knee packets=3"),
               StartsWith("'packets' is nothing that stall takes; allowed: for, after, after_packets, of"));
-  EXPECT_THAT(refusal_of("drop hip -> knee packets=0"), StartsWith("'0' is no packets; allowed: a whole number"));
-  EXPECT_THAT(refusal_of("stall hip -> knee for=2"), StartsWith("'2' is no for; allowed: a time such as 5ms"));
+  EXPECT_THAT(refusal_of("drop hip -> knee packets=0"), StartsWith("'0' is not allowed for 'packets'; allowed: a whole number"));
+  EXPECT_THAT(refusal_of("stall hip -> knee for=2"), StartsWith("'2' is not allowed for 'for'; allowed: a time such as 5ms"));
   EXPECT_THAT(refusal_of("rate hip -> knee rate=unlimited"), HasSubstr("allowed: a rate such as"));
 }
 
