@@ -5,6 +5,8 @@
 #include <iostream>
 
 #include "bare_loop.h"
+#include "cli/command_line.h"
+#include "cli/values.h"
 #include "core_ring.h"
 #include "hops_report.h"
 #include "load.h"
@@ -14,6 +16,7 @@ namespace {
 
 using namespace limb_ring::hops;
 namespace app = limb_ring::app;
+namespace cli = limb_ring::cli;
 
 struct Options {
   std::uint64_t hops = 300'000;
@@ -73,13 +76,13 @@ int main(int argc, char** argv) {
   CLI::App app("Rings of 16 and 254 nodes that always have 512 bytes to send, at 1 Gbit/s and d = 512 ns:\n"
                "the core under the virtual clock beside a bare event loop and ns-3.", "bench_sim_hops");
   app.add_option("--hops", options.hops, "Packet-hops per measurement, 1000 to 1000000000")
-      ->check(CLI::Range(1000, 1'000'000'000))
+      ->transform(cli::whole(1000, 1'000'000'000))
       ->capture_default_str();
   app.add_option("--rounds", options.rounds, "All take turns so many times, 1 to 1000")
-      ->check(CLI::Range(1, 1000))
+      ->transform(cli::whole(1, 1000))
       ->capture_default_str();
   app.add_flag("--json", options.json, "Print JSON, for programs");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = cli::parse(app, argc, argv)) return *end;
   try {
     print(options);
   } catch (const std::exception& problem) {

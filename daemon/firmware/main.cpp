@@ -38,8 +38,8 @@ int run_cpu(const firmware::Options& options) {
 
 int main(int argc, char** argv) try {
   const auto options = firmware::parse_options(argc, argv);
-  if (!options.help) return run_cpu(options);
-  std::fputs(firmware::usage().c_str(), stdout);
+  if (options.print.empty()) return run_cpu(options);
+  std::fputs(options.print.c_str(), stdout);
   return 0;
 } catch (const limb_ring::HostPortError& error) {
   return fail(error, 1);

@@ -12,7 +12,7 @@ struct Options {
   std::string node;    ///< --node, else LIMB_RING_NODE: id or name
   std::string config;  ///< --config, else LIMB_RING_CONFIG; empty: a plain ring, no joints
   std::optional<std::chrono::nanoseconds> hang_after;  ///< --hang-after
-  bool help = false;
+  std::string print;   ///< to be printed instead of a run: --help, --version
 };
 
 /// what() names the argument and what would be right.
@@ -23,7 +23,5 @@ struct OptionsError : std::runtime_error {
 /// Reads the command line, and where it says nothing the environment that ringd gives its CPU.
 /// @throw OptionsError
 Options parse_options(int argc, const char* const* argv);
-/// What --help prints.
-std::string usage();
 
 }  // namespace limb_ring::firmware

@@ -1,9 +1,12 @@
 #include "app/ring_sim/command_line.h"
 
 #include <iostream>
+#include <limits>
 
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
+#include "cli/command_line.h"
+#include "cli/values.h"
 #include "config/config_error.h"
 #include "config/quantity.h"
 #include "sim/watched_ring.h"
@@ -46,9 +49,9 @@ std::string read_delay(const std::string& text, study::Medium& medium) {
 }  // namespace
 
 void add_medium(CLI::App& command, study::Medium& medium) {
-  command.add_option("--nodes", medium.nodes, "Nodes, 2 to 254; default 16")->check(CLI::Range(2, 254));
+  command.add_option("--nodes", medium.nodes, "Nodes, 2 to 254; default 16")->transform(cli::whole(2, 254));
   command.add_option("--payload", medium.payload, "Bytes of data in a packet, 1 to 512; default 512")
-      ->check(CLI::Range(1, 512));
+      ->transform(cli::whole(1, 512));
   add_lines(command, medium);
 }
 
@@ -62,7 +65,8 @@ void add_lines(CLI::App& command, study::Medium& medium) {
 }
 
 void add_seed(CLI::App& command, std::uint64_t& seed) {
-  command.add_option("--seed", seed, "Seed of everything random; default 1");
+  command.add_option("--seed", seed, "Seed of everything random, from 0; default 1")
+      ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
 }
 
 namespace {
@@ -110,11 +114,7 @@ int run_command_line(int argc, char** argv) {
   add_compare(app, context);
   add_plan(app, context);
   add_soak(app, context);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& problem) {
-    return app.exit(problem) == 0 ? kDone : kUsage;  // --help is no error
-  }
+  if (const auto end = cli::parse(app, argc, argv)) return *end;
   return act(context, argc, argv);
 }
 

@@ -5,6 +5,7 @@
 #include "app/ring_sim/case_rows.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
+#include "cli/values.h"
 
 namespace limb_ring::ring_sim {
 
@@ -62,7 +63,7 @@ void add_run(CLI::App& app, Context& context) {
       ->add_option("--case", options->which,
                    "alone, simultaneous, adversarial, request, delivery, interrupt, interrupt_bound, saturated, "
                    "random or payload; default alone")
-      ->transform(CLI::CheckedTransformer(cases).description(""));
+      ->transform(cli::word_of(cases));
   add_medium(*command, options->medium);
   add_seed(*command, options->seed);
   command->add_option("--trace", options->trace,

@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <random>
 
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
+#include "cli/values.h"
 #include "study/random_faults.h"
 
 namespace limb_ring::ring_sim {
@@ -83,16 +85,16 @@ void add_soak(CLI::App& app, Context& context) {
                                   "Rings under random traffic and random faults, by seed, every promise of the ring "
                                   "checked at every event; stops at the first that is broken");
   command->add_option("--seeds", options->seeds, "How many, 1 to 100000000; default 1000")
-      ->check(CLI::Range(1u, 100000000u));
+      ->transform(cli::whole(1, 100000000));
   command->add_option("--first", options->first, "The first of them, above 0; drawn and printed where it is not given")
-      ->check(CLI::PositiveNumber);
+      ->transform(cli::whole(1, std::numeric_limits<std::int64_t>::max()));
   command->add_option("--failures", options->failures, "Stop after so many broken seeds; default 1")
-      ->check(CLI::PositiveNumber);
+      ->transform(cli::whole(1, 100000000));
   command->add_option_function<std::string>(
              "--redundancy",
              [options](const std::string& what) { options->all_fold_back = what == "foldback"; },
              "mixed: a third of the rings folds back (default); foldback: all of them")
-      ->check(CLI::IsMember({"mixed", "foldback"}));
+      ->transform(cli::one_of({"mixed", "foldback"}));
   add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] {

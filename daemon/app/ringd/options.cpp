@@ -1,7 +1,9 @@
 #include "app/ringd/options.h"
 
-#include <CLI/CLI.hpp>
+#include <iostream>
 
+#include "cli/command_line.h"
+#include "cli/values.h"
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
 
@@ -16,7 +18,7 @@ bool from_roslaunch(const std::string& argument) {
 
 std::vector<std::string> own_arguments(int argc, const char* const* argv) {
   std::vector<std::string> arguments;
-  for (int i = argc - 1; i > 0; --i)  // CLI11 takes a vector from its end
+  for (int i = 1; i < argc; ++i)
     if (!from_roslaunch(argv[i])) arguments.emplace_back(argv[i]);
   return arguments;
 }
@@ -38,20 +40,22 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.name("ringd");
   app.add_option("--config", o.config, "YAML file of the ring; without it a plain ring of --nodes nodes");
   app.add_option("--node", o.node, "this node: its id or name");
-  app.add_option("--index", o.index, "this node: its place in ring order, from 0 (instead of --node)");
-  app.add_option("--nodes", o.nodes, "number of nodes; with --config it must be the configuration's");
+  app.add_option("--index", o.index, "this node: its place in ring order, from 0 (instead of --node)")
+      ->transform(cli::whole(0, 254));
+  app.add_option("--nodes", o.nodes, "number of nodes, 2 to 255; with --config it must be the configuration's")
+      ->transform(cli::whole(2, 255));
   app.add_option("--ring", o.ring, "name of the ring (default: the configuration's, or 'plain')");
-  app.add_option("--transport", o.transport, "unix or udp, for every link (default: the configuration's)");
+  app.add_option("--transport", o.transport, "unix or udp, for every link (default: the configuration's)")
+      ->transform(cli::one_of({"unix", "udp"}));
   app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
   try {
-    app.parse(own_arguments(argc, argv));
-  } catch (const CLI::CallForHelp&) {
-    std::cout << app.help();
+    const auto asked = cli::read(app, own_arguments(argc, argv));
+    if (!asked) return o;
+    std::cout << *asked;
     return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + "; see ringd --help");
+  } catch (const cli::WrongCommandLine& wrong) {
+    throw UsageError(wrong.what());
   }
-  return o;
 }
 
 config::RingConfig ring_of(const Options& options) {

@@ -26,7 +26,7 @@ struct UsageError : std::runtime_error {
 };
 
 /// Reads the command line; arguments that roslaunch adds (__name:=, __log:=) are passed over.
-/// @return nothing where --help was asked for, and printed
+/// @return nothing where help or version was asked for, and printed
 /// @throw UsageError
 std::optional<Options> parse_options(int argc, const char* const* argv);
 

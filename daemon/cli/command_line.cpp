@@ -1,0 +1,169 @@
+#include "cli/command_line.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "config/names.h"
+
+namespace limb_ring::cli {
+
+namespace {
+
+constexpr int kDone = 0, kWrong = 2;
+
+using Words = std::vector<std::string>;
+
+/// Of options alone: a group of options is a subcommand without a name to CLI11.
+std::vector<const CLI::App*> parts_of(const CLI::App& app, bool named) {
+  std::vector<const CLI::App*> parts;
+  for (const CLI::App* part : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (part->get_name().empty() != named) parts.push_back(part);
+  return parts;
+}
+
+Words subcommands_of(const CLI::App& app) {
+  Words names;
+  for (const CLI::App* part : parts_of(app, true)) names.push_back(part->get_name());
+  return names;
+}
+
+/// The subcommand that was given, and of it, and so on.
+const CLI::App& deepest(const CLI::App& app) {
+  for (const CLI::App* part : app.get_subcommands())
+    if (!part->get_name().empty()) return deepest(*part);
+  return app;
+}
+
+/// "ringctl fault cut"
+std::string full_name(const CLI::App& app) {
+  return app.get_parent() == nullptr ? app.get_name() : full_name(*app.get_parent()) + ' ' + app.get_name();
+}
+
+std::string see_help(const CLI::App& app) { return "'" + full_name(app) + " --help' says more"; }
+
+std::string guess(const std::string& word, const Words& known) {
+  const std::string meant = config::closest(word, known);
+  return meant.empty() ? ". " : ", did you mean '" + meant + "'? ";
+}
+
+void add_options(const CLI::App& app, std::vector<const CLI::Option*>& all) {
+  for (const CLI::Option* option : app.get_options()) all.push_back(option);
+  for (const CLI::App* group : parts_of(app, false)) add_options(*group, all);
+}
+
+/// Of a subcommand and of those above it.
+std::vector<const CLI::Option*> options_of(const CLI::App& app) {
+  std::vector<const CLI::Option*> all;
+  for (const CLI::App* at = &app; at != nullptr; at = at->get_parent()) add_options(*at, all);
+  return all;
+}
+
+Words option_names(const CLI::App& app) {
+  Words names;
+  for (const CLI::Option* option : options_of(app)) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+  }
+  return names;
+}
+
+[[noreturn]] void no_such_subcommand(const CLI::App& app, const std::string& word) {
+  const Words known = subcommands_of(app);
+  const std::string meant = guess(word, known);
+  throw WrongCommandLine("'" + full_name(app) + " " + word + "' is unknown" + meant + "There are: " + config::join(known));
+}
+
+[[noreturn]] void one_too_many(const CLI::App& app, const std::string& word) {
+  if (word.size() < 2 || word[0] != '-')
+    throw WrongCommandLine("'" + word + "' is one argument too many; " + see_help(app));
+  const std::string name = word.substr(0, word.find('='));
+  throw WrongCommandLine("there is no option " + name + guess(name, option_names(app)) + see_help(app));
+}
+
+/// What was left over, nobody's option or argument.
+void check_left_over(const CLI::App& root) {
+  const CLI::App& app = deepest(root);
+  const Words left = root.remaining(/*recurse=*/true);
+  const auto word = std::find_if(left.begin(), left.end(), [](const std::string& text) { return text[0] != '-'; });
+  if (!subcommands_of(app).empty() && word != left.end()) no_such_subcommand(app, *word);
+  if (!left.empty()) one_too_many(app, left.front());
+}
+
+std::string name_in(const std::string& message) { return message.substr(0, message.find(':')); }
+
+[[noreturn]] void wrong_number_of_values(const CLI::App& app, const std::string& message) {
+  const std::string name = name_in(message);
+  if (message.find("received") != std::string::npos) throw WrongCommandLine(name + " is given more than once");
+  for (const CLI::Option* option : options_of(app))
+    if (option->check_name(name)) throw WrongCommandLine(name + " needs a value: " + option->get_description());
+  throw WrongCommandLine(message + "; " + see_help(app));
+}
+
+[[noreturn]] void explain(const CLI::App& root, const CLI::ParseError& error) {
+  const CLI::App& app = deepest(root);
+  check_left_over(root);
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) wrong_number_of_values(app, error.what());
+  const bool required = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  if (required && !subcommands_of(app).empty())
+    throw WrongCommandLine("'" + full_name(app) + "' needs one of: " + config::join(subcommands_of(app)) + "; " +
+                           see_help(app));
+  throw WrongCommandLine(error.what() + (required ? "; " + see_help(app) : std::string()));
+}
+
+/// `help status` is `status --help`.
+void take_help_for_a_word(Words& arguments) {
+  if (arguments.empty() || arguments[0] != "help") return;
+  arguments.erase(arguments.begin());
+  arguments.push_back("--help");
+}
+
+void set_formatter(CLI::App& app, const std::shared_ptr<CLI::Formatter>& formatter) {
+  app.formatter(formatter);
+  for (CLI::App* part : app.get_subcommands([](CLI::App*) { return true; })) set_formatter(*part, formatter);
+}
+
+/// How --help calls what an option takes.
+void label(CLI::App& app) {
+  auto formatter = std::make_shared<CLI::Formatter>();
+  for (const char* number : {"UINT", "INT", "FLOAT"}) formatter->label(number, "N");
+  formatter->label("ENUM", "WORD");
+  formatter->label("REQUIRED", "(required)");
+  set_formatter(app, formatter);
+}
+
+}  // namespace
+
+const char* version() { return LIMB_RING_VERSION; }
+
+std::optional<std::string> read(CLI::App& app, Words arguments) {
+  if (!arguments.empty() && (arguments[0] == "--version" || arguments[0] == "version"))
+    return app.get_name() + ' ' + version() + '\n';
+  take_help_for_a_word(arguments);
+  app.add_flag("--version", "Print the version and end");
+  label(app);
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
+  try {
+    app.parse(arguments);
+  } catch (const CLI::CallForHelp&) {
+    check_left_over(app);
+    return app.help();
+  } catch (const CLI::ParseError& error) {
+    explain(app, error);
+  }
+  if (app.count("--version") != 0) return app.get_name() + ' ' + version() + '\n';
+  return std::nullopt;
+}
+
+std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    const auto asked = read(app, Words(argv + 1, argv + std::max(argc, 1)));
+    if (!asked) return std::nullopt;
+    std::cout << *asked;
+    return kDone;
+  } catch (const WrongCommandLine& wrong) {
+    std::cerr << app.get_name() << ": " << wrong.what() << '\n';
+    return kWrong;
+  }
+}
+
+}  // namespace limb_ring::cli

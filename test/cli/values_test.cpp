@@ -1,0 +1,48 @@
+#include "cli/values.h"
+
+#include <gmock/gmock.h>
+
+namespace limb_ring::cli {
+namespace {
+
+/// What the option would hold; or what is wrong with it.
+std::string taken(const CLI::Validator& validator, std::string text) {
+  const std::string wrong = validator(text);
+  return wrong.empty() ? text : wrong;
+}
+
+TEST(Whole, IsTakenAsPeopleWriteIt) {
+  EXPECT_EQ(taken(whole(1, 1000000), "1e6"), "1000000");
+  EXPECT_EQ(taken(whole(1, 1000000), "64k"), "64000");
+  for (const char* text : {"0", "2M", "many", "1.5", ""})
+    EXPECT_EQ(taken(whole(1, 1000000), text), "'" + std::string(text) + "' is not a whole number, 1 to 1000000");
+}
+
+TEST(Real, IsTakenAsPeopleWriteIt) {
+  EXPECT_EQ(taken(real(0.001, 1000), "1e-3"), "0.001");
+  EXPECT_EQ(taken(real(0.001, 1000), "0"), "'0' is not a number, 0.001 to 1000");
+}
+
+TEST(Seconds, MayHaveAUnit) {
+  EXPECT_EQ(taken(seconds(0, 600), "5ms"), "0.005");
+  EXPECT_EQ(taken(seconds(0, 600), "2"), "2");
+  EXPECT_EQ(taken(seconds(0, 600), "100us"), "0.0001");
+  EXPECT_EQ(taken(seconds(0.1, 600), "5ms"),
+            "'5ms' is not a time, 0.1 to 600 s: 500ms, 2s, or a number of seconds");
+}
+
+TEST(Word, IsRefusedWithAGuess) {
+  EXPECT_EQ(taken(one_of({"unix", "udp"}), "udp"), "udp");
+  EXPECT_EQ(taken(one_of({"unix", "udp"}), "uinx"), "'uinx' is unknown, did you mean 'unix'? allowed: unix, udp");
+  EXPECT_EQ(taken(one_of({"unix", "udp"}), "pigeons"), "'pigeons' is unknown; allowed: unix, udp");
+}
+
+TEST(Word, MayStandForAValue) {
+  enum class Fruit { apple, pear };
+  const auto fruit = word_of<Fruit>({{"apple", Fruit::apple}, {"pear", Fruit::pear}});
+  EXPECT_EQ(taken(fruit, "pear"), "1");
+  EXPECT_EQ(taken(fruit, "peer"), "'peer' is unknown, did you mean 'pear'? allowed: apple, pear");
+}
+
+}  // namespace
+}  // namespace limb_ring::cli
