@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
 namespace limb_ring::app {
 
@@ -42,6 +43,32 @@ std::string text_table(const Rows& rows) {
   std::string text;
   for (auto& line : lines) text += line.erase(line.find_last_not_of(' ') + 1) + "\n";
   return text;
+}
+
+std::string shortened(const std::string& text, std::size_t width) {
+  if (text.size() <= width || width < 3) return text.substr(0, width);
+  const std::size_t end = (width - 1) / 2;
+  return text.substr(0, width - 1 - end) + '~' + text.substr(text.size() - end);
+}
+
+std::string wrapped(const std::string& text, std::size_t width) {
+  constexpr const char* kIndent = "    ";
+  std::istringstream lines(text);
+  std::string out;
+  for (std::string line; std::getline(lines, line);) {
+    while (line.size() > width) {
+      const std::size_t end = line.rfind(' ', width);
+      if (end == std::string::npos || line.find_first_not_of(' ') > end) break;
+      out += line.substr(0, end) + '\n';
+      line = kIndent + line.substr(end + 1);
+    }
+    out += line + '\n';
+  }
+  return out;
+}
+
+std::string counted(std::uint64_t count, const std::string& noun) {
+  return std::to_string(count) + ' ' + noun + (count == 1 ? "" : "s");
 }
 
 std::string number(double value, int decimals) {

@@ -54,7 +54,7 @@ std::string broken_second_lines(const std::vector<json>& rows) {
     const json& row = rows[place];
     if (!has(row, "fold") || row["fold"]["second_input"] != "down") continue;
     if (const json* from = answering_after(rows, place))
-      text += "broken second line " + arrow(rows, (*from)["id"], row["id"]) + ": the ring cannot fold back there\n";
+      text += "broken second line " + arrow(rows, (*from)["id"], row["id"]) + ": no folding back there\n";
   }
   return text;
 }
@@ -81,8 +81,8 @@ std::string noisy_line(const std::vector<json>& rows, const json& row) {
   const std::int64_t seen = counter(row, "crc_errors");
   const std::int64_t damaged = seen - passed_on_damaged(rows, from);
   if (damaged <= seen / kUnderWay) return {};
-  return "noisy line " + arrow(rows, from, row["id"]) + ": " + std::to_string(damaged) +
-         " packets came in damaged\n";
+  return "noisy line " + arrow(rows, from, row["id"]) + ": " + app::counted(static_cast<std::uint64_t>(damaged), "packet") +
+         " came in damaged\n";
 }
 
 std::string faults_on_purpose(const json& row) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/signal_wait.h"
 
@@ -34,7 +35,7 @@ std::string event_words(const nlohmann::json& seen) {
 
 std::string summary(const DumpTotals& totals) {
   const CaptureCounts& nodes = totals.nodes;
-  return std::to_string(totals.shown) + " packets shown of " + std::to_string(nodes.seen) + " seen; left out: " +
+  return app::counted(totals.shown, "packet") + " shown of " + std::to_string(nodes.seen) + " seen; left out: " +
          std::to_string(nodes.filtered) + " by the filter, " + std::to_string(nodes.sampled_out) + " by --sample, " +
          std::to_string(nodes.limited) + " by --limit, " + std::to_string(totals.beyond) + " after the last; " +
          std::to_string(nodes.lost) + " lost, read too slowly";

@@ -13,8 +13,8 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-constexpr const char* kOpen = "\033[?1049h\033[?25l";   // another page, no cursor
-constexpr const char* kClose = "\033[?25h\033[?1049l";
+constexpr const char* kOpen = "\033[?1049h\033[?25l\033[?7l";   // another page, no cursor, what is too wide is cut
+constexpr const char* kClose = "\033[?7h\033[?25h\033[?1049l";
 constexpr const char* kHome = "\033[H";
 constexpr const char* kRestOfLine = "\033[K";
 constexpr const char* kRestOfPage = "\033[J";
@@ -47,7 +47,7 @@ void Screen::draw(const std::string& text) const {
   std::istringstream lines(text);
   std::string page = kHome, line;
   for (unsigned i = 0; i < fits.lines && std::getline(lines, line); ++i)
-    page += (i == 0 ? "" : "\r\n") + line.substr(0, fits.columns) + kRestOfLine;
+    page += (i == 0 ? "" : "\r\n") + line + kRestOfLine;
   std::cout << page << kRestOfPage << std::flush;
 }
 

@@ -1,6 +1,11 @@
 #include "app/ringctl/status_table.h"
 
+#include <algorithm>
+#include <sstream>
+
+#include "app/common/colour.h"
 #include "app/common/text_table.h"
+#include "app/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
 
@@ -8,51 +13,74 @@ using nlohmann::json;
 
 namespace {
 
-std::string cell(const json& row, const char* pointer, int decimals = 0) {
-  const json::json_pointer path(pointer);
-  if (!row.contains(path)) return "-";
-  const json& value = row.at(path);
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_number_float()) return app::number(value.get<double>(), decimals);
-  if (value.is_number()) return value.get<double>() < 0 ? "-" : value.dump();
-  return "-";
+constexpr std::size_t kLeastName = 8;
+
+std::string whole(const json& row, const char* pointer) {
+  const json value = row.value(json::json_pointer(pointer), json());
+  return value.is_number() && value.get<double>() >= 0 ? value.dump() : "-";
 }
 
-/// The supervisor's word where it says hung: the node's own network controller says silent, no more, and
-/// that only of a CPU which has promised to speak.
-std::string cpu_cell(const json& row) {
-  const std::string verdict = cell(row, "/cpu/verdict");
-  if (verdict == "hung") return verdict;
-  return row["cpu"].value("stopped", false) ? "stopped" : cell(row, "/cpu/state");
+std::string trip(const json& row, const char* which) {
+  return us_cell(row.value(json::json_pointer(std::string("/round_trip_us/") + which), json()));
 }
 
-std::vector<std::string> cells(const json& row) {
-  return {cell(row, "/id"),          cell(row, "/name"),
-          cell(row, "/state"),       cell(row, "/pid"),
-          cell(row, "/ring_size"),   cell(row, "/round_trip_us/p50", 1),
-          cell(row, "/round_trip_us/p99", 1), cell(row, "/round_trip_us/max", 1),
-          cpu_cell(row),             cell(row, "/cpu/pid"),
-          cell(row, "/cpu/boots")};
+std::vector<std::string> cells(const json& row, bool pids) {
+  std::vector<std::string> all{whole(row, "/id"),        row.value("name", ""), row.value("state", ""),
+                               whole(row, "/ring_size"), cpu_word(row),         whole(row, "/cpu/boots"),
+                               trip(row, "p50"),         trip(row, "p99"),      trip(row, "max")};
+  if (pids) all.insert(all.end(), {whole(row, "/pid"), whole(row, "/cpu/pid")});
+  return all;
+}
+
+std::size_t widest_line(const std::string& table) {
+  std::size_t widest = 0;
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) widest = std::max(widest, line.size());
+  return widest;
+}
+
+/// What is too wide is taken from the names.
+std::string fitted(std::vector<std::vector<std::string>> table, std::size_t width) {
+  const std::string whole_table = app::text_table(table);
+  const std::size_t widest = widest_line(whole_table);
+  if (widest <= width) return whole_table;
+  std::size_t name = 0;
+  for (const auto& row : table) name = std::max(name, row[1].size());
+  const std::size_t over = widest - width;
+  const std::size_t room = std::max(kLeastName, name > over ? name - over : 0);
+  for (auto& row : table) row[1] = app::shortened(row[1], room);
+  return app::text_table(table);
 }
 
 }  // namespace
 
-json down_row(const NodeName& node) {
-  return {{"id", node.id},
-          {"name", node.name},
-          {"state", "down"},
-          {"pid", nullptr},
-          {"cpu", {{"pid", nullptr}, {"boots", nullptr}, {"state", "unknown"}}},
-          {"ring_size", nullptr},
-          {"round_trip_us", {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}}},
-          {"counters", json::object()}};
+std::string us_cell(const json& value) {
+  if (!value.is_number()) return "-";
+  const double us = value.get<double>();
+  return app::number(us, us < 999.95 ? 1 : 0);
 }
 
-std::string status_table(const std::vector<json>& rows) {
-  std::vector<std::vector<std::string>> table{{"id", "name", "state", "pid", "ring", "p50 us",
-                                               "p99 us", "max us", "cpu", "cpu pid", "boots"}};
-  for (const json& row : rows) table.push_back(cells(row));
-  return app::text_table(table);
+const char* status_colour(const std::string& state, const std::string& cpu) {
+  if (state != "up" && state != "folded") return app::kRed;
+  for (const char* bad : {"hung", "stopped", "silent", "failed"})
+    if (cpu == bad) return app::kYellow;
+  return "";
+}
+
+std::string status_table(const std::vector<json>& rows, const StatusLook& look) {
+  std::vector<std::vector<std::string>> table{
+      {"id", "name", "state", "ring", "cpu", "boots", "p50 us", "p99 us", "max us"}};
+  if (look.pids) table[0].insert(table[0].end(), {"pid", "cpu pid"});
+  for (const json& row : rows) table.push_back(cells(row, look.pids));
+  const std::string text = fitted(std::move(table), look.width);
+  if (!look.colour) return text;
+  std::istringstream lines(text);
+  std::string out, line;
+  for (std::size_t i = 0; std::getline(lines, line); ++i) {
+    const std::string colour = i == 0 ? app::kDim : status_colour(rows[i - 1].value("state", ""), cpu_word(rows[i - 1]));
+    out += colour + line + (colour.empty() ? "" : app::kPlain) + '\n';
+  }
+  return out;
 }
 
 }  // namespace limb_ring::ringctl

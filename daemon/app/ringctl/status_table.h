@@ -4,14 +4,21 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/ring_access.h"
-
 namespace limb_ring::ringctl {
 
-/// The row of a node whose daemon does not answer: state "down", and null for what only it knows.
-nlohmann::json down_row(const NodeName& node);
+struct StatusLook {
+  std::size_t width = std::string::npos;  ///< columns there are; names are shortened to fit
+  bool pids = false;                      ///< process numbers too
+  bool colour = false;
+};
 
-/// Rows of `status --json`, one line each, for people.
-std::string status_table(const std::vector<nlohmann::json>& rows);
+/// Status rows, one line each, for people.
+std::string status_table(const std::vector<nlohmann::json>& rows, const StatusLook& look = {});
+
+/// Red for a node that is not up, yellow for a CPU that should run and does not, else none (an empty text).
+const char* status_colour(const std::string& state, const std::string& cpu);
+
+/// Microseconds for people: a decimal only where it says something.
+std::string us_cell(const nlohmann::json& value);
 
 }  // namespace limb_ring::ringctl

@@ -5,6 +5,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <sstream>
+
+#include "app/common/colour.h"
+#include "app/common/text_table.h"
+#include "app/ringctl/status_rows.h"
+#include "app/ringctl/status_table.h"
 
 namespace limb_ring::ringctl {
 
@@ -31,12 +37,6 @@ std::uint64_t packets_out(const json& row) {
 std::uint64_t bytes_in(const json& row) {
   const std::uint64_t all = counter(row, "input_bytes");
   return all - std::min(all, kSliceHeader * sum(row, {"input_slices", "input_idle_slices"}));
-}
-
-std::uint64_t errors(const json& row) {
-  return sum(row, {"crc_errors", "malformed_packets", "oversize_packets", "stalled_packets", "broken_off_packets",
-                   "insertion_buffer_full", "interrupt_buffer_full", "dropped_no_output", "returns_damaged", "timeouts",
-                   "ended_lost"});
 }
 
 /// Of the same life, so that the counters have not begun anew.
@@ -68,6 +68,16 @@ json load_of(const json& row, const std::optional<double>& bytes) {
   return 8 * *bytes / bits.get<double>();
 }
 
+json changed(const StatusSample& before, const json& row, std::size_t index) {
+  json names = json::array();
+  if (index >= before.rows.size()) return names;
+  const json& then = before.rows[index];
+  if (then.value("state", "") != row.value("state", "")) names.push_back("state");
+  if (cpu_word(then) != cpu_word(row)) names.push_back("cpu");
+  if (comparable(then, row) && errors_of(then) != errors_of(row)) names.push_back("errors");
+  return names;
+}
+
 json top_row(const StatusSample& before, const StatusSample& now, std::size_t index) {
   const json& row = now.rows[index];
   const json to = row.value(json::json_pointer("/output/to"), json());
@@ -80,8 +90,9 @@ json top_row(const StatusSample& before, const StatusSample& now, std::size_t in
           {"bytes_per_second", or_null(bytes)},
           {"load", load_of(row, bytes)},
           {"round_trip_us", row.value("round_trip_us", json::object())},
-          {"errors", errors(row)},
-          {"cpu", row.value(json::json_pointer("/cpu/state"), "")}};
+          {"errors", errors_of(row)},
+          {"cpu", cpu_word(row)},
+          {"changed", changed(before, row, index)}};
 }
 
 std::string number(const json& value, double unit = 1) {
@@ -94,28 +105,62 @@ std::string number(const json& value, double unit = 1) {
 
 std::string percent(const json& share) { return share.is_number() ? number(share, 0.01) + "%" : "-"; }
 
-std::string cut(const std::string& text, std::size_t width) {
-  return text.size() <= width ? text : text.substr(0, width - 1) + "~";
+constexpr std::size_t kColumns = 10;
+constexpr std::size_t kNarrow = 80;
+
+/// Of the columns behind the name; negative: aligned to the left.
+constexpr std::array<int, kColumns> kWidths{-14, -10, -7, 4, 7, 7, 4, 6, 6, 5};
+using Cells = std::array<std::string, kColumns>;
+
+/// @param name columns of the name
+std::string padded(const std::string& text, std::size_t column, std::size_t name) {
+  const int width = column == 0 ? -static_cast<int>(name) : kWidths[column];
+  const std::string cell = app::shortened(text, static_cast<std::size_t>(std::abs(width)));
+  const std::string blanks(static_cast<std::size_t>(std::abs(width)) - cell.size(), ' ');
+  return width < 0 ? cell + blanks : blanks + cell;
 }
 
-std::string columns(const std::array<std::string, 10>& cells) {
-  constexpr int kWidths[] = {-14, -10, 4, 7, 7, 4, 6, 6, 5, -7};  // negative: aligned to the left
+std::string columns(const Cells& cells, std::size_t name, const std::array<const char*, kColumns>& colours) {
   std::string line;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::string cell = cut(cells[i], static_cast<std::size_t>(std::abs(kWidths[i])));
-    char text[32];
-    std::snprintf(text, sizeof text, "%s%*s", i == 0 ? "" : " ", kWidths[i], cell.c_str());
-    line += text;
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    const std::string cell = padded(cells[i], i, name);
+    const bool plain = colours[i] == nullptr || *colours[i] == '\0';
+    line += (i == 0 ? "" : " ") + (plain ? cell : colours[i] + cell + app::kPlain);
   }
-  return line + '\n';
+  return line.erase(line.find_last_not_of(' ') + 1) + '\n';
 }
 
-std::string line_of(const json& row) {
+bool has_changed(const json& row, const char* what) {
+  const json& names = row["changed"];
+  return std::find(names.begin(), names.end(), what) != names.end();
+}
+
+std::array<const char*, kColumns> colours_of(const json& row) {
+  std::array<const char*, kColumns> colours{};
+  colours[0] = status_colour(row["state"].get<std::string>(), row["cpu"].get<std::string>());
+  if (has_changed(row, "state")) colours[1] = app::kChanged;
+  if (has_changed(row, "cpu")) colours[2] = app::kChanged;
+  if (has_changed(row, "errors")) colours[9] = app::kChanged;
+  return colours;
+}
+
+Cells cells_of(const json& row) {
   const json& trip = row["round_trip_us"];
-  return columns({row["name"].get<std::string>(), row["state"].get<std::string>(),
-                  row["to"].is_number() ? row["to"].dump() : "-", number(row["packets_per_second"]),
-                  number(row["bytes_per_second"], 1000), percent(row["load"]), number(trip.value("p50", json())),
-                  number(trip.value("p99", json())), row["errors"].dump(), row["cpu"].get<std::string>()});
+  return {row["name"].get<std::string>(), row["state"].get<std::string>(), row["cpu"].get<std::string>(),
+          row["to"].is_number() ? row["to"].dump() : "-", number(row["packets_per_second"]),
+          number(row["bytes_per_second"], 1000), percent(row["load"]), number(trip.value("p50", json())),
+          number(trip.value("p99", json())), row["errors"].dump()};
+}
+
+/// Columns for the names: as many as they need, as long as all else fits too.
+std::size_t name_width(const std::vector<json>& rows, std::size_t columns) {
+  std::size_t longest = 4;
+  for (const json& row : rows) longest = std::max(longest, row["name"].get<std::string>().size());
+  return std::min(longest, static_cast<std::size_t>(-kWidths[0]) + columns - kNarrow);
+}
+
+std::size_t lines_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
 }  // namespace
@@ -126,15 +171,19 @@ std::vector<json> top_rows(const StatusSample& before, const StatusSample& now) 
   return rows;
 }
 
-std::string top_table(const std::string& ring, const std::vector<json>& rows, std::size_t lines) {
-  const auto up = std::count_if(rows.begin(), rows.end(), [](const json& row) { return row["state"] == "up"; });
-  std::string text = "ring " + ring + ": " + std::to_string(up) + " of " + std::to_string(rows.size()) +
-                     " nodes up; rates of the line out of each node\n";
-  text += columns({"node", "state", "to", "pkt/s", "kB/s", "load", "p50 us", "p99 us", "errs", "cpu"});
-  const std::size_t room = lines > 3 ? lines - 3 : 1;
+std::string top_table(const std::string& heading, const std::vector<json>& rows, const TopLook& look,
+                      const std::string& report) {
+  const std::size_t width = std::max(look.width, kNarrow), name = name_width(rows, width);
+  std::string text = heading + "; rates of the line out of each\n";
+  text += columns({"name", "state", "cpu", "to", "pkt/s", "kB/s", "load", "p50 us", "p99 us", "errs"}, name, {});
+  const std::string below = app::wrapped(report, width);
+  const std::size_t room = look.lines > 4 ? look.lines - 3 : 1;  // below the headings, with a line to spare
   const std::size_t shown = rows.size() <= room + 1 ? rows.size() : room;
-  for (std::size_t i = 0; i < shown; ++i) text += line_of(rows[i]);
+  for (std::size_t i = 0; i < shown; ++i)
+    text += columns(cells_of(rows[i]), name, look.colour ? colours_of(rows[i]) : decltype(colours_of(rows[i])){});
   if (shown < rows.size()) text += "... and " + std::to_string(rows.size() - shown) + " more nodes\n";
+  std::istringstream more(below);
+  for (std::string line; lines_of(text) < look.lines && std::getline(more, line);) text += line + '\n';
   return text;
 }
 

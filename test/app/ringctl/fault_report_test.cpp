@@ -3,7 +3,7 @@
 
 #include "app/ringctl/fault_table.h"
 #include "app/ringctl/line_report.h"
-#include "app/ringctl/status_table.h"
+#include "app/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -65,9 +65,9 @@ TEST(LineReport, NamesASecondLineThatIsBrokenByTheNextNodeThatIsThere) {
   for (json& row : rows) row["fold"] = {{"second_input", "up"}};
   EXPECT_EQ(line_report(rows), "");
   rows[1]["fold"]["second_input"] = "down";
-  EXPECT_EQ(line_report(rows), "broken second line node2 -> node1: the ring cannot fold back there\n");
+  EXPECT_EQ(line_report(rows), "broken second line node2 -> node1: no folding back there\n");
   rows[2].erase("fold");  // it does not answer
-  EXPECT_EQ(line_report(rows), "broken second line node0 -> node1: the ring cannot fold back there\n");
+  EXPECT_EQ(line_report(rows), "broken second line node0 -> node1: no folding back there\n");
 }
 
 TEST(LineReport, NamesTheNoisyLineAndNotThoseThatDamagedPacketsPassLater) {

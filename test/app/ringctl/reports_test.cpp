@@ -1,10 +1,14 @@
 // What ringctl prints, and how it comes to it.
 #include <gmock/gmock.h>
 
+#include <set>
+#include <sstream>
+
 #include "app/ringctl/clock_offsets.h"
 #include "app/ringctl/hex.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
+#include "app/ringctl/status_rows.h"
 #include "app/ringctl/status_table.h"
 #include "app/ringctl/supervision.h"
 #include "app/common/text_table.h"
@@ -16,6 +20,7 @@ using nlohmann::json;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(TextTable, AlignsTextLeftAndNumbersRight) {
   EXPECT_EQ(app::text_table({{"name", "us"}, {"a", "1.5"}, {"longer", "-"}, {"b", "10.0"}}),
@@ -49,8 +54,64 @@ TEST(StatusTable, ShowsWhatANodeSays) {
                  {"ring_size", 16},
                  {"cpu", {{"pid", 4712}, {"boots", 2}, {"state", "running"}}},
                  {"round_trip_us", {{"p50", 61.24}, {"p99", 90.0}, {"max", 120.0}}}};
-  EXPECT_THAT(status_table({row}), HasSubstr("3  head  up     4711    16    61.2    90.0   120.0  "
-                                             "running     4712      2"));
+  EXPECT_THAT(status_table({row}), HasSubstr("3  head  up       16  running      2    61.2    90.0   120.0\n"));
+  StatusLook look;
+  look.pids = true;
+  EXPECT_THAT(status_table({row}, look), HasSubstr("120.0  4711     4712\n"));
+}
+
+/// As wide as it gets: an open chain of nodes with names as long as allowed, after a slow second.
+std::vector<json> wide_rows() {
+  const json trip{{"p50", 123456.7}, {"p99", 999999.9}, {"max", 1234567.8}};
+  std::vector<json> rows;
+  for (int id = 240; id < 255; ++id)
+    rows.push_back({{"id", id}, {"name", "joint_" + std::string(23, 'x') + std::to_string(id)}, {"state", "open_chain"},
+                    {"ring_size", 255}, {"cpu", {{"boots", 12}, {"state", "running"}}}, {"round_trip_us", trip}});
+  return rows;
+}
+
+TEST(StatusTable, FitsEightyColumnsByItsNamesWhichStayDistinct) {
+  StatusLook look;
+  look.width = 80;
+  std::istringstream lines(status_table(wide_rows(), look));
+  std::set<std::string> different;
+  for (std::string line; std::getline(lines, line); different.insert(line)) EXPECT_LE(line.size(), 80u) << line;
+  EXPECT_EQ(different.size(), 16u);
+  EXPECT_THAT(*different.rbegin(), HasSubstr("joint_x~"));
+}
+
+TEST(StatusTable, ShowsNamesWholeInAPipe) {
+  EXPECT_THAT(status_table(wide_rows()), HasSubstr(wide_rows()[0]["name"].get<std::string>()));
+}
+
+TEST(StatusTable, IsColouredWhereANodeOrItsCpuIsNotWell) {
+  std::vector<json> rows = wide_rows();
+  StatusLook look;
+  look.colour = true;
+  EXPECT_THAT(status_table(rows, look), HasSubstr("\033[31m240"));
+  for (json& row : rows) row["state"] = "up";
+  rows[0]["cpu"]["stopped"] = true;
+  EXPECT_THAT(status_table(rows, look), HasSubstr("\033[33m240"));
+  EXPECT_THAT(status_table(rows, look), Not(HasSubstr("\033[31m")));
+}
+
+TEST(Headline, CountsNodesAndSaysWhereTheRingFolds) {
+  std::vector<json> rows = wide_rows();
+  EXPECT_EQ(headline("robot", rows), "ring robot: 0 of 15 nodes up");
+  for (json& row : rows) row["state"] = "folded";
+  EXPECT_EQ(headline("robot", rows), "ring robot: 15 of 15 nodes up, folded back around a break");
+  rows[0]["ring_size"] = 7;
+  EXPECT_EQ(headline("robot", rows), "ring robot: 15 of 15 nodes up, folded back in parts");
+}
+
+TEST(Counted, HasAPluralWhereItNeedsOne) {
+  EXPECT_EQ(app::counted(1, "daemon"), "1 daemon");
+  EXPECT_EQ(app::counted(2, "daemon"), "2 daemons");
+}
+
+TEST(Wrapped, BreaksLinesBetweenWords) {
+  EXPECT_EQ(app::wrapped("one two three\nfour\n", 9), "one two\n    three\nfour\n");
+  EXPECT_EQ(app::wrapped("  a_word_that_is_too_long\n", 9), "  a_word_that_is_too_long\n");
 }
 
 /// The body, which is the supervisor, and the knee it has found hung.

@@ -44,21 +44,58 @@ TEST(TopRows, SayNothingOfANodeThatHasStartedAnew) {
 }
 
 TEST(TopTable, ShowsTheLoadOfALineInPercent) {
-  EXPECT_THAT(top_table("robot", top_rows(kBefore, kNow), 24), HasSubstr(" 20% "));
+  EXPECT_THAT(top_table("robot", top_rows(kBefore, kNow)), HasSubstr(" 20% "));
 }
 
 TEST(TopTable, FitsEightyColumnsAndTheLinesThereAre) {
   std::vector<json> rows = top_rows(kBefore, kNow);
   rows[0]["bytes_per_second"] = 123456789012.0;
   while (rows.size() < 16) rows.push_back(rows[0]);
-  std::istringstream all(top_table("robot", rows, 24)), cut(top_table("robot", rows, 10));
+  std::istringstream all(top_table("robot", rows, {24})), cut(top_table("robot", rows, {10}));
   std::size_t lines = 0;
   for (std::string line; std::getline(all, line); ++lines) EXPECT_LE(line.size(), 80u) << line;
   EXPECT_EQ(lines, 18u);
   std::string last;
   for (lines = 0; std::getline(cut, last);) ++lines;
   EXPECT_LE(lines, 10u);
-  EXPECT_THAT(top_table("robot", rows, 10), HasSubstr("more nodes"));
+  EXPECT_THAT(top_table("robot", rows, {10}), HasSubstr("more nodes"));
+}
+
+TEST(TopTable, ShowsBytesAlsoOfALineThatHasNoRate) {
+  StatusSample before = kBefore, now = kNow;
+  for (StatusSample* sample : {&before, &now}) sample->rows[0]["output"]["rate_bit_s"] = nullptr;
+  EXPECT_THAT(top_table("robot", top_rows(before, now)), HasSubstr("     25    -"));
+}
+
+TEST(TopTable, MarksWhatHasChangedWhereThereAreColours) {
+  StatusSample now = kNow;
+  now.rows[1]["state"] = "joining";
+  now.rows[1]["counters"]["timeouts"] = 3;
+  const auto rows = top_rows(kBefore, now);
+  EXPECT_EQ(rows[1]["changed"], json({"state", "errors"}));
+  TopLook look;
+  look.colour = true;
+  EXPECT_THAT(top_table("robot", rows, look), HasSubstr("\033[7mjoining   \033[0m"));
+  look.colour = false;
+  EXPECT_THAT(top_table("robot", rows, look), testing::Not(HasSubstr("\033")));
+}
+
+TEST(TopTable, CallsACpuWhatStatusCallsIt) {
+  StatusSample now = kNow;
+  now.rows[0]["cpu"]["stopped"] = true;
+  now.rows[1]["cpu"]["verdict"] = "hung";
+  const auto rows = top_rows(kBefore, now);
+  EXPECT_EQ(rows[0]["cpu"], "stopped");
+  EXPECT_EQ(rows[1]["cpu"], "hung");
+}
+
+TEST(TopTable, ShowsBelowWhatIsBrokenAsFarAsThereIsRoom) {
+  const auto rows = top_rows(kBefore, kNow);
+  const std::string report = "broken line a -> b\nnoisy line b -> c\n";
+  EXPECT_THAT(top_table("robot", rows, {24}, report), HasSubstr("noisy line"));
+  const std::string little = top_table("robot", rows, {5}, report);
+  EXPECT_THAT(little, HasSubstr("broken line"));
+  EXPECT_THAT(little, testing::Not(HasSubstr("noisy line")));
 }
 
 }  // namespace

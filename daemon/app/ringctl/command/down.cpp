@@ -6,6 +6,7 @@
 #include <memory>
 #include <thread>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
@@ -36,7 +37,7 @@ bool wait_until_gone(const std::string& folder, Progress& progress) {
     const auto held = inject::held_nodes(folder);
     if (held.empty()) return true;
     if (steady_clock::now() >= deadline) return false;
-    progress.tell("waiting for " + std::to_string(held.size()) + " daemons to end");
+    progress.tell("waiting for " + app::counted(held.size(), "daemon") + " to end");
     std::this_thread::sleep_for(kTick);
   }
 }
@@ -78,8 +79,8 @@ int run(const std::string& name) {
     throw NoRing("ring " + ring + " is not running");
   }
   if (!end_ring(ring, folder))
-    throw NotDone("ring " + ring + ": " + std::to_string(inject::held_nodes(folder).size()) +
-                  " daemons do not end, not even by SIGKILL");
+    throw NotDone("ring " + ring + ": " + app::counted(inject::held_nodes(folder).size(), "daemon") +
+                  " left that even SIGKILL does not end");
   inject::remove_leftovers(folder);
   std::cout << "ring " << ring << " is down" << std::endl;
   return kDone;

@@ -1,76 +1,61 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <iostream>
 #include <memory>
 
-#include "app/ringctl/answers.h"
+#include "app/common/colour.h"
+#include "app/common/text_table.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/screen.h"
+#include "app/ringctl/status_rows.h"
 #include "app/ringctl/status_table.h"
 #include "app/ringctl/supervision.h"
-#include "inject/lock_files.h"
-#include "limb_ring/ring_directory.h"
-#include "runtime/supervisor/process_state.h"
 
 namespace limb_ring::ringctl {
 
 namespace {
 
-/// Its daemon does not answer: stopped or dead is not the same.
-nlohmann::json absent_row(const std::string& ring, const NodeName& node) {
-  const inject::Holder holder = inject::holder_of(ring_directory(ring), node.id);
-  nlohmann::json row = down_row(node);
-  if (holder.held) row["pid"] = holder.pid;
-  if (holder.held && runtime::is_stopped(holder.pid)) row["state"] = "frozen";
-  return row;
+struct Options {
+  bool json = false, pids = false;
+};
+
+void print_json(const RingAccess& ring, std::vector<nlohmann::json> rows) {
+  for (auto& row : rows) row.erase("ring");  // once is enough
+  const nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
+  std::cout << all.dump(2) << '\n';
 }
 
-std::vector<nlohmann::json> rows_of(const RingAccess& ring) {
-  const auto answers = ask_all(ring.ring(), ring.nodes(), {{"do", "status"}});
-  std::vector<nlohmann::json> rows;
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    rows.push_back(answers[i] ? *answers[i] : absent_row(ring.ring(), ring.nodes()[i]));
-    rows.back().erase("ring");  // once is enough
-  }
-  add_verdicts(rows);
-  return rows;
+void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows, bool pids) {
+  StatusLook look;
+  look.pids = pids;
+  look.colour = app::colour_wanted(STDOUT_FILENO);
+  // What goes into a file or through a pipe is for grep: as wide as it is.
+  if (::isatty(STDOUT_FILENO) == 1) look.width = Screen::size().columns;
+  std::cout << headline(ring.ring(), rows) << '\n'
+            << status_table(rows, look)
+            << app::wrapped(line_report(rows) + supervision_text(rows), look.width);
 }
 
-std::string summary(const std::vector<nlohmann::json>& rows) {
-  std::size_t up = 0, folded = 0, part = rows.size();
-  for (const auto& row : rows) {
-    const std::string state = row.value("state", "");
-    if (state == "folded") part = std::min(part, row.value("ring_size", rows.size()));
-    folded += state == "folded" ? 1 : 0;
-    up += state == "up" || state == "folded" ? 1 : 0;
-  }
-  const char* fold = folded == 0 ? "" : part < up ? ", folded back in parts" : ", folded back around a break";
-  return std::to_string(up) + " of " + std::to_string(rows.size()) + " nodes up" + fold;
-}
-
-int run(const Context& context, bool json) {
+int run(const Context& context, const Options& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
-  const std::vector<nlohmann::json> rows = rows_of(ring);
-  if (json) {
-    const nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
-    std::cout << all.dump(2) << '\n';
-  } else {
-    std::cout << "ring " << ring.ring() << ": " << summary(rows) << '\n'
-              << status_table(rows) << line_report(rows) << supervision_text(rows);
-  }
+  const auto rows = status_rows(ring);
+  if (options.json) print_json(ring, rows);
+  else print_text(ring, rows, options.pids);
   return kDone;
 }
 
 }  // namespace
 
 void add_status(CLI::App& app, Context& context) {
-  auto json = std::make_shared<bool>(false);
+  auto options = std::make_shared<Options>();
   CLI::App* command =
       add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down', or, stopped, 'frozen'");
-  add_json(*command, *json);
-  command->callback(
-      [&context, json] { context.action = [&context, json] { return run(context, *json); }; });
+  command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too");
+  add_json(*command, options->json);
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

@@ -1,16 +1,21 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
-#include <limits>
 #include <memory>
 
+#include "app/common/colour.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/screen.h"
 #include "app/ringctl/signal_wait.h"
-#include "app/ringctl/status_table.h"
+#include "app/ringctl/status_rows.h"
+#include "app/ringctl/supervision.h"
 #include "app/ringctl/top_table.h"
+#include "cli/values.h"
 
 namespace limb_ring::ringctl {
 
@@ -42,8 +47,9 @@ class StatusPoll {
     const auto deadline = steady_clock::now() + kAnswerWait;
     for (std::size_t i = 0; i < ports_.size(); ++i) {
       const auto row = answer(i, tokens[i], deadline);
-      sample.rows.push_back(row ? *row : down_row(ring_.nodes()[i]));
+      sample.rows.push_back(row ? *row : absent_row(ring_.ring(), ring_.nodes()[i]));
     }
+    add_verdicts(sample.rows);
     return sample;
   }
 
@@ -88,14 +94,27 @@ bool wait(const Options& options, const Screen* screen, SignalWait& signals) {
   return true;
 }
 
+TopLook look() {
+  TopLook look;
+  look.colour = app::colour_wanted(STDOUT_FILENO);
+  if (::isatty(STDOUT_FILENO) == 1) look.width = Screen::size().columns;
+  return look;
+}
+
+std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
+                  const TopLook& look) {
+  return top_table(headline(ring.ring(), now.rows), rows, look, line_report(now.rows) + supervision_text(now.rows));
+}
+
 int once(const RingAccess& ring, const Options& options) {
   SignalWait signals;
   StatusPoll poll(ring);
   const StatusSample before = poll.sample();
   if (!wait(options, nullptr, signals)) return kNotDone;
-  const auto rows = top_rows(before, poll.sample());
+  const StatusSample now = poll.sample();
+  const auto rows = top_rows(before, now);
   if (options.json) std::cout << nlohmann::json{{"ring", ring.ring()}, {"nodes", rows}}.dump(2) << '\n';
-  else std::cout << top_table(ring.ring(), rows, std::numeric_limits<std::size_t>::max());
+  else std::cout << shown(ring, now, rows, look());
   return kDone;
 }
 
@@ -106,7 +125,9 @@ int redraw(const RingAccess& ring, const Options& options) {
   StatusSample before = poll.sample();
   do {
     StatusSample now = poll.sample();
-    screen.draw(top_table(ring.ring(), top_rows(before, now), Screen::size().lines - 1) + "q ends");
+    TopLook fits = look();
+    fits.lines = Screen::size().lines - 1;
+    screen.draw(shown(ring, now, top_rows(before, now), fits) + "q ends");
     before = std::move(now);
   } while (wait(options, &screen, signals));
   return kDone;
@@ -124,7 +145,7 @@ void add_top(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(app, "top", "Watch all nodes: states, traffic, load, round trips, errors");
   command->add_option("--interval", options->interval_s, "Seconds between two looks, 0.1 to 3600; default 1")
-      ->check(CLI::Range(0.1, 3600.0));
+      ->transform(cli::seconds(0.1, 3600.0));
   command->add_flag("--once", options->once, "Print once, after one interval, and end");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/ringctl/ring_access.h"
+
+namespace limb_ring::ringctl {
+
+// A status row is what a daemon answers to "status" (daemon/host/requests.md).
+
+/// The row of a node whose daemon does not answer: state "down", and null for what only it knows.
+nlohmann::json down_row(const NodeName& node);
+/// The same, with what its lock file says: its pid, and "frozen" where that process is stopped.
+nlohmann::json absent_row(const std::string& ring, const NodeName& node);
+
+/// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs.
+std::vector<nlohmann::json> status_rows(const RingAccess& ring);
+
+/// @name What a row means, in the words that status, top and wait share
+///@{
+/// Does the node's network controller take part in a closed ring?
+bool is_up(const nlohmann::json& row);
+/// "running", "stopped", "hung" ...: the supervisor's word where it says hung, since the node's own network
+/// controller says silent, no more, and that only of a CPU which has promised to speak.
+std::string cpu_word(const nlohmann::json& row);
+/// Packets that were lost, damaged or discarded at this node since its start, under whatever name.
+std::uint64_t errors_of(const nlohmann::json& row);
+/// "ring humanoid16: 16 of 16 nodes up", and whether it is folded back.
+std::string headline(const std::string& ring, const std::vector<nlohmann::json>& rows);
+///@}
+
+}  // namespace limb_ring::ringctl
