@@ -224,7 +224,8 @@ void Node::on_credit(host::ClientId) { cpu_.hand_over(); }
 
 void Node::cpu_changed() {
   const CpuStatus status = cpu_.status();
-  spdlog::info("CPU {} (pid {}, boot {})", to_string(status.state), status.pid, status.boots);
+  if (status.pid > 0) spdlog::info("CPU {} (pid {}, boot {})", to_string(status.state), status.pid, status.boots);
+  else spdlog::info("CPU {}", to_string(status.state));
   observers_.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
   orders_.on_cpu_changed(config_.id);
   if (status.boots != std::exchange(cpu_boots_, status.boots)) faults_.cpu_booted();

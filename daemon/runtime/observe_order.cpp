@@ -76,6 +76,8 @@ capture::Wish wish_of(const config::RingConfig& ring, const json& packets) {
 
 }  // namespace
 
+const std::vector<std::string>& event_kinds() { return kEvents; }
+
 ObserveOrder read_observe_order(const config::RingConfig& ring, const std::string& text) {
   const json order = json::parse(text.empty() ? "{}" : text, nullptr, /*allow_exceptions=*/false);
   if (!order.is_object()) throw RequestError("an observe filter is a JSON object");

@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "capture/selection.h"
 #include "config/ring_config.h"
@@ -14,6 +15,9 @@ struct ObserveOrder {
   std::set<std::string> kinds;           ///< of events; empty: none
   std::optional<capture::Wish> packets;  ///< nothing: none
 };
+
+/// All kinds of events there are.
+const std::vector<std::string>& event_kinds();
 
 /// @throw std::runtime_error naming what is wrong, and what is allowed
 ObserveOrder read_observe_order(const config::RingConfig& ring, const std::string& text);

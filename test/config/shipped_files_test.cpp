@@ -53,6 +53,13 @@ TEST(ShippedFiles, HumanoidsLimbsHaveFirmware) {
   EXPECT_EQ(supervisor_of(ring).name, "body");
 }
 
+TEST(ShippedFiles, FirstRingOfTheTourHasACpuAtEveryNodeSoThatNobodysPacketsAreRefused) {
+  const RingConfig ring = shipped("leg8.yaml");
+  for (const NodeConfig& node : ring.nodes) EXPECT_EQ(node.cpu.kind, CpuConfig::Kind::child) << node.name;
+  for (const char* name : {"body", "head", "waist", "left_hip", "left_hip_yaw", "left_knee", "right_elbow"})
+    EXPECT_NE(ring.find(name), nullptr) << name;
+}
+
 TEST(ShippedFiles, HumanoidsLeftAndRightAreAlike) {
   const RingConfig ring = shipped("humanoid16.yaml");
   for (const char* part : {"shoulder", "elbow", "hip", "hip_yaw", "knee", "ankle"}) {

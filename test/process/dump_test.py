@@ -66,7 +66,7 @@ class Dump(Looking):
         self.wait('a beacon', lambda: 'beacon, boot' in self.log_of(dump))
         dump.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(dump), 0)
-        self.assertIn('packets shown', self.log_of(dump).splitlines()[-1])
+        self.assertIn(' shown of ', self.log_of(dump).splitlines()[-1])
 
     def test_a_file_reads_back_as_what_was_seen(self):
         self.start_ring(plain_nodes(3))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_access.h"
 
 namespace limb_ring::ringctl {
 
@@ -29,12 +30,11 @@ wire::NodeId destination_of(const std::string& word, const capture::RingNames& n
 }  // namespace
 
 wire::NodeId node_of(const std::string& word, const capture::RingNames& names) {
-  std::string there;
-  for (const auto& [id, name] : names.nodes) {
+  for (const auto& [id, name] : names.nodes)
     if (word == name || word == std::to_string(id)) return id;
-    there += (there.empty() ? "" : ", ") + std::to_string(id) + " (" + name + ")";
-  }
-  throw UsageError("unknown node '" + word + "'; ring " + names.ring + " has: " + there);
+  std::vector<NodeName> nodes;
+  for (const auto& [id, name] : names.nodes) nodes.push_back({id, name});
+  throw unknown_node(word, names.ring, nodes);
 }
 
 capture::Wish wish_of(const FilterWords& words, const capture::RingNames& names) {

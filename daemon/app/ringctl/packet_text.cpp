@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/common/colour.h"
 #include "app/ringctl/payload_words.h"
 #include "capture/filter.h"
 #include "wire/data_packet.h"
@@ -13,11 +14,6 @@ namespace {
 
 using capture::RingNames;
 using std::to_string;
-
-constexpr const char* kRed = "\033[31m";
-constexpr const char* kMagenta = "\033[1;35m";
-constexpr const char* kDim = "\033[2m";
-constexpr const char* kPlain = "\033[0m";
 
 wire::ByteView view(const CapturedPacket& packet) { return {packet.bytes.data(), packet.bytes.size()}; }
 wire::PacketFields fields_of(const CapturedPacket& packet) { return {view(packet)}; }
@@ -46,6 +42,17 @@ std::string channel_name(std::uint8_t channel) {
     case wire::Channel::fragment: return "topic";
   }
   return "ch " + to_string(channel);
+}
+
+const std::map<std::string, std::uint8_t>& named_channels() {
+  static const auto kNames = [] {
+    std::map<std::string, std::uint8_t> names;
+    for (const wire::Channel channel :
+         {wire::Channel::user, wire::Channel::control, wire::Channel::joint, wire::Channel::fragment})
+      names[channel_name(static_cast<std::uint8_t>(channel))] = static_cast<std::uint8_t>(channel);
+    return names;
+  }();
+  return kNames;
 }
 
 PacketText::PacketText(RingNames names, PacketTextOptions options) : names_(std::move(names)), options_(options) {
@@ -88,13 +95,21 @@ std::string PacketText::fields(const CapturedPacket& packet) const {
 }
 
 std::string PacketText::payload(const CapturedPacket& packet) const {
-  if (!whole(packet)) return hex_words(view(packet));
+  if (!whole(packet)) return bytes(view(packet));
   const wire::PacketFields fields = fields_of(packet);
   if (is_interrupt(packet)) return {};
   const bool decode = options_.decode && !packet.info.crc_bad;
   const std::string words =
       decode ? payload_words(wire::channel_of(fields.last()), fields.data(), names_) : std::string();
-  return words.empty() ? hex_words(fields.data()) : words;
+  return words.empty() ? bytes(fields.data()) : words;
+}
+
+std::string PacketText::bytes(wire::ByteView data) const {
+  std::string text = hex_words(data);
+  if (!options_.ascii) return text;
+  text += "  '";
+  for (const std::uint8_t byte : data) text += byte >= 0x20 && byte < 0x7f ? static_cast<char>(byte) : '.';
+  return text + '\'';
 }
 
 std::string PacketText::remarks(const CapturedPacket& packet) const {
@@ -121,8 +136,8 @@ std::string PacketText::line(const CapturedPacket& packet) {
   const std::string time = stamp(packet.time_ns) + "  ";
   if (!options_.colour) return time + text;
   const bool control = capture::kind_of({{}, packet.info, view(packet)}) == capture::Kind::control;
-  const char* colour = broken(packet.info) ? kRed : is_interrupt(packet) ? kMagenta : control ? kDim : "";
-  return time + colour + text + kPlain;
+  const char* colour = broken(packet.info) ? app::kRed : is_interrupt(packet) ? app::kMagenta : control ? app::kDim : "";
+  return time + colour + text + app::kPlain;
 }
 
 std::string PacketText::line(const capture::CapturedEvent& event) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,7 @@ enum class Stamps : char { absolute = 'a', delta = 'd', zero = 'z' };
 struct PacketTextOptions {
   Stamps stamps = Stamps::absolute;
   bool decode = false;  ///< payloads in words where they are known
+  bool ascii = false;   ///< behind bytes the same as characters, as candump -a
   bool colour = false;
 };
 
@@ -32,6 +34,7 @@ class PacketText {
   std::string route(const CapturedPacket& packet) const;
   std::string fields(const CapturedPacket& packet) const;
   std::string payload(const CapturedPacket& packet) const;
+  std::string bytes(wire::ByteView data) const;
   std::string remarks(const CapturedPacket& packet) const;
 
   capture::RingNames names_;
@@ -46,5 +49,7 @@ std::string event_json(const capture::CapturedEvent& event, const capture::RingN
 
 /// "control", "joint", or its number.
 std::string channel_name(std::uint8_t channel);
+/// The names of the channels that have one, by number: user, control, joint, topic.
+const std::map<std::string, std::uint8_t>& named_channels();
 
 }  // namespace limb_ring::ringctl

@@ -6,6 +6,7 @@
 
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "app/ringctl/signal_wait.h"
 #include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
@@ -14,7 +15,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr std::chrono::milliseconds kTick{200};
+constexpr std::chrono::milliseconds kTick{50};  // how soon Ctrl-C is noticed
 constexpr std::chrono::seconds kGuard{120};
 constexpr unsigned kOutstanding = 16;  // well below a node's send queue
 
@@ -29,8 +30,9 @@ bool delivered(const Result& result) { return result.outcome == Outcome::deliver
 namespace {
 
 /// @return false where nothing came
-bool take_one(HostPort& port, std::vector<Result>& results) {
-  const auto message = port.receive(kTick);
+bool take_one(HostPort& port, std::vector<Result>& results, std::chrono::nanoseconds until_next) {
+  const auto wait = std::chrono::ceil<std::chrono::milliseconds>(until_next);
+  const auto message = port.receive(std::clamp(wait, std::chrono::milliseconds(0), kTick));
   if (!message) return false;
   if (const auto* result = std::get_if<Result>(&*message)) results.push_back(*result);
   if (const auto* end = std::get_if<Disconnected>(&*message)) throw HostPortError(end->reason);
@@ -39,14 +41,20 @@ bool take_one(HostPort& port, std::vector<Result>& results) {
 
 }  // namespace
 
-std::vector<Result> send_all(HostPort& port, unsigned count,
-                             const std::function<std::uint32_t()>& send) {
-  auto deadline = steady_clock::now() + kGuard;
+std::vector<Result> send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
+                             std::chrono::nanoseconds interval) {
+  const auto begun = steady_clock::now();
+  auto deadline = begun + kGuard;
+  SignalWait signals;
   Progress progress;
   std::vector<Result> results;
   for (unsigned sent = 0; results.size() < count;) {
-    for (; sent < count && sent - results.size() < kOutstanding; ++sent) send();
-    if (take_one(port, results)) deadline = steady_clock::now() + kGuard;
+    const auto turn = [&] { return begun + interval * static_cast<std::int64_t>(sent); };
+    for (; sent < count && sent - results.size() < kOutstanding && turn() <= steady_clock::now(); ++sent) send();
+    const bool waits_for_turn = sent < count && turn() > steady_clock::now();
+    if (take_one(port, results, waits_for_turn ? turn() - steady_clock::now() : kTick) || sent == results.size())
+      deadline = steady_clock::now() + kGuard;
+    if (SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) break;
     if (steady_clock::now() > deadline)
       throw HostPortError("no result within " + std::to_string(kGuard.count()) + " s");
     progress.tell(std::to_string(results.size()) + " of " + std::to_string(count) + " ended");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -12,9 +13,10 @@ namespace limb_ring::ringctl {
 /// progress on standard error. Every send ends by itself within the configured time-outs; the
 /// guard is above all of them.
 /// @param send makes one and returns its token
-/// @throw HostPortError
-std::vector<Result> send_all(HostPort& port, unsigned count,
-                             const std::function<std::uint32_t()>& send);
+/// @param interval from one to the next; 0: as fast as they end
+/// @return as many results, or those there are when somebody asks for an end (Ctrl-C). @throw HostPortError
+std::vector<Result> send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
+                             std::chrono::nanoseconds interval = {});
 
 /// Prints one result, or how many ended how, or all as JSON. @return kDone where all were delivered, else kNotDone
 int report(const std::vector<Result>& results, bool json);

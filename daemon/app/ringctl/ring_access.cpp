@@ -9,6 +9,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "config/names.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
@@ -17,12 +18,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 std::string valid(const std::string& ring) {
   try {
     ring_directory(ring);
@@ -30,6 +25,13 @@ std::string valid(const std::string& ring) {
     throw UsageError(problem.what());
   }
   return ring;
+}
+
+/// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
+std::string why_unreadable(const std::string& folder) {
+  std::error_code error;
+  fs::directory_iterator(folder, error);
+  return error && error != std::errc::no_such_file_or_directory ? ": " + error.message() : "";
 }
 
 /// The id in "12.host"; nothing for another file, such as the link of the node's name.
@@ -76,14 +78,26 @@ std::string label(const NodeName& node) {
   return std::to_string(node.id) + " (" + node.name + ")";
 }
 
+UsageError unknown_node(const std::string& word, const std::string& ring, const std::vector<NodeName>& nodes) {
+  std::vector<std::string> labels, names;
+  for (const NodeName& node : nodes) {
+    labels.push_back(label(node));
+    names.push_back(node.name);
+  }
+  const std::string meant = config::closest(word, names);
+  return UsageError("unknown node '" + word + "'" + (meant.empty() ? ". " : ", did you mean '" + meant + "'? ") +
+                    "Ring " + ring + " has: " + config::join(labels));
+}
+
 std::string choose_ring(const std::string& given) {
   if (!given.empty()) return valid(given);
   const char* environment = std::getenv("LIMB_RING_RING");
   if (environment != nullptr && *environment != '\0') return valid(environment);
   const std::vector<std::string> rings = running_rings();
-  if (rings.empty()) throw NoRing("no ring is running (looked in " + rings_directory() + ")");
+  if (rings.empty())
+    throw NoRing("no ring is running (looked in " + rings_directory() + why_unreadable(rings_directory()) + ")");
   if (rings.size() == 1) return rings.front();
-  throw UsageError("several rings are running: " + joined(rings) + "; choose one with --ring");
+  throw UsageError("several rings are running: " + config::join(rings) + "; choose one with --ring");
 }
 
 std::vector<std::uint8_t> node_sockets(const std::string& ring) {
@@ -97,7 +111,7 @@ std::vector<std::uint8_t> node_sockets(const std::string& ring) {
 }
 
 RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
-  std::string why = "it has no sockets in " + ring_directory(ring);
+  std::string why = "it has no sockets in " + ring_directory(ring) + why_unreadable(ring_directory(ring));
   Progress progress;
   for (const std::string& node : whom_to_ask(ring, first)) {
     try {
@@ -116,13 +130,9 @@ RingAccess::RingAccess(std::string ring, std::string path, bool folds_back, std:
       answered_(answered) {}
 
 const NodeName& RingAccess::node(const std::string& id_or_name) const {
-  std::vector<std::string> labels;
-  for (const NodeName& node : nodes_) {
+  for (const NodeName& node : nodes_)
     if (id_or_name == node.name || id_or_name == std::to_string(node.id)) return node;
-    labels.push_back(label(node));
-  }
-  throw UsageError("unknown node '" + id_or_name + "'; ring " + ring_ + " has: " +
-                   joined(labels));
+  throw unknown_node(id_or_name, ring_, nodes_);
 }
 
 std::uint8_t RingAccess::destination(const std::string& id_or_name_or_all) const {

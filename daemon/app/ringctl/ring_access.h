@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/ringctl/problems.h"
 #include "limb_ring/host_port.h"
 
 namespace limb_ring::ringctl {
@@ -15,6 +16,9 @@ struct NodeName {
 
 /// "12 (left_knee)"
 std::string label(const NodeName& node);
+
+/// What is wrong with a node that the ring has not, with a guess and those it has.
+UsageError unknown_node(const std::string& word, const std::string& ring, const std::vector<NodeName>& nodes);
 
 /// The ring meant: the one given, else the environment's LIMB_RING_RING, else the only one
 /// running. @throw NoRing where none runs; UsageError listing them where several do.

@@ -36,6 +36,13 @@ TEST(PacketLine, SaysAllOfADataPacket) {
             "(001.500000042)  hip -> knee   DATP  body -> knee  hop   0  fbc 255  p1 user     2/5  [  3]  00 01 02");
 }
 
+TEST(PacketLine, ShowsBytesAsCharactersTooWhereAskedTo) {
+  CapturedPacket packet = captured(test::data_packet(0, 2, 3, wire::pri_byte(1, 0), {false, 2, 5}));
+  PacketTextOptions options;
+  options.ascii = true;
+  EXPECT_THAT(line_of(packet, options), EndsWith("00 01 02  '...'"));
+}
+
 TEST(PacketLine, SaysAllOfAnInterruptAndWhereItWas) {
   CapturedPacket packet = captured(test::interrupt_packet(2, wire::kBroadcast, 6));
   packet.info.embedded = true;

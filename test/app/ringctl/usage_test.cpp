@@ -18,7 +18,7 @@ using Usage = OwnFolder;
 
 TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
   for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop",
-                              "reset", "ping", "observe", "dump", "trace", "replay", "top"}) {
+                              "reset", "ping", "observe", "dump", "trace", "replay", "top", "wait"}) {
     const Said said = ringctl({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
@@ -27,7 +27,12 @@ TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
 
 TEST_F(Usage, NoSubcommandIsRefused) { EXPECT_EQ(ringctl({}).code, kUsage); }
 
-TEST_F(Usage, UnknownSubcommandIsRefused) { EXPECT_EQ(ringctl({"fly"}).code, kUsage); }
+TEST_F(Usage, UnknownSubcommandIsRefusedWithAGuess) {
+  EXPECT_EQ(ringctl({"fly"}).code, kUsage);
+  const Said said = ringctl({"stauts"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("'ringctl stauts' is unknown, did you mean 'status'? There are: up, down"));
+}
 
 TEST_F(Usage, SizesOutsideAPacketAreRefusedWithTheRange) {
   for (const char* size : {"0", "513", "-1", "many"}) {
@@ -63,6 +68,16 @@ TEST_F(Usage, TooLongATextIsRefusedWithTheRange) {
   EXPECT_THAT(said.errors, AllOf(HasSubstr("513 bytes"), HasSubstr("1 to 512")));
 }
 
+TEST_F(Usage, ChannelsAndCountsAreTakenAsPeopleWriteThem) {
+  EXPECT_EQ(ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "joint", "--count", "1e3"}).code,
+            kNoRing);
+  const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "jiont"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("control, joint, topic, user"));
+  EXPECT_THAT(ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "control"}).errors,
+              HasSubstr("network controllers"));
+}
+
 TEST_F(Usage, BadHexadecimalDigitIsNamed) {
   const Said said = ringctl({"send", "--from", "0", "--to", "1", "--hex", "0xfg"});
   EXPECT_EQ(said.code, kUsage);
@@ -78,6 +93,14 @@ TEST_F(Usage, WhereNoRingRunsThatIsSaid) {
   const Said said = ringctl({"status"});
   EXPECT_EQ(said.code, kNoRing);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("no ring is running"), HasSubstr(folder)));
+}
+
+TEST_F(Usage, AFolderOfAnotherUserIsNotTakenForOneWithoutRings) {
+  write("limb_ring", "in its place something that is no folder");  // one that cannot be read, also for root
+  const Said said = ringctl({"status"});
+  EXPECT_EQ(said.code, kNoRing);
+  EXPECT_THAT(said.errors, HasSubstr("Not a directory"));
+  EXPECT_THAT(ringctl({"--ring", "legs", "status"}).errors, HasSubstr("Not a directory"));
 }
 
 TEST_F(Usage, RingThatDoesNotRunIsNamed) {

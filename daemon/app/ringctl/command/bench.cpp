@@ -6,6 +6,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/signal_wait.h"
+#include "cli/values.h"
 #include "bench/report_text.h"
 #include "bench/suite.h"
 #include "runtime/supervisor/find_program.h"
@@ -53,14 +54,14 @@ void add_bench(CLI::App& app, Context& context) {
   CLI::App* command = add_command(
       app, "bench", "Measure rings of our own beside a bare reference ring; takes about a minute");
   command->add_option("--nodes", setup.nodes, "Nodes in each ring, 2 to 64; default 16")
-      ->check(CLI::Range(2, 64));
+      ->transform(cli::whole(2, 64));
   command->add_option("--payload", setup.payload, "Bytes of data in a packet, 4 to 512; default 512")
-      ->check(CLI::Range(4, 512));
+      ->transform(cli::whole(4, 512));
   command->add_option("--seconds", setup.seconds, "Seconds per case, 0.1 to 60; default 2")
-      ->check(CLI::Range(0.1, 60.0));
+      ->transform(cli::seconds(0.1, 60.0));
   command->add_option("--rounds", setup.rounds,
                       "Reference and rings take turns so many times, 1 to 100; default 3")
-      ->check(CLI::Range(1, 100));
+      ->transform(cli::whole(1, 100));
   command->add_flag("--no-ros", options->no_ros, "Leave the chain of topic_tools/relay out");
   add_json(*command, options->json);
   command->callback([&context, options] {

@@ -6,6 +6,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "capture/pcapng_reader.h"
+#include "cli/command_line.h"
 #include "config/config_error.h"
 #include "limb_ring/host_port.h"
 
@@ -28,6 +29,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_up(app, context);
   add_down(app, context);
   add_status(app, context);
+  add_wait(app, context);
   add_send(app, context);
   add_interrupt(app, context);
   add_pull(app, context);
@@ -73,15 +75,11 @@ int act(const Context& context) {
 int run_command_line(int argc, char** argv) {
   Context context;
   CLI::App app("Starts, asks and steers rings of limb_ring daemons (ringd).", "ringctl");
-  app.footer(kExitCodesHelp);
+  app.footer(std::string("'ringctl help SUBCOMMAND' explains one of them.\n") + kExitCodesHelp);
   app.require_subcommand(1);
   app.add_option("--ring", context.ring, "Name of the ring; default: the only one running");
   add_commands(app, context);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& problem) {
-    return app.exit(problem) == 0 ? kDone : kUsage;  // --help is no error
-  }
+  if (const auto end = cli::parse(app, argc, argv)) return *end;
   return act(context);
 }
 

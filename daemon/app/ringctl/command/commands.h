@@ -8,6 +8,7 @@ namespace limb_ring::ringctl {
 void add_up(CLI::App& app, Context& context);
 void add_down(CLI::App& app, Context& context);
 void add_status(CLI::App& app, Context& context);
+void add_wait(CLI::App& app, Context& context);
 void add_send(CLI::App& app, Context& context);
 void add_interrupt(CLI::App& app, Context& context);
 void add_pull(CLI::App& app, Context& context);

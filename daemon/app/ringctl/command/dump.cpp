@@ -2,15 +2,19 @@
 
 #include <CLI/CLI.hpp>
 #include <cstring>
+#include <ctime>
 #include <iostream>
 #include <memory>
 
+#include "app/common/colour.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/capture_names.h"
+#include "app/ringctl/command/channel.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
 #include "app/ringctl/problems.h"
+#include "cli/values.h"
 
 namespace limb_ring::ringctl {
 
@@ -22,14 +26,14 @@ struct Options {
   PacketTextOptions text;
   std::uint64_t count = 0;
   std::string write, read;
-  bool events = false, json = false;
+  bool events = false, json = false, log = false;
 };
 
 std::unique_ptr<CaptureSink> sink_of(const Options& options, const capture::RingNames& names) {
   if (!options.write.empty()) return file_sink(names, options.write);
   if (options.json) return json_sink(names);
   PacketTextOptions text = options.text;
-  text.colour = ::isatty(STDOUT_FILENO) == 1;
+  text.colour = app::colour_wanted(STDOUT_FILENO);
   return text_sink(names, text);
 }
 
@@ -98,7 +102,19 @@ int dump_file(const Options& options) {
   return kDone;
 }
 
-int run(const Context& context, const Options& options) {
+/// "dump-2026-11-22_061508.pcapng"
+std::string named_by_date() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  ::localtime_r(&now, &local);
+  char text[64];
+  std::strftime(text, sizeof text, "dump-%Y-%m-%d_%H%M%S.pcapng", &local);
+  return text;
+}
+
+int run(const Context& context, Options options) {
+  if (options.log && !options.write.empty()) throw UsageError("-l and -w: choose one of them");
+  if (options.log) std::cerr << "ringctl: writing " << (options.write = named_by_date()) << std::endl;
   if (options.json && !options.write.empty()) throw UsageError("--json and -w: choose one of them");
   return options.read.empty() ? dump_live(context, options) : dump_file(options);
 }
@@ -106,20 +122,21 @@ int run(const Context& context, const Options& options) {
 void add_filter(CLI::App& command, FilterWords& words) {
   command.add_option("--at", words.at, "in, out or both; default in, where each packet of a closed ring passes once")
       ->delimiter(',')
-      ->check(CLI::IsMember(kLines));
+      ->transform(cli::one_of(kLines));
   command.add_option("--kind", words.kinds, "data, control (hellos, beacons), interrupt; default all")
       ->delimiter(',')
-      ->check(CLI::IsMember(kKinds));
+      ->transform(cli::one_of(kKinds));
   command.add_option("--from", words.from, "Only of these sources, id or name")->delimiter(',');
   command.add_option("--to", words.to, "Only to these destinations; all: broadcasts")->delimiter(',');
   command.add_option("--priority", words.priority, "Only data packets of these, 0 to 3")
       ->delimiter(',')
-      ->check(CLI::Range(0, 3));
-  command.add_option("--channel", words.channel, "Only data packets of these, 0 to 63; 0 user, 2 joint, 3 topics")
+      ->transform(cli::whole(0, 3));
+  command.add_option("--channel", words.channel, "Only data packets of these, 0 to 63, or user, control, joint, topic")
       ->delimiter(',')
-      ->check(CLI::Range(0, 63));
-  command.add_option("--sample", words.sample, "Of those only every so many-th")->check(CLI::Range(1u, 1000000u));
-  command.add_option("--limit", words.limit, "At most so many a second from each node; default 0: no limit");
+      ->transform(channel(/*control=*/true));
+  command.add_option("--sample", words.sample, "Of those only every so many-th")->transform(cli::whole(1, 1000000));
+  command.add_option("--limit", words.limit, "At most so many a second from each node; default 0: no limit")
+      ->transform(cli::whole(0, 1000000000));
 }
 
 void add_options(CLI::App& command, Options& options) {
@@ -127,10 +144,13 @@ void add_options(CLI::App& command, Options& options) {
   const std::map<std::string, Stamps> stamps{
       {"a", Stamps::absolute}, {"d", Stamps::delta}, {"z", Stamps::zero}};
   command.add_option("-t,--time", options.text.stamps, "Times: a absolute, d since the one before, z since the first")
-      ->transform(CLI::CheckedTransformer(stamps).description("a|d|z"));
+      ->transform(cli::word_of(stamps));
   command.add_flag("-d,--decode", options.text.decode, "Hellos, beacons, joints, sensors and topics in words");
   command.add_flag("-e,--events", options.events, "Changes of state, links, pins and CPUs too; -w always writes them");
-  command.add_option("-n,--count", options.count, "End after so many packets; default 0: never");
+  command.add_option("-n,--count", options.count, "End after so many packets; default 0: never")
+      ->transform(cli::whole(0, 1000000000));
+  command.add_flag("-a,--ascii", options.text.ascii, "Data as characters too");
+  command.add_flag("-l,--log", options.log, "As -w, into a file named by date and time, here");
   command.add_option("-w,--write", options.write, "Write pcapng there instead of text; - is standard output");
   command.add_option("-r,--read", options.read, "Read a pcapng file instead of a ring");
   add_filter(command, options.filter);

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -8,6 +9,8 @@
 #include "app/ringctl/fault_table.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/ring_wait.h"
+#include "cli/values.h"
 #include "fault/parse.h"
 #include "inject/live_faults.h"
 
@@ -26,6 +29,7 @@ struct Options {
   std::vector<std::string> where;
   std::map<std::string, std::string> told;  ///< key of fault/parse.h -> value
   std::string id;
+  double timeout_s = 20;
   bool json = false;
 };
 
@@ -87,12 +91,17 @@ int remove(const Context& context, const Options& options) {
   return kDone;
 }
 
-int clear(const Context& context) {
+int clear(const Context& context, const Options& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   const auto problems = LiveFaults(ring.ring(), nodes_of(ring)).clear();
   for (const std::string& problem : problems) std::cerr << "ringctl: " << problem << '\n';
-  if (problems.empty()) std::cout << "no faults are left in ring " << ring.ring() << std::endl;
-  return problems.empty() ? kDone : kNotDone;
+  if (!problems.empty()) return kNotDone;
+  std::cout << "no faults are left in ring " << ring.ring() << std::endl;
+  const std::chrono::milliseconds timeout(std::llround(options.timeout_s * 1000));
+  const std::string lacking = wait_for(ring.ring(), timeout, lack_of_whole);
+  if (!lacking.empty()) throw NotDone("but it is not whole again: " + lacking);
+  std::cout << "it is whole again: " << ring.nodes().size() << " nodes up" << std::endl;
+  return kDone;
 }
 
 /// "after_packets" -> "--after-packets"
@@ -125,8 +134,10 @@ void add_keeping(CLI::App& faults, Context& context) {
   CLI::App* one = add_command(faults, "remove", "End one fault; answered when all is as before");
   one->add_option("ID", options->id, "Its id, as 'list' shows it")->required();
   one->callback([&context, options] { context.action = [&context, options] { return remove(context, *options); }; });
-  CLI::App* every = add_command(faults, "clear", "End all faults: heal, thaw, resume, start what was killed");
-  every->callback([&context] { context.action = [&context] { return clear(context); }; });
+  CLI::App* every = add_command(faults, "clear", "End all faults: heal, thaw, resume, start what was killed; return when the ring is whole");
+  every->add_option("--timeout", options->timeout_s, "How long it may take until it is whole, 0 to 600 s; default 20s")
+      ->transform(cli::seconds(0, 600));
+  every->callback([&context, options] { context.action = [&context, options] { return clear(context, *options); }; });
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/results.h"
 #include "app/ringctl/ring_access.h"
+#include "cli/values.h"
 
 namespace limb_ring::ringctl {
 
@@ -36,7 +37,7 @@ void add_interrupt(CLI::App& app, Context& context) {
   command->add_option("FACTOR", options->factor,
                       "0 to 7; unless configured otherwise 0 resets, 1 stops, 2 latches clocks")
       ->required()
-      ->check(CLI::Range(0, 7));
+      ->transform(cli::whole(0, 7));
   command->add_flag("--force", options->force, "Also where it would reset the CPUs of all nodes");
   add_json(*command, options->json);
   command->callback([&context, options] {

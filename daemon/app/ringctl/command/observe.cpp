@@ -6,6 +6,9 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
+#include "cli/values.h"
+#include "config/names.h"
+#include "runtime/observe_order.h"
 
 namespace limb_ring::ringctl {
 
@@ -27,6 +30,8 @@ int print_lines(HostPort& port, std::uint64_t count) {
     const auto message = port.receive(std::chrono::seconds(1));
     if (!message) continue;
     if (const auto* seen = std::get_if<Observed>(&*message)) {
+      const auto event = nlohmann::json::parse(seen->json, nullptr, /*allow_exceptions=*/false);
+      if (event.is_object() && event.contains("error")) throw UsageError(event["error"].get<std::string>());
       std::cout << seen->json << std::endl;
       ++lines;
     } else if (const auto* lost = std::get_if<ObservedLost>(&*message)) {
@@ -52,10 +57,13 @@ int run(const Context& context, const Options& options) {
 void add_observe(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(
-      app, "observe", "Print what passes a node, a line of JSON each, until interrupted");
+      app, "observe", "Print the events of a node, a line of JSON each, until interrupted; packets: 'ringctl dump'");
   command->add_option("NODE", options->node, "Node, id or name")->required();
-  command->add_option("--kinds", options->kinds, "Only these kinds of events")->delimiter(',');
-  command->add_option("--count", options->count, "End after so many lines; default 0: never");
+  command->add_option("--kinds", options->kinds, "Only these kinds of events, of: " + config::join(runtime::event_kinds()))
+      ->delimiter(',')
+      ->transform(cli::one_of(runtime::event_kinds()));
+  command->add_option("-n,--count", options->count, "End after so many lines; default 0: never")
+      ->transform(cli::whole(0, 1000000000));
   command->callback([&context, options] {
     context.action = [&context, options] { return run(context, *options); };
   });

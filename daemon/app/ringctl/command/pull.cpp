@@ -4,6 +4,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/results.h"
 #include "app/ringctl/ring_access.h"
+#include "cli/values.h"
 
 namespace limb_ring::ringctl {
 
@@ -31,7 +32,7 @@ void add_pull(CLI::App& app, Context& context) {
   command->add_option("NODE", options->node, "Node, id or name")->required();
   command->add_option("INPUT", options->input, "0 to 7; where it leads, the configuration says")
       ->required()
-      ->check(CLI::Range(0, 7));
+      ->transform(cli::whole(0, 7));
   add_json(*command, options->json);
   command->callback([&context, options] {
     context.action = [&context, options] { return run(context, *options); };

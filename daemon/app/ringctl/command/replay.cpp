@@ -15,6 +15,7 @@
 #include "app/ringctl/replay_plan.h"
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/signal_wait.h"
+#include "cli/values.h"
 #include "wire/data_packet.h"
 
 namespace limb_ring::ringctl {
@@ -162,8 +163,8 @@ void add_replay(CLI::App& app, Context& context) {
                                                  "its source, in their time");
   command->add_option("FILE", options->file, "pcapng, of 'ringctl dump -w' or 'ring_sim run --capture'")->required();
   command->add_option("--speed", options->speed, "So many times as fast, 0.001 to 1000; default 1")
-      ->check(CLI::Range(0.001, 1000.0));
-  command->add_option("--loop", options->loop, "So many times, 1 to 1000000; default 1")->check(CLI::Range(1, 1000000));
+      ->transform(cli::real(0.001, 1000.0));
+  command->add_option("--loop", options->loop, "So many times, 1 to 1000000; default 1")->transform(cli::whole(1, 1000000));
   command->add_flag("--no-interrupts", options->no_interrupts, "Data packets alone: interrupts may reset CPUs again");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });

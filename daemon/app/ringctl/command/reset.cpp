@@ -5,6 +5,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "cli/values.h"
 
 namespace limb_ring::ringctl {
 
@@ -39,7 +40,7 @@ void add_reset(CLI::App& app, Context& context) {
   command->add_option("NODE", options->node, "Node, id or name")->required();
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait, 0.1 to 600; default 3")
-      ->check(CLI::Range(0.1, 600.0));
+      ->transform(cli::seconds(0.1, 600.0));
   add_json(*command, options->json);
   command->callback([&context, options] {
     context.action = [&context, options] { return run(context, *options); };

@@ -9,6 +9,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/live/play_live.h"
 #include "app/ringctl/problems.h"
+#include "cli/values.h"
 #include "study/scenario/load_scenario.h"
 #include "study/scenario/only_virtual.h"
 #include "study/scenario/report.h"
@@ -103,7 +104,7 @@ void add_scenario(CLI::App& app, Context& context) {
                                  "On live daemons: a ring of its own for each scenario, which meets no other");
   sim->excludes(live);
   command->add_option("--transport", options->transport, "unix or udp for all lines, with --live")
-      ->check(CLI::IsMember({"unix", "udp"}))
+      ->transform(cli::one_of({"unix", "udp"}))
       ->needs(live);
   command->add_option("--junit", options->junit, "Write JUnit XML there");
   CLI::Option* capture = command->add_option("--capture", options->capture,

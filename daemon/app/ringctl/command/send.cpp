@@ -1,11 +1,14 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 
+#include "app/ringctl/command/channel.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/hex.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
 #include "app/ringctl/ring_access.h"
+#include "cli/values.h"
 
 namespace limb_ring::ringctl {
 
@@ -14,6 +17,7 @@ namespace {
 struct Options {
   std::string from, to, text, hex;
   unsigned priority = 2, channel = 0, size = 0, count = 1;
+  double interval_s = 0;
   bool json = false;
 };
 
@@ -46,19 +50,16 @@ int run(const Context& context, const Options& options) {
     return port.send(to, data, static_cast<std::uint8_t>(options.priority),
                      static_cast<std::uint8_t>(options.channel));
   };
-  return report(send_all(port, options.count, send), options.json);
-}
-
-/// Channel 1 is the network controllers' own.
-std::string check_channel(const std::string& text) {
-  return text == "1" ? "channel 1 belongs to the network controllers; 0 and 2 to 63 are allowed"
-                     : "";
+  const std::chrono::nanoseconds interval(std::llround(options.interval_s * 1e9));
+  const auto results = send_all(port, options.count, send, interval);
+  const int code = report(results, options.json);
+  return results.size() == options.count ? code : kNotDone;  // Ctrl-C came before
 }
 
 void add_data_options(CLI::App& command, Options& options) {
   CLI::App& data = *command.add_option_group("data", "What to send, one of:");
   data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")
-      ->check(CLI::Range(1, 512));
+      ->transform(cli::whole(1, 512));
   data.add_option("--data", options.text, "This text, 1 to 512 bytes");
   data.add_option("--hex", options.hex, "These bytes, two hexadecimal digits each");
   data.require_option(1);
@@ -72,12 +73,14 @@ void add_send(CLI::App& app, Context& context) {
   command->add_option("--from", options->from, "Node that sends, id or name")->required();
   command->add_option("--to", options->to, "Node to send to, id or name, or all")->required();
   command->add_option("--priority", options->priority, "0 (highest) to 3; default 2")
-      ->check(CLI::Range(0, 3));
-  command->add_option("--channel", options->channel, "0 (user, default), 2 to 63")
-      ->check(CLI::Range(0, 63))
-      ->check(check_channel);
-  command->add_option("--count", options->count, "How many, 1 to 1000000; default 1")
-      ->check(CLI::Range(1, 1000000));
+      ->transform(cli::whole(0, 3));
+  command->add_option("--channel", options->channel, "0 (user, default), 2 to 63; joint is 2, topic is 3")
+      ->transform(channel(/*control=*/false));
+  command->add_option("-c,--count", options->count, "How many, 1 to 1000000; default 1")
+      ->transform(cli::whole(1, 1000000));
+  command->add_option("-i,--interval", options->interval_s,
+                      "Time between two, 0 to 3600 s, as 5ms or 0.2; default 0: as fast as they end")
+      ->transform(cli::seconds(0, 3600));
   add_data_options(*command, *options);
   add_json(*command, options->json);
   command->callback([&context, options] {

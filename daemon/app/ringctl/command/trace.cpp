@@ -12,6 +12,7 @@
 #include "app/ringctl/seen_packets.h"
 #include "app/ringctl/way_svg.h"
 #include "app/ringctl/way_words.h"
+#include "cli/values.h"
 #include "capture/trip_choice.h"
 #include "config/quantity.h"
 
@@ -120,7 +121,7 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--for", options.how_long, "With --live: how long; default 5s");
   command.add_option("--over", options.over, "Only round trips above that, as 200us; all, unless -n is given");
   command.add_option("--source", options.source, "Only packets of that node, id or name");
-  command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")->check(CLI::Range(0u, 7u));
+  command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")->transform(cli::whole(0, 7));
   command.add_option("--at", options.at, "Only those on their way then: 12.5ms since the first packet, or as dump -t a");
   command.add_option("-n,--count", options.count, "At most so many, the slowest first; default 1; 0: all");
   command.add_option("--svg", options.svg, "Draw the first of them there");

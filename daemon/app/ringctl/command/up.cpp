@@ -10,6 +10,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_watch.h"
+#include "cli/values.h"
 #include "inject/lock_files.h"
 #include "limb_ring/ring_directory.h"
 
@@ -116,15 +117,15 @@ void add_up(CLI::App& app, Context& context) {
   command->add_option("CONFIG", request.config, "YAML file of the ring");
   command->add_option("--nodes", request.nodes,
                       "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255")
-      ->check(CLI::Range(2, 255));
+      ->transform(cli::whole(2, 255));
   command->add_option("--transport", request.transport, "unix or udp, whatever CONFIG says")
-      ->check(CLI::IsMember({"unix", "udp"}));
+      ->transform(cli::one_of({"unix", "udp"}));
   command->add_flag("--detach", options->detach,
                     "Return when the ring is closed; its daemons go on, each with a log file "
                     "NODE.log in the ring's folder");
   command->add_option("--timeout", options->timeout_s,
                       "Seconds until the ring must be closed, 0.1 to 600; default 10")
-      ->check(CLI::Range(0.1, 600.0));
+      ->transform(cli::seconds(0.1, 600.0));
   command->callback([&context, options] {
     options->request.ring = context.ring;
     context.action = [options] { return run(*options); };

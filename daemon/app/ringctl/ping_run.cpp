@@ -1,0 +1,131 @@
+#include "app/ringctl/ping_run.h"
+
+#include <algorithm>
+
+#include "app/common/text_table.h"
+#include "app/ringctl/results.h"
+#include "runtime/round_trips.h"
+
+namespace limb_ring::ringctl {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kTick{50};  // how soon Ctrl-C is noticed
+constexpr auto kOutcomes = {Outcome::refused,     Outcome::no_such_node, Outcome::lost,
+                            Outcome::unconfirmed, Outcome::rejected,     Outcome::cancelled};
+
+std::string words_of(Outcome outcome) {
+  std::string words = to_string(outcome);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
+runtime::Percentiles round_trips(const PingTotals& totals) {
+  std::vector<core::Duration> samples;
+  for (const Result& result : totals.results)
+    if (result.outcome == Outcome::delivered) samples.push_back(result.round_trip);
+  return runtime::percentiles(samples);
+}
+
+double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+}  // namespace
+
+std::uint64_t PingTotals::with(Outcome outcome) const {
+  return static_cast<std::uint64_t>(std::count_if(results.begin(), results.end(), [outcome](const Result& result) {
+    return result.outcome == outcome;
+  }));
+}
+
+PingTotals PingRun::run() {
+  begun_ = steady_clock::now();
+  while (!over()) {
+    wait_for_turn(totals_.sent);
+    if (!over()) send_one();
+  }
+  totals_.took = steady_clock::now() - begun_;
+  return std::move(totals_);
+}
+
+bool PingRun::over() const {
+  if (asked_to_end_ || (order_.count != 0 && totals_.sent >= order_.count)) return true;
+  return order_.deadline && steady_clock::now() - begun_ >= *order_.deadline;
+}
+
+void PingRun::send_one() {
+  std::vector<std::uint8_t> data(order_.size);
+  for (unsigned i = 0; i < order_.size; ++i)  // no two alike, as far as they are large enough
+    data[i] = static_cast<std::uint8_t>(i < 8 ? totals_.sent >> (8 * i) : i);
+  ++totals_.sent;
+  wait_for_result(port_.send(order_.to.id, data, order_.priority));
+}
+
+void PingRun::wait_for_result(std::uint32_t token) {
+  while (!asked_to_end_) {
+    const auto message = port_.receive(kTick);
+    if (message) {
+      if (const auto* result = std::get_if<Result>(&*message); result != nullptr && result->token == token) {
+        totals_.results.push_back(*result);
+        return each_(totals_.sent, *result);
+      }
+      if (const auto* end = std::get_if<Disconnected>(&*message)) throw HostPortError(end->reason);
+    }
+    asked_to_end_ = SignalWait::asks_to_end(signals_.next(milliseconds(0)));
+  }
+}
+
+void PingRun::wait_for_turn(std::uint64_t number) {
+  const auto turn = begun_ + order_.interval * static_cast<std::int64_t>(number);
+  while (!over()) {
+    const auto left = std::chrono::ceil<milliseconds>(turn - steady_clock::now());
+    asked_to_end_ = SignalWait::asks_to_end(signals_.next(std::clamp(left, milliseconds(0), kTick)));
+    if (left <= milliseconds(0)) return;
+  }
+}
+
+std::string ping_line(const PingOrder& order, std::uint64_t sequence, const Result& result) {
+  const std::string seq = "seq=" + std::to_string(sequence);
+  const std::string who = label(order.to) + ": ";
+  if (result.outcome != Outcome::delivered) return who + seq + ' ' + to_text(result);
+  const double us = static_cast<double>(result.round_trip.count()) / 1000;
+  return std::to_string(order.size) + " bytes to " + who + seq + " time=" + app::number(us) + " us" +
+         (result.tries > 1 ? " tries=" + std::to_string(result.tries) : "");
+}
+
+std::string ping_text(const PingOrder& order, const PingTotals& totals) {
+  const std::uint64_t delivered = totals.with(Outcome::delivered);
+  std::string text = "--- " + order.to.name + " ping statistics ---\n" + std::to_string(totals.sent) + " sent, " +
+                     std::to_string(delivered) + " delivered";
+  for (const Outcome outcome : kOutcomes)
+    if (const auto count = totals.with(outcome); count != 0) text += ", " + std::to_string(count) + ' ' + words_of(outcome);
+  if (totals.sent > totals.results.size())
+    text += ", " + std::to_string(totals.sent - totals.results.size()) + " not ended";
+  text += ", " + app::number(in_seconds(totals.took), 3) + " s\n";
+  const auto trips = round_trips(totals);
+  if (trips.samples == 0) return text;
+  return text + "round trip min/p50/p99/max = " + app::number(trips.min) + '/' + app::number(trips.p50) + '/' +
+         app::number(trips.p99) + '/' + app::number(trips.max) + " us\n";
+}
+
+json ping_json(const PingOrder& order, const PingTotals& totals) {
+  json other = json::object();
+  for (const Outcome outcome : kOutcomes)
+    if (const auto count = totals.with(outcome); outcome != Outcome::lost && count != 0) other[to_string(outcome)] = count;
+  const double seconds = in_seconds(totals.took);
+  const auto delivered = totals.with(Outcome::delivered);
+  return {{"to", order.to.id},
+          {"count", order.count},
+          {"sent", totals.sent},
+          {"delivered", delivered},
+          {"lost", totals.with(Outcome::lost)},
+          {"other", other},
+          {"round_trip_us", runtime::to_json(round_trips(totals))},
+          {"seconds", seconds},
+          {"packets_per_second", seconds > 0 ? static_cast<double>(delivered) / seconds : 0.0}};
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/ringctl/ring_access.h"
+#include "app/ringctl/signal_wait.h"
+
+namespace limb_ring::ringctl {
+
+/// What `ringctl ping` was asked for.
+struct PingOrder {
+  NodeName to;
+  std::uint64_t count = 0;  ///< 0: without end
+  std::chrono::nanoseconds interval{std::chrono::seconds(1)};  ///< 0: the next as the last returns
+  std::optional<std::chrono::nanoseconds> deadline;            ///< for all of it
+  unsigned size = 512;  ///< bytes of data
+  std::uint8_t priority = 2;
+};
+
+/// How all the packets of a ping ended.
+struct PingTotals {
+  std::uint64_t sent = 0;
+  std::vector<Result> results;
+  std::chrono::nanoseconds took{0};
+
+  std::uint64_t with(Outcome outcome) const;
+};
+
+/// Packets one after the other, each timed by the daemon: its first byte out to its matched return. Ends by
+/// itself, or as soon as somebody asks it to (Ctrl-C).
+/// @param each is told of every end, with the packet's number from 1. @throw HostPortError
+class PingRun {
+ public:
+  using Each = std::function<void(std::uint64_t sequence, const Result&)>;
+  PingRun(HostPort& port, const PingOrder& order, Each each) : port_(port), order_(order), each_(std::move(each)) {}
+
+  PingTotals run();
+
+ private:
+  bool over() const;
+  void send_one();
+  void wait_for_result(std::uint32_t token);
+  void wait_for_turn(std::uint64_t number);
+
+  HostPort& port_;
+  const PingOrder& order_;
+  Each each_;
+  SignalWait signals_;
+  bool asked_to_end_ = false;
+  std::chrono::steady_clock::time_point begun_{};
+  PingTotals totals_;
+};
+
+/// "512 bytes to left_knee (10): seq=1 time=61.2 us", or how else it ended.
+std::string ping_line(const PingOrder& order, std::uint64_t sequence, const Result& result);
+/// The statistics at the end, for people ...
+std::string ping_text(const PingOrder& order, const PingTotals& totals);
+/// ... and for programs.
+nlohmann::json ping_json(const PingOrder& order, const PingTotals& totals);
+
+}  // namespace limb_ring::ringctl

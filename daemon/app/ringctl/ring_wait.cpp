@@ -1,0 +1,86 @@
+#include "app/ringctl/ring_wait.h"
+
+#include <algorithm>
+
+#include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
+#include "app/ringctl/ring_access.h"
+#include "app/ringctl/signal_wait.h"
+#include "app/ringctl/status_rows.h"
+
+namespace limb_ring::ringctl {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+constexpr milliseconds kTick{50};
+
+std::string label_of(const json& row) {
+  return "node " + label({row.at("id").get<std::uint8_t>(), row.at("name").get<std::string>()});
+}
+
+std::string lack_of_row(const json& row, std::size_t nodes) {
+  const std::string state = row.value("state", "");
+  if (state != "up") return "it is " + state;
+  const std::size_t size = row.value("ring_size", std::size_t{0});
+  if (size != nodes) return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
+  if (row.value(json::json_pointer("/fold/second_input"), "up") != "up") return "its second line in is broken";
+  const bool child = row.value(json::json_pointer("/cpu/kind"), "") == "child";
+  return child && cpu_word(row) != "running" ? "its CPU is " + cpu_word(row) : "";
+}
+
+/// Nothing where no ring runs yet.
+std::vector<json> rows_of(const std::string& ring, std::string& why_none) {
+  try {
+    return status_rows(RingAccess::open(choose_ring(ring)));
+  } catch (const NoRing& none) {
+    why_none = none.what();
+    return {};
+  }
+}
+
+}  // namespace
+
+std::string lack_of_whole(const std::vector<json>& rows) {
+  for (const json& row : rows) {
+    const std::string lack = lack_of_row(row, rows.size());
+    if (!lack.empty()) return label_of(row) + ": " + lack;
+  }
+  return {};
+}
+
+std::string lack_of_state(const std::vector<json>& rows, const std::string& node, const std::string& state) {
+  std::vector<NodeName> nodes;
+  for (const json& row : rows) {
+    const std::string name = row.at("name").get<std::string>();
+    nodes.push_back({row.at("id").get<std::uint8_t>(), name});
+    if (name != node && row.at("id").dump() != node) continue;
+    if (row.value("state", "") == state || cpu_word(row) == state) return {};
+    return label_of(row) + ": it is " + row.value("state", "") + ", its CPU " + cpu_word(row);
+  }
+  throw unknown_node(node, rows.empty() ? "" : rows[0].value("ring", ""), nodes);
+}
+
+std::vector<std::string> state_words() {
+  return {"up",   "joining", "open_chain", "folded", "alone",   "down",    "frozen", "starting",
+          "none", "absent",  "booting",    "running", "silent", "failed", "hung",    "stopped"};
+}
+
+std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& lack) {
+  const auto deadline = steady_clock::now() + timeout;
+  SignalWait signals;
+  Progress progress;
+  for (;;) {
+    std::string lacking;
+    const auto rows = rows_of(ring, lacking);
+    if (lacking.empty()) lacking = lack(rows);
+    if (lacking.empty() || steady_clock::now() >= deadline) return lacking;
+    if (SignalWait::asks_to_end(signals.next(kTick))) return "interrupted; " + lacking;
+    progress.tell("waiting, " + lacking);
+  }
+}
+
+}  // namespace limb_ring::ringctl

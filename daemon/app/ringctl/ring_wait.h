@@ -1,0 +1,31 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace limb_ring::ringctl {
+
+/// What status rows lack of what is waited for, in words; empty where nothing.
+using Lack = std::function<std::string(const std::vector<nlohmann::json>& rows)>;
+
+/// Whole: every node is up in a ring of all of them, not folded back, its second line (where it has one) leads on,
+/// and every CPU that its ringd starts runs.
+std::string lack_of_whole(const std::vector<nlohmann::json>& rows);
+
+/// A node's state, or its CPU's, in the words of `ringctl status`.
+/// @return what they are instead; empty where one of them is `state`. @throw UsageError where there is no such node
+std::string lack_of_state(const std::vector<nlohmann::json>& rows, const std::string& node, const std::string& state);
+
+/// All words that lack_of_state() knows.
+std::vector<std::string> state_words();
+
+/// Asks until nothing is lacking; a ring that does not run yet may come.
+/// @param ring its name; empty: the only one running
+/// @return what was lacking at the end: after `timeout`, or when somebody asked for it (Ctrl-C); empty: nothing
+/// @throw what `lack` throws
+std::string wait_for(const std::string& ring, std::chrono::milliseconds timeout, const Lack& lack);
+
+}  // namespace limb_ring::ringctl
