@@ -139,7 +139,7 @@ std::optional<std::string> read(CLI::App& app, Words arguments) {
   if (!arguments.empty() && (arguments[0] == "--version" || arguments[0] == "version"))
     return app.get_name() + ' ' + version() + '\n';
   take_help_for_a_word(arguments);
-  app.add_flag("--version", "Print the version and end");
+  if (app.get_option_no_throw("--version") == nullptr) app.add_flag("--version", "Print the version and end");
   label(app);
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
   try {

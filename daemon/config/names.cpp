@@ -55,7 +55,8 @@ bool is_topic_name(const std::string& name) {
 std::string closest(const std::string& word, const std::vector<std::string>& candidates) {
   if (word.size() > 64) return {};  // nobody's slip of the pen, and the search is quadratic
   std::string best;
-  std::size_t least = word.size() / 4 + 2;  // two letters changed places are two edits
+  // Two letters changed places are two edits; of a word of which nothing is left nobody knows what was meant.
+  std::size_t least = std::min(word.size() / 4 + 2, word.size());
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
     if (distance >= least) continue;

@@ -179,7 +179,7 @@ class Words(FaultTest):
                 (('stall', 'node0:node1', '--for', 3), 'a time such as'),
                 (('stall', 'node0:node1', '--packets', 3), '--packets'),
                 (('hang',), 'WHERE'),
-                (('explode', 'node1'), 'subcommand is required')):
+                (('explode', 'node1'), "'ringctl fault explode' is unknown")):
             self.assertIn(what, self.fault(*arguments, code=2), arguments)
         self.assertIn('any more', self.fault('remove', 'node1.7', code=1))
         self.assertIn("no fault's id", self.fault('remove', 'seven', code=1))
