@@ -2,13 +2,30 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <ratio>
 
 namespace limb_ring::core {
 
-/// Picoseconds, so that one byte at any usual data rate is a whole number (8 ns at 1 Gbit/s).
-/// 64 bits hold 106 days; the daemon counts from its own start. (ours)
-using Duration = std::chrono::duration<std::int64_t, std::pico>;
+/// A whole number of 128 bits. GCC and Clang have it, C++17 has not.
+__extension__ typedef __int128 Int128;
+
+}  // namespace limb_ring::core
+
+/// The library knows the range of Int128 only where GNU extensions are on, and says 0 elsewhere.
+template <>
+struct std::chrono::duration_values<limb_ring::core::Int128> {
+  using Int128 = limb_ring::core::Int128;
+  static constexpr Int128 zero() noexcept { return 0; }
+  static constexpr Int128 max() noexcept { return ~min(); }
+  static constexpr Int128 min() noexcept { return -(Int128{1} << 126) * 2; }
+};
+
+namespace limb_ring::core {
+
+/// Picoseconds, so that one byte at any usual data rate is a whole number (8 ns at 1 Gbit/s). A robot
+/// may stay on for years, and 64 bits would hold only 106 days of them. (ours)
+using Duration = std::chrono::duration<Int128, std::pico>;
 
 /// The core has no clock of its own: whoever drives it says what time it is.
 struct RingClock {
@@ -19,6 +36,12 @@ struct RingClock {
   static constexpr bool is_steady = true;
 };
 using Time = RingClock::time_point;
+
+/// In 64 bits, for text, random draws and traces: below 0 as 0, above 106 days as 106 days.
+constexpr std::int64_t picoseconds(Duration span) {
+  constexpr Duration most{std::numeric_limits<std::int64_t>::max()};
+  return static_cast<std::int64_t>((span < Duration{0} ? Duration{0} : span < most ? span : most).count());
+}
 
 constexpr Time kNever = Time::max();
 

@@ -12,16 +12,21 @@ class Clock {
  public:
   using Steady = std::chrono::steady_clock;
 
+  /// @param start of the time of the core, not after now
+  explicit Clock(Steady::time_point start = Steady::now()) : start_(start) {}
+
   core::Time now() const { return at(Steady::now()); }
   core::Time at(Steady::time_point when) const { return core::Time{} + (when - start_); }
+  /// The last instant a steady clock knows (292 years), where `when` is later or kNever.
   Steady::time_point steady(core::Time when) const {
-    return start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(when.time_since_epoch()) +
-           std::chrono::nanoseconds(1);
+    const core::Duration since = when.time_since_epoch();
+    if (since >= Steady::time_point::max() - start_) return Steady::time_point::max();
+    return start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(since) + std::chrono::nanoseconds(1);
   }
   std::chrono::nanoseconds uptime() const { return Steady::now() - start_; }
 
  private:
-  Steady::time_point start_ = Steady::now();
+  Steady::time_point start_;
 };
 
 }  // namespace limb_ring::runtime

@@ -29,7 +29,7 @@ json cpu_json(CpuSocket& cpu) {
 
 /// Of the line out of the node; null where that is as fast as the host.
 json rate_json(const core::Settings& settings) {
-  const auto byte_time = settings.byte_time_out.count();
+  const std::int64_t byte_time = core::picoseconds(settings.byte_time_out);
   return byte_time == 0 ? json() : json(8 * core::Duration::period::den / byte_time);
 }
 

@@ -52,8 +52,8 @@ void Passage::check_wait(Time since, Time now, const std::string& which) const {
                                    [&](Time gone) { return gone + interrupt > since; });
   const Duration most = interrupt * ahead + byte_time_ * 11;
   if (now - since > most)
-    complain_(Promise::interrupt_wait, which + " waited " + std::to_string((now - since).count()) + " ps at node " +
-                                           std::to_string(id_) + ", " + std::to_string(most.count()) +
+    complain_(Promise::interrupt_wait, which + " waited " + std::to_string(core::picoseconds(now - since)) + " ps at node " +
+                                           std::to_string(id_) + ", " + std::to_string(core::picoseconds(most)) +
                                            " are allowed");
 }
 

@@ -41,7 +41,7 @@ std::string hash_text(std::uint64_t hash) {
 }
 
 void Trace::record(Time now, NodeId node, const char* what, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
-  const auto time = static_cast<std::uint64_t>(now.time_since_epoch().count());
+  const auto time = static_cast<std::uint64_t>(core::picoseconds(now.time_since_epoch()));
   for (const std::uint64_t value : {time, std::uint64_t{node}, a, b, c}) hash_ = mix(hash_ ^ value) + 1;
   for (const char* letter = what; *letter; ++letter) hash_ = mix(hash_ ^ static_cast<unsigned char>(*letter));
   if (text_) *text_ << time << ' ' << unsigned{node} << ' ' << what << ' ' << a << ' ' << b << ' ' << c << '\n';
@@ -58,7 +58,7 @@ void Trace::leaves(NodeId node, const wire::Slice& slice, Time now) {
 void Trace::event(NodeId node, const core::Event& event) {
   if (const auto* end = std::get_if<core::SendEnded>(&event.what))
     return record(event.at, node, "send ended", end->token, static_cast<std::uint64_t>(end->outcome),
-                  static_cast<std::uint64_t>(end->round_trip.count()));
+                  static_cast<std::uint64_t>(core::picoseconds(end->round_trip)));
   if (const auto* pin = std::get_if<core::PinPulled>(&event.what))
     return record(event.at, node, "pin pulled", pin->factor, pin->source, 0);
   if (const auto* state = std::get_if<core::StateChanged>(&event.what))
@@ -67,7 +67,7 @@ void Trace::event(NodeId node, const core::Event& event) {
   if (const auto* peer = std::get_if<core::PeerChanged>(&event.what))
     return record(event.at, node, "peer changed", peer->node, 0, 0);
   if (const auto* home = std::get_if<core::BeaconHome>(&event.what))
-    record(event.at, node, "beacon home", static_cast<std::uint64_t>(home->round_trip.count()), 0, 0);
+    record(event.at, node, "beacon home", static_cast<std::uint64_t>(core::picoseconds(home->round_trip)), 0, 0);
 }
 
 void Trace::packet(NodeId node, const core::ReceivedPacket& packet) {

@@ -9,7 +9,7 @@ namespace limb_ring::sim {
 /// A promise of the ring was broken: which, when in virtual time, and the packets involved.
 struct BrokenPromise : std::runtime_error {
   explicit BrokenPromise(const Violation& violation)
-      : std::runtime_error("promise broken at " + std::to_string(violation.at.time_since_epoch().count()) +
+      : std::runtime_error("promise broken at " + std::to_string(core::picoseconds(violation.at.time_since_epoch())) +
                            " ps: " + to_string(violation.promise) + ": " + violation.what) {}
 };
 

@@ -105,7 +105,7 @@ TEST_P(PacedEmbedding, AtEveryInstantBothArriveAndTheInterruptWaitsNoLongerThanI
   for (Duration at{0}; at <= packet + 96ns; at += GetParam() > 64 ? Duration{52ns} : Duration{4ns}) {
     const Duration wait = waited(0, 1, at, payload);
     ASSERT_GE(wait, Duration{0});
-    ASSERT_LE(wait, most) << at.count();
+    ASSERT_LE(wait, most) << picoseconds(at);
     longest = std::max(longest, wait);
   }
   EXPECT_GE(longest, most - 52ns) << "the sweep met the worst place";
@@ -115,7 +115,7 @@ TEST_P(PacedEmbedding, InARelayedDatpToo) {
   const Bytes payload = pattern(GetParam(), 7);
   const Duration packet = time_of(GetParam() + 12);
   for (Duration at = 512ns; at <= 512ns + packet; at += GetParam() > 64 ? Duration{52ns} : Duration{4ns})
-    ASSERT_LE(waited(1, 1, at, payload), std::max(time_of(GetParam() % 4 + 8), time_of(4))) << at.count();
+    ASSERT_LE(waited(1, 1, at, payload), std::max(time_of(GetParam() % 4 + 8), time_of(4))) << picoseconds(at);
 }
 
 // It is taken out midway, at its own node, and the DATP around it goes on.

@@ -22,7 +22,7 @@ class VirtualRing : public sim::VirtualRing {
   ~VirtualRing() {
     if (const auto& broken = invariants_.violation())
       ADD_FAILURE() << "promise broken: " << sim::to_string(broken->promise) << "\n" << broken->what << "\nat "
-                    << broken->at.time_since_epoch().count() << " ps";
+                    << core::picoseconds(broken->at.time_since_epoch()) << " ps";
   }
 
  private:

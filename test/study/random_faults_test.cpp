@@ -25,7 +25,7 @@ std::string in_words(const RandomFaults& run) {
   const auto& broken = run.violation();
   if (!broken) return "";
   return std::string(sim::to_string(broken->promise)) + ": " + broken->what + ", at " +
-         std::to_string(broken->at.time_since_epoch().count()) + " ps";
+         std::to_string(core::picoseconds(broken->at.time_since_epoch())) + " ps";
 }
 
 TEST(RandomFaults, BreakNoPromise) {

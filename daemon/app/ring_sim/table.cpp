@@ -61,7 +61,7 @@ std::string in_text(const std::vector<app::Row>& rows, const Options& options) {
   }
   const study::Medium& medium = options.medium;
   return app::format_rows(shown, app::Format::text) + "\nR = " + std::to_string(medium.rate) +
-         " bit/s, d = " + std::to_string(medium.relay_delay.count()) +
+         " bit/s, d = " + std::to_string(core::picoseconds(medium.relay_delay)) +
          " ps, seed " + std::to_string(options.seed) +
          ". T = (B + 12) bytes on the line, i = 12 bytes.\n"
          "measured_us is the worst of its case. Asked a picosecond after a packet of another began to pass,\n"
