@@ -3,6 +3,8 @@
 #include <set>
 #include <utility>
 
+#include "config/yaml_file.h"
+
 namespace limb_ring::config {
 namespace {
 
@@ -15,10 +17,15 @@ std::string printable(const std::string& text) {
 }
 
 std::string one_line(const YAML::Node& node) {
+  constexpr std::size_t kLongest = 200;
   if (node.IsScalar()) return printable(node.Scalar());
   std::string text;
   for (const auto& part : node) {
     if (!text.empty()) text += ", ";
+    if (text.size() > kLongest) {
+      text += "...";
+      break;
+    }
     text += node.IsMap() ? one_line(part.first) + ": " + one_line(part.second) : one_line(part);
   }
   return node.IsMap() ? '{' + text + '}' : '[' + text + ']';
@@ -76,12 +83,7 @@ void Entry::refuse_value(const std::string& problem, const std::string& allowed)
   refuse(found() + ' ' + problem, allowed);
 }
 
-std::string Entry::place() const {
-  const YAML::Mark mark = node_.Mark();
-  if (mark.is_null()) return document_->name;
-  return document_->name + ':' + std::to_string(mark.line + 1) + ':' +
-         std::to_string(mark.column + 1);
-}
+std::string Entry::place() const { return place_in(document_->name, node_.Mark()); }
 
 std::string Entry::found() const {
   if (node_.IsScalar()) return "'" + printable(node_.Scalar()) + "'";

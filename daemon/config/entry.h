@@ -44,7 +44,7 @@ class Entry {
   /// The entry of that name in a map.
   std::optional<Entry> find(const std::string& key) const;
 
-  /// What stands there, on one line: "{cut: [a, b]}".
+  /// What stands there, on one line: "{cut: [a, b]}"; what is long is cut short by "...".
   std::string in_one_line() const;
 
   /// @throw ConfigError `FILE:LINE:COLUMN: entry 'PATH': PROBLEM; allowed: ALLOWED`, always.

@@ -5,45 +5,44 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <system_error>
 
 #include "config/config_error.h"
+#include "config/yaml_limits.h"
 
 namespace limb_ring::config {
 namespace {
 
 constexpr std::uintmax_t kMostBytes = 1 << 20;
-constexpr std::size_t kMostDepth = 64;
 
-/// yaml-cpp before 0.7 recurses without a limit; so deep brackets never get to it.
-void check_depth(const std::string& text, const std::string& name) {
-  std::size_t depth = 0;
-  for (const char c : text) {
-    if (c == '[' || c == '{') ++depth;
-    if ((c == ']' || c == '}') && depth > 0) --depth;
-    if (depth > kMostDepth)
-      throw ConfigError(name + ": brackets are nested too deep; allowed: " +
-                        std::to_string(kMostDepth) + " levels");
-  }
+/// Refuses what is not one document within its limits. yaml-cpp's own way through all documents never ends where a
+/// comma follows the last one: it finds a next document there and never gets beyond it.
+void check(const std::string& text, const std::string& name) {
+  std::istringstream in(text);
+  YAML::Parser parser(in);
+  YamlLimits first(name), second(name);
+  if (!parser.HandleNextDocument(first))
+    throw ConfigError(name + ": holds no YAML document; allowed: one, which is a map");
+  if (parser.HandleNextDocument(second))
+    throw ConfigError(place_in(name, second.start()) +
+                      ": what begins here is not part of the YAML document; allowed: one document, which is a map");
 }
 
 }  // namespace
 
 YAML::Node parse_yaml(const std::string& text, const std::string& name) {
-  check_depth(text, name);
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() != 1)
-      throw ConfigError(name + ": holds " + std::to_string(documents.size()) +
-                        " YAML documents; allowed: one, which is a map");
-    return documents[0];
+    check(text, name);
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    const std::string place = error.mark.is_null()
-                                  ? ""
-                                  : ':' + std::to_string(error.mark.line + 1) + ':' +
-                                        std::to_string(error.mark.column + 1);
-    throw ConfigError(name + place + ": is not YAML: " + error.msg);
+    throw ConfigError(place_in(name, error.mark) + ": is not YAML: " + error.msg);
   }
+}
+
+std::string place_in(const std::string& name, const YAML::Mark& mark) {
+  if (mark.is_null()) return name;
+  return name + ':' + std::to_string(mark.line + 1) + ':' + std::to_string(mark.column + 1);
 }
 
 // Only a regular file: reading a pipe or a device might never end.

@@ -73,27 +73,71 @@ TEST(NotYaml, IsRefusedWithItsPlace) {
 }
 
 TEST(NotYaml, EmptyOrSeveralDocumentsOrNoMap) {
-  EXPECT_THAT(refusal_of(""), HasSubstr("holds 0 YAML documents; allowed: one"));
-  EXPECT_THAT(refusal_of(two_nodes() + "---\n" + two_nodes()), HasSubstr("holds 2 YAML documents"));
+  EXPECT_THAT(refusal_of(""), HasSubstr("holds no YAML document; allowed: one"));
+  EXPECT_THAT(refusal_of("ring: r\n---\nring: r\n"), StartsWith("ring.yaml:2:1: what begins here is not part of"));
   EXPECT_THAT(refusal_of("- ring\n"), HasSubstr("the file: a list is no map"));
   EXPECT_THAT(refusal_of("ring\n"), HasSubstr("the file: 'ring' is no map"));
 }
 
+TEST(NotYaml, ACommaThatIsLeftOver) {
+  EXPECT_THAT(refusal_of("{ring: r, nodes: [{id: 0}, {id: 1}]},\n"),
+              StartsWith("ring.yaml:1:37: what begins here is not part of the YAML document; allowed: one document"));
+  for (const char* left_over : {",", ",\n", "a,", "[],", "{},", "],", "}", "{},,", "---\n,", "a: 1\n...\n,", "? ,", "\"a\","})
+    EXPECT_THAT(refusal_of(left_over), StartsWith("ring.yaml")) << left_over;
+}
+
+TEST(NotYaml, CommentsAndAnEndBehindTheDocumentAreFine) {
+  EXPECT_EQ(parse_ring(two_nodes() + "# the end\n...\n# more\n", "ring.yaml").nodes.size(), 2u);
+  EXPECT_EQ(parse_ring("---\n" + two_nodes(), "ring.yaml").nodes.size(), 2u);
+}
+
 TEST(NotYaml, BracketsWithoutEnd) {
   EXPECT_THAT(refusal_of("ring: " + std::string(100000, '[')),
-              HasSubstr("brackets are nested too deep"));
+              AllOf(StartsWith("ring.yaml:1:"), HasSubstr("nested too deep; allowed: 64 levels")));
   EXPECT_THAT(refusal_of("ring: " + std::string(100000, '{')), HasSubstr("nested too deep"));
 }
 
-TEST(NotYaml, ListsWithinListsWithoutEnd) {
-  std::string text;
-  for (int i = 0; i < 5000; ++i) text += "- ";
-  EXPECT_THAT(refusal_of(text), StartsWith("ring.yaml"));
+TEST(NotYaml, SixtyFourLevelsAndNoMore) {
+  const auto nested = [](std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+  EXPECT_THAT(refusal_of(nested(64)), HasSubstr("a list is no map"));
+  EXPECT_THAT(refusal_of(nested(65)), StartsWith("ring.yaml:1:65: lists and maps are nested too deep"));
 }
 
-TEST(NotYaml, AMapThatHoldsItself) {
-  EXPECT_THAT(refusal_of("&a\nring: r\nnodes: [*a, *a]\n"),
-              HasSubstr("'nodes[0].ring': is unknown"));
+TEST(NotYaml, ListsWithinListsWithoutEnd) {
+  std::string lists, keys;
+  for (int i = 0; i < 5000; ++i) lists += "- ", keys += "? ";
+  EXPECT_THAT(refusal_of(lists), HasSubstr("nested too deep"));
+  EXPECT_THAT(refusal_of(keys), HasSubstr("nested too deep"));
+}
+
+TEST(NotYaml, DeepByAliasesOnly) {
+  std::string text = "a0: &a0 []\n";
+  for (int i = 1; i < 100; ++i) {
+    const std::string n = std::to_string(i), before = std::to_string(i - 1);
+    text += "a" + n + ": &a" + n + " [*a" + before + "]\n";
+  }
+  EXPECT_THAT(refusal_of(text), AllOf(StartsWith("ring.yaml:64:"), HasSubstr("nested too deep")));
+}
+
+TEST(NotYaml, AnAliasOfWhatItIsIn) {
+  EXPECT_THAT(refusal_of("&a\nring: r\nnodes: [*a, *a]\n"), AllOf(StartsWith("ring.yaml:3:9: "), HasSubstr("holds itself")));
+  EXPECT_THAT(refusal_of("ring: &a [*a]\n"), HasSubstr("holds itself"));
+  EXPECT_THAT(refusal_of("ring: &a {*a : 1}\n"), HasSubstr("holds itself"));
+}
+
+TEST(NotYaml, AliasesThatStandForTooMuch) {
+  std::string text = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 20; ++i) {
+    text += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [";
+    for (int k = 0; k < 10; ++k) text += (k == 0 ? "*a" : ", *a") + std::to_string(i - 1);
+    text += "]\n";
+  }
+  EXPECT_THAT(refusal_of(text), AllOf(StartsWith("ring.yaml:6:"), HasSubstr("too many values")));
+}
+
+TEST(NotYaml, AnAliasMayStandForWhatEndedBefore) {
+  EXPECT_EQ(parse_ring("ring: r\nnodes: [{id: 0, link: &slow {rate: 1Mbit/s}}, {id: 1, link: *slow}]\n", "ring.yaml")
+                .nodes[1].link.rate, 1000000u);
 }
 
 TEST(NotYaml, Garbage) {
