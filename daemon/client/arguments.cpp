@@ -38,4 +38,20 @@ std::optional<std::string> pull_problem(std::uint8_t input) {
   return "input " + std::to_string(input) + ": allowed are 0 to 7";
 }
 
+std::optional<std::string> json_problem(std::string_view json) {
+  std::size_t levels = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (c == '"') quoted = !quoted;
+    if (c == '\\' && quoted) ++i;
+    if (quoted) continue;
+    if (c == '[' || c == '{') ++levels;
+    if ((c == ']' || c == '}') && levels > 0) --levels;
+    if (levels > kMostJsonLevels)
+      return "JSON: lists and objects are nested too deep; allowed: " + std::to_string(kMostJsonLevels) + " levels";
+  }
+  return std::nullopt;
+}
+
 }  // namespace limb_ring::client

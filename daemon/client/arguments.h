@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace limb_ring::client {
 
@@ -13,5 +14,11 @@ std::optional<std::string> send_problem(std::size_t size, std::uint8_t priority,
                                         std::uint8_t channel);
 std::optional<std::string> interrupt_problem(std::uint8_t factor);
 std::optional<std::string> pull_problem(std::uint8_t input);
+
+/// Lists and objects within each other that JSON on a host port may have. (ours: what reads or writes JSON calls
+/// itself for each level, so that 64 kB of brackets would need more stack than a process has)
+constexpr std::size_t kMostJsonLevels = 32;
+/// Looks at the brackets alone: what it passes may still be no JSON.
+std::optional<std::string> json_problem(std::string_view json);
 
 }  // namespace limb_ring::client

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "capture/pseudo_header.h"
+#include "client/arguments.h"
 
 namespace limb_ring::client {
 
@@ -78,7 +79,13 @@ std::optional<ToClient> read_reply(FieldReader reader) {
   limb_ring::Reply message;
   message.token = reader.u32();
   message.json = std::string(reader.rest_text());
-  if (!reader.complete()) return std::nullopt;
+  if (!reader.complete() || json_problem(message.json)) return std::nullopt;
+  return message;
+}
+
+std::optional<ToClient> read_observed(FieldReader reader) {
+  limb_ring::Observed message{std::string(reader.rest_text())};
+  if (json_problem(message.json)) return std::nullopt;
   return message;
 }
 
@@ -179,7 +186,7 @@ std::optional<ToClient> decode_to_client(const Frame& frame) {
     case kInterrupt: return read_interrupt(reader);
     case kResult: return read_result(reader);
     case kReply: return read_reply(reader);
-    case kObserved: return limb_ring::Observed{std::string(reader.rest_text())};
+    case kObserved: return read_observed(reader);
     case kObservedLost: return read_observed_lost(reader);
     case kCaptured: return read_captured(reader);
     case kCaptureCounts: return read_capture_counts(reader);

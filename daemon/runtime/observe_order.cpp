@@ -79,8 +79,7 @@ capture::Wish wish_of(const config::RingConfig& ring, const json& packets) {
 const std::vector<std::string>& event_kinds() { return kEvents; }
 
 ObserveOrder read_observe_order(const config::RingConfig& ring, const std::string& text) {
-  const json order = json::parse(text.empty() ? "{}" : text, nullptr, /*allow_exceptions=*/false);
-  if (!order.is_object()) throw RequestError("an observe filter is a JSON object");
+  const json order = object_in(text.empty() ? "{}" : text, "an observe filter is a JSON object");
   ObserveOrder read;
   for (const std::size_t kind : words_in(order, "kinds", kEvents)) read.kinds.insert(kEvents[kind]);
   const bool packets = order.contains("packets");

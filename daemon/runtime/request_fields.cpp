@@ -1,5 +1,6 @@
 #include "runtime/request_fields.h"
 
+#include "client/arguments.h"
 #include "wire/packet.h"
 
 namespace limb_ring::runtime {
@@ -15,6 +16,13 @@ std::string names_of(const config::RingConfig& ring) {
 }
 
 }  // namespace
+
+nlohmann::json object_in(const std::string& text, const char* problem) {
+  if (const auto deep = client::json_problem(text)) throw RequestError(*deep);
+  nlohmann::json object = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!object.is_object()) throw RequestError(problem);
+  return object;
+}
 
 std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,
                         std::uint64_t least, std::uint64_t most) {

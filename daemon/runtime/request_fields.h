@@ -14,6 +14,10 @@ struct RequestError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What a client wrote, an object. @param problem says what it should be
+/// @throw RequestError where it is none, or nested too deep
+nlohmann::json object_in(const std::string& text, const char* problem);
+
 /// A whole number within `least` and `most`, `otherwise` where the field is missing.
 /// @throw RequestError naming the field and what is allowed
 std::uint64_t number_in(const nlohmann::json& request, const std::string& field, std::uint64_t otherwise,

@@ -44,9 +44,9 @@ void Requests::handle(const std::string& text, const Answer& answer) {
   static const std::map<std::string, FaultHandler> fault_handlers{
       {"clear_faults", clear_faults}, {"fault", begin_fault}, {"faults", list_faults}, {"remove_fault", remove_fault}};
   try {
-    const Json request = Json::parse(text, nullptr, false);
-    if (!request.is_object() || !request.contains("do") || !request["do"].is_string())
-      throw RequestError("a request is a JSON object {\"do\": \"...\", ...}");
+    constexpr const char* kRule = "a request is a JSON object {\"do\": \"...\", ...}";
+    const Json request = object_in(text, kRule);
+    if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRule);
     const auto fault_handler = fault_handlers.find(request["do"].get<std::string>());
     if (fault_handler != fault_handlers.end()) return fault_handler->second(node_, request, answer);
     const auto handler = handlers.find(request["do"].get<std::string>());

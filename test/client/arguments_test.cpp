@@ -24,5 +24,23 @@ TEST(Arguments, OutsideSayWhatIsAllowed) {
   EXPECT_EQ(pull_problem(8), "input 8: allowed are 0 to 7");
 }
 
+std::string nested(std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); }
+
+TEST(Arguments, JsonMayBeNestedSoDeepAndNoDeeper) {
+  EXPECT_FALSE(json_problem(nested(kMostJsonLevels)));
+  EXPECT_EQ(json_problem(nested(kMostJsonLevels + 1)),
+            "JSON: lists and objects are nested too deep; allowed: 32 levels");
+  EXPECT_TRUE(json_problem(std::string(60000, '{')));
+}
+
+TEST(Arguments, BracketsSideBySideOrInTextsAreNoLevels) {
+  std::string beside, within = "\"";
+  for (int i = 0; i < 100; ++i) beside += "[],", within += "[{";
+  EXPECT_FALSE(json_problem(beside));
+  EXPECT_FALSE(json_problem(within + "\""));
+  EXPECT_FALSE(json_problem("\"\\\"" + within.substr(1) + "\"")) << "the text goes on behind an escaped quote";
+  EXPECT_TRUE(json_problem("\"\\\\\"" + std::string(33, '['))) << "it ends behind an escaped backslash";
+}
+
 }  // namespace
 }  // namespace limb_ring::client

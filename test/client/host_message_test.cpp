@@ -258,5 +258,12 @@ TEST(HostMessage, CaptureCountsComeThrough) {
   EXPECT_EQ(read.given, 11u);
 }
 
+TEST(HostMessage, JsonOfADaemonThatIsNestedTooDeepIsNone) {
+  const std::string deep(60000, '[');
+  EXPECT_FALSE(decode_to_client(only_frame(encoded(Reply{1, deep}))));
+  EXPECT_FALSE(decode_to_client(only_frame(encoded(Observed{deep}))));
+  EXPECT_TRUE(decode_to_client(only_frame(encoded(Reply{1, "{\"nodes\":[[1]]}"}))));
+}
+
 }  // namespace
 }  // namespace limb_ring::client

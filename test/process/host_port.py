@@ -77,7 +77,10 @@ class HostPort:
         return self._order(PULL, struct.pack('>B', number))
 
     def request(self, order):
-        return self._order(REQUEST, json.dumps(order).encode())
+        return self.request_text(json.dumps(order).encode())
+
+    def request_text(self, text):
+        return self._order(REQUEST, text)
 
     def give_credit(self, count):
         self.connection.sendall(frame(CREDIT, struct.pack('>H', count)))
@@ -119,7 +122,9 @@ class HostPort:
         return self._find(lambda found, _: found == kind, timeout)[1]
 
     def ask(self, order, timeout=30):
-        token = self.request(order)
+        return self.reply_to(self.request(order), timeout)
+
+    def reply_to(self, token, timeout=30):
         return self._find(lambda kind, value: kind == REPLY and value[0] == token, timeout)[1][1]
 
     def _find(self, wanted, timeout):

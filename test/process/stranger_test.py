@@ -113,6 +113,17 @@ class Stranger(RingTest):
             self.assertIn('error', port.ask(order))
         self.assertEqual(port.result(port.send(1, b'good'))['outcome'], 'delivered')
 
+    def test_json_nested_without_end_is_answered_and_the_daemon_stays(self):
+        self.quiet_ring()
+        port = self.port(0)
+        nest = b'[' * 32600 + b']' * 32600
+        for order in (nest, b'{"do":"ping","to":%s}' % nest, b'{"do":"ping","to":1,"count":%s}' % nest,
+                      b'{"do":"status","x":%s}' % nest):
+            self.assertIn('nested too deep', port.reply_to(port.request_text(order))['error'])
+        port.connection.sendall(host_port.frame(host_port.OBSERVE, b'{"kinds":%s}' % nest))
+        self.assertIn('nested too deep', port.next_of(host_port.OBSERVED)['error'])
+        self.assert_undisturbed()
+
     def test_client_that_does_not_read_is_bounded(self):
         self.quiet_ring()
         port = self.port(0)

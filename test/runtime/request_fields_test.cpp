@@ -1,0 +1,45 @@
+// What clients write in JSON, before anything of it is done.
+#include "runtime/request_fields.h"
+
+#include <gmock/gmock.h>
+
+#include "runtime/observe_order.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+using testing::HasSubstr;
+
+std::string nested(std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); }
+
+template <class Call>
+std::string refusal_of(Call call) {
+  try {
+    call();
+    return {};
+  } catch (const RequestError& error) {
+    return error.what();
+  }
+}
+
+// 64 kB of brackets would need more stack than a process has.
+TEST(RequestFields, JsonNestedTooDeepIsRefused) {
+  for (const std::string& text : {nested(32600), "{\"do\":\"ping\",\"to\":" + nested(32600) + "}"})
+    EXPECT_THAT(refusal_of([&] { object_in(text, "an object"); }), HasSubstr("nested too deep; allowed: 32 levels"));
+}
+
+TEST(RequestFields, WhatIsNoObjectIsRefused) {
+  for (const char* text : {"", "[]", "7", "{", "{}}", "{\"a\":}"})
+    EXPECT_EQ(refusal_of([&] { object_in(text, "an object is expected"); }), "an object is expected") << text;
+  EXPECT_EQ(object_in("{\"a\": [1]}", "")["a"][0], 1);
+}
+
+TEST(ObserveOrder, NestedTooDeepIsRefused) {
+  const config::RingConfig ring;
+  for (const char* field : {"kinds", "packets"})
+    EXPECT_THAT(refusal_of([&] { read_observe_order(ring, "{\"" + std::string(field) + "\":" + nested(32600) + "}"); }),
+                HasSubstr("nested too deep"));
+}
+
+}  // namespace
+}  // namespace limb_ring::runtime
