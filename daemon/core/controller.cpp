@@ -177,7 +177,7 @@ bool Controller::check(const PacketFields& packet) {
 }
 
 // Its first try may have been taken in this node's former life, of which the source, in another part of
-// a ring that was broken twice, has not heard. (ours)
+// a ring that was broken twice, has not heard. (ours, protocol.md section 4.10)
 bool Controller::is_strangers_retry(const PacketFields& packet) {
   if (!settings_.fold_back || packet.code().attempt == 0 || membership_.peers()[packet.source()].known) return false;
   return ++counters_.retries_of_strangers, true;

@@ -36,14 +36,15 @@ class Controller {
   void input_gap(Time now);
   void output_up(NodeId to, Time now);
   void output_lost(Time now);
-  /// The output goes on over another line to the same node: what waited for the old one is dropped. (ours)
+  /// The output goes on over another line to the same node: what waited for the old one is dropped. (ours,
+  /// protocol.md section 2.6)
   void output_replaced(Time now);
   /// Who is next on the first line, also while the second stands for it; nodes between this one and
-  /// `successor` are bypassed. (ours, fold_back.h)
+  /// `successor` are bypassed. (ours, protocol.md section 8.9)
   void set_neighbours(NodeId before, NodeId next, NodeId successor);
-  /// The second line stands for the input, for the output: beacons say so. (ours, fold_back.h)
+  /// The second line stands for the input, for the output: beacons say so. (ours, protocol.md section 8.12)
   void set_folded(bool input, bool output, Time now) { membership_.set_folded(input, output, now); }
-  /// The second line stands for the input, and what comes was turned back at `node`. (ours, fold_back.h)
+  /// The second line stands for the input, and what comes was turned back at `node`. (ours, protocol.md section 4.9)
   void set_turned_back_at(std::optional<NodeId> node) { relay_.set_turned_back_at(node); }
   /// Another DATP of the largest size could come in.
   bool has_room() const { return packet_manager_.has_room(); }
@@ -58,7 +59,7 @@ class Controller {
   ///@{
   void send(const SendRequest& request, Time now);
   void interrupt(const InterruptRequest& request, Time now);
-  /// Pulls interrupt input 0..7: sends the INTP it is wired to, without the CPU. (paper)
+  /// Pulls interrupt input 0..7: sends the INTP it is wired to, without the CPU. (paper, protocol.md section 5.4)
   void pull(Owner owner, std::uint32_t token, unsigned input, Time now);
   void cancel(Owner owner, Time now) { transmit_.cancel(owner, now); }
   ///@}
@@ -69,7 +70,7 @@ class Controller {
   bool take(Time now, ReceivedPacket& out) { return receive_.take(now, out); }
   void set_cpu_present(bool present) { receive_.set_cpu_present(present); }
   void set_cpu(const CpuReport& report, Time now) { membership_.set_cpu(report, now); }
-  /// The CPU was reset: empties its send queue and the receive buffers. (ours)
+  /// The CPU was reset: empties its send queue and the receive buffers. (ours, protocol.md section 5.5)
   void cpu_reset(Owner cpu, Time now);
   ///@}
 

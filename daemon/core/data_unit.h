@@ -22,7 +22,8 @@ enum class Gate : std::uint8_t {
 };
 
 /// The data packet unit of Transmit: a queue per priority, one DATP outstanding, its return the
-/// acknowledgement. (paper) Time-out, retry, refusal and results are ours (protocol.md section 4).
+/// acknowledgement. (paper) Time-out, retry, refusal and results are ours (protocol.md
+/// sections 4.3 to 4.6).
 class DataUnit {
  public:
   DataUnit(const Settings& settings, Counters& counters, EventQueue& events);
@@ -71,7 +72,7 @@ class DataUnit {
   }
 
   /// `peer` has begun a new life and forgotten what it took: what it may have taken before is not
-  /// repeated, or it would take it twice. (ours)
+  /// repeated, or it would take it twice. (ours, protocol.md section 4.10)
   void forgotten_by(NodeId peer, Time now);
 
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.

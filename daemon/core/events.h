@@ -16,7 +16,7 @@ using wire::NodeId;
 using Owner = std::uint32_t;
 constexpr Owner kController = 0;
 
-/// States a node can be in, as status shows them. (ours)
+/// States a node can be in, as status shows them. (ours, protocol.md section 8.1)
 enum class NodeState : std::uint8_t {
   starting,    ///< its links are not there yet
   joining,     ///< its hello is not home yet

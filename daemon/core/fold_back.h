@@ -14,7 +14,7 @@ inline std::size_t place_of(const Settings& settings, NodeId node) {
                                   settings.order.begin());
 }
 
-/// Fold-back around a break, with a second, counter-rotating line. (ours, protocol.md section 8; Honda's
+/// Fold-back around a break, with a second, counter-rotating line. (ours, protocol.md sections 8.7 to 8.12; Honda's
 /// own answer is switches to a redundant line, US10742444)
 ///
 /// It stands between a node's four lines and its network controller. The node before a break turns its

@@ -21,7 +21,7 @@ struct RelayedPacket {
 
 /// Where relayed DATPs wait while the line is taken (paper: "the other waits in a buffer").
 /// Bounded in bytes: one DATP of the largest size is enough while nothing is lost, many small ones
-/// as well, and each copy of an own packet in flight adds one. (ours, protocol.md section 2)
+/// as well, and each copy of an own packet in flight adds one. (ours, protocol.md section 2.5)
 class InsertionBuffer {
  public:
   /// @param capacity DATPs of the largest size

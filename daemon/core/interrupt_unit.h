@@ -14,7 +14,7 @@
 namespace limb_ring::core {
 
 /// The interrupt packet unit of Transmit, parallel to the data packet unit (paper): one INTP
-/// outstanding, time-out and retries as for data, and never tried again for a refusal. (ours)
+/// outstanding, time-out and retries as for data, and never tried again for a refusal. (ours, protocol.md section 5.1)
 class InterruptUnit {
  public:
   InterruptUnit(const Settings& settings, Counters& counters, EventQueue& events);

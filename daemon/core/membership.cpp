@@ -69,7 +69,7 @@ void Membership::output_lost(Time now) {
 }
 
 // Both links gone or replaced: this node was bypassed, perhaps only frozen. What it remembers of
-// the others, and they of it, no longer holds. (ours)
+// the others, and they of it, no longer holds. (ours, protocol.md section 4.8)
 void Membership::links_changed(Time now) {
   if (input_was_lost_ && output_was_lost_) start_over(now);
   watch_for_break(now);
@@ -140,7 +140,7 @@ void Membership::joined(Time now) {
   change(now);
 }
 
-// Sequence numbers are used up without a verdict: everyone is told to forget them. (ours)
+// Sequence numbers are used up without a verdict: everyone is told to forget them. (ours, protocol.md section 4.7)
 void Membership::renumber(Time now) {
   if (!renumbering_) transmit_.set_gate(Gate::closed, now);
   renumbering_ = true;
@@ -202,7 +202,7 @@ void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now
 }
 
 // The two take each other's packets off the ring, so nothing can be confirmed. It goes on saying
-// hello: the one that comes home is the sign that the other is gone. (ours)
+// hello: the one that comes home is the sign that the other is gone. (ours, protocol.md section 8.6)
 void Membership::found_double(Time now) {
   transmit_.set_open_chain(false, now);
   new_life(now);
@@ -230,7 +230,7 @@ bool Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello
 }
 
 // Where nothing is confirmed a hello can be missed; the boot number of the beacons after it still
-// tells of the new life. A first beacon tells of none. (ours)
+// tells of the new life. A first beacon tells of none. (ours, protocol.md section 4.10)
 bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
   const NodeId source = packet.source();
   if (!memory_.meet_beacon(source, beacon.boot)) return ++counters_.earlier_incarnation, false;

@@ -21,7 +21,7 @@ struct CpuReport {
 };
 
 /// This node's place in the ring: hello, beacons, what they say of the others, the learned ring
-/// size, doubled ids, a broken ring. (ours, protocol.md sections 4 and 8)
+/// size, doubled ids, a broken ring. (ours, protocol.md sections 4.7, 4.8 and 8.1 to 8.6)
 class Membership {
  public:
   Membership(const Settings& settings, Transmit& transmit, Receive& receive, DuplicateMemory& memory,
@@ -59,7 +59,7 @@ class Membership {
 
   /// An own packet came home with that HOP from a ring that has grown together out of two parts: nodes of the
   /// other part may have missed hellos, so what they say of a packet's number may be of an older one. One node
-  /// more is none: a node that was alone forgets everything and says hello itself. (ours)
+  /// more is none: a node that was alone forgets everything and says hello itself. (ours, protocol.md section 4.10)
   bool has_merged(std::uint8_t hop, Time now) const {
     return merged_ || (settings_.fold_back && ring_size_ != 0 && hop > ring_size_ && now < fold_over_);
   }

@@ -1,5 +1,5 @@
 // Membership's part in a broken ring: what is left is an open chain, in which everything goes on and
-// nothing is confirmed. (ours, protocol.md section 8)
+// nothing is confirmed. (ours, protocol.md section 8.4)
 #include "core/membership.h"
 #include "core/mutation.h"
 
@@ -11,7 +11,8 @@ void Membership::watch_for_break(Time now) {
   if (lost && break_due_ == kNever) break_due_ = now + settings_.break_grace;
 }
 
-// The node behind the break knows at once; after a grace for the bypass it announces it. (ours)
+// The node behind the break knows at once; after a grace for the bypass it announces it. (ours, protocol.md
+// section 8.3)
 void Membership::own_input_broken(Time now) {
   break_due_ = kNever;
   break_known_ = true;

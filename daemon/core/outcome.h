@@ -4,7 +4,7 @@
 
 namespace limb_ring::core {
 
-/// How a send ended; every send has exactly one. (ours, protocol.md section 4)
+/// How a send ended; every send has exactly one. (ours, protocol.md section 4.6)
 enum class Outcome : std::uint8_t {
   delivered, refused, no_such_node, lost, unconfirmed, rejected, cancelled
 };

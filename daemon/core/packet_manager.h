@@ -14,7 +14,8 @@ namespace limb_ring::core {
 
 /// Packet Manager: chooses what goes onto the outgoing line. What came in first goes first; on a
 /// tie Transmit wins over Relay; an INTP goes before any DATP and is embedded into a DATP already
-/// on its way out, at a word boundary. (paper; word grid and buffer limits ours)
+/// on its way out, at a word boundary. (paper; word grid and buffer limits ours, protocol.md sections 2.4, 2.5
+/// and 5.2)
 ///
 /// Time on the line: a byte takes `byte_time_out`. A `start` slice is given out as its header
 /// begins, an INTP as it begins, an `end` slice as its last odd bytes, trailer and CRC begin, so
@@ -69,7 +70,7 @@ class PacketManager {
   bool paced() const { return settings_.byte_time_out.count() != 0; }
   Duration bytes_time(std::size_t bytes) const { return settings_.byte_time_out * static_cast<std::int64_t>(bytes); }
   /// How much later than on the input so many bytes may begin on the output, where that one is faster: no byte leaves
-  /// before it has come in. (ours)
+  /// before it has come in. (ours, protocol.md section 6.4)
   Duration lag(std::size_t bytes) const {
     return std::max(Duration{0}, settings_.byte_time_in - settings_.byte_time_out) * static_cast<std::int64_t>(bytes);
   }

@@ -8,7 +8,7 @@
 namespace limb_ring::core {
 
 /// The interrupt pins of the NC: an INTP addressed to this node pulls the pin of its number, no
-/// firmware involved. (paper) Only after a good CRC, and once per INTP. (ours)
+/// firmware involved. (paper) Only after a good CRC, and once per INTP. (ours, protocol.md section 5.3)
 class Pins {
  public:
   Pins(const Settings& settings, DuplicateMemory& memory, Counters& counters, EventQueue& events)

@@ -24,7 +24,8 @@ struct ReceivedPacket {
 };
 
 /// Receive: works in parallel with Relay on the same input, takes packets addressed to this node
-/// or broadcast, by priority, and ignores the rest. (paper) Verdicts and exactly-once are ours.
+/// or broadcast, by priority, and ignores the rest. (paper) Verdicts and exactly once are ours (protocol.md sections
+/// 2.3 and 4.10).
 class Receive {
  public:
   Receive(const Settings& settings, DuplicateMemory& memory, Counters& counters)

@@ -10,7 +10,8 @@
 namespace limb_ring::core {
 
 /// Relay: passes every incoming packet on with HOP + 1, and discards a packet whose SID is its
-/// own. (paper) What becomes of orphans, whose source can no longer discard them, is ours.
+/// own. (paper) What becomes of orphans, whose source can no longer discard them, is ours (protocol.md
+/// sections 2.2 and 4.9).
 class Relay {
  public:
   enum class Fate : std::uint8_t {
@@ -37,7 +38,8 @@ class Relay {
   /// The output now leads to `successor`: nodes between it and this one are bypassed.
   void set_successor(NodeId successor) { bypassed_ = between(settings_.id, successor); }
   /// What comes in was turned back at `node`: whoever lies between it and this one is cut off, and what comes of them
-  /// has passed here before the break. Nothing: the input is the first line. (ours, fold-back)
+  /// has passed here before the break. Nothing: the input is the first line. (ours,
+  /// protocol.md section 4.9)
   void set_turned_back_at(std::optional<NodeId> node) {
     cut_off_ = node ? between(*node, settings_.id) : std::bitset<256>{};
   }

@@ -9,7 +9,8 @@ namespace limb_ring::core {
 
 /// Sequence numbers of one kind of packet: per DID, from 0 after a hello, broadcast being a DID of
 /// its own. Three bits wrap; a receiver that has decided none of the last 7 could mistake a new
-/// packet for an old one, so after 6 sends in a row without its verdict new numbers are due. (ours)
+/// packet for an old one, so after 6 sends in a row without its verdict new numbers are due. (ours, protocol.md
+/// section 4.7)
 class SequenceNumbers {
  public:
   /// Code of a first try to `destination`.

@@ -26,7 +26,7 @@ struct Settings {
 
   Duration byte_time_out{0};     ///< of the output line; 0: as fast as it takes them
   Duration byte_time_in{0};      ///< of the input line
-  Duration relay_delay{0};       ///< d of protocol.md section 7; only time-outs use it here
+  Duration relay_delay{0};       ///< d of protocol.md section 7.1; only time-outs use it here
 
   /// Worst lap of the whole ring where its lines differ; 0: nodes() times the own line's T + d.
   Duration lap{0};

@@ -6,7 +6,7 @@
 namespace limb_ring::core {
 
 /// Transmit: sends what the node asks for. Data packets and interrupt packets have separate,
-/// parallel units. (paper)
+/// parallel units. (paper, protocol.md section 2.1)
 struct Transmit {
   Transmit(const Settings& settings, Counters& counters, EventQueue& events)
       : data(settings, counters, events), interrupts(settings, counters, events) {}
