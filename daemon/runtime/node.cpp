@@ -15,9 +15,8 @@ static_assert(static_cast<int>(core::Outcome::cancelled) == static_cast<int>(Out
                   static_cast<int>(core::Outcome::lost) == static_cast<int>(Outcome::lost),
               "core and client library count outcomes alike");
 
-/// Boot numbers never repeat for one node: nanoseconds of the wall clock at the start, counted up
-/// by one for each new hello.
-std::uint64_t boot_number() {
+/// Of the wall clock.
+std::uint64_t nanoseconds_since_1970() {
   return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
                                         std::chrono::system_clock::now().time_since_epoch())
                                         .count());
@@ -65,7 +64,8 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       cores_(own_cores(ring)),
       directory_(make_ring_directory(ring.ring)),
       lock_(directory_, ring.ring, config.id, config.name),
-      engine_(io, setup::core_settings(ring, config, boot_number()), link_settings(ring, config, directory_), *this),
+      boots_(directory_, config.id),
+      engine_(io, setup::core_settings(ring, config, boots_.first(nanoseconds_since_1970())), link_settings(ring, config, directory_), *this),
       host_(io, host_options(ring, config, directory_), *this),
       observers_(host_),
       packet_observers_(config.id, engine_, host_),
@@ -112,6 +112,7 @@ void Node::on_event(const core::Event& event) {
 }
 
 void Node::on_round_end() {
+  boots_.note(engine_.controller().membership().boot());
   if (engine_.controller().received_waiting() != 0) cpu_.hand_over();
   if (observers_.any()) noticed_.look(engine_, observers_);
 }

@@ -10,6 +10,7 @@
 #include "config/ring_config.h"
 #include "host/host_server.h"
 #include "host/node_lock.h"
+#include "runtime/boot_record.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/engine.h"
 #include "runtime/faults.h"
@@ -94,6 +95,7 @@ class Node final : private EngineListener, private host::HostHandler {
   std::optional<cpu_set_t> cores_;  ///< before the daemon pinned itself, where it does
   std::string directory_;
   host::NodeLock lock_;
+  BootRecord boots_;
   Engine engine_;
   host::HostServer host_;
   Observers observers_;

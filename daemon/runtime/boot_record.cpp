@@ -1,0 +1,58 @@
+#include "runtime/boot_record.h"
+
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "wire/bytes.h"
+#include "wire/packet.h"
+
+namespace limb_ring::runtime {
+
+namespace {
+
+using Bytes = std::array<std::uint8_t, 8>;
+
+}  // namespace
+
+BootRecord::BootRecord(const std::string& directory, std::uint8_t id) {
+  const std::string path = directory + "/" + std::to_string(id) + ".boot";
+  fd_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (fd_ < 0) {
+    spdlog::warn("{}: {}; the next process of this node cannot go on from this one's boot number", path,
+                 std::strerror(errno));
+    return;
+  }
+  Bytes bytes;
+  if (::pread(fd_, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return;
+  last_ = std::uint64_t{wire::load_u32(bytes.data())} << 32 | wire::load_u32(bytes.data() + 4);
+}
+
+BootRecord::~BootRecord() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+std::uint64_t BootRecord::first(std::uint64_t now_ns) const {
+  if (last_ == 0) return now_ns;
+  const std::uint64_t next = last_ + 1;
+  if (now_ns <= next) return next;
+  constexpr std::uint64_t kBits = 3;
+  return (now_ns | kBits) + 1 + wire::incarnation_of(next);
+}
+
+void BootRecord::write(std::uint64_t boot) {
+  last_ = boot;
+  if (fd_ < 0) return;
+  Bytes bytes;
+  wire::store_u32(bytes.data(), static_cast<std::uint32_t>(boot >> 32));
+  wire::store_u32(bytes.data() + 4, static_cast<std::uint32_t>(boot));
+  // A number that could not be written (disk full) is only a little less help to the next process.
+  [[maybe_unused]] const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), 0);
+}
+
+}  // namespace limb_ring::runtime

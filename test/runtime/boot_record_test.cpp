@@ -1,0 +1,64 @@
+// A new process of a node goes on from the boot number of the former one.
+#include "runtime/boot_record.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "wire/packet.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+struct BootRecordTest : testing::Test {
+  std::filesystem::path folder;
+  void SetUp() override {
+    std::string pattern = (std::filesystem::temp_directory_path() / "boot_record_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder = pattern;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+  BootRecord open() { return BootRecord(folder.string(), 7); }
+};
+
+TEST_F(BootRecordTest, WithoutAFormerProcessItIsTheTime) { EXPECT_EQ(open().first(1'000'000'001), 1'000'000'001u); }
+
+TEST_F(BootRecordTest, TheNextProcessHasAHigherOneOfTheNextIncarnation) {
+  for (std::uint64_t former : {1000u, 1001u, 1002u, 1003u}) {
+    BootRecord(folder.string(), 7).note(former);
+    for (std::uint64_t now = 5000; now < 5008; ++now) {
+      const std::uint64_t first = open().first(now);
+      EXPECT_GT(first, now);
+      EXPECT_EQ(wire::incarnation_of(first), wire::incarnation_of(former + 1)) << former << ", " << now;
+    }
+  }
+}
+
+TEST_F(BootRecordTest, AClockThatWasSetBackMakesItNoLower) {
+  BootRecord(folder.string(), 7).note(9000);
+  EXPECT_EQ(open().first(5000), 9001u);
+}
+
+TEST_F(BootRecordTest, ItIsTheLastOneNoted) {
+  {
+    BootRecord record(folder.string(), 7);
+    record.note(1000);
+    record.note(1001);
+  }
+  EXPECT_EQ(open().first(10), 1002u);
+}
+
+TEST_F(BootRecordTest, AFileThatHoldsNoNumberIsAsNone) {
+  std::ofstream(folder / "7.boot") << "abc";
+  EXPECT_EQ(open().first(5000), 5000u);
+}
+
+TEST_F(BootRecordTest, WhereNoFileCanBeMadeItIsTheTime) {
+  BootRecord record((folder / "no" / "such").string(), 7);
+  record.note(1000);
+  EXPECT_EQ(BootRecord((folder / "no" / "such").string(), 7).first(5000), 5000u);
+}
+
+}  // namespace
+}  // namespace limb_ring::runtime
