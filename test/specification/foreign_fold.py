@@ -19,6 +19,9 @@ class NoFold:
     def poll(self, now):
         pass
 
+    def cut_off(self, source):
+        return False
+
     def closed(self):
         return self.line.input.up() and self.line.output.up()
 
@@ -210,7 +213,7 @@ class Fold:
 
     def hear(self, data):
         mark, node, check = data
-        if check != 0xFF ^ mark ^ node or not BEGIN <= mark <= HEARS:
+        if check != 0xFF ^ mark ^ node or not BEGIN <= mark <= HEARS or node not in self.first.order:
             return
         if mark in (DEAF, HEARS):
             if node == self.first.successor:
@@ -223,7 +226,17 @@ class Fold:
             if mark == LOST and self.fold_node is not None:
                 self.lose_fold_node()
             return
-        self.hear_of_fold_node(mark, node)
+        if self.ahead(node) >= self.ahead(self.second.sender):  # else it has come all the way round
+            self.hear_of_fold_node(mark, node)
+
+    def ahead(self, node):
+        order = self.first.order
+        return (order.index(node) - order.index(self.id)) % len(order)
+
+    def cut_off(self, source):
+        """Between the fold node and this node, while the second line is the input. (protocol.md section 4.9)"""
+        return (self.input != FIRST and self.fold_node is not None and source in self.first.order and
+                self.ahead(source) > self.ahead(self.fold_node))
 
     def hear_of_fold_node(self, mark, node):
         if mark == BEGIN and node == self.first.sender and self.input == FIRST:

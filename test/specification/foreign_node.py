@@ -12,13 +12,25 @@ import zlib
 from foreign_fold import Fold, NoFold
 from foreign_links import ABORT, END, INTERRUPT, MORE, START, WHOLE, slice_of
 
-VERSION, SOP, EOP, ALL, UNTAKEN = 1, 0xFB, 0xFD, 0xFF, 0xFF
+SOP, EOP, ALL, UNTAKEN = 0xFB, 0xFD, 0xFF, 0xFF
 HELLO, BEACON = 1, 2
 CONTROL_PRI = 1 << 2  # channel 1, priority 0
 TRY_TIMEOUT, BEACON_PERIOD, TICK = 1.0, 0.1, 0.01
 FREE_BUFFERS = 32
 
 Outstanding = collections.namedtuple('Outstanding', 'packet token due')
+
+
+class Page:
+    """What is remembered of a source. (protocol.md section 4.10)"""
+
+    def __init__(self, incarnation, boot=0):
+        self.incarnation, self.boot, self.verdicts = incarnation, boot, {}
+
+
+def boot_number(last):
+    """Of the clock, its two low bits the next after those of the last one. (protocol.md section 4.8)"""
+    return max((time.time_ns() | 3) + 1 + (last + 1 & 3), last + 1) if last else time.time_ns()
 
 
 def crc(data):
@@ -45,12 +57,12 @@ def with_hop_and_fbc(packet, hop, fbc):
 class Node(threading.Thread):
     """One node. `second`: its second line, if the ring folds back."""
 
-    def __init__(self, line, second=None):
+    def __init__(self, line, second=None, last_boot=0):
         super().__init__(daemon=True)
-        self.id, self.order, self.boot = line.id, line.order, time.time_ns()
-        self.received, self.pins, self.ended, self.peers = [], [], {}, {}
+        self.id, self.order, self.boot = line.id, line.order, boot_number(last_boot)
+        self.received, self.pins, self.ended, self.pages = [], [], {}, {}
         self.joined, self.size, self.tokens, self.damaged_returns = False, 0, 0, 0
-        self.numbers, self.memory = collections.Counter(), {}
+        self.numbers = collections.Counter()
         self.queue = {False: collections.deque(), True: collections.deque()}  # by kind: INTP or not
         self.out = {False: None, True: None}
         self.coming, self.beacon_due, self.hello_asked = None, 0, False
@@ -107,7 +119,7 @@ class Node(threading.Thread):
 
     def take(self, packet, interrupt):
         code, sop, hop, source = packet[:4]
-        if code >> 6 != VERSION or bool(code >> 5 & 1) != interrupt or sop != SOP or source == ALL:
+        if bool(code >> 5 & 1) != interrupt or sop != SOP or source == ALL:
             return
         good = crc(packet[:-4]) == packet[-4:] and packet[-8] == EOP
         if source == self.id:
@@ -116,7 +128,7 @@ class Node(threading.Thread):
             else:
                 self.damaged_returns += 1
             return
-        if hop + 1 >= len(self.order):
+        if self.fold.cut_off(source) or hop + 1 >= len(self.order):
             return
         fbc = self.receive(packet, interrupt) if good else packet[-7]
         self.write(INTERRUPT if interrupt else WHOLE, with_hop_and_fbc(packet, hop + 1, fbc))
@@ -125,30 +137,48 @@ class Node(threading.Thread):
         """Returns the FBC with which it goes on. (protocol.md section 3.5)"""
         source, fbc, destination, last = packet[3], packet[-7], packet[-6], packet[-5]
         control = not interrupt and last >> 2 == 1
-        if control:
-            self.hear(source, packet[4:-8])
+        if control and not self.hear(source, packet[4:-8]):
+            return 0
         if destination not in (self.id, ALL):
             return fbc
+        page = self.page_of(source, packet[0] >> 6)
+        if page is None:
+            return 0
         if control:
             return min(fbc, 254)
-        memory = (source, interrupt, destination == ALL)
-        sequence = packet[0] & 7
-        if self.memory.get(memory, (None,))[0] == sequence:
-            return min(fbc, self.memory[memory][1])
+        place, sequence = (interrupt, destination == ALL), packet[0] & 7
+        if page.verdicts.get(place, (None,))[0] == sequence:
+            return min(fbc, page.verdicts[place][1])
         verdict = 1 if interrupt else FREE_BUFFERS if self.joined else 0
-        self.memory[memory] = (sequence, verdict)
+        page.verdicts[place] = (sequence, verdict)
         if interrupt:
             self.pins.append((last & 7, source))
         elif self.joined:
             self.received.append((source, last & 3, last >> 2, packet[4:-8]))
         return min(fbc, verdict)
 
+    def page_of(self, source, incarnation):
+        """None for a packet of an earlier incarnation."""
+        page = self.pages.get(source)
+        ahead = (incarnation - page.incarnation) % 4 if page else 1
+        if ahead in (1, 2):
+            page = self.pages[source] = Page(incarnation)
+        return None if ahead == 3 else page
+
     def hear(self, source, data):
-        if data[0] == HELLO and len(data) == 10 or data[0] == BEACON and len(data) == 26:
-            boot = struct.unpack_from('>Q', data, 1)[0]
-            if self.peers.get(source, boot if data[0] == BEACON else None) != boot:
-                self.memory = {key: value for key, value in self.memory.items() if key[0] != source}
-            self.peers[source] = boot
+        """Returns whether it is of no earlier incarnation."""
+        if not (data[0] == HELLO and len(data) == 10 or data[0] == BEACON and len(data) == 26):
+            return True
+        boot = struct.unpack_from('>Q', data, 1)[0]
+        page = self.pages.get(source, Page(boot & 3))
+        if page.boot == boot:
+            return True
+        if 0 < page.boot - boot <= 1000:
+            return False
+        hello_missed = data[0] == BEACON and page.boot == 0 and page.incarnation == boot & 3
+        self.pages[source] = page if hello_missed else Page(boot & 3)
+        self.pages[source].boot = boot
+        return True
 
     # ---- Transmit -------------------------------------------------------------------------
 
@@ -184,7 +214,7 @@ class Node(threading.Thread):
             destination, last, data, token = queue.popleft()
             sequence = self.numbers[destination, interrupt]
             self.numbers[destination, interrupt] = (sequence + 1) % 8
-            code = VERSION << 6 | interrupt << 5 | sequence
+            code = (self.boot & 3) << 6 | interrupt << 5 | sequence
             self.launch(interrupt, bytes([code, SOP, 0, self.id]) + data + bytes([EOP, UNTAKEN, destination, last]),
                         token)
 

@@ -36,7 +36,7 @@ class WithAForeignNode(RingTest):
         self.wait('the daemons', lambda: all(self.row(node) for node in (0, 1)))
 
     def start_node(self, *lines):
-        self.node = foreign_node.Node(*lines)
+        self.node = foreign_node.Node(*lines, last_boot=self.node.boot if self.node else 0)
         self.node.start()
         self.addCleanup(self.node.stop)
         self.wait('ring of 3 closed', lambda: self.node.joined and self.node.size == 3 and self.daemons_see(3, 'up'))
@@ -98,7 +98,7 @@ class ForeignNode(WithAForeignNode):
         self.wait('it is back', lambda: self.node.damaged_returns == 1)
 
     def damaged_packet(self):
-        covered = bytes([0x40, foreign_node.SOP, 0, FOREIGN]) + b'abcd' + bytes([foreign_node.EOP, 0xFF, 1, 0])
+        covered = bytes([0, foreign_node.SOP, 0, FOREIGN]) + b'abcd' + bytes([foreign_node.EOP, 0xFF, 1, 0])
         return covered[:5] + b'X' + covered[6:] + foreign_node.crc(covered)
 
     def test_data_priority_and_channel_arrive(self):

@@ -54,7 +54,7 @@ Bytes bytes_of(const Array& array) {
 Bytes datp(wire::NodeId destination, std::uint8_t sequence, std::uint8_t pri, const Bytes& data) {
   Bytes out(data.size() + wire::kOverhead);
   wire::DataPacket packet;
-  packet.code = {false, 0, sequence};
+  packet.code = {false, 0, sequence, wire::incarnation_of(kBoot)};
   packet.source = kSource;
   packet.destination = destination;
   packet.pri = pri;
@@ -67,6 +67,7 @@ Bytes knee() { return datp(kDestination, 2, wire::pri_byte(1, 0), {'k', 'n', 'e'
 
 Bytes intp() {
   wire::InterruptPacket packet;
+  packet.code.incarnation = wire::incarnation_of(kBoot);
   packet.source = kSource;
   packet.destination = kDestination;
   return bytes_of(wire::encode(packet));
