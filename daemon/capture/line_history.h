@@ -12,9 +12,9 @@ class LineHistory {
   /// @param packet goes on living; in the order of `began`
   void add(const SeenPacket& packet);
 
-  /// Those that had the line while a packet waited for it: not free before it came in, begun before it
-  /// went out. Of an INTP that was embedded, its carrier is none of them, unless nothing else is there:
-  /// then it waited for a word of the carrier, its header among them.
+  /// Packets that had the line while this one waited for it: the line was not free before this one came in, and they
+  /// began before it went out. The carrier of an embedded INTP is listed only if there is nothing else: then the INTP
+  /// waited for the header or a word of its carrier.
   std::vector<SeenPacket> in_front_of(const SeenPacket& in, const SeenPacket& out) const;
   /// INTPs inside that packet.
   std::vector<SeenPacket> inside(const SeenPacket& out) const;

@@ -124,8 +124,7 @@ void Controller::on_more(ByteView bytes, Time now) {
   if (append(bytes, now, most) && incoming_.fate() == Fate::pass_on) packet_manager_.relay_words(bytes.size);
 }
 
-// An `end` slice is given out as its last odd bytes, trailer and CRC begin: they are in, a few byte
-// times later.
+// An `end` slice comes as the last odd bytes, trailer and CRC begin on the line; they are in a few byte times later.
 void Controller::on_end(ByteView bytes, Time now) {
   if (!append(bytes, now, wire::kMaxDataPacketSize)) return;
   const PacketFields packet{incoming_.bytes()};
@@ -140,8 +139,7 @@ void Controller::on_end(ByteView bytes, Time now) {
   if (incoming_.fate() == Fate::pass_on) packet_manager_.relay_end(bytes.size, fbc, now);
 }
 
-// A DATP that is coming in will never be whole; every relay passes that on. An INTP that was
-// inside it lives on.
+// The DATP that is coming in will never be complete; each relay passes the abort on. An INTP embedded in it goes on.
 void Controller::break_off(std::uint64_t& counter, Time now) {
   if (!incoming_.open()) return;
   incoming_.close();
@@ -176,8 +174,8 @@ bool Controller::check(const PacketFields& packet) {
   return true;
 }
 
-// Its first try may have been taken in this node's former life, of which the source, in another part of
-// a ring that was broken twice, has not heard. (ours, protocol.md section 4.10)
+// Its first try may have been taken before this node's restart. The source may not know of that restart: it was in the
+// other part of a ring that was broken twice. (ours, protocol.md section 4.10)
 bool Controller::is_strangers_retry(const PacketFields& packet) {
   if (!settings_.fold_back || packet.code().attempt == 0 || membership_.peers()[packet.source()].known) return false;
   return ++counters_.retries_of_strangers, true;
@@ -289,7 +287,7 @@ void Controller::run(Time now) {
 }
 
 Time Controller::next_deadline(Time now) const {
-  // Packets that the CPU leaves lying are no reason to wake up.
+  // A packet that the CPU does not read is no reason to wake up.
   const Time received = receive_.next() > now ? receive_.next() : kNever;
   const Time node = std::min(std::min(stall_deadline(), transmit_.deadline()), membership_.deadline());
   return std::min(std::min(node, packet_manager_.deadline()), std::min(events_.next(), received));

@@ -114,7 +114,7 @@ void DataUnit::decide(std::uint8_t fbc, Time at, Duration round_trip) {
   }
   numbers_.decided(flight_.destination());
   if (fbc != 0) return finish_flight(Outcome::delivered, at, round_trip);
-  // A new life's refusal says nothing of an earlier try.
+  // The refusal of a receiver that has restarted says nothing of an earlier try.
   const bool doubtful = current().forgotten && !sure;
   const bool again = current().destination != wire::kBroadcast && !current().told && !doubtful;
   if (again && at < current().refused_until) return refuse(at);
@@ -177,7 +177,7 @@ void DataUnit::tell(Job& job, Outcome outcome, Reject reject, Time at, Duration 
   if (broken(Mutation::result_twice)) events_.put(at, ended);
 }
 
-// One that waits after a try was refused: every other end is final.
+// A job that waits after a try was refused; any other end would have been final.
 Outcome DataUnit::overdue_outcome(const Job& job) {
   if (job.tries == 0) return Outcome::rejected;
   return job.repeated ? Outcome::lost : Outcome::refused;
@@ -217,7 +217,7 @@ void DataUnit::forgotten_by(NodeId peer, Time now) {
   if (flight_.phase() == Flight::Phase::waiting && current().repeated) give_up(now);
 }
 
-// A repeated try that was refused may have been refused by the new life, and taken by the former.
+// A repeated packet may have been taken before the receiver restarted and refused after it.
 void DataUnit::end_doubtful_refused(NodeId peer, Time now) {
   for (std::size_t q = 1; q < kQueues; ++q) {
     const bool waits = !queues_[q].empty() && (flight_.idle() || q != current_);

@@ -60,7 +60,7 @@ class DataUnit {
 
   /// An own packet came home with a good CRC; `fbc` what the receivers wrote.
   /// @return true where it was the one outstanding
-  /// @param doubtful what receivers wrote says nothing (Membership::has_merged): it ends lost
+  /// @param doubtful the FBC proves nothing (Membership::has_merged): it ends lost
   bool returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at);
   /// An own packet came home damaged or broken off: a failed try.
   void returned_damaged(Time at);
@@ -71,8 +71,8 @@ class DataUnit {
     return waiting_deadline();
   }
 
-  /// `peer` has begun a new life and forgotten what it took: what it may have taken before is not
-  /// repeated, or it would take it twice. (ours, protocol.md section 4.10)
+  /// `peer` has restarted and forgotten what it took. What it may have taken before is not repeated: it would take it
+  /// twice. (ours, protocol.md section 4.10)
   void forgotten_by(NodeId peer, Time now);
 
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
@@ -98,8 +98,8 @@ class DataUnit {
     Duration backoff{};         ///< next hold
     Time refused_until = kNever;
     unsigned tries = 0;
-    bool repeated = false;      ///< some try had to be repeated: its fate is no longer sure
-    bool forgotten = false;     ///< by a receiver, while out: not repeated
+    bool repeated = false;      ///< some try had to be repeated: an earlier one may have been taken
+    bool forgotten = false;     ///< its receiver restarted while it was out: not repeated
     bool told = false;          ///< its result was given already (cancelled while out)
     std::uint16_t size = 0;
   };

@@ -13,8 +13,8 @@ namespace limb_ring::core {
 /// number it decided, and its verdict. Links keep order, so the last one is enough. (ours, protocol.md section 4.10)
 ///
 /// Numbers hold within one incarnation of their source. Each packet says of which it is (Code), so nothing
-/// depends on whether a hello was heard in time: a packet of a later incarnation begins a new page, one of an
-/// earlier incarnation is never taken. Two bits tell apart the one before, this one and the next two; hellos
+/// depends on whether a hello was heard in time: a later one makes the receiver forget the former, and of an
+/// earlier one no packet is taken. Two bits tell apart the one before, this one and the next two; hellos
 /// and beacons say the whole boot number. (ours, protocol.md section 4.8)
 class DuplicateMemory {
  public:

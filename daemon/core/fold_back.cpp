@@ -116,7 +116,7 @@ void FoldBack::back_to_first() {
   if (tail_ && in_ == In::first) say(FoldMark::begin, *tail_);
 }
 
-// Turned back, the output bypasses nobody that could be named: HOP is what ends orphans then.
+// While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.
 void FoldBack::tell_neighbours() {
   controller_.set_neighbours(from_, to_, out_ == Out::first ? to_ : neighbour(controller_.settings(), 1));
 }
@@ -164,7 +164,7 @@ void FoldBack::settle(Time now) {
   tell_folded(now);
 }
 
-// Words can get lost where links lose; who has folded says so again and again.
+// Words can be lost with the link, so a node that has folded repeats them.
 void FoldBack::say_again(Time now) {
   say_again_ = kNever;
   if (!may_fold_) return;

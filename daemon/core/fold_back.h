@@ -51,7 +51,7 @@ class FoldBack {
   ///@}
 
   /// @name The second line: its input comes from the next node, its output goes to the one before
-  /// That its input is up says nothing of a fold: words and packets that come do.
+  /// Its input being up does not mean that there is a fold; the words and packets on it do.
   ///@{
   void second_input_up(NodeId from) { second_from_ = from; }
   void second_input_lost(Time now);
@@ -110,7 +110,7 @@ class FoldBack {
   void forget_tail(Time now);
   /// Whether a DATP is under way after this slice.
   static bool open_after(const wire::Slice& slice, bool open);
-  /// A tail that has not said so often that it is one, is gone.
+  /// After so many announcements missed, the fold node (tail) is forgotten.
   static constexpr int kMissed = 5;
   void break_off_second(Time now);
   void say(wire::FoldMark mark, NodeId node) { wire::put(second_, {mark, node}); }
@@ -134,17 +134,17 @@ class FoldBack {
   std::optional<NodeId> tail_;  ///< where what comes in on the second line was turned back
   bool second_open_ = false;    ///< a DATP is coming in on the second line
   bool out_open_ = false;       ///< a DATP is going out on the second line
-  bool told_input_ = false, told_output_ = false;  ///< the controller believes in them
+  bool told_input_ = false, told_output_ = false;  ///< as the controller was told: up
 
   wire::SliceWriter held_;      ///< of the first line, until the second has drained
   std::size_t released_ = 0;    ///< bytes of them
 
-  bool first_spoke_ = false;    ///< who sends on it has left the second
-  bool may_fold_ = false;       ///< both first lines have been up, or there was time enough for it
+  bool first_spoke_ = false;    ///< its sender has spoken on it, so it sends on the second line no more
+  bool may_fold_ = false;       ///< both first lines have been up, or break_grace has passed since the start
   Time patience_ = kNever;
   Time say_again_ = kNever;
   Time drain_due_ = kNever;
-  Time tail_due_ = kNever;      ///< the tail has said nothing for so long that it is none any more
+  Time tail_due_ = kNever;      ///< the fold node (tail) is forgotten then, unless it is announced again
 };
 
 }  // namespace limb_ring::core

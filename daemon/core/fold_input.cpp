@@ -10,9 +10,9 @@ using wire::SliceKind;
 
 namespace {
 
-/// What may wait of the first line while the second drains: more than a lap of largest packets of 64 nodes.
+/// How much of the first line may wait while the second drains: more than a lap of largest packets of 64 nodes.
 constexpr std::size_t kMostHeld = 64 * 1024;
-/// Of the time-out of a try that packets may be held up: a copy must not outlive it.
+/// Packets may be held for this part of a try's time-out: no copy may live longer than that time-out.
 constexpr int kHoldShare = 8;
 
 bool begins_data(const Slice& slice) { return slice.kind == SliceKind::start || slice.kind == SliceKind::whole; }
@@ -25,15 +25,15 @@ std::size_t distance(const Settings& settings, NodeId from) {
 
 }  // namespace
 
-// What the node before has turned back is still on its way on the second line, and comes first. It
-// says on both lines when it has left the second.
+// What the node before has turned back is still on its way on the second line and must be taken first. That node says
+// on both lines when it has stopped sending on the second.
 void FoldBack::begin_draining(Time now) {
   first_spoke_ = false;
   if (may_fold_) say(FoldMark::hears, id());
   if (in_ == In::first) return;
   in_ = In::draining;
   const Settings& settings = controller_.settings();
-  const bool dead = tail_ && distance(settings, *tail_) < distance(settings, from_);  // it is bypassed now
+  const bool dead = tail_ && distance(settings, *tail_) < distance(settings, from_);  // the fold node is bypassed now
   if (dead) return forget_tail(now);
   if (!tail_) drained(now);
 }
@@ -45,7 +45,7 @@ void FoldBack::drain_if_settled(Time now) {
   if (drain_due_ == kNever) drain_due_ = now + std::min(settings.stall, settings.send_timeout() / kHoldShare);
 }
 
-// The first line again; where the second goes on with the traffic of another fold, that is repeated now.
+// Back to the first line. If another fold still sends on the second one, this node repeats that from now on.
 void FoldBack::drained(Time now) {
   in_ = In::first;
   drain_due_ = kNever;

@@ -11,7 +11,7 @@ using wire::SliceKind;
 namespace {
 
 /// What may wait to be repeated: more than a lap of largest packets of 254 nodes. Nobody strips on the second line,
-/// so where words are lost and lines double packets there could be ever more of them until the tail is given up.
+/// so if words are lost and lines duplicate packets, their number could grow until the fold node (tail) is forgotten.
 constexpr std::size_t kMostRepeated = 256 * 1024;
 
 }  // namespace
@@ -68,14 +68,14 @@ void FoldBack::break_off_second(Time now) {
 void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
   const bool of_neighbour = word.mark == FoldMark::deaf || word.mark == FoldMark::hears;
   if (!of_neighbour) return hear_of_tail(word, slice, now);
-  if (word.node != to_) return;  // one that is bypassed
+  if (word.node != to_) return;  // of a node that is bypassed
   next_is_deaf_ = word.mark == FoldMark::deaf;
   if (!next_is_deaf_) greet_on_first();
   settle(now);
 }
 
-// A node that this node's input on the second line bypasses lies between the two: its word has been all the way
-// round, and whoever could strip it is gone.
+// The node of the word lies between this node and the one that sends to it on the second line: it is bypassed there, so
+// its word has gone all the way round, and nobody else takes it off.
 bool FoldBack::has_come_round(FoldWord word) const {
   const Settings& settings = controller_.settings();
   const std::size_t nodes = settings.order.size();
@@ -83,8 +83,8 @@ bool FoldBack::has_come_round(FoldWord word) const {
   return ahead(word.node) != 0 && ahead(word.node) < ahead(second_from_);
 }
 
-// A word that has come back to who said it has found nobody behind a break. Where a `begin` has been said
-// anew behind a `lost`, that goes round once more: else nobody would take from the second line what is on it.
+// A word that comes back to the node that said it was repeated by all: no node is behind a break. If this node has said
+// `begin` since its `lost`, it says `lost` once more: otherwise nobody would take what is on the second line.
 void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
   if (word.node == id()) return word.mark == FoldMark::lost && tail_ ? lose_tail(now) : void();
   if (has_come_round(word)) return;
@@ -92,7 +92,7 @@ void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
   if (word.mark == FoldMark::begin && word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
   const bool said_just_now = word.mark == FoldMark::begin && tail_ == word.node &&
                              tail_due_ - now > kMissed * pause() - pause() / 2;
-  if (said_just_now) return;  // it goes round, since nobody is behind a break
+  if (said_just_now) return;  // it has come round: no node is behind a break
   if (repeats()) second_.put(slice.kind, slice.bytes);
   if (word.mark == FoldMark::begin) {
     tail_ = word.node;

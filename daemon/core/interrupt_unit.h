@@ -36,7 +36,7 @@ class InterruptUnit {
   /// It is what was sent last, and not home yet. @pre its CRC is good
   bool expects(const wire::PacketFields& packet) const { return flight_.is_return(packet); }
 
-  /// @param doubtful what receivers wrote says nothing (Membership::has_merged): it ends lost
+  /// @param doubtful the FBC proves nothing (Membership::has_merged): it ends lost
   bool returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at);
   void returned_damaged(Time at);
   void handle_timeout(Time now) {
@@ -58,7 +58,7 @@ class InterruptUnit {
     Time asked;
     unsigned tries = 0;
     bool repeated = false;
-    bool forgotten = false;  ///< by a receiver, while out: not repeated
+    bool forgotten = false;  ///< its receiver restarted while it was out: not repeated
     bool told = false;
   };
 

@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::uint32_t kHelloToken = 1;
 constexpr std::uint32_t kBeaconToken = 2;
-/// Foreign hellos and beacons under the own id before the id counts as doubled: leftovers of a
-/// former life come past once, a living double keeps talking.
+/// So many hellos and beacons with the own id, but not of this node, mean a duplicate id. Leftovers of the time before
+/// a restart pass only once; a living double goes on sending.
 constexpr unsigned kDoubledSigns = 3;
 
 wire::LinkState link_state(bool up, bool lost, bool folded) {
@@ -68,8 +68,8 @@ void Membership::output_lost(Time now) {
   links_changed(now);
 }
 
-// Both links gone or replaced: this node was bypassed, perhaps only frozen. What it remembers of
-// the others, and they of it, no longer holds. (ours, protocol.md section 4.8)
+// Both links gone or replaced: this node was bypassed; perhaps it was only frozen. What it knows of the others, and
+// they of it, is out of date. (ours, protocol.md section 4.8)
 void Membership::links_changed(Time now) {
   if (input_was_lost_ && output_was_lost_) start_over(now);
   watch_for_break(now);
@@ -93,8 +93,7 @@ void Membership::start_over(Time now) {
 void Membership::new_life(Time now) {
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed, now);
-  // Interrupts are taken while the own hello is out: retries of what was taken before have to be known until
-  // it is home.
+  // INTPs are taken while the own hello is out, so retries of INTPs that were taken before must still be known.
   memory_.age_all();
   receive_.set_joining(true);
   hello_out_ = renumbering_ = merged_ = beacon_out_ = break_known_ = false;
@@ -195,14 +194,14 @@ void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now
     drained_at_ = std::min(drained_at_, now + settings_.send_timeout());
     return;
   }
-  if (boot >= settings_.boot && boot < boot_) return;  // said by this very life, before a new hello
+  if (boot >= settings_.boot && boot < boot_) return;  // of this process, before its last new hello
   ++counters_.doubled_id_signs;
   const bool can_tell = state_ != NodeState::starting && state_ != NodeState::doubled_id;
   if (++doubled_signs_ >= kDoubledSigns && can_tell) found_double(now);
 }
 
-// The two take each other's packets off the ring, so nothing can be confirmed. It goes on saying
-// hello: the one that comes home is the sign that the other is gone. (ours, protocol.md section 8.6)
+// The two nodes take each other's packets off the ring, so nothing is confirmed. This one goes on saying hello; when
+// one comes home, the other node is gone. (ours, protocol.md section 8.6)
 void Membership::found_double(Time now) {
   transmit_.set_open_chain(false, now);
   new_life(now);
@@ -224,13 +223,13 @@ bool Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello
   const Peer& peer = peers_[source];
   const bool goes_on = hello.remembers && peer.known && hello.boot == peer.boot + 1;  // no start was missed
   if (!memory_.meet_hello(source, hello.boot)) return ++counters_.earlier_incarnation, false;
-  // It has forgotten us as we forget it.
+  // It no longer knows what it took of us.
   if (peers_.heard_hello(source, packet.hop(), hello, now) && !goes_on) transmit_.forgotten_by(source, now);
   return true;
 }
 
-// Where nothing is confirmed a hello can be missed; the boot number of the beacons after it still
-// tells of the new life. A first beacon tells of none. (ours, protocol.md section 4.10)
+// In an open chain a hello can be missed; the boot number in later beacons still tells of the restart. The first beacon
+// of a node is no sign of one. (ours, protocol.md section 4.10)
 bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
   const NodeId source = packet.source();
   if (!memory_.meet_beacon(source, beacon.boot)) return ++counters_.earlier_incarnation, false;

@@ -58,8 +58,8 @@ class Membership {
   void set_folded(bool input, bool output, Time now);
 
   /// An own packet came home with that HOP from a ring that has grown together out of two parts: nodes of the
-  /// other part may have missed hellos, so what they say of a packet's number may be of an older one. One node
-  /// more is none: a node that was alone forgets everything and says hello itself. (ours, protocol.md section 4.10)
+  /// other part may have missed hellos, so their verdict may be on an older packet of the same number. One node
+  /// more is no merger: it was alone, has forgotten everything and says hello itself. (ours, protocol.md section 4.10)
   bool has_merged(std::uint8_t hop, Time now) const {
     return merged_ || (settings_.fold_back && ring_size_ != 0 && hop > ring_size_ && now < fold_over_);
   }
@@ -147,15 +147,15 @@ class Membership {
   bool beacon_wanted_ = false;    ///< something changed while one was out
   Time beacon_due_ = kNever;
   Time break_due_ = kNever;       ///< the input, lost, counts as a broken line from then on
-  Time drained_at_ = kNever;      ///< the open chain is closed again and drained then
+  Time drained_at_ = kNever;      ///< the open chain ends then: it is closed again, and nothing old is under way
   bool break_known_ = false;
   NodeId break_before_ = 0;
   NodeId break_behind_ = 0;
   bool input_folded_ = false;
   bool output_folded_ = false;
-  bool folded_ = false;           ///< somewhere in the ring
+  bool folded_ = false;           ///< a fold is known, here or elsewhere in the ring
   bool merged_ = false;           ///< with another part of the ring: numbers begin anew
-  Time fold_over_{};              ///< until then a fold is, or was just now
+  Time fold_over_{};              ///< until then a fold is known, or was a short time ago
   unsigned doubled_signs_ = 0;    ///< since an own packet last came home
 };
 

@@ -9,7 +9,7 @@ enum class Mutation {
   result_twice,        ///< a send tells its result twice
   says_delivered,      ///< what nobody took is called delivered
   takes_damaged,       ///< the CRC is not looked at
-  forgets_duplicates,  ///< a retry is taken again
+  forgets_duplicates,  ///< a retry is taken a second time
   refused_goes_last,   ///< what is refused lets others of its priority pass
   holds_interrupts,    ///< an INTP waits for the end of the DATP on the line
   does_not_wait,       ///< a node sends its next DATP before the last is back

@@ -5,7 +5,7 @@
 
 namespace limb_ring::core {
 
-// An input that stays lost while the output leads on is a broken line, not a node left aside.
+// The input stays lost while the output is up: a broken line, and not that this node was bypassed.
 void Membership::watch_for_break(Time now) {
   const bool lost = (input_ == Link::lost || input_folded_) && output_ == Link::up && !(input_folded_ && own_break());
   if (lost && break_due_ == kNever) break_due_ = now + settings_.break_grace;
@@ -22,7 +22,7 @@ void Membership::own_input_broken(Time now) {
   change(now);
 }
 
-// Only the node behind a break is believed: echoes of its word would outlive the break.
+// Only the node behind a break is believed: the beacons of others would repeat it after the break is mended.
 void Membership::hear_break(const wire::Beacon& beacon, Time now) {
   if (own_break()) return;
   break_known_ = true;
@@ -31,8 +31,8 @@ void Membership::hear_break(const wire::Beacon& beacon, Time now) {
   if (beacon.input != wire::LinkState::folded) enter_open_chain(now);
 }
 
-// A node that has not joined says its hello first, also into an open chain. The chain's last node,
-// whose output may be gone, is in it too.
+// A node that has not joined says its hello first, also into an open chain. The last node of the chain belongs to it
+// too, though its output may be gone.
 void Membership::enter_open_chain(Time now) {
   drained_at_ = kNever;
   const bool joined_before = accepts_sends();
@@ -57,7 +57,7 @@ void Membership::leave_open_chain(Time now) {
 
 // ---- fold-back ------------------------------------------------------------------------------
 
-// A fold closes the ring again: nothing ends unconfirmed. The broken line is told all the same.
+// A fold closes the ring again, so sends are still confirmed. The broken line is announced nevertheless.
 void Membership::set_folded(bool input, bool output, Time now) {
   if (input == input_folded_ && output == output_folded_) return;
   if (input_folded_ && !input && own_break()) break_known_ = false;
@@ -75,7 +75,7 @@ NodeState Membership::settled_state() const {
 }
 
 bool Membership::says_folded(const Peer& peer, Time now) const {
-  constexpr int kMissed = 5;  // beacons: it is gone, or beyond a second break
+  constexpr int kMissed = 5;  // beacons missed: the node is gone, or beyond a second break
   if (!peer.beacon_heard || now - peer.heard_at > kMissed * settings_.beacon) return false;
   return peer.beacon.input == wire::LinkState::folded || peer.beacon.output == wire::LinkState::folded;
 }

@@ -37,8 +37,8 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   const auto least = [&](std::size_t value) {
     return static_cast<std::uint8_t>(std::min<std::size_t>(packet.fbc(), value));
   };
-  // Hellos and beacons may come twice: what they say is the same, and nothing of a former life may
-  // keep them out.
+  // Hellos and beacons may be taken twice, since they say the same; a verdict on an older packet must not keep them
+  // out.
   if (is_control(packet)) {
     memory_.remember(packet.source(), packet.code(), broadcast, Verdict::taken, at);
     ++counters_.received_control;

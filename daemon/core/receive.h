@@ -45,7 +45,7 @@ class Receive {
 
   void set_cpu_present(bool present) { cpu_present_ = present; }
   void set_joining(bool joining) { joining_ = joining; }
-  /// A reset of the CPU: no stale command is acted on.
+  /// The CPU was reset: the buffers are emptied, so that it acts on no stale command.
   void flush();
 
  private:

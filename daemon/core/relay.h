@@ -37,8 +37,8 @@ class Relay {
 
   /// The output now leads to `successor`: nodes between it and this one are bypassed.
   void set_successor(NodeId successor) { bypassed_ = between(settings_.id, successor); }
-  /// What comes in was turned back at `node`: whoever lies between it and this one is cut off, and what comes of them
-  /// has passed here before the break. Nothing: the input is the first line. (ours,
+  /// What comes in was turned back at `node`. Nodes between it and this one are beyond the break: what still comes of
+  /// them has passed here before the line broke. Nothing: the input is the first line. (ours,
   /// protocol.md section 4.9)
   void set_turned_back_at(std::optional<NodeId> node) {
     cut_off_ = node ? between(*node, settings_.id) : std::bitset<256>{};

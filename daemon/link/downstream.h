@@ -29,8 +29,8 @@ class Downstream {
   /// Whole framed slices. What the socket does not take waits inside, up to a limit, beyond
   /// which the line counts as ended.
   virtual void write(wire::ByteView slices) = 0;
-  /// One slice that is to go behind the next one, though it keeps its place in the sequence.
-  /// @return false: this line knows no such thing, or not now; nothing was taken.
+  /// A slice to be sent after the next one, with its own sequence number: it arrives late.
+  /// @return false: not possible on this line, or not now; nothing was taken.
   virtual bool hold_back(wire::ByteView) { return false; }
   virtual bool drained() const = 0;
   /// Reads what has come, as if the event loop had said so.
@@ -38,7 +38,7 @@ class Downstream {
   /// Called now and then until accepted: asks again where questions can get lost.
   virtual void ask_again() = 0;
   virtual void close() = 0;
-  /// As close, but the other end is not told: the wire is gone, not we.
+  /// As close(), but without telling the other end: as when the wire breaks.
   virtual void sever() { close(); }
 };
 

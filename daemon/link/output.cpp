@@ -195,7 +195,7 @@ void Output::tick_current(Time now) {
   wrote_ = false;
   if (!silence_.tick(now)) return;
   const auto judged = current_;
-  judged->read();  // we may have been the one that slept
+  judged->read();  // this end may not have been scheduled: see what has come
   if (current_ != judged || !silence_.still()) return;
   ++counters_.silences;
   lose(Successor::Loss::silent, "silent: dead or frozen");
@@ -212,7 +212,7 @@ void Output::write_idle() {
 void Output::tick_attempts(Time now) {
   ++ticks_;
   const auto attempts = attempts_;
-  const std::size_t turns = 2 + attempts.size() / 8;  // however many are dead, asking stays cheap
+  const std::size_t turns = 2 + attempts.size() / 8;  // with many dead nodes each is asked less often
   for (const auto& [candidate, attempt] : attempts) {
     if (now - attempt.since >= kAttemptLife) {
       abandon(candidate);

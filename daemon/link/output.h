@@ -72,8 +72,8 @@ class Output final : private Downstream::Owner {
   /// How many nodes, dead or frozen, lie between us and to(). @pre up()
   std::size_t bypassed() const { return *successor_.current(); }
 
-  /// While the wire is not whole nobody is asked for: it is the wire that is gone, not the node
-  /// behind it, so there is no bypass. Cutting it calls the handler's on_output_lost.
+  /// While the wire is not whole no node is asked to connect, and none is bypassed: the wire is broken, not the node
+  /// behind it. Cutting it calls the handler's on_output_lost.
   void set_wire(Wire wire);
 
   /// Hangs up. No call of the handler afterwards.

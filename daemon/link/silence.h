@@ -5,8 +5,7 @@
 namespace limb_ring::link {
 
 /// Judges at every tick whether the other end has fallen silent. (ours, protocol.md section 6.10)
-/// A tick that comes late counts as two at most: who was not scheduled itself knows nothing
-/// about the others.
+/// A late tick counts as two at most: an end that was not scheduled itself knows nothing about the other.
 class Silence {
  public:
   explicit Silence(const Timing& timing) : timing_(timing) {}

@@ -48,7 +48,7 @@ void Successor::lost(Loss loss, Time now) {
   } else if (loss == Loss::silent) {
     set(old, Candidate::State::absent, now, true);  // passed over at once, and tried beside the others
   } else if (now - up_since_ < kRetry) {
-    absent(old, now);  // takes us and throws us out again: no hot loop
+    absent(old, now);  // it accepts us and hangs up at once: wait, so as not to loop without a pause
   }
 }
 

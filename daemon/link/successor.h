@@ -17,7 +17,7 @@ namespace limb_ring::link {
 class Successor {
  public:
   /// How soon one that was not there is tried again, in a ring of up to 16 nodes. Larger ones
-  /// take their time in proportion, so that asking for the dead stays cheap.
+  /// wait longer in proportion, so that asking dead nodes stays cheap.
   static constexpr milliseconds kRetry{20};
 
   Successor(std::size_t candidates, const Timing& timing, Time now);
@@ -25,7 +25,7 @@ class Successor {
   /// The next one to be tried now; it counts as being tried from here on.
   std::optional<std::size_t> next(Time now);
 
-  void absent(std::size_t candidate, Time now);  ///< nobody there, or nobody of ours
+  void absent(std::size_t candidate, Time now);  ///< nobody there, or no node of this ring
   void busy(std::size_t candidate, Time now);    ///< alive, with a nearer upstream than us
   /// @return true: use it, instead of what is in use. False: we have a nearer one; drop it.
   bool accepted(std::size_t candidate, Time now);

@@ -23,10 +23,10 @@ class UdpBatch {
   void start_session(std::uint64_t session);
   /// @param slices whole slices, framed
   Result send(int socket, wire::ByteView slices);
-  /// This slice has its place in the sequence now, but is sent behind the next datagram: it comes late.
-  /// @return false, and not taken: one is late already
+  /// The slice gets its sequence number now, but is sent after the next datagram: it arrives late.
+  /// @return false, and it was not taken: another one is held back already
   bool hold_back(wire::ByteView slice);
-  /// For kernels without UDP_SEGMENT; they are found out by themselves. Also for tests.
+  /// As for kernels without UDP_SEGMENT, which are detected without this. For tests.
   void send_singly() { joined_ = false; }
 
  private:

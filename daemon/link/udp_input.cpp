@@ -193,7 +193,7 @@ void UdpInput::tick(Time now) {
   if (!from_) return;
   tell(HeadType::alive, session_);
   if (!silence_.tick(now)) return;
-  drain();  // we may have been the one that slept
+  drain();  // this end may not have been scheduled: see what has come
   if (!from_ || !silence_.still()) return;
   ++report_.counters.silences;
   tell(HeadType::refuse, session_, Refusal::unknown_session);

@@ -10,8 +10,8 @@
 
 namespace limb_ring::link {
 
-/// A connection that has not yet said who it is. It harms nobody: it has its own buffer of one
-/// head and a deadline, and becomes the input only when admitted.
+/// A pending connection: it has not yet said who it is. It has a buffer of one head and a deadline, and becomes the
+/// input only when it is admitted.
 class UnixGuest : public std::enable_shared_from_this<UnixGuest> {
  public:
   struct Host {
@@ -30,7 +30,7 @@ class UnixGuest : public std::enable_shared_from_this<UnixGuest> {
   void close();
   bool open() const { return host_ != nullptr; }
   Time since() const { return since_; }
-  /// True where the other end has given up meanwhile, as probes of a thawed node have.
+  /// True if the other end has closed meanwhile: a node that was frozen finds attempts that others gave up long ago.
   bool hung_up();
   void answer(const Head& head);
   /// Hands the socket over; the guest is closed then.

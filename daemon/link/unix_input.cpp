@@ -59,7 +59,7 @@ void UnixInput::welcome(UnixSocket socket) {
     return report_.stranger("a process of another user was turned away");
   }
   enlarge_buffers(socket.native_handle());
-  if (guests_.size() == kMaxGuests) on_stranger(guests_.front(), "too many wait; it was the first");
+  if (guests_.size() == kMaxGuests) on_stranger(guests_.front(), "too many pending connections; this was the oldest");
   UnixGuest::Host& host = *this;
   guests_.push_back(std::make_shared<UnixGuest>(std::move(socket), host, Clock::now()));
   guests_.back()->start();
@@ -134,7 +134,7 @@ void UnixInput::tick(Time now) {
   if (!stream_) return;
   stream_->tell(head(HeadType::alive));
   if (!silence_.tick(now)) return;
-  stream_->read();  // we may have been the one that slept
+  stream_->read();  // this end may not have been scheduled: see what has come
   if (!stream_ || !silence_.still()) return;
   ++report_.counters.silences;
   lose(kSilent);

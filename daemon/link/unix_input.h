@@ -13,7 +13,7 @@
 
 namespace limb_ring::link {
 
-/// The receiving end on a UNIX-domain stream socket: a door, guests, and one stream.
+/// The receiving end on a UNIX-domain stream socket: the listening socket, pending connections (guests) and one stream.
 class UnixInput final : public InputLine,
                         public std::enable_shared_from_this<UnixInput>,
                         private UnixGuest::Host,

@@ -26,7 +26,7 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
   void start() { wait(); }
   /// Takes what has come, once. May call the handler and on_ended.
   void read();
-  /// Sends a head back; where the other end does not read, it is lost, and no harm done.
+  /// Sends a head back; if the other end does not read, it is lost; heads are sent again.
   void tell(const Head& head);
   void close();
 

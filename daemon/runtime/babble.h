@@ -29,7 +29,7 @@ class Babble {
   boost::asio::steady_timer next_;
   std::chrono::nanoseconds period_{0};
   bool on_ = false;
-  std::uint32_t run_ = 0;  ///< token; what ends of an earlier one is none of this one's
+  std::uint32_t run_ = 0;  ///< number of this run, as a token: results of an earlier run do not count
   std::uint64_t asked_ = 0, sent_ = 0;
   std::array<std::uint8_t, wire::kMaxPayload> data_{};
 };

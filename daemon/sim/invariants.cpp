@@ -48,7 +48,7 @@ void Invariants::event(NodeId node, const core::Event& event) {
   const auto* end = std::get_if<core::SendEnded>(&event.what);
   if (!end) return;
   if (end->interrupt) at(node).interrupt_free = event.at;
-  // Where tries fail, or numbers run out, copies are about and a hello comes between.
+  // If tries fail or numbers are used up, copies are under way, and a hello may come between them.
   if (end->tries > 1 || end->outcome == core::Outcome::lost || end->outcome == core::Outcome::no_such_node)
     faults_ = true;
   ledger_.end(node, *end, event.at);
@@ -65,7 +65,7 @@ void Invariants::check_head(NodeId node, const Head& head) {
   if (head.hop >= ring_.size()) complain(Promise::no_circling, what + ": it has gone round");
 }
 
-// What of a node that is gone was still on its way is through after a time-out, or so long after a line let it go.
+// The packets of a node that is gone have passed after one time-out; or one time-out after a line released them.
 void Invariants::check_source(NodeId node, const Head& head, Time now) {
   if (head.source >= ring_.size()) return;
   const auto& away = at(head.source).away_since;
@@ -139,7 +139,7 @@ void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
   if (slice.kind != SliceKind::interrupt) at(node).coming_size += slice.bytes.size;
   const std::uint8_t priority = whole_or_end(slice) ? wire::priority_of(Tail::of(slice.bytes).last) : 0;
   at(node).before = count(node, priority);
-  // What was to go on when the output turned back is gone.
+  // What waited for the output when it turned back was dropped.
   if (at(node).no_output != ring_.counters(node).dropped_no_output) at(node).passage.clear();
 }
 
@@ -188,7 +188,7 @@ int Invariants::due_fbc(NodeId node, const Sent* sent, const Tail& tail, const B
   if (is_control(tail)) return least(free);
   if (!sent) return Passage::kAnyFbc;
   if (sent->taken_last_by(node)) return least(std::max<std::size_t>(1, free));
-  // Parts of a folded ring that have grown together: its word is of an older number, and its source doubts it.
+  // Two parts of a folded ring have grown together: the verdict may be on an older number, and its source knows.
   return ring_.settings(node).fold_back ? Passage::kAnyFbc : 0;
 }
 

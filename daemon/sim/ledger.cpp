@@ -13,9 +13,9 @@ const char* to_string(Promise promise) {
     case Promise::undamaged: return "nothing damaged, partial or misled is delivered";
     case Promise::exactly_once: return "exactly once";
     case Promise::in_order: return "order is kept per source and priority";
-    case Promise::interrupt_wait: return "an INTP waits no longer than protocol.md section 5.2 allows";
+    case Promise::interrupt_wait: return "an INTP waits at most for other INTPs and for a piece of a DATP";
     case Promise::insertion_bound: return "the insertion buffer keeps its bound";
-    case Promise::no_circling: return "no packet circles on without its source";
+    case Promise::no_circling: return "no packet goes on round the ring after its source is gone";
     case Promise::true_fbc: return "FBC is truthful";
     case Promise::whole_again: return "when all is mended the ring closes and falls silent";
   }
@@ -84,7 +84,7 @@ void Ledger::ask(NodeId source, const core::InterruptRequest& request, Time now)
   sources_[source].waiting[4].push_back(sent.token);
 }
 
-// What nobody will ask for again: its copies are gone, its receivers' CPUs have read it.
+// A send that is not needed any more: no copy is under way, and the CPUs of its receivers have read it.
 void Ledger::forget_settled(Source& s) {
   const auto settled = [](const Sent& sent) {
     const Outcome outcome = sent.end.outcome;
@@ -100,7 +100,7 @@ void Ledger::forget_settled(Source& s) {
 
 // ---- on the line ----------------------------------------------------------------------------
 
-/// Its number is given out anew.
+/// Its sequence number now belongs to a new packet.
 void Ledger::Slot::begin(std::uint32_t token) {
   constexpr std::size_t kMostFormer = 32;
   if (last.token != 0) former.push_back(last);
@@ -220,7 +220,7 @@ void Ledger::check_result(const Sent& sent) {
   };
   const bool broadcast = sent.destination == wire::kBroadcast;
   if (outcome == Outcome::delivered && !sent.taken()) lie(", and nobody has taken it");
-  // A doubled packet's second copy may come home past a destination that took the first one, and died.
+  // A line has duplicated the packet: the destination took one copy and died; the other one came home untaken.
   const bool one_copy = sent.asked > let_go_;
   if (outcome == Outcome::no_such_node && sent.taken() && one_copy) lie(", and somebody has taken it");
   if (outcome == Outcome::refused && !broadcast && sent.taken()) lie(", and it was taken");

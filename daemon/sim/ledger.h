@@ -69,8 +69,8 @@ class Ledger {
   /// A packet of `source` has left it. @param since when its first byte did
   /// @return null where it was not asked for through the ring (another owner)
   Sent* depart(NodeId source, wire::Code code, const Looks& looks, Time since);
-  /// The same packet, somewhere on the ring; null where it is not known: of another owner, a former
-  /// life, or no packet of that source at all.
+  /// The same packet, somewhere on the ring; null if it is not known: of another owner, of
+  /// before a restart, or no packet of that source at all.
   Sent* on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
   /// It has come home and matched; its source knows at `at`.
   void come_home(Sent* sent, int fbc, Time at);
@@ -86,11 +86,11 @@ class Ledger {
   void read(NodeId node, const core::ReceivedPacket& packet);
   /// What lies in the receive buffers of `node` is gone.
   void flush(NodeId node);
-  /// `node` begins a new life, with new memory.
+  /// `node` has restarted, with an empty memory.
   void start(NodeId node);
-  /// It goes on, and may pull a pin for what was under way before.
+  /// The frozen node goes on, and may pull a pin for an INTP that was under way before.
   void forgets_interrupts(NodeId node) { ++interrupt_lives_[node]; }
-  /// A line has let go of what it held back: of what was asked for before there may be a second copy about.
+  /// A line has released what it held back: of earlier sends a second copy may be under way.
   void line_let_go(Time now) { let_go_ = now; }
   /// Everything that living nodes were asked for must have ended.
   void finish(const std::vector<bool>& alive);
@@ -105,7 +105,7 @@ class Ledger {
     std::uint32_t token = 0;
     std::array<std::uint32_t, 4> crcs{};  ///< by try
   };
-  /// The last ones with it: a line that was held up may let go of one whose number has come round since.
+  /// The last ones with it: a line that held packets back may release one whose number was used again since.
   struct Slot {
     OnLine last;
     std::vector<OnLine> former;

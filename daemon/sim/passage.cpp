@@ -23,8 +23,8 @@ void Passage::came(const Head& head, NodeId destination, int fbc, Time now) {
   coming.push_back({head.code_byte, head.source, destination, fbc, now});
 }
 
-// Packets of a kind leave in the order in which they came; those before it were dropped. One that was
-// dropped may look like a later one but for its FBC.
+// Packets of a kind leave in the order in which they came, so those before it were dropped. A dropped one may differ
+// from a later one by its FBC only.
 void Passage::went(const Head& head, const Tail& tail, Time now) {
   auto& coming = head.code.interrupt ? interrupts_ : data_;
   const auto is_it = [&](const Coming& c) {

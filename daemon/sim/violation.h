@@ -12,11 +12,11 @@ enum class Promise {
   one_result,       ///< every send ends in exactly one result
   true_result,      ///< which says what has happened
   undamaged,        ///< what a CPU gets is what was sent, whole, and to it
-  exactly_once,     ///< a packet is taken, a pin pulled, once per life of the receiver
+  exactly_once,     ///< a packet is taken, a pin pulled, once between two restarts of the receiver
   in_order,         ///< packets of a source and priority are taken in the order of asking
   interrupt_wait,   ///< an INTP waits for other INTPs and at most for odd bytes, trailer and CRC
   insertion_bound,  ///< of the insertion buffer
-  no_circling,      ///< no packet goes on without its source
+  no_circling,      ///< no packet goes on after its source is gone
   true_fbc,         ///< FBC goes on as the receivers' buffers say
   whole_again       ///< when all is mended the ring closes, and falls silent
 };

@@ -26,7 +26,7 @@ class Laps {
   Duration data(NodeId source, NodeId to, unsigned bytes) const;
   /// The longest lap of any DATP.
   Duration longest_data() const;
-  /// An idle node's packet waits so long for a packet that passes, at most.
+  /// How long, at most, a packet of an idle node waits for one that passes.
   Duration data_ahead(NodeId source) const;
   /// Bytes that may be in a node's insertion buffer at a time: of each other node one DATP at most, and no more than
   /// come in while an own packet goes out, beside one half in and one half out.
@@ -41,7 +41,7 @@ class Laps {
   /// What the ring's INTPs take from its DATPs: without it, nothing.
   /// @return false where they leave no room for a DATP
   bool set_interrupts(const std::vector<Interrupts>& interrupts);
-  /// An INTP of this node cannot be home sooner: that often it can send one at most.
+  /// The shortest round trip of an INTP of this node, and so the shortest time between two of them.
   Duration least_interrupt() const;
 
   /// Of so many bytes on the line out of a node.

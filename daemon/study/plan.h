@@ -24,7 +24,7 @@ struct NodePlan {
 };
 
 /// Whether a ring carries its streams, and how late each can be. Valid without losses, with queues and
-/// receivers that always have room, and for what the streams say and no more.
+/// receivers that always have room, and as long as nothing but these streams is sent.
 struct Plan {
   std::vector<StreamPlan> streams;  ///< as those given
   std::vector<NodePlan> nodes;      ///< in ring order
@@ -43,7 +43,7 @@ bool assumes_lines(const config::RingConfig& ring);
 
 /// A node has one DATP outstanding, so a DATP holds its node for a lap (laps.h); which goes next is decided
 /// by priority, and what a message waits for by response.h. INTPs the same, first come first served.
-/// A wait beyond `timeouts.queue`, after which the NC gives up, counts as none.
+/// A stream that may wait longer than `timeouts.queue`, after which the NC gives up, has no bound.
 /// @param ring every line has a rate
 Plan plan(const config::RingConfig& ring, const std::vector<Stream>& streams);
 

@@ -66,10 +66,10 @@ class RandomFaults {
   bool paced_ = false;
   bool fold_back_ = false;
   unsigned drop_ = 0, damage_ = 0, trouble_ = 0;  ///< once in so many slices, slices, steps; 0: never
-  bool doubles_ = false;                          ///< lines double packets, and then hold back for a short time only
+  bool doubles_ = false;                          ///< lines duplicate packets, and hold back only briefly
   bool quiet_ = false;
   std::uint64_t slices_when_quiet_ = 0;
-  std::vector<bool> killed_;                      ///< or else frozen, where not alive
+  std::vector<bool> killed_;                      ///< if not alive: killed (true) or frozen
   std::array<unsigned, 7> ended_{};
   std::unique_ptr<sim::VirtualRing> ring_;
   std::unique_ptr<FaultyLines> lines_;

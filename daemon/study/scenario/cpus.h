@@ -11,7 +11,7 @@ namespace limb_ring::study::scenario {
 /// controllers know of it. A hang is known at once; the daemon waits for the CPU's `alive_period`.
 class Cpus {
  public:
-  /// All run. @param ring not yet started; must outlive this
+  /// All CPUs run at first. @param ring not yet started; must outlive this
   explicit Cpus(sim::VirtualRing& ring);
   Cpus(const Cpus&) = delete;
   Cpus& operator=(const Cpus&) = delete;
@@ -20,7 +20,7 @@ class Cpus {
   bool sends(NodeId id) const { return ring_.alive(id) && cpus_[id].running; }
 
   void hang(NodeId id);
-  /// It is well: neither hangs, nor is slow, nor babbles, and it reads.
+  /// It is cured: it neither hangs, nor is slow, nor babbles, and it reads.
   void resume(NodeId id);
   void stop_reading(NodeId id);
   /// It takes one packet in each `period` from now on.
@@ -29,11 +29,11 @@ class Cpus {
   void took_packet(NodeId id) {
     if (cpus_[id].slow) ring_.cpu_reads[id] = false;
   }
-  /// It begins to babble, and does so while life() stays the same: until it is well or anew.
+  /// It begins to babble and goes on while life() stays the same: until it is cured or started anew.
   std::uint64_t life(NodeId id) const { return cpus_[id].life; }
   /// As its reset pin does: everything for and from it is thrown away, and it boots.
   void reset(NodeId id);
-  /// It is gone with all that is for and from it; the daemon's first back-off later it is started again.
+  /// It has crashed, and all packets for and from it are gone. It is started again after the daemon's first back-off.
   void crash(NodeId id);
   /// Its node has come up: a first boot, done.
   void started(NodeId id);
@@ -43,9 +43,9 @@ class Cpus {
     std::uint32_t boots = 1;
     bool running = true;
     bool slow = false;
-    std::uint64_t epoch = 0;    ///< an end of booting of an earlier life is none of this one
+    std::uint64_t epoch = 0;    ///< counts boots: the end of an earlier one does not count
     std::uint64_t life = 0;     ///< a new one with each start and each cure
-    std::uint64_t reading = 0;  ///< of how it reads: what was slow before is none of this
+    std::uint64_t reading = 0;  ///< counts changes of how it reads: steps of an earlier slowness do not count
   };
   void tell(NodeId id, wire::CpuState state);
   void read(NodeId id, bool reads);

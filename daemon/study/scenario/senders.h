@@ -21,7 +21,7 @@ class Senders {
   Senders& operator=(const Senders&) = delete;
 
   void begin(const Send& send);
-  /// The largest packets to all at the highest priority, one each `every` (0: the default), while the CPU lives so.
+  /// Sends the largest packets to all at the highest priority, one each `every` (0: default), while the CPU babbles.
   void babble(NodeId from, core::Duration every);
   /// All zero where nothing of that name was sent yet.
   const Tally& tally(const std::string& name) const;

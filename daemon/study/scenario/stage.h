@@ -18,7 +18,7 @@ class Sight {
 
   virtual unsigned size() const = 0;  ///< nodes, living or not
   virtual const std::string& name(NodeId id) const = 0;
-  /// Neither dead nor frozen. Of one that is not, the others below mean nothing.
+  /// Neither dead nor frozen; if it is, the values below mean nothing.
   virtual bool alive(NodeId id) const = 0;
   virtual core::NodeState state(NodeId id) const = 0;
   virtual unsigned ring_size(NodeId id) const = 0;  ///< as that node has learned it; 0: not yet
@@ -47,10 +47,10 @@ class Stage : public Sight {
   virtual core::Duration now() const = 0;
   /// A step whose time has passed is an error; otherwise it is done at once.
   virtual bool exact() const = 0;
-  /// Looks, and lets time go on, until `done` holds or it is `until`. @param what for people who wait
+  /// Lets time go on and looks again, until `done` is true or `until` has come. @param what for people who wait
   /// @return what `done` said last
   virtual bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) = 0;
-  /// What is always expected of a robot, whatever its story says: the first that was not so.
+  /// What is expected of every robot, whatever its story says. @return the first expectation that was not met
   virtual std::optional<Surprise> broken() const = 0;
 
   /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
