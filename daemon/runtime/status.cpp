@@ -76,7 +76,9 @@ json broken_line_json(Node& node) {
   json broken{{"before", line->before},
               {"behind", line->behind},
               {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
-  if (behind) broken["announced_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
+  // A node that was folded already, around another break, does not change its state for this one.
+  if (behind && node.broken_since() >= since)
+    broken["announced_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
   return broken;
 }
 

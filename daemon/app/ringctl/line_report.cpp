@@ -28,11 +28,11 @@ std::string broken_lines(const std::vector<json>& rows) {
   for (const json& row : rows) {
     if (!has(row, "broken_line")) continue;
     const json& line = row["broken_line"];
-    const bool knows = line.contains("announced_ms");
+    const bool knows = row["id"] == line["behind"];
     if (!knows && lines.count(line["behind"]) != 0) continue;
     lines[line["behind"]] = "broken line " + arrow(rows, line["before"], line["behind"]) + " since " +
                             app::number(line["since_s"].get<double>()) + " s" +
-                            (knows ? ", announced after " + app::number(line["announced_ms"].get<double>()) + " ms" : "") +
+                            (line.contains("announced_ms") ? ", announced after " + app::number(line["announced_ms"].get<double>()) + " ms" : "") +
                             '\n';
   }
   std::string text;

@@ -18,12 +18,6 @@ constexpr milliseconds kTick{50};  // how soon Ctrl-C is noticed
 constexpr auto kOutcomes = {Outcome::refused,     Outcome::no_such_node, Outcome::lost,
                             Outcome::unconfirmed, Outcome::rejected,     Outcome::cancelled};
 
-std::string words_of(Outcome outcome) {
-  std::string words = to_string(outcome);
-  std::replace(words.begin(), words.end(), '_', ' ');
-  return words;
-}
-
 runtime::Percentiles round_trips(const PingTotals& totals) {
   std::vector<core::Duration> samples;
   for (const Result& result : totals.results)
@@ -101,7 +95,7 @@ std::string ping_text(const PingOrder& order, const PingTotals& totals) {
   std::string text = "--- " + order.to.name + " ping statistics ---\n" + std::to_string(totals.sent) + " sent, " +
                      std::to_string(delivered) + " delivered";
   for (const Outcome outcome : kOutcomes)
-    if (const auto count = totals.with(outcome); count != 0) text += ", " + std::to_string(count) + ' ' + words_of(outcome);
+    if (const auto count = totals.with(outcome); count != 0) text += ", " + std::to_string(count) + ' ' + to_string(outcome);
   if (totals.sent > totals.results.size())
     text += ", " + std::to_string(totals.sent - totals.results.size()) + " not ended";
   text += ", " + app::number(in_seconds(totals.took), 3) + " s\n";

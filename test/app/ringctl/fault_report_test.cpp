@@ -60,6 +60,13 @@ TEST(LineReport, BelievesTheNodeBehindABreak) {
   EXPECT_EQ(line_report(rows), "broken line node0 -> node1 since 12.3 s, announced after 21.4 ms\n");
 }
 
+TEST(LineReport, SaysNothingOfAnAnnouncementThatTheNodeBehindABreakDoesNotKnow) {
+  std::vector<json> rows = three_nodes();
+  for (json& row : rows) row["broken_line"] = {{"before", 0}, {"behind", 1}, {"since_s", 12.0}};
+  rows[1]["broken_line"]["since_s"] = 12.31;
+  EXPECT_EQ(line_report(rows), "broken line node0 -> node1 since 12.3 s\n");
+}
+
 TEST(LineReport, NamesASecondLineThatIsBrokenByTheNextNodeThatIsThere) {
   auto rows = three_nodes();
   for (json& row : rows) row["fold"] = {{"second_input", "up"}};

@@ -1,0 +1,67 @@
+// When `ringctl wait` and `fault clear` take a ring for whole, and what they say it lacks.
+#include "app/ringctl/ring_wait.h"
+
+#include <gmock/gmock.h>
+
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+/// Two nodes that fold back, each with a CPU that its ringd starts.
+std::vector<json> whole_ring() {
+  std::vector<json> rows;
+  for (int id = 0; id < 2; ++id)
+    rows.push_back({{"id", id},
+                    {"name", "node" + std::to_string(id)},
+                    {"ring", "robot"},
+                    {"state", "up"},
+                    {"ring_size", 2},
+                    {"cpu", {{"kind", "child"}, {"state", "running"}}},
+                    {"fold", {{"second_input", "up"}}}});
+  return rows;
+}
+
+TEST(Whole, IsARingOfAllItsNodesWithTheirCpus) { EXPECT_EQ(lack_of_whole(whole_ring()), ""); }
+
+TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
+  const std::vector<std::pair<json, std::string>> lacks{
+      {{{"state", "folded"}}, "it is folded"},
+      {{{"state", "down"}}, "it is down"},
+      {{{"ring_size", 1}}, "it knows a ring of 1 nodes, not 2"},
+      {{{"fold", {{"second_input", "down"}}}}, "its second line in is broken"},
+      {{{"cpu", {{"kind", "child"}, {"state", "booting"}}}}, "its CPU is booting"},
+      {{{"cpu", {{"kind", "child"}, {"state", "running"}, {"stopped", true}}}}, "its CPU is stopped"}};
+  for (const auto& [change, lack] : lacks) {
+    std::vector<json> rows = whole_ring();
+    rows[1].update(change);
+    EXPECT_EQ(lack_of_whole(rows), "node 1 (node1): " + lack);
+  }
+}
+
+TEST(Whole, NeedsNoCpuThatSomebodyElseStarts) {
+  std::vector<json> rows = whole_ring();
+  rows[0]["cpu"] = {{"kind", "attached"}, {"state", "absent"}};
+  EXPECT_EQ(lack_of_whole(rows), "");
+}
+
+TEST(State, IsThatOfTheNodeOrOfItsCpu) {
+  for (const char* node : {"node1", "1"})
+    for (const char* state : {"up", "running"}) EXPECT_EQ(lack_of_state(whole_ring(), node, state), "");
+  EXPECT_EQ(lack_of_state(whole_ring(), "node1", "hung"), "node 1 (node1): it is up, its CPU running");
+}
+
+TEST(State, OfANodeThatIsNotThereIsRefusedWithAGuess) {
+  try {
+    lack_of_state(whole_ring(), "noed1", "up");
+    FAIL() << "there is no such node";
+  } catch (const UsageError& wrong) {
+    EXPECT_THAT(wrong.what(), HasSubstr("did you mean 'node1'? Ring robot has: 0 (node0), 1 (node1)"));
+  }
+}
+
+}  // namespace
+}  // namespace limb_ring::ringctl
