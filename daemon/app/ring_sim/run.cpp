@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "app/common/out_file.h"
 #include "app/ring_sim/case_rows.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
@@ -32,8 +33,13 @@ std::string in_lines(const app::Row& row) {
 
 void open(std::ofstream& file, const std::string& option, const std::string& path) {
   if (path.empty()) return;
-  file.open(path, std::ios::binary);
-  if (!file) throw UsageError(option + path + ": cannot be written");
+  const std::string problem = app::open_for_writing(file, path);
+  if (!problem.empty()) throw UsageError(option + problem);
+}
+
+void finish(std::ofstream& file, const std::string& path) {
+  const std::string problem = path.empty() ? "" : app::finish_writing(file, path);
+  if (!problem.empty()) throw std::runtime_error(problem);
 }
 
 int run(const Options& options) {
@@ -44,7 +50,8 @@ int run(const Options& options) {
   const study::CaseResult result =
       run_case(options.which, options.medium, options.seed, trace.is_open() ? &trace : nullptr,
                capture.is_open() ? &capture : nullptr, at);
-  if (!trace.flush() || !capture.flush()) throw std::runtime_error("not all of the trace or capture could be written");
+  finish(trace, options.trace);
+  finish(capture, options.capture);
   const app::Row row = run_row(options.which, options.medium, result, options.seed);
   if (options.format == app::Format::text) std::cout << in_lines(row);
   if (options.format == app::Format::json) std::cout << row.dump(2) << '\n';

@@ -1,21 +1,22 @@
 #include "app/ringctl/capture_sink.h"
 
-#include <cerrno>
-#include <cstring>
 #include <iostream>
 
+#include "app/common/out_file.h"
 #include "app/ringctl/problems.h"
 
 namespace limb_ring::ringctl {
 
 namespace {
 
+constexpr const char* kStandardOutput = "standard output";
+
 class TextSink final : public CaptureSink {
  public:
   TextSink(const capture::RingNames& names, const PacketTextOptions& options) : text_(names, options) {}
   void packet(const CapturedPacket& packet) override { std::cout << text_.line(packet) << '\n'; }
   void event(const capture::CapturedEvent& event) override { std::cout << text_.line(event) << '\n'; }
-  bool flush() override { return std::cout.flush().good(); }
+  bool flush() override { return flush_to(std::cout, kStandardOutput); }
 
  private:
   PacketText text_;
@@ -26,7 +27,7 @@ class JsonSink final : public CaptureSink {
   explicit JsonSink(capture::RingNames names) : names_(std::move(names)) {}
   void packet(const CapturedPacket& packet) override { std::cout << packet_json(packet, names_) << '\n'; }
   void event(const capture::CapturedEvent& event) override { std::cout << event_json(event, names_) << '\n'; }
-  bool flush() override { return std::cout.flush().good(); }
+  bool flush() override { return flush_to(std::cout, kStandardOutput); }
 
  private:
   capture::RingNames names_;
@@ -35,28 +36,34 @@ class JsonSink final : public CaptureSink {
 class FileSink final : public CaptureSink {
  public:
   FileSink(const capture::RingNames& names, const std::string& path)
-      : out_(open(path) ? file_ : std::cout), writer_(out_, names) {}
+      : path_(path == "-" ? kStandardOutput : path), out_(open(path) ? file_ : std::cout), writer_(out_, names) {}
   void packet(const CapturedPacket& packet) override {
     writer_.packet(packet.time_ns, packet.info, {packet.bytes.data(), packet.bytes.size()}, packet.lost_before);
   }
   void event(const capture::CapturedEvent& event) override { writer_.event(event.time_ns, event.node, event.what); }
-  bool flush() override { return out_.flush().good(); }
+  bool flush() override { return flush_to(out_, path_); }
 
  private:
   /// @return false where standard output is meant
   bool open(const std::string& path) {
     if (path == "-") return false;
-    file_.open(path, std::ios::binary);
-    if (!file_) throw UsageError(path + ": cannot be written: " + std::strerror(errno));
+    const std::string problem = app::open_for_writing(file_, path);
+    if (!problem.empty()) throw UsageError(problem);
     return true;
   }
 
+  std::string path_;
   std::ofstream file_;
   std::ostream& out_;
   capture::PcapngWriter writer_;
 };
 
 }  // namespace
+
+bool CaptureSink::flush_to(std::ostream& out, const std::string& path) {
+  if (problem_.empty()) problem_ = app::finish_writing(out, path);
+  return problem_.empty();
+}
 
 std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const PacketTextOptions& options) {
   return std::make_unique<TextSink>(names, options);

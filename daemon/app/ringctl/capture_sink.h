@@ -16,6 +16,14 @@ class CaptureSink {
   /// Somebody may be looking: nothing is held back.
   /// @return false where nobody can be any more (a pipe that was closed, a full disk)
   virtual bool flush() = 0;
+  /// Why a flush() was false: names the file.
+  const std::string& problem() const { return problem_; }
+
+ protected:
+  bool flush_to(std::ostream& out, const std::string& path);
+
+ private:
+  std::string problem_;
 };
 
 /// Lines of text on standard output.

@@ -64,6 +64,14 @@ TEST(Run, RefusesATraceItCannotWrite) {
   EXPECT_THAT(said.errors, HasSubstr("/nowhere/trace"));
 }
 
+TEST(Run, NamesTheFileThatAFullDiskHasNoRoomFor) {
+  for (const char* option : {"--trace", "--capture"}) {
+    const Said said = ring_sim({"run", option, "/dev/full"});
+    EXPECT_EQ(said.code, kBroken) << option;
+    EXPECT_THAT(said.errors, HasSubstr("/dev/full: not all could be written: No space left on device")) << option;
+  }
+}
+
 TEST(Soak, SaysHowManySeedsAndThatNothingBroke) {
   const nlohmann::json row = json_of({"soak", "--seeds", "5", "--first", "100", "--json"});
   EXPECT_EQ(row.at("seeds"), 5);

@@ -57,6 +57,14 @@ TEST_F(ScenarioCommand, SaysWhyAStoryIsNotForLiveDaemons) {
   EXPECT_THAT(said.errors, HasSubstr("only.yaml: only under the virtual clock (--sim):\n  only: sim"));
 }
 
+TEST_F(ScenarioCommand, NamesTheFileThatAFullDiskHasNoRoomFor) {
+  for (const char* option : {"--junit", "--capture"}) {
+    const Said said = run_scenarios({write("good.yaml", kGood), option, "/dev/full"});
+    EXPECT_EQ(said.code, kNotDone) << option;
+    EXPECT_THAT(said.errors, HasSubstr("/dev/full: not all could be written: No space left on device")) << option;
+  }
+}
+
 TEST_F(ScenarioCommand, WritesJunitAndJson) {
   const std::string junit = folder + "/junit.xml";
   const Said said = run_scenarios({write("unmet.yaml", kUnmet), "--junit", junit, "--json"});

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iostream>
 
+#include "app/common/out_file.h"
 #include "app/ring_sim/plots/gnuplot.h"
 #include "app/ring_sim/problems.h"
 
@@ -50,10 +51,12 @@ PlotFolder::PlotFolder(const std::string& path) : path_(path) {
 }
 
 void PlotFolder::write(const std::string& name, const std::string& text) const {
-  std::ofstream file(path_ + "/" + name, std::ios::binary);
+  const std::string path = path_ + "/" + name;
+  std::ofstream file;
+  std::string problem = app::open_for_writing(file, path);
   file << text;
-  file.close();
-  if (!file) throw UsageError("cannot write " + path_ + "/" + name);
+  if (problem.empty()) problem = app::finish_writing(file, path);
+  if (!problem.empty()) throw UsageError(problem);
 }
 
 void PlotFolder::draw(const Picture& picture) const {

@@ -59,7 +59,7 @@ int dump_live(const Context& context, const Options& options) {
   const auto sink = sink_of(options, names);
   const DumpTotals totals = LiveDump(ring, nodes_of(ring, options.nodes), order, *sink).run(options.count);
   std::cerr << "ringctl: " << summary(totals) << std::endl;
-  if (!sink->flush()) throw NotDone("not all could be written");
+  if (!sink->flush()) throw NotDone(sink->problem());
   return kDone;
 }
 
@@ -98,7 +98,7 @@ int dump_file(const Options& options) {
   const bool written = sink->flush();
   if (reader.cut_short()) std::cerr << "ringctl: " << options.read << " ends in the middle of a packet" << std::endl;
   std::cerr << "ringctl: " << summary(totals) << std::endl;
-  if (!written) throw NotDone("not all could be written");
+  if (!written) throw NotDone(sink->problem());
   return kDone;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/common/out_file.h"
 #include "app/common/rows.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/live/play_live.h"
@@ -39,9 +40,11 @@ app::Row row_of(const ScenarioRun& run) {
 }
 
 void write_junit(const std::string& path, const std::vector<ScenarioRun>& runs) {
-  std::ofstream out(path);
-  out << study::scenario::junit_of(runs) << std::flush;
-  if (!out) throw NotDone(path + ": cannot be written");
+  std::ofstream out;
+  std::string problem = app::open_for_writing(out, path);
+  out << study::scenario::junit_of(runs);
+  if (problem.empty()) problem = app::finish_writing(out, path);
+  if (!problem.empty()) throw NotDone(problem);
 }
 
 std::ofstream open_capture(const Options& options) {
@@ -49,8 +52,8 @@ std::ofstream open_capture(const Options& options) {
   if (options.capture.empty()) return capture;
   if (options.live) throw UsageError("--capture: under the virtual clock alone; beside --live there is 'ringctl dump'");
   if (options.files.size() != 1) throw UsageError("--capture: one scenario at a time, its times begin at 0");
-  capture.open(options.capture, std::ios::binary);
-  if (!capture) throw UsageError(options.capture + ": cannot be written");
+  const std::string problem = app::open_for_writing(capture, options.capture);
+  if (!problem.empty()) throw UsageError(problem);
   return capture;
 }
 
@@ -81,6 +84,8 @@ int run(const Options& options) {
                                 : run_scenario(scenario, seed, capture.is_open() ? &capture : nullptr, at));
     if (!options.json) std::cout << text_of(runs.back()) << std::endl;
   }
+  const std::string problem = capture.is_open() ? app::finish_writing(capture, options.capture) : "";
+  if (!problem.empty()) throw NotDone(problem);
   std::vector<app::Row> rows;
   for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
   if (options.json) std::cout << app::format_rows(rows, app::Format::json) << '\n';

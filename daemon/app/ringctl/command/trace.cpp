@@ -1,11 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <iostream>
 #include <memory>
 
+#include "app/common/out_file.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/problems.h"
@@ -39,7 +38,7 @@ nanoseconds time_of(const std::string& option, const std::string& text) {
 nanoseconds instant_of(const std::string& text, nanoseconds first) {
   constexpr std::size_t kDecimals = 9;
   constexpr std::int64_t kLatest = std::chrono::floor<std::chrono::seconds>(nanoseconds::max()).count() - 1;
-  if (const auto since = config::parse_time(text)) return first + *since;
+  if (const auto since = config::parse_time(text)) return first + std::min(*since, nanoseconds::max() - first);
   const std::size_t point = text.find('.');
   std::string decimals = point == std::string::npos ? "" : text.substr(point + 1);
   decimals.resize(std::max(decimals.size(), kDecimals), '0');
@@ -77,10 +76,12 @@ SeenPackets look(const Context& context, const Options& options) {
 }
 
 void write_picture(const Options& options, const capture::Way& way, const capture::RingNames& names) {
-  std::ofstream out(options.svg);
-  if (!out) throw UsageError(options.svg + ": cannot be written: " + std::strerror(errno));
-  out << way_svg(way, names) << std::flush;
-  if (!out) throw NotDone(options.svg + ": not all could be written");
+  std::ofstream out;
+  std::string problem = app::open_for_writing(out, options.svg);
+  if (!problem.empty()) throw UsageError(problem);
+  out << way_svg(way, names);
+  problem = app::finish_writing(out, options.svg);
+  if (!problem.empty()) throw NotDone(problem);
 }
 
 void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips, const Options& options,
