@@ -2,35 +2,55 @@
 
 namespace limb_ring::capture {
 
-std::optional<std::size_t> EarlierTries::before(const SeenPacket& first,
-                                                const std::optional<SeenPacket::Trailer>& trailer, WayEnd end) {
-  const bool retry = wire::code_of(first.code).attempt > 0;
-  const std::optional<std::size_t> found = retry ? try_before(first, trailer) : refused_before(first, trailer);
-  Try now{count_++, std::nullopt, end};
-  if (trailer) now.destination = trailer->destination;
-  by_code_.insert_or_assign({first.source, first.code}, now);
-  if (trailer && !first.interrupt())
-    by_route_.insert_or_assign({first.source, trailer->destination, trailer->last}, now);
-  return found;
+namespace {
+
+/// A second, and what a living ring may be late.
+constexpr std::chrono::milliseconds kSentAgainFor{1100};
+
+wire::Code code_of(const EarlierTries::Try& one) { return wire::code_of(one.seen.code); }
+
+}  // namespace
+
+std::optional<std::size_t> EarlierTries::before(const Try& now) {
+  const Known* found = code_of(now).attempt > 0 ? try_before(now) : refused_before(now);
+  const bool goes_on = found != nullptr && found->tried.end == WayEnd::refused;
+  const std::optional<std::size_t> index = found == nullptr ? std::nullopt : std::optional(found->index);
+  remember({now, count_++, goes_on ? found->refused_since : now.ended});
+  return index;
 }
 
-std::optional<std::size_t> EarlierTries::try_before(const SeenPacket& first,
-                                                    const std::optional<SeenPacket::Trailer>& trailer) const {
-  wire::Code code = wire::code_of(first.code);
+void EarlierTries::remember(const Known& known) {
+  const SeenPacket& seen = known.tried.seen;
+  std::map<std::uint8_t, Known>& tries = by_try_[{seen.source, seen.interrupt()}];
+  const std::uint8_t attempt = code_of(known.tried).attempt;
+  if (attempt == 0 || (!tries.empty() && code_of(tries.begin()->second.tried).sequence != code_of(known.tried).sequence))
+    tries.clear();
+  tries.insert_or_assign(attempt, known);
+  if (seen.trailer && !seen.interrupt())
+    by_route_.insert_or_assign({seen.source, seen.trailer->destination, seen.trailer->last}, known);
+}
+
+const EarlierTries::Known* EarlierTries::try_before(const Try& now) const {
+  const auto tries = by_try_.find({now.seen.source, now.seen.interrupt()});
+  if (tries == by_try_.end()) return nullptr;
+  wire::Code code = code_of(now);
   --code.attempt;
-  const auto tried = by_code_.find({first.source, code.byte()});
-  if (tried == by_code_.end()) return std::nullopt;
-  const bool elsewhere = trailer && tried->second.destination && *tried->second.destination != trailer->destination;
-  if (elsewhere) return std::nullopt;
-  return tried->second.index;
+  const auto found = tries->second.find(code.attempt);
+  if (found == tries->second.end()) return nullptr;
+  const SeenPacket& seen = found->second.tried.seen;
+  return seen.code == code.byte() && seen.may_be(now.seen) ? &found->second : nullptr;
 }
 
-std::optional<std::size_t> EarlierTries::refused_before(const SeenPacket& first,
-                                                        const std::optional<SeenPacket::Trailer>& trailer) const {
-  if (!trailer || first.interrupt() || trailer->destination == wire::kBroadcast) return std::nullopt;
-  const auto sent = by_route_.find({first.source, trailer->destination, trailer->last});
-  if (sent == by_route_.end() || sent->second.end != WayEnd::refused) return std::nullopt;
-  return sent->second.index;
+const EarlierTries::Known* EarlierTries::refused_before(const Try& now) const {
+  const std::optional<SeenPacket::Trailer>& trailer = now.seen.trailer;
+  if (!trailer || now.seen.interrupt() || trailer->destination == wire::kBroadcast) return nullptr;
+  const auto found = by_route_.find({now.seen.source, trailer->destination, trailer->last});
+  if (found == by_route_.end()) return nullptr;
+  const Known& known = found->second;
+  const bool next = code_of(now).sequence == ((code_of(known.tried).sequence + 1) & 7);
+  const bool again = known.tried.end == WayEnd::refused && next && known.tried.seen.may_be(now.seen) &&
+                     now.began - known.refused_since <= kSentAgainFor;
+  return again ? &known : nullptr;
 }
 
 }  // namespace limb_ring::capture

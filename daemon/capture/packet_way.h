@@ -10,6 +10,7 @@ namespace limb_ring::capture {
 /// What happened to a packet at one node: its source first, and where it came home its source again.
 struct Hop {
   wire::NodeId node = 0;
+  unsigned unseen = 0;  ///< nodes between the one before (or the source) and this one that the capture does not show
   std::optional<SeenPacket> in, out;  ///< nothing where it was not seen there
   /// On the node's line out between its coming in and its going out, in the order of that line.
   std::vector<SeenPacket> behind;

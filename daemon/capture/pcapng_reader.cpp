@@ -16,7 +16,17 @@ constexpr std::size_t kInterfaceOptions = 16;
 constexpr std::uint32_t kSmallestBlock = 12;
 constexpr const char* kNoPcapng = "no pcapng file; 'ringctl dump -w FILE' and 'ring_sim run --capture FILE' write one";
 
+/// ns since 1970 in 64 bits end in 2262; a year less leaves room for what is added to them.
+constexpr std::uint64_t kLatest = 291ull * 365 * 24 * 3600 * 1'000'000'000;
+
 std::size_t padded(std::size_t size) { return (size + 3) / 4 * 4; }
+
+/// Whoever reads it may be a terminal or JSON: nothing but the characters of ASCII that can be seen.
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  return text;
+}
 
 /// What the writer has said about the ring in the section's comment, as far as it is there.
 RingNames names_in(const std::string& comment) {
@@ -98,7 +108,7 @@ void PcapngReader::each_option(std::size_t at, Visit visit) const {
 void PcapngReader::section_header() {
   interfaces_.clear();
   each_option(kSectionOptions, [this](std::uint16_t code, std::size_t at, std::size_t size) {
-    if (code == pcapng::kComment) names_ = names_in({block_.begin() + at, block_.begin() + at + size});
+    if (code == pcapng::kComment) names_ = names_in(printable({block_.begin() + at, block_.begin() + at + size}));
   });
 }
 
@@ -113,10 +123,13 @@ void PcapngReader::interface() {
 }
 
 std::int64_t PcapngReader::time_ns(const Interface& interface) const {
-  auto time = static_cast<std::int64_t>(std::uint64_t{u32(kBlockHead + 4)} << 32 | u32(kBlockHead + 8));
-  for (unsigned digit = interface.resolution; digit < pcapng::kNanoseconds; ++digit) time *= 10;
+  std::uint64_t time = std::uint64_t{u32(kBlockHead + 4)} << 32 | u32(kBlockHead + 8);
   for (unsigned digit = pcapng::kNanoseconds; digit < interface.resolution; ++digit) time /= 10;
-  return time;
+  std::uint64_t unit = 1;
+  for (unsigned digit = interface.resolution; digit < pcapng::kNanoseconds; ++digit) unit *= 10;
+  if (time > kLatest / unit) fail("a time after the year 2261");
+  time *= unit;
+  return static_cast<std::int64_t>(time);
 }
 
 std::optional<PcapngReader::Record> PcapngReader::packet() const {
@@ -134,7 +147,7 @@ std::optional<PcapngReader::Record> PcapngReader::packet() const {
     if (code == pcapng::kComment) comment.assign(block_.begin() + at, block_.begin() + at + length);
     if (code == pcapng::kDropCount && length == 8) packet.lost_before = u32(at + (big_endian_ ? 4 : 0));
   });
-  if ((bytes[1] & kEventFlag) != 0) return CapturedEvent{packet.time_ns, packet.info.from, comment};
+  if ((bytes[1] & kEventFlag) != 0) return CapturedEvent{packet.time_ns, packet.info.from, printable(comment)};
   if (size < kPseudoHeaderSize + wire::kHeaderSize) fail("a packet without a header");
   packet.bytes.assign(bytes.begin() + kPseudoHeaderSize, bytes.end());
   return packet;

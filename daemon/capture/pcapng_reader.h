@@ -34,6 +34,7 @@ class PcapngReader {
 
   /// The next packet (its steady_ns is 0) or event; nothing at the end. @throw CaptureFileError
   std::optional<Record> next();
+  /// As of the last section; here and in events, what is not plain ASCII is a question mark.
   const RingNames& names() const { return names_; }
   /// The file ends inside a block: whoever wrote it was killed.
   bool cut_short() const { return cut_short_; }

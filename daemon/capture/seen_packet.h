@@ -22,9 +22,12 @@ struct SeenPacket {
     std::uint8_t fbc = 0;
     wire::NodeId destination = 0;
     std::uint8_t last = 0;  ///< PRI or INT
+    std::uint32_t data = 0;  ///< CRC-32 of the data, which tells it from other data of that size
   };
   std::optional<Trailer> trailer;
 
+  /// Whether both may be sightings or tries of one packet: what both have shown of it is the same.
+  bool may_be(const SeenPacket& other) const;
   bool interrupt() const { return wire::code_of(code).interrupt; }
   wire::NodeId seen_by() const { return info.input ? info.to : info.from; }
   /// How far on its way: 0 out of its source, 1 into the next node, 2 out of that ...
@@ -32,6 +35,7 @@ struct SeenPacket {
   bool home() const { return info.input && info.to == source; }
 };
 
+/// Times before 1970 count as 1970.
 SeenPacket seen(const CapturedPacket& packet);
 
 }  // namespace limb_ring::capture

@@ -23,13 +23,18 @@ TracedRing::TracedRing(std::vector<SeenPacket> packets)
     if (!packet.info.input) outputs_[packet.info.from].add(packet);
   EarlierTries tries;
   for (std::size_t trip = 0; trip < trips_.size(); ++trip)
-    before_.push_back(tries.before(first(trip), trailer_of(trip), end_of(trip)));
+    before_.push_back(tries.before({clearest(trip), first(trip).began, last(trip).last, end_of(trip)}));
 }
 
-std::optional<SeenPacket::Trailer> TracedRing::trailer_of(std::size_t trip) const {
-  for (const std::size_t seen : trips_[trip].seen)
-    if (packets_[seen].trailer) return packets_[seen].trailer;
-  return std::nullopt;
+// The first one that is whole and good, else whole, else any.
+const SeenPacket& TracedRing::clearest(std::size_t trip) const {
+  const SeenPacket* whole = nullptr;
+  for (const std::size_t seen : trips_[trip].seen) {
+    const SeenPacket& packet = packets_[seen];
+    if (packet.trailer && !packet.info.crc_bad) return packet;
+    if (packet.trailer && whole == nullptr) whole = &packet;
+  }
+  return whole != nullptr ? *whole : first(trip);
 }
 
 WayEnd TracedRing::end_of(std::size_t trip) const {
@@ -55,7 +60,11 @@ std::vector<Hop> TracedRing::hops_of(std::size_t trip) const {
   for (const std::size_t seen : trips_[trip].seen) {
     const SeenPacket& packet = packets_[seen];
     const unsigned here = (packet.stage() + 1) / 2;
-    if (place != here) hops.push_back({packet.seen_by(), {}, {}, {}, {}});
+    // HOP counts nodes that relay: it may stay while the node is another, where one was bypassed meanwhile.
+    if (place != here || hops.back().node != packet.seen_by()) {
+      const unsigned expected = place ? *place + 1 : 0;
+      hops.push_back({packet.seen_by(), here > expected ? here - expected : 0, {}, {}, {}, {}});
+    }
     place = here;
     (packet.info.input ? hops.back().in : hops.back().out) = packet;
   }
@@ -75,7 +84,7 @@ Way TracedRing::way(std::size_t trip) const {
   way.source = first(trip).source;
   way.code = first(trip).code;
   way.size = first(trip).size;
-  way.trailer = trailer_of(trip);
+  way.trailer = clearest(trip).trailer;
   way.hops = hops_of(trip);
   way.end = end_of(trip);
   way.began = first(trip).began;

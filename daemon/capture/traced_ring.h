@@ -31,7 +31,7 @@ class TracedRing {
   bool outputs_seen() const { return !outputs_.empty(); }
 
  private:
-  std::optional<SeenPacket::Trailer> trailer_of(std::size_t trip) const;
+  const SeenPacket& clearest(std::size_t trip) const;
   WayEnd end_of(std::size_t trip) const;
   std::vector<Hop> hops_of(std::size_t trip) const;
   void add_company(Hop& hop) const;

@@ -110,6 +110,44 @@ TEST(Pcapng, AnotherFileIsRefusedWithItsName) {
   EXPECT_THAT(problem_with(""), HasSubstr("no pcapng file"));
 }
 
+TEST(Pcapng, NamesAndEventsAreFitForATerminalAndJson) {
+  std::ostringstream out;
+  PcapngWriter writer(out, {"robot", {{1, "h\xFE\x1B[2Jp"}}});
+  writer.event(5, 1, "its \xFF name\n");
+  const std::string file = out.str();
+  std::istringstream in(file);
+  PcapngReader reader(in, "file");
+  const auto event = reader.next();
+  EXPECT_EQ(reader.names().of(1), "h??[2Jp");
+  EXPECT_EQ(std::get<CapturedEvent>(*event).what, "its ? name?");
+}
+
+/// The packet at a time of so many steps of 10^-resolution s.
+std::string file_of_time(std::uint64_t time, char resolution) {
+  std::string file = file_of_one_packet();
+  const std::size_t option = file.find(std::string("\x09\0\x01\0\x09", 5)), packet = file.find(std::string("\x06\0\0\0", 4), option);
+  file[option + 4] = resolution;
+  for (unsigned i = 0; i < 4; ++i) {
+    file[packet + 12 + i] = static_cast<char>(time >> (32 + 8 * i));
+    file[packet + 16 + i] = static_cast<char>(time >> (8 * i));
+  }
+  return file;
+}
+
+std::int64_t time_of_one(const std::string& file) { return std::get<CapturedPacket>(read_all(file).at(0)).time_ns; }
+
+TEST(Pcapng, TimesComeInAnyPowerOfTen) {
+  EXPECT_EQ(time_of_one(file_of_time(1'763'757'352, 0)), 1'763'757'352'000'000'000);
+  EXPECT_EQ(time_of_one(file_of_time(1'763'757'352'123'456, 6)), 1'763'757'352'123'456'000);
+  EXPECT_EQ(time_of_one(file_of_time(1'763'757'352'123'456'789'5, 10)), 1'763'757'352'123'456'789);
+}
+
+TEST(Pcapng, ATimeBeyondNanosecondsOf64BitsIsRefused) {
+  for (const char resolution : {0, 3, 6, 9})
+    EXPECT_THAT(problem_with(file_of_time(UINT64_MAX, resolution)), HasSubstr("a time after the year 2261"));
+  EXPECT_THAT(problem_with(file_of_time(10'000'000'000, 0)), HasSubstr("a time after the year 2261"));
+}
+
 TEST(Pcapng, NoCutOrFlippedByteMakesTheReaderStumble) {
   const std::string good = file_of_one_packet();
   for (std::size_t i = 0; i < good.size(); ++i) {

@@ -30,6 +30,7 @@ json hop_row(const capture::Way& way, std::size_t place, const RingNames& names)
   const auto line = way.on_line(place);
   const auto waited = hop.waited();
   return {{"node", names.of(hop.node)},
+          {"unseen_before", hop.unseen},
           {"line_ns", line ? json(line->count()) : json()},
           {"in_ns", hop.in ? json(hop.in->began.count()) : json()},
           {"out_ns", hop.out ? json(hop.out->began.count()) : json()},

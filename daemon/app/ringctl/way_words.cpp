@@ -130,6 +130,7 @@ std::vector<std::string> retry_words(const Way& way, const RingNames& names) {
 std::string hop_words(const Way& way, std::size_t place, const RingNames& names) {
   const Hop& hop = way.hops[place];
   std::string words;
+  if (hop.unseen != 0) add(words, to_string(hop.unseen) + (hop.unseen == 1 ? " node" : " nodes") + " before it not in this capture");
   if (mostly_on_line(way, place)) add(words, "most of the time on the line here, or until this node's process ran");
   const std::string damage = damage_of(hop.in ? *hop.in : *hop.out);
   if (!damage.empty()) add(words, damage);

@@ -112,5 +112,30 @@ TEST_F(Trace, WithJsonPrintsALineAPacket) {
   EXPECT_THAT(said.out, HasSubstr(R"("waited_ns":4192)"));
 }
 
+TEST_F(Trace, OfACaptureWhoseTimesDoNotFitIsRefused) {
+  const std::string path = captured(Case::alone);
+  std::string bytes;
+  {
+    std::ifstream in(path, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  const std::size_t packet = bytes.find(std::string("\x06\0\0\0", 4), bytes.find("node0 -> node1"));
+  for (std::size_t i = packet + 12; i < packet + 20; ++i) bytes[i] = '\xFF';
+  std::ofstream(path, std::ios::binary) << bytes;
+  const Said said = trace({path});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("a time after the year 2261"));
+}
+
+TEST_F(Trace, AFullDiskIsNamedWithItsFile) {
+  const std::string path = captured(Case::adversarial);
+  const Said drawn = trace({path, "--svg", "/dev/full"});
+  EXPECT_EQ(drawn.code, kNotDone);
+  EXPECT_THAT(drawn.errors, HasSubstr("/dev/full: not all could be written: No space left on device"));
+  const Said copied = ringctl({"dump", "-r", path, "-w", "/dev/full"});
+  EXPECT_EQ(copied.code, kNotDone);
+  EXPECT_THAT(copied.errors, HasSubstr("/dev/full: not all could be written: No space left on device"));
+}
+
 }  // namespace
 }  // namespace limb_ring::ringctl
