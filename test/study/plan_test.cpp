@@ -9,6 +9,23 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
+// Its messages would take years on the line: 63000 laps each, 100000 times a second.
+TEST(Plan, ARingAskedForMoreThanAnyTimeHoldsHasNoBounds) {
+  config::RingConfig ring = small_ring(255);
+  for (config::NodeConfig& node : ring.nodes) node.link.rate = 1000;
+  std::vector<unsigned> packets(62976, 512);
+  packets.push_back(1);
+  std::vector<Stream> streams;
+  for (NodeId n = 0; n < 35; ++n) streams.push_back(stream_from(n, static_cast<NodeId>(n + 1), packets, 10us));
+  const Plan made = plan(ring, streams);
+  for (const StreamPlan& stream : made.streams) {
+    EXPECT_EQ(stream.confirmed, std::nullopt);
+    EXPECT_EQ(stream.why, "no bound");
+    EXPECT_GT(stream.load, 1e9);
+  }
+  EXPECT_FALSE(made.carried());
+}
+
 // protocol.md section 7.2, request of the CPU to tail back: (N + 1) T + N d = 79.456 us.
 TEST(Plan, SixteenNodesOfThePaper) {
   config::RingConfig ring = small_ring(16);
