@@ -44,7 +44,7 @@ field("event", ProtoField.string, "Event")
 
 -- Header, data, trailer, CRC.
 field("code", ProtoField.uint8, "Code", base.HEX)
-field("version", ProtoField.uint8, "Version", base.DEC, nil, 0xC0)
+field("incarnation", ProtoField.uint8, "Incarnation of the source", base.DEC, nil, 0xC0)
 field("kind", ProtoField.uint8, "Kind", base.DEC, kinds, 0x20)
 field("try", ProtoField.uint8, "Try", base.DEC, nil, 0x18)
 field("seq", ProtoField.uint8, "Sequence", base.DEC, nil, 0x07)
@@ -159,7 +159,7 @@ end
 
 local function dissect_header(packet, tree)
   local code = tree:add(f["code"], packet(0, 1))
-  for _, name in ipairs({"version", "kind", "try", "seq"}) do code:add(f[name], packet(0, 1)) end
+  for _, name in ipairs({"incarnation", "kind", "try", "seq"}) do code:add(f[name], packet(0, 1)) end
   if bit.band(packet(0, 1):uint(), 0x18) ~= 0 then code:add_proto_expert_info(e.retry) end
   tree:add(f["sop"], packet(1, 1))
   tree:add(f["hop"], packet(2, 1))

@@ -13,7 +13,7 @@ struct SeenPacket {
   std::chrono::nanoseconds began{0};  ///< its first slice, by the capture's clock
   std::chrono::nanoseconds last{0};   ///< its last slice; on a paced line its last odd bytes, trailer and CRC follow
   CaptureInfo info;
-  std::uint8_t code = 0;  ///< version, kind, try and sequence
+  std::uint8_t code = 0;  ///< incarnation, kind, try and sequence
   std::uint8_t hop = 0;
   wire::NodeId source = 0;
   std::uint16_t size = 0;  ///< bytes, header to CRC

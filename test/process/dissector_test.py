@@ -29,7 +29,11 @@ steps:
     do: {send: {name: torn, from: node1, to: node3, size: 300}}
   - at: 30ms
     do: {kill: node3}
-  - at: 40ms
+  - at: 100ms
+    do: {start: node3}
+  - when: {node: node3, is: up, ring_size: 4}
+    within: 300ms
+  - at: 400ms
 """
 
 
@@ -64,8 +68,8 @@ class Dissector(RingTest):
 
     def test_a_data_packet_has_all_its_fields(self):
         seen = self.values('limbring.sid == 0 && limbring.channel == 0',
-                           'kind', 'version', 'try', 'hop', 'did', 'pri', 'fbc', 'crc.status')
-        self.assertEqual([row[:3] for row in seen], [('0', '1', '0')] * 4)
+                           'kind', 'incarnation', 'try', 'hop', 'did', 'pri', 'fbc', 'crc.status')
+        self.assertEqual([row[:3] for row in seen], [('0', '0', '0')] * 4)
         self.assertEqual([row[3] for row in seen], ['0', '1', '2', '3'])
         self.assertEqual({row[4:6] for row in seen}, {('2', '1')})
         self.assertEqual([row[6] == '255' for row in seen], [True, True, False, False])
@@ -94,6 +98,11 @@ class Dissector(RingTest):
         self.assertTrue(beacons)
         self.assertTrue(all(int(boot) > 0 and state and line for boot, state, line in beacons))
         self.assertIn(('killed',), self.values('limbring.event', 'event'))
+
+    def test_a_packet_shows_the_incarnation_of_its_source(self):
+        told = self.values('limbring.control && limbring.sid == 3', 'boot', 'incarnation')
+        self.assertEqual(len({int(boot) & 3 for boot, _ in told}), 2, told)  # before and after its restart
+        self.assertTrue(all(int(boot) & 3 == int(incarnation) for boot, incarnation in told))
 
     def test_every_line_has_its_name(self):
         seen = {line for line in self.shark('-T', 'fields', '-e', 'frame.interface_name')}
