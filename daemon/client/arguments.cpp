@@ -13,29 +13,27 @@ constexpr std::uint8_t kFactors = 8;
 
 }  // namespace
 
-std::optional<std::string> send_problem(std::size_t size, std::uint8_t priority,
-                                        std::uint8_t channel) {
-  if (size == 0 || size > kMaxPayload) {
-    return "size " + std::to_string(size) + ": a packet holds 1 to 512 bytes";
-  }
-  if (priority >= kPriorities) {
-    return "priority " + std::to_string(priority) + ": allowed are 0 (highest) to 3";
-  }
-  if (channel >= kChannels) return "channel " + std::to_string(channel) + ": allowed are 0 to 63";
-  if (channel == kControlChannel) {
-    return std::string("channel 1 is the network controllers' own: allowed are 0 and 2 to 63");
-  }
+std::optional<Problem> send_problem(std::size_t size, std::uint8_t priority, std::uint8_t channel) {
+  if (size == 0 || size > kMaxPayload)
+    return Problem{Reason::bad_size, "size " + std::to_string(size) + ": a packet holds 1 to 512 bytes"};
+  if (priority >= kPriorities)
+    return Problem{Reason::bad_priority, "priority " + std::to_string(priority) + ": allowed are 0 (highest) to 3"};
+  if (channel >= kChannels)
+    return Problem{Reason::bad_channel, "channel " + std::to_string(channel) + ": allowed are 0 to 63"};
+  if (channel == kControlChannel)
+    return Problem{Reason::bad_channel,
+                   "channel 1 is the network controllers' own: allowed are 0 and 2 to 63"};
   return std::nullopt;
 }
 
-std::optional<std::string> interrupt_problem(std::uint8_t factor) {
+std::optional<Problem> interrupt_problem(std::uint8_t factor) {
   if (factor < kFactors) return std::nullopt;
-  return "factor " + std::to_string(factor) + ": allowed are 0 to 7";
+  return Problem{Reason::bad_factor, "factor " + std::to_string(factor) + ": allowed are 0 to 7"};
 }
 
-std::optional<std::string> pull_problem(std::uint8_t input) {
+std::optional<Problem> pull_problem(std::uint8_t input) {
   if (input < kFactors) return std::nullopt;
-  return "input " + std::to_string(input) + ": allowed are 0 to 7";
+  return Problem{Reason::input_unwired, "input " + std::to_string(input) + ": allowed are 0 to 7"};
 }
 
 std::optional<std::string> json_problem(std::string_view json) {

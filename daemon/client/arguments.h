@@ -6,14 +6,20 @@
 #include <string>
 #include <string_view>
 
+#include "limb_ring/reason.h"
+
 namespace limb_ring::client {
 
-/// What is wrong with the arguments of a call, in words; nothing where they are right. Both ends
+struct Problem {
+  Reason why = Reason::none;
+  std::string text;  ///< with the value that is wrong
+};
+
+/// What is wrong with the arguments of a call; nothing where they are right. Both ends
 /// of a host port ask here, so that a bad call says the same wherever it is caught.
-std::optional<std::string> send_problem(std::size_t size, std::uint8_t priority,
-                                        std::uint8_t channel);
-std::optional<std::string> interrupt_problem(std::uint8_t factor);
-std::optional<std::string> pull_problem(std::uint8_t input);
+std::optional<Problem> send_problem(std::size_t size, std::uint8_t priority, std::uint8_t channel);
+std::optional<Problem> interrupt_problem(std::uint8_t factor);
+std::optional<Problem> pull_problem(std::uint8_t input);
 
 /// Lists and objects within each other that JSON on a host port may have. (ours: what reads or writes JSON calls
 /// itself for each level, so that 64 kB of brackets would need more stack than a process has)

@@ -47,8 +47,8 @@ std::uint32_t Connection::begin(Pending::Ends ends) {
   return token;
 }
 
-void Connection::reject(std::uint32_t token, const std::string& reason) {
-  pending_.end(token, Outcome::rejected, reason, inbox_);
+void Connection::reject(std::uint32_t token, const std::string& reason, Reason why) {
+  pending_.end(token, {token, Outcome::rejected, {}, 0, reason, why}, inbox_);
 }
 
 void Connection::flush() {

@@ -37,7 +37,7 @@ class Connection {
   /// A new token. Where the connection has ended, its end is in the inbox at once.
   std::uint32_t begin(Pending::Ends ends);
   /// Ends a call without asking the daemon: a Result `rejected`, or a Reply holding the error.
-  void reject(std::uint32_t token, const std::string& reason);
+  void reject(std::uint32_t token, const std::string& reason, Reason why = Reason::none);
 
   /// Reads what has come into the inbox, at most 64 kB.
   void read();

@@ -16,7 +16,7 @@ namespace limb_ring::client {
 /// data of a decoded message point into the frame it was read from.
 
 /// Changes whenever a message changes: both sides come from one build as a rule.
-constexpr std::uint16_t kHostPortVersion = 1;
+constexpr std::uint16_t kHostPortVersion = 2;
 /// A frame's size field and type, then this: what a stranger's bytes hardly are.
 constexpr std::uint32_t kGreetingMagic = 0x4C524850;  // "LRHP"
 
@@ -107,7 +107,7 @@ struct CapturedView {
 };
 
 /// limb_ring::Interrupt     | action 8 | source 8 | factor 8 |
-/// limb_ring::Result        | token 32 | outcome 8 | tries 16 | round trip 64, ns | reason |
+/// limb_ring::Result        | token 32 | outcome 8 | tries 16 | round trip 64, ns | why 8 | reason |
 /// limb_ring::Reply         | token 32 | JSON |
 /// limb_ring::Observed      | JSON |
 /// limb_ring::ObservedLost  | count 64 |

@@ -26,10 +26,10 @@ struct HostPort::Impl {
 
   /// Begins a call and sends it, unless its arguments are wrong.
   template <typename Request>
-  std::uint32_t call(Request request, const std::optional<std::string>& problem) {
+  std::uint32_t call(Request request, const std::optional<client::Problem>& problem) {
     request.token = connection.begin(Pending::Ends::with_result);
     if (problem) {
-      connection.reject(request.token, *problem);
+      connection.reject(request.token, problem->text, problem->why);
     } else {
       connection.send(request);
     }

@@ -35,19 +35,22 @@ std::uint32_t Pending::add(Ends ends) {
   return token;
 }
 
-void Pending::end(std::uint32_t token, Outcome outcome, const std::string& reason, Inbox& inbox) {
+void Pending::end(std::uint32_t token, const Result& result, Inbox& inbox) {
   const auto call = calls_.find(token);
   if (call == calls_.end()) return;
   if (call->second == Ends::with_result) {
-    inbox.put(Result{token, outcome, std::chrono::nanoseconds{0}, 0, reason});
+    inbox.put(result);
   } else {
-    inbox.put(Reply{token, error_json(reason)});
+    inbox.put(Reply{token, error_json(result.reason)});
   }
   calls_.erase(call);
 }
 
 void Pending::cancel_all(const std::string& reason, Inbox& inbox) {
-  while (!calls_.empty()) end(calls_.begin()->first, Outcome::cancelled, reason, inbox);
+  while (!calls_.empty()) {
+    const std::uint32_t token = calls_.begin()->first;
+    end(token, {token, Outcome::cancelled, {}, 0, reason, Reason::given_up}, inbox);
+  }
 }
 
 std::string error_json(const std::string& reason) {

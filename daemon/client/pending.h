@@ -18,8 +18,8 @@ class Pending {
   /// False where nothing of that token is outstanding: a second end, which is not passed on.
   bool remove(std::uint32_t token) { return calls_.erase(token) > 0; }
   bool contains(std::uint32_t token) const { return calls_.count(token) > 0; }
-  /// Ends one here: a Result of that outcome, or a Reply holding the reason as its error.
-  void end(std::uint32_t token, Outcome outcome, const std::string& reason, Inbox& inbox);
+  /// Ends one here: with that result, or a Reply holding its reason as its error.
+  void end(std::uint32_t token, const Result& result, Inbox& inbox);
   /// Ends all: results `cancelled`, replies with an error.
   void cancel_all(const std::string& reason, Inbox& inbox);
 

@@ -69,8 +69,11 @@ std::optional<ToClient> read_result(FieldReader reader) {
   message.outcome = static_cast<Outcome>(outcome);
   message.tries = reader.u16();
   message.round_trip = std::chrono::nanoseconds{static_cast<std::int64_t>(reader.u64())};
+  const std::uint8_t why = reader.u8();
+  message.why = static_cast<Reason>(why);
   message.reason = std::string(reader.rest_text());
-  const bool known = outcome <= static_cast<std::uint8_t>(Outcome::cancelled);
+  const bool known =
+      outcome <= static_cast<std::uint8_t>(Outcome::cancelled) && why <= static_cast<std::uint8_t>(kLastReason);
   if (!reader.complete() || !known) return std::nullopt;
   return message;
 }
@@ -147,6 +150,7 @@ void append(Bytes& out, const limb_ring::Result& message) {
       .u8(static_cast<std::uint8_t>(message.outcome))
       .u16(static_cast<std::uint16_t>(std::min(message.tries, 0xFFFFu)))
       .u64(static_cast<std::uint64_t>(message.round_trip.count()))
+      .u8(static_cast<std::uint8_t>(message.why))
       .rest(message.reason);
 }
 

@@ -37,6 +37,8 @@ struct CpuConfig {
   enum class Kind { none, child, attached } kind = Kind::none;
   std::vector<std::string> command;  ///< program (looked for beside ringd, then on PATH), arguments
   bool restart_on_exit = true;       ///< child: start it again when it ends by itself
+  /// Silent for so many alive periods, it counts as hung. (ours)
+  static constexpr int kSilentPeriods = 3;
   milliseconds alive_period{0};      ///< it says something at least so often; 0: it is not watched
 };
 

@@ -243,26 +243,33 @@ Reject Controller::refuse_reason(const InterruptRequest& request) const {
   return membership_.accepts_sends() ? Reject::none : Reject::not_in_ring;
 }
 
-void Controller::reject(Owner owner, std::uint32_t token, Reject reason, bool interrupt, Time now) {
+void Controller::reject(const SendRequest& request, Reject reason, Time now) {
   ++counters_.ended_rejected;
-  events_.put(now, SendEnded{owner, token, Outcome::rejected, reason, Duration{0}, 0, interrupt});
+  events_.put(now, SendEnded{request.owner, request.token, Outcome::rejected, reason, Duration{0}, 0, false,
+                             request.destination});
+}
+
+void Controller::reject(const InterruptRequest& request, Reject reason, Time now) {
+  ++counters_.ended_rejected;
+  events_.put(now, SendEnded{request.owner, request.token, Outcome::rejected, reason, Duration{0}, 0, true,
+                             request.destination, request.factor});
 }
 
 void Controller::send(const SendRequest& request, Time now) {
   Reject reason = refuse_reason(request);
   if (reason == Reject::none) reason = transmit_.data.enqueue(request, now);
-  if (reason != Reject::none) reject(request.owner, request.token, reason, false, now);
+  if (reason != Reject::none) reject(request, reason, now);
 }
 
 void Controller::interrupt(const InterruptRequest& request, Time now) {
   Reject reason = refuse_reason(request);
   if (reason == Reject::none) reason = transmit_.interrupts.enqueue(request, now);
-  if (reason != Reject::none) reject(request.owner, request.token, reason, true, now);
+  if (reason != Reject::none) reject(request, reason, now);
 }
 
 void Controller::pull(Owner owner, std::uint32_t token, unsigned input, Time now) {
   if (input >= settings_.inputs.size() || !settings_.inputs[input])
-    return reject(owner, token, Reject::input_unwired, true, now);
+    return reject(InterruptRequest{owner, token, 0, 0}, Reject::input_unwired, now);
   interrupt({owner, token, settings_.inputs[input]->destination, settings_.inputs[input]->factor}, now);
 }
 

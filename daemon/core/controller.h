@@ -114,7 +114,8 @@ class Controller {
   Reject refuse_reason(const SendRequest& request) const;
   Reject refuse_reason(const InterruptRequest& request) const;
   bool destination_exists(NodeId destination) const;
-  void reject(Owner owner, std::uint32_t token, Reject reason, bool interrupt, Time now);
+  void reject(const SendRequest& request, Reject reason, Time now);
+  void reject(const InterruptRequest& request, Reject reason, Time now);
   Time stall_deadline() const {
     if (!incoming_.open()) return kNever;
     return incoming_.last_slice() + settings_.stall + 2 * settings_.byte_time_in * 1024;

@@ -167,7 +167,7 @@ void DataUnit::finish(std::size_t queue, Outcome outcome, Time at, Duration roun
 void DataUnit::tell(Job& job, Outcome outcome, Reject reject, Time at, Duration round_trip) {
   if (job.told) return;
   job.told = true;
-  const SendEnded ended{job.owner, job.token, outcome, reject, round_trip, job.tries, false};
+  const SendEnded ended{job.owner, job.token, outcome, reject, round_trip, job.tries, false, job.destination};
   if (job.owner == kController) {
     control_ends_.push_back(ended);
     return;

@@ -37,6 +37,8 @@ struct SendEnded {
   Duration round_trip{0};  ///< of the try that came home; 0 where none did
   unsigned tries = 0;
   bool interrupt = false;
+  NodeId destination = 0;
+  std::uint8_t factor = 0;  ///< of an interrupt
 };
 
 /// The pin of that number was pulled by an INTP with a good CRC; once per INTP.

@@ -78,7 +78,8 @@ void InterruptUnit::tell(Job& job, Outcome outcome, Time at, Duration round_trip
   job.told = true;
   count_outcome(counters_, outcome);
   const Reject reject = outcome == Outcome::rejected ? Reject::no_way_out : Reject::none;
-  events_.put(at, SendEnded{job.request.owner, job.request.token, outcome, reject, round_trip, job.tries, true});
+  events_.put(at, SendEnded{job.request.owner, job.request.token, outcome, reject, round_trip, job.tries, true,
+                            job.request.destination, job.request.factor});
 }
 
 void InterruptUnit::end_overdue(Time now) {

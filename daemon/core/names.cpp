@@ -16,22 +16,6 @@ const char* to_string(Outcome outcome) {
   return "";
 }
 
-const char* to_string(Reject reject) {
-  switch (reject) {
-    case Reject::none: return "";
-    case Reject::bad_size: return "a packet carries 1 to 512 bytes";
-    case Reject::bad_destination: return "no node of that id is configured";
-    case Reject::bad_priority: return "priorities are 0 (highest) to 3";
-    case Reject::bad_channel: return "channels are 0 to 63, and 1 is the network controllers' own";
-    case Reject::bad_factor: return "interrupt factors are 0 to 7";
-    case Reject::input_unwired: return "this interrupt input is wired to nothing";
-    case Reject::queue_full: return "the send queue is full";
-    case Reject::not_in_ring: return "the node is not in a ring";
-    case Reject::no_way_out: return "the packet could not go onto the line in time";
-  }
-  return "unknown";
-}
-
 const char* to_string(NodeState state) {
   switch (state) {
     case NodeState::starting: return "starting";

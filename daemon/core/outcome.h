@@ -12,13 +12,10 @@ enum class Outcome : std::uint8_t {
 /// One or three words: "no such node".
 const char* to_string(Outcome outcome);
 
-/// Why a send was rejected.
+/// Why a send was rejected; limb_ring/reason.h has the words.
 enum class Reject : std::uint8_t {
   none, bad_size, bad_destination, bad_priority, bad_channel, bad_factor, input_unwired, queue_full,
   not_in_ring, no_way_out
 };
-
-/// A sentence for people.
-const char* to_string(Reject reject);
 
 }  // namespace limb_ring::core

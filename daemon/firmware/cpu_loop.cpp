@@ -33,6 +33,7 @@ class Run {
     while (!exit_code_ && !stop_requested()) {
       take_messages();
       if (exit_code_) break;
+      say_whether_stopped();
       cpu_.advance(read_clocks());
       send();
       obey();
@@ -67,6 +68,14 @@ class Run {
   void take(const ObservedLost&) {}
   void take(const CapturedPacket&) {}
   void take(const CaptureCounts&) {}
+
+  /// Its network controller shows it; nobody else could know.
+  void say_whether_stopped() {
+    if (cpu_.limb().stopped() == said_stopped_) return;
+    said_stopped_ = cpu_.limb().stopped();
+    port_.request(said_stopped_ ? R"({"do": "stop_latched", "latched": true})"
+                                : R"({"do": "stop_latched", "latched": false})");
+  }
 
   void send() {
     const auto outgoing = cpu_.take_outgoing();
@@ -106,6 +115,7 @@ class Run {
   std::optional<int> exit_code_;
   nanoseconds speak_at_{0};
   bool more_waiting_ = false;
+  bool said_stopped_ = false;
 };
 
 }  // namespace

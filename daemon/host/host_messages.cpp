@@ -62,10 +62,10 @@ void HostServer::on(Session& session, const client::Greeting& greeting) {
 }
 
 bool HostServer::rejected(Session& session, std::uint32_t token,
-                          const std::optional<std::string>& problem) {
+                          const std::optional<client::Problem>& problem) {
   if (!problem) return false;
   ++counters_.rejected;
-  session.put(Result{token, Outcome::rejected, std::chrono::nanoseconds{0}, 0, *problem});
+  session.put(Result{token, Outcome::rejected, std::chrono::nanoseconds{0}, 0, problem->text, problem->why});
   return true;
 }
 

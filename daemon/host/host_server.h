@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "client/arguments.h"
 #include "host/host_counters.h"
 #include "host/host_handler.h"
 #include "host/listener.h"
@@ -78,7 +79,7 @@ class HostServer final : private SessionOwner {
   void on(Session& session, const client::ObserveRequest& request);
   void on(Session& session, const client::Alive& alive);
   void on(Session& session, const client::Credit& credit);
-  bool rejected(Session& session, std::uint32_t token, const std::optional<std::string>& problem);
+  bool rejected(Session& session, std::uint32_t token, const std::optional<client::Problem>& problem);
   Session* find(ClientId client);
 
   boost::asio::io_context& io_;

@@ -42,6 +42,7 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
 void CpuSocket::detach(const host::ClientInfo& client) {
   supervisor_.detached(client.pid);
   if (host_.cpu() != nullptr && host_.cpu()->id != client.id) return;
+  stop_.latched = false;
   engine_.controller().set_cpu_present(false);
   engine_.controller().cpu_reset(client.id, engine_.now());
 }
@@ -93,12 +94,17 @@ CpuReport CpuSocket::reset(const std::string& reason) {
 void CpuSocket::drop_client() {
   if (host_.cpu() == nullptr) return;
   const host::ClientInfo client = *host_.cpu();
+  stop_.latched = false;
   engine_.controller().set_cpu_present(false);
   engine_.controller().cpu_reset(client.id, engine_.now());
   host_.disconnect(client.id, "the CPU was reset");
 }
 
 void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor) {
+  if (action == limb_ring::Interrupt::Action::stop) {
+    ++stop_.pulled;
+    stop_.pulled_at = engine_.now();
+  }
   if (is_sink())
     ++interrupts_of_sink_;
   else

@@ -41,6 +41,16 @@ class CpuSocket final : private CpuEvents {
   CpuReport run(const std::vector<std::string>& command) { return supervisor_.run(command); }
   ///@}
 
+  /// What is known of stop pins that were pulled.
+  struct Stop {
+    bool latched = false;              ///< by the CPU's own word
+    std::uint64_t pulled = 0;          ///< times since the daemon's start
+    std::optional<core::Time> pulled_at;
+  };
+  /// The CPU says that a stop is latched, or that it has resumed. One that is started anew has nothing latched.
+  void stop_latched(bool latched) { stop_.latched = latched; }
+  const Stop& stop_state() const { return stop_; }
+
   CpuStatus status() const;
   std::uint64_t read_by_sink() const { return read_by_sink_; }
   std::uint64_t interrupts_of_sink() const { return interrupts_of_sink_; }
@@ -61,6 +71,7 @@ class CpuSocket final : private CpuEvents {
   Reading reading_;
   boost::asio::steady_timer next_reading_;
   core::CpuReport reported_;
+  Stop stop_;
   std::uint32_t sink_boots_ = 1;
   std::uint64_t sink_resets_ = 0;
   std::uint64_t read_by_sink_ = 0;

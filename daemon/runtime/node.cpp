@@ -124,14 +124,17 @@ void Node::on_link(std::string_view what) {
 
 void Node::handle(const core::SendEnded& ended) {
   if (ended.outcome == core::Outcome::delivered) round_trips_.add(ended.round_trip);
-  if (ended.owner == kTrafficOwner) return traffic_.on_ended(ended);
+  if (ended.owner == kTrafficOwner) return traffic_.on_ended(ended, why(ended).text);
   if (ended.owner == kOrdersOwner) return orders_.on_ended(ended);
   if (ended.owner == kBabbleOwner) return faults_.on_ended(ended);
   const auto round_trip = std::chrono::duration_cast<std::chrono::nanoseconds>(ended.round_trip);
-  host_.result(ended.owner, {ended.token, static_cast<Outcome>(ended.outcome), round_trip, ended.tries,
-                             core::to_string(ended.reject)});
+  const SendReason reason = why(ended);
+  host_.result(ended.owner, {ended.token, static_cast<Outcome>(ended.outcome), round_trip, ended.tries, reason.text,
+                             reason.reason});
   if (observers_.any())
     observers_.tell("sent", {{"outcome", to_string(static_cast<Outcome>(ended.outcome))},
+                             {"reason_code", to_string(reason.reason)},
+                             {"reason", reason.text},
                              {"interrupt", ended.interrupt},
                              {"tries", ended.tries},
                              {"round_trip_us", static_cast<double>(round_trip.count()) / 1000}});
@@ -186,7 +189,8 @@ void Node::on_interrupt(host::ClientId client, std::uint32_t token, std::uint8_t
   if (destination == wire::kBroadcast && !force && config::ring_has_reset_on(ring_, factor)) {
     host_.result(client, {token, Outcome::rejected, {}, 0,
                           "factor " + std::to_string(factor) +
-                              " is wired to reset: to reset all CPUs at once, force it"});
+                              " is wired to reset: to reset all CPUs at once, force it",
+                          Reason::needs_force});
     return;
   }
   engine_.controller().interrupt({client, token, destination, factor}, engine_.now());
@@ -199,7 +203,8 @@ void Node::on_pull(host::ClientId client, std::uint32_t token, std::uint8_t inpu
 }
 
 void Node::on_request(host::ClientId client, std::uint32_t token, const std::string& json) {
-  requests_.handle(json, [this, client, token](const nlohmann::json& answer) {
+  const bool of_cpu = host_.cpu() != nullptr && host_.cpu()->id == client;
+  requests_.handle(json, of_cpu, [this, client, token](const nlohmann::json& answer) {
     host_.reply(client, token, answer.dump());
   });
 }
@@ -236,6 +241,12 @@ void Node::found(const Watchdog::Finding& finding) {
   observers_.tell("watchdog", {{"id", finding.node}, {"verdict", to_string(finding.verdict)}, {"what", finding.what}});
 }
 
+SendReason Node::why(const core::SendEnded& ended) const {
+  if (ended.outcome == core::Outcome::delivered) return {};
+  const auto own_cpu = static_cast<wire::CpuState>(cpu_.status().state);
+  return reason_of(ended, ring_, config_, own_cpu, engine_.controller().membership());
+}
+
 CpuSighting Node::sighting_of(wire::NodeId node) const {
   if (node == config_.id) {
     const CpuStatus status = cpu_.status();
@@ -248,9 +259,13 @@ CpuSighting Node::sighting_of(wire::NodeId node) const {
           std::chrono::milliseconds(beacon.cpu_silent_ms), beacon.cpu_comes_back};
 }
 
-Orders::Cpu Node::cpu_of(wire::NodeId node) const {
+watchdog::CpuKnown Node::cpu_of(wire::NodeId node) const {
   const CpuSighting cpu = sighting_of(node);
-  return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent};
+  const core::Membership& membership = engine_.controller().membership();
+  const bool heard =
+      cpu.heard_at && engine_.now() - *cpu.heard_at < watchdog::kMissedBeacons * ring_.timeouts.beacon;
+  return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent, heard,
+          watchdog::reach_of(engine_.controller().settings().order, membership.broken_line(), config_.id, node)};
 }
 
 }  // namespace limb_ring::runtime

@@ -23,6 +23,7 @@
 #include "runtime/requests.h"
 #include "runtime/ring_supervisor.h"
 #include "runtime/round_trips.h"
+#include "runtime/send_reason.h"
 #include "runtime/traffic.h"
 
 namespace limb_ring::runtime {
@@ -60,6 +61,8 @@ class Node final : private EngineListener, private host::HostHandler {
   core::Time broken_since() const { return broken_since_; }
   const RoundTrips& round_trips() const { return round_trips_; }
   const host::HostServer& host() const { return host_; }
+  /// Why a send of this node ended so.
+  SendReason why(const core::SendEnded& ended) const;
   ///@}
 
  private:
@@ -88,7 +91,7 @@ class Node final : private EngineListener, private host::HostHandler {
   void cpu_changed();
   void found(const Watchdog::Finding& finding);
   CpuSighting sighting_of(wire::NodeId node) const;
-  Orders::Cpu cpu_of(wire::NodeId node) const;
+  watchdog::CpuKnown cpu_of(wire::NodeId node) const;
 
   const config::RingConfig& ring_;
   const config::NodeConfig& config_;

@@ -1,6 +1,5 @@
 #include "runtime/orders.h"
 
-#include "limb_ring/host_port.h"
 #include "runtime/owners.h"
 
 namespace limb_ring::runtime {
@@ -21,44 +20,23 @@ void Orders::on_ended(const core::SendEnded& ended) {
 }
 
 void Orders::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout, ResetDone done) {
-  Reset& reset = resets_.emplace_back(io_, node, std::move(done));
-  reset.begun = engine_.now();
-  reset.before = cpu_of_(node);
-  reset.report.boots = reset.before.boots;
+  Reset& reset = resets_.emplace_back(io_, node, cpu_of_(node), engine_.now(), std::move(done));
   reset.deadline.expires_after(timeout);
   reset.deadline.async_wait([this, which = &reset](const boost::system::error_code& error) {
     if (error) return;
-    const auto place = place_of(which);
-    finish(place, false,
-           place->taken ? "the reset pin was pulled, but no CPU has come back in time"
-                        : "the interrupt has not come home in time");
+    finish(place_of(which), which->order.timed_out(engine_.now()));
   });
-  interrupt(node, factor, [this, which = &reset](const core::SendEnded& ended) { reset_ended(which, ended); });
-}
-
-void Orders::reset_ended(Reset* reset, const core::SendEnded& ended) {
-  const auto place = place_of(reset);
-  if (place == resets_.end()) return;
-  place->taken = ended.outcome == core::Outcome::delivered;
-  place->report.round_trip = ended.round_trip;
-  if (!place->taken) {
-    std::string why = std::string("the interrupt was ") + to_string(static_cast<Outcome>(ended.outcome));
-    if (ended.reject != core::Reject::none) why += std::string(": ") + core::to_string(ended.reject);
-    return finish(place, false, why);
-  }
-  if (!place->before.comes_back && place->before.absent)
-    return finish(place, false, "the reset pin was pulled, but no CPU is attached to that node: nothing to reset");
-  if (!place->before.comes_back)
-    return finish(place, false, "the CPU was killed, but nobody restarts it: it did not declare that its owner does");
-  on_cpu_changed(place->node);
+  interrupt(node, factor, [this, which = &reset](const core::SendEnded& ended) {
+    const auto place = place_of(which);
+    if (place != resets_.end())
+      finish(place, place->order.interrupt_ended(ended, cpu_of_(place->node), engine_.now()));
+  });
 }
 
 void Orders::on_cpu_changed(wire::NodeId node) {
   for (auto it = resets_.begin(); it != resets_.end();) {
     const auto place = it++;
-    if (place->node != node || !place->taken) continue;
-    place->report.boots = cpu_of_(node).boots;
-    if (place->report.boots > place->before.boots) finish(place, true, "the CPU has booted again");
+    if (place->node == node) finish(place, place->order.cpu_changed(cpu_of_(node), engine_.now()));
   }
 }
 
@@ -68,15 +46,11 @@ Orders::ResetPlace Orders::place_of(const Reset* reset) {
   return it;
 }
 
-void Orders::finish(ResetPlace place, bool success, const std::string& message) {
-  if (place == resets_.end()) return;
-  ResetReport report = place->report;
+void Orders::finish(ResetPlace place, const watchdog::ResetOrder::Report& report) {
+  if (!report) return;
   const ResetDone done = std::move(place->done);
-  report.success = success;
-  report.message = message;
-  report.confirmed = std::chrono::duration_cast<std::chrono::milliseconds>(engine_.now() - place->begun);
   resets_.erase(place);
-  done(report);
+  done(*report);
 }
 
 void Orders::stop() {

@@ -6,38 +6,22 @@
 #include <map>
 
 #include "runtime/engine.h"
+#include "watchdog/reset_order.h"
 
 namespace limb_ring::runtime {
-
-/// How a reset of another node's CPU ended.
-struct ResetReport {
-  bool success = false;         ///< a higher CPU boot number was heard over the ring
-  std::string message;
-  core::Duration round_trip{0}; ///< of the INTP
-  std::uint32_t boots = 0;      ///< of that CPU, as last heard
-  std::chrono::milliseconds confirmed{0};  ///< from the order to the confirmation
-};
 
 /// Interrupts that the daemon itself sends for its clients, and what has to come of them.
 class Orders {
  public:
   using Ended = std::function<void(const core::SendEnded&)>;
-  using ResetDone = std::function<void(const ResetReport&)>;
-
-  /// What is known of a node's CPU: its own beacons, or for this node the CPU itself.
-  struct Cpu {
-    std::uint32_t boots = 0;
-    bool comes_back = true;  ///< somebody starts it again when it is killed
-    bool absent = false;     ///< there is none to kill
-  };
-  using CpuOf = std::function<Cpu(wire::NodeId)>;
+  using ResetDone = std::function<void(const watchdog::ResetReport&)>;
+  using CpuOf = std::function<watchdog::CpuKnown(wire::NodeId)>;
 
   Orders(boost::asio::io_context& io, Engine& engine, CpuOf cpu_of)
       : io_(io), engine_(engine), cpu_of_(std::move(cpu_of)) {}
 
   void interrupt(wire::NodeId to, std::uint8_t factor, Ended done);
-  /// Pulls the reset pin of `node` and waits until its beacons carry a higher CPU boot number:
-  /// not for the first packet that happens to be under way. (ours, protocol.md section 5)
+  /// Pulls the reset pin of `node` and waits until it is known what has come of it.
   void reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout, ResetDone done);
 
   void on_ended(const core::SendEnded& ended);
@@ -47,19 +31,17 @@ class Orders {
 
  private:
   struct Reset {
-    Reset(boost::asio::io_context& io, wire::NodeId n, ResetDone d) : node(n), done(std::move(d)), deadline(io) {}
+    Reset(boost::asio::io_context& io, wire::NodeId n, const watchdog::CpuKnown& before, core::Time now, ResetDone d)
+        : node(n), order(before, now), done(std::move(d)), deadline(io) {}
     wire::NodeId node;
+    watchdog::ResetOrder order;
     ResetDone done;
     boost::asio::steady_timer deadline;
-    Cpu before;
-    bool taken = false;
-    ResetReport report;
-    core::Time begun{};
   };
   using ResetPlace = std::list<Reset>::iterator;
 
-  void reset_ended(Reset* reset, const core::SendEnded& ended);
-  void finish(ResetPlace place, bool success, const std::string& message);
+  /// @param report none: it goes on
+  void finish(ResetPlace place, const watchdog::ResetOrder::Report& report);
   ResetPlace place_of(const Reset* reset);
 
   boost::asio::io_context& io_;

@@ -25,16 +25,18 @@ std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std:
   throw RequestError("node " + node.name + " has no pin wired to " + name);
 }
 
-nlohmann::json end_of(const core::SendEnded& ended) {
+nlohmann::json end_of(const Node& node, const core::SendEnded& ended) {
+  const SendReason reason = node.why(ended);
   return {{"outcome", to_string(static_cast<Outcome>(ended.outcome))},
-          {"reason", core::to_string(ended.reject)},
+          {"reason", reason.text},
+          {"reason_code", to_string(reason.reason)},
           {"round_trip_us", microseconds(ended.round_trip)},
           {"tries", ended.tries}};
 }
 
 }  // namespace
 
-void Requests::handle(const std::string& text, const Answer& answer) {
+void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer) {
   using Handler = void (Requests::*)(const Json&, const Answer&);
   using FaultHandler = void (*)(Node&, const Json&, const Answer&);
   static const std::map<std::string, Handler> handlers{
@@ -49,6 +51,7 @@ void Requests::handle(const std::string& text, const Answer& answer) {
     if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRule);
     const auto fault_handler = fault_handlers.find(request["do"].get<std::string>());
     if (fault_handler != fault_handlers.end()) return fault_handler->second(node_, request, answer);
+    if (request["do"] == "stop_latched" && of_cpu) return stop_latched(request, answer);
     const auto handler = handlers.find(request["do"].get<std::string>());
     if (handler == handlers.end())
       throw RequestError("no request '" + request["do"].get<std::string>() +
@@ -62,7 +65,7 @@ void Requests::handle(const std::string& text, const Answer& answer) {
 
 void Requests::config(const Json&, const Answer& answer) {
   Json nodes = Json::array();
-  for (const auto& node : node_.ring().nodes) nodes.push_back({{"id", node.id}, {"name", node.name}});
+  for (const auto& node : node_.ring().nodes) nodes.push_back({{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}});
   answer({{"ring", node_.ring().ring}, {"path", node_.ring().path}, {"nodes", nodes},
           {"folds_back", node_.ring().redundancy == config::RingConfig::Redundancy::foldback},
           {"supervisor", config::supervisor_of(node_.ring()).id}});
@@ -72,6 +75,14 @@ void Requests::status(const Json&, const Answer& answer) {
   Json row = status_row(node_);
   row["ring"] = node_.ring().ring;
   answer(row);
+}
+
+// Only the CPU knows: a command that resumes may come too late, or from before the stop.
+void Requests::stop_latched(const Json& request, const Answer& answer) {
+  if (!request.contains("latched") || !request["latched"].is_boolean())
+    throw RequestError("'latched' is missing or no truth value; allowed: true, false");
+  node_.cpu().stop_latched(request["latched"].get<bool>());
+  answer(Json::object());
 }
 
 void Requests::latch(const Json&, const Answer& answer) {
@@ -98,12 +109,18 @@ void Requests::reset(const Json& request, const Answer& answer) {
   const auto& target = node_in(node_.ring(), request, "node");
   const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
   const std::uint8_t factor = factor_of(target, Action::reset, "reset");
-  node_.orders().reset(target.id, factor, timeout, [answer](const ResetReport& report) {
-    answer({{"success", report.success},
-            {"message", report.message},
-            {"round_trip_us", microseconds(report.round_trip)},
+  node_.orders().reset(target.id, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
+    const SendReason reason = node_.why(report.ended);
+    const bool explained = report.ended.outcome != core::Outcome::delivered && !report.success();
+    answer({{"success", report.success()},
+            {"effect", to_string(report.effect)},
+            {"outcome", core::to_string(report.ended.outcome)},
+            {"reason", reason.text},
+            {"reason_code", to_string(reason.reason)},
+            {"message", report.message + (explained && !reason.text.empty() ? ": " + reason.text : "")},
+            {"round_trip_us", microseconds(report.ended.round_trip)},
             {"boots", report.boots},
-            {"confirmed_ms", report.confirmed.count()}});
+            {"confirmed_ms", std::chrono::duration_cast<std::chrono::milliseconds>(report.lasted).count()}});
   });
 }
 
@@ -113,7 +130,7 @@ void Requests::stop(const Json& request, const Answer& answer) {
   const config::NodeConfig& target = to == wire::kBroadcast ? node_.config() : *node_.ring().find(to);
   const std::uint8_t factor = factor_of(target, Action::stop, "stop");
   if (to == wire::kBroadcast) node_.pins().pull(factor, node_.config().id, 0);
-  node_.orders().interrupt(to, factor, [answer](const core::SendEnded& ended) { answer(end_of(ended)); });
+  node_.orders().interrupt(to, factor, [this, answer](const core::SendEnded& ended) { answer(end_of(node_, ended)); });
 }
 
 void Requests::sync(const Json&, const Answer& answer) {
@@ -122,7 +139,7 @@ void Requests::sync(const Json&, const Answer& answer) {
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch());
   node_.pins().latch(node_.config().id, clock.count());
   node_.orders().interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
-    Json json = end_of(ended);
+    Json json = end_of(node_, ended);
     json["ring_size"] = node_.engine().controller().membership().ring_size();
     json["clock_ns"] = clock.count();
     answer(json);

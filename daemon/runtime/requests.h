@@ -17,7 +17,8 @@ class Requests {
   explicit Requests(Node& node) : node_(node) {}
 
   /// `answer` is called exactly once, now or later; with {"error": ...} where it cannot be done.
-  void handle(const std::string& text, const Answer& answer);
+  /// @param of_cpu asked by the CPU itself
+  void handle(const std::string& text, bool of_cpu, const Answer& answer);
 
  private:
   using Json = nlohmann::json;
@@ -26,6 +27,7 @@ class Requests {
   void ping(const Json& request, const Answer& answer);
   void reset(const Json& request, const Answer& answer);
   void shutdown(const Json& request, const Answer& answer);
+  void stop_latched(const Json& request, const Answer& answer);
   void status(const Json& request, const Answer& answer);
   void stop(const Json& request, const Answer& answer);
   void sync(const Json& request, const Answer& answer);

@@ -3,20 +3,6 @@
 #include <spdlog/spdlog.h>
 
 namespace limb_ring::runtime {
-namespace {
-
-/// Beacons in a row that were not heard, before the node behind them counts as unreachable: one or
-/// two may be late on a busy machine, or lost. (ours)
-constexpr int kMissedBeacons = 5;
-
-std::vector<wire::NodeId> watched_in(const config::RingConfig& ring) {
-  std::vector<wire::NodeId> watched;
-  for (const auto& node : ring.nodes)
-    if (node.cpu.alive_period.count() != 0) watched.push_back(node.id);
-  return watched;
-}
-
-}  // namespace
 
 RingSupervisor::RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock,
                                Orders& orders, Watchdog::SightingOf sighting_of, Found found)
@@ -25,13 +11,13 @@ RingSupervisor::RingSupervisor(boost::asio::io_context& io, const config::RingCo
       orders_(orders),
       sighting_of_(std::move(sighting_of)),
       found_(std::move(found)),
-      watchdog_(ring.supervisor, kMissedBeacons * ring.timeouts.beacon, watched_in(ring)),
+      watchdog_(ring.supervisor, watchdog::kMissedBeacons * ring.timeouts.beacon, watchdog::watched_in(ring)),
       timer_(io) {}
 
 void RingSupervisor::start() {
   const auto watched = watchdog_.watched().size();
   if (watched == 0 || watchdog_.policy() == Watchdog::Policy::off) return;
-  spdlog::info("supervisor of {} CPUs, policy {}", watched, to_string(watchdog_.policy()));
+  spdlog::info("supervisor of {} CPUs, policy {}", watched, watchdog::to_string(watchdog_.policy()));
   look_later();
 }
 
@@ -53,8 +39,8 @@ void RingSupervisor::look() {
 
 void RingSupervisor::reset(wire::NodeId node) {
   const std::uint8_t factor = *config::reset_pin(*ring_.find(node));  // check_ring() has seen to it
-  orders_.reset(node, factor, watchdog_.confirm_within(), [this, node](const ResetReport& report) {
-    const auto failure = watchdog_.reset_ended(node, report.success, report.message, clock_.now());
+  orders_.reset(node, factor, watchdog_.confirm_within(), [this, node](const watchdog::ResetReport& report) {
+    const auto failure = watchdog_.reset_ended(node, report.success(), report.message, clock_.now());
     if (failure) tell(*failure);
   });
 }

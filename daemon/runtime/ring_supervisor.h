@@ -6,9 +6,14 @@
 
 #include "runtime/clock.h"
 #include "runtime/orders.h"
-#include "runtime/watchdog.h"
+#include "watchdog/watchdog.h"
 
 namespace limb_ring::runtime {
+
+using watchdog::CpuSighting;
+using watchdog::CpuVerdict;
+using watchdog::WatchedCpu;
+using watchdog::Watchdog;
 
 /// What the ring's supervisor node does beside its own work: the watchdog, looked at once a beacon
 /// period, its findings logged (a line each) and told, its orders given.

@@ -10,7 +10,14 @@ namespace {
 
 using nlohmann::json;
 
-json cpu_json(CpuSocket& cpu) {
+json stop_json(const CpuSocket::Stop& stop, core::Time now) {
+  using std::chrono::duration_cast, std::chrono::milliseconds;
+  return {{"latched", stop.latched},
+          {"pulled", stop.pulled},
+          {"pulled_ms", stop.pulled_at ? json(duration_cast<milliseconds>(now - *stop.pulled_at).count()) : json()}};
+}
+
+json cpu_json(CpuSocket& cpu, core::Time now) {
   const CpuStatus s = cpu.status();
   return {{"kind", to_string(s.kind)},
           {"pid", s.pid > 0 ? json(s.pid) : json()},
@@ -24,6 +31,7 @@ json cpu_json(CpuSocket& cpu) {
           {"last_reset", s.last_reset_reason},
           {"exits", s.exits},
           {"failed_boots", s.failed_boots},
+          {"stop", stop_json(cpu.stop_state(), now)},
           {"last_exit", s.last_exit}};
 }
 
@@ -110,9 +118,9 @@ json heard_json(Node& node) {
 }
 
 json supervisor_json(Node& node) {
-  const Watchdog& watchdog = node.supervisor()->watchdog();
+  const Watchdog& watcher = node.supervisor()->watchdog();
   json watched = json::array();
-  for (const WatchedCpu& cpu : watchdog.watched()) {
+  for (const WatchedCpu& cpu : watcher.watched()) {
     const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(node.engine().now() - cpu.since);
     watched.push_back({{"id", cpu.node},
                        {"name", node.ring().find(cpu.node)->name},
@@ -126,7 +134,7 @@ json supervisor_json(Node& node) {
                        {"last", cpu.last},
                        {"reset_reason", cpu.reset_reason}});
   }
-  return {{"policy", to_string(watchdog.policy())}, {"watched", watched}};
+  return {{"policy", watchdog::to_string(watcher.policy())}, {"watched", watched}};
 }
 
 }  // namespace
@@ -140,7 +148,7 @@ json status_row(Node& node) {
            {"name", node.config().name},
            {"state", to_string(membership.state())},
            {"pid", ::getpid()},
-           {"cpu", cpu_json(node.cpu())},
+           {"cpu", cpu_json(node.cpu(), engine.now())},
            {"ring_size", membership.ring_size()},
            {"boot", membership.boot()},
            {"uptime_s", std::chrono::duration<double>(engine.clock().uptime()).count()},

@@ -42,7 +42,7 @@ void Traffic::send_later(std::uint32_t id, Run& run) {
   });
 }
 
-void Traffic::on_ended(const core::SendEnded& ended) {
+void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) {
   const auto it = runs_.find(ended.token);
   if (it == runs_.end()) return;
   Run& run = *it->second;
@@ -50,6 +50,7 @@ void Traffic::on_ended(const core::SendEnded& ended) {
   run.last_end = engine_.now();
   ++run.outcomes[static_cast<std::size_t>(ended.outcome)];
   if (ended.outcome == core::Outcome::delivered) run.round_trips.push_back(ended.round_trip);
+  else ++run.reasons[reason];
   if (complete(run)) return finish(ended.token);
   // Rejected comes back at once: going on at once would never let the loop breathe.
   if (run.order.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
@@ -76,6 +77,7 @@ nlohmann::json Traffic::report(Run& run) {
           {"delivered", delivered},
           {"lost", run.outcomes[static_cast<std::size_t>(Outcome::lost)]},
           {"other", other},
+          {"reasons", run.reasons},
           {"overdue", run.overdue},
           {"round_trip_us", to_json(percentiles(run.round_trips))},
           {"seconds", seconds},

@@ -34,10 +34,11 @@ class Traffic {
 
   Traffic(boost::asio::io_context& io, Engine& engine) : io_(io), engine_(engine) {}
 
-  /// `done` gets {"sent","delivered","lost","other","round_trip_us","seconds",...} once.
+  /// `done` gets {"sent","delivered","lost","other","reasons","round_trip_us","seconds",...} once.
   /// @return false where too many runs are under way
   bool start(const TrafficOrder& order, Done done);
-  void on_ended(const core::SendEnded& ended);
+  /// @param reason why it was not delivered, for people
+  void on_ended(const core::SendEnded& ended, const std::string& reason);
   void stop() { runs_.clear(); }
 
  private:
@@ -54,6 +55,7 @@ class Traffic {
     core::Time begun{};
     core::Time last_end{};
     std::array<std::uint64_t, 7> outcomes{};
+    std::map<std::string, std::uint64_t> reasons;  ///< of those not delivered
     std::vector<core::Duration> round_trips;
     std::array<std::uint8_t, wire::kMaxPayload> data{};
   };

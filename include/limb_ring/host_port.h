@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "limb_ring/captured_packet.h"
+#include "limb_ring/reason.h"
 
 namespace limb_ring {
 
@@ -52,7 +53,8 @@ struct Result {
   Outcome outcome = Outcome::rejected;
   std::chrono::nanoseconds round_trip{0};  ///< first byte out to matched return; 0 where none came
   unsigned tries = 0;                      ///< times put onto the line
-  std::string reason;                      ///< for people; empty where the outcome says it all
+  std::string reason;                      ///< why not, for people; empty where it was delivered
+  Reason why = Reason::none;               ///< the same for programs
 };
 
 /// Answer to request(): a JSON object. A failed one holds {"error": "..."}.

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 namespace limb_ring::client {
 namespace {
 
@@ -15,13 +17,31 @@ TEST(Arguments, WithinTheirRangesAreNoProblem) {
 }
 
 TEST(Arguments, OutsideSayWhatIsAllowed) {
-  EXPECT_EQ(send_problem(0, 0, 0), "size 0: a packet holds 1 to 512 bytes");
-  EXPECT_EQ(send_problem(513, 0, 0), "size 513: a packet holds 1 to 512 bytes");
-  EXPECT_EQ(send_problem(1, 4, 0), "priority 4: allowed are 0 (highest) to 3");
-  EXPECT_EQ(send_problem(1, 0, 64), "channel 64: allowed are 0 to 63");
-  EXPECT_THAT(*send_problem(1, 0, 1), HasSubstr("network controllers"));
-  EXPECT_EQ(interrupt_problem(8), "factor 8: allowed are 0 to 7");
-  EXPECT_EQ(pull_problem(8), "input 8: allowed are 0 to 7");
+  EXPECT_EQ(send_problem(0, 0, 0)->text, "size 0: a packet holds 1 to 512 bytes");
+  EXPECT_EQ(send_problem(513, 0, 0)->text, "size 513: a packet holds 1 to 512 bytes");
+  EXPECT_EQ(send_problem(1, 4, 0)->text, "priority 4: allowed are 0 (highest) to 3");
+  EXPECT_EQ(send_problem(1, 0, 64)->text, "channel 64: allowed are 0 to 63");
+  EXPECT_THAT(send_problem(1, 0, 1)->text, HasSubstr("network controllers"));
+  EXPECT_EQ(interrupt_problem(8)->text, "factor 8: allowed are 0 to 7");
+  EXPECT_EQ(pull_problem(8)->text, "input 8: allowed are 0 to 7");
+}
+
+TEST(Arguments, OutsideSayWhyForPrograms) {
+  EXPECT_EQ(send_problem(0, 0, 0)->why, Reason::bad_size);
+  EXPECT_EQ(send_problem(1, 4, 0)->why, Reason::bad_priority);
+  EXPECT_EQ(send_problem(1, 0, 1)->why, Reason::bad_channel);
+  EXPECT_EQ(interrupt_problem(8)->why, Reason::bad_factor);
+}
+
+TEST(Reasons, EveryOneHasAWordOfItsOwnAndASentence) {
+  std::set<std::string> words;
+  for (unsigned i = 1; i <= static_cast<unsigned>(kLastReason); ++i) {
+    const auto reason = static_cast<Reason>(i);
+    EXPECT_STRNE(sentence(reason), "") << to_string(reason);
+    EXPECT_TRUE(words.insert(to_string(reason)).second) << to_string(reason);
+  }
+  EXPECT_STREQ(to_string(Reason::none), "");
+  EXPECT_STREQ(to_string(kLastReason), "given_up");
 }
 
 std::string nested(std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); }

@@ -169,6 +169,9 @@ TEST(HostMessage, ValuesThatAFieldMayNotHaveAreNoMessage) {
   Bytes outcome = encoded(limb_ring::Result{});
   outcome[kFrameHeaderSize + 4] = 7;
   EXPECT_FALSE(decode_to_client(only_frame(outcome)));
+  Bytes why = encoded(limb_ring::Result{});
+  why[kFrameHeaderSize + 15] = static_cast<std::uint8_t>(kLastReason) + 1;
+  EXPECT_FALSE(decode_to_client(only_frame(why)));
   const Bytes no_data = encoded(PacketView{1, 2, 3, 0, {}});
   EXPECT_FALSE(decode_to_client(only_frame(no_data)));
   const Bytes priority = encoded(PacketView{1, 2, 4, 0, kDataView});
@@ -192,7 +195,7 @@ std::vector<std::pair<Bytes, std::size_t>> messages_and_fixed_sizes() {
           {encoded(Welcome{1, "knee", "ring"}), 13},
           {encoded(PacketView{1, 2, 3, 4, kDataView}), 5},
           {encoded(limb_ring::Interrupt{}), 3},
-          {encoded(limb_ring::Result{1, Outcome::lost, nanoseconds{1}, 1, "why"}), 15},
+          {encoded(limb_ring::Result{1, Outcome::lost, nanoseconds{1}, 1, "why"}), 16},
           {encoded(Reply{1, "{}"}), 4},
           {encoded(ObservedLost{1}), 8}};
 }

@@ -69,7 +69,7 @@ TEST(House, TheTestReadsTheSources) {
 }
 
 TEST(House, WireCoreAndSimUseTheStandardLibraryAlone) {
-  for (const char* part : {"wire", "capture", "core", "fault", "sim"})
+  for (const char* part : {"wire", "capture", "core", "fault", "sim", "watchdog"})
     EXPECT_THAT(not_standard(kSource / "daemon" / part), IsEmpty());
 }
 
@@ -99,7 +99,9 @@ TEST(House, ArrowsPointOneWay) {
       {"core", {"wire", "core"}},
       {"fault", {"wire", "core", "config", "fault"}},
       {"sim", {"wire", "core", "sim"}},
-      {"study", {"wire", "capture", "core", "fault", "sim", "study", "setup", "config", "payload", "limb_ring"}},
+      {"watchdog", {"wire", "core", "config", "watchdog"}},
+      {"study",
+       {"wire", "capture", "core", "fault", "sim", "study", "setup", "config", "payload", "watchdog", "limb_ring"}},
       {"setup", {"core", "config", "setup"}},
       {"config", {"wire", "config", "limb_ring"}},
       {"cli", {"config", "cli"}},
@@ -109,9 +111,10 @@ TEST(House, ArrowsPointOneWay) {
       {"host", {"wire", "capture", "client", "host", "limb_ring"}},
       {"firmware", {"wire", "payload", "config", "cli", "client", "firmware", "limb_ring"}},
       {"runtime",
-       {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "runtime",
-        "limb_ring"}},
+       {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "watchdog",
+        "runtime", "limb_ring"}},
       {"inject", {"fault", "wire", "inject", "runtime", "limb_ring"}},
+      {"ask", {"ask", "inject", "payload", "runtime", "limb_ring"}},
   };
   for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;
 }

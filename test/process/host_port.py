@@ -11,7 +11,7 @@ GREETING, SEND, INTERRUPT, PULL, REQUEST, OBSERVE, ALIVE, CREDIT = range(1, 9)
 WELCOME, REFUSED, PACKET, PULLED, RESULT, REPLY, OBSERVED, OBSERVED_LOST, \
     CAPTURED, CAPTURE_COUNTS = range(0x81, 0x8B)
 OUTCOMES = ['delivered', 'refused', 'no such node', 'lost', 'unconfirmed', 'rejected', 'cancelled']
-MAGIC, VERSION = 0x4C524850, 1
+MAGIC, VERSION = 0x4C524850, 2
 TOOL, CPU = 0, 1
 BROADCAST = 0xFF
 
@@ -174,7 +174,7 @@ def decode(kind, body):
     if kind == RESULT:
         token, outcome, tries, _ = struct.unpack_from('>IBHQ', body)
         return {'token': token, 'outcome': OUTCOMES[outcome], 'tries': tries,
-                'reason': body[15:].decode()}
+                'why': body[15], 'reason': body[16:].decode()}
     if kind == REPLY:
         return struct.unpack_from('>I', body)[0], json.loads(body[4:].decode())
     if kind == OBSERVED:

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "config/ring_config.h"
 #include "runtime/supervisor/process_handle.h"
 
 namespace limb_ring::runtime {
@@ -12,7 +13,6 @@ class AttachedCpu {
  public:
   using Time = std::chrono::steady_clock::time_point;
   using milliseconds = std::chrono::milliseconds;
-  static constexpr int kSilentPeriods = 3;
 
   AttachedCpu(ProcessHandle process, bool restarted_by_owner, milliseconds alive_period, Time now)
       : process_(std::move(process)), restarted_by_owner_(restarted_by_owner),
@@ -30,7 +30,7 @@ class AttachedCpu {
   /// It promised to speak, and has not for three periods.
   bool silent(Time now) const { return promises() && now >= silent_at(); }
   bool promises() const { return alive_period_.count() > 0; }
-  Time silent_at() const { return spoke_ + kSilentPeriods * alive_period_; }
+  Time silent_at() const { return spoke_ + config::CpuConfig::kSilentPeriods * alive_period_; }
 
  private:
   ProcessHandle process_;

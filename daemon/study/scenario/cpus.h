@@ -4,15 +4,18 @@
 
 #include "sim/virtual_ring.h"
 #include "study/scenario/scenario.h"
+#include "watchdog/watchdog.h"
 
 namespace limb_ring::study::scenario {
 
 /// The CPUs of a virtual ring: what runs, hangs, is slow, reads nothing, crashes or boots, and what their network
-/// controllers know of it. A hang is known at once; the daemon waits for the CPU's `alive_period`.
+/// controllers know of it. As in a live story each has promised to speak every kAlivePeriod, so a hang is known after
+/// three of them.
 class Cpus {
  public:
-  /// All CPUs run at first. @param ring not yet started; must outlive this
-  explicit Cpus(sim::VirtualRing& ring);
+  /// All run. @param ring not yet started; must outlive this
+  /// @param boot_time from a reset to the first word of the firmware
+  Cpus(sim::VirtualRing& ring, core::Duration boot_time);
   Cpus(const Cpus&) = delete;
   Cpus& operator=(const Cpus&) = delete;
 
@@ -37,10 +40,14 @@ class Cpus {
   void crash(NodeId id);
   /// Its node has come up: a first boot, done.
   void started(NodeId id);
+  /// As its own network controller sees it.
+  watchdog::CpuSighting sighting_of(NodeId id) const;
 
  private:
   struct Cpu {
     std::uint32_t boots = 1;
+    wire::CpuState state = wire::CpuState::running;
+    core::Time spoke_at{};      ///< last; of one that runs, when that began
     bool running = true;
     bool slow = false;
     std::uint64_t epoch = 0;    ///< counts boots: the end of an earlier one does not count
@@ -48,10 +55,12 @@ class Cpus {
     std::uint64_t reading = 0;  ///< counts changes of how it reads: steps of an earlier slowness do not count
   };
   void tell(NodeId id, wire::CpuState state);
+  void boot(NodeId id);
   void read(NodeId id, bool reads);
   void read_one_and_wait(NodeId id, core::Duration period);
 
   sim::VirtualRing& ring_;
+  core::Duration boot_time_;
   std::vector<Cpu> cpus_;
 };
 

@@ -83,6 +83,12 @@ void check_scenario(const Entry& file, const Scenario& scenario) {
 
 }  // namespace
 
+bool expects_something(const Scenario& scenario) {
+  const auto waits = [](const Step& step) { return step.when.has_value(); };
+  return !scenario.always.empty() || !scenario.never.empty() ||
+         std::any_of(scenario.steps.begin(), scenario.steps.end(), waits);
+}
+
 Scenario parse_scenario(const std::string& text, const std::string& name) {
   config::Document document{name, {}};
   const Entry file(config::parse_yaml(text, name), "", document);

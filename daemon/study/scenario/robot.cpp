@@ -12,8 +12,9 @@ Robot::Robot(const Scenario& scenario, std::uint64_t seed)
       ring_(planned_ring(scenario.ring)),
       members_(ring_->size()),
       frozen_(ring_->size(), false),
-      cpus_(*ring_),
+      cpus_(*ring_, scenario.boot_time),
       senders_(*ring_, cpus_, seed),
+      supervisor_(scenario.ring, *ring_, cpus_),
       lines_(*ring_, seed) {
   for (unsigned id = 0; id < ring_->size(); ++id)
     members_[id] = &ring_->node(static_cast<NodeId>(id)).membership();
@@ -23,6 +24,7 @@ Robot::Robot(const Scenario& scenario, std::uint64_t seed)
     cpus_.took_packet(at);
   };
   lines_.tap_all();
+  supervisor_.start();
   for (const NodeId id : scenario.absent) ring_->kill(id);
 }
 
@@ -65,6 +67,7 @@ std::optional<Stage::Surprise> Robot::broken() const {
 
 void Robot::came(const core::Event& event, NodeId at) {
   senders_.came(event, at);
+  supervisor_.came(event, at);
   const auto* pin = std::get_if<core::PinPulled>(&event.what);
   if (!pin || scenario_.ring.nodes[at].pins[pin->factor].action != PinConfig::Action::reset) return;
   ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
@@ -120,6 +123,7 @@ void Robot::start(NodeId id) {
   ring_->start(id);
   members_[id] = &ring_->node(id).membership();
   cpus_.started(id);
+  supervisor_.started(id);
 }
 
 }  // namespace limb_ring::study::scenario

@@ -6,6 +6,7 @@
 #include "study/faulty_lines.h"
 #include "study/scenario/senders.h"
 #include "study/scenario/stage.h"
+#include "study/scenario/supervisor.h"
 
 namespace limb_ring::study::scenario {
 
@@ -54,6 +55,7 @@ class Robot final : public Stage {
   std::vector<bool> frozen_;
   Cpus cpus_;
   Senders senders_;
+  Supervisor supervisor_;
   FaultyLines lines_;
 };
 

@@ -114,6 +114,9 @@ struct Step {
   std::string words;                 ///< of the deed, as it stands in the file
 };
 
+/// What a CPU in a story promises: to speak at least so often. (ours)
+constexpr std::chrono::milliseconds kAlivePeriod{200};
+
 struct Scenario {
   std::string path;
   std::string name;          ///< one line of what it is about
@@ -121,9 +124,13 @@ struct Scenario {
   bool rates_assumed = false;  ///< of some lines: the ring's file gives none
   bool only_sim = false;     ///< its author says so
   std::uint64_t seed = 1;
+  nanoseconds boot_time{std::chrono::milliseconds(20)};  ///< of a CPU, from a reset to its first word; not live
   std::vector<NodeId> absent;  ///< not there at the start
   std::vector<Step> steps;
   std::vector<Condition> always, never;  ///< from the start to the last step's end
 };
+
+/// It says what has to be seen: without that nothing but the ring's own promises could be broken.
+bool expects_something(const Scenario& scenario);
 
 }  // namespace limb_ring::study::scenario

@@ -44,6 +44,15 @@ TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
               StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
 }
 
+TEST(LoadScenario, AStoryExpectsSomethingWhereItWaitsOrWatches) {
+  const auto expects = [](const std::string& more) { return expects_something(parse_scenario(four_nodes(more), "t")); };
+  EXPECT_FALSE(expects("steps: []\n"));
+  EXPECT_FALSE(expects("steps: [{at: 1ms, do: {kill: node1}}]\n"));
+  EXPECT_TRUE(expects("steps: [{when: {node: all, is: up}, within: 0s}]\n"));
+  EXPECT_TRUE(expects("steps: []\nalways: [{node: all, is: up}]\n"));
+  EXPECT_TRUE(expects("steps: []\nnever: [{node: all, is: down}]\n"));
+}
+
 TEST(LoadScenario, RefusesALineThatIsNone) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0 -> node2}}]\n")), HasSubstr("to the next: node0 -> node1"));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0}}]\n")), HasSubstr("cut says no line"));

@@ -6,14 +6,13 @@
 #include <fstream>
 
 #include "app/ringctl/problems.h"
+#include "config/quantity.h"
 #include "config/yaml_file.h"
 #include "runtime/supervisor/find_program.h"
 
 namespace limb_ring::ringctl {
 
 namespace {
-
-constexpr const char* kAlivePeriod = "200ms";  // a hung CPU is known after three of them
 
 YAML::Node plain_file(const config::RingConfig& ring) {
   YAML::Node file;
@@ -33,7 +32,7 @@ YAML::Node story_cpu() {
     throw NotDone("no program scenario_cpu beside ringctl (" + runtime::own_folder() + ") or on PATH");
   YAML::Node cpu;
   cpu["command"].push_back(program);
-  cpu["alive_period"] = kAlivePeriod;
+  cpu["alive_period"] = config::format_time(study::scenario::kAlivePeriod);
   return cpu;
 }
 

@@ -1,11 +1,11 @@
 // The supervisor's rules under a made-up clock: what it finds, and what it orders.
-#include "runtime/watchdog.h"
+#include "watchdog/watchdog.h"
 
 #include <gmock/gmock.h>
 
 #include <memory>
 
-namespace limb_ring::runtime {
+namespace limb_ring::watchdog {
 namespace {
 
 using namespace std::chrono_literals;
@@ -303,4 +303,4 @@ TEST_F(WatchdogTest, PolicyOffFindsNothing) {
 }
 
 }  // namespace
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::watchdog

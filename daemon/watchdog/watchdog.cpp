@@ -1,9 +1,9 @@
-#include "runtime/watchdog.h"
+#include "watchdog/watchdog.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace limb_ring::runtime {
+namespace limb_ring::watchdog {
 namespace {
 
 using std::chrono::milliseconds;
@@ -33,6 +33,13 @@ const char* to_string(config::SupervisorConfig::Policy policy) {
     case config::SupervisorConfig::Policy::automatic: return "auto";
   }
   return "?";
+}
+
+std::vector<wire::NodeId> watched_in(const config::RingConfig& ring) {
+  std::vector<wire::NodeId> watched;
+  for (const auto& node : ring.nodes)
+    if (node.cpu.alive_period.count() != 0) watched.push_back(node.id);
+  return watched;
 }
 
 Watchdog::Watchdog(const config::SupervisorConfig& settings, core::Duration missing_after,
@@ -152,4 +159,4 @@ std::string Watchdog::of_tries(const Entry& cpu) const {
   return "reset " + std::to_string(cpu.tries) + " of " + std::to_string(settings_.tries);
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::watchdog

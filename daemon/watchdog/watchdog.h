@@ -11,7 +11,7 @@
 #include "core/time.h"
 #include "wire/control_message.h"
 
-namespace limb_ring::runtime {
+namespace limb_ring::watchdog {
 
 /// What the supervisor knows of a CPU: the last beacon of its network controller, or for the
 /// supervisor's own CPU what its own network controller says.
@@ -22,6 +22,13 @@ struct CpuSighting {
   std::chrono::milliseconds silent{0};  ///< since it last spoke, when the beacon was sent
   bool comes_back = true;               ///< somebody starts it again when a reset kills it
 };
+
+/// Beacons in a row that were not heard, before the node behind them counts as unreachable: one or
+/// two may be late on a busy machine, or lost. (ours)
+constexpr int kMissedBeacons = 5;
+
+/// The CPUs that have promised to speak, by node id, in ring order.
+std::vector<wire::NodeId> watched_in(const config::RingConfig& ring);
 
 enum class CpuVerdict {
   unheard,     ///< nothing was heard of its node yet
@@ -115,4 +122,4 @@ class Watchdog {
   Round round_;
 };
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::watchdog

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/membership.h"
+
+namespace limb_ring::watchdog {
+
+/// Between two nodes: whether packets of the one come to the other, and what that says comes back.
+/// In an open chain it is one of the two, never both. (ours)
+struct Reach {
+  bool sends = true;  ///< packets of the one reach the other
+  bool hears = true;  ///< beacons of the other reach the one
+};
+
+/// From node `from` to node `to`.
+/// @param order ids in ring order. @pre all nodes named are in it
+/// @param broken the broken line; none: the ring is closed, and everything reaches everybody
+Reach reach_of(const std::vector<wire::NodeId>& order, const std::optional<core::Membership::BrokenLine>& broken,
+               wire::NodeId from, wire::NodeId to);
+
+}  // namespace limb_ring::watchdog

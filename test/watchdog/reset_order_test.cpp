@@ -1,0 +1,111 @@
+// What becomes of a reset: what the interrupt says, and what the boot number says where that says nothing.
+#include "watchdog/reset_order.h"
+
+#include <gmock/gmock.h>
+
+namespace limb_ring::watchdog {
+namespace {
+
+using namespace std::chrono_literals;
+using core::Outcome;
+using testing::HasSubstr;
+
+constexpr Reach kDownstream{true, false};
+constexpr Reach kUpstream{false, true};
+
+struct ResetOrderTest : testing::Test {
+  static core::SendEnded ended(Outcome outcome) {
+    core::SendEnded end;
+    end.outcome = outcome;
+    return end;
+  }
+  ResetOrder::Report ends(Outcome outcome) { return order.interrupt_ended(ended(outcome), cpu, now += 1ms); }
+  ResetOrder::Report boots() {
+    ++cpu.boots;
+    return order.cpu_changed(cpu, now += 20ms);
+  }
+
+  CpuKnown cpu{1, true, false, true, {}};
+  core::Time now{};
+  ResetOrder order{cpu, now};
+};
+
+TEST_F(ResetOrderTest, IsDoneWhenTheBootNumberRises) {
+  EXPECT_FALSE(ends(Outcome::delivered));
+  const auto report = boots();
+  ASSERT_TRUE(report);
+  EXPECT_TRUE(report->success());
+  EXPECT_EQ(report->message, "the CPU has booted again");
+  EXPECT_EQ(report->boots, 2u);
+  EXPECT_EQ(report->lasted, 21ms);
+}
+
+TEST_F(ResetOrderTest, ABootBeforeTheInterruptEndsIsNoAnswerYet) {
+  EXPECT_FALSE(boots());
+  EXPECT_TRUE(ends(Outcome::delivered)->success());
+}
+
+TEST_F(ResetOrderTest, WithoutABootItHasFailed) {
+  EXPECT_FALSE(ends(Outcome::delivered));
+  const ResetReport report = order.timed_out(now += 3s);
+  EXPECT_EQ(report.effect, Effect::none);
+  EXPECT_EQ(report.message, "the reset pin was pulled, but no CPU has come back in time");
+}
+
+TEST_F(ResetOrderTest, ARefusedInterruptHasDoneNothing) {
+  const auto report = ends(Outcome::refused);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->effect, Effect::none);
+  EXPECT_EQ(report->message, "the interrupt was refused");
+}
+
+TEST_F(ResetOrderTest, ALostInterruptMayHaveArrivedAndTheBeaconTells) {
+  EXPECT_FALSE(ends(Outcome::lost));
+  const auto report = boots();
+  ASSERT_TRUE(report);
+  EXPECT_TRUE(report->success());
+  EXPECT_THAT(report->message, HasSubstr("ended lost, but the CPU has booted again: seen by its node's beacon"));
+}
+
+TEST_F(ResetOrderTest, ALostInterruptWithoutABootLeavesItOpen) {
+  EXPECT_FALSE(ends(Outcome::lost));
+  EXPECT_EQ(order.timed_out(now += 3s).effect, Effect::unknown);
+}
+
+TEST_F(ResetOrderTest, OfANodeThatIsNotHeardNothingIsWaitedFor) {
+  cpu.heard = false;
+  const auto report = ends(Outcome::lost);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->effect, Effect::unknown);
+}
+
+TEST_F(ResetOrderTest, DownTheOpenChainItMayHaveArrivedAndCannotBeHeard) {
+  cpu.reach = kDownstream;
+  const auto report = ends(Outcome::unconfirmed);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->effect, Effect::unknown);
+  EXPECT_EQ(report->message, "sent, and it may have arrived; that node cannot be heard from here");
+}
+
+TEST_F(ResetOrderTest, UpTheOpenChainNothingArrives) {
+  cpu.reach = kUpstream;
+  const auto report = ends(Outcome::unconfirmed);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->effect, Effect::none);
+  EXPECT_THAT(report->message, HasSubstr("not reached"));
+}
+
+TEST_F(ResetOrderTest, UnconfirmedInAChainThatHasClosedAgainTheBeaconTells) {
+  EXPECT_FALSE(ends(Outcome::unconfirmed));
+  EXPECT_TRUE(boots()->success());
+}
+
+TEST_F(ResetOrderTest, ACpuThatNobodyRestartsIsNotWaitedFor) {
+  const CpuKnown outside{1, /*comes_back=*/false, false, true, {}};
+  ResetOrder of_outside(outside, now);
+  EXPECT_THAT(of_outside.interrupt_ended(ended(Outcome::delivered), outside, now)->message,
+              HasSubstr("nobody restarts it"));
+}
+
+}  // namespace
+}  // namespace limb_ring::watchdog
