@@ -32,10 +32,12 @@ steps:
   - at: 1ms
     do: {freeze: node1}
   - at: 600s
+never: [{node: node0, is: down}]
 '''
 TOO_FAST = '''scenario: a story of microseconds
 nodes: 4
 steps: [{after: 6us, do: {kill: node3}}]
+never: [{node: node0, is: down}]
 '''
 
 

@@ -20,7 +20,8 @@ Said run_scenarios(std::vector<std::string> arguments) {
   return ringctl(std::move(arguments));
 }
 
-const char* const kGood = "scenario: nothing happens\nnodes: 4\nsteps: [{at: 1ms}]\n";
+const char* const kGood =
+    "scenario: nothing happens\nnodes: 4\nsteps: [{at: 1ms}]\nalways: [{node: all, is: up}]\n";
 const char* const kUnmet = "scenario: a surprise\nnodes: 4\nsteps: [{when: {node: 0, is: down}, within: 1ms}]\n";
 
 using ScenarioCommand = OwnFolder;
@@ -42,6 +43,28 @@ TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
   EXPECT_EQ(said.code, kUsage);
   EXPECT_EQ(said.out, "");
   EXPECT_THAT(said.errors, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
+}
+
+TEST_F(ScenarioCommand, AStoryThatExpectsNothingIsNotPassed) {
+  const Said said = run_scenarios({write("idle.yaml", "scenario: x\nnodes: 4\nsteps: [{at: 1ms, do: {kill: 1}}]\n")});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_EQ(said.out, "");
+  EXPECT_THAT(said.errors, AllOf(HasSubstr("idle.yaml: nothing is expected"), HasSubstr("when and within")));
+}
+
+TEST_F(ScenarioCommand, ListsAFolderAndNamesWhatIsNoScenario) {
+  write("a_ring.yaml", "ring: mine\nnodes: [{id: 0, name: a}, {id: 1, name: b}]\n");
+  write("b_good.yaml", kGood);
+  write("c_text.yaml", "- just\n- a list\n");
+  write("d_idle.yml", "scenario: later\nnodes: 4\nsteps: []\n");
+  const Said said = ringctl({"scenario", "list", folder});
+  EXPECT_EQ(said.code, kDone);
+  EXPECT_THAT(said.out, AllOf(HasSubstr("nothing happens"), HasSubstr("later (expects nothing)")));
+  EXPECT_THAT(said.errors, AllOf(HasSubstr("not a scenario: "), HasSubstr("a_ring.yaml"), HasSubstr("c_text.yaml")));
+}
+
+TEST_F(ScenarioCommand, AFileNamedToListThatIsNoneIsAnError) {
+  EXPECT_EQ(ringctl({"scenario", "list", write("bad.yaml", "- a list\n")}).code, kUsage);
 }
 
 TEST_F(ScenarioCommand, HasARingOfItsOwnAndATransportOnlyLive) {

@@ -63,11 +63,18 @@ void require_live(const Scenario& scenario, const std::string& transport) {
   if (!text.empty()) throw UsageError(scenario.path + ": only under the virtual clock (--sim):" + text);
 }
 
+void require_expectation(const Scenario& scenario) {
+  if (expects_something(scenario)) return;
+  throw UsageError(scenario.path + ": nothing is expected, so nothing would be tested; add what has to be seen: a step " +
+                   "with when and within, or always, or never (docs/scenarios.md)");
+}
+
 // All files are read before the first is run: a bad one is known at once.
 std::vector<Scenario> load(const Options& options) {
   std::vector<Scenario> scenarios;
   for (const std::string& file : options.files) {
     scenarios.push_back(study::scenario::load_scenario(file));
+    require_expectation(scenarios.back());
     if (options.live) require_live(scenarios.back(), options.transport);
   }
   return scenarios;

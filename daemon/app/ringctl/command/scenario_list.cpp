@@ -21,13 +21,17 @@ struct Options {
   bool json = false;
 };
 
-std::vector<std::string> files_of(const std::string& place) {
-  if (!fs::is_directory(place)) return {place};
+/// One whose author did not mean it as a scenario, or that has a mistake: what is wrong says which.
+struct NoScenario {
+  std::string file, why;
+};
+
+std::vector<std::string> files_in(const std::string& folder) {
   std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(place))
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".yaml" || entry.path().extension() == ".yml")
+      files.push_back(entry.path().string());
   std::sort(files.begin(), files.end());
-  if (files.empty()) throw UsageError(place + ": no scenario there (*.yaml)");
   return files;
 }
 
@@ -36,17 +40,34 @@ app::Row row_of(const std::string& file, bool json) {
   const auto reasons = only_virtual(scenario, "");
   app::Row row{{"file", fs::path(file).filename().string()},
                {"where", reasons.empty() ? "sim, live" : "sim only"},
-               {"scenario", scenario.name}};
+               {"scenario", scenario.name + (expects_something(scenario) ? "" : " (expects nothing)")}};
   if (json) row["why_not_live"] = reasons;
   return row;
 }
 
+/// Of a folder all that are scenarios; what else lies there is named and left aside.
+void add_folder(const std::string& folder, bool json, std::vector<app::Row>& rows, std::vector<NoScenario>& others) {
+  const std::size_t before = rows.size();
+  for (const std::string& file : files_in(folder)) {
+    try {
+      rows.push_back(row_of(file, json));
+    } catch (const config::ConfigError& error) {
+      others.push_back({file, error.what()});
+    }
+  }
+  if (rows.size() == before && others.empty()) throw UsageError(folder + ": no scenario there (*.yaml)");
+}
+
 int run(const Options& options) {
   std::vector<app::Row> rows;
-  for (const std::string& place : options.places)
-    for (const std::string& file : files_of(place)) rows.push_back(row_of(file, options.json));
+  std::vector<NoScenario> others;
+  for (const std::string& place : options.places) {
+    if (fs::is_directory(place)) add_folder(place, options.json, rows, others);
+    else rows.push_back(row_of(place, options.json));
+  }
   std::cout << app::format_rows(rows, options.json ? app::Format::json : app::Format::text);
   if (options.json) std::cout << '\n';
+  for (const NoScenario& other : others) std::cerr << "not a scenario: " << other.why << '\n';
   return kDone;
 }
 
