@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "ask/known_stops.h"
+#include "ask/reset_seen.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {
@@ -17,7 +19,6 @@ using std::chrono::milliseconds;
 constexpr int kThreads = 3;
 constexpr auto kConnect = 1s;
 constexpr auto kAnswer = 10s;          // a send ends after timeouts.queue and its tries
-constexpr auto kMargin = 2s;           // for the answer, beside the time a reset is given
 constexpr double kDefaultReset = 3.0;  // s
 constexpr double kLongestReset = 60.0; // s
 
@@ -39,8 +40,8 @@ milliseconds reset_timeout(double seconds) {
   return milliseconds(std::lround((seconds > 0 ? seconds : kDefaultReset) * 1000));
 }
 
-json ask(HostPort& port, const json& request, milliseconds timeout) {
-  return json::parse(port.ask(request.dump(), timeout));
+json answer_to(HostPort& port, const json& question, milliseconds timeout) {
+  return json::parse(port.ask(question.dump(), timeout));
 }
 
 template <typename Response>
@@ -102,13 +103,11 @@ bool Services::reset_node(ResetNode::Request& request, ResetNode::Response& resp
   return answered(response, [&] {
     const auto id = one_node(request.node);
     const auto timeout = reset_timeout(request.timeout);
-    auto port = HostPort::connect(door_);
-    if (id == port.id())
+    const std::uint8_t own = HostPort::connect(door_).id();
+    if (id == own)
       throw std::invalid_argument("node '" + request.node + "' is this bridge's own: it would be " +
                                   "killed before it could answer; use ringctl reset");
-    const auto reply = ask(
-        port, {{"do", "reset"}, {"node", std::to_string(id)}, {"timeout_ms", timeout.count()}},
-        timeout + kMargin);
+    const auto reply = ask::reset_node({ring_.ring, nodes_to_ask(), id, own, true, timeout});
     response.success = reply.value("success", false);
     response.message = reply.value("message", "");
     response.round_trip = reply.value("round_trip_us", 0.0) * 1e-6;
@@ -133,10 +132,20 @@ bool Services::stop(Stop::Request& request, Stop::Response& response) {
     if (!request.node.empty() && request.node != "all")
       ask_stop["node"] = std::to_string(one_node(request.node));
     auto port = HostPort::connect(door_);
-    const auto reply = ask(port, ask_stop, kAnswer);
+    const auto sent = std::chrono::steady_clock::now();
+    const auto reply = answer_to(port, ask_stop, kAnswer);
     fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,
          reply.value("reason", ""));
+    const auto stops = ask::wait_for_stops(ring_.ring, nodes_to_ask(request.node), sent);
+    response.message += (response.message.empty() ? "" : "; ") + sentence_of(stops);
   });
+}
+
+std::vector<ask::Node> Services::nodes_to_ask(const std::string& which) const {
+  std::vector<ask::Node> nodes;
+  for (const auto& node : ring_.nodes)
+    if (which.empty() || which == "all" || one_node(which) == node.id) nodes.push_back({node.id, node.name});
+  return nodes;
 }
 
 std::vector<std::uint8_t> Services::nodes_with_joints(std::uint8_t destination) const {

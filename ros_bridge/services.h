@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "ask/status_rows.h"
 #include "config/ring_config.h"
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/fault_services.h"
@@ -39,6 +40,8 @@ class Services {
   /// @throw std::invalid_argument naming the nodes there are
   std::uint8_t destination(const std::string& node) const;
   std::uint8_t one_node(const std::string& node) const;
+  /// All, or the one of that id or name.
+  std::vector<ask::Node> nodes_to_ask(const std::string& which = "") const;
   std::vector<std::uint8_t> nodes_with_joints(std::uint8_t destination) const;
 
   const config::RingConfig& ring_;

@@ -29,9 +29,9 @@ ResetOrder::Report ResetOrder::interrupt_ended(const core::SendEnded& ended, con
 ResetOrder::Report ResetOrder::in_doubt(const CpuKnown& cpu, core::Time now) {
   phase_ = Phase::doubtful;
   if (!cpu.reach.sends)
-    return end(Effect::none, "not reached: in the open chain that node lies before the one that sent", now);
+    return end(Effect::none, "not reset", now);
   if (!cpu.reach.hears || !cpu.heard)
-    return end(Effect::unknown, "sent, and it may have arrived; that node cannot be heard from here", now);
+    return end(Effect::unknown, "that node cannot be heard from here", now);
   return cpu_changed(cpu, now);
 }
 
@@ -52,7 +52,7 @@ ResetReport ResetOrder::timed_out(core::Time now) {
     case Phase::pulled: return end(Effect::none, "the reset pin was pulled, but no CPU has come back in time", now);
     case Phase::doubtful: break;
   }
-  return end(Effect::unknown, "sent, and it may have arrived; its node's beacons show no new boot so far", now);
+  return end(Effect::unknown, "its node's beacons show no new boot so far", now);
 }
 
 ResetReport ResetOrder::end(Effect effect, const std::string& message, core::Time now) {

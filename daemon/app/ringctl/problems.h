@@ -9,12 +9,14 @@ enum ExitCode : int {
   kDone = 0,
   kNotDone = 1,  ///< the thing asked for did not happen
   kUsage = 2,    ///< wrong arguments, or a configuration that is refused
-  kNoRing = 3    ///< no such ring, or a daemon that does not answer
+  kNoRing = 3,   ///< no such ring, or a daemon that does not answer
+  kUnknown = 4   ///< sent, and it may have happened: nothing that can be heard tells
 };
 
 constexpr const char* kExitCodesHelp =
     "Exit code: 0 done; 1 it did not happen (not delivered, ring not closed in time ...); "
-    "2 wrong arguments or configuration; 3 no such ring, or its daemon does not answer.";
+    "2 wrong arguments or configuration; 3 no such ring, or its daemon does not answer; "
+    "4 sent, and it may have happened: nothing tells (open ring, or lost on the way home).";
 
 /// Ends ringctl with kNotDone.
 struct NotDone : std::runtime_error {

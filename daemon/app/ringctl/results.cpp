@@ -6,6 +6,7 @@
 
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "app/ringctl/refusal_counters.h"
 #include "app/ringctl/signal_wait.h"
 #include "app/common/text_table.h"
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kTick{50};  // how soon Ctrl-C is noticed
 constexpr std::chrono::seconds kGuard{120};
+constexpr std::chrono::milliseconds kRowTime{300};  // a destination that is busy is not waited for
 constexpr unsigned kOutstanding = 16;  // well below a node's send queue
 
 double microseconds_of(const Result& result) {
@@ -24,6 +26,12 @@ double microseconds_of(const Result& result) {
 }
 
 bool delivered(const Result& result) { return result.outcome == Outcome::delivered; }
+
+/// It may have arrived: nothing has come home that says whether.
+bool may_be(const Result& result) {
+  const bool reached = result.why != Reason::out_of_reach;
+  return delivered(result) || result.outcome == Outcome::lost || (result.outcome == Outcome::unconfirmed && reached);
+}
 
 }  // namespace
 
@@ -62,18 +70,32 @@ std::vector<Result> send_all(HostPort& port, unsigned count, const std::function
   return results;
 }
 
+std::vector<Result> send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
+                                     const std::function<std::uint32_t()>& send, std::chrono::nanoseconds interval) {
+  std::vector<ask::Node> nodes;
+  for (const ask::Node& node : ring.ask_nodes())
+    if (to == kBroadcast || node.id == to) nodes.push_back(node);
+  const RefusalCounters counters(ask::status_rows(ring.ring(), nodes, kRowTime));
+  std::vector<Result> results = send_all(port, count, send, interval);
+  const auto refused = [](const Result& result) { return result.outcome == Outcome::refused; };
+  if (std::any_of(results.begin(), results.end(), refused))
+    counters.explain(results, nodes, ask::status_rows(ring.ring(), nodes, kRowTime));
+  return results;
+}
+
 nlohmann::json to_json(const Result& result) {
   return {{"outcome", to_string(result.outcome)},
           {"round_trip_us", microseconds_of(result)},
           {"tries", result.tries},
-          {"reason", result.reason}};
+          {"reason", result.reason},
+          {"reason_code", to_string(result.why)}};
 }
 
 std::string to_text(const Result& result) {
   std::string text = to_string(result.outcome);
-  if (!result.reason.empty()) text += ": " + result.reason;
   if (result.round_trip.count() > 0) text += " in " + app::number(microseconds_of(result)) + " us";
   if (result.tries > 1) text += " after " + std::to_string(result.tries) + " tries";
+  if (!result.reason.empty()) text += ": " + result.reason;
   return text;
 }
 
@@ -99,12 +121,17 @@ void print_text(const std::vector<Result>& results) {
 
 }  // namespace
 
+int exit_code(const std::vector<Result>& results) {
+  if (std::all_of(results.begin(), results.end(), delivered)) return kDone;
+  return std::all_of(results.begin(), results.end(), may_be) ? kUnknown : kNotDone;
+}
+
 int report(const std::vector<Result>& results, bool json) {
   const auto good = static_cast<std::size_t>(
       std::count_if(results.begin(), results.end(), delivered));
   if (json) print_json(results, good);
   else print_text(results);
-  return good == results.size() ? kDone : kNotDone;
+  return exit_code(results);
 }
 
 }  // namespace limb_ring::ringctl

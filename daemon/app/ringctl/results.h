@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "app/ringctl/ring_access.h"
 #include "limb_ring/host_port.h"
 
 namespace limb_ring::ringctl {
@@ -18,11 +19,20 @@ namespace limb_ring::ringctl {
 std::vector<Result> send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
                              std::chrono::nanoseconds interval = {});
 
-/// Prints one result, or how many ended how, or all as JSON. @return kDone where all were delivered, else kNotDone
+/// Prints one result, or how many ended how, or all as JSON. @return exit_code()
 int report(const std::vector<Result>& results, bool json);
 
+/// As send_all; and what was refused has its reason from its destinations, where they can be asked on this host.
+/// @param to id of a node of the ring, or kBroadcast
+std::vector<Result> send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
+                                     const std::function<std::uint32_t()>& send,
+                                     std::chrono::nanoseconds interval = {});
+
+/// kDone where all were delivered, kUnknown where the others may have been, else kNotDone.
+int exit_code(const std::vector<Result>& results);
+
 nlohmann::json to_json(const Result& result);
-/// "delivered in 61.2 us", "refused: no pin wired (in 70.1 us)", "lost after 4 tries"
+/// "delivered in 61.2 us", "refused in 70.1 us: pin INT5 of head is wired to nothing", "lost after 4 tries"
 std::string to_text(const Result& result);
 
 }  // namespace limb_ring::ringctl

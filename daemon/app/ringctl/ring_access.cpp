@@ -143,6 +143,12 @@ const NodeName& RingAccess::source(const std::string& id_or_name) const {
   return id_or_name.empty() ? nodes_[answered_] : node(id_or_name);
 }
 
+std::vector<ask::Node> RingAccess::ask_nodes() const {
+  std::vector<ask::Node> nodes;
+  for (const NodeName& node : nodes_) nodes.push_back({node.id, node.name});
+  return nodes;
+}
+
 HostPort RingAccess::connect(const NodeName& node) const {
   return connect_node(ring_, std::to_string(node.id));
 }

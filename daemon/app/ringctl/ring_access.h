@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/ringctl/problems.h"
+#include "ask/status_rows.h"
 #include "limb_ring/host_port.h"
 
 namespace limb_ring::ringctl {
@@ -41,6 +42,7 @@ class RingAccess {
   const std::string& path() const { return path_; }  ///< of its YAML file; may be empty
   bool folds_back() const { return folds_back_; }          ///< it has a second line
   const std::vector<NodeName>& nodes() const { return nodes_; }  ///< in ring order
+  std::vector<ask::Node> ask_nodes() const;                      ///< the same for daemon/ask
 
   /// @throw UsageError listing the nodes there are
   const NodeName& node(const std::string& id_or_name) const;

@@ -12,6 +12,31 @@ namespace limb_ring::ringctl {
 
 using nlohmann::json;
 
+namespace {
+
+bool latched(const json& row) {
+  const json::json_pointer place("/cpu/stop/latched");
+  return row.contains(place) && row.at(place) == true;
+}
+
+std::string name_of(const std::vector<json>& rows, const json& id) {
+  for (const json& row : rows)
+    if (row.value("id", json()) == id) return row.value("name", id.dump());
+  return id.dump();
+}
+
+/// ": line A -> B broken"; every node in the chain knows it.
+std::string broken_line(const std::vector<json>& rows) {
+  for (const json& row : rows) {
+    const json line = row.value("broken_line", json());
+    if (line.is_object())
+      return ": line " + name_of(rows, line.at("before")) + " -> " + name_of(rows, line.at("behind")) + " broken";
+  }
+  return "";
+}
+
+}  // namespace
+
 json down_row(const NodeName& node) {
   return {{"id", node.id},
           {"name", node.name},
@@ -48,7 +73,8 @@ bool is_up(const json& row) {
 std::string cpu_word(const json& row) {
   const json cpu = row.value("cpu", json::object());
   if (cpu.value("verdict", "") == "hung") return "hung";
-  return cpu.value("stopped", false) ? "stopped" : cpu.value("state", "unknown");
+  if (cpu.value("stopped", false)) return "stopped";
+  return latched(row) ? "stop" : cpu.value("state", "unknown");
 }
 
 std::uint64_t errors_of(const json& row) {
@@ -62,8 +88,9 @@ std::uint64_t errors_of(const json& row) {
 }
 
 std::string headline(const std::string& ring, const std::vector<json>& rows) {
-  std::size_t up = 0, folded = 0, part = rows.size();
+  std::size_t up = 0, folded = 0, open = 0, part = rows.size();
   for (const json& row : rows) {
+    open += row.value("state", "") == "open_chain" ? 1 : 0;
     if (row.value("state", "") == "folded") {
       ++folded;
       part = std::min(part, row.value("ring_size", rows.size()));
@@ -71,7 +98,20 @@ std::string headline(const std::string& ring, const std::vector<json>& rows) {
     up += is_up(row) ? 1 : 0;
   }
   const char* fold = folded == 0 ? "" : part < up ? ", folded back in parts" : ", folded back around a break";
-  return "ring " + ring + ": " + std::to_string(up) + " of " + std::to_string(rows.size()) + " nodes up" + fold;
+  const std::string working = std::to_string(up + open) + " of " + std::to_string(rows.size()) + " nodes ";
+  return "ring " + ring + ": " + working + (open != 0 ? "work, open chain" + broken_line(rows) : "up" + std::string(fold));
+}
+
+std::string stop_report(const std::vector<json>& rows) {
+  std::string names;
+  std::size_t count = 0;
+  for (const json& row : rows) {
+    if (!latched(row)) continue;
+    ++count;
+    names += (names.empty() ? "" : ", ") + row.value("name", "");
+  }
+  if (count == 0) return "";
+  return "stop latched at " + (count == rows.size() ? "all nodes" : names) + "; 'ringctl resume' ends it\n";
 }
 
 }  // namespace limb_ring::ringctl

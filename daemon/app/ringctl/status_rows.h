@@ -23,12 +23,14 @@ std::vector<nlohmann::json> status_rows(const RingAccess& ring);
 /// Does the node's network controller take part in a closed ring?
 bool is_up(const nlohmann::json& row);
 /// "running", "stopped", "hung" ...: the supervisor's word where it says hung, since the node's own network
-/// controller says silent, no more, and that only of a CPU which has promised to speak.
+/// controller says silent, no more, and that only of a CPU which has promised to speak. "stop" where a stop is latched.
 std::string cpu_word(const nlohmann::json& row);
 /// Packets that were lost, damaged or discarded at this node since its start, under whatever name.
 std::uint64_t errors_of(const nlohmann::json& row);
-/// "ring humanoid16: 16 of 16 nodes up", and whether it is folded back.
+/// "ring humanoid16: 16 of 16 nodes up", and whether it is folded back, or an open chain and where it is broken.
 std::string headline(const std::string& ring, const std::vector<nlohmann::json>& rows);
+/// The nodes at which a stop is latched, and what ends it; empty where none is.
+std::string stop_report(const std::vector<nlohmann::json>& rows);
 ///@}
 
 }  // namespace limb_ring::ringctl

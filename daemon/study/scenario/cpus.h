@@ -13,7 +13,7 @@ namespace limb_ring::study::scenario {
 /// three of them.
 class Cpus {
  public:
-  /// All run. @param ring not yet started; must outlive this
+  /// All CPUs run at first. @param ring not yet started; must outlive this
   /// @param boot_time from a reset to the first word of the firmware
   Cpus(sim::VirtualRing& ring, core::Duration boot_time);
   Cpus(const Cpus&) = delete;

@@ -7,6 +7,7 @@
 #include "app/ringctl/clock_offsets.h"
 #include "app/ringctl/hex.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/refusal_counters.h"
 #include "app/ringctl/results.h"
 #include "app/ringctl/status_rows.h"
 #include "app/ringctl/status_table.h"
@@ -179,14 +180,73 @@ Result result(Outcome outcome, std::string reason = {}) {
 
 TEST(Results, OneIsToldInWords) {
   EXPECT_EQ(to_text(result(Outcome::delivered)), "delivered in 61.2 us");
-  EXPECT_THAT(to_text(result(Outcome::rejected, "queue full")), HasSubstr("rejected: queue full"));
+  EXPECT_THAT(to_text(result(Outcome::rejected, "queue full")), HasSubstr("rejected in 61.2 us: queue full"));
 }
 
 TEST(Results, ExitCodeSaysWhetherAllWereDelivered) {
   ::testing::internal::CaptureStdout();
   EXPECT_EQ(report({result(Outcome::delivered)}, false), kDone);
-  EXPECT_EQ(report({result(Outcome::delivered), result(Outcome::lost)}, false), kNotDone);
+  EXPECT_EQ(report({result(Outcome::delivered), result(Outcome::lost)}, false), kUnknown);
+  EXPECT_EQ(report({result(Outcome::lost), result(Outcome::refused)}, false), kNotDone);
   EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("1 lost"));
+}
+
+TEST(Results, WhatWasUnconfirmedMayHaveArrivedUnlessItWasOutOfReach) {
+  Result sent = result(Outcome::unconfirmed);
+  sent.why = Reason::open_chain;
+  EXPECT_EQ(exit_code({sent}), kUnknown);
+  sent.why = Reason::out_of_reach;
+  EXPECT_EQ(exit_code({sent}), kNotDone);
+}
+
+/// The row of a node whose daemon has counted so many refusals.
+json counted(const char* counter, unsigned count, const char* cpu) {
+  return {{"cpu", {{"state", cpu}}}, {"counters", {{counter, count}}}};
+}
+
+TEST(RefusalCounters, SayWhyWhereTheSourceOnlyInfers) {
+  const std::vector<ask::Node> nodes{{1, "knee"}};
+  const RefusalCounters before(ask::Rows{{1, counted("refused_cpu_absent", 3, "booting")}});
+  std::vector<Result> results{result(Outcome::refused, "probably"), result(Outcome::delivered)};
+  before.explain(results, nodes, {{1, counted("refused_cpu_absent", 4, "booting")}});
+  EXPECT_EQ(results[0].why, Reason::cpu_booting);
+  EXPECT_EQ(results[0].reason, "at knee: its CPU is booting (counted there)");
+  EXPECT_EQ(results[1].reason, "");
+}
+
+TEST(RefusalCounters, SayNothingWhereNothingOrTwoThingsWereCounted) {
+  const std::vector<ask::Node> nodes{{1, "knee"}, {2, "foot"}};
+  const RefusalCounters before(ask::Rows{{1, counted("refused_cpu_absent", 3, "absent")},
+                                         {2, counted("refused_no_buffer", 0, "running")}});
+  std::vector<Result> results{result(Outcome::refused, "probably")};
+  before.explain(results, nodes, {{1, counted("refused_cpu_absent", 3, "absent")}});
+  EXPECT_EQ(results[0].reason, "probably");
+  before.explain(results, nodes, {{1, counted("refused_cpu_absent", 4, "absent")},
+                                  {2, counted("refused_no_buffer", 1, "running")}});
+  EXPECT_EQ(results[0].reason, "probably");
+}
+
+json node(int id, const char* state, bool latched = false) {
+  return {{"id", id}, {"name", "n" + std::to_string(id)}, {"state", state}, {"ring_size", 3},
+          {"broken_line", nullptr}, {"cpu", {{"state", "running"}, {"stop", {{"latched", latched}}}}}};
+}
+
+TEST(Headline, CountsTheNodesThatWork) {
+  EXPECT_EQ(headline("r", {node(0, "up"), node(1, "down"), node(2, "up")}), "ring r: 2 of 3 nodes up");
+  json chain = node(0, "open_chain");
+  chain["broken_line"] = {{"before", 1}, {"behind", 2}};
+  EXPECT_EQ(headline("r", {chain, node(1, "open_chain"), node(2, "open_chain")}),
+            "ring r: 3 of 3 nodes work, open chain: line n1 -> n2 broken");
+  EXPECT_EQ(headline("r", {node(0, "folded"), node(1, "folded"), node(2, "folded")}),
+            "ring r: 3 of 3 nodes up, folded back around a break");
+}
+
+TEST(Headline, AStopThatIsLatchedIsNamedWithWhatEndsIt) {
+  EXPECT_EQ(stop_report({node(0, "up"), node(1, "up")}), "");
+  EXPECT_EQ(stop_report({node(0, "up", true), node(1, "up")}), "stop latched at n0; 'ringctl resume' ends it\n");
+  EXPECT_EQ(stop_report({node(0, "up", true)}), "stop latched at all nodes; 'ringctl resume' ends it\n");
+  EXPECT_EQ(cpu_word(node(0, "up", true)), "stop");
+  EXPECT_EQ(cpu_word(node(0, "up")), "running");
 }
 
 TEST(Results, JsonHoldsEveryOne) {

@@ -35,6 +35,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_pull(app, context);
   add_sync(app, context);
   add_stop(app, context);
+  add_resume(app, context);
   add_reset(app, context);
   add_ping(app, context);
   add_observe(app, context);

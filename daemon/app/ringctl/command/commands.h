@@ -14,6 +14,7 @@ void add_interrupt(CLI::App& app, Context& context);
 void add_pull(CLI::App& app, Context& context);
 void add_sync(CLI::App& app, Context& context);
 void add_stop(CLI::App& app, Context& context);
+void add_resume(CLI::App& app, Context& context);
 void add_reset(CLI::App& app, Context& context);
 void add_ping(CLI::App& app, Context& context);
 void add_observe(CLI::App& app, Context& context);

@@ -23,7 +23,7 @@ int run(const Context& context, const Options& options) {
   const auto send = [&] {
     return port.interrupt(to, static_cast<std::uint8_t>(options.factor), options.force);
   };
-  return report(send_all(port, 1, send), options.json);
+  return report(send_and_explain(port, ring, to, 1, send), options.json);
 }
 
 }  // namespace

@@ -2,9 +2,10 @@
 #include <iostream>
 #include <memory>
 
-#include "app/ringctl/answers.h"
+#include "app/ringctl/ring_access.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "ask/reset_seen.h"
 #include "cli/values.h"
 
 namespace limb_ring::ringctl {
@@ -17,17 +18,31 @@ struct Options {
   bool json = false;
 };
 
+int code_of(const nlohmann::json& answer) {
+  if (answer.value("success", false)) return kDone;
+  return answer.value("effect", "") == "unknown" ? kUnknown : kNotDone;
+}
+
 int run(const Context& context, const Options& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
-  const std::chrono::milliseconds timeout(static_cast<int>(options.timeout_s * 1000));
-  const nlohmann::json request{{"do", "reset"},
-                               {"node", ring.node(options.node).id},
-                               {"timeout_ms", timeout.count()}};
-  HostPort port = ring.connect(ring.source(options.from));
-  const nlohmann::json answer = ask(port, request, timeout + kAnswerTime);
+  ask::ResetQuery query;
+  query.ring = ring.ring();
+  query.nodes = ring.ask_nodes();
+  query.target = ring.node(options.node).id;
+  query.from = ring.source(options.from).id;
+  query.from_is_free = options.from.empty();
+  query.timeout = std::chrono::milliseconds(static_cast<int>(options.timeout_s * 1000));
+  nlohmann::json answer;
+  try {
+    answer = ask::reset_node(query);
+  } catch (const HostPortError& problem) {
+    // What the daemon says cannot be done is no missing ring.
+    if (ring.connect(ring.source(options.from)).connected()) throw NotDone(problem.what());
+    throw;
+  }
   if (options.json) std::cout << answer.dump(2) << '\n';
   else std::cout << answer.value("message", "") << '\n';
-  return answer.value("success", false) ? kDone : kNotDone;
+  return code_of(answer);
 }
 
 }  // namespace
@@ -38,7 +53,7 @@ void add_reset(CLI::App& app, Context& context) {
       app, "reset",
       "Reset the CPU of a node by an interrupt, and wait until it has booted again");
   command->add_option("NODE", options->node, "Node, id or name")->required();
-  command->add_option("--from", options->from, "Node that sends; default: the first that answers");
+  command->add_option("--from", options->from, "Node that sends; default: the first that answers, in an open ring the one that reaches all");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait, 0.1 to 600; default 3")
       ->transform(cli::seconds(0.1, 600.0));
   add_json(*command, options->json);

@@ -51,7 +51,7 @@ int run(const Context& context, const Options& options) {
                      static_cast<std::uint8_t>(options.channel));
   };
   const std::chrono::nanoseconds interval(std::llround(options.interval_s * 1e9));
-  const auto results = send_all(port, options.count, send, interval);
+  const auto results = send_and_explain(port, ring, to, options.count, send, interval);
   const int code = report(results, options.json);
   return results.size() == options.count ? code : kNotDone;  // Ctrl-C came before
 }

@@ -36,7 +36,7 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
   if (::isatty(STDOUT_FILENO) == 1) look.width = Screen::size().columns;
   std::cout << headline(ring.ring(), rows) << '\n'
             << status_table(rows, look)
-            << app::wrapped(line_report(rows) + supervision_text(rows), look.width);
+            << app::wrapped(line_report(rows) + stop_report(rows) + supervision_text(rows), look.width);
 }
 
 int run(const Context& context, const Options& options) {

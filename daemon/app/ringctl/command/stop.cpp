@@ -6,6 +6,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/common/text_table.h"
+#include "ask/known_stops.h"
 
 namespace limb_ring::ringctl {
 
@@ -16,19 +17,42 @@ struct Options {
   bool json = false;
 };
 
+nlohmann::json to_json(const std::vector<ask::KnownStop>& stops) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ask::KnownStop& stop : stops)
+    list.push_back({{"id", stop.node.id}, {"name", stop.node.name}, {"stop", to_string(stop.state)}});
+  return list;
+}
+
+std::string text_of(const nlohmann::json& answer, const std::vector<ask::KnownStop>& stops) {
+  std::string text = "stop " + answer.at("outcome").get<std::string>();
+  const double round_trip = answer.value("round_trip_us", 0.0);
+  if (round_trip > 0) text += " in " + app::number(round_trip) + " us";
+  if (!answer.value("reason", "").empty()) text += ": " + answer.value("reason", "");
+  return text + '\n' + sentence_of(stops) + '\n';
+}
+
+int code_of(const std::string& outcome, const std::vector<ask::KnownStop>& stops) {
+  if (outcome == to_string(Outcome::delivered) || all_told(stops)) return kDone;
+  const bool may_be = outcome == to_string(Outcome::unconfirmed) || outcome == to_string(Outcome::lost);
+  return may_be ? kUnknown : kNotDone;
+}
+
+// The stop goes first; what is known of it is asked for afterwards.
 int run(const Context& context, const Options& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const bool all = options.node == "all";
-  const nlohmann::json request{
-      {"do", "stop"},
-      {"node", all ? nlohmann::json("all") : nlohmann::json(ring.node(options.node).id)}};
+  std::vector<ask::Node> nodes = ring.ask_nodes();
+  if (!all) nodes = {{ring.node(options.node).id, ring.node(options.node).name}};
+  const nlohmann::json request{{"do", "stop"}, {"node", all ? nlohmann::json("all") : nlohmann::json(nodes[0].id)}};
   HostPort port = ring.connect(ring.source(options.from));
-  const nlohmann::json answer = ask(port, request, std::chrono::seconds(10));
-  const std::string outcome = answer.at("outcome").get<std::string>();
+  const auto sent = std::chrono::steady_clock::now();
+  nlohmann::json answer = ask(port, request, std::chrono::seconds(10));
+  const auto stops = ask::wait_for_stops(ring.ring(), nodes, sent);
+  answer["nodes"] = to_json(stops);
   if (options.json) std::cout << answer.dump(2) << '\n';
-  else std::cout << "stop " << outcome << " in " << app::number(answer.value("round_trip_us", 0.0))
-                 << " us\n";
-  return outcome == to_string(Outcome::delivered) ? kDone : kNotDone;
+  else std::cout << text_of(answer, stops);
+  return code_of(answer.at("outcome").get<std::string>(), stops);
 }
 
 }  // namespace
@@ -36,7 +60,7 @@ int run(const Context& context, const Options& options) {
 void add_stop(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(
-      app, "stop", "Stop joints: an interrupt that sends CPUs into their safe state");
+      app, "stop", "Stop joints: an interrupt that sends CPUs into their safe state, until 'ringctl resume'");
   command->add_option("NODE", options->node, "Node, id or name, or all (default)");
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);

@@ -103,7 +103,7 @@ TopLook look() {
 
 std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
                   const TopLook& look) {
-  return top_table(headline(ring.ring(), now.rows), rows, look, line_report(now.rows) + supervision_text(now.rows));
+  return top_table(headline(ring.ring(), now.rows), rows, look, line_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
 }
 
 int once(const RingAccess& ring, const Options& options) {

@@ -1,0 +1,57 @@
+#include "app/ringctl/refusal_counters.h"
+
+#include <array>
+#include <optional>
+#include <set>
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+struct Counter {
+  const char* name;
+  Reason reason;
+};
+constexpr std::array<Counter, 4> kCounters{{{"refused_cpu_absent", Reason::cpu_absent},
+                                            {"refused_no_buffer", Reason::no_buffer},
+                                            {"refused_joining", Reason::joining},
+                                            {"refused_unwired", Reason::pin_unwired}}};
+
+std::uint64_t count(const nlohmann::json& row, const char* name) {
+  return row.contains("counters") ? row["counters"].value(name, std::uint64_t{0}) : 0;
+}
+
+/// A CPU that is not there is absent, boots or has failed; the counter does not tell these apart, its state does.
+Reason refined(Reason reason, const nlohmann::json& row) {
+  if (!row.contains("cpu")) return reason;
+  const std::string state = row["cpu"].value("state", "");
+  if (reason == Reason::cpu_absent && state == "booting") return Reason::cpu_booting;
+  if (reason == Reason::cpu_absent && state == "failed") return Reason::cpu_failed;
+  if (reason == Reason::no_buffer && state == "silent") return Reason::cpu_silent;
+  return reason;
+}
+
+}  // namespace
+
+void RefusalCounters::explain(std::vector<Result>& results, const std::vector<ask::Node>& nodes,
+                              const ask::Rows& now) const {
+  std::set<Reason> reasons;
+  std::string where;
+  for (const auto& [id, row] : now) {
+    const auto then = before_.find(id);
+    if (then == before_.end()) continue;
+    for (const Counter& counter : kCounters) {
+      if (count(row, counter.name) <= count(then->second, counter.name)) continue;
+      if (reasons.insert(refined(counter.reason, row)).second) where += (where.empty() ? "" : ", ") + name_of(nodes, id);
+    }
+  }
+  if (reasons.size() != 1) return;
+  const Reason reason = *reasons.begin();
+  for (Result& result : results) {
+    if (result.outcome != Outcome::refused) continue;
+    result.why = reason;
+    result.reason = "at " + where + ": " + sentence(reason) + " (counted there)";
+  }
+}
+
+}  // namespace limb_ring::ringctl

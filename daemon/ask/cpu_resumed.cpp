@@ -1,0 +1,24 @@
+#include "ask/cpu_resumed.h"
+
+#include "payload/joint_command.h"
+#include "payload/packet_type.h"
+
+namespace limb_ring::ask {
+namespace {
+
+constexpr std::chrono::microseconds kValidFor = std::chrono::seconds(1);
+constexpr std::uint8_t kPriority = 0;
+
+}  // namespace
+
+Result resume_cpu(HostPort& port, std::uint8_t node, std::chrono::milliseconds timeout) {
+  using namespace std::chrono;
+  payload::JointCommand command;
+  command.resume = true;
+  command.stamp_ns = duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count();
+  command.valid_for_us = static_cast<std::uint32_t>(kValidFor.count());
+  const auto bytes = payload::encode(command);  // no joints: nothing in it that could not be written
+  return port.wait(port.send(node, *bytes, kPriority, payload::kJointChannel), timeout);
+}
+
+}  // namespace limb_ring::ask

@@ -1,0 +1,94 @@
+#include "ask/known_stops.h"
+
+#include <algorithm>
+#include <thread>
+
+namespace limb_ring::ask {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kRowTime{500};
+constexpr milliseconds kBetweenLooks{20};
+constexpr milliseconds kToSaySo{1000};
+constexpr milliseconds kUnderWay{200};
+
+StopState state_in(const json& row, milliseconds age) {
+  const json cpu = row.value("cpu", json::object());
+  const json stop = cpu.value("stop", json::object());
+  if (stop.value("latched", false)) return StopState::stopped;
+  const std::string state = cpu.value("state", "");
+  if (state == "absent" || state == "failed" || state == "none") return StopState::no_cpu;
+  const json pulled = stop.value("pulled_ms", json());  // ms ago
+  return pulled.is_number() && pulled <= age.count() ? StopState::told : StopState::not_reached;
+}
+
+std::string names_in(const std::vector<KnownStop>& stops, StopState state) {
+  std::string names;
+  for (const KnownStop& stop : stops)
+    if (stop.state == state) names += (names.empty() ? "" : ", ") + stop.node.name;
+  return names;
+}
+
+std::string group(const std::vector<KnownStop>& stops, StopState state, const char* words) {
+  const std::string names = names_in(stops, state);
+  return names.empty() ? "" : std::string("; ") + words + ": " + names;
+}
+
+}  // namespace
+
+const char* to_string(StopState state) {
+  switch (state) {
+    case StopState::stopped: return "stopped";
+    case StopState::told: return "told";
+    case StopState::no_cpu: return "no_cpu";
+    case StopState::not_reached: return "not_reached";
+    case StopState::unknown: return "unknown";
+  }
+  return "";
+}
+
+std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, milliseconds age) {
+  std::vector<KnownStop> stops;
+  for (const Node& node : nodes) {
+    const auto row = rows.find(node.id);
+    stops.push_back({node, row == rows.end() ? StopState::unknown : state_in(row->second, age)});
+  }
+  return stops;
+}
+
+std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
+                                      steady_clock::time_point sent) {
+  const auto begun = steady_clock::now();
+  for (;;) {
+    const Rows rows = status_rows(ring, nodes, kRowTime);
+    const auto age = std::chrono::ceil<milliseconds>(steady_clock::now() - sent);
+    const std::vector<KnownStop> stops = known_stops(nodes, rows, age);
+    const auto waited = steady_clock::now() - begun;
+    const auto pending = [waited](const KnownStop& stop) {
+      return (stop.state == StopState::told && waited < kToSaySo) ||
+             (stop.state == StopState::not_reached && waited < kUnderWay);
+    };
+    if (std::none_of(stops.begin(), stops.end(), pending)) return stops;
+    std::this_thread::sleep_for(kBetweenLooks);
+  }
+}
+
+bool all_told(const std::vector<KnownStop>& stops) {
+  return std::none_of(stops.begin(), stops.end(), [](const KnownStop& stop) {
+    return stop.state == StopState::not_reached || stop.state == StopState::unknown;
+  });
+}
+
+std::string sentence_of(const std::vector<KnownStop>& stops) {
+  const auto stopped = std::count_if(stops.begin(), stops.end(),
+                                     [](const KnownStop& stop) { return stop.state == StopState::stopped; });
+  return std::to_string(stopped) + " of " + std::to_string(stops.size()) + " stopped" +
+         group(stops, StopState::told, "told, but the CPU does not say whether it has stopped") +
+         group(stops, StopState::no_cpu, "no CPU to stop") + group(stops, StopState::not_reached, "not reached") +
+         group(stops, StopState::unknown, "not known, the daemon does not answer");
+}
+
+}  // namespace limb_ring::ask

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "ask/status_rows.h"
+
+namespace limb_ring::ask {
+
+/// What is known of one node after a stop was sent.
+enum class StopState : std::uint8_t {
+  stopped,      ///< its CPU says that a stop is latched
+  told,         ///< its stop pin was pulled; its CPU does not say what it made of it
+  no_cpu,       ///< there is none that could stop
+  not_reached,  ///< its stop pin was not pulled
+  unknown       ///< its daemon does not answer here
+};
+/// One word for programs: "not_reached".
+const char* to_string(StopState state);
+
+struct KnownStop {
+  Node node;
+  StopState state = StopState::unknown;
+};
+
+/// @param age of the stop: a pin that was pulled longer ago was pulled by another one
+std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, std::chrono::milliseconds age);
+
+/// Looks until every CPU that was told says that it has stopped, for 1 s at most; for 200 ms of one that was not
+/// reached: in an open chain a stop may still be under way.
+/// @param sent when the stop was asked for
+std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
+                                      std::chrono::steady_clock::time_point sent);
+
+/// Every node was reached, and where there is a CPU it has stopped or was told.
+bool all_told(const std::vector<KnownStop>& stops);
+
+/// "14 of 16 stopped; no CPU: waist; not reached: head"
+std::string sentence_of(const std::vector<KnownStop>& stops);
+
+}  // namespace limb_ring::ask

@@ -1,0 +1,90 @@
+#include "ask/reset_seen.h"
+
+#include <thread>
+
+#include "limb_ring/host_port.h"
+
+namespace limb_ring::ask {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kRowTime{500};
+constexpr milliseconds kBetweenLooks{50};
+constexpr milliseconds kMargin{2000};   ///< for the answer, beside the time that the reset is given
+constexpr int kLately = 1000;           ///< ms; an older beacon tells nothing
+
+const json* broken_line(const Rows& rows) {
+  for (const auto& [id, row] : rows)
+    if (row.contains("broken_line") && row["broken_line"].is_object()) return &row["broken_line"];
+  return nullptr;
+}
+
+json ask_daemon(const ResetQuery& query) {
+  ConnectOptions options;
+  options.ring = query.ring;
+  options.node = std::to_string(query.from);
+  options.timeout = milliseconds(0);
+  HostPort port = HostPort::connect(options);
+  const json request{{"do", "reset"}, {"node", query.target}, {"timeout_ms", query.timeout.count()}};
+  return json::parse(port.ask(request.dump(), query.timeout + kMargin));
+}
+
+std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
+  const json* line = broken_line(rows);
+  if (line == nullptr) return "";
+  const auto before = line->value("before", std::uint8_t{0}), behind = line->value("behind", std::uint8_t{0});
+  return "; " + name_of(query.nodes, behind) + " reaches all others, " + name_of(query.nodes, before) + " hears all others";
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> boots_in(const json& row, std::uint8_t target) {
+  if (row.value("id", -1) == target) return row.at("cpu").value("boots", 0u);
+  for (const json& peer : row.value("heard", json::array()))
+    if (peer.value("id", -1) == target && peer.value("age_ms", kLately) < kLately) return peer.value("cpu_boots", 0u);
+  return std::nullopt;
+}
+
+std::uint8_t best_sender(const Rows& rows, const ResetQuery& query) {
+  const json* line = broken_line(rows);
+  if (!query.from_is_free || line == nullptr) return query.from;
+  const auto behind = line->value("behind", query.from);
+  const bool chain = rows.count(behind) != 0 && rows.at(behind).value("state", "") == "open_chain";
+  return chain && behind != query.target ? behind : query.from;
+}
+
+json judged(json answer, const ResetQuery& query, const Rows& before, const Rows& now) {
+  for (const auto& [id, row] : now) {
+    const auto then = before.count(id) != 0 ? boots_in(before.at(id), query.target) : std::nullopt;
+    const auto boots = boots_in(row, query.target);
+    if (!then || !boots || *boots <= *then) continue;
+    const std::string who = id == query.target ? "its own daemon" : "its beacon at " + name_of(query.nodes, id);
+    answer["success"] = true;
+    answer["effect"] = "seen";
+    answer["boots"] = *boots;
+    answer["seen_by"] = id;
+    answer["message"] = "done, seen by " + who + ": the CPU has booted again";
+    return answer;
+  }
+  answer["message"] = answer.value("message", "") + where_to_ask(query, now);
+  return answer;
+}
+
+json reset_node(ResetQuery query) {
+  const Rows before = status_rows(query.ring, query.nodes, kRowTime);
+  query.from = best_sender(before, query);
+  const auto deadline = steady_clock::now() + query.timeout;
+  const json answer = ask_daemon(query);
+  if (answer.value("success", false)) return answer;
+  for (;;) {
+    const json known = judged(answer, query, before, status_rows(query.ring, query.nodes, kRowTime));
+    const bool over = known.value("effect", "") != "unknown" || steady_clock::now() >= deadline;
+    if (over) return known;
+    std::this_thread::sleep_for(kBetweenLooks);
+  }
+}
+
+}  // namespace limb_ring::ask

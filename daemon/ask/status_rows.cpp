@@ -1,0 +1,58 @@
+#include "ask/status_rows.h"
+
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "inject/lock_files.h"
+#include "limb_ring/host_port.h"
+#include "limb_ring/ring_directory.h"
+#include "runtime/supervisor/process_state.h"
+
+namespace limb_ring::ask {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kAskers = 16;
+
+std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono::milliseconds timeout) {
+  const inject::Holder holder = inject::holder_of(ring_directory(ring), id);
+  if (!holder.held || runtime::is_stopped(holder.pid)) return std::nullopt;
+  try {
+    ConnectOptions options;
+    options.ring = ring;
+    options.node = std::to_string(id);
+    options.timeout = std::chrono::milliseconds(0);
+    HostPort port = HostPort::connect(options);
+    json row = json::parse(port.ask(R"({"do": "status"})", timeout), nullptr, /*allow_exceptions=*/false);
+    if (row.is_object()) return row;
+  } catch (const std::exception&) {
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::chrono::milliseconds timeout) {
+  std::vector<std::optional<json>> answers(nodes.size());
+  std::atomic<std::size_t> next{0};
+  const auto ask_some = [&] {
+    for (std::size_t i = next++; i < nodes.size(); i = next++) answers[i] = row_of(ring, nodes[i].id, timeout);
+  };
+  std::vector<std::thread> askers;
+  for (std::size_t i = 0; i < std::min(kAskers, nodes.size()); ++i) askers.emplace_back(ask_some);
+  for (std::thread& asker : askers) asker.join();
+  Rows rows;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (answers[i]) rows.emplace(nodes[i].id, std::move(*answers[i]));
+  return rows;
+}
+
+std::string name_of(const std::vector<Node>& nodes, std::uint8_t id) {
+  const auto found = std::find_if(nodes.begin(), nodes.end(), [id](const Node& node) { return node.id == id; });
+  return found == nodes.end() ? "node " + std::to_string(id) : found->name;
+}
+
+}  // namespace limb_ring::ask

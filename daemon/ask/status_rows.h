@@ -1,0 +1,25 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace limb_ring::ask {
+
+struct Node {
+  std::uint8_t id = 0;
+  std::string name;
+};
+
+/// The status rows of those daemons on this host that answer, by node id. All are asked at the same time.
+/// @param timeout for each; one that is stopped (SIGSTOP) is not asked
+using Rows = std::map<std::uint8_t, nlohmann::json>;
+Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::chrono::milliseconds timeout);
+
+/// The name of a node, or its id where it is none of these.
+std::string name_of(const std::vector<Node>& nodes, std::uint8_t id);
+
+}  // namespace limb_ring::ask

@@ -1,0 +1,68 @@
+// What the other daemons know of a reset that could not be confirmed: node 12 (knee) of a ring of four.
+#include "ask/reset_seen.h"
+
+#include <gmock/gmock.h>
+
+namespace limb_ring::ask {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+ResetQuery query() {
+  ResetQuery query;
+  query.nodes = {{0, "body"}, {11, "hip"}, {12, "knee"}, {13, "foot"}};
+  query.target = 12;
+  query.from = 0;
+  return query;
+}
+
+json heard_by(int id, unsigned boots, int age_ms) {
+  return {{"id", id}, {"state", "open_chain"}, {"cpu", {{"boots", 1}}},
+          {"broken_line", {{"before", 13}, {"behind", 0}}},
+          {"heard", {{{"id", 12}, {"cpu_boots", boots}, {"age_ms", age_ms}}}}};
+}
+
+json own_row(unsigned boots) { return {{"id", 12}, {"cpu", {{"boots", boots}}}, {"heard", json::array()}}; }
+
+const json kUnknown{{"success", false}, {"effect", "unknown"}, {"message", "sent"}};
+
+TEST(ResetSeen, ByTheBeaconAtAnotherNode) {
+  const json answer = judged(kUnknown, query(), {{13, heard_by(13, 1, 20)}}, {{13, heard_by(13, 2, 20)}});
+  EXPECT_EQ(answer["success"], true);
+  EXPECT_EQ(answer["effect"], "seen");
+  EXPECT_EQ(answer["message"], "done, seen by its beacon at foot: the CPU has booted again");
+  EXPECT_EQ(answer["boots"], 2);
+}
+
+TEST(ResetSeen, ByItsOwnDaemon) {
+  EXPECT_THAT(judged(kUnknown, query(), {{12, own_row(1)}}, {{12, own_row(2)}})["message"].get<std::string>(),
+              HasSubstr("seen by its own daemon"));
+}
+
+TEST(ResetSeen, NotByAnOldBeaconNorBySameBoots) {
+  for (const json& row : {heard_by(13, 2, 5000), heard_by(13, 1, 20)}) {
+    const json answer = judged(kUnknown, query(), {{13, heard_by(13, 1, 20)}}, {{13, row}});
+    EXPECT_EQ(answer["effect"], "unknown");
+    EXPECT_THAT(answer["message"].get<std::string>(), HasSubstr("body reaches all others, foot hears all others"));
+  }
+}
+
+TEST(ResetSeen, NotByOneThatWasNotAskedBefore) {
+  EXPECT_EQ(judged(kUnknown, query(), {}, {{12, own_row(2)}})["effect"], "unknown");
+}
+
+TEST(ResetSeen, InAnOpenChainTheNodeBehindTheBreakSendsWhereItMay) {
+  ResetQuery free = query();
+  free.from = 13;
+  const Rows rows{{0, heard_by(0, 1, 20)}};
+  EXPECT_EQ(best_sender(rows, free), 13);  // it was named
+  free.from_is_free = true;
+  EXPECT_EQ(best_sender(rows, free), 0);
+  free.target = 0;
+  EXPECT_EQ(best_sender(rows, free), 13);  // nothing reaches the first of a chain
+  EXPECT_EQ(best_sender({}, free), 13);
+}
+
+}  // namespace
+}  // namespace limb_ring::ask

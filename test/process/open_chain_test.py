@@ -1,0 +1,142 @@
+"""What is known of a reset, a stop and a send where the ring is open and nothing returns; stops latch and are shown."""
+
+import ring_process
+from ring_process import RingTest, plain_nodes
+
+
+def limbs(count):
+    nodes = plain_nodes(count)
+    for node in nodes:
+        node['cpu'] = {'command': ['limb_firmware']}
+        node['joints'] = [{'name': 'joint%d' % node['id'], 'lower': -1, 'upper': 1, 'velocity': 1, 'effort': 1}]
+    return nodes
+
+
+class LimbRing(RingTest):
+    def start_limbs(self):
+        self.start_ring(limbs(4))
+        for node in range(4):
+            self.wait_cpu(node, 'running')
+
+    def latched(self):
+        return [self.row(node)['cpu']['stop']['latched'] for node in range(4)]
+
+
+class OpenChain(LimbRing):
+    """node2, node3, node0, node1: the line from node1 to node2 is cut."""
+
+    def setUp(self):
+        super().setUp()
+        self.start_limbs()
+        self.assertEqual(self.ctl('fault', 'cut', 'node1:node2').returncode, 0)
+        self.wait('an open chain', lambda: all(self.row(node)['state'] == 'open_chain' for node in range(4)))
+
+    def test_a_reset_down_the_chain_is_seen_by_a_beacon(self):
+        boots = self.row(1)['cpu']['boots']
+        reset = self.ctl_json('reset', 'node1', '--from', 'node3', '--timeout', 30)
+        self.assertEqual((reset['success'], reset['effect'], reset['outcome']), (True, 'seen', 'unconfirmed'))
+        self.assertIn('done, seen by', reset['message'])
+        self.assertEqual(self.row(1)['cpu']['boots'], boots + 1)
+
+    def test_a_reset_up_the_chain_reaches_nobody_and_says_so(self):
+        reset = self.ctl_json('reset', 'node3', '--from', 'node0', code=1)
+        self.assertEqual((reset['success'], reset['effect'], reset['reason_code']), (False, 'none', 'out_of_reach'))
+        self.assertIn('not reached', reset['message'])
+        self.assertIn('node2 reaches all others', reset['message'])
+
+    def test_a_reset_from_anywhere_is_sent_from_where_it_arrives(self):
+        self.assertTrue(self.ctl_json('reset', 'node3', '--timeout', 30)['success'])
+
+    def test_status_counts_the_nodes_that_work(self):
+        for command in (['status'], ['top', '--once', '--interval', '0.1']):
+            headline = self.ctl(*command).stdout.splitlines()[0]
+            self.assertIn('4 of 4 nodes work, open chain: line node1 -> node2 broken', headline)
+
+    def test_a_send_says_whether_it_may_have_arrived(self):
+        may = self.ctl_json('send', '--from', 'node0', '--to', 'node1', '--data', 'x', code=4)['results'][0]
+        self.assertEqual((may['outcome'], may['reason_code']), ('unconfirmed', 'open_chain'))
+        self.assertIn('line node1 -> node2 is broken', may['reason'])
+        never = self.ctl_json('send', '--from', 'node0', '--to', 'node3', '--data', 'x', code=1)['results'][0]
+        self.assertEqual((never['outcome'], never['reason_code']), ('unconfirmed', 'out_of_reach'))
+
+    def test_an_unconfirmed_stop_says_of_each_node_what_is_known(self):
+        part = self.ctl('stop', '--from', 'node0')
+        self.assertEqual(part.returncode, 4, part.stdout)
+        self.assertIn('stop unconfirmed: the ring is open', part.stdout)
+        self.assertIn('2 of 4 stopped; not reached: node2, node3', part.stdout)
+        whole = self.ctl_json('stop', '--from', 'node2')  # it is the first of the chain
+        self.assertEqual([node['stop'] for node in whole['nodes']], ['stopped'] * 4)
+
+
+class Stop(LimbRing):
+    def test_it_latches_and_is_shown_until_it_is_resumed(self):
+        self.start_limbs()
+        self.assertEqual(self.latched(), [False] * 4)
+        self.assertIn('4 of 4 stopped', self.ctl('stop').stdout)
+        self.assertEqual(self.latched(), [True] * 4)
+        self.assertIn("stop latched at all nodes; 'ringctl resume' ends it", self.ctl('status').stdout)
+        top = self.ctl_json('top', '--once', '--interval', '0.1')
+        self.assertEqual([node['cpu'] for node in top['nodes']], ['stop'] * 4)
+        self.assertEqual(self.ctl('resume', 'node3').stdout, 'resumed node3\n')
+        self.wait('node3 has resumed', lambda: self.latched() == [True, True, True, False])
+        self.assertIn('stop latched at node0, node1, node2;', self.ctl('status').stdout)
+        self.assertEqual(self.ctl('resume').stdout, 'resumed 4 nodes\n')
+        self.wait('all have resumed', lambda: self.latched() == [False] * 4)
+
+    def test_a_cpu_that_is_reset_has_nothing_latched(self):
+        self.start_limbs()
+        self.assertEqual(self.ctl('stop', 'node1').returncode, 0)
+        self.assertEqual(self.latched(), [False, True, False, False])
+        self.assertTrue(self.ctl_json('reset', 'node1', '--from', 0, '--timeout', 30)['success'])
+        self.assertEqual(self.latched(), [False] * 4)
+
+    def test_only_the_cpu_itself_says_that_it_has_stopped(self):
+        self.start_limbs()
+        self.assertIn('no request', self.port(0).ask({'do': 'stop_latched', 'latched': True})['error'])
+
+
+class Reasons(RingTest):
+    def test_a_refusal_has_the_reason_that_its_destination_counted(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes, timeouts={'refused': '50ms'})
+        sent = self.ctl_json('send', '--from', 0, '--to', 1, '--size', 8, code=1)['results'][0]
+        self.assertEqual((sent['outcome'], sent['reason_code']), ('refused', 'cpu_absent'))
+        self.assertEqual(sent['reason'], 'at node1: no CPU is there (counted there)')
+        to_all = self.ctl_json('send', '--from', 0, '--to', 'all', '--size', 8, code=1)['results'][0]
+        self.assertEqual(to_all['reason_code'], 'cpu_absent')
+
+    def test_a_client_is_told_what_its_daemon_infers(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes, timeouts={'refused': '50ms'})
+        self.wait('a beacon', lambda: any(peer['id'] == 1 for peer in self.row(0)['heard']))
+        port = self.port(0)
+        self.assertEqual(port.result(port.send(1, b'x'))['reason'], 'probably no CPU is there (by its last beacon)')
+        ping = port.ask({'do': 'ping', 'to': 1, 'count': 2}, timeout=ring_process.GUARD)
+        self.assertEqual(ping['reasons'], {'probably no CPU is there (by its last beacon)': 2})
+
+    def test_a_pin_wired_to_nothing_is_named(self):
+        self.start_ring(plain_nodes(2))
+        sent = self.ctl_json('interrupt', '--from', 0, '--to', 1, 7, code=1)['results'][0]
+        self.assertEqual((sent['outcome'], sent['reason_code']), ('refused', 'pin_unwired'))
+        port = self.port(0)
+        self.assertEqual(port.result(port.interrupt(1, 7))['reason'], 'pin INT7 of node1 is wired to nothing')
+
+    def test_a_node_that_is_gone_is_no_such_node_for_a_reason(self):
+        daemons = self.start_ring(plain_nodes(3))
+        daemons[1].kill()
+        self.wait_closed([0, 2])
+        sent = self.ctl_json('send', '--from', 0, '--to', 1, '--size', 8, code=1)['results'][0]
+        self.assertEqual((sent['outcome'], sent['reason_code']), ('no such node', 'node_missing'))
+
+    def test_bad_arguments_say_which(self):
+        self.start_ring(plain_nodes(2))
+        port = self.port(0)
+        self.assertIn('allowed are 0 to 7', port.result(port.interrupt(1, 9))['reason'])
+        forced = self.ctl_json('interrupt', '--from', 0, '--to', 'all', 0, code=1)['results'][0]
+        self.assertEqual(forced['reason_code'], 'needs_force')
+
+
+if __name__ == '__main__':
+    ring_process.main()
