@@ -39,6 +39,21 @@ void check_part_names(const Entry& file, const RingConfig& ring) {
   }
 }
 
+/// A node without a CPU throws away what it is sent, and nobody would say anything of its joints and sensors.
+void check_parts_have_cpu(const Entry& file, const RingConfig& ring) {
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
+    const NodeConfig& node = ring.nodes[n];
+    if (node.cpu.kind != CpuConfig::Kind::none) continue;
+    const auto refuse = [&](const char* list, const std::string& part) {
+      element(element(file, "nodes", n), list, 0)
+          .refuse(part + " has nobody to run it: node '" + node.name + "' has cpu: none",
+                  "a cpu for this node: {command: [limb_firmware]}, or attached");
+    };
+    if (!node.joints.empty()) refuse("joints", "joint '" + node.joints[0].name + "'");
+    if (!node.sensors.empty()) refuse("sensors", "sensor '" + node.sensors[0].name + "'");
+  }
+}
+
 /// For unix links too: the command line can make them udp.
 void check_ports(const Entry& file, const RingConfig& ring) {
   std::map<std::pair<std::string, unsigned>, std::string> taken;
@@ -125,6 +140,7 @@ void check_supervisor(const Entry& file, const RingConfig& ring) {
 void check_ring(const Entry& file, const RingConfig& ring) {
   check_idle(file, ring.timeouts);
   check_part_names(file, ring);
+  check_parts_have_cpu(file, ring);
   check_ports(file, ring);
   check_inputs(file, ring);
   check_supervisor(file, ring);

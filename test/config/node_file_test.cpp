@@ -48,6 +48,7 @@ TEST(NodeFile, CpuDeclaresAnAlivePeriodOrIsNotWatched) {
 
 TEST(NodeFile, JointsHaveLimitsAndASafeState) {
   const NodeConfig node = node_of(
+      "    cpu: attached\n"
       "    joints:\n"
       "      - {name: l_knee, lower: -2.1, upper: -0.1, velocity: 5, effort: 80, initial: -0.5, "
       "safe: damp}\n"
@@ -66,6 +67,7 @@ TEST(NodeFile, JointsHaveLimitsAndASafeState) {
 
 TEST(NodeFile, SensorsHaveKindRateAndPriority) {
   const NodeConfig node = node_of(
+      "    cpu: attached\n"
       "    sensors: [{name: foot, kind: force, rate: 50, priority: 2}, {name: imu}]\n");
   ASSERT_EQ(node.sensors.size(), 2u);
   EXPECT_EQ(node.sensors[0].kind, SensorConfig::Kind::force);

@@ -100,6 +100,15 @@ TEST(WrongNodes, JointsOrSensorsOfOneName) {
               HasSubstr("'nodes[1].sensors[1]': 'a' is the name of another one"));
 }
 
+TEST(WrongNodes, JointsOrSensorsWithoutACpu) {
+  EXPECT_THAT(refusal_of(node_with("    joints: [{name: a}]\n")),
+              StartsWith("ring.yaml:5:14: entry 'nodes[1].joints[0]': joint 'a' has nobody to run it: node 'node0' has "
+                         "cpu: none; allowed: a cpu for this node: {command: [limb_firmware]}, or attached"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: none\n    sensors: [{name: b}]\n")),
+              HasSubstr("'nodes[1].sensors[0]': sensor 'b' has nobody to run it"));
+  EXPECT_EQ(refusal_of(node_with("    cpu: attached\n    joints: [{name: a}]\n")), "");
+}
+
 TEST(WrongNodes, Sensors) {
   EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a, kind: camera}]\n")),
               HasSubstr("'camera' is unknown; allowed: imu, force"));

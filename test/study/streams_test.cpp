@@ -31,7 +31,7 @@ const char* const kRobot =
     "  - {name: small, from: knee, to: all, size: 512, rate: 10, priority: 1}\n"
     "  - {name: stop, from: body, to: all, interrupt: 1, rate: 0.5}\n"
     "nodes:\n"
-    "  - {id: 7, name: foot, sensors: [{name: sole, kind: force, rate: 50, priority: 2}]}\n"
+    "  - {id: 7, name: foot, cpu: {command: [f]}, sensors: [{name: sole, kind: force, rate: 50, priority: 2}]}\n"
     "  - {id: 3, name: body, cpu: attached}\n"
     "  - {id: 5, name: knee, cpu: attached, joints: [{name: j}, {name: k}]}\n";
 
