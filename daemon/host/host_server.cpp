@@ -50,6 +50,12 @@ void HostServer::accept_again_later() {
   });
 }
 
+void HostServer::listen_again() {
+  accept_timer_.cancel();
+  listener_.listen_again();
+  accept();
+}
+
 void HostServer::admit(Socket socket) {
   const ucred peer = peer_of(socket);
   ClientInfo info;

@@ -49,6 +49,12 @@ class HostServer final : private SessionOwner {
   bool captured(ClientId client, const client::CapturedView& packet);
   void capture_counts(ClientId client, const CaptureCounts& counts);
 
+  /// @name A runtime folder that was removed: see Listener. Clients stay connected.
+  ///@{
+  bool is_in_place() const { return listener_.is_in_place(); }
+  void listen_again();
+  ///@}
+
   /// Ends a client's connection; on_detach() follows from the event loop.
   void disconnect(ClientId client, const std::string& reason);
   /// Ends all, the handler is called no more.

@@ -39,7 +39,6 @@ Listener::Listener(boost::asio::io_context& io, const std::string& directory, st
       acceptor_(io) {
   if (link_ == path_) link_.clear();
   listen();
-  if (!link_.empty()) link_name();
 }
 
 void Listener::listen() {
@@ -54,6 +53,18 @@ void Listener::listen() {
   } catch (const boost::system::system_error& problem) {
     throw std::runtime_error("cannot listen at " + path_ + ": " + problem.code().message());
   }
+  if (!link_.empty()) link_name();
+}
+
+bool Listener::is_in_place() const {
+  struct stat status {};
+  return lstat(path_.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
+}
+
+void Listener::listen_again() {
+  boost::system::error_code error;
+  acceptor_.close(error);
+  listen();
 }
 
 void Listener::link_name() const {

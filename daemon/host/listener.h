@@ -21,6 +21,10 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
 
   Acceptor& acceptor() { return acceptor_; }
+  /// The socket is where it was made.
+  bool is_in_place() const;
+  /// Makes it again, in a folder that is there. @throw std::runtime_error
+  void listen_again();
   void close();
 
  private:

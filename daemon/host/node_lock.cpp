@@ -80,25 +80,27 @@ bool is_still_at(const std::string& path, int fd) {
 }  // namespace
 
 NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id,
-                   const std::string& name) {
-  const std::string path = directory + "/" + std::to_string(id) + ".lock";
-  fd_ = open_lock_file(path);
+                   const std::string& name)
+    : path_(directory + "/" + std::to_string(id) + ".lock") {
+  fd_ = open_lock_file(path_);
   try {
-    while (try_lock(fd_) && !is_still_at(path, fd_)) {
+    while (try_lock(fd_) && !is_still_at(path_, fd_)) {
       close(fd_);
-      fd_ = open_lock_file(path);
+      fd_ = open_lock_file(path_);
     }
     if (!try_lock(fd_)) {
-      if (errno != EWOULDBLOCK) fail("cannot lock " + path);
-      throw std::runtime_error("node " + std::to_string(id) + " (" + name + ") of ring " + ring +
-                               " is held by " + holder_of(path));
+      if (errno != EWOULDBLOCK) fail("cannot lock " + path_);
+      throw NodeHeld("node " + std::to_string(id) + " (" + name + ") of ring " + ring +
+                               " is held by " + holder_of(path_));
     }
-    write_holder(fd_, path);
+    write_holder(fd_, path_);
   } catch (...) {
     close(fd_);
     throw;
   }
 }
+
+bool NodeLock::is_in_place() const { return is_still_at(path_, fd_); }
 
 /// The file stays: removing it would let two daemons lock two files of one name.
 NodeLock::~NodeLock() { close(fd_); }

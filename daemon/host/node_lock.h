@@ -1,24 +1,34 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 
 namespace limb_ring::host {
+
+/// Another daemon holds the node; what() says which.
+struct NodeHeld : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// Holds a node for one daemon: a lock on DIRECTORY/ID.lock. Its text says who the holder is, and how to
 /// start it again once it is dead: pid, program, working folder, then the arguments, one a line. The
 /// kernel gives it up when the process ends, however it ends; children do not inherit it.
 class NodeLock {
  public:
-  /// @throw std::runtime_error "node 3 (left_knee) of ring r is held by pid 4711 (ringd)", or
-  ///        naming the file and what is wrong with it
+  /// @throw NodeHeld "node 3 (left_knee) of ring r is held by pid 4711 (ringd)"; std::system_error naming
+  ///        the file and what is wrong with it
   NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id,
            const std::string& name);
   ~NodeLock();
   NodeLock(const NodeLock&) = delete;
   NodeLock& operator=(const NodeLock&) = delete;
 
+  /// False where its file was removed, so that another daemon can have one of its own.
+  bool is_in_place() const;
+
  private:
+  std::string path_;
   int fd_ = -1;
 };
 

@@ -24,6 +24,9 @@ class Input {
   /// Hangs up and stops listening. No call of the handler afterwards.
   void close();
 
+  /// As InputLine's. @throw std::runtime_error
+  void listen_again() { line_->listen_again(); }
+
   bool up() const { return from().has_value(); }
   std::optional<std::uint8_t> from() const { return line_->from(); }
   const InputCounters& counters() const { return report_.counters; }

@@ -33,6 +33,9 @@ class InputLine {
  public:
   virtual ~InputLine() = default;
   virtual void close() = 0;
+  /// Makes its socket's file again, where it has one and that was removed. What is connected stays so.
+  /// @throw std::runtime_error
+  virtual void listen_again() {}
   virtual std::optional<std::uint8_t> from() const = 0;
 };
 

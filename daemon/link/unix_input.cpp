@@ -16,7 +16,8 @@ constexpr int kGuestPatience = 4;
 
 UnixInput::UnixInput(boost::asio::io_context& io, const InputSettings& settings,
                      InputHandler& handler, InputReport& report)
-    : settings_(settings),
+    : io_(io),
+      settings_(settings),
       handler_(handler),
       report_(report),
       admission_(settings.self, settings.order),
@@ -36,6 +37,9 @@ void UnixInput::close() {
   if (stream_) stream_->close();
   stream_.reset();
 }
+
+/// The accept under way ends with the old socket; the next tick begins another.
+void UnixInput::listen_again() { acceptor_ = listen_unix(io_, settings_.endpoint.path); }
 
 std::optional<std::uint8_t> UnixInput::from() const {
   if (!stream_) return {};

@@ -24,6 +24,7 @@ class UnixInput final : public InputLine,
             InputReport& report);
   void start() { accept(); }
   void close() override;
+  void listen_again() override;
   std::optional<std::uint8_t> from() const override;
 
  private:
@@ -43,6 +44,7 @@ class UnixInput final : public InputLine,
   void tick_guests(Time now);
   Head head(HeadType type, Refusal refusal = Refusal::none) const;
 
+  boost::asio::io_context& io_;
   InputSettings settings_;
   InputHandler& handler_;
   InputReport& report_;

@@ -29,6 +29,11 @@ void Engine::close() {
   timer_.cancel();
 }
 
+void Engine::listen_again() {
+  input_.listen_again();
+  if (second_) second_->listen_again();
+}
+
 void Engine::on_slice(const wire::Slice& slice) {
   begin_batch();
   second_ ? second_->fold().receive(slice, at_) : take(slice, at_);

@@ -66,6 +66,8 @@ class Engine final : private link::InputHandler,
   /// only makes another round follow.
   void pump() override;
   void close();
+  /// The links' listening sockets, in a runtime folder that was removed. @throw std::runtime_error
+  void listen_again();
   /// From now on `tap`, which may be null, sees the lines; it must outlive that.
   void set_tap(LineTap* tap) { tap_ = tap; }
 

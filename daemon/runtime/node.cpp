@@ -63,9 +63,9 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       config_(config),
       cores_(own_cores(ring)),
       directory_(make_ring_directory(ring.ring)),
-      lock_(directory_, ring.ring, config.id, config.name),
-      boots_(directory_, config.id),
-      engine_(io, setup::core_settings(ring, config, boots_.first(nanoseconds_since_1970())), link_settings(ring, config, directory_), *this),
+      lock_(std::in_place, directory_, ring.ring, config.id, config.name),
+      boots_(std::in_place, directory_, config.id),
+      engine_(io, setup::core_settings(ring, config, boots_->first(nanoseconds_since_1970())), link_settings(ring, config, directory_), *this),
       host_(io, host_options(ring, config, directory_), *this),
       observers_(host_),
       packet_observers_(config.id, engine_, host_),
@@ -74,6 +74,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       traffic_(io, engine_),
       orders_(io, engine_, [this](wire::NodeId node) { return cpu_of(node); }),
       faults_(io, fault_nodes(ring), engine_, cpu_),
+      folder_(io, folder()),
       requests_(*this) {
   if (config::supervisor_of(ring).id == config.id)
     supervisor_.emplace(io, ring, engine_.clock(), orders_, [this](wire::NodeId node) { return sighting_of(node); },
@@ -82,10 +83,12 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
 
 void Node::start() {
   cpu_.start();
+  folder_.start();
   if (supervisor_) supervisor_->start();
 }
 
 void Node::stop(std::function<void()> done) {
+  folder_.stop();
   if (supervisor_) supervisor_->stop();
   traffic_.stop();
   orders_.stop();
@@ -101,6 +104,22 @@ void Node::power_cycle() {
   begin_anew(cores_);
 }
 
+FolderWatch::Folder Node::folder() {
+  return {[this] { return lock_ && lock_->is_in_place() && host_.is_in_place(); }, [this] { make_folder_again(); },
+          [this] {
+            cpu_.kill();
+            ::_exit(1);  // nothing is tidied up: the files of these names are the other daemon's
+          }};
+}
+
+void Node::make_folder_again() {
+  make_ring_directory(ring_.ring);
+  if (!lock_ || !lock_->is_in_place()) lock_.emplace(directory_, ring_.ring, config_.id, config_.name);
+  boots_.emplace(directory_, config_.id);
+  engine_.listen_again();
+  host_.listen_again();
+}
+
 const config::NodeConfig& Node::next() const {
   return ring_.nodes[(setup::index_of(ring_, config_) + 1) % ring_.nodes.size()];
 }
@@ -112,7 +131,7 @@ void Node::on_event(const core::Event& event) {
 }
 
 void Node::on_round_end() {
-  boots_.note(engine_.controller().membership().boot());
+  boots_->note(engine_.controller().membership().boot());
   if (engine_.controller().received_waiting() != 0) cpu_.hand_over();
   if (observers_.any()) noticed_.look(engine_, observers_);
 }

@@ -14,6 +14,7 @@
 #include "runtime/cpu_socket.h"
 #include "runtime/engine.h"
 #include "runtime/faults.h"
+#include "runtime/folder_watch.h"
 #include "runtime/noticed.h"
 #include "runtime/observe_order.h"
 #include "runtime/observers.h"
@@ -88,6 +89,8 @@ class Node final : private EngineListener, private host::HostHandler {
   void on_alive(host::ClientId client) override;
   void on_credit(host::ClientId client) override;
 
+  FolderWatch::Folder folder();
+  void make_folder_again();
   void cpu_changed();
   void found(const Watchdog::Finding& finding);
   CpuSighting sighting_of(wire::NodeId node) const;
@@ -97,8 +100,8 @@ class Node final : private EngineListener, private host::HostHandler {
   const config::NodeConfig& config_;
   std::optional<cpu_set_t> cores_;  ///< before the daemon pinned itself, where it does
   std::string directory_;
-  host::NodeLock lock_;
-  BootRecord boots_;
+  std::optional<host::NodeLock> lock_;  ///< for a moment none: where the folder was removed
+  std::optional<BootRecord> boots_;     ///< as lock_
   Engine engine_;
   host::HostServer host_;
   Observers observers_;
@@ -113,6 +116,7 @@ class Node final : private EngineListener, private host::HostHandler {
   RoundTrips round_trips_;
   core::Time broken_since_{};
   std::uint32_t cpu_boots_ = 0;
+  FolderWatch folder_;
   Requests requests_;
 };
 

@@ -37,6 +37,7 @@ class SecondLine final : private link::InputHandler, private link::OutputHandler
   /// Puts onto the line what the fold has for it.
   void write();
   void close();
+  void listen_again() { input_.listen_again(); }
 
  private:
   void on_slice(const wire::Slice& slice) override;

@@ -1,6 +1,8 @@
 """The ring's folder: private, possible, tidy."""
 
 import os
+import shutil
+import signal
 import stat
 
 import ring_process
@@ -73,6 +75,39 @@ class Folder(RingTest):
         os.symlink(folder, os.path.join(self.folder, 'limb_ring'))
         self.wait_closed([0, 1])
         self.assertEqual(stat.S_IMODE(os.stat(folder).st_mode), 0o700)
+
+    def pids(self):
+        return [row['pid'] for row in self.ctl_json('--ring', self.ring, 'status')['nodes']]
+
+    def test_removed_under_a_ring_is_made_again_and_nobody_starts_a_second_one(self):
+        self.start_ring(plain_nodes(3), redundancy='foldback')
+        before = self.pids()
+        shutil.rmtree(os.path.dirname(self.ring_folder()))
+        self.wait('folder made again', lambda: all(os.path.exists(self.socket_of(node, kind)) for node in range(3)
+                                                   for kind in ('host', 'link', 'link2', 'lock')))
+        self.assertTrue(self.is_closed(range(3)))
+        self.assertEqual(self.pids(), before)
+        up = self.ctl('up', os.path.join(self.folder, 'ring.yaml'), '--detach')
+        self.assertEqual(up.returncode, 1)
+        self.assertIn('is running already', up.stderr)
+        # New connections find the new sockets: of tools above, of neighbours here.
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'power_cycle', 'all').returncode, 0)
+        self.wait_closed(range(3))
+
+    def test_removed_and_taken_by_another_daemon_ends_the_first_which_leaves_its_files_alone(self):
+        config = self.write_ring(plain_nodes(2))
+        first = self.ringd(config, 0)
+        self.wait('first listens', lambda: os.path.exists(self.socket_of(0)))
+        first.send_signal(signal.SIGSTOP)
+        shutil.rmtree(self.ring_folder())
+        second = self.ringd(config, 0)
+        self.wait('second listens', lambda: os.path.exists(self.socket_of(0)))
+        first.send_signal(signal.SIGCONT)
+        self.assertEqual(self.wait_exit(first), 1)
+        self.assertIn('held by pid %d' % second.pid, self.log_of(first))
+        self.ringd(config, 1)
+        self.wait_closed([0, 1])
+        self.assertEqual(self.row(0)['pid'], second.pid)
 
 
 if __name__ == '__main__':

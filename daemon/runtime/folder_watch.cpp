@@ -1,0 +1,45 @@
+#include "runtime/folder_watch.h"
+
+#include <spdlog/spdlog.h>
+
+#include "host/node_lock.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+constexpr std::chrono::seconds kPeriod{1};
+
+}  // namespace
+
+FolderWatch::FolderWatch(boost::asio::io_context& io, Folder folder) : timer_(io), folder_(std::move(folder)) {}
+
+void FolderWatch::start() {
+  timer_.expires_after(kPeriod);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error || stopped_) return;
+    look();
+    start();
+  });
+}
+
+void FolderWatch::stop() {
+  stopped_ = true;
+  timer_.cancel();
+}
+
+void FolderWatch::look() {
+  if (folder_.is_in_place()) return;
+  try {
+    folder_.make_again();
+    spdlog::warn("the runtime folder, or a file of this node in it, was removed and is made again");
+    told_ = false;
+  } catch (const host::NodeHeld& taken) {
+    spdlog::error("the runtime folder was removed, and {}: ending", taken.what());
+    folder_.give_up();
+  } catch (const std::exception& problem) {
+    if (!std::exchange(told_, true))
+      spdlog::warn("the runtime folder was removed and cannot be made again yet: {}", problem.what());
+  }
+}
+
+}  // namespace limb_ring::runtime

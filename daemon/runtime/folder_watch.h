@@ -1,0 +1,35 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <functional>
+
+namespace limb_ring::runtime {
+
+/// Keeps a node reachable whose runtime folder is removed under it (the end of a login, a cleaner of temporary
+/// files): looks once a second, and has what is missing made again. Connections that stand do not notice. (ours)
+class FolderWatch {
+ public:
+  struct Folder {
+    std::function<bool()> is_in_place;
+    /// @throw host::NodeHeld where another daemon has taken the node meanwhile, std::exception where it cannot be
+    /// made (yet)
+    std::function<void()> make_again;
+    /// Another daemon has the node; ours has to end without touching that one's files.
+    std::function<void()> give_up;
+  };
+
+  FolderWatch(boost::asio::io_context& io, Folder folder);
+  void start();
+  void stop();
+
+ private:
+  void look();
+
+  boost::asio::steady_timer timer_;
+  Folder folder_;
+  bool stopped_ = false;
+  bool told_ = false;  ///< that it cannot be made
+};
+
+}  // namespace limb_ring::runtime
