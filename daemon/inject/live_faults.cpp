@@ -84,8 +84,8 @@ void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
   if (fault.name == Name::thaw) daemons_.thaw(node);
   if (fault.name == Name::start) daemons_.start(node);
   if (fault.name == Name::power_cycle) daemons_.power_cycle(node);
-  remove_note(daemons_.folder(), node);
   if (fault.name != Name::thaw) daemons_.wait_for_hello(node);
+  remove_note(daemons_.folder(), node);  // last: without it 'ringctl up --respawn' would start a second daemon
 }
 
 // A frozen daemon cannot end it by itself, so the caller waits. It stays in the list meanwhile.
@@ -108,7 +108,7 @@ Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {
 std::optional<LiveFault> LiveFaults::node_fault(wire::NodeId node) const {
   const auto note = note_of(daemons_.folder(), node);
   if (!note) return std::nullopt;
-  const std::string name = note->words.substr(0, note->words.find(' '));
+  const std::string name = note->name();
   const bool holds = name == kKill ? !daemons_.holder(node).held : daemons_.is_stopped(node);
   if (!holds) return remove_note(daemons_.folder(), node), std::nullopt;
   LiveFault fault;

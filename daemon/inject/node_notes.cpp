@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <fstream>
 
+#include "fault/name.h"
+
 namespace limb_ring::inject {
 namespace {
 
@@ -14,6 +16,8 @@ std::string path_of(const std::string& folder, wire::NodeId node) {
 }
 
 }  // namespace
+
+std::string NodeNote::name() const { return words.substr(0, words.find(' ')); }
 
 void write_note(const std::string& folder, wire::NodeId node, const std::string& words) {
   const auto now = std::chrono::duration_cast<milliseconds>(system_clock::now().time_since_epoch());
@@ -29,6 +33,11 @@ std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node) {
   if (!(file >> since) || !std::getline(file >> std::ws, note.words)) return std::nullopt;
   note.since = system_clock::time_point(milliseconds(since));
   return note;
+}
+
+bool is_killed(const std::string& folder, wire::NodeId node) {
+  const auto note = note_of(folder, node);
+  return note && note->name() == fault::word_of(fault::Name::kill).word;
 }
 
 }  // namespace limb_ring::inject

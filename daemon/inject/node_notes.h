@@ -13,10 +13,14 @@ namespace limb_ring::inject {
 struct NodeNote {
   std::string words;  ///< of the fault
   std::chrono::system_clock::time_point since;
+
+  std::string name() const;  ///< the first word: "kill"
 };
 
 void write_note(const std::string& folder, wire::NodeId node, const std::string& words);
 void remove_note(const std::string& folder, wire::NodeId node);
 std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node);
+/// The note of a node says that it was killed: whoever watches over its daemon is not to start it again.
+bool is_killed(const std::string& folder, wire::NodeId node);
 
 }  // namespace limb_ring::inject

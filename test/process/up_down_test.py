@@ -69,6 +69,71 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('down', second).returncode, 0)
         self.assertEqual(self.ctl('down').returncode, 0)
 
+    def up_respawning(self, *arguments):
+        up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--respawn',
+                               *(str(argument) for argument in arguments)])
+        self.wait('said so', lambda: 'is closed' in self.log_of(up))
+        return up
+
+    def test_respawning_starts_a_daemon_again_that_dies_and_says_so(self):
+        up = self.up_respawning('--nodes', 3)
+        before = self.row(1)['pid']
+        os.kill(before, signal.SIGKILL)
+        self.wait('another daemon', lambda: (self.row(1) or {'pid': before})['pid'] != before)
+        self.wait_closed(range(3))
+        self.assertIn('node 1 (node1) ended: signal 9 (Killed)', self.log_of(up))
+        self.assertIn('node 1 (node1) is started again', self.log_of(up))
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+        self.assertEqual(list(self._lock_holders()), [])
+
+    def test_respawning_leaves_a_node_dead_that_was_killed_on_purpose(self):
+        up = self.up_respawning('--nodes', 4)
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'kill', 'node2').returncode, 0)
+        self.wait('said so', lambda: "node 2 (node2) was killed on purpose; 'ringctl fault start node2'" in
+                  self.log_of(up))
+        faults = self.ctl_json('--ring', self.ring, 'fault', 'list')['faults']
+        self.assertEqual([fault['id'] for fault in faults], ['node2.kill'])
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'start', 'node2').returncode, 0)
+        self.wait_closed(range(4))
+        self.assertNotIn('is started again', self.log_of(up))
+        started = self.row(2)['pid']
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+        self.wait('its daemon gone', lambda: ring_process.is_gone(started))
+
+    def test_respawning_leaves_a_ring_down_that_was_taken_down(self):
+        up = self.up_respawning('--nodes', 3)
+        os.kill(self.row(1)['pid'], signal.SIGSTOP)  # one has to be killed
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        self.wait('said so', lambda: 'was taken down' in self.log_of(up))
+        self.assertIsNone(up.poll())
+        self.assertNotIn('is started again', self.log_of(up))
+        self.up('--nodes', 3)  # by somebody else, who keeps it
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+        self.assertTrue(self.is_closed(range(3)))
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+
+    def test_respawning_ends_where_a_daemon_cannot_start(self):
+        up = [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--respawn', '--nodes', '3']
+        os.makedirs(self.ring_folder(), 0o700)
+        os.chmod(os.path.dirname(self.ring_folder()), 0o700)
+        with open(self.socket_of(1, 'link'), 'w') as file:
+            file.write('in the way')
+        ended = self.start('up', up)
+        self.assertEqual(self.wait_exit(ended), 1)
+        self.assertIn(self.socket_of(1, 'link'), self.log_of(ended))
+        self.assertEqual(list(self._lock_holders()), [])
+
+    def test_a_number_of_nodes_beside_a_file_must_be_its_own(self):
+        config = self.write_ring(plain_nodes(3))
+        up = self.ctl('up', config, '--nodes', 5, '--detach')
+        self.assertEqual(up.returncode, 2)
+        self.assertIn('--nodes is 5, but ' + config + ' has 3 nodes', up.stderr)
+        self.up(config, '--nodes', 3)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+
     def test_ring_of_64_nodes(self):
         self.up(self.write_ring(plain_nodes(64)))
         self.assertEqual(self.ctl_json('ping', '--from', 0, '--to', 63, '--count', 50)['delivered'], 50)

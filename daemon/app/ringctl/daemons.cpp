@@ -98,15 +98,17 @@ std::string Daemon::obituary() const {
 
 std::string Daemon::last_words() const { return log.empty() ? "" : last_lines(log); }
 
-Daemons::Daemons(const RingPlan& plan, Mode mode) {
-  const std::string ringd = find_ringd();
-  const std::string folder = make_ring_directory(plan.ring);
-  for (const PlannedNode& planned : plan.nodes) {
-    const std::string log = folder + "/" + std::to_string(planned.node.id) + ".log";
-    daemons_.push_back(
-        start(plan, planned.node, ringd, mode == Mode::foreground ? std::string{} : log, mode));
-  }
+Daemons::Daemons(const RingPlan& plan, Mode mode)
+    : plan_(plan), mode_(mode), ringd_(find_ringd()), folder_(make_ring_directory(plan.ring)) {
+  for (const PlannedNode& planned : plan.nodes) daemons_.push_back(started(planned.node));
 }
+
+Daemon Daemons::started(const NodeName& node) const {
+  const std::string log = folder_ + "/" + std::to_string(node.id) + ".log";
+  return start(plan_, node, ringd_, mode_ == Mode::foreground ? std::string{} : log, mode_);
+}
+
+void Daemons::start_again(std::size_t index) { daemons_[index] = started(daemons_[index].node); }
 
 std::vector<const Daemon*> Daemons::reap() {
   std::vector<const Daemon*> ended;

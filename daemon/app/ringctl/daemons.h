@@ -39,7 +39,10 @@ class Daemons {
 
   /// Notes which have ended. @return the ones that have since the last call
   std::vector<const Daemon*> reap();
+  /// Starts the daemon again that has ended, as it was started before. @pre all()[index].ended
+  void start_again(std::size_t index);
   bool any_running() const;
+  const std::string& ring() const { return plan_.ring; }
   const std::vector<Daemon>& all() const { return daemons_; }
   const Daemon* first_ended() const;
   void signal(int number) const;
@@ -47,6 +50,11 @@ class Daemons {
   void end(SignalWait& signals, std::chrono::milliseconds grace);
 
  private:
+  Daemon started(const NodeName& node) const;
+
+  RingPlan plan_;
+  Mode mode_;
+  std::string ringd_, folder_;
   std::vector<Daemon> daemons_;
 };
 

@@ -1,3 +1,9 @@
+#include <algorithm>
+
+#include "app/common/from_roslaunch.h"
 #include "app/ringctl/command/command_line.h"
 
-int main(int argc, char** argv) { return limb_ring::ringctl::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+  char** const end = std::remove_if(argv + 1, argv + argc, limb_ring::app::from_roslaunch);
+  return limb_ring::ringctl::run_command_line(static_cast<int>(end - argv), argv);
+}

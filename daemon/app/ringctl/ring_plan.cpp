@@ -14,8 +14,13 @@ namespace {
 constexpr const char* kPlainRing = "plain";
 
 config::RingConfig load(const UpRequest& request) {
-  if (!request.config.empty()) return config::load_ring(request.config);
-  return config::plain_ring(request.ring.empty() ? kPlainRing : request.ring, request.nodes);
+  if (request.config.empty())
+    return config::plain_ring(request.ring.empty() ? kPlainRing : request.ring, request.nodes);
+  config::RingConfig config = config::load_ring(request.config);
+  if (request.nodes != 0 && request.nodes != config.nodes.size())
+    throw UsageError("--nodes is " + std::to_string(request.nodes) + ", but " + request.config + " has " +
+                     std::to_string(config.nodes.size()) + " nodes; make them the same, or leave the number out");
+  return config;
 }
 
 std::string ring_name(const UpRequest& request, const config::RingConfig& config) {
@@ -48,8 +53,8 @@ std::vector<std::string> RingPlan::arguments_of(const NodeName& node) const {
 }
 
 RingPlan plan_ring(const UpRequest& request) {
-  if (request.config.empty() == (request.nodes == 0))
-    throw UsageError("give either CONFIG, the ring's YAML file, or --nodes N for a plain ring");
+  if (request.config.empty() && request.nodes == 0)
+    throw UsageError("give CONFIG, the ring's YAML file, or --nodes N for a plain ring");
   const config::RingConfig config = load(request);
   RingPlan plan;
   plan.ring = ring_name(request, config);

@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "app/common/from_roslaunch.h"
 #include "cli/command_line.h"
 #include "cli/values.h"
 #include "config/load_ring.h"
@@ -12,14 +13,10 @@ namespace {
 
 constexpr const char* kPlainName = "plain";
 
-bool from_roslaunch(const std::string& argument) {
-  return argument.rfind("__", 0) == 0 && argument.find(":=") != std::string::npos;
-}
-
 std::vector<std::string> own_arguments(int argc, const char* const* argv) {
   std::vector<std::string> arguments;
   for (int i = 1; i < argc; ++i)
-    if (!from_roslaunch(argv[i])) arguments.emplace_back(argv[i]);
+    if (!app::from_roslaunch(argv[i])) arguments.emplace_back(argv[i]);
   return arguments;
 }
 

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/daemons.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "app/ringctl/respawn.h"
 #include "app/ringctl/ring_watch.h"
 #include "cli/values.h"
 #include "inject/lock_files.h"
@@ -27,6 +29,7 @@ constexpr milliseconds kGrace{3000};
 struct Options {
   UpRequest request;
   bool detach = false;
+  bool respawn = false;
   double timeout_s = 10;
 
   Daemons::Mode mode() const {
@@ -90,9 +93,61 @@ int stay(Daemons& daemons, SignalWait& signals) {
   return clean ? kDone : kNotDone;
 }
 
+/// A daemon that exits with an error while the ring has never been closed would do so again.
+void require_started(const Daemons& daemons) {
+  const Daemon* dead = daemons.first_ended();
+  if (dead != nullptr && !dead->ended->clean && !dead->ended->by_signal) throw NotDone(dead->obituary());
+}
+
+void tell_taken_down(const std::string& ring) {
+  std::cout << "ring " << ring << " was taken down; 'ringctl up --detach' starts it again, and Ctrl-C ends this"
+            << std::endl;
+}
+
+/// Until a signal, whatever ends the daemons. @throw NotDone where one cannot start
+void stay_and_respawn(const RingPlan& plan, Daemons& daemons, SignalWait& signals) {
+  Respawn respawn(daemons);
+  std::optional<RingWatch> watch(plan);
+  Progress progress;
+  bool down = false;
+  while (!SignalWait::asks_to_end(signals.next(Respawn::kTick))) {
+    daemons.reap();
+    if (watch) require_started(daemons);
+    respawn.look();
+    if (!down && respawn.taken_down()) {
+      tell_taken_down(plan.ring);
+      watch.reset();
+      down = true;
+    }
+    if (!watch) continue;
+    if (const auto waiting = watch->first_not_ready()) {
+      progress.tell("waiting for " + waiting->lack);
+    } else {
+      announce(plan);
+      watch.reset();
+    }
+  }
+  if (down) return;  // what runs by now is somebody else's
+  daemons.end(signals, kGrace);
+  end_restarted(plan.ring);
+}
+
+int respawn(const RingPlan& plan) {
+  SignalWait signals;
+  Daemons daemons(plan, Daemons::Mode::foreground);
+  try {
+    stay_and_respawn(plan, daemons, signals);
+  } catch (const NotDone& problem) {
+    daemons.end(signals, kGrace);
+    throw NotDone("ring " + plan.ring + ": " + problem.what());
+  }
+  return kDone;
+}
+
 int run(const Options& options) {
   const RingPlan plan = plan_ring(options.request);
   require_not_running(plan.ring);
+  if (options.respawn) return respawn(plan);
   SignalWait signals;
   Daemons daemons(plan, options.mode());
   const std::string problem = wait_until_closed(plan, daemons, signals, options.timeout_s);
@@ -116,13 +171,17 @@ void add_up(CLI::App& app, Context& context) {
       app, "up", "Start a ring, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
   command->add_option("CONFIG", request.config, "YAML file of the ring");
   command->add_option("--nodes", request.nodes,
-                      "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255")
+                      "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
       ->transform(cli::whole(2, 255));
   command->add_option("--transport", request.transport, "unix or udp, whatever CONFIG says")
       ->transform(cli::one_of({"unix", "udp"}));
   command->add_flag("--detach", options->detach,
                     "Return when the ring is closed; its daemons go on, each with a log file "
                     "NODE.log in the ring's folder");
+  command->add_flag("--respawn", options->respawn,
+                    "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
+                    "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files")
+      ->excludes("--detach");
   command->add_option("--timeout", options->timeout_s,
                       "Seconds until the ring must be closed, 0.1 to 600; default 10")
       ->transform(cli::seconds(0.1, 600.0));

@@ -1,0 +1,70 @@
+#include "app/ringctl/respawn.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "inject/lock_files.h"
+#include "inject/node_notes.h"
+#include "limb_ring/ring_directory.h"
+
+namespace limb_ring::ringctl {
+
+using std::chrono::milliseconds;
+
+namespace {
+
+constexpr runtime::BackOff::Limits kPauses{milliseconds(500), milliseconds(10000), milliseconds(10000)};
+
+void tell(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }
+
+}  // namespace
+
+Respawn::Respawn(Daemons& daemons) : daemons_(daemons), folder_(ring_directory(daemons.ring())) {
+  Node node{Plan::runs, Clock::now(), {}, runtime::BackOff(kPauses), false};
+  nodes_.assign(daemons.all().size(), node);
+}
+
+void Respawn::look() {
+  daemons_.reap();
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (nodes_[i].plan == Plan::runs && daemons_.all()[i].ended) ended(i);
+    if (nodes_[i].plan == Plan::starts_again) consider(i);
+  }
+}
+
+bool Respawn::taken_down() const {
+  return std::all_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.plan == Plan::stays_down; });
+}
+
+void Respawn::ended(std::size_t index) {
+  Node& node = nodes_[index];
+  const Daemon& daemon = daemons_.all()[index];
+  const auto ran = std::chrono::duration_cast<milliseconds>(Clock::now() - node.started);
+  // A clean end is one that was asked for: 'ringctl down', SIGTERM.
+  node.plan = daemon.ended->clean ? Plan::stays_down : Plan::starts_again;
+  node.due = Clock::now() + node.pause.after(ran);
+  node.told = false;
+  if (!daemon.ended->clean) tell(daemon.obituary());
+}
+
+/// 'ringctl down' removes the lock file of a daemon that it had to kill; nothing else does.
+void Respawn::consider(std::size_t index) {
+  Node& node = nodes_[index];
+  const NodeName& name = daemons_.all()[index].node;
+  if (Clock::now() < node.due) return;
+  const inject::Holder holder = inject::holder_of(folder_, name.id);
+  if (holder.held) return;  // 'ringctl fault start'
+  if (holder.pid < 0) node.plan = Plan::stays_down;
+  else if (!inject::is_killed(folder_, name.id)) start(index);
+  else if (!std::exchange(node.told, true))
+    tell("node " + label(name) + " was killed on purpose; 'ringctl fault start " + name.name + "' starts it again");
+}
+
+void Respawn::start(std::size_t index) {
+  tell("node " + label(daemons_.all()[index].node) + " is started again");
+  daemons_.start_again(index);
+  nodes_[index].plan = Plan::runs;
+  nodes_[index].started = Clock::now();
+}
+
+}  // namespace limb_ring::ringctl

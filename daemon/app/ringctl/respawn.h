@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "app/ringctl/daemons.h"
+#include "runtime/supervisor/back_off.h"
+
+namespace limb_ring::ringctl {
+
+/// Starts the daemons of a ring again that end by themselves, each after a pause that grows while it goes on
+/// ending. What somebody has ended on purpose stays so: by 'ringctl down', by 'ringctl fault kill' (until 'fault
+/// start' or 'fault clear', whose daemon is no child of ours), by SIGTERM.
+class Respawn {
+ public:
+  explicit Respawn(Daemons& daemons);
+
+  /// Reaps, tells on standard error what has ended, and starts what is due. To be called every `kTick`.
+  void look();
+  /// No daemon runs, and none is to be started again.
+  bool taken_down() const;
+
+  static constexpr std::chrono::milliseconds kTick{100};
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum class Plan { runs, starts_again, stays_down };
+  struct Node {
+    Plan plan = Plan::runs;
+    Clock::time_point started{};
+    Clock::time_point due{};  ///< starts_again: not before
+    runtime::BackOff pause;
+    bool told = false;  ///< starts_again: that it waits, being killed on purpose
+  };
+
+  void ended(std::size_t index);
+  void consider(std::size_t index);
+  void start(std::size_t index);
+
+  Daemons& daemons_;
+  std::string folder_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace limb_ring::ringctl
