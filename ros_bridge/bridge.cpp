@@ -6,11 +6,15 @@ namespace {
 // Ten times within the period the bridge has promised to the daemon.
 const ros::WallDuration kAlive{0.1};
 
-void tell_connection(const std::string& node, const std::string& problem) {
-  if (problem.empty())
-    ROS_INFO("connected to ringd of node '%s' as its CPU", node.c_str());
+void tell_connection(const ConnectOptions& door, const std::string& problem) {
+  if (!problem.empty())
+    ROS_WARN("node '%s': %s (trying again)", door.node.c_str(), problem.c_str());
+  else if (door.role == Role::cpu)
+    ROS_INFO("connected to ringd of node '%s' as its CPU", door.node.c_str());
   else
-    ROS_WARN("node '%s': %s (trying again)", node.c_str(), problem.c_str());
+    ROS_WARN("connected to ringd of node '%s', but no node of ring %s has 'cpu: attached': there are status, events "
+             "and services, but no joint data and no topics",
+             door.node.c_str(), door.ring.c_str());
 }
 
 FrameFilter frame_filter(const Parameters& parameters) {
@@ -36,7 +40,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.door, commands_)) {
   make_topics();
   port_.on_connection(
-      [node = parameters_.door.node](const auto& problem) { tell_connection(node, problem); });
+      [door = parameters_.door](const auto& problem) { tell_connection(door, problem); });
   port_.on_interrupt([](const Interrupt& interrupt) {
     ROS_WARN("interrupt %u from node %u: %s", interrupt.factor, interrupt.source,
              interrupt.action == Interrupt::Action::stop ? "stop" : "notice");

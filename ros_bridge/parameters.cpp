@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "config/load_ring.h"
+#include "config/plain_ring.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -41,38 +42,37 @@ double rate_parameter(const ros::NodeHandle& own, double configured) {
 }  // namespace
 
 const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std::string& named) {
-  const config::NodeConfig* chosen = named.empty() ? nullptr : ring.find(named);
-  if (!named.empty() && !chosen)
+  if (named.empty()) return config::body_of(ring);
+  const config::NodeConfig* chosen = ring.find(named);
+  if (!chosen)
     throw std::invalid_argument("parameter ~node: no node '" + named + "' in " + ring.path +
                                 "; nodes for a bridge: " + candidates(ring));
-  if (chosen && chosen->cpu.kind != Kind::attached)
+  if (chosen->cpu.kind == Kind::child)
     throw std::invalid_argument("parameter ~node: node '" + named + "' has a CPU of its own in " +
                                 ring.path + "; nodes for a bridge: " + candidates(ring));
-  for (const auto& node : ring.nodes) {
-    if (!named.empty() || node.cpu.kind != Kind::attached) continue;
-    if (chosen)
-      throw std::invalid_argument("parameter ~node is needed: " + ring.path +
-                                  " has several nodes for a bridge: " + candidates(ring));
-    chosen = &node;
-  }
-  if (!chosen)
-    throw std::invalid_argument("nodes for a bridge in " + ring.path + ": " + candidates(ring));
+  if (chosen->cpu.kind == Kind::none)
+    throw std::invalid_argument("parameter ~node: node '" + named + "' has 'cpu: none' in " +
+                                ring.path + "; nodes for a bridge: " + candidates(ring));
   return *chosen;
 }
 
-Parameters read_parameters(const ros::NodeHandle& own) {
+std::string config_parameter(const ros::NodeHandle& own) {
   const auto path = text_parameter(own, "config");
-  if (path.empty())
-    throw std::invalid_argument("parameter ~config is needed: the ring's YAML file");
+  if (path.empty()) throw std::invalid_argument("parameter ~config is needed: the ring's YAML file");
+  return path;
+}
+
+Parameters read_parameters(const ros::NodeHandle& own) {
   Parameters parameters;
-  parameters.ring = config::load_ring(path);
+  parameters.ring = config::load_ring(config_parameter(own));
   const auto ring = text_parameter(own, "ring");
-  if (!ring.empty()) parameters.ring.ring = ring;
+  if (!ring.empty()) config::rename_ring(parameters.ring, ring);
   parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
   own.getParam("frames", parameters.frames);
   parameters.door.ring = parameters.ring.ring;
-  parameters.door.node = bridge_node(parameters.ring, text_parameter(own, "node")).name;
-  parameters.door.role = Role::cpu;
+  const config::NodeConfig& node = bridge_node(parameters.ring, text_parameter(own, "node"));
+  parameters.door.node = node.name;
+  parameters.door.role = node.cpu.kind == Kind::attached ? Role::cpu : Role::tool;
   parameters.door.alive_period = kAlivePeriod;
   parameters.door.restarted_by_owner = own.param("respawn", false);
   parameters.door.timeout = std::chrono::milliseconds(0);

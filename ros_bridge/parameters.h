@@ -8,10 +8,12 @@
 
 namespace limb_ring::bridge {
 
-/// What ring_bridge was told in its private parameters (README.md lists them).
+/// What ring_bridge was told in its private parameters (launch/bridge.launch lists them).
 struct Parameters {
   config::RingConfig ring;
-  ConnectOptions door;  ///< to the daemon of the bridge's node, as its CPU
+  /// To the daemon of the bridge's node, as its CPU. Where no node has an attached CPU, as a tool: then there
+  /// are status, events and services, but no joint data and no topics.
+  ConnectOptions door;
   double rate = 50.0;   ///< Hz of joint_states
   XmlRpc::XmlRpcValue frames;  ///< what `ring_frames` shows, see FrameFilter
 };
@@ -19,7 +21,10 @@ struct Parameters {
 /// @throw std::invalid_argument, config::ConfigError naming what is wrong and what would be right
 Parameters read_parameters(const ros::NodeHandle& own);
 
-/// The node whose CPU a bridge is: the one named, else the only one with `cpu: attached`.
+/// Parameter ~config: path of the ring's YAML file. @throw std::invalid_argument where it is not given
+std::string config_parameter(const ros::NodeHandle& own);
+
+/// The node that a bridge belongs to: the one named, which must have an attached CPU, else config::body_of().
 /// @throw std::invalid_argument naming the nodes that may have a bridge
 const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std::string& named);
 

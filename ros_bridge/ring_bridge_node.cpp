@@ -1,19 +1,43 @@
 // ring_bridge: the CPU of one node of the ring, for ROS.
 #include <ros/ros.h>
 
-#include <exception>
+#include <cstring>
 
 #include "ros_bridge/bridge.h"
+#include "ros_bridge/node_main.h"
+#include "ros_bridge/respawn.h"
+
+namespace {
+
+constexpr const char* kHelp =
+    "ring_bridge: the CPU of one node of a ring, as a ROS node. Usually started by bridge.launch:\n"
+    "  roslaunch --ros-args limb_ring bridge.launch\n"
+    "Usage: ring_bridge [--respawn] _PARAMETER:=VALUE ...\n"
+    "  --respawn  start again whatever ends it but wrong parameters: a reset of its node kills it\n"
+    "Parameters: ~config, ~ring, ~node, ~rate, ~frames: as the arguments of bridge.launch;\n"
+    "  ~respawn: it is started again, by --respawn or by roslaunch (else a reset of its node says that it is not)\n";
+
+void run() {
+  const limb_ring::bridge::Bridge bridge(ros::NodeHandle(),
+                                         limb_ring::bridge::read_parameters(ros::NodeHandle("~")));
+  ros::spin();
+}
+
+/// Takes the flag out of the arguments.
+bool take_flag(int& argc, char** argv, const char* flag) {
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], flag) != 0) continue;
+    for (int next = i; next < argc; ++next) argv[next] = argv[next + 1];  // and the null behind the last
+    --argc;
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "ring_bridge");
-  try {
-    const limb_ring::bridge::Bridge bridge(
-        ros::NodeHandle(), limb_ring::bridge::read_parameters(ros::NodeHandle("~")));
-    ros::spin();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 1;
-  }
-  return 0;
+  const bool respawn = take_flag(argc, argv, "--respawn");
+  const auto node = [&] { return limb_ring::bridge::run_node(argc, argv, {"ring_bridge", kHelp, run}); };
+  return respawn ? limb_ring::bridge::respawned(node) : node();
 }

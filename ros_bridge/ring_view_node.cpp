@@ -3,17 +3,21 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include <exception>
-
 #include "config/load_ring.h"
 #include "ros_bridge/held_joints.h"
 #include "ros_bridge/limb_marks.h"
+#include "ros_bridge/node_main.h"
+#include "ros_bridge/parameters.h"
 #include "ros_bridge/ring_picture.h"
 
 namespace limb_ring::bridge {
 namespace {
 
 const ros::WallDuration kFrame{1.0 / 30};  // of what is seen, not of what is controlled
+
+constexpr const char* kHelp =
+    "ring_view: markers of a ring and its robot for RViz. Usually started by view.launch.\n"
+    "Parameters: ~config: YAML file of the ring; robot_description: URDF of the robot, may be missing\n";
 
 ros::Time wall_now() {
   const auto now = ros::WallTime::now();
@@ -69,19 +73,17 @@ class RingView {
   ros::WallTimer timer_;
 };
 
+void run() {
+  ros::NodeHandle nodes;
+  const auto ring = config::load_ring(config_parameter(ros::NodeHandle("~")));
+  const RingView view(nodes, ring);
+  ros::spin();
+}
+
 }  // namespace
 }  // namespace limb_ring::bridge
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "ring_view");
-  try {
-    ros::NodeHandle nodes;
-    const auto ring = limb_ring::config::load_ring(ros::NodeHandle("~").param("config", std::string()));
-    const limb_ring::bridge::RingView view(nodes, ring);
-    ros::spin();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 1;
-  }
-  return 0;
+  using namespace limb_ring::bridge;
+  return run_node(argc, argv, {"ring_view", kHelp, run});
 }

@@ -6,11 +6,15 @@
 #include <exception>
 #include <stdexcept>
 
+#include "ros_bridge/node_main.h"
 #include "ros_bridge/scenario_runner.h"
 
 namespace {
 
 using limb_ring::RunScenario;
+
+constexpr const char* kHelp =
+    "scenario_server: offers the service run_scenario (limb_ring/RunScenario). No parameters.\n";
 
 bool run_scenario(RunScenario::Request& request, RunScenario::Response& response) {
   try {
@@ -30,11 +34,14 @@ bool run_scenario(RunScenario::Request& request, RunScenario::Response& response
   return true;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  ros::init(argc, argv, "scenario_server");
+void run() {
   ros::NodeHandle nodes;
   const auto server = nodes.advertiseService("run_scenario", &run_scenario);
   ros::spin();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return limb_ring::bridge::run_node(argc, argv, {"scenario_server", kHelp, run});
 }

@@ -2,14 +2,18 @@
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 
-#include <exception>
-
 #include "config/load_ring.h"
 #include "ros_bridge/gait.h"
+#include "ros_bridge/node_main.h"
+#include "ros_bridge/parameters.h"
 
 namespace {
 
 const ros::WallDuration kPeriod{0.01};
+
+constexpr const char* kHelp =
+    "walk: publishes joint_commands of the humanoid walking in place. Usually started by demo.launch.\n"
+    "Parameters: ~config: YAML file of the ring; ~step: s for a left and a right step, 0.8 to 10\n";
 
 sensor_msgs::JointState command_at(const limb_ring::bridge::Gait& gait, ros::WallDuration time) {
   sensor_msgs::JointState command;
@@ -25,7 +29,7 @@ sensor_msgs::JointState command_at(const limb_ring::bridge::Gait& gait, ros::Wal
 void walk() {
   ros::NodeHandle nodes, own("~");
   const limb_ring::bridge::Gait gait(
-      limb_ring::config::load_ring(own.param("config", std::string())), own.param("step", 1.6));
+      limb_ring::config::load_ring(limb_ring::bridge::config_parameter(own)), own.param("step", 1.6));
   auto commands = nodes.advertise<sensor_msgs::JointState>("joint_commands", 1);
   const auto start = ros::WallTime::now();
   const auto timer = nodes.createWallTimer(kPeriod, [&](const ros::WallTimerEvent&) {
@@ -36,13 +40,4 @@ void walk() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  ros::init(argc, argv, "walk");
-  try {
-    walk();
-  } catch (const std::exception& error) {
-    ROS_FATAL("%s", error.what());
-    return 1;
-  }
-  return 0;
-}
+int main(int argc, char** argv) { return limb_ring::bridge::run_node(argc, argv, {"walk", kHelp, walk}); }

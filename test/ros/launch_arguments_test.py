@@ -1,20 +1,27 @@
 #!/usr/bin/python3
-"""Wrong arguments of ring.launch end the launch with what is wrong; 255 nodes fit."""
+"""Wrong arguments of ring.launch end the launch with what is wrong."""
 import os
+import random
+import signal
 import subprocess
+import tempfile
 import unittest
 
+import rosgraph
 import rospkg
 import rostest
 
+from ring_testing import wait_for
+
 HERE = rospkg.RosPack().get_path('limb_ring')
 HUMANOID = os.path.join(HERE, 'config', 'humanoid16.yaml')
+TWO_BRIDGES = os.path.join(HERE, 'config', 'two_bridges.yaml')
 
 
-def roslaunch(*arguments):
-    """Output and exit of a launch that must end by itself."""
-    done = subprocess.run(['roslaunch', 'limb_ring', 'ring.launch', *arguments], text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=100)
+def roslaunch(*arguments, file='ring.launch', **options):
+    """Output of a launch that must end by itself."""
+    done = subprocess.run(['roslaunch', 'limb_ring', file, *arguments], text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=100, **options)
     return done.stdout
 
 
@@ -24,25 +31,104 @@ def launched_nodes(*arguments):
                           timeout=100).stdout.split()
 
 
-class LaunchArguments(unittest.TestCase):
-    def test_another_number_of_nodes_than_the_file_has_is_an_error_naming_both(self):
-        output = roslaunch('config:=' + HUMANOID, 'nodes:=5', 'ring:=mismatch%d' % os.getpid())
-        self.assertIn('nodes:=5', output)
-        self.assertIn('has 16 nodes; give nodes:=16', output)
+def own_ring():
+    """A name that no other test's ring has."""
+    return 'args%d' % random.randrange(10 ** 9)
 
-    def test_a_file_without_a_number_of_nodes_says_which_to_give(self):
-        output = roslaunch('config:=' + HUMANOID, 'bridge:=false')
-        self.assertIn('give nodes:=16', output)
+
+class Launch:
+    """A launch that goes on until it is told to end."""
+
+    def __init__(self, *arguments, **options):
+        self.output = tempfile.TemporaryFile('w+')
+        self.process = subprocess.Popen(['roslaunch', 'limb_ring', 'ring.launch', *arguments], text=True,
+                                        stdout=self.output, stderr=subprocess.STDOUT, **options)
+
+    def said(self):
+        return os.pread(self.output.fileno(), 10 ** 6, 0).decode()
+
+    def wait_for(self, text):
+        def is_said():
+            if text in self.said():
+                return True
+            if self.process.poll() is not None:
+                raise AssertionError('the launch has ended: ' + self.said())
+        wait_for(is_said, text)
+
+    def end(self):
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(60)
+
+
+class LaunchArguments(unittest.TestCase):
+    def launch(self, *arguments, **options):
+        launch = Launch(*arguments, **options)
+        self.addCleanup(launch.end)
+        return launch
+
+    def test_another_number_of_nodes_than_the_file_has_is_an_error_naming_both(self):
+        output = roslaunch('config:=' + HUMANOID, 'nodes:=5', 'ring:=' + own_ring())
+        self.assertIn('--nodes is 5, but ' + HUMANOID + ' has 16 nodes', output)
 
     def test_a_transport_nobody_knows_is_an_error_naming_the_choice(self):
-        output = roslaunch('nodes:=2', 'transport:=pigeon', 'ring:=pigeon%d' % os.getpid())
+        output = roslaunch('nodes:=2', 'transport:=pigeon', 'ring:=' + own_ring())
         self.assertIn('pigeon', output)
         self.assertIn('udp', output)
 
-    def test_every_node_is_a_process_of_its_own_up_to_the_largest_ring(self):
-        names = launched_nodes('nodes:=255')
-        self.assertEqual({'/ringd_%d' % i for i in range(255)} | {'/ring_check'}, set(names))
-        self.assertEqual(len(names), 256)
+    def test_a_bad_name_of_the_ring_is_an_error_that_names_it(self):
+        output = roslaunch('nodes:=2', 'ring:=two/words')
+        self.assertIn("'two/words'", output)
+
+    def test_a_ring_that_runs_already_is_an_error_and_goes_on(self):
+        ring = own_ring()
+        first = self.launch('nodes:=2', 'ring:=' + ring)
+        first.wait_for('is closed: 2 nodes up')
+        self.assertIn('is running already', roslaunch('nodes:=2', 'ring:=' + ring))
+        self.assertIsNone(first.process.poll())
+
+    def test_a_file_that_is_not_there_is_an_error_naming_it_in_full(self):
+        output = roslaunch('config:=no/such.yaml', 'ring:=' + own_ring(), env=dict(os.environ, PWD='/tmp'), cwd='/tmp')
+        self.assertIn('/tmp/no/such.yaml: there is no such file', output)
+
+    def test_a_file_may_be_named_from_the_folder_of_roslaunch(self):
+        launch = self.launch('config:=config/plain4.yaml', 'ring:=' + own_ring(), cwd=HERE,
+                             env=dict(os.environ, PWD=HERE))
+        launch.wait_for('is closed: 4 nodes up')
+
+    def test_what_keeps_the_bridge_from_starting_is_said_and_ends_the_launch(self):
+        for argument, said in (('bridge_node:=nobody', "no node 'nobody'"),
+                               ('bridge_node:=neck', "node 'neck' has 'cpu: none'"),
+                               ('rate:=-3', 'it must be 0 (as configured) to 1000 Hz'),
+                               ('frames:={kinds: [datta]}', 'parameter ~frames/kinds: datta; it must be data')):
+            with self.subTest(argument):
+                output = roslaunch('config:=' + TWO_BRIDGES, 'ring:=' + own_ring(), argument)
+                self.assertIn(said, output)
+
+    def test_what_keeps_the_walk_from_starting_is_said_and_ends_the_launch(self):
+        self.assertIn('it must be 0.8 to 10 s', roslaunch('ring:=' + own_ring(), 'step:=99', file='demo.launch'))
+
+    def test_what_keeps_the_view_from_starting_is_said(self):
+        ended = subprocess.run(['rosrun', 'limb_ring', 'ring_view', '_config:=no_such.yaml'], text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
+        self.assertIn('no_such.yaml: there is no such file', ended.stdout)
+        self.assertEqual(ended.returncode, 2)
+
+    def test_a_wrong_parameter_is_forgotten_with_its_launch(self):
+        wrong = roslaunch('config:=' + TWO_BRIDGES, 'ring:=' + own_ring(), 'frames:={kinds: [datta]}')
+        self.assertIn('parameter ~frames/kinds', wrong)
+        right = self.launch('config:=' + TWO_BRIDGES, 'ring:=' + own_ring())
+        right.wait_for('is closed')
+        # The last thing that a bridge offers, once all its parameters were taken.
+        wait_for(lambda: '/reset_node' in [name for name, _ in rosgraph.Master('/test').getSystemState()[2]],
+                 'the bridge')
+
+    def test_every_node_has_help(self):
+        for program in ('ringctl', 'ringd', 'ring_bridge', 'ring_view', 'walk', 'scenario_server', 'play_bag'):
+            with self.subTest(program):
+                ended = subprocess.run(['rosrun', 'limb_ring', program, '--help'], text=True,
+                                       stdout=subprocess.PIPE, timeout=60)
+                self.assertEqual(ended.returncode, 0)
+                self.assertIn(program, ended.stdout)
 
     def test_a_bag_is_played_where_one_is_given(self):
         self.assertIn('/play', launched_nodes('bag:=any.bag'))
@@ -53,9 +139,10 @@ class LaunchArguments(unittest.TestCase):
         self.assertFalse({'/rviz', '/ring_view'} & set(launched_nodes()))
 
     def test_without_arguments_it_is_the_humanoid_with_its_bridge(self):
-        names = launched_nodes()
-        self.assertIn('/ring_bridge', names)
-        self.assertEqual(sum(name.startswith('/ringd_') for name in names), 16)
+        self.assertEqual(set(launched_nodes()), {'/ring', '/ring_bridge'})
+
+    def test_plain_nodes_have_no_bridge(self):
+        self.assertEqual(set(launched_nodes('nodes:=255')), {'/ring'})
 
 
 if __name__ == '__main__':

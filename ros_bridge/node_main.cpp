@@ -1,0 +1,64 @@
+#include "ros_bridge/node_main.h"
+
+#include <ros/ros.h>
+
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+
+#include "config/config_error.h"
+
+namespace limb_ring::bridge {
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 ended as asked, 1 could not run, 2 wrong arguments, parameters or configuration.\n";
+
+bool asks_for_help(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    if (std::strcmp(argv[i], "--help") == 0 || std::strcmp(argv[i], "-h") == 0) return true;
+  return false;
+}
+
+int complain(const std::exception& error, int code) {
+  ROS_FATAL("%s", error.what());
+  return code;
+}
+
+int run_or_complain(const NodeProgram& program) {
+  // ROS ends with the last NodeHandle, and rosconsole with it: this one lasts until all is said.
+  const ros::NodeHandle until_all_is_said;
+  try {
+    program.run();
+    return 0;
+  } catch (const config::ConfigError& error) {
+    return complain(error, 2);
+  } catch (const std::invalid_argument& error) {
+    return complain(error, 2);
+  } catch (const std::exception& error) {
+    return complain(error, 1);
+  }
+}
+
+}  // namespace
+
+int run_node(int argc, char** argv, const NodeProgram& program) {
+  if (asks_for_help(argc, argv)) {
+    std::cout << program.help << kExitCodes;
+    return 0;
+  }
+  try {
+    ros::init(argc, argv, program.name);  // takes NAME:=VALUE out of argv
+  } catch (const std::exception& error) {
+    std::cerr << program.name << ": " << error.what() << std::endl;
+    return 2;
+  }
+  if (argc > 1) {
+    std::cerr << program.name << ": unknown argument '" << argv[1] << "'; see " << program.name << " --help\n";
+    return 2;
+  }
+  return run_or_complain(program);
+}
+
+}  // namespace limb_ring::bridge

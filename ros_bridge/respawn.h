@@ -1,0 +1,16 @@
+#pragma once
+
+#include <functional>
+
+namespace limb_ring::bridge {
+
+/// Runs `program` in a child process, and again whenever that ends: a reset of its node kills a bridge.
+/// roslaunch's own respawn would start one with wrong parameters for ever.
+///
+/// Ends where this process is asked to (SIGINT, SIGTERM, SIGHUP: passed on to the child), and where the
+/// child ends with 2: with wrong parameters another try would end the same way.
+/// @pre this process has one thread
+/// @return exit code of the last child; in a child, what `program` returned
+int respawned(const std::function<int()>& program);
+
+}  // namespace limb_ring::bridge

@@ -1,0 +1,80 @@
+#!/usr/bin/python3
+"""An ordinary bag, played onto a ring: what the ring takes, and nothing that the ring publishes itself."""
+import os
+import subprocess
+import tempfile
+import unittest
+
+import rosbag
+import rosgraph
+import rospkg
+import rospy
+import rostest
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from ring_testing import Newest
+
+CONFIG = os.path.join(rospkg.RosPack().get_path('limb_ring'), 'config', 'two_bridges.yaml')
+
+
+class PlayBag(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix='play_bag_')
+        self.addCleanup(folder.cleanup)
+        self.bag = os.path.join(folder.name, 'a.bag')
+        with rosbag.Bag(self.bag, 'w') as bag:
+            for i in range(20):
+                time = rospy.Time(100 + i, 0)
+                bag.write('/joint_states', JointState(name=['a']), time)
+                bag.write('/joint_commands', JointState(name=['b']), time)
+                bag.write('/wrench', String('from the bag'), time)
+
+    def play(self, *arguments):
+        self.name = '/' + self._testMethodName
+        command = ['rosrun', 'limb_ring', 'play_bag', *arguments, '__name:=' + self._testMethodName]
+        played = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+        def end():
+            played.terminate()
+            played.communicate()
+        self.addCleanup(end)
+        return played
+
+    def played(self):
+        """Topics that the player publishes."""
+        publishers = rosgraph.Master('/play_bag_test').getSystemState()[0]
+        return {topic for topic, nodes in publishers if self.name in nodes} - {'/clock', '/rosout'}
+
+    def test_plays_what_the_ring_takes_alone(self):
+        commands, wrench = Newest('joint_commands', JointState), Newest('wrench', String)
+        self.play('--config', CONFIG, self.bag, '--loop', '--rate', '10')
+        self.assertEqual(commands.wait(lambda _: True, 'a command').name, ['b'])
+        self.assertEqual(wrench.wait(lambda _: True, 'a wrench').data, 'from the bag')
+        self.assertEqual(self.played(), {'/joint_commands', '/wrench'})
+
+    def test_plays_topics_of_ones_choice(self):
+        states = Newest('joint_states', JointState)
+        self.play(self.bag, '--loop', '--topics', '/joint_states')
+        self.assertEqual(states.wait(lambda _: True, 'a state').name, ['a'])
+        self.assertEqual(self.played(), {'/joint_states'})
+
+    def test_plays_a_topic_under_the_name_that_the_ring_takes(self):
+        commands = Newest('other/joint_commands', JointState)
+        os.environ['ROS_NAMESPACE'] = '/other'
+        self.addCleanup(os.environ.pop, 'ROS_NAMESPACE')
+        self.play(self.bag, '--loop', '/joint_states:=/other/joint_commands')
+        self.assertEqual(commands.wait(lambda _: True, 'a command').name, ['a'])
+
+    def test_a_bag_with_nothing_for_the_ring_is_an_error_that_names_both(self):
+        with rosbag.Bag(self.bag, 'w') as bag:
+            bag.write('/odom', String('x'), rospy.Time(1))
+        ended = self.play(self.bag)
+        _, said = ended.communicate(timeout=60)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn('nothing that the ring takes (/joint_commands); it has /odom', said)
+
+
+if __name__ == '__main__':
+    rospy.init_node('play_bag_test')
+    rostest.rosrun('limb_ring', 'play_bag', PlayBag)
