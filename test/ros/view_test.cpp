@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -117,7 +118,7 @@ TEST(HumanoidDescription, HasTheJointsOfTheConfigurationWithTheirLimits) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/humanoid16.yaml");
   const auto model = urdf::parseURDF(humanoid_urdf());
   ASSERT_TRUE(model);
-  std::size_t joints = 0;
+  std::ptrdiff_t joints = 0;
   for (const auto& node : ring.nodes)
     for (const auto& configured : node.joints) {
       const auto joint = model->getJoint(configured.name);
@@ -128,7 +129,16 @@ TEST(HumanoidDescription, HasTheJointsOfTheConfigurationWithTheirLimits) {
       EXPECT_EQ(joint->limits->effort, configured.effort) << configured.name;
       ++joints;
     }
-  EXPECT_EQ(model->joints_.size(), joints);
+  const auto moves = [](const auto& joint) { return joint.second->type != urdf::Joint::FIXED; };
+  EXPECT_EQ(std::count_if(model->joints_.begin(), model->joints_.end(), moves), joints);
+}
+
+TEST(HumanoidDescription, HasALinkForTheFrameOfEverySensor) {
+  const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/humanoid16.yaml");
+  const auto model = urdf::parseURDF(humanoid_urdf());
+  ASSERT_TRUE(model);
+  for (const auto& node : ring.nodes)
+    for (const auto& sensor : node.sensors) EXPECT_TRUE(model->getLink(sensor.name)) << sensor.name;
 }
 
 TEST(Limbs, AreMarkedInTheirFramesWhereTheirNodeIsDown) {
