@@ -41,6 +41,25 @@ class Transport(RingTest):
         self.wait_closed(range(4))
         self.assert_carries(4)
 
+    def test_udp_between_hosts_each_with_a_folder_and_an_address_of_its_own(self):
+        nodes = plain_nodes(3)
+        for node, address in zip(nodes, ('127.0.0.2', '127.0.0.2', '127.0.0.3')):
+            node['link'] = {'address': address}
+        config = self.write_ring(nodes, links={'transport': 'udp', 'port': free_udp_ports(3)}, timeouts=SEEN_SOON)
+        for node in (0, 1):
+            self.ringd(config, node)
+        here, there = self.runtime, os.path.join(self.folder, 'other_host')
+        os.mkdir(there, 0o700)
+        self.environment['XDG_RUNTIME_DIR'] = there
+        self.ringd(config, 2)
+        self.environment['XDG_RUNTIME_DIR'] = here
+        self.wait('ring closed', lambda: all(row and row['state'] == 'up' and row['ring_size'] == 3
+                                             for row in map(self.row, (0, 1))))
+        for end in (('--from', 0, '--to', 2), ('--from', 1, '--to', 'node2')):
+            self.assertEqual(self.ctl_json('ping', *end, '--count', 100)['delivered'], 100)
+        status = self.ctl_json('status')
+        self.assertEqual([row.get('state') for row in status['nodes'][:2]], ['up', 'up'])
+
     def test_transport_by_argument(self):
         config = self.write_ring(plain_nodes(2), links={'port': free_udp_ports(2)})
         for node in range(2):
