@@ -17,6 +17,7 @@ function(limb_ring_export prefix include output)
     PATH_VARS export_include export_library)
   write_basic_package_version_file(${output}/limb_ringConfig-version.cmake
     VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
+  configure_file(cmake/limb_ring-extras.cmake ${output}/limb_ring-extras.cmake COPYONLY)
 endfunction()
 limb_ring_export(${LIMB_RING_DEVEL} ${PROJECT_SOURCE_DIR}/include
   ${LIMB_RING_DEVEL}/${LIMB_RING_SHARE}/cmake)

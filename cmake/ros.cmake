@@ -2,6 +2,10 @@
 # catkin keeps the tests' environment as it is now, without folders that do not exist yet: a fresh
 # build's tests would find no Python messages.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/devel/lib/python3/dist-packages)
+# rosrun looks for programs below the package, but leaves out build/ there, which is where we build by default.
+if(PROJECT_BINARY_DIR STREQUAL ${PROJECT_SOURCE_DIR}/build)
+  file(CREATE_LINK build/devel ${PROJECT_SOURCE_DIR}/devel RESULT ignored SYMBOLIC)
+endif()
 find_package(catkin REQUIRED COMPONENTS
   roscpp sensor_msgs geometry_msgs std_msgs topic_tools message_generation diagnostic_msgs
   diagnostic_updater visualization_msgs tf2_ros)
@@ -17,7 +21,9 @@ generate_messages(DEPENDENCIES std_msgs sensor_msgs)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES limb_ring_client
+  CFG_EXTRAS limb_ring-extras.cmake
   CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools)
+set(LIMB_RING_DEVEL ${CATKIN_DEVEL_PREFIX})
 set(LIMB_RING_BIN ${CATKIN_PACKAGE_BIN_DESTINATION})
 set(LIMB_RING_LIB ${CATKIN_PACKAGE_LIB_DESTINATION})
 set(LIMB_RING_INCLUDE ${CATKIN_PACKAGE_INCLUDE_DESTINATION})

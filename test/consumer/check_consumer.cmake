@@ -14,11 +14,12 @@ endfunction()
 
 execute_process(COMMAND mktemp -d OUTPUT_VARIABLE SCRATCH OUTPUT_STRIP_TRAILING_WHITESPACE)
 file(MAKE_DIRECTORY ${SCRATCH}/runtime)
-set(prefix ${BUILD}/devel)
+set(prefix ${DEVEL})
 if(INSTALL)
   set(prefix ${SCRATCH}/prefix)
   run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 endif()
+string(REPLACE ";" ":" SEARCH_PATH "${SEARCH}")
 if(SANITIZE)
   set(flags -fsanitize=${SANITIZE})
 endif()
@@ -35,4 +36,10 @@ execute_process(
 if(NOT result EQUAL 1 OR NOT said MATCHES "nowhere/3.host")
   fail("echo_cpu without a ring ended with ${result} and said: ${said}")
 endif()
+
+# The firmware of README.md, as it stands there, on a live ring.
+run(${CMAKE_COMMAND} -E env "CMAKE_PREFIX_PATH=${prefix}:${SEARCH_PATH}" CXX=${COMPILER} CXXFLAGS=${flags}
+  PYTHON_EXECUTABLE=${PYTHON} XDG_RUNTIME_DIR=${SCRATCH}/runtime
+  ${PYTHON} ${CMAKE_CURRENT_LIST_DIR}/readme_firmware.py
+  ${PROJECT_SOURCE}/README.md ${prefix}/lib/limb_ring ${SCRATCH}/readme)
 file(REMOVE_RECURSE ${SCRATCH})
