@@ -22,7 +22,7 @@ class ProgramTest : public HostTest {
     std::ofstream(config()) << "ring: r\n"
                                "nodes:\n"
                                "  - {id: 0, name: body, cpu: attached}\n"
-                               "  - {id: 3, name: left_knee, joints: [{name: l_knee}]}\n";
+                               "  - {id: 3, name: left_knee, cpu: {command: [limb_firmware]}, joints: [{name: l_knee}]}\n";
     handler.when_sent = [this](const FakeHandler::Call& call) {
       Result delivered;
       delivered.token = call.token;
