@@ -2,12 +2,16 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "link/endpoint.h"
 #include "link/head.h"
 
 namespace limb_ring::link {
+
+/// Why a node that asked to connect was refused, other than for being farther away; for people.
+std::string why_unfit(const Head& connect, Refusal refusal);
 
 /// Who may be our upstream neighbour (ours, protocol.md section 6.8). The nearest living node in ring order is; so one
 /// that is at least as near as the present one takes its place: the same id is a restart.

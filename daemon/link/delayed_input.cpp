@@ -71,6 +71,10 @@ void DelayedInput::on_input_lost(std::string_view reason) {
   add(0, [reason = std::string(reason)](InputHandler& next) { next.on_input_lost(reason); });
 }
 
+void DelayedInput::on_stranger(std::string_view reason) {
+  add(0, [reason = std::string(reason)](InputHandler& next) { next.on_stranger(reason); });
+}
+
 void DelayedInput::add(std::size_t size, std::function<void(InputHandler&)> deliver) {
   line_->events.push_back({Clock::now() + delay_, size, std::move(deliver)});
   line_->size += size;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "wire/bytes.h"
 
@@ -25,15 +26,17 @@ enum class Refusal : std::uint8_t {
   wrong_ring,       ///< belongs to a ring of another name
   not_in_ring,      ///< does not know this node id
   unknown_session,  ///< has restarted or given up this session: connect again
-  closing           ///< is shutting down
+  closing,          ///< is shutting down
+  wrong_version     ///< speaks another version of the protocol
 };
 const char* to_string(Refusal refusal);
 
 constexpr std::size_t kHeadSize = 26;
 constexpr std::uint16_t kHeadMagic = 0x4C52;
-constexpr std::uint8_t kHeadVersion = 1;
+constexpr std::uint8_t kHeadVersion = 2;
 
 struct Head {
+  std::uint8_t version = kHeadVersion;
   HeadType type = HeadType::alive;
   std::uint64_t ring = 0;
   std::uint64_t session = 0;
@@ -46,8 +49,16 @@ struct Head {
 void store_head(std::uint8_t* out, const Head& head);
 std::array<std::uint8_t, kHeadSize> encode(const Head& head);
 
-/// @return nothing where these are not the first bytes of a head of our version.
+/// @return nothing where these are not the first bytes of a head. Of another version only a `connect`, and a `refuse`
+/// for that reason, are heads: they stay as they are in all versions, so that each end can say what is wrong.
 std::optional<Head> parse_head(wire::ByteView bytes);
+
+/// Why the sender of `refuse` does not want us, in words for people.
+std::string reason_of(const Head& refuse);
+/// The sender of a head of version `peer` and we do not understand each other.
+std::string version_mismatch(std::uint8_t peer);
+/// What is at the other end sends no heads.
+constexpr const char* kNoNode = "peer is not a limb_ring node";
 
 inline std::uint32_t session_nonce(std::uint64_t session) {
   return static_cast<std::uint32_t>(session >> 32);

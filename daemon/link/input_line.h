@@ -6,6 +6,7 @@
 
 #include "link/counters.h"
 #include "link/endpoint.h"
+#include "link/first_time.h"
 #include "link/input_handler.h"
 
 namespace limb_ring::link {
@@ -22,6 +23,7 @@ struct InputSettings {
 struct InputReport {
   InputCounters counters;
   std::string last_stranger;  ///< why the last stranger was turned away; for people
+  FirstTime first_time;       ///< of such a reason, since the input came up
   void stranger(std::string why) {
     ++counters.strangers;
     last_stranger = std::move(why);

@@ -13,6 +13,11 @@ namespace {
 /// An attempt unanswered for so long is given up and made anew.
 constexpr milliseconds kAttemptLife{1000};
 
+/// Asking again does not help: somebody has to change something.
+bool for_good(Refusal refusal) {
+  return refusal == Refusal::wrong_ring || refusal == Refusal::not_in_ring || refusal == Refusal::wrong_version;
+}
+
 const OutputSettings& checked(const OutputSettings& settings) {
   if (settings.candidates.empty()) {
     throw std::invalid_argument("an output needs candidates: the successor first, ourselves last");
@@ -127,22 +132,36 @@ void Output::use(std::size_t candidate) {
     abandon(attempts_.rbegin()->first);
   }
   ++counters_.connects;
+  first_time_.forget();
   silence_.restart(now);
   write_idle();  // over UDP, this takes up the session
   handler_.on_output_up(to());
 }
 
-void Output::on_refused(std::size_t candidate, Refusal refusal) {
+void Output::on_refused(std::size_t candidate, const Head& refuse) {
   ++counters_.refused;
+  const Refusal refusal = refuse.refusal;
   const bool alive = refusal == Refusal::busy || refusal == Refusal::replaced;
+  const std::string reason = reason_of(refuse);
   const Time now = Clock::now();
   if (is_current(candidate)) {
-    lose(alive ? Successor::Loss::replaced : Successor::Loss::ended, to_string(refusal));
+    lose(alive ? Successor::Loss::replaced : Successor::Loss::ended, reason);
   } else {
     abandon(candidate);
     alive ? successor_.busy(candidate, now) : successor_.absent(candidate, now);
+    if (for_good(refusal)) tell(candidate, reason);
   }
   advance(now);
+}
+
+void Output::on_no_node(std::size_t candidate) {
+  tell(candidate, kNoNode);
+  on_ended(candidate, kNoNode);
+}
+
+void Output::tell(std::size_t candidate, std::string_view reason) {
+  const std::uint8_t id = settings_.candidates[candidate].id;
+  if (first_time_(std::to_string(id) + " " + std::string(reason))) handler_.on_output_refused(id, reason);
 }
 
 void Output::on_ended(std::size_t candidate, std::string_view reason) {

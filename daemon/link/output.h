@@ -9,6 +9,7 @@
 #include "link/counters.h"
 #include "link/downstream.h"
 #include "link/endpoint.h"
+#include "link/first_time.h"
 #include "link/silence.h"
 #include "link/successor.h"
 #include "link/ticker.h"
@@ -22,6 +23,9 @@ struct OutputHandler {
   virtual void on_output_up(std::uint8_t to) = 0;
   /// It is gone, or a nearer one has come back (an on_output_up follows at once).
   virtual void on_output_lost(std::string_view reason) = 0;
+  /// The node there will not be our downstream neighbour, or is none of this ring; once for each reason while the
+  /// output is the same. `reason` is for people.
+  virtual void on_output_refused(std::uint8_t by, std::string_view reason) = 0;
   /// Something had to wait inside, and has gone out: ready() is true again.
   virtual void on_output_ready() = 0;
 };
@@ -87,7 +91,8 @@ class Output final : private Downstream::Owner {
   };
 
   void on_accepted(std::size_t candidate) override;
-  void on_refused(std::size_t candidate, Refusal refusal) override;
+  void on_refused(std::size_t candidate, const Head& refuse) override;
+  void on_no_node(std::size_t candidate) override;
   void on_ended(std::size_t candidate, std::string_view reason) override;
   void on_heard(std::size_t candidate) override;
   void on_drained(std::size_t candidate) override;
@@ -96,6 +101,7 @@ class Output final : private Downstream::Owner {
   void advance(Time now);
   bool attempt(std::size_t candidate, Time now);
   std::shared_ptr<Downstream> make_line(std::size_t candidate);
+  void tell(std::size_t candidate, std::string_view reason);
   void abandon(std::size_t candidate);
   void give_up_attempts(Time now);
   void cut();
@@ -111,6 +117,7 @@ class Output final : private Downstream::Owner {
   OutputSettings settings_;
   OutputHandler& handler_;
   OutputCounters counters_;
+  FirstTime first_time_;  ///< of a refusal, since the output came up
   Successor successor_;
   std::map<std::size_t, Attempt> attempts_;
   std::shared_ptr<Downstream> current_;

@@ -55,7 +55,7 @@ void UdpDownstream::take_head(const Head& head) {
   if (session_nonce(head.session) != session_nonce(session_)) return;
   if (head.type == HeadType::accept) return accept(head);
   if (accepted_ && head.session != session_) return;
-  if (head.type == HeadType::refuse) return owner_->on_refused(candidate_, head.refusal);
+  if (head.type == HeadType::refuse) return owner_->on_refused(candidate_, head);
   if (head.type == HeadType::alive) owner_->on_heard(candidate_);
 }
 

@@ -74,7 +74,7 @@ void UdpInput::take_run(std::size_t size, std::size_t segment, const UdpAddress&
 
 void UdpInput::take(wire::ByteView datagram, const UdpAddress& sender) {
   const auto head = parse_head(datagram);
-  if (!head) return report_.stranger("a datagram that is none of this protocol");
+  if (!head) return on_stranger(kNoNode);
   if (head->type == HeadType::connect) return on_connect(*head, sender);
   if (head->ring != settings_.self.ring) return report_.stranger("a datagram of another ring");
   if (head->type == HeadType::slices) {
@@ -82,6 +82,11 @@ void UdpInput::take(wire::ByteView datagram, const UdpAddress& sender) {
   } else if (head->type == HeadType::bye && present(*head)) {
     lose("its end was closed");
   }
+}
+
+void UdpInput::on_stranger(const std::string& why) {
+  report_.stranger(why);
+  if (report_.first_time(why)) handler_.on_stranger(why);
 }
 
 bool UdpInput::present(const Head& head) const {
@@ -128,12 +133,10 @@ void UdpInput::gap(std::uint32_t lost) {
 void UdpInput::on_connect(const Head& head, const UdpAddress& sender) {
   const Refusal refusal = admission_.judge(head, from_);
   const Time now = Clock::now();
-  if (refusal == Refusal::wrong_ring) report_.stranger("a node of another ring asked to connect");
-  if (refusal == Refusal::not_in_ring) report_.stranger("a node that is not in this ring");
   if (refusal == Refusal::busy) ++report_.counters.refused;
-  if (refusal != Refusal::none) {
-    return tell(HeadType::refuse, {head.session, sender, now}, refusal);
-  }
+  if (refusal != Refusal::none) tell(HeadType::refuse, {head.session, sender, now}, refusal);
+  if (refusal == Refusal::busy) return;
+  if (refusal != Refusal::none) return on_stranger(why_unfit(head, refusal));
   if (from_ == head.sender && session_nonce(session_.number) == session_nonce(head.session)) {
     return tell(HeadType::accept, session_);
   }
@@ -167,6 +170,7 @@ bool UdpInput::take_up_offer(const Head& head) {
   sequence_.restart();
   silence_.restart(Clock::now());
   ++report_.counters.connects;
+  report_.first_time.forget();
   handler_.on_input_up(head.sender);
   return true;
 }

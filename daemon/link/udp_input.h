@@ -40,6 +40,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void take(wire::ByteView datagram, const UdpAddress& sender);
   void take_slices(const Head& head, wire::ByteView bytes, const UdpAddress& sender);
   void hand_on(wire::ByteView bytes);
+  void on_stranger(const std::string& why);
   void on_connect(const Head& head, const UdpAddress& sender);
   bool take_up_offer(const Head& head);
   void on_stale(const Head& head, const UdpAddress& sender);

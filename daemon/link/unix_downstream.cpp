@@ -58,13 +58,12 @@ void UnixDownstream::read() {
 void UnixDownstream::take_head() {
   head_size_ = 0;
   const auto head = parse_head({head_.data(), head_.size()});
+  if (head && head->type == HeadType::refuse) return owner_->on_refused(candidate_, *head);
   if (!head || head->ring != self_.ring) {
-    if (head && head->refusal != Refusal::none) return owner_->on_refused(candidate_, head->refusal);
     failed_ = true;
-    return owner_->on_ended(candidate_, "it answers in no language of ours");
+    return owner_->on_no_node(candidate_);
   }
   if (head->type == HeadType::accept) return owner_->on_accepted(candidate_);
-  if (head->type == HeadType::refuse) return owner_->on_refused(candidate_, head->refusal);
   owner_->on_heard(candidate_);
 }
 

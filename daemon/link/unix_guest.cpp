@@ -26,8 +26,9 @@ void UnixGuest::read() {
 
 void UnixGuest::greeted() {
   const auto head = parse_head({bytes_.data(), size_});
-  if (!head || head->type != HeadType::connect) {
-    return host_->on_stranger(shared_from_this(), "what it sent is no greeting of this protocol");
+  if (!head) return host_->on_stranger(shared_from_this(), kNoNode);
+  if (head->type != HeadType::connect) {
+    return host_->on_stranger(shared_from_this(), "it did not ask to connect");
   }
   host_->on_greeted(shared_from_this(), *head);
 }

@@ -73,6 +73,7 @@ void UnixInput::on_stranger(const std::shared_ptr<UnixGuest>& guest, std::string
   report_.stranger(std::string(why));
   guest->close();
   let_go(guest);
+  if (why == kNoNode && report_.first_time(why)) handler_.on_stranger(why);
 }
 
 void UnixInput::on_greeted(const std::shared_ptr<UnixGuest>& guest, const Head& connect) {
@@ -91,12 +92,12 @@ void UnixInput::turn_away(UnixGuest& guest, const Head& connect, Refusal refusal
   if (refusal == Refusal::busy) {
     ++report_.counters.refused;
   } else {
-    report_.stranger(refusal == Refusal::wrong_ring
-                         ? "a node of another ring was turned away"
-                         : "node " + std::to_string(connect.sender) + " is not in this ring");
+    report_.stranger(why_unfit(connect, refusal));
   }
   guest.answer(head(HeadType::refuse, refusal));
   guest.close();
+  const std::string& why = report_.last_stranger;
+  if (refusal != Refusal::busy && report_.first_time(why)) handler_.on_stranger(why);
 }
 
 void UnixInput::admit(UnixGuest& guest, const Head& connect) {
@@ -111,6 +112,7 @@ void UnixInput::admit(UnixGuest& guest, const Head& connect) {
   from_ = connect.sender;
   silence_.restart(Clock::now());
   ++report_.counters.connects;
+  report_.first_time.forget();
   stream_->start();
   handler_.on_input_up(from_);
 }

@@ -74,6 +74,8 @@ void Engine::on_input_lost(std::string_view reason) {
   pump();
 }
 
+void Engine::on_stranger(std::string_view reason) { listener_.on_link("input: turned away: " + std::string(reason)); }
+
 void Engine::on_output_up(std::uint8_t to) {
   listener_.on_link("output to node " + std::to_string(to));
   second_ ? second_->fold().output_up(to, now()) : controller_.output_up(to, now());
@@ -86,6 +88,10 @@ void Engine::on_output_lost(std::string_view reason) {
   faulty_line_.line_lost();
   second_ ? second_->fold().output_lost(now()) : controller_.output_lost(now());
   pump();
+}
+
+void Engine::on_output_refused(std::uint8_t by, std::string_view reason) {
+  listener_.on_link("output: node " + std::to_string(by) + ": " + std::string(reason));
 }
 
 void Engine::on_output_ready() {

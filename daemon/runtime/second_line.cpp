@@ -43,6 +43,10 @@ void SecondLine::on_input_lost(std::string_view reason) {
   driver_.pump();
 }
 
+void SecondLine::on_stranger(std::string_view reason) {
+  driver_.say("second line: input: turned away: " + std::string(reason));
+}
+
 void SecondLine::on_output_up(std::uint8_t to) {
   driver_.say("second line: output to node " + std::to_string(to));
   fold_.second_output_up(driver_.now());
@@ -54,6 +58,10 @@ void SecondLine::on_output_lost(std::string_view reason) {
   faulty_line_.line_lost();
   fold_.second_output_lost(driver_.now());
   driver_.pump();
+}
+
+void SecondLine::on_output_refused(std::uint8_t by, std::string_view reason) {
+  driver_.say("second line: output: node " + std::to_string(by) + ": " + std::string(reason));
 }
 
 void SecondLine::on_output_ready() {

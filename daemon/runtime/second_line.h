@@ -45,8 +45,10 @@ class SecondLine final : private link::InputHandler, private link::OutputHandler
   void on_input_gap(std::uint32_t lost) override;
   void on_input_up(std::uint8_t from) override;
   void on_input_lost(std::string_view reason) override;
+  void on_stranger(std::string_view reason) override;
   void on_output_up(std::uint8_t to) override;
   void on_output_lost(std::string_view reason) override;
+  void on_output_refused(std::uint8_t by, std::string_view reason) override;
   void on_output_ready() override;
 
   core::Controller& controller_;

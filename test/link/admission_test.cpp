@@ -33,6 +33,14 @@ TEST(Admission, TellsAFartherNodeThatItIsBusy) {
   EXPECT_EQ(judge(3, 9), Refusal::busy);
 }
 
+TEST(Admission, TurnsAwayAnotherVersionWhateverElseItSays) {
+  Head connect;
+  connect.version = 1;
+  connect.ring = kRing;
+  connect.sender = 5;
+  EXPECT_EQ(Admission({kRing, 3}, {5, 1, 3, 9}).judge(connect, {}), Refusal::wrong_version);
+}
+
 TEST(Admission, TurnsAwayAnotherRingAndUnknownNodes) {
   EXPECT_EQ(judge(1, {}, kRing + 1), Refusal::wrong_ring);
   EXPECT_EQ(judge(4, {}), Refusal::not_in_ring);

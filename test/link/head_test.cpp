@@ -20,7 +20,7 @@ Head example() {
 
 TEST(Head, LooksOnTheWireAsDrawn) {
   EXPECT_THAT(encode(example()),
-              testing::ElementsAre('L', 'R', 1, 3, 1, 2, 3, 4, 5, 6, 7, 8, 0x11, 0x12, 0x13, 0x14,
+              testing::ElementsAre('L', 'R', 2, 3, 1, 2, 3, 4, 5, 6, 7, 8, 0x11, 0x12, 0x13, 0x14,
                                    0x15, 0x16, 0x17, 0x18, 0x21, 0x22, 0x23, 0x24, 254, 1));
 }
 
@@ -41,6 +41,35 @@ TEST(Head, IsRefusedWhereItIsShortOrOfAnotherKindOrVersion) {
     bad[at] = 200;
     EXPECT_FALSE(parse_head({bad.data(), bad.size()})) << "byte " << at;
   }
+}
+
+TEST(Head, OfAnotherVersionCanStillAskToConnectAndRefuseForThat) {
+  Head head = example();
+  head.version = 1;
+  head.refusal = Refusal::wrong_version;
+  for (const HeadType type : {HeadType::connect, HeadType::refuse}) {
+    head.type = type;
+    const auto bytes = encode(head);
+    const auto read = parse_head({bytes.data(), bytes.size()});
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->version, 1);
+    EXPECT_EQ(read->ring, head.ring);
+    EXPECT_EQ(read->session, head.session);
+  }
+  head.type = HeadType::accept;
+  const auto bytes = encode(head);
+  EXPECT_FALSE(parse_head({bytes.data(), bytes.size()}));
+}
+
+TEST(Head, TellsPeopleWhichEndIsTheOlderOne) {
+  Head refuse;
+  refuse.refusal = Refusal::wrong_version;
+  refuse.version = 1;
+  EXPECT_EQ(reason_of(refuse), "protocol mismatch: peer speaks version 1, this is version 2; update it");
+  refuse.version = 3;
+  EXPECT_EQ(reason_of(refuse), "protocol mismatch: peer speaks version 3, this is version 2; update this node");
+  refuse.refusal = Refusal::closing;
+  EXPECT_EQ(reason_of(refuse), "it is shutting down");
 }
 
 TEST(RingHash, IsFnv1aOf64Bits) {

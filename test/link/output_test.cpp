@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <functional>
+
 #include "link/link_rig.h"
+#include "link/unix_socket.h"
 
 namespace limb_ring::link {
 namespace {
@@ -92,6 +95,39 @@ TEST(Output, DoesNotGoBeyondALivingNodeWhoseInputAnotherOneHolds) {
   EXPECT_FALSE(rig.node(0).output->up());
   EXPECT_TRUE(rig.linked(1, 2));
   EXPECT_TRUE(rig.linked(2, 0));
+}
+
+/// What node 0 says of a neighbour that answers its question with these bytes.
+std::vector<std::string> said_of(const std::vector<std::uint8_t>& answer) {
+  LinkRig rig(2, Endpoint::Transport::unix_stream);
+  UnixAcceptor door = listen_unix(rig.node(1).io, rig.endpoint(1).path);
+  std::vector<UnixSocket> guests;
+  std::function<void()> open = [&] {
+    door.async_accept([&](const boost::system::error_code& error, UnixSocket socket) {
+      if (error) return;
+      send_now(socket.native_handle(), {answer.data(), answer.size()});
+      guests.push_back(std::move(socket));
+      open();
+    });
+  };
+  open();
+  rig.start_output(0);
+  EXPECT_TRUE(rig.until([&] { return guests.size() > 3; })) << "asked again and again";
+  return rig.node(0).said.refusals;
+}
+
+TEST(Output, SaysOnceThatItsNeighbourIsNoNode) {
+  EXPECT_THAT(said_of(std::vector<std::uint8_t>(kHeadSize, 'x')), ElementsAre("1: peer is not a limb_ring node"));
+}
+
+TEST(Output, SaysOnceThatItsNeighbourSpeaksAnotherVersion) {
+  Head refuse;
+  refuse.version = 3;
+  refuse.type = HeadType::refuse;
+  refuse.refusal = Refusal::wrong_version;
+  const auto bytes = encode(refuse);
+  EXPECT_THAT(said_of({bytes.begin(), bytes.end()}),
+              ElementsAre("1: protocol mismatch: peer speaks version 3, this is version 2; update this node"));
 }
 
 TEST(Output, MayBeClosedByItsHandler) {

@@ -24,10 +24,12 @@ struct RecordingInput : InputHandler {
   void on_input_lost(std::string_view reason) override {
     log.push_back("lost: " + std::string(reason));
   }
+  void on_stranger(std::string_view reason) override { strangers.emplace_back(reason); }
 
   std::vector<std::vector<std::uint8_t>> slices;
   std::vector<wire::SliceKind> kinds;
   std::vector<std::string> log;
+  std::vector<std::string> strangers;
   int batches = 0;
 };
 
@@ -36,9 +38,13 @@ struct RecordingOutput : OutputHandler {
   void on_output_lost(std::string_view reason) override {
     log.push_back("lost: " + std::string(reason));
   }
+  void on_output_refused(std::uint8_t by, std::string_view reason) override {
+    refusals.push_back(std::to_string(by) + ": " + std::string(reason));
+  }
   void on_output_ready() override { ++ready; }
 
   std::vector<std::string> log;
+  std::vector<std::string> refusals;
   int ready = 0;
 };
 

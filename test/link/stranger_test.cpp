@@ -49,7 +49,8 @@ TEST_F(Stranger, ThatTalksGarbageIsClosedAndCounted) {
   send_now(socket.native_handle(),
            {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
   ASSERT_TRUE(rig.until([&] { return strangers() == 1; }));
-  EXPECT_THAT(rig.node(1).input->last_stranger(), HasSubstr("no greeting"));
+  EXPECT_THAT(rig.node(1).input->last_stranger(), HasSubstr("is not a limb_ring node"));
+  EXPECT_THAT(rig.node(1).heard.strangers, ElementsAre("peer is not a limb_ring node"));
 }
 
 TEST_F(Stranger, ThatLeavesWithoutAWordIsCounted) {
@@ -74,6 +75,24 @@ TEST_F(Stranger, OfAnotherRingIsToldSo) {
   ASSERT_TRUE(answered);
   EXPECT_EQ(answered->refusal, Refusal::wrong_ring);
   EXPECT_EQ(strangers(), 1u);
+}
+
+TEST_F(Stranger, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
+  Head head;
+  head.version = 1;
+  head.type = HeadType::connect;
+  head.ring = LinkRig::kRing;
+  for (int i = 0; i < 3; ++i) {
+    UnixSocket socket = knock();
+    say(socket, head);
+    const auto answered = answer(socket);
+    ASSERT_TRUE(answered);
+    EXPECT_EQ(answered->refusal, Refusal::wrong_version);
+    EXPECT_EQ(answered->version, kHeadVersion);
+  }
+  EXPECT_EQ(strangers(), 3u);
+  EXPECT_THAT(rig.node(1).heard.strangers,
+              ElementsAre("node 0: protocol mismatch: peer speaks version 1, this is version 2; update it"));
 }
 
 TEST_F(Stranger, OfNoNodeOfTheRingIsToldSo) {
@@ -123,6 +142,8 @@ TEST_F(Stranger, WithADatagramSocketThatIsNotOursDoesNothing) {
   EXPECT_TRUE(udp.until([&] { return udp.node(1).input->counters().strangers == 2; }));
   EXPECT_TRUE(udp.whole());
   EXPECT_THAT(udp.node(1).heard.slices, IsEmpty());
+  EXPECT_THAT(udp.node(1).heard.strangers,
+              ElementsAre("peer is not a limb_ring node", "node 0 belongs to another ring"));
 }
 
 }  // namespace

@@ -10,10 +10,11 @@ from ring_process import RingTest, free_udp_ports, plain_nodes
 
 HEAD = '>HBBQQIBB'  # daemon/link/head.h
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = range(1, 7)
+WRONG_VERSION = 7
 
 
-def head(kind, ring=1, session=1, sequence=0, sender=0, refusal=0):
-    return struct.pack(HEAD, 0x4C52, 1, kind, ring, session, sequence, sender, refusal)
+def head(kind, ring=1, session=1, sequence=0, sender=0, refusal=0, version=2):
+    return struct.pack(HEAD, 0x4C52, version, kind, ring, session, sequence, sender, refusal)
 
 
 def garbage(size):
@@ -144,6 +145,14 @@ class Stranger(RingTest):
             self.say(self.socket_of(1, 'link'), piece)
         self.wait('counted', lambda: self.counters(1)['input_strangers'] == before + len(pieces))
         self.assert_undisturbed()
+
+    def test_a_node_of_the_old_protocol_is_named_in_the_log(self):
+        daemons = self.start_ring(plain_nodes(3))
+        told = self.say(self.socket_of(1, 'link'), head(CONNECT, version=1))
+        self.assertEqual((told[2], told[3], told[-1]), (2, REFUSE, WRONG_VERSION))
+        self.wait('named', lambda: 'node 0: protocol mismatch: peer speaks version 1, this is version 2; update it' in
+                  self.log_of(daemons[1]))
+        self.assertTrue(self.is_closed(range(3)))
 
     def test_half_open_connections_at_a_unix_link_are_closed(self):
         self.quiet_ring()

@@ -7,7 +7,8 @@ import struct
 
 START, MORE, END, WHOLE, INTERRUPT, ABORT, IDLE, FOLD = 1, 2, 3, 4, 5, 6, 7, 8
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = 1, 2, 3, 4, 5, 6
-NO_REFUSAL, BUSY, REPLACED, WRONG_RING, NOT_IN_RING, UNKNOWN_SESSION = 0, 1, 2, 3, 4, 5
+NO_REFUSAL, BUSY, REPLACED, WRONG_RING, NOT_IN_RING, UNKNOWN_SESSION, WRONG_VERSION = 0, 1, 2, 3, 4, 5, 7
+VERSION = 2
 
 LinkHeader = collections.namedtuple('LinkHeader', 'magic version type ring session sequence sender refusal')
 LINK_HEADER = struct.Struct('>HBBQQIBB')
@@ -172,7 +173,7 @@ class UdpInput:
         if len(data) < LINK_HEADER.size:
             return
         header = LinkHeader._make(LINK_HEADER.unpack_from(data))
-        if header.magic != 0x4C52 or header.version != 1:
+        if header.magic != 0x4C52 or (header.version != VERSION and header.type != CONNECT):
             return
         if header.type == CONNECT:
             self.connect(header, address)
@@ -280,13 +281,15 @@ class Line:
         self.output = (UnixOutput if unix else UdpOutput)(self, connect_to)
 
     def header(self, kind, session=0, sequence=0, refusal=NO_REFUSAL):
-        return LINK_HEADER.pack(0x4C52, 1, kind, self.ring, session, sequence, self.id, refusal)
+        return LINK_HEADER.pack(0x4C52, VERSION, kind, self.ring, session, sequence, self.id, refusal)
 
     def distance(self, node):
         return (self.order.index(self.id) - self.order.index(node)) % len(self.order) or len(self.order)
 
     def judge(self, connect):
         """protocol.md section 6.8"""
+        if connect.version != VERSION:
+            return WRONG_VERSION
         if connect.ring != self.ring:
             return WRONG_RING
         if connect.sender not in self.order:
