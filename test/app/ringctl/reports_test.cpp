@@ -98,6 +98,8 @@ TEST(StatusTable, IsColouredWhereANodeOrItsCpuIsNotWell) {
 
 TEST(Headline, CountsNodesAndSaysWhereTheRingFolds) {
   std::vector<json> rows = wide_rows();
+  EXPECT_EQ(headline("robot", rows), "ring robot: 15 of 15 nodes work, open chain");
+  for (json& row : rows) row["state"] = "joining";
   EXPECT_EQ(headline("robot", rows), "ring robot: 0 of 15 nodes up");
   for (json& row : rows) row["state"] = "folded";
   EXPECT_EQ(headline("robot", rows), "ring robot: 15 of 15 nodes up, folded back around a break");
