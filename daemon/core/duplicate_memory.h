@@ -33,32 +33,18 @@ class DuplicateMemory {
       case 3: return false;
       default: break;
     }
-    s = {};
+    s.entries = {};
     s.known = s.from_packet = true;
     s.incarnation = incarnation;
     return true;
   }
   /// A hello of that boot number came. Nothing else of its incarnation comes before it.
   /// @return false where it is of an earlier incarnation than is known
-  bool meet_hello(wire::NodeId source, std::uint64_t boot) {
-    if (sources_[source].boot != boot) sources_[source].from_packet = false;
-    return meet_beacon(source, boot);
-  }
+  bool meet_hello(wire::NodeId source, std::uint64_t boot) { return meet_boot(source, boot, false); }
   /// A beacon of that boot number came. Where its hello was missed, other packets of this incarnation may have come
   /// before: what was decided of them stays.
   /// @return false where it is of an earlier incarnation than is known
-  bool meet_beacon(wire::NodeId source, std::uint64_t boot) {
-    Source& s = sources_[source];
-    if (s.boot == boot) return true;
-    if (s.boot > boot && s.boot - boot <= kEarlier) return false;
-    const auto incarnation = wire::incarnation_of(boot);
-    if (!s.from_packet || s.incarnation != incarnation) s = {};
-    s.known = true;
-    s.from_packet = false;
-    s.incarnation = incarnation;
-    s.boot = boot;
-    return true;
-  }
+  bool meet_beacon(wire::NodeId source, std::uint64_t boot) { return meet_boot(source, boot, true); }
 
   /// The verdict on this sequence number, `none` where it is new. @pre meet() was true
   Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast, Time now) const {
@@ -97,6 +83,18 @@ class DuplicateMemory {
     bool known = false;
     bool from_packet = false;       ///< the incarnation is known from a packet alone
   };
+  bool meet_boot(wire::NodeId source, std::uint64_t boot, bool packets_may_precede) {
+    Source& s = sources_[source];
+    if (s.boot == boot) return true;
+    if (s.boot > boot && s.boot - boot <= kEarlier) return false;
+    const auto incarnation = wire::incarnation_of(boot);
+    if (!packets_may_precede || !s.from_packet || s.incarnation != incarnation) s = {};
+    s.known = true;
+    s.from_packet = false;
+    s.incarnation = incarnation;
+    s.boot = boot;
+    return true;
+  }
   template <class Visit>
   void each(Visit visit) {
     for (Source& source : sources_)

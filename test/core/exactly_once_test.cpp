@@ -160,6 +160,16 @@ TEST_F(Incarnations, AHelloOrBeaconOfAnEarlierOneSaysNothing) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("eight")));
 }
 
+// A late hello is none, and does not unsettle what the packets of the present one have told.
+TEST_F(Incarnations, AHelloOfAnEarlierOneMakesNothingForgotten) {
+  hello(8);
+  EXPECT_EQ(interrupt(9), 1);
+  hello(7);
+  beacon(9, 1);
+  EXPECT_EQ(interrupt(9, 1), 1);
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+}
+
 // A process that was started anew may have the same two bits by chance: its hello tells.
 TEST_F(Incarnations, AHelloBeginsNewNumbersAlsoWhereTheTwoBitsAreTheSame) {
   data(4, "four");
