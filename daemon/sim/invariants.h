@@ -29,7 +29,7 @@ class Invariants : public Witness {
   void has_arrived(NodeId node, const wire::Slice& slice, Time now) override;
   void event(NodeId node, const core::Event& event) override;
   void packet(NodeId node, const core::ReceivedPacket& packet) override;
-  void fault(NodeId node, Fault fault, Time now, Way way) override;
+  void fault(NodeId node, Fault fault, Time now, Line line) override;
 
  private:
   /// What the node had counted, and how many buffers were free, before a slice came in.
@@ -39,7 +39,7 @@ class Invariants : public Witness {
   };
   struct Node {
     Node(const core::Settings& settings, const Complain& complain)
-        : passage(settings.id, settings.byte_time_out, complain) {}
+        : passage(settings.id, settings.byte_time_out, settings.byte_time_in, complain) {}
     Passage passage;
     std::optional<Head> coming;         ///< header of the DATP that is coming in
     bool passes_on = false;             ///< it is not dropped

@@ -39,7 +39,7 @@ void Passage::went(const Head& head, const Tail& tail, Time now) {
   if (!due)
     complain_(Promise::true_fbc, name(head, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
                                      std::to_string(it->fbc) + at);
-  if (head.code.interrupt) check_wait(it->at, now, name(head, tail));
+  if (head.code.interrupt) check_wait(it->at + lag_, now, name(head, tail));
   coming.erase(coming.begin(), it + 1);
 }
 

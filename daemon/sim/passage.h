@@ -1,9 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <vector>
 
-#include "core/controller.h"
+#include "core/network_controller.h"
 #include "sim/violation.h"
 
 namespace limb_ring::sim {
@@ -41,8 +42,12 @@ struct Tail {
 /// What has come into one node and has to go on: with which FBC, and an INTP by when.
 class Passage {
  public:
-  Passage(NodeId id, Duration byte_time, const Complain& complain)
-      : id_(id), byte_time_(byte_time), complain_(complain) {}
+  /// @param byte_time,byte_time_in of the lines out of it and into it
+  Passage(NodeId id, Duration byte_time, Duration byte_time_in, const Complain& complain)
+      : id_(id),
+        byte_time_(byte_time),
+        lag_(std::max(Duration{0}, byte_time_in - byte_time) * static_cast<std::int64_t>(wire::kOverhead)),
+        complain_(complain) {}
 
   /// A packet has come in that others than this node have sent.
   /// @param fbc what it has to leave with; kAnyFbc: nobody can tell
@@ -67,6 +72,7 @@ class Passage {
 
   NodeId id_;
   Duration byte_time_;  ///< of the line out of it
+  Duration lag_;        ///< an INTP from a slower line begins so much later, lest it end before it has come in
   const Complain& complain_;
   std::deque<Coming> data_, interrupts_;
   std::deque<Time> interrupts_gone_;  ///< when the last ones left
