@@ -30,6 +30,8 @@ struct Settings {
 
   /// Worst lap of the whole ring where its lines differ; 0: nodes() times the own line's T + d.
   Duration lap{0};
+  /// d of all nodes together where they differ; 0: nodes() times the own.
+  Duration all_delays{0};
 
   unsigned insertion_buffer = 8;   ///< DATPs of the largest size, at least 2
   unsigned interrupt_buffer = 64;  ///< INTPs
@@ -68,7 +70,10 @@ struct Settings {
   /// Time-out of one try: two laps, and never less than send_timeout_least. Where the ring may be folded,
   /// a lap has the second line's delays too: a packet may have left before the fold. (ours)
   Duration send_timeout() const { return std::max(send_timeout_least, 2 * (worst_lap() + second_line_lap())); }
-  Duration second_line_lap() const { return fold_back ? nodes() * relay_delay : Duration{0}; }
+  Duration second_line_lap() const {
+    if (!fold_back) return Duration{0};
+    return all_delays.count() != 0 ? all_delays : nodes() * relay_delay;
+  }
 };
 
 }  // namespace limb_ring::core

@@ -31,15 +31,18 @@ const NodeConfig& successor_of(const RingConfig& ring, const NodeConfig& node) {
   return ring.nodes[(index_of(ring, node) + 1) % ring.nodes.size()];
 }
 
+core::Duration all_delays(const RingConfig& ring) {
+  core::Duration delays{0};
+  for (const NodeConfig& node : ring.nodes) delays += node.link.delay;
+  return delays;
+}
+
 /// Lines may differ. All packets queue before the slowest one, so a lap is the sum over all nodes of its
 /// T and of their d, INTPs cutting in once per node.
 core::Duration worst_lap(const RingConfig& ring) {
-  core::Duration slowest{0}, delays{0};
-  for (const NodeConfig& node : ring.nodes) {
-    slowest = std::max(slowest, byte_time(node.link));
-    delays += node.link.delay;
-  }
-  return slowest * (524 + 12) * static_cast<std::int64_t>(ring.nodes.size()) + delays;
+  core::Duration slowest{0};
+  for (const NodeConfig& node : ring.nodes) slowest = std::max(slowest, byte_time(node.link));
+  return slowest * (524 + 12) * static_cast<std::int64_t>(ring.nodes.size()) + all_delays(ring);
 }
 
 }  // namespace
@@ -53,6 +56,7 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.byte_time_out = byte_time(successor_of(ring, node).link);
   s.relay_delay = node.link.delay;
   s.lap = worst_lap(ring);
+  s.all_delays = all_delays(ring);
   s.insertion_buffer = ring.limits.insertion_buffer;
   s.interrupt_buffer = ring.limits.interrupt_buffer;
   s.send_queue = ring.limits.send_queue;

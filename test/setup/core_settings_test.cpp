@@ -1,0 +1,40 @@
+// What a ring's configuration makes a network controller's settings.
+#include "setup/core_settings.h"
+
+#include <gtest/gtest.h>
+
+namespace limb_ring::setup {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Four nodes, the lines into the last three with 40 ms of delay.
+config::RingConfig uneven_ring() {
+  config::RingConfig ring;
+  for (std::uint8_t id = 0; id < 4; ++id) {
+    config::NodeConfig node;
+    node.id = id;
+    if (id > 0) node.link.delay = 40ms;
+    ring.nodes.push_back(node);
+  }
+  return ring;
+}
+
+TEST(CoreSettings, TheWorstLapIsOfAllLinesWhateverTheOwnIs) {
+  const config::RingConfig ring = uneven_ring();
+  for (const config::NodeConfig& node : ring.nodes) EXPECT_EQ(core_settings(ring, node, 1).worst_lap(), 120ms);
+}
+
+// Each node's own delay was taken for all: 240 ms at the first node, 560 ms at the others.
+TEST(CoreSettings, SoIsTheTimeOutOfAFoldedRing) {
+  const config::RingConfig ring = uneven_ring();
+  for (const config::NodeConfig& node : ring.nodes) {
+    core::Settings settings = core_settings(ring, node, 1);
+    settings.fold_back = true;
+    settings.send_timeout_least = core::Duration{0};
+    EXPECT_EQ(settings.send_timeout(), 2 * (120ms + 120ms)) << "node " << int{node.id};
+  }
+}
+
+}  // namespace
+}  // namespace limb_ring::setup
