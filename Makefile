@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: all build test demo soak bench bench-sim chaos fault-table install-dissector deps clean
+.PHONY: all build test demo soak traces bench bench-sim chaos fault-table install-dissector deps clean
 all: build
 
 deps:
@@ -45,6 +45,10 @@ demo: build
 SEEDS ?= 1000
 soak: build
 	$(BUILD)/devel/lib/limb_ring/ring_sim soak --seeds $(SEEDS)
+
+# What the virtual ring does, as hashes: the same before and after a change that is to change nothing.
+traces: build
+	@$(PYTHON) scripts/traces --programs $(BUILD)/devel/lib/limb_ring --seeds 2000
 
 # Random faults on a live ring of 16, by SEED (drawn and printed where not given), for MINUTES.
 MINUTES ?= 1

@@ -2,12 +2,14 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
 #include "cli/values.h"
+#include "sim/trace.h"
 #include "study/random_faults.h"
 
 namespace limb_ring::ring_sim {
@@ -19,6 +21,7 @@ struct Options {
   std::uint64_t first = 0;  ///< drawn where it is not given: ranges that were run before find less
   bool all_fold_back = false;
   std::uint64_t failures = 1;
+  bool hashes = false;
   app::Format format = app::Format::text;
 };
 
@@ -61,8 +64,11 @@ int run(const Options& options) {
   std::cerr << "Seeds " << options.first << " to " << options.first + options.seeds - 1 << ".\n";
   for (std::uint64_t seed = options.first; seed - options.first < options.seeds; ++seed) {
     study::RandomFaults faults(seed, options.all_fold_back ? FoldBack::all : FoldBack::some);
+    std::optional<sim::Trace> trace;
+    if (options.hashes) trace.emplace(faults.ring());
     faults.run();
     tally.add(faults);
+    if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
     if (faults.violation()) {
       std::cerr << violation_text(faults, seed, options.all_fold_back);
       if (++broken >= options.failures) return kBroken;
@@ -95,6 +101,7 @@ void add_soak(CLI::App& app, Context& context) {
              [options](const std::string& what) { options->all_fold_back = what == "foldback"; },
              "mixed: a third of the rings folds back (default); foldback: all of them")
       ->transform(cli::one_of({"mixed", "foldback"}));
+  command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");
   add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] {
