@@ -1,4 +1,4 @@
-// What one hop costs in the core: DATPs of 524 bytes through Controller::receive on a line without
+// What one hop costs in the core: DATPs of 524 bytes through Blocks::receive on a line without
 // a data rate, beside the memcpy and CRC no hop can do without.
 #include <algorithm>
 #include <chrono>
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "core/controller.h"
+#include "core/blocks.h"
 
 namespace {
 
@@ -46,7 +46,7 @@ double hop(const std::vector<std::vector<std::uint8_t>>& packets) {
   settings.id = 5;
   settings.order.clear();
   for (unsigned id = 0; id < 16; ++id) settings.order.push_back(static_cast<std::uint8_t>(id));
-  core::Controller node(settings);
+  core::Blocks node(settings);
   node.input_up(4, core::Time{});
   node.output_up(6, core::Time{});
   core::Time now{};

@@ -14,14 +14,15 @@ NodeId neighbour(const Settings& settings, std::size_t steps) {
 
 }  // namespace
 
-FoldBack::FoldBack(Controller& controller, Receiver& receiver, Time now)
-    : controller_(controller),
-      receiver_(receiver),
-      counters_(controller.counters()),
-      from_(neighbour(controller.settings(), controller.settings().order.size() - 1)),
-      to_(neighbour(controller.settings(), 1)),
+FoldBack::FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& second, Time now)
+    : blocks_(blocks),
+      counters_(blocks.counters()),
+      first_(first),
+      second_(second),
+      from_(neighbour(blocks.settings(), blocks.settings().order.size() - 1)),
+      to_(neighbour(blocks.settings(), 1)),
       second_from_(to_),
-      patience_(now + controller.settings().break_grace) {}
+      patience_(now + blocks.settings().break_grace) {}
 
 // ---- the first line -----------------------------------------------------------------------
 
@@ -39,7 +40,7 @@ void FoldBack::input_lost(Time now) {
   input_up_ = false;
   drop_held();
   if (in_ == In::first) {
-    controller_.input_gap(now);
+    blocks_.input_gap(now);
     ++counters_.folds;
   }
   in_ = In::second;
@@ -49,7 +50,7 @@ void FoldBack::input_lost(Time now) {
 }
 
 void FoldBack::input_gap(Time now) {
-  if (in_ == In::first) controller_.input_gap(now);
+  if (in_ == In::first) blocks_.input_gap(now);
 }
 
 void FoldBack::output_up(NodeId to, Time now) {
@@ -70,7 +71,7 @@ void FoldBack::output_lost(Time now) {
 
 void FoldBack::receive(const Slice& slice, Time now) {
   if (slice.kind == SliceKind::idle) return;
-  if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return receiver_.take(slice, now);
+  if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return blocks_.enter(slice, now);
   first_spoke_ = true;
   if (slice.kind != SliceKind::fold) hold(slice, now);
   drain_if_settled(now);
@@ -83,7 +84,7 @@ void FoldBack::settle_output(Time now) {
   if (back && out_ != Out::second) turn_back(now);
   if (!back && out_ == Out::second) out_ = Out::leaving;
   if (out_ == Out::leaving && !second_output_up_) {
-    controller_.output_replaced(now);
+    blocks_.output_replaced(now);
     out_open_ = false;
   }
   if (out_ == Out::leaving && !out_open_) back_to_first();
@@ -91,9 +92,9 @@ void FoldBack::settle_output(Time now) {
   if (up == told_output_) return;
   told_output_ = up;
   if (up)
-    controller_.output_up(to_, now);
+    blocks_.output_up(to_, now);
   else
-    controller_.output_lost(now);
+    blocks_.output_lost(now);
 }
 
 void FoldBack::turn_back(Time now) {
@@ -103,7 +104,7 @@ void FoldBack::turn_back(Time now) {
   ++counters_.folds;
   out_open_ = false;
   tell_neighbours();
-  if (told_output_) controller_.output_replaced(now);
+  if (told_output_) blocks_.output_replaced(now);
   say_again(now);
 }
 
@@ -118,7 +119,7 @@ void FoldBack::back_to_first() {
 
 // While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.
 void FoldBack::tell_neighbours() {
-  controller_.set_neighbours(from_, to_, out_ == Out::first ? to_ : neighbour(controller_.settings(), 1));
+  blocks_.set_neighbours(from_, to_, out_ == Out::first ? to_ : neighbour(blocks_.settings(), 1));
 }
 
 // The next node waits for this before it takes the first line for its input.
@@ -137,8 +138,7 @@ void FoldBack::put_out(const Slice& slice) {
   if (out_ == Out::leaving && !out_open_) back_to_first();
 }
 
-void FoldBack::carry(Time now) {
-  wire::SliceWriter& line = controller_.line();
+void FoldBack::carry(wire::SliceWriter& line, Time now) {
   if (out_ == Out::first && first_.empty()) {
     first_.swap(line);
   } else {
@@ -176,7 +176,7 @@ void FoldBack::say_again(Time now) {
 }
 
 Duration FoldBack::pause() const {
-  const Duration beacon = controller_.settings().beacon;
+  const Duration beacon = blocks_.settings().beacon;
   return beacon.count() != 0 ? beacon : Duration{std::chrono::milliseconds(100)};
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/controller.h"
+#include "core/blocks.h"
 #include "wire/fold_mark.h"
 
 namespace limb_ring::core {
@@ -17,26 +17,19 @@ inline std::size_t place_of(const Settings& settings, NodeId node) {
 /// Fold-back around a break, with a second, counter-rotating line. (ours, protocol.md sections 8.7 to 8.12; Honda's
 /// own answer is switches to a redundant line, US10742444)
 ///
-/// It stands between a node's four lines and its network controller. The node before a break turns its
+/// It stands between a node's four lines and its blocks. The node before a break turns its
 /// output back onto the second line; on that one all others only repeat, and the node behind the break takes
-/// it for its input. So the controller sees each packet once, in ring order:
+/// it for its input. So the blocks see each packet once, in ring order:
 ///
 ///     first line     a -> b    c -> d -> a          the line from b to c is broken
 ///     second line    a <- b    c <- d <- a          b turns back, a and d repeat, c takes
 ///
-/// Bytes and time in, bytes and a deadline out, as Controller. After Controller::run() comes carry().
+/// Bytes and time in, bytes and a deadline out, as Blocks. After Blocks::run() comes carry().
 class FoldBack {
  public:
-  /// Who hands to the controller what it shall receive.
-  struct Receiver {
-    virtual void take(const wire::Slice& slice, Time now) = 0;
-
-   protected:
-    ~Receiver() = default;
-  };
-
-  /// Both must outlive this. @pre controller.settings().fold_back
-  FoldBack(Controller& controller, Receiver& receiver, Time now);
+  /// All must outlive this. @pre blocks.settings().fold_back
+  /// @param first,second what goes onto the lines; whoever writes them clears them
+  FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& second, Time now);
   FoldBack(const FoldBack&) = delete;
   FoldBack& operator=(const FoldBack&) = delete;
 
@@ -61,10 +54,8 @@ class FoldBack {
   void receive_second(const wire::Slice& slice, Time now);
   ///@}
 
-  /// Divides what the controller has put out among the lines. Whoever writes them clears them.
-  void carry(Time now);
-  wire::SliceWriter& line() { return first_; }
-  wire::SliceWriter& second_line() { return second_; }
+  /// Divides what the blocks have given out among the lines; leaves it empty.
+  void carry(wire::SliceWriter& given_out, Time now);
 
   /// The output goes onto the second line.
   bool turned_back() const { return out_ != Out::first; }
@@ -82,10 +73,10 @@ class FoldBack {
 
   void settle(Time now);
   void tell_turned_back() {
-    controller_.set_turned_back_at(takes_second() ? tail_ : std::nullopt);
+    blocks_.set_turned_back_at(takes_second() ? tail_ : std::nullopt);
   }
   void tell_folded(Time now) {
-    controller_.set_folded(takes_second(), turned_back() && told_output_, now);
+    blocks_.set_folded(takes_second(), turned_back() && told_output_, now);
   }
   void settle_input(Time now);
   void settle_output(Time now);
@@ -117,12 +108,12 @@ class FoldBack {
   void say_again(Time now);
   void lose_tail(Time now);
   Duration pause() const;
-  NodeId id() const { return controller_.settings().id; }
+  NodeId id() const { return blocks_.settings().id; }
 
-  Controller& controller_;
-  Receiver& receiver_;
+  Blocks& blocks_;
   Counters& counters_;
-  wire::SliceWriter first_, second_;
+  wire::SliceWriter& first_;
+  wire::SliceWriter& second_;
 
   bool input_up_ = false, output_up_ = false;
   bool second_output_up_ = false;

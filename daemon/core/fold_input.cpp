@@ -32,7 +32,7 @@ void FoldBack::begin_draining(Time now) {
   if (may_fold_) say(FoldMark::hears, id());
   if (in_ == In::first) return;
   in_ = In::draining;
-  const Settings& settings = controller_.settings();
+  const Settings& settings = blocks_.settings();
   const bool dead = tail_ && distance(settings, *tail_) < distance(settings, from_);  // the fold node is bypassed now
   if (dead) return forget_tail(now);
   if (!tail_) drained(now);
@@ -41,7 +41,7 @@ void FoldBack::begin_draining(Time now) {
 void FoldBack::drain_if_settled(Time now) {
   if (in_ != In::draining || !first_spoke_) return;
   if (!waits_for_last() && !second_open_) return drained(now);
-  const Settings& settings = controller_.settings();
+  const Settings& settings = blocks_.settings();
   if (drain_due_ == kNever) drain_due_ = now + std::min(settings.stall, settings.send_timeout() / kHoldShare);
 }
 
@@ -49,7 +49,7 @@ void FoldBack::drain_if_settled(Time now) {
 void FoldBack::drained(Time now) {
   in_ = In::first;
   drain_due_ = kNever;
-  if (second_open_) controller_.input_gap(now);
+  if (second_open_) blocks_.input_gap(now);
   second_open_ = false;
   if (tail_ && waits_for_last()) {
     tail_.reset();
@@ -63,7 +63,7 @@ void FoldBack::drained(Time now) {
 void FoldBack::hold(const Slice& slice, Time now) {
   if (held_.view().size > kMostHeld) {
     drop_held();
-    controller_.input_gap(now);
+    blocks_.input_gap(now);
   }
   held_.put(slice.kind, slice.bytes);
   if (in_ == In::first) release(now);
@@ -74,9 +74,9 @@ void FoldBack::release(Time now) {
   if (in_ != In::first) return;
   while (released_ < held_.view().size) {
     const wire::SliceParse parse = wire::parse_slice(held_.view().from(released_));
-    if (begins_data(parse.slice) && !controller_.has_room()) return;
+    if (begins_data(parse.slice) && !blocks_.has_room()) return;
     released_ += parse.consumed;
-    receiver_.take(parse.slice, now);
+    blocks_.enter(parse.slice, now);
   }
   held_.clear();
   released_ = 0;
@@ -96,9 +96,9 @@ void FoldBack::settle_input(Time now) {
   if (up == told_input_) return;
   told_input_ = up;
   if (up)
-    controller_.input_up(from_, now);
+    blocks_.input_up(from_, now);
   else
-    controller_.input_lost(now);
+    blocks_.input_lost(now);
 }
 
 }  // namespace limb_ring::core

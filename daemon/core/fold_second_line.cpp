@@ -40,7 +40,7 @@ void FoldBack::second_output_lost(Time now) {
 
 void FoldBack::receive_second(const Slice& slice, Time now) {
   if (slice.kind == SliceKind::idle) return;
-  if (const auto word = wire::fold_word(slice); word && place_of(controller_.settings(), word->node) < controller_.settings().nodes())
+  if (const auto word = wire::fold_word(slice); word && place_of(blocks_.settings(), word->node) < blocks_.settings().nodes())
     return hear(*word, slice, now);
   const bool takes = in_ != In::first;
   const bool repeated = repeats() && tail_ && second_.view().size < kMostRepeated;
@@ -51,7 +51,7 @@ void FoldBack::receive_second(const Slice& slice, Time now) {
   }
   second_open_ = open_after(slice, second_open_);
   if (!takes) return second_.put(slice.kind, slice.bytes);
-  receiver_.take(slice, now);
+  blocks_.enter(slice, now);
   drain_if_settled(now);
 }
 
@@ -60,7 +60,7 @@ void FoldBack::break_off_second(Time now) {
   if (!second_open_) return;
   second_open_ = false;
   if (in_ != In::first)
-    controller_.input_gap(now);
+    blocks_.input_gap(now);
   else
     second_.put(SliceKind::abort, {});
 }
@@ -77,7 +77,7 @@ void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
 // The node of the word lies between this node and the one that sends to it on the second line: it is bypassed there, so
 // its word has gone all the way round, and nobody else takes it off.
 bool FoldBack::has_come_round(FoldWord word) const {
-  const Settings& settings = controller_.settings();
+  const Settings& settings = blocks_.settings();
   const std::size_t nodes = settings.order.size();
   const auto ahead = [&](NodeId node) { return (place_of(settings, node) + nodes - place_of(settings, id())) % nodes; };
   return ahead(word.node) != 0 && ahead(word.node) < ahead(second_from_);

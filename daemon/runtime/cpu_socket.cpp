@@ -55,7 +55,7 @@ void CpuSocket::spoke() {
 
 void CpuSocket::hand_over() {
   core::ReceivedPacket packet;
-  core::Controller& controller = engine_.controller();
+  core::NetworkController& controller = engine_.controller();
   while (reading_.may_take(engine_.now()) && (is_sink() || host_.cpu_can_take()) &&
          controller.take(engine_.now(), packet)) {
     reading_.took(engine_.now());

@@ -8,96 +8,100 @@ namespace limb_ring::runtime {
 Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const LinkSettings& links,
                EngineListener& listener)
     : listener_(listener),
-      controller_(core),
+      controller_(core, clock_.now()),
       timer_(io),
       silence_(links.first.input.timing.silence),
-      input_(io, links.first.input, *this),
-      output_(io, links.first.output, *this),
-      faulty_line_(io, clock_, output_) {
-  if (!links.second) return;
-  core::FoldBack::Receiver& receiver = *this;
-  SecondLine::Driver& driver = *this;
-  second_.emplace(io, clock_, *links.second, controller_, receiver, driver);
+      first_(io, clock_, links.first, core::Line::first, *this) {
+  LineHandler& handler = *this;
+  if (links.second) second_.emplace(io, clock_, *links.second, core::Line::second, handler);
 }
 
 void Engine::close() {
   closed_ = true;
-  input_.close();
-  output_.close();
-  faulty_line_.close();
+  first_.close();
   if (second_) second_->close();
   timer_.cancel();
 }
 
 void Engine::listen_again() {
-  input_.listen_again();
+  first_.listen_again();
   if (second_) second_->listen_again();
 }
 
-void Engine::on_slice(const wire::Slice& slice) {
-  begin_batch();
-  second_ ? second_->fold().receive(slice, at_) : take(slice, at_);
+void Engine::set_tap(LineTap* tap) {
+  tap_ = tap;
+  controller_.set_tap(tap != nullptr ? this : nullptr);
 }
 
-void Engine::take(const wire::Slice& slice, core::Time now) {
-  if (tap_ != nullptr) {
-    const link::Input& line = second_ && second_->fold().takes_second() ? second_->input() : input_;
-    tap_->on_input(slice, line.from().value_or(wire::kBroadcast), clock_.steady(now));
-  }
-  controller_.receive(slice, now);
+// ---- from the lines -----------------------------------------------------------------------
+
+void Engine::say(core::Line line, const std::string& what) {
+  listener_.on_link((line == core::Line::second ? "second line: " : "") + what);
 }
 
-core::Time Engine::begin_batch() {
+void Engine::on_slice(core::Line line, const wire::Slice& slice) {
   if (!in_batch_) at_ = clock_.now();
   in_batch_ = true;
-  return at_;
+  controller_.receive(line, slice, at_);
 }
 
-void Engine::on_batch_end() { pump(); }
-
-void Engine::on_input_gap(std::uint32_t) {
+void Engine::on_input_gap(core::Line line) {
   if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
-  second_ ? second_->fold().input_gap(now()) : controller_.input_gap(now());
+  controller_.input_gap(line, now());
 }
 
-void Engine::on_input_up(std::uint8_t from) {
-  listener_.on_link("input from node " + std::to_string(from));
-  second_ ? second_->fold().input_up(from, now()) : controller_.input_up(from, now());
+void Engine::on_input_up(core::Line line, wire::NodeId from) {
+  say(line, "input from node " + std::to_string(from));
+  controller_.input_up(line, from, now());
   pump();
 }
 
-void Engine::on_input_lost(std::string_view reason) {
-  listener_.on_link("input lost: " + std::string(reason));
+void Engine::on_input_lost(core::Line line, std::string_view reason) {
+  say(line, "input lost: " + std::string(reason));
   if (tap_ != nullptr) tap_->on_input_gap(clock_.steady(now()));
-  input_lost_at_ = now() - (reason == link::kSilent ? silence_ : core::Duration{0});
-  second_ ? second_->fold().input_lost(now()) : controller_.input_lost(now());
+  if (line == core::Line::first) input_lost_at_ = now() - (reason == link::kSilent ? silence_ : core::Duration{0});
+  controller_.input_lost(line, now());
   pump();
 }
 
-void Engine::on_stranger(std::string_view reason) { listener_.on_link("input: turned away: " + std::string(reason)); }
-
-void Engine::on_output_up(std::uint8_t to) {
-  listener_.on_link("output to node " + std::to_string(to));
-  second_ ? second_->fold().output_up(to, now()) : controller_.output_up(to, now());
+void Engine::on_output_up(core::Line line, wire::NodeId to) {
+  say(line, "output to node " + std::to_string(to));
+  controller_.output_up(line, to, now());
   pump();
 }
 
-void Engine::on_output_lost(std::string_view reason) {
-  listener_.on_link("output lost: " + std::string(reason));
+void Engine::on_output_lost(core::Line line, std::string_view reason) {
+  say(line, "output lost: " + std::string(reason));
   if (tap_ != nullptr) tap_->on_output_gap(clock_.steady(now()));
-  faulty_line_.line_lost();
-  second_ ? second_->fold().output_lost(now()) : controller_.output_lost(now());
+  controller_.output_lost(line, now());
   pump();
 }
 
-void Engine::on_output_refused(std::uint8_t by, std::string_view reason) {
-  listener_.on_link("output: node " + std::to_string(by) + ": " + std::string(reason));
-}
-
-void Engine::on_output_ready() {
-  if (!second_ || !second_->fold().turned_back()) controller_.set_output_ready(true);
+void Engine::on_output_ready(core::Line line) {
+  controller_.set_output_ready(line, true);
   pump();
 }
+
+void Engine::on_stranger(core::Line line, std::string_view reason) {
+  say(line, "input: turned away: " + std::string(reason));
+}
+
+void Engine::on_output_refused(core::Line line, wire::NodeId by, std::string_view reason) {
+  say(line, "output: node " + std::to_string(by) + ": " + std::string(reason));
+}
+
+// ---- what a tap sees ----------------------------------------------------------------------
+
+void Engine::arrives(const wire::Slice& slice, core::Line on, core::Time now) {
+  tap_->on_input(slice, line(on).input().from().value_or(wire::kBroadcast), clock_.steady(now));
+}
+
+void Engine::leaves(wire::ByteView framed_slices, core::Line on, core::Time now) {
+  const link::Output& output = line(on).output();
+  if (output.up()) tap_->on_output(framed_slices, output.to(), clock_.steady(now));
+}
+
+// ---- rounds -------------------------------------------------------------------------------
 
 void Engine::pump() {
   again_ = true;
@@ -112,10 +116,7 @@ void Engine::pump() {
 
 void Engine::round() {
   again_ = false;
-  if (deadline_ <= at_) {
-    controller_.handle_timeout(at_);
-    if (second_) second_->fold().handle_timeout(at_);
-  }
+  if (deadline_ <= at_) controller_.handle_timeout(at_);
   controller_.run(at_);
   core::Event event;
   while (controller_.take_event(at_, event)) {
@@ -124,33 +125,21 @@ void Engine::round() {
   }
   // One write for what passes and for what the listener asks for: written apart, an own packet
   // would lag behind the others for ever, and every node would be woken for it alone.
-  if (!again_) write_line();
+  if (!again_) write_lines();
   listener_.on_round_end();
   deadline_ = controller_.next_deadline(at_);
-  if (second_) deadline_ = std::min(deadline_, second_->fold().deadline());
 }
 
-void Engine::show_output() {
-  if (tap_ == nullptr || controller_.line().empty()) return;
-  const link::Output& line = second_ && second_->fold().turned_back() ? second_->output() : output_;
-  if (line.up()) tap_->on_output(controller_.line().view(), line.to(), clock_.steady(at_));
+void Engine::write_lines() {
+  write(core::Line::first);
+  if (second_) write(core::Line::second);
 }
 
-void Engine::write_line() {
-  show_output();
-  if (!second_) return write(controller_.line());
-  core::FoldBack& fold = second_->fold();
-  fold.carry(at_);
-  write(fold.line());
-  second_->write();
-  controller_.set_output_ready((fold.turned_back() ? second_->output() : output_).ready());
-}
-
-void Engine::write(wire::SliceWriter& line) {
-  if (line.empty()) return;
-  faulty_line_.put(line.view(), at_);
-  line.clear();
-  if (!second_) controller_.set_output_ready(output_.ready());
+void Engine::write(core::Line on) {
+  wire::SliceWriter& slices = controller_.output(on);
+  if (slices.empty()) return;
+  line(on).write(slices, at_);
+  controller_.set_output_ready(on, line(on).output().ready());
 }
 
 // A timer that fires too early costs less than setting it anew for every packet.

@@ -2,14 +2,13 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <optional>
+#include <string>
 #include <string_view>
 
-#include "core/controller.h"
-#include "link/input.h"
-#include "link/output.h"
+#include "core/network_controller.h"
 #include "runtime/clock.h"
-#include "runtime/faulty_line.h"
-#include "runtime/second_line.h"
+#include "runtime/node_line.h"
 #include "runtime/settings.h"
 
 namespace limb_ring::runtime {
@@ -35,67 +34,59 @@ struct LineTap {
   virtual void on_output_gap(Clock::Steady::time_point at) = 0;
 };
 
-/// Drives the core: bytes from the links and the time go in, what comes out goes onto the output
-/// link and to the listener. One read, one write: all slices of a batch are handed in before
-/// anything is written.
-class Engine final : private link::InputHandler,
-                     private link::OutputHandler,
-                     private core::FoldBack::Receiver,
-                     private SecondLine::Driver {
+/// Drives the core: bytes from the links and the time go in, what comes out goes onto the lines and to the listener.
+/// One read, one write: all slices of a batch are handed in before anything is written.
+class Engine final : private LineHandler, private core::NetworkController::Tap {
  public:
   Engine(boost::asio::io_context& io, const core::Settings& core, const LinkSettings& links,
          EngineListener& listener);
-  ~Engine() override { close(); }
+  ~Engine() { close(); }
 
-  core::Controller& controller() { return controller_; }
-  const core::Controller& controller() const { return controller_; }
-  const link::Input& input() const { return input_; }
-  const link::Output& output() const { return output_; }
-  /// Nothing where the ring does not fold back.
-  std::optional<SecondLine>& second_line() { return second_; }
-  const std::optional<SecondLine>& second_line() const { return second_; }
-  FaultyLine& faulty_line() { return faulty_line_; }
-  const FaultyLine& faulty_line() const { return faulty_line_; }
-  /// When the input was last lost, or where it fell silent, when it was last heard.
+  core::NetworkController& controller() { return controller_; }
+  const core::NetworkController& controller() const { return controller_; }
+  bool has_second_line() const { return second_.has_value(); }
+  /// @pre has_second_line(), for the second
+  NodeLine& line(core::Line line) { return line == core::Line::first ? first_ : *second_; }
+  const NodeLine& line(core::Line line) const { return line == core::Line::first ? first_ : *second_; }
+  /// When the first line's input was last lost, or where it fell silent, when it was last heard.
   core::Time input_lost_at() const { return input_lost_at_; }
   const Clock& clock() const { return clock_; }
   /// One instant for all that a batch, and what follows from it, sets off: that it came in at.
-  core::Time now() const override { return in_batch_ || pumping_ ? at_ : clock_.now(); }
+  core::Time now() const { return in_batch_ || pumping_ ? at_ : clock_.now(); }
 
   /// To be called after anything was asked of the controller. Calling it from within a handler
   /// only makes another round follow.
-  void pump() override;
+  void pump();
   void close();
   /// The links' listening sockets, in a runtime folder that was removed. @throw std::runtime_error
   void listen_again();
   /// From now on `tap`, which may be null, sees the lines; it must outlive that.
-  void set_tap(LineTap* tap) { tap_ = tap; }
+  void set_tap(LineTap* tap);
 
  private:
-  void on_slice(const wire::Slice& slice) override;
-  void on_batch_end() override;
-  void on_input_gap(std::uint32_t lost) override;
-  void on_input_up(std::uint8_t from) override;
-  void on_input_lost(std::string_view reason) override;
-  void on_stranger(std::string_view reason) override;
-  void on_output_up(std::uint8_t to) override;
-  void on_output_lost(std::string_view reason) override;
-  void on_output_refused(std::uint8_t by, std::string_view reason) override;
-  void on_output_ready() override;
+  void on_slice(core::Line line, const wire::Slice& slice) override;
+  void on_batch_end() override { pump(); }
+  void on_input_gap(core::Line line) override;
+  void on_input_up(core::Line line, wire::NodeId from) override;
+  void on_input_lost(core::Line line, std::string_view reason) override;
+  void on_output_up(core::Line line, wire::NodeId to) override;
+  void on_output_lost(core::Line line, std::string_view reason) override;
+  void on_output_ready(core::Line line) override;
+  void on_stranger(core::Line line, std::string_view reason) override;
+  void on_output_refused(core::Line line, wire::NodeId by, std::string_view reason) override;
 
-  void take(const wire::Slice& slice, core::Time now) override;
-  core::Time begin_batch() override;
-  void say(std::string_view what) override { listener_.on_link(what); }
+  void arrives(const wire::Slice& slice, core::Line on, core::Time now) override;
+  void leaves(wire::ByteView framed_slices, core::Line on, core::Time now) override;
 
+  void say(core::Line line, const std::string& what);
   void round();
-  void write(wire::SliceWriter& line);
-  void show_output();
-  void write_line();
+  void write_lines();
+  void write(core::Line line);
   void arm_timer();
 
   Clock clock_;
   EngineListener& listener_;
-  core::Controller controller_;
+  core::NetworkController controller_;
   boost::asio::steady_timer timer_;
   core::Time armed_for_ = core::kNever;
   core::Time deadline_{};
@@ -107,10 +98,8 @@ class Engine final : private link::InputHandler,
   bool pumping_ = false;
   bool again_ = false;
   bool closed_ = false;
-  link::Input input_;
-  link::Output output_;
-  FaultyLine faulty_line_;
-  std::optional<SecondLine> second_;
+  NodeLine first_;
+  std::optional<NodeLine> second_;
 };
 
 }  // namespace limb_ring::runtime

@@ -36,7 +36,7 @@ void require_own(const Fault& fault, Node& node) {
                        "line begins, one of a node or CPU at that node");
   if (word.of == Of::node && fault.name != Name::power_cycle)
     throw RequestError(std::string(word.word) + " is not for the daemon itself: 'ringctl fault' does it from outside");
-  fault::check_second_line(fault, node.engine().second_line().has_value(), node.faults().nodes());
+  fault::check_second_line(fault, node.engine().has_second_line(), node.faults().nodes());
   if (fault.name == Name::reorder && node.next().link.transport != config::LinkConfig::Transport::udp)
     throw RequestError("reorder: the line from " + node.config().name + " to " + node.next().name +
                        " is a UNIX stream, which keeps order; it needs a UDP line (transport: udp)");

@@ -97,13 +97,14 @@ bool Faults::remove(Id id, const Done& done) {
 
 void Faults::clear(const Done& done) {
   active_.clear();
-  engine_.faulty_line().clear(engine_.now());
-  auto& second = engine_.second_line();
-  if (second) second->faulty_line().clear(engine_.now());
-  mend_cpu([this, &second, done](const std::string& problem) {
+  FaultyLine& first = engine_.line(core::Line::first).faulty_line();
+  FaultyLine* second = engine_.has_second_line() ? &engine_.line(core::Line::second).faulty_line() : nullptr;
+  first.clear(engine_.now());
+  if (second != nullptr) second->clear(engine_.now());
+  mend_cpu([this, &first, second, done](const std::string& problem) {
     if (!problem.empty()) return done(problem);
-    if (!second) return wait_for(engine_.faulty_line(), done);
-    wait_for(engine_.faulty_line(), [this, &second, done](const std::string&) { wait_for(second->faulty_line(), done); });
+    if (second == nullptr) return wait_for(first, done);
+    wait_for(first, [this, second, done](const std::string&) { wait_for(*second, done); });
   });
 }
 
@@ -144,7 +145,7 @@ void Faults::cpu_booted() {
 }
 
 FaultyLine& Faults::line_of(const Fault& fault) {
-  return fault.second_line ? engine_.second_line()->faulty_line() : engine_.faulty_line();
+  return engine_.line(fault.second_line ? core::Line::second : core::Line::first).faulty_line();
 }
 
 void Faults::wait_for(const FaultyLine& line, const Done& done) {

@@ -42,7 +42,7 @@ json rate_json(const core::Settings& settings) {
 }
 
 /// What its faults do is counted with those of the first line; what is lost between its ends has names of its own.
-void add_second_line(const SecondLine& second, json& all) {
+void add_second_line(const NodeLine& second, json& all) {
   second.faulty_line().counters().each(
       [&](const char* name, const char*, std::uint64_t value) { all[name] = all[name].get<std::uint64_t>() + value; });
   link::for_each_counter(second.input().counters(), [&](const char* name, std::uint64_t value) {
@@ -57,13 +57,14 @@ json counters_json(Node& node) {
   json all = json::object();
   node.engine().controller().counters().each(
       [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
-  link::for_each_counter(node.engine().input().counters(),
+  const NodeLine& first = node.engine().line(core::Line::first);
+  link::for_each_counter(first.input().counters(),
                          [&](const char* name, std::uint64_t value) { all[std::string("input_") + name] = value; });
-  link::for_each_counter(node.engine().output().counters(),
+  link::for_each_counter(first.output().counters(),
                          [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
-  node.engine().faulty_line().counters().each(
+  first.faulty_line().counters().each(
       [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
-  if (node.engine().second_line()) add_second_line(*node.engine().second_line(), all);
+  if (node.engine().has_second_line()) add_second_line(node.engine().line(core::Line::second), all);
   const host::HostCounters& h = node.host().counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full;
   all["host_garbage"] = h.garbage + h.never_greeted;
@@ -90,9 +91,10 @@ json broken_line_json(Node& node) {
   return broken;
 }
 
-json fold_json(const SecondLine& second) {
-  return {{"input", second.fold().takes_second()},
-          {"output", second.fold().turned_back()},
+json fold_json(const Engine& engine) {
+  const NodeLine& second = engine.line(core::Line::second);
+  return {{"input", engine.controller().input_line() == core::Line::second},
+          {"output", engine.controller().output_line() == core::Line::second},
           {"second_input", second.input().up() ? "up" : "down"},
           {"second_output", second.output().up() ? "up" : "down"}};
 }
@@ -142,8 +144,8 @@ json supervisor_json(Node& node) {
 json status_row(Node& node) {
   const Engine& engine = node.engine();
   const core::Membership& membership = engine.controller().membership();
-  const auto& input = engine.input();
-  const auto& output = engine.output();
+  const auto& input = engine.line(core::Line::first).input();
+  const auto& output = engine.line(core::Line::first).output();
   json row{{"id", node.config().id},
            {"name", node.config().name},
            {"state", to_string(membership.state())},
@@ -164,7 +166,7 @@ json status_row(Node& node) {
            {"faults", node.faults().list()},
            {"counters", counters_json(node)},
            {"heard", heard_json(node)}};
-  if (engine.second_line()) row["fold"] = fold_json(*engine.second_line());
+  if (engine.has_second_line()) row["fold"] = fold_json(engine);
   if (node.supervisor()) row["supervisor"] = supervisor_json(node);
   return row;
 }

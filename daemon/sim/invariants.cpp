@@ -234,7 +234,7 @@ void Invariants::check_insertion(NodeId node) {
 
 // ---- faults ---------------------------------------------------------------------------------
 
-void Invariants::fault(NodeId node, Fault fault, Time now, Way) {
+void Invariants::fault(NodeId node, Fault fault, Time now, Line) {
   faults_ = true;
   if (fault == Fault::late_slice) {
     late_ = now;

@@ -4,7 +4,7 @@
 #include <deque>
 #include <vector>
 
-#include "core/controller.h"
+#include "core/network_controller.h"
 #include "sim/violation.h"
 
 namespace limb_ring::sim {

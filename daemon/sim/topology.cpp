@@ -22,94 +22,86 @@ int VirtualRing::previous_alive(NodeId id) const {
 
 // ---- what a node is told of its lines -----------------------------------------------------
 
-void VirtualRing::input_up(NodeId id, NodeId from, Way way) {
-  Node& n = nodes_[id];
+void VirtualRing::input_up(NodeId id, NodeId from, Line line) {
   touch(id);
-  if (way == Way::second) return n.fold->second_input_up(from);
-  n.fold ? n.fold->input_up(from, now_) : n.controller->input_up(from, now_);
+  nodes_[id].controller->input_up(line, from, now_);
 }
 
-void VirtualRing::input_lost(NodeId id, Way way) {
-  Node& n = nodes_[id];
+void VirtualRing::input_lost(NodeId id, Line line) {
   touch(id);
-  if (way == Way::second) return n.fold->second_input_lost(now_);
-  n.fold ? n.fold->input_lost(now_) : n.controller->input_lost(now_);
+  nodes_[id].controller->input_lost(line, now_);
 }
 
-void VirtualRing::output_up(NodeId id, NodeId to, Way way) {
-  Node& n = nodes_[id];
+void VirtualRing::output_up(NodeId id, NodeId to, Line line) {
   touch(id);
-  if (way == Way::second) return n.fold->second_output_up(now_);
-  n.fold ? n.fold->output_up(to, now_) : n.controller->output_up(to, now_);
+  nodes_[id].controller->output_up(line, to, now_);
 }
 
-void VirtualRing::output_lost(NodeId id, Way way) {
-  Node& n = nodes_[id];
+void VirtualRing::output_lost(NodeId id, Line line) {
   touch(id);
-  if (way == Way::second) return n.fold->second_output_lost(now_);
-  n.fold ? n.fold->output_lost(now_) : n.controller->output_lost(now_);
+  nodes_[id].controller->output_lost(line, now_);
 }
 
 // ---- who is next to whom ------------------------------------------------------------------
 
-void VirtualRing::disconnect_output(NodeId id, Way way) {
-  Line& out = line(id, way);
+void VirtualRing::disconnect_output(NodeId id, Line line) {
+  Wire& out = wire_of(id, line);
   if (out.successor < 0) return;
   const auto to = static_cast<NodeId>(out.successor);
   ++out.epoch;
-  if (alive(id)) output_lost(id, way);
-  tell_fault(id, Fault::output_replaced, way);
-  if (alive(to) && line(to, way).predecessor == id) {
-    input_lost(to, way);
-    line(to, way).predecessor = -1;
+  if (alive(id)) output_lost(id, line);
+  tell_fault(id, Fault::output_replaced, line);
+  if (alive(to) && wire_of(to, line).predecessor == id) {
+    input_lost(to, line);
+    wire_of(to, line).predecessor = -1;
   }
   out.successor = -1;
 }
 
-void VirtualRing::connect(NodeId id, Way way) {
-  Line& out = line(id, way);
-  const int next = this->next(id, way);
+void VirtualRing::connect(NodeId id, Line line) {
+  Wire& out = wire_of(id, line);
+  const int next = this->next(id, line);
   if (!alive(id) || out.cut || next < 0 || next == out.successor) return;
-  disconnect_output(id, way);
+  disconnect_output(id, line);
   const auto to = static_cast<NodeId>(next);
-  const int former = line(to, way).predecessor;
-  if (former >= 0 && former != id) disconnect_output(static_cast<NodeId>(former), way);
+  const int former = wire_of(to, line).predecessor;
+  if (former >= 0 && former != id) disconnect_output(static_cast<NodeId>(former), line);
   out.successor = next;
-  line(to, way).predecessor = id;
-  input_up(to, id, way);
-  output_up(id, to, way);
+  wire_of(to, line).predecessor = id;
+  input_up(to, id, line);
+  output_up(id, to, line);
 }
 
 // The neighbours close the ring without this node.
 void VirtualRing::leave(NodeId id) {
   std::array<int, 2> before{-1, -1};
-  each_way([&](Way way) {
-    int& b = before[static_cast<std::size_t>(way)];
-    b = this->before(id, way);
-    if (b >= 0 && b != id) disconnect_output(static_cast<NodeId>(b), way);
-    disconnect_output(id, way);
-    line(id, way).predecessor = -1;
+  each_line([&](Line line) {
+    int& b = before[static_cast<std::size_t>(line)];
+    b = this->before(id, line);
+    if (b >= 0 && b != id) disconnect_output(static_cast<NodeId>(b), line);
+    disconnect_output(id, line);
+    wire_of(id, line).predecessor = -1;
   });
   wakes_.set(id, kNever);
   nodes_[id].alive = false;
-  each_way([&](Way way) {
-    const int b = before[static_cast<std::size_t>(way)];
-    if (b >= 0 && b != id) connect(static_cast<NodeId>(b), way);
+  each_line([&](Line line) {
+    const int b = before[static_cast<std::size_t>(line)];
+    if (b >= 0 && b != id) connect(static_cast<NodeId>(b), line);
   });
 }
 
 // The neighbours close the ring with this node in it.
 void VirtualRing::enter(NodeId id) {
   nodes_[id].alive = true;
-  each_way([&](Way way) {
-    const int before = this->before(id, way);
-    if (before != id) connect(static_cast<NodeId>(before), way);
-    connect(id, way);
+  each_line([&](Line line) {
+    const int before = this->before(id, line);
+    if (before != id) connect(static_cast<NodeId>(before), line);
+    connect(id, line);
   });
 }
 
-void VirtualRing::tell_fault(NodeId id, Fault fault, Way way) {
-  for (Witness* witness : witnesses_) witness->fault(id, fault, now_, way);
+void VirtualRing::tell_fault(NodeId id, Fault fault, Line line) {
+  for (Witness* witness : witnesses_) witness->fault(id, fault, now_, line);
 }
 
 void VirtualRing::kill(NodeId id) {
@@ -137,43 +129,43 @@ void VirtualRing::freeze(NodeId id) {
 void VirtualRing::thaw(NodeId id) {
   if (alive(id)) return;
   tell_fault(id, Fault::thawed);
-  each_way([&](Way way) {
-    input_lost(id, way);
-    output_lost(id, way);
+  each_line([&](Line line) {
+    input_lost(id, line);
+    output_lost(id, line);
   });
   enter(id);
 }
 
-void VirtualRing::cut(NodeId id, Way way) {
-  Line& out = line(id, way);
+void VirtualRing::cut(NodeId id, Line line) {
+  Wire& out = wire_of(id, line);
   if (out.cut) return;
-  tell_fault(id, Fault::cut, way);
+  tell_fault(id, Fault::cut, line);
   out.cut = true;
   ++out.epoch;  // what is under way is gone
-  if (out.successor >= 0) input_lost(static_cast<NodeId>(out.successor), way);
+  if (out.successor >= 0) input_lost(static_cast<NodeId>(out.successor), line);
 }
 
-void VirtualRing::heal(NodeId id, Way way) {
-  Line& out = line(id, way);
+void VirtualRing::heal(NodeId id, Line line) {
+  Wire& out = wire_of(id, line);
   if (!out.cut) return;
-  tell_fault(id, Fault::healed, way);
+  tell_fault(id, Fault::healed, line);
   out.cut = false;
   ++out.epoch;
-  if (out.successor < 0 || out.successor != next(id, way)) return connect(id, way);
-  input_up(static_cast<NodeId>(out.successor), id, way);
+  if (out.successor < 0 || out.successor != next(id, line)) return connect(id, line);
+  input_up(static_cast<NodeId>(out.successor), id, line);
 }
 
 void VirtualRing::cut_cable(NodeId id) {
   const auto after = static_cast<NodeId>((id + 1) % size());
   cut(id);
-  cut(after, Way::second);
-  if (line(id).successor == after && alive(id)) disconnect_output(id, Way::first);
-  if (line(after, Way::second).successor == id && alive(after)) disconnect_output(after, Way::second);
+  cut(after, Line::second);
+  if (wire_of(id).successor == after && alive(id)) disconnect_output(id, Line::first);
+  if (wire_of(after, Line::second).successor == id && alive(after)) disconnect_output(after, Line::second);
 }
 
 void VirtualRing::heal_cable(NodeId id) {
   heal(id);
-  heal(static_cast<NodeId>((id + 1) % size()), Way::second);
+  heal(static_cast<NodeId>((id + 1) % size()), Line::second);
 }
 
 }  // namespace limb_ring::sim

@@ -74,6 +74,6 @@ void Trace::packet(NodeId node, const core::ReceivedPacket& packet) {
   record(packet.at, node, "received", packet.source, packet.size, wire::crc32(packet.bytes()));
 }
 
-void Trace::fault(NodeId node, Fault fault, Time now, Way) { record(now, node, to_string(fault), 0, 0, 0); }
+void Trace::fault(NodeId node, Fault fault, Time now, Line) { record(now, node, to_string(fault), 0, 0, 0); }
 
 }  // namespace limb_ring::sim

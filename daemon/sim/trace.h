@@ -23,7 +23,7 @@ class Trace : public Witness {
   void leaves(NodeId node, const wire::Slice& slice, Time now) override;
   void event(NodeId node, const core::Event& event) override;
   void packet(NodeId node, const core::ReceivedPacket& packet) override;
-  void fault(NodeId node, Fault fault, Time now, Way way) override;
+  void fault(NodeId node, Fault fault, Time now, Line line) override;
 
  private:
   void record(Time now, NodeId node, const char* what, std::uint64_t a, std::uint64_t b, std::uint64_t c);

@@ -18,17 +18,21 @@ VirtualRing::VirtualRing(const VirtualRingOptions& options)
   if (!options.start) return;
   for (unsigned id = 0; id < options.nodes; ++id) {
     node(static_cast<NodeId>(id)).set_cpu_present(true);
-    each_way([&](Way way) { connect(static_cast<NodeId>(id), way); });
+    each_line([&](Line line) { connect(static_cast<NodeId>(id), line); });
   }
 }
 
 void VirtualRing::make_node(NodeId id) {
   Node& n = nodes_[id];
-  n.fold.reset();
-  n.controller = std::make_unique<Controller>(settings_of(id));
-  if (!n.controller->settings().fold_back) return;
-  n.gate = std::make_unique<Gate>(*this, id);
-  n.fold = std::make_unique<core::FoldBack>(*n.controller, *n.gate, now_);
+  n.controller = std::make_unique<NetworkController>(settings_of(id), now_);
+  n.eye = std::make_unique<Eye>(*this, id);
+  if (!witnesses_.empty()) n.controller->set_tap(n.eye.get());
+}
+
+// Without a witness nobody looks, at no cost.
+void VirtualRing::add_witness(Witness& witness) {
+  witnesses_.push_back(&witness);
+  for (Node& n : nodes_) n.controller->set_tap(n.eye.get());
 }
 
 core::Settings VirtualRing::settings_of(NodeId id) const {
@@ -148,31 +152,21 @@ void VirtualRing::act() {
 
 void VirtualRing::deliver(const Lane::Arrival& arrival) {
   Node& to = nodes_[arrival.to];
-  const Way way = arrival.second ? Way::second : Way::first;
-  if (!to.alive || line(arrival.from, way).epoch != arrival.epoch) return;
+  const Line line = arrival.second ? Line::second : Line::first;
+  if (!to.alive || wire_of(arrival.from, line).epoch != arrival.epoch) return;
   wire::ByteView rest = arrival.slices.view();
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
-    if (!to.fold)
-      hand_in(arrival.to, parse.slice, now_);
-    else if (way == Way::first)
-      to.fold->receive(parse.slice, now_);
-    else
-      to.fold->receive_second(parse.slice, now_);
+    to.controller->receive(line, parse.slice, now_);
     rest = rest.from(parse.consumed);
   }
   // Where the line takes time, most of what comes in has to wait for its turn: then there is nothing
   // to be done but to say when.
-  if (to.fold || to.controller->settings().byte_time_in.count() == 0) return touch(arrival.to);
-  const Time deadline = to.controller->next_deadline(now_);
+  NetworkController& controller = *to.controller;
+  if (controller.has_second_line() || controller.settings().byte_time_in.count() == 0) return touch(arrival.to);
+  const Time deadline = controller.next_deadline(now_);
   if (deadline <= now_) return touch(arrival.to);
   wakes_.set(arrival.to, deadline);
-}
-
-void VirtualRing::hand_in(NodeId id, const Slice& slice, Time now) {
-  for (Witness* witness : witnesses_) witness->arrives(id, slice, now);
-  nodes_[id].controller->receive(slice, now);
-  for (Witness* witness : witnesses_) witness->has_arrived(id, slice, now);
 }
 
 void VirtualRing::settle_touched() {
@@ -183,52 +177,43 @@ void VirtualRing::settle_touched() {
 }
 
 void VirtualRing::settle(NodeId id) {
-  Controller& controller = *nodes_[id].controller;
-  core::FoldBack* fold = nodes_[id].fold.get();
+  NetworkController& controller = *nodes_[id].controller;
   controller.handle_timeout(now_);
-  if (fold) fold->handle_timeout(now_);
   controller.run(now_);
   carry_line(id);
   if (controller.has_output(now_)) give_out(id);
-  Time deadline = controller.next_deadline(now_);
-  if (fold) deadline = std::min(deadline, fold->deadline());
+  const Time deadline = controller.next_deadline(now_);
   wakes_.set(id, deadline == kNever ? kNever : std::max(deadline, now_));
 }
 
 void VirtualRing::carry_line(NodeId id) {
-  Node& from = nodes_[id];
-  if (!from.controller->line().empty()) tell_leaving(id, from.controller->line().view());
-  if (!from.fold) return put_on_line(id, Way::first, from.controller->line());
-  from.fold->carry(now_);
-  put_on_line(id, Way::first, from.fold->line());
-  put_on_line(id, Way::second, from.fold->second_line());
+  for (const Line line : {Line::first, Line::second}) put_on_line(id, line, nodes_[id].controller->output(line));
 }
 
-void VirtualRing::put_on_line(NodeId id, Way way, SliceWriter& slices) {
+void VirtualRing::put_on_line(NodeId id, Line line, SliceWriter& slices) {
   if (slices.empty()) return;
   SliceWriter* arriving = &slices;
-  if (line(id, way).tap) {
-    pass_through_tap(id, way, slices);
+  if (wire_of(id, line).tap) {
+    pass_through_tap(id, line, slices);
     slices.clear();
     arriving = &tapped_;
   }
-  carry_off(id, way, *arriving);
+  carry_off(id, line, *arriving);
 }
 
-void VirtualRing::carry_off(NodeId id, Way way, SliceWriter& slices) {
-  const Line& out = line(id, way);
+void VirtualRing::carry_off(NodeId id, Line line, SliceWriter& slices) {
+  const Wire& out = wire_of(id, line);
   if (slices.empty() || out.cut || out.successor < 0) return slices.clear();
   const auto to = static_cast<NodeId>(out.successor);
-  lanes_[nodes_[to].lane].put(now_, id, to, out.epoch, way == Way::second, slices);
+  lanes_[nodes_[to].lane].put(now_, id, to, out.epoch, line == Line::second, slices);
 }
 
-void VirtualRing::put_late(NodeId id, SliceWriter& slices, Way way) {
-  tell_fault(id, Fault::late_slice, way);
-  carry_off(id, way, slices);
+void VirtualRing::put_late(NodeId id, SliceWriter& slices, Line line) {
+  tell_fault(id, Fault::late_slice, line);
+  carry_off(id, line, slices);
 }
 
 void VirtualRing::tell_leaving(NodeId id, wire::ByteView rest) {
-  if (witnesses_.empty()) return;
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
     for (Witness* witness : witnesses_) witness->leaves(id, parse.slice, now_);
@@ -236,27 +221,27 @@ void VirtualRing::tell_leaving(NodeId id, wire::ByteView rest) {
   }
 }
 
-void VirtualRing::pass_through_tap(NodeId id, Way way, SliceWriter& slices) {
+void VirtualRing::pass_through_tap(NodeId id, Line line, SliceWriter& slices) {
   wire::ByteView rest = slices.view();
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
     const std::size_t before = tapped_.view().size;
-    line(id, way).tap(parse.slice, now_, tapped_);
-    if (!witnesses_.empty()) tell_tapped(id, way, parse.slice, before);
+    wire_of(id, line).tap(parse.slice, now_, tapped_);
+    if (!witnesses_.empty()) tell_tapped(id, line, parse.slice, before);
     rest = rest.from(parse.consumed);
   }
 }
 
-void VirtualRing::tell_tapped(NodeId id, Way way, const wire::Slice& slice, std::size_t before) {
+void VirtualRing::tell_tapped(NodeId id, Line line, const wire::Slice& slice, std::size_t before) {
   const wire::ByteView put = tapped_.view().from(before);
-  if (put.empty()) return tell_fault(id, Fault::lost_slice, way);
+  if (put.empty()) return tell_fault(id, Fault::lost_slice, line);
   const wire::ByteView bytes = put.from(wire::kSliceHeaderSize);
   const bool same = bytes.size == slice.bytes.size && std::equal(bytes.begin(), bytes.end(), slice.bytes.begin());
-  if (!same) tell_fault(id, Fault::damaged_slice, way);
+  if (!same) tell_fault(id, Fault::damaged_slice, line);
 }
 
 void VirtualRing::give_out(NodeId id) {
-  Controller& controller = *nodes_[id].controller;
+  NetworkController& controller = *nodes_[id].controller;
   core::Event event;
   while (controller.take_event(now_, event)) {
     for (Witness* witness : witnesses_) witness->event(id, event);

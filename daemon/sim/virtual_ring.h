@@ -5,8 +5,7 @@
 #include <queue>
 #include <vector>
 
-#include "core/controller.h"
-#include "core/fold_back.h"
+#include "core/network_controller.h"
 #include "sim/lane.h"
 #include "sim/node_set.h"
 #include "sim/wake_times.h"
@@ -14,7 +13,7 @@
 
 namespace limb_ring::sim {
 
-using core::Controller;
+using core::NetworkController;
 
 struct VirtualRingOptions {
   unsigned nodes = 4;                                ///< 1 to 255; their ids are 0, 1, 2 ...
@@ -41,7 +40,7 @@ class VirtualRing {
 
   Time now() const { return now_; }
   /// The node is given the line, and its events are taken, before time goes on.
-  Controller& node(NodeId id) {
+  NetworkController& node(NodeId id) {
     touch(id);
     return *nodes_[id].controller;
   }
@@ -86,8 +85,8 @@ class VirtualRing {
   void thaw(NodeId id);
   /// A wire out of node `id`: cut, whole again. The node behind learns of it at once, the one
   /// before it does not. @pre the ring folds back, for the second
-  void cut(NodeId id, Way way = Way::first);
-  void heal(NodeId id, Way way = Way::first);
+  void cut(NodeId id, Line line = Line::first);
+  void heal(NodeId id, Line line = Line::first);
   /// Where the ring folds back: the cable between `id` and the node after it, which is a wire of each
   /// line, and of which both ends learn at once.
   void cut_cable(NodeId id);
@@ -96,14 +95,14 @@ class VirtualRing {
   /// Sees every slice that leaves node `id` on that line and may change what arrives: put what shall arrive
   /// into `arriving` (empty: lost).
   using Tap = std::function<void(const wire::Slice& slice, Time now, wire::SliceWriter& arriving)>;
-  void tap(NodeId id, Tap tap, Way way = Way::first) { line(id, way).tap = std::move(tap); }
+  void tap(NodeId id, Tap tap, Line line = Line::first) { wire_of(id, line).tap = std::move(tap); }
   /// What a tap has held back goes onto the line out of `id` now; leaves `slices` empty.
-  void put_late(NodeId id, wire::SliceWriter& slices, Way way = Way::first);
+  void put_late(NodeId id, wire::SliceWriter& slices, Line line = Line::first);
   /// Told of everything from now on; must outlive the ring.
-  void add_witness(Witness& witness) { witnesses_.push_back(&witness); }
+  void add_witness(Witness& witness);
   /// Tells the witnesses that a tap lost or damaged something on the line out of `id`, or that its
   /// CPU was reset or had its sends cancelled.
-  void tell_fault(NodeId id, Fault fault, Way way = Way::first);
+  void tell_fault(NodeId id, Fault fault, Line line = Line::first);
   /// Called for each event and packet as it comes out of a node; may send.
   std::function<void(NodeId, const core::Event&)> on_event = [](NodeId, const core::Event&) {};
   std::function<void(NodeId, const core::ReceivedPacket&)> on_packet = [](NodeId, const core::ReceivedPacket&) {};
@@ -111,27 +110,32 @@ class VirtualRing {
   std::vector<bool> cpu_reads;
 
  private:
-  /// The line out of a node, and who sends into it.
-  struct Line {
+  /// The wire of a line out of a node, and who sends into it.
+  struct Wire {
     bool cut = false;
     int successor = -1;
     int predecessor = -1;
     std::uint64_t epoch = 0;     ///< bytes under way on a line that was replaced are lost
     Tap tap;
   };
-  /// Hands on what a node's fold lets in.
-  struct Gate final : core::FoldBack::Receiver {
-    Gate(VirtualRing& in, NodeId at) : ring(in), node(at) {}
-    void take(const wire::Slice& slice, Time now) override { ring.hand_in(node, slice, now); }
+  /// Tells the witnesses what reaches and leaves a node's blocks.
+  struct Eye final : NetworkController::Tap {
+    Eye(VirtualRing& in, NodeId at) : ring(in), node(at) {}
+    void arrives(const wire::Slice& slice, Line, Time now) override {
+      for (Witness* witness : ring.witnesses_) witness->arrives(node, slice, now);
+    }
+    void has_arrived(const wire::Slice& slice, Line, Time now) override {
+      for (Witness* witness : ring.witnesses_) witness->has_arrived(node, slice, now);
+    }
+    void leaves(wire::ByteView slices, Line, Time) override { ring.tell_leaving(node, slices); }
     VirtualRing& ring;
     NodeId node;
   };
   struct Node {
-    std::unique_ptr<Controller> controller;
-    std::unique_ptr<Gate> gate;
-    std::unique_ptr<core::FoldBack> fold;  ///< where there is a second line
+    std::unique_ptr<NetworkController> controller;
+    std::unique_ptr<Eye> eye;
     bool alive = false;
-    std::array<Line, 2> lines;
+    std::array<Wire, 2> lines;
     std::uint64_t lives = 0;
     std::uint32_t next_token = 1;
     std::size_t lane = 0;          ///< of the line into it
@@ -148,20 +152,20 @@ class VirtualRing {
 
   core::Settings settings_of(NodeId id) const;
   void make_node(NodeId id);
-  Line& line(NodeId id, Way way = Way::first) { return nodes_[id].lines[static_cast<std::size_t>(way)]; }
-  int next(NodeId id, Way way) const { return way == Way::first ? next_alive(id) : previous_alive(id); }
-  int before(NodeId id, Way way) const { return way == Way::first ? previous_alive(id) : next_alive(id); }
+  Wire& wire_of(NodeId id, Line line = Line::first) { return nodes_[id].lines[static_cast<std::size_t>(line)]; }
+  int next(NodeId id, Line line) const { return line == Line::first ? next_alive(id) : previous_alive(id); }
+  int before(NodeId id, Line line) const { return line == Line::first ? previous_alive(id) : next_alive(id); }
   template <class Each>
-  void each_way(Each each) const {
-    each(Way::first);
-    if (nodes_.front().fold) each(Way::second);
+  void each_line(Each each) const {
+    each(Line::first);
+    if (nodes_.front().controller->has_second_line()) each(Line::second);
   }
-  void connect(NodeId id, Way way);
-  void disconnect_output(NodeId id, Way way);
-  void input_up(NodeId id, NodeId from, Way way);
-  void input_lost(NodeId id, Way way);
-  void output_up(NodeId id, NodeId to, Way way);
-  void output_lost(NodeId id, Way way);
+  void connect(NodeId id, Line line);
+  void disconnect_output(NodeId id, Line line);
+  void input_up(NodeId id, NodeId from, Line line);
+  void input_lost(NodeId id, Line line);
+  void output_up(NodeId id, NodeId to, Line line);
+  void output_lost(NodeId id, Line line);
   void leave(NodeId id);
   void enter(NodeId id);
   int next_alive(NodeId id) const;
@@ -172,15 +176,14 @@ class VirtualRing {
   void step();
   void act();
   void deliver(const Lane::Arrival& arrival);
-  void hand_in(NodeId id, const wire::Slice& slice, Time now);
   void settle_touched();
   void settle(NodeId id);
   void carry_line(NodeId id);
-  void put_on_line(NodeId id, Way way, wire::SliceWriter& slices);
-  void carry_off(NodeId id, Way way, wire::SliceWriter& slices);
+  void put_on_line(NodeId id, Line line, wire::SliceWriter& slices);
+  void carry_off(NodeId id, Line line, wire::SliceWriter& slices);
   void tell_leaving(NodeId id, wire::ByteView slices);
-  void tell_tapped(NodeId id, Way way, const wire::Slice& slice, std::size_t before);
-  void pass_through_tap(NodeId id, Way way, wire::SliceWriter& slices);
+  void tell_tapped(NodeId id, Line line, const wire::Slice& slice, std::size_t before);
+  void pass_through_tap(NodeId id, Line line, wire::SliceWriter& slices);
   void give_out(NodeId id);
 
   VirtualRingOptions options_;

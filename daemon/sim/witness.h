@@ -1,14 +1,12 @@
 #pragma once
 
-#include "core/controller.h"
+#include "core/network_controller.h"
 
 namespace limb_ring::sim {
 
+using core::Line;
 using core::Time;
 using wire::NodeId;
-
-/// A line of a ring, or the second one of a ring that folds back, which runs against the first.
-enum class Way : std::uint8_t { first, second };
 
 /// What happens to a node or to a line out of it.
 enum class Fault : std::uint8_t {
@@ -35,7 +33,7 @@ class Witness {
   virtual void event(NodeId, const core::Event&) {}
   virtual void packet(NodeId, const core::ReceivedPacket&) {}
   /// A fault, or its end: what the ring promises is weaker for a while. Of a line, the one it is on.
-  virtual void fault(NodeId, Fault, Time, Way) {}
+  virtual void fault(NodeId, Fault, Time, Line) {}
 };
 
 }  // namespace limb_ring::sim

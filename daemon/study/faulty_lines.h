@@ -24,28 +24,28 @@ class FaultyLines : public sim::Witness {
   void mend_all();
 
   /// For a tap of the caller's own: what comes out of the line now.
-  void pass(wire::NodeId id, sim::Way way, const wire::Slice& slice, wire::SliceWriter& arriving);
-  void fault(wire::NodeId id, sim::Fault fault, core::Time now, sim::Way way) override;
+  void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
+  void fault(wire::NodeId id, sim::Fault fault, core::Time now, core::Line line) override;
 
  private:
-  struct Line {
-    Line(std::uint64_t seed, core::Duration byte_time) : faults(seed, byte_time) {}
+  struct Wire {
+    Wire(std::uint64_t seed, core::Duration byte_time) : faults(seed, byte_time) {}
     fault::LineFaults faults;
     bool cut = false;                ///< by a fault
     core::Time wake = core::kNever;  ///< next look
   };
-  Line& line(wire::NodeId id, sim::Way way) { return lines_[static_cast<std::size_t>(way)][id]; }
+  Wire& wire_of(wire::NodeId id, core::Line line) { return lines_[static_cast<std::size_t>(line)][id]; }
   template <class Each>
   void each_line(Each each) const {
-    for (const sim::Way way : {sim::Way::first, sim::Way::second})
-      for (std::size_t id = 0; id < lines_[static_cast<std::size_t>(way)].size(); ++id)
-        each(static_cast<wire::NodeId>(id), way);
+    for (const core::Line line : {core::Line::first, core::Line::second})
+      for (std::size_t id = 0; id < lines_[static_cast<std::size_t>(line)].size(); ++id)
+        each(static_cast<wire::NodeId>(id), line);
   }
-  void look(wire::NodeId id, sim::Way way);
-  void look_later(wire::NodeId id, sim::Way way);
+  void look(wire::NodeId id, core::Line line);
+  void look_later(wire::NodeId id, core::Line line);
 
   sim::VirtualRing& ring_;
-  std::array<std::deque<Line>, 2> lines_;  ///< out of each node, by Way; no second ones without fold-back
+  std::array<std::deque<Wire>, 2> lines_;  ///< out of each node, by Line; no second ones without fold-back
   wire::SliceWriter late_;
 };
 

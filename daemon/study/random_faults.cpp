@@ -5,7 +5,8 @@
 namespace limb_ring::study {
 
 using core::Duration;
-using sim::Way;
+using core::Line;
+
 using wire::NodeId;
 using namespace std::chrono_literals;
 
@@ -68,23 +69,23 @@ void RandomFaults::make_ring() {
   ring_->on_event = [this](NodeId, const core::Event& event) {
     if (const auto* end = std::get_if<core::SendEnded>(&event.what)) ++ended_[static_cast<std::size_t>(end->outcome)];
   };
-  tap_all(Way::first);
-  if (fold_back_) tap_all(Way::second);
+  tap_all(Line::first);
+  if (fold_back_) tap_all(Line::second);
 }
 
-void RandomFaults::tap_all(Way way) {
+void RandomFaults::tap_all(Line line) {
   for (unsigned node = 0; node < nodes_; ++node) {
     const auto id = static_cast<NodeId>(node);
-    const auto tap = [this, id, way](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
-      pass(id, way, slice, arriving);
+    const auto tap = [this, id, line](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
+      pass(id, line, slice, arriving);
     };
-    ring_->tap(id, tap, way);
+    ring_->tap(id, tap, line);
   }
 }
 
 // ---- lines ----------------------------------------------------------------------------------
 
-void RandomFaults::pass(NodeId id, Way way, const wire::Slice& slice, wire::SliceWriter& arriving) {
+void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
   if (quiet_) {
     const bool control = slice.kind != wire::SliceKind::interrupt && slice.bytes.size >= 13 &&
                          slice.bytes[slice.bytes.size - 5] >> 2 == 1;
@@ -92,11 +93,11 @@ void RandomFaults::pass(NodeId id, Way way, const wire::Slice& slice, wire::Slic
     if (!control && !part) ++slices_when_quiet_;
   }
   if (!quiet_ && once_in(drop_)) return;
-  if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, way, slice, arriving);
+  if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, line, slice, arriving);
   std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
   std::copy(slice.bytes.begin(), slice.bytes.end(), bytes.begin());
   bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1 + random(255));
-  lines_->pass(id, way, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
+  lines_->pass(id, line, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
 }
 
 // ---- what happens ---------------------------------------------------------------------------
@@ -186,7 +187,7 @@ void RandomFaults::line_fault(NodeId node) {
 
 void RandomFaults::cut(NodeId node) {
   if (!fold_back_ || once_in(3)) return ring_->cut(node);
-  once_in(4) ? ring_->cut(static_cast<NodeId>((node + 1) % nodes_), Way::second) : ring_->cut_cable(node);
+  once_in(4) ? ring_->cut(static_cast<NodeId>((node + 1) % nodes_), Line::second) : ring_->cut_cable(node);
 }
 
 void RandomFaults::heal(NodeId node) { fold_back_ ? ring_->heal_cable(node) : ring_->heal(node); }

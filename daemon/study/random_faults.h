@@ -44,8 +44,8 @@ class RandomFaults {
 
   void choose_mix(FoldBack fold_back);
   void make_ring();
-  void tap_all(sim::Way way);
-  void pass(wire::NodeId id, sim::Way way, const wire::Slice& slice, wire::SliceWriter& arriving);
+  void tap_all(core::Line line);
+  void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
   void act();
   void send();
   void interrupt();

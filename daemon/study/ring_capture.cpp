@@ -71,7 +71,7 @@ void RingCapture::event(wire::NodeId node, const core::Event& event) {
   if (!what.empty()) writer_.event(in_ns(event.at).count(), node, what);
 }
 
-void RingCapture::fault(wire::NodeId node, sim::Fault fault, core::Time now, sim::Way) {
+void RingCapture::fault(wire::NodeId node, sim::Fault fault, core::Time now, core::Line) {
   writer_.event(in_ns(now).count(), node, to_string(fault));
 }
 

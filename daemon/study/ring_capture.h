@@ -23,7 +23,7 @@ class RingCapture : public sim::Witness {
   void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void event(wire::NodeId node, const core::Event& event) override;
-  void fault(wire::NodeId node, sim::Fault fault, core::Time now, sim::Way way) override;
+  void fault(wire::NodeId node, sim::Fault fault, core::Time now, core::Line line) override;
 
  private:
   wire::NodeId upstream(wire::NodeId node) const;

@@ -43,6 +43,18 @@ std::uint8_t* SliceWriter::put_space(SliceKind kind, std::size_t size) {
   return p + kSliceHeaderSize;
 }
 
+void SliceWriter::take(SliceWriter& other) {
+  if (size_ == 0) {
+    swap(other);
+  } else if (!other.empty()) {
+    const std::size_t at = size_;
+    size_ += other.size_;
+    if (buffer_.size() < size_) buffer_.resize(2 * size_);
+    std::memcpy(buffer_.data() + at, other.buffer_.data(), other.size_);
+  }
+  other.clear();
+}
+
 void SliceWriter::put(SliceKind kind, ByteView bytes) {
   std::uint8_t* p = put_space(kind, bytes.size);
   if (!bytes.empty()) std::memcpy(p, bytes.data, bytes.size);

@@ -55,6 +55,8 @@ class SliceWriter {
   ByteView view() const { return {buffer_.data(), size_}; }
   bool empty() const { return size_ == 0; }
   void clear() { size_ = 0; }
+  /// Adds all of `other` behind what is there; leaves `other` empty.
+  void take(SliceWriter& other);
   void swap(SliceWriter& other) {
     buffer_.swap(other.buffer_);
     std::swap(size_, other.size_);

@@ -242,7 +242,7 @@ TEST_F(FoldBackTest, AHearsThatIsLostIsSaidAgain) {
     if (word && word->mark == wire::FoldMark::hears && !lost) return void(lost = true);
     arriving.put(slice.kind, slice.bytes);
   };
-  ring.tap(4, lose_one, sim::Way::second);
+  ring.tap(4, lose_one, core::Line::second);
   ring.cut(3);
   ring.run_for(1us);
   ring.heal(3);
@@ -268,20 +268,21 @@ TEST_F(FoldBackTest, ADamagedWordIsNotRepeated) {
     arriving.put(slice.kind, slice.bytes);
   };
   const auto discarded = ring.counters(1).fold_discarded;
-  ring.tap(2, damage, sim::Way::second);
-  ring.tap(1, look, sim::Way::second);
+  ring.tap(2, damage, core::Line::second);
+  ring.tap(1, look, core::Line::second);
   ring.run_for(30ms);
   EXPECT_GE(damaged, 2u);
   EXPECT_EQ(repeated, 0u);
   EXPECT_EQ(ring.counters(1).fold_discarded, discarded + damaged);
-  ring.tap(2, nullptr, sim::Way::second);
+  ring.tap(2, nullptr, core::Line::second);
   ring.run_for(100ms);
   expect_all(NodeState::folded);
   expect_all_reach_all();
 }
 
-/// Node 4 of the ring with its four lines in the hands of the test.
-struct LoneFold : testing::Test, FoldBack::Receiver {
+/// A node of a ring of 8 with its four lines in the hands of the test.
+struct LoneFold : testing::Test {
+  NetworkController node{settings(), Time{}};
   static Settings settings() {
     Settings s;
     s.id = 4;
@@ -290,95 +291,79 @@ struct LoneFold : testing::Test, FoldBack::Receiver {
     s.wired.fill(true);
     return s;
   }
-  Controller controller{settings()};
-  FoldBack fold{controller, *this, Time{}};
-  void take(const wire::Slice& slice, Time now) override { controller.receive(slice, now); }
   void SetUp() override {
-    fold.input_up(3, Time{});
-    fold.output_up(5, Time{});
-    fold.second_input_up(5);
-    fold.second_output_up(Time{});
-    fold.second_line().clear();
+    node.input_up(Line::first, 3, Time{});
+    node.output_up(Line::first, 5, Time{});
+    node.input_up(Line::second, 5, Time{});
+    node.output_up(Line::second, 3, Time{});
+    second().clear();
   }
-  void hear(wire::FoldMark mark, NodeId node) {
+  wire::SliceWriter& second() { return node.output(Line::second); }
+  void hear(wire::FoldMark mark, NodeId from) {
     wire::SliceWriter word;
-    wire::put(word, {mark, node});
-    fold.receive_second(wire::parse_slice(word.view()).slice, Time{});
+    wire::put(word, {mark, from});
+    node.receive(Line::second, wire::parse_slice(word.view()).slice, Time{});
   }
-  static wire::InterruptBytes interrupt(std::uint8_t sequence, std::uint8_t hop) {
-    return wire::encode(wire::InterruptPacket{{true, 0, sequence}, hop, 1, wire::kFbcUntaken, wire::kBroadcast, 0});
-  }
-  static wire::Slice slice_of(const wire::InterruptBytes& bytes) {
-    return {wire::SliceKind::interrupt, {bytes.data(), bytes.size()}};
+  void receive_interrupt(Line line, std::uint8_t sequence, std::uint8_t hop) {
+    const auto bytes =
+        wire::encode(wire::InterruptPacket{{true, 0, sequence}, hop, 1, wire::kFbcUntaken, wire::kBroadcast, 0});
+    node.receive(line, {wire::SliceKind::interrupt, {bytes.data(), bytes.size()}}, Time{});
   }
 };
 
 // Its own node would take it off; that one is dead, and bypassed by this one's input.
 TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
-  fold.second_input_up(7);
+  node.input_up(Line::second, 7, Time{});
   hear(wire::FoldMark::begin, 6);
-  EXPECT_TRUE(fold.second_line().empty());
-  const auto packet = interrupt(0, 2);
-  fold.receive_second(slice_of(packet), Time{});
-  EXPECT_TRUE(fold.second_line().empty()) << "nor does what follows it go round";
+  EXPECT_TRUE(second().empty());
+  receive_interrupt(Line::second, 0, 2);
+  EXPECT_TRUE(second().empty()) << "nor does what follows it go round";
   hear(wire::FoldMark::begin, 0);
-  EXPECT_FALSE(fold.second_line().empty());
+  EXPECT_FALSE(second().empty());
 }
 
 TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
   hear(wire::FoldMark::begin, 200);
-  EXPECT_TRUE(fold.second_line().empty());
-  EXPECT_EQ(controller.counters().fold_discarded, 1u);
+  EXPECT_TRUE(second().empty());
+  EXPECT_EQ(node.counters().fold_discarded, 1u);
 }
 
 // It passed here before the line behind it broke, was turned back at node 6, and is on its way back when the line
 // before this node breaks too.
 TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
   hear(wire::FoldMark::begin, 6);
-  const auto first = interrupt(0, 2), second = interrupt(1, 2);
-  fold.receive(slice_of(first), Time{});
-  fold.receive(slice_of(second), Time{});
-  EXPECT_EQ(controller.counters().pins_pulled, 2u);
-  fold.input_lost(Time{});
-  const auto again = interrupt(0, 5);
-  fold.receive_second(slice_of(again), Time{});
-  EXPECT_EQ(controller.counters().pins_pulled, 2u);
-  EXPECT_EQ(controller.counters().orphans_cut_off, 1u);
+  receive_interrupt(Line::first, 0, 2);
+  receive_interrupt(Line::first, 1, 2);
+  EXPECT_EQ(node.counters().pins_pulled, 2u);
+  node.input_lost(Line::first, Time{});
+  receive_interrupt(Line::second, 0, 5);
+  EXPECT_EQ(node.counters().pins_pulled, 2u);
+  EXPECT_EQ(node.counters().orphans_cut_off, 1u);
 }
 
 // As much as 254 nodes have under way, and no more, should packets ever go round where nobody strips.
-TEST_F(FoldBackTest, WhatWaitsToBeRepeatedHasALimit) {
-  struct Nobody final : FoldBack::Receiver {
-    void take(const wire::Slice&, Time) override {}
-  } nobody;
-  Controller controller(ring.node(1).settings());
-  FoldBack fold(controller, nobody, Time{});
-  fold.input_up(0, Time{});
-  fold.output_up(2, Time{});
-  fold.second_output_up(Time{});
-  wire::SliceWriter word;
-  wire::put(word, {wire::FoldMark::begin, 3});
-  fold.receive_second(wire::parse_slice(word.view()).slice, Time{});
+TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
+  hear(wire::FoldMark::begin, 6);
   const std::vector<std::uint8_t> packet(wire::kMaxDataPacketSize, 0x55);
   const wire::Slice slice{wire::SliceKind::whole, {packet.data(), packet.size()}};
   constexpr std::size_t kLap = 254 * wire::kMaxDataPacketSize;
   std::size_t given = 0;
-  for (; given < kLap; given += packet.size()) fold.receive_second(slice, Time{});
-  EXPECT_EQ(controller.counters().fold_discarded, 0u);
-  for (; given < 4 * kLap; given += packet.size()) fold.receive_second(slice, Time{});
-  EXPECT_GT(controller.counters().fold_discarded, 0u);
-  EXPECT_LE(fold.second_line().view().size, 257u * 1024);
+  for (; given < kLap; given += packet.size()) node.receive(Line::second, slice, Time{});
+  EXPECT_EQ(node.counters().fold_discarded, 0u);
+  for (; given < 4 * kLap; given += packet.size()) node.receive(Line::second, slice, Time{});
+  EXPECT_GT(node.counters().fold_discarded, 0u);
+  EXPECT_LE(second().view().size, 257u * 1024);
 }
 
 // Both lines broken on one side, the first on another: nothing leads back, as without a second line.
 TEST_F(FoldBackTest, WithTheSecondLineBrokenElsewhereTheRingIsAnOpenChain) {
-  ring.cut(7, sim::Way::second);
+  ring.cut(7, core::Line::second);
   ring.run_for(30ms);
   expect_all(NodeState::up);
   ring.cut(2);
   ring.run_for(100ms);
   EXPECT_EQ(membership(3).state(), NodeState::open_chain);
-  ring.heal(7, sim::Way::second);
+  ring.heal(7, core::Line::second);
   ring.run_for(100ms);
   expect_all(NodeState::folded);
   ring.heal(2);

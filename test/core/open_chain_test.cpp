@@ -162,7 +162,7 @@ TEST_F(OpenChain, NodeBehindTheBreakMayRestart) {
 
 TEST_F(OpenChain, NodeBeforeABreakItNoticesIsInTheChainToo) {
   cut();
-  ring.node(2).output_lost(ring.now());
+  ring.node(2).output_lost(Line::first, ring.now());
   ring.run_for(300ms);
   EXPECT_EQ(membership(2).state(), NodeState::open_chain);
   EXPECT_EQ(outcome_of(ring, 2, ring.send(2, 4, text("a"))).reject, Reject::no_way_out);
@@ -171,11 +171,11 @@ TEST_F(OpenChain, NodeBeforeABreakItNoticesIsInTheChainToo) {
 // The output is back, the input is not: what is lost is not this node's place but the line to it.
 TEST_F(OpenChain, NodeThatLostBothLinksAndGotOneBackIsInTheChain) {
   ring.cut(2);
-  ring.node(3).output_lost(ring.now());
+  ring.node(3).output_lost(Line::first, ring.now());
   ASSERT_EQ(membership(3).state(), NodeState::starting);
   ring.run_for(1s);
   EXPECT_EQ(membership(3).state(), NodeState::starting) << "no break is known while no line is there";
-  ring.node(3).output_up(4, ring.now());
+  ring.node(3).output_up(Line::first, 4, ring.now());
   ring.run_for(300ms);
   EXPECT_EQ(membership(3).state(), NodeState::open_chain);
   EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 5, text("a"))).outcome, Outcome::unconfirmed);

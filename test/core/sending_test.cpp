@@ -103,9 +103,9 @@ TEST_F(Sending, EveryTryLostEndsLost) {
 }
 
 TEST_F(Sending, ThatCannotGetOntoTheLineIsRejectedInTime) {
-  ring.node(0).set_output_ready(false);
+  ring.node(0).set_output_ready(Line::first, false);
   EXPECT_THAT(send(0, 1, text("a")), rejected(Reject::no_way_out));
-  ring.node(0).set_output_ready(true);
+  ring.node(0).set_output_ready(Line::first, true);
   EXPECT_EQ(send(0, 1, text("b")).outcome, Outcome::delivered);
   EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("b")));
 }

@@ -21,7 +21,7 @@ class SoloNode {
     node_.output_up(2, now_);
   }
 
-  Controller& node() { return node_; }
+  Blocks& node() { return node_; }
   const Counters& counters() const { return node_.counters(); }
   Time now() const { return now_; }
 
@@ -106,7 +106,7 @@ class SoloNode {
     while (node_.take_event(now_, event)) events_.push_back(event);
   }
 
-  Controller node_;
+  Blocks node_;
   Time now_{};
   std::vector<Out> line_;
   std::vector<Event> events_;

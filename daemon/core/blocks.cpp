@@ -1,4 +1,4 @@
-#include "core/controller.h"
+#include "core/blocks.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ using wire::ByteView;
 using wire::PacketFields;
 using wire::SliceKind;
 
-Controller::Controller(const Settings& settings)
+Blocks::Blocks(const Settings& settings)
     : settings_(settings),
       transmit_(settings_, counters_, events_),
       memory_(settings_.send_timeout()),
@@ -22,41 +22,41 @@ Controller::Controller(const Settings& settings)
 
 // ---- the lines ----------------------------------------------------------------------------
 
-void Controller::input_up(NodeId from, Time now) {
+void Blocks::input_up(NodeId from, Time now) {
   break_off(counters_.broken_off_packets, now);
   membership_.input_up(from, now);
 }
 
-void Controller::input_lost(Time now) {
+void Blocks::input_lost(Time now) {
   break_off(counters_.broken_off_packets, now);
   membership_.input_lost(now);
 }
 
-void Controller::input_gap(Time now) { break_off(counters_.broken_off_packets, now); }
+void Blocks::input_gap(Time now) { break_off(counters_.broken_off_packets, now); }
 
-void Controller::output_up(NodeId to, Time now) {
+void Blocks::output_up(NodeId to, Time now) {
   packet_manager_.output_lost();
   packet_manager_.output_up(now);
   relay_.set_successor(to);
   membership_.output_up(to, now);
 }
 
-void Controller::output_lost(Time now) {
+void Blocks::output_lost(Time now) {
   packet_manager_.output_lost();
   membership_.output_lost(now);
 }
 
-void Controller::output_replaced(Time now) {
+void Blocks::output_replaced(Time now) {
   packet_manager_.output_lost();
   packet_manager_.output_up(now);
 }
 
-void Controller::set_neighbours(NodeId before, NodeId next, NodeId successor) {
+void Blocks::set_neighbours(NodeId before, NodeId next, NodeId successor) {
   relay_.set_successor(successor);
   membership_.set_neighbours(before, next);
 }
 
-void Controller::receive(const wire::Slice& slice, Time now) {
+void Blocks::receive(const wire::Slice& slice, Time now) {
   // The usual case: it has passed straight to the line, and nothing else has changed.
   if (slice.kind == SliceKind::whole && on_whole(slice.bytes, now)) return;
   switch (slice.kind) {
@@ -80,14 +80,14 @@ void Controller::receive(const wire::Slice& slice, Time now) {
   if (settings_.byte_time_out.count() == 0) packet_manager_.run(now);
 }
 
-Controller::Fate Controller::fate_of_data(ByteView header) {
+Blocks::Fate Blocks::fate_of_data(ByteView header) {
   const Fate fate = relay_.fate(header, false);
   if (fate != Fate::pass_on || packet_manager_.has_room()) return fate;
   ++counters_.insertion_buffer_full;
   return Fate::discard;
 }
 
-bool Controller::on_whole(ByteView bytes, Time now) {
+bool Blocks::on_whole(ByteView bytes, Time now) {
   break_off(counters_.broken_off_packets, now);
   const PacketFields packet{bytes};
   const Fate fate = fate_of_data(bytes);
@@ -101,7 +101,7 @@ bool Controller::on_whole(ByteView bytes, Time now) {
   return fate == Fate::pass_on && packet_manager_.relay_whole(bytes, fbc, now);
 }
 
-void Controller::on_start(ByteView bytes, Time now) {
+void Blocks::on_start(ByteView bytes, Time now) {
   break_off(counters_.broken_off_packets, now);
   const Fate fate = fate_of_data(bytes);
   std::uint8_t* place = fate == Fate::pass_on ? packet_manager_.relay_begin(now) : nullptr;
@@ -109,7 +109,7 @@ void Controller::on_start(ByteView bytes, Time now) {
   if (place) packet_manager_.relay_header(bytes.size);
 }
 
-bool Controller::append(ByteView bytes, Time now, std::size_t most) {
+bool Blocks::append(ByteView bytes, Time now, std::size_t most) {
   if (!incoming_.open()) {
     ++counters_.stray_slices;
     return false;
@@ -119,13 +119,13 @@ bool Controller::append(ByteView bytes, Time now, std::size_t most) {
   return false;
 }
 
-void Controller::on_more(ByteView bytes, Time now) {
+void Blocks::on_more(ByteView bytes, Time now) {
   const std::size_t most = wire::kHeaderSize + wire::kMaxPayload;  // trailer and CRC come with the end alone
   if (append(bytes, now, most) && incoming_.fate() == Fate::pass_on) packet_manager_.relay_words(bytes.size);
 }
 
 // An `end` slice comes as the last odd bytes, trailer and CRC begin on the line; they are in a few byte times later.
-void Controller::on_end(ByteView bytes, Time now) {
+void Blocks::on_end(ByteView bytes, Time now) {
   if (!append(bytes, now, wire::kMaxDataPacketSize)) return;
   const PacketFields packet{incoming_.bytes()};
   if (packet.bytes.size < wire::kMinDataPacketSize) return break_off(counters_.malformed_packets, now);
@@ -140,7 +140,7 @@ void Controller::on_end(ByteView bytes, Time now) {
 }
 
 // The DATP that is coming in will never be complete; each relay passes the abort on. An INTP embedded in it goes on.
-void Controller::break_off(std::uint64_t& counter, Time now) {
+void Blocks::break_off(std::uint64_t& counter, Time now) {
   if (!incoming_.open()) return;
   incoming_.close();
   ++counter;
@@ -150,7 +150,7 @@ void Controller::break_off(std::uint64_t& counter, Time now) {
   transmit_.data.returned_damaged(now);
 }
 
-void Controller::on_interrupt(ByteView bytes, Time now) {
+void Blocks::on_interrupt(ByteView bytes, Time now) {
   const PacketFields packet{bytes};
   const Fate fate = relay_.fate(bytes, true);
   if (fate == Fate::discard) return;
@@ -168,7 +168,7 @@ void Controller::on_interrupt(ByteView bytes, Time now) {
 
 // ---- what passes --------------------------------------------------------------------------
 
-bool Controller::check(const PacketFields& packet) {
+bool Blocks::check(const PacketFields& packet) {
   if (!packet.crc_good() && ++counters_.crc_errors && !broken(Mutation::takes_damaged)) return false;
   if (!wire::trailer_valid(packet.bytes)) return ++counters_.malformed_packets, false;
   return true;
@@ -176,19 +176,19 @@ bool Controller::check(const PacketFields& packet) {
 
 // Its first try may have been taken before this node's restart. The source may not know of that restart: it was in the
 // other part of a ring that was broken twice. (ours, protocol.md section 4.10)
-bool Controller::is_strangers_retry(const PacketFields& packet) {
+bool Blocks::is_strangers_retry(const PacketFields& packet) {
   if (!settings_.fold_back || packet.code().attempt == 0 || membership_.peers()[packet.source()].known) return false;
   return ++counters_.retries_of_strangers, true;
 }
 
-std::uint8_t Controller::receive_data(const PacketFields& packet, bool good, Time at) {
+std::uint8_t Blocks::receive_data(const PacketFields& packet, bool good, Time at) {
   if (!good) return packet.fbc();
   if (is_control(packet) && !membership_.heard(packet, at)) return 0;
   if (is_strangers_retry(packet)) return packet.fbc();
   return receive_.offer(packet, at);
 }
 
-void Controller::data_came_home(const PacketFields& packet, bool good, Time at) {
+void Blocks::data_came_home(const PacketFields& packet, bool good, Time at) {
   if (!good) {
     ++counters_.returns_damaged;
     return transmit_.data.returned_damaged(at);
@@ -206,7 +206,7 @@ void Controller::data_came_home(const PacketFields& packet, bool good, Time at) 
   membership_.own_seen(packet, matched, at);
 }
 
-void Controller::interrupt_came_home(const PacketFields& packet, bool good, Time at) {
+void Blocks::interrupt_came_home(const PacketFields& packet, bool good, Time at) {
   if (!good) {
     ++counters_.returns_damaged;
     return transmit_.interrupts.returned_damaged(at);
@@ -223,12 +223,12 @@ void Controller::interrupt_came_home(const PacketFields& packet, bool good, Time
 
 // ---- the CPU ------------------------------------------------------------------------------
 
-bool Controller::destination_exists(NodeId destination) const {
+bool Blocks::destination_exists(NodeId destination) const {
   const auto& order = settings_.order;
   return destination == wire::kBroadcast || std::find(order.begin(), order.end(), destination) != order.end();
 }
 
-Reject Controller::refuse_reason(const SendRequest& request) const {
+Reject Blocks::refuse_reason(const SendRequest& request) const {
   if (request.data.size < 1 || request.data.size > wire::kMaxPayload) return Reject::bad_size;
   if (request.priority > 3) return Reject::bad_priority;
   if (request.channel > 63 || request.channel == static_cast<std::uint8_t>(wire::Channel::control))
@@ -237,63 +237,63 @@ Reject Controller::refuse_reason(const SendRequest& request) const {
   return membership_.accepts_sends() ? Reject::none : Reject::not_in_ring;
 }
 
-Reject Controller::refuse_reason(const InterruptRequest& request) const {
+Reject Blocks::refuse_reason(const InterruptRequest& request) const {
   if (request.factor >= wire::kFactors) return Reject::bad_factor;
   if (!destination_exists(request.destination)) return Reject::bad_destination;
   return membership_.accepts_sends() ? Reject::none : Reject::not_in_ring;
 }
 
-void Controller::reject(const SendRequest& request, Reject reason, Time now) {
+void Blocks::reject(const SendRequest& request, Reject reason, Time now) {
   ++counters_.ended_rejected;
   events_.put(now, SendEnded{request.owner, request.token, Outcome::rejected, reason, Duration{0}, 0, false,
                              request.destination});
 }
 
-void Controller::reject(const InterruptRequest& request, Reject reason, Time now) {
+void Blocks::reject(const InterruptRequest& request, Reject reason, Time now) {
   ++counters_.ended_rejected;
   events_.put(now, SendEnded{request.owner, request.token, Outcome::rejected, reason, Duration{0}, 0, true,
                              request.destination, request.factor});
 }
 
-void Controller::send(const SendRequest& request, Time now) {
+void Blocks::send(const SendRequest& request, Time now) {
   Reject reason = refuse_reason(request);
   if (reason == Reject::none) reason = transmit_.data.enqueue(request, now);
   if (reason != Reject::none) reject(request, reason, now);
 }
 
-void Controller::interrupt(const InterruptRequest& request, Time now) {
+void Blocks::interrupt(const InterruptRequest& request, Time now) {
   Reject reason = refuse_reason(request);
   if (reason == Reject::none) reason = transmit_.interrupts.enqueue(request, now);
   if (reason != Reject::none) reject(request, reason, now);
 }
 
-void Controller::pull(Owner owner, std::uint32_t token, unsigned input, Time now) {
+void Blocks::pull(Owner owner, std::uint32_t token, unsigned input, Time now) {
   if (input >= settings_.inputs.size() || !settings_.inputs[input])
     return reject(InterruptRequest{owner, token, 0, 0}, Reject::input_unwired, now);
   interrupt({owner, token, settings_.inputs[input]->destination, settings_.inputs[input]->factor}, now);
 }
 
-void Controller::cpu_reset(Owner cpu, Time now) {
+void Blocks::cpu_reset(Owner cpu, Time now) {
   transmit_.cancel(cpu, now);
   receive_.flush();
 }
 
 // ---- time ---------------------------------------------------------------------------------
 
-void Controller::handle_timeout(Time now) {
+void Blocks::handle_timeout(Time now) {
   if (stall_deadline() <= now) break_off(counters_.stalled_packets, now);
   transmit_.handle_timeout(now);
   membership_.handle_timeout(now);
   membership_.settle(now);
 }
 
-void Controller::run(Time now) {
+void Blocks::run(Time now) {
   membership_.settle(now);
   packet_manager_.run(now);
   membership_.settle(now);
 }
 
-Time Controller::next_deadline(Time now) const {
+Time Blocks::next_deadline(Time now) const {
   // A packet that the CPU does not read is no reason to wake up.
   const Time received = receive_.next() > now ? receive_.next() : kNever;
   const Time node = std::min(std::min(stall_deadline(), transmit_.deadline()), membership_.deadline());

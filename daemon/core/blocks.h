@@ -16,17 +16,15 @@
 
 namespace limb_ring::core {
 
-/// The network controller of one node: Relay, Transmit, Packet Manager, Receive (paper), pins and
-/// interrupt inputs (paper), membership (ours).
-///
-/// It knows no IO. Bytes and time go in (receive, handle_timeout, send ...); bytes (line), events
-/// (take_event), packets (take) and a next deadline come out. Time never runs backwards. After
-/// the inputs of an instant call run(), which fills line().
-class Controller {
+/// The blocks of a network controller, wired: Relay, Transmit, Packet Manager, Receive (paper), pins and interrupt
+/// inputs (paper), membership (ours), between one line in and one line out. Which lines of the node these are is for the
+/// fold to say (network_controller.h, which is what everybody else uses).
+class Blocks {
  public:
-  explicit Controller(const Settings& settings);
-  Controller(const Controller&) = delete;
-  Controller& operator=(const Controller&) = delete;
+  explicit Blocks(const Settings& settings);
+  Blocks(const Blocks&) = delete;
+  Blocks& operator=(const Blocks&) = delete;
+  virtual ~Blocks() = default;
 
   /// @name The lines
   ///@{
@@ -49,6 +47,8 @@ class Controller {
   /// Another DATP of the largest size could come in.
   bool has_room() const { return packet_manager_.has_room(); }
   void set_output_ready(bool ready) { packet_manager_.set_ready(ready); }
+  /// A slice that the fold lets in. (ours, fold_back.h)
+  virtual void enter(const wire::Slice& slice, Time now) { receive(slice, now); }
   /// One slice from upstream.
   void receive(const wire::Slice& slice, Time now);
   /// Slices for downstream; whoever writes them clears it.

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/blocks.h"
+#include "core/fold_back.h"
+#include "core/line.h"
+
+namespace limb_ring::core {
+
+/// The network controller of one node, the paper's Figure 1 and what was added to it: the four blocks, pins and
+/// membership (blocks.h), and where the ring has a second line, the fold between the lines and the blocks (fold_back.h).
+///
+/// It knows no IO and reads no clock. Time never runs backwards. Whoever drives it
+///   1. tells it what happens: lines up and down, receive(), send(), interrupt(), set_cpu() ...; handle_timeout() once
+///      next_deadline() has come;
+///   2. after all inputs of an instant calls run();
+///   3. takes what has come out: output() of each line, which it clears, take_event() and take() until they are empty.
+///      Where it asked for something on the way, it calls run() again;
+///   4. waits for the next input, at most until next_deadline().
+/// A ring without a second line never uses Line::second: what is said of it then has no effect. (ours)
+class NetworkController : private Blocks {
+ public:
+  /// Sees each packet once, on whichever line it comes and goes; what only passes back on the second is not shown.
+  class Tap {
+   public:
+    virtual ~Tap() = default;
+    /// A slice is about to reach the blocks; they have taken it.
+    virtual void arrives(const wire::Slice&, Line, Time) {}
+    virtual void has_arrived(const wire::Slice&, Line, Time) {}
+    /// What the blocks have given out, framed.
+    virtual void leaves(wire::ByteView framed_slices, Line, Time) = 0;
+  };
+
+  /// @param settings copied; with fold_back there is a second line
+  NetworkController(const Settings& settings, Time now);
+
+  /// @name The lines into and out of this node
+  ///@{
+  void input_up(Line line, NodeId from, Time now);
+  void input_lost(Line line, Time now);
+  /// Something was lost on it: a DATP that is coming in will never be whole.
+  void input_gap(Line line, Time now);
+  void output_up(Line line, NodeId to, Time now);
+  void output_lost(Line line, Time now);
+  /// The line takes more, or no more for now; it takes more once it is up.
+  void set_output_ready(Line line, bool ready);
+  /// One slice that came in on that line.
+  void receive(Line line, const wire::Slice& slice, Time now);
+  /// Framed slices for that line; whoever writes them clears it.
+  wire::SliceWriter& output(Line line) { return outputs_[index(line)]; }
+  /// The line that stands for the input, for the output: the second one at a fold.
+  Line input_line() const { return fold_ && fold_->takes_second() ? Line::second : Line::first; }
+  Line output_line() const { return fold_ && fold_->turned_back() ? Line::second : Line::first; }
+  bool has_second_line() const { return fold_.has_value(); }
+  ///@}
+
+  /// @name The CPU and its helpers. Every call of the first three ends in exactly one SendEnded event.
+  ///@{
+  using Blocks::send;
+  using Blocks::interrupt;
+  using Blocks::pull;
+  using Blocks::cancel;
+  using Blocks::take;
+  using Blocks::set_cpu_present;
+  using Blocks::set_cpu;
+  using Blocks::cpu_reset;
+  ///@}
+
+  /// @name Time and events
+  ///@{
+  void handle_timeout(Time now);
+  void run(Time now);
+  /// When handle_timeout(), run(), take_event() or take() have something new to do, if nothing else
+  /// happens before.
+  Time next_deadline(Time now) const;
+  using Blocks::has_output;
+  using Blocks::take_event;
+  ///@}
+
+  /// From now on `tap`, which may be null, sees the packets; it must outlive that.
+  void set_tap(Tap* tap) { tap_ = tap; }
+
+  using Blocks::settings;
+  using Blocks::counters;
+  using Blocks::membership;
+  using Blocks::received_waiting;
+  using Blocks::insertion_buffer;
+
+ private:
+  static std::size_t index(Line line) { return static_cast<std::size_t>(line); }
+  void enter(const wire::Slice& slice, Time now) override;
+  void update_ready() { Blocks::set_output_ready(ready_[index(output_line())]); }
+
+  std::array<wire::SliceWriter, 2> outputs_;
+  std::array<bool, 2> ready_{true, true};
+  std::optional<FoldBack> fold_;
+  Tap* tap_ = nullptr;
+};
+
+}  // namespace limb_ring::core
