@@ -3,6 +3,7 @@
 namespace limb_ring::core {
 
 using wire::FoldMark;
+using wire::FoldWord;
 using wire::Slice;
 using wire::SliceKind;
 
@@ -71,10 +72,17 @@ void FoldBack::output_lost(Time now) {
 
 void FoldBack::receive(const Slice& slice, Time now) {
   if (slice.kind == SliceKind::idle) return;
+  if (const auto word = wire::fold_word(slice); word && word->mark == FoldMark::begin) return answer(*word);
   if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return blocks_.enter(slice, now);
   first_spoke_ = true;
   if (slice.kind != SliceKind::fold) hold(slice, now);
   drain_if_settled(now);
+}
+
+// The node before has turned back because it believes that this one hears nothing on the first line. Its word has come
+// on that line: a `hears` was lost.
+void FoldBack::answer(FoldWord word) {
+  if (word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
 }
 
 // ---- output: first or second line ---------------------------------------------------------
@@ -171,6 +179,7 @@ void FoldBack::say_again(Time now) {
   if (in_ == In::second) say(FoldMark::deaf, id());
   if (in_ == In::draining) say(FoldMark::hears, id());
   if (out_ != Out::first) say(FoldMark::begin, id());
+  if (next_is_deaf_ && output_up_) wire::put(first_, {FoldMark::begin, id()});
   if (in_ == In::first && out_ == Out::first) return;
   say_again_ = now + pause();
 }

@@ -96,6 +96,7 @@ class FoldBack {
 
   bool repeats() const { return in_ == In::first && out_ == Out::first; }
   bool has_come_round(wire::FoldWord word) const;
+  void answer(wire::FoldWord word);
   void hear(wire::FoldWord word, const wire::Slice& slice, Time now);
   void hear_of_tail(wire::FoldWord word, const wire::Slice& slice, Time now);
   void forget_tail(Time now);

@@ -341,6 +341,39 @@ TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
   EXPECT_EQ(node.counters().orphans_cut_off, 1u);
 }
 
+// A `hears` was lost, and the words on the second line stop at another node that has turned back: two such nodes stayed
+// folded for ever. So a node asks the next one on the first line, each beacon period.
+TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) {
+  hear(wire::FoldMark::deaf, 5);
+  EXPECT_EQ(node.output_line(), Line::second);
+  node.output(Line::first).clear();
+  Time now{};
+  for (int deadlines = 0; deadlines < 20 && node.output(Line::first).empty(); ++deadlines) {
+    now = std::max(now, node.next_deadline(now));
+    node.handle_timeout(now);
+    node.run(now);
+    Event event;
+    while (node.take_event(now, event)) {
+    }
+  }
+  ASSERT_FALSE(node.output(Line::first).empty());
+  const auto word = wire::fold_word(wire::parse_slice(node.output(Line::first).view()).slice);
+  ASSERT_TRUE(word);
+  EXPECT_EQ(word->mark, wire::FoldMark::begin);
+  EXPECT_EQ(word->node, 4);
+}
+
+TEST_F(LoneFold, ANodeThatHearsAnswersTheOneBefore) {
+  wire::SliceWriter question;
+  wire::put(question, {wire::FoldMark::begin, 3});
+  node.receive(Line::first, wire::parse_slice(question.view()).slice, Time{});
+  ASSERT_FALSE(second().empty());
+  const auto word = wire::fold_word(wire::parse_slice(second().view()).slice);
+  ASSERT_TRUE(word);
+  EXPECT_EQ(word->mark, wire::FoldMark::hears);
+  EXPECT_EQ(word->node, 4);
+}
+
 // As much as 254 nodes have under way, and no more, should packets ever go round where nobody strips.
 TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
   hear(wire::FoldMark::begin, 6);
