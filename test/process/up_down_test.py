@@ -89,7 +89,8 @@ class UpDown(RingTest):
 
     def test_respawning_leaves_a_node_dead_that_was_killed_on_purpose(self):
         up = self.up_respawning('--nodes', 4)
-        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'kill', 'node2').returncode, 0)
+        killed = self.ctl('--ring', self.ring, 'fault', 'kill', 'node2')
+        self.assertEqual(killed.returncode, 0, killed.stdout + killed.stderr)
         self.wait('said so', lambda: "node 2 (node2) was killed on purpose; 'ringctl fault start node2'" in
                   self.log_of(up))
         faults = self.ctl_json('--ring', self.ring, 'fault', 'list')['faults']
