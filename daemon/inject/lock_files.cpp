@@ -43,7 +43,7 @@ std::vector<std::string> rest_of(std::istream& file) {
 }
 
 bool is_leftover(const fs::path& file) {
-  const std::array<const char*, 7> ours{".fault", ".host", ".link", ".link2", ".lock", ".log", ".sock"};
+  const std::array<const char*, 8> ours{".boot", ".fault", ".host", ".link", ".link2", ".lock", ".log", ".sock"};
   return std::any_of(ours.begin(), ours.end(),
                      [&](const char* extension) { return file.extension() == extension; });
 }

@@ -151,7 +151,7 @@ TEST_F(Stranger, OfAnotherVersionIsToldBoth) {
   client::Greeting greeting;
   greeting.version = 7;
   client.say(greeting);
-  EXPECT_THAT(shown_out(client), AllOf(HasSubstr("version 1"), HasSubstr("version 7")));
+  EXPECT_THAT(shown_out(client), AllOf(HasSubstr("version 2"), HasSubstr("version 7")));
 }
 
 TEST_F(Stranger, BeyondTheLimitOfClientsIsToldTheLimit) {

@@ -94,7 +94,7 @@ TEST_F(Start, HeldNodesAreThoseWhoseHolderLives) {
 
 TEST_F(Start, LeftoversGoWithTheirFolder) {
   const std::string ring = make_ring_directory("legs");
-  for (const char* name : {"3.lock", "3.host", "3.link", "3.log"}) std::ofstream(ring + "/" + name);
+  for (const char* name : {"3.boot", "3.lock", "3.host", "3.link", "3.log"}) std::ofstream(ring + "/" + name);
   std::filesystem::create_symlink("3.host", ring + "/left_knee.host");
   inject::remove_leftovers(ring);
   EXPECT_FALSE(std::filesystem::exists(ring));
