@@ -174,10 +174,11 @@ std::vector<json> top_rows(const StatusSample& before, const StatusSample& now) 
 std::string top_table(const std::string& heading, const std::vector<json>& rows, const TopLook& look,
                       const std::string& report) {
   const std::size_t width = std::max(look.width, kNarrow), name = name_width(rows, width);
-  std::string text = heading + "; rates of the line out of each\n";
+  std::string text = app::wrapped(heading + "; rates of the line out of each", width);
   text += columns({"name", "state", "cpu", "to", "pkt/s", "kB/s", "load", "p50 us", "p99 us", "errs"}, name, {});
   const std::string below = app::wrapped(report, width);
-  const std::size_t room = look.lines > 4 ? look.lines - 3 : 1;  // below the headings, with a line to spare
+  const std::size_t headings = lines_of(text);
+  const std::size_t room = look.lines > headings + 2 ? look.lines - headings - 1 : 1;  // with a line to spare
   const std::size_t shown = rows.size() <= room + 1 ? rows.size() : room;
   for (std::size_t i = 0; i < shown; ++i)
     text += columns(cells_of(rows[i]), name, look.colour ? colours_of(rows[i]) : decltype(colours_of(rows[i])){});

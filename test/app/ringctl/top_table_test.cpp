@@ -61,6 +61,16 @@ TEST(TopTable, FitsEightyColumnsAndTheLinesThereAre) {
   EXPECT_THAT(top_table("robot", rows, {10}), HasSubstr("more nodes"));
 }
 
+TEST(TopTable, AWideHeadingIsWrappedAndCountsAsLines) {
+  std::vector<json> rows = top_rows(kBefore, kNow);
+  while (rows.size() < 16) rows.push_back(rows[0]);
+  const std::string name = std::string(32, 'x');
+  std::istringstream table(top_table("ring robot: open chain: line " + name + " -> " + name + " broken", rows, {10}));
+  std::size_t lines = 0;
+  for (std::string line; std::getline(table, line); ++lines) EXPECT_LE(line.size(), 80u) << line;
+  EXPECT_LE(lines, 10u);
+}
+
 TEST(TopTable, ShowsBytesAlsoOfALineThatHasNoRate) {
   StatusSample before = kBefore, now = kNow;
   for (StatusSample* sample : {&before, &now}) sample->rows[0]["output"]["rate_bit_s"] = nullptr;

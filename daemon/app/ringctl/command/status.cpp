@@ -34,8 +34,7 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
   look.colour = app::colour_wanted(STDOUT_FILENO);
   // What goes into a file or through a pipe is for grep: as wide as it is.
   if (::isatty(STDOUT_FILENO) == 1) look.width = Screen::size().columns;
-  std::cout << headline(ring.ring(), rows) << '\n'
-            << status_table(rows, look)
+  std::cout << app::wrapped(headline(ring.ring(), rows), look.width) << status_table(rows, look)
             << app::wrapped(line_report(rows) + stop_report(rows) + supervision_text(rows), look.width);
 }
 
