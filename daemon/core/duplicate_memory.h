@@ -40,11 +40,19 @@ class DuplicateMemory {
   }
   /// A hello of that boot number came. Nothing else of its incarnation comes before it.
   /// @return false where it is of an earlier incarnation than is known
-  bool meet_hello(wire::NodeId source, std::uint64_t boot) { return meet_boot(source, boot, false); }
+  bool meet_hello(wire::NodeId source, std::uint64_t boot) {
+    return meet_boot(source, boot, [](Source& s) { s = {}; });
+  }
   /// A beacon of that boot number came. Where its hello was missed, other packets of this incarnation may have come
-  /// before: what was decided of them stays.
+  /// before: what was decided of them stays. Where the two bits are those of the last one that was heard of, four
+  /// incarnations ago, nobody can tell whose it was: retries of what was decided just now are still known.
   /// @return false where it is of an earlier incarnation than is known
-  bool meet_beacon(wire::NodeId source, std::uint64_t boot) { return meet_boot(source, boot, true); }
+  bool meet_beacon(wire::NodeId source, std::uint64_t boot, Time now) {
+    return meet_boot(source, boot, [&](Source& s) {
+      if (s.incarnation != wire::incarnation_of(boot)) s = {};
+      if (!s.from_packet) age(s, now);
+    });
+  }
 
   /// The verdict on this sequence number, `none` where it is new. @pre meet() was true
   Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast, Time now) const {
@@ -67,6 +75,7 @@ class DuplicateMemory {
   }
 
  private:
+  static constexpr int kTries = 4;
   /// Boot numbers that are lower by so few are of earlier incarnations; by more: the node's clock was set back.
   static constexpr std::uint64_t kEarlier = 1000;
 
@@ -83,17 +92,24 @@ class DuplicateMemory {
     bool known = false;
     bool from_packet = false;       ///< the incarnation is known from a packet alone
   };
-  bool meet_boot(wire::NodeId source, std::uint64_t boot, bool packets_may_precede) {
+  template <class Forget>
+  bool meet_boot(wire::NodeId source, std::uint64_t boot, Forget forget) {
     Source& s = sources_[source];
     if (s.boot == boot) return true;
     if (s.boot > boot && s.boot - boot <= kEarlier) return false;
-    const auto incarnation = wire::incarnation_of(boot);
-    if (!packets_may_precede || !s.from_packet || s.incarnation != incarnation) s = {};
+    forget(s);
     s.known = true;
     s.from_packet = false;
-    s.incarnation = incarnation;
+    s.incarnation = wire::incarnation_of(boot);
     s.boot = boot;
     return true;
+  }
+  /// First tries are new from now on; retries are known where all tries of one packet may not be over yet.
+  void age(Source& s, Time now) const {
+    for (Entry& e : s.entries) {
+      if (now - e.decided > kTries * horizon_) e = {};
+      e.aged = true;
+    }
   }
   template <class Visit>
   void each(Visit visit) {

@@ -232,7 +232,7 @@ bool Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello
 // of a node is no sign of one. (ours, protocol.md section 4.10)
 bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
   const NodeId source = packet.source();
-  if (!memory_.meet_beacon(source, beacon.boot)) return ++counters_.earlier_incarnation, false;
+  if (!memory_.meet_beacon(source, beacon.boot, now)) return ++counters_.earlier_incarnation, false;
   if (peers_[source].known && peers_[source].boot != beacon.boot) transmit_.forgotten_by(source, now);
   if (peers_.heard_beacon(source, packet.hop(), beacon, now)) events_.put(now, PeerChanged{source});
   if (beacon.break_known && beacon.break_behind == source) hear_break(beacon, now);

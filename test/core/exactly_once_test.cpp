@@ -160,6 +160,15 @@ TEST_F(Incarnations, AHelloOrBeaconOfAnEarlierOneSaysNothing) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("eight")));
 }
 
+// Four incarnations of the source were missed, so that its packet seemed to be of the one that was known.
+TEST_F(Incarnations, OneInterruptPullsOnceThoughFourIncarnationsWereMissed) {
+  beacon(1000, 3);
+  EXPECT_EQ(interrupt(1004), 1);
+  beacon(1004, 1);
+  EXPECT_EQ(interrupt(1004, 1), 1);
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+}
+
 // A late hello is none, and does not unsettle what the packets of the present one have told.
 TEST_F(Incarnations, AHelloOfAnEarlierOneMakesNothingForgotten) {
   hello(8);
