@@ -65,9 +65,15 @@ class DuplicateMemory {
     sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict, false};
   }
 
-  /// From now on a first try is new, whatever its number; a retry is still known. For a node that
-  /// was bypassed, until its hello is home: until then a source may repeat what was taken before.
-  void age_all() { each([](Entry& e) { e.aged = true; }); }
+  /// For a node that was bypassed: numbers of data may have wrapped meanwhile, and are forgotten. INTPs are taken while
+  /// the own hello is out, and until it is home a source may repeat what was taken before: a first try is new from now
+  /// on, a retry is still known.
+  void start_over(Time now) {
+    for (Source& source : sources_) {
+      source.entries[0] = source.entries[1] = {};
+      age(source, now);
+    }
+  }
   void forget_aged() {
     each([](Entry& e) {
       if (e.aged) e = {};

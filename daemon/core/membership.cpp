@@ -93,8 +93,7 @@ void Membership::start_over(Time now) {
 void Membership::new_life(Time now) {
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed, now);
-  // INTPs are taken while the own hello is out, so retries of INTPs that were taken before must still be known.
-  memory_.age_all();
+  memory_.start_over(now);
   receive_.set_joining(true);
   hello_out_ = renumbering_ = merged_ = beacon_out_ = break_known_ = false;
   beacon_due_ = break_due_ = drained_at_ = kNever;

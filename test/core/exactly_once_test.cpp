@@ -179,6 +179,20 @@ TEST_F(Incarnations, AHelloOfAnEarlierOneMakesNothingForgotten) {
   EXPECT_EQ(solo.counters().pins_pulled, 1u);
 }
 
+// While it was bypassed its source sent on, and the numbers wrapped: a retry of a packet whose first try it missed had the
+// verdict of an older one (seed 516208246994).
+TEST_F(Incarnations, ANodeThatWasBypassedKnowsNoNumbersOfData) {
+  beacon(7, 0);
+  EXPECT_NE(data(7, "before"), 0);
+  solo.node().input_lost(solo.now());
+  solo.node().output_lost(solo.now());
+  solo.node().input_up(0, solo.now());
+  solo.node().output_up(2, solo.now());
+  solo.run();
+  solo.line();
+  EXPECT_EQ(data(7, "another packet", 0, 1), 0) << "refused: its own hello is not home yet";
+}
+
 // A process that was started anew may have the same two bits by chance: its hello tells.
 TEST_F(Incarnations, AHelloBeginsNewNumbersAlsoWhereTheTwoBitsAreTheSame) {
   data(4, "four");
