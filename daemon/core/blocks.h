@@ -1,17 +1,17 @@
 #pragma once
 
 #include "core/counters.h"
-#include "core/duplicate_memory.h"
+#include "core/receive/duplicate_memory.h"
 #include "core/events.h"
-#include "core/incoming.h"
-#include "core/membership.h"
-#include "core/packet_manager.h"
-#include "core/pins.h"
-#include "core/receive.h"
-#include "core/relay.h"
+#include "core/relay/incoming.h"
+#include "core/membership/membership.h"
+#include "core/packet_manager/packet_manager.h"
+#include "core/receive/pins.h"
+#include "core/receive/receive.h"
+#include "core/relay/relay.h"
 #include "core/send_request.h"
 #include "core/settings.h"
-#include "core/transmit.h"
+#include "core/transmit/transmit.h"
 #include "wire/slice.h"
 
 namespace limb_ring::core {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/blocks.h"
-#include "core/fold_back.h"
+#include "core/fold/fold_back.h"
 #include "core/line.h"
 
 namespace limb_ring::core {

@@ -4,7 +4,7 @@
 
 #include "config/ring_config.h"
 #include "core/events.h"
-#include "core/membership.h"
+#include "core/membership/membership.h"
 #include "limb_ring/reason.h"
 
 namespace limb_ring::runtime {

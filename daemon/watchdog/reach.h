@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/membership.h"
+#include "core/membership/membership.h"
 
 namespace limb_ring::watchdog {
 

@@ -14,7 +14,7 @@ namespace limb_ring::study {
 namespace {
 
 /// Notes when the DATPs of a lap pass. A slice is given out as its header, or its last odd bytes,
-/// trailer and CRC, begin. (core/packet_manager.h)
+/// trailer and CRC, begin. (core/packet_manager/packet_manager.h)
 class Recorder : public sim::Witness {
  public:
   explicit Recorder(const Medium& medium) : medium_(medium), coming_(medium.nodes), going_(medium.nodes) {}

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/membership.h"
+#include "core/membership/membership.h"
 #include "core/time.h"
 #include "study/scenario/scenario.h"
 #include "study/scenario/tally.h"

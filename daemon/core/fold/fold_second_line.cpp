@@ -1,5 +1,5 @@
 // FoldBack's second line: what the nodes tell each other on it, and what is repeated.
-#include "core/fold_back.h"
+#include "core/fold/fold_back.h"
 
 namespace limb_ring::core {
 

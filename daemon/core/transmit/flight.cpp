@@ -1,4 +1,4 @@
-#include "core/flight.h"
+#include "core/transmit/flight.h"
 
 namespace limb_ring::core {
 

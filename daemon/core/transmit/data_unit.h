@@ -6,9 +6,9 @@
 
 #include "core/counters.h"
 #include "core/events.h"
-#include "core/flight.h"
+#include "core/transmit/flight.h"
 #include "core/send_request.h"
-#include "core/sequence_numbers.h"
+#include "core/transmit/sequence_numbers.h"
 #include "core/settings.h"
 #include "core/slot_queue.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/data_unit.h"
-#include "core/interrupt_unit.h"
+#include "core/transmit/data_unit.h"
+#include "core/transmit/interrupt_unit.h"
 
 namespace limb_ring::core {
 

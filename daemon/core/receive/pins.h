@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/counters.h"
-#include "core/duplicate_memory.h"
+#include "core/receive/duplicate_memory.h"
 #include "core/events.h"
 #include "core/settings.h"
 

@@ -1,6 +1,6 @@
 // Membership's part in a broken ring: what is left is an open chain, in which everything goes on and
 // nothing is confirmed. (ours, protocol.md section 8.4)
-#include "core/membership.h"
+#include "core/membership/membership.h"
 #include "core/mutation.h"
 
 namespace limb_ring::core {

@@ -1,5 +1,5 @@
 // FoldBack's input: the first line, the second in its place, and the way back without a loss.
-#include "core/fold_back.h"
+#include "core/fold/fold_back.h"
 
 namespace limb_ring::core {
 

@@ -4,11 +4,11 @@
 #include <deque>
 
 #include "core/counters.h"
-#include "core/data_unit.h"
+#include "core/transmit/data_unit.h"
 #include "core/events.h"
-#include "core/flight.h"
+#include "core/transmit/flight.h"
 #include "core/send_request.h"
-#include "core/sequence_numbers.h"
+#include "core/transmit/sequence_numbers.h"
 #include "core/settings.h"
 
 namespace limb_ring::core {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "core/counters.h"
-#include "core/duplicate_memory.h"
+#include "core/receive/duplicate_memory.h"
 #include "core/settings.h"
 #include "core/slot_queue.h"
 #include "wire/data_packet.h"

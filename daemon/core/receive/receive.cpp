@@ -1,4 +1,4 @@
-#include "core/receive.h"
+#include "core/receive/receive.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "core/interrupt_unit.h"
+#include "core/transmit/interrupt_unit.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "core/data_unit.h"
+#include "core/transmit/data_unit.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "core/packet_manager.h"
+#include "core/packet_manager/packet_manager.h"
 
 #include <algorithm>
 

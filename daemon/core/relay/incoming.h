@@ -3,7 +3,7 @@
 #include <array>
 #include <cstring>
 
-#include "core/relay.h"
+#include "core/relay/relay.h"
 #include "wire/data_packet.h"
 
 namespace limb_ring::core {

@@ -5,10 +5,10 @@
 
 #include "core/counters.h"
 #include "core/events.h"
-#include "core/peers.h"
-#include "core/receive.h"
+#include "core/membership/peers.h"
+#include "core/receive/receive.h"
 #include "core/settings.h"
-#include "core/transmit.h"
+#include "core/transmit/transmit.h"
 
 namespace limb_ring::core {
 

@@ -1,4 +1,4 @@
-#include "core/fold_back.h"
+#include "core/fold/fold_back.h"
 
 namespace limb_ring::core {
 

@@ -1,4 +1,4 @@
-#include "core/membership.h"
+#include "core/membership/membership.h"
 
 #include <algorithm>
 

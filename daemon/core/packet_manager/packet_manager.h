@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "core/counters.h"
-#include "core/insertion_buffer.h"
+#include "core/packet_manager/insertion_buffer.h"
 #include "core/settings.h"
 #include "core/slot_queue.h"
-#include "core/transmit.h"
+#include "core/transmit/transmit.h"
 #include "wire/interrupt_packet.h"
 #include "wire/slice.h"
 

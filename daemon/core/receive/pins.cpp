@@ -1,4 +1,4 @@
-#include "core/pins.h"
+#include "core/receive/pins.h"
 
 #include <algorithm>
 
