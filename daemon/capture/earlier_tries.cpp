@@ -13,7 +13,7 @@ wire::Code code_of(const EarlierTries::Try& one) { return wire::code_of(one.seen
 
 std::optional<std::size_t> EarlierTries::before(const Try& now) {
   const Known* found = code_of(now).attempt > 0 ? try_before(now) : refused_before(now);
-  const bool goes_on = found != nullptr && found->tried.end == WayEnd::refused;
+  const bool goes_on = found != nullptr && found->tried.end == TripEnd::refused;
   const std::optional<std::size_t> index = found == nullptr ? std::nullopt : std::optional(found->index);
   remember({now, count_++, goes_on ? found->refused_since : now.ended});
   return index;
@@ -48,7 +48,7 @@ const EarlierTries::Known* EarlierTries::refused_before(const Try& now) const {
   if (found == by_route_.end()) return nullptr;
   const Known& known = found->second;
   const bool next = code_of(now).sequence == ((code_of(known.tried).sequence + 1) & 7);
-  const bool again = known.tried.end == WayEnd::refused && next && known.tried.seen.may_be(now.seen) &&
+  const bool again = known.tried.end == TripEnd::refused && next && known.tried.seen.may_be(now.seen) &&
                      now.began - known.refused_since <= kSentAgainFor;
   return again ? &known : nullptr;
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <tuple>
 
-#include "capture/packet_way.h"
+#include "capture/packet_trace.h"
 
 namespace limb_ring::capture {
 
@@ -19,7 +19,7 @@ class EarlierTries {
   struct Try {
     SeenPacket seen;  ///< the sighting that shows most of it: with its trailer, where there is one
     std::chrono::nanoseconds began{0}, ended{0};  ///< first slice of its first sighting, last slice of its last
-    WayEnd end = WayEnd::not_home;
+    TripEnd end = TripEnd::not_home;
   };
   /// The try before this one, as an index into the order of these calls; nothing where it is the first.
   std::optional<std::size_t> before(const Try& now);

@@ -37,16 +37,16 @@ const SeenPacket& TracedRing::clearest(std::size_t trip) const {
   return whole != nullptr ? *whole : first(trip);
 }
 
-WayEnd TracedRing::end_of(std::size_t trip) const {
+TripEnd TracedRing::end_of(std::size_t trip) const {
   const SeenPacket& end = last(trip);
-  if (!end.home()) return WayEnd::not_home;
-  if (!end.trailer) return WayEnd::broken;
-  if (end.info.crc_bad) return WayEnd::damaged;
-  return end.trailer->fbc == 0 ? WayEnd::refused : WayEnd::home;
+  if (!end.home()) return TripEnd::not_home;
+  if (!end.trailer) return TripEnd::broken;
+  if (end.info.crc_bad) return TripEnd::damaged;
+  return end.trailer->fbc == 0 ? TripEnd::refused : TripEnd::home;
 }
 
 std::optional<std::chrono::nanoseconds> TracedRing::round_trip(std::size_t trip) const {
-  if (end_of(trip) == WayEnd::not_home) return std::nullopt;
+  if (end_of(trip) == TripEnd::not_home) return std::nullopt;
   std::size_t begin = trip;
   while (before_[begin]) begin = *before_[begin];
   if (first(begin).stage() != 0) return std::nullopt;
@@ -79,21 +79,21 @@ void TracedRing::add_company(Hop& hop) const {
   if (!hop.out->interrupt()) hop.cut_by = line.inside(*hop.out);
 }
 
-Way TracedRing::way(std::size_t trip) const {
-  Way way;
-  way.source = first(trip).source;
-  way.code = first(trip).code;
-  way.size = first(trip).size;
-  way.trailer = clearest(trip).trailer;
-  way.hops = hops_of(trip);
-  way.end = end_of(trip);
-  way.began = first(trip).began;
-  way.ended = last(trip).last;
+PacketTrace TracedRing::trace(std::size_t trip) const {
+  PacketTrace trace;
+  trace.source = first(trip).source;
+  trace.code = first(trip).code;
+  trace.size = first(trip).size;
+  trace.trailer = clearest(trip).trailer;
+  trace.hops = hops_of(trip);
+  trace.end = end_of(trip);
+  trace.began = first(trip).began;
+  trace.ended = last(trip).last;
   for (auto before = before_[trip]; before; before = before_[*before]) {
     const SeenPacket& out = first(*before);
-    way.earlier.insert(way.earlier.begin(), {out.code, end_of(*before), last(*before), out.began});
+    trace.earlier.insert(trace.earlier.begin(), {out.code, end_of(*before), last(*before), out.began});
   }
-  return way;
+  return trace;
 }
 
 }  // namespace limb_ring::capture

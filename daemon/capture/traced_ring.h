@@ -4,11 +4,11 @@
 
 #include "capture/line_history.h"
 #include "capture/packet_trips.h"
-#include "capture/packet_way.h"
+#include "capture/packet_trace.h"
 
 namespace limb_ring::capture {
 
-/// Why was it late: captured packets of a ring's lines in, the ways of packets out. Knows no IO and no
+/// Why was it late: captured packets of a ring's lines in, the paths of packets out. Knows no IO and no
 /// clock; the times are the capture's, of a live ring or a virtual one. (ours)
 ///
 /// What a packet waited for can only be told where both inputs and outputs were captured. Where nodes
@@ -26,13 +26,13 @@ class TracedRing {
   const SeenPacket& last(std::size_t trip) const { return packets_[trips_[trip].seen.back()]; }
   /// First slice of its first try to last slice home; nothing where one of them was not seen.
   std::optional<std::chrono::nanoseconds> round_trip(std::size_t trip) const;
-  /// The whole story.
-  Way way(std::size_t trip) const;
+  /// Its path, hop by hop.
+  PacketTrace trace(std::size_t trip) const;
   bool outputs_seen() const { return !outputs_.empty(); }
 
  private:
   const SeenPacket& clearest(std::size_t trip) const;
-  WayEnd end_of(std::size_t trip) const;
+  TripEnd end_of(std::size_t trip) const;
   std::vector<Hop> hops_of(std::size_t trip) const;
   void add_company(Hop& hop) const;
 

@@ -51,7 +51,7 @@ void pass(std::vector<SeenPacket>& ring, const Sent& sent, nanoseconds at, const
 
 std::vector<std::size_t> earlier_of(const TracedRing& ring) {
   std::vector<std::size_t> counts;
-  for (std::size_t trip = 0; trip < ring.trips(); ++trip) counts.push_back(ring.way(trip).earlier.size());
+  for (std::size_t trip = 0; trip < ring.trips(); ++trip) counts.push_back(ring.trace(trip).earlier.size());
   return counts;
 }
 
@@ -129,10 +129,10 @@ TEST(TracedWay, SaysHowManyNodesDidNotShowIt) {
   pass(packets, {}, 0s, {1, 2, 3, 4});
   pass(packets, {1}, 1ms, {0, 1, 2});
   const TracedRing ring(packets);
-  ASSERT_THAT(ring.way(0).hops, SizeIs(2));
-  EXPECT_EQ(ring.way(0).hops[1].unseen, 2u);
-  EXPECT_EQ(ring.way(0).on_line(1), std::nullopt) << "there are nodes between";
-  EXPECT_EQ(ring.way(1).hops[0].unseen, 2u);
+  ASSERT_THAT(ring.trace(0).hops, SizeIs(2));
+  EXPECT_EQ(ring.trace(0).hops[1].unseen, 2u);
+  EXPECT_EQ(ring.trace(0).on_line(1), std::nullopt) << "there are nodes between";
+  EXPECT_EQ(ring.trace(1).hops[0].unseen, 2u);
 }
 
 TEST(TracedWay, HopThatDoesNotFitItsNodeIsShownAsItIs) {
@@ -142,11 +142,11 @@ TEST(TracedWay, HopThatDoesNotFitItsNodeIsShownAsItIs) {
   bypassed.info.from = 2;
   bypassed.hop = 1;
   packets.push_back(bypassed);
-  const Way way = TracedRing(packets).way(0);
-  ASSERT_THAT(way.hops, SizeIs(3));
-  EXPECT_EQ(way.hops[1].node, 1);
-  EXPECT_EQ(way.hops[2].node, 2);
-  EXPECT_THAT(way.hops[2].behind, IsEmpty());
+  const PacketTrace trace = TracedRing(packets).trace(0);
+  ASSERT_THAT(trace.hops, SizeIs(3));
+  EXPECT_EQ(trace.hops[1].node, 1);
+  EXPECT_EQ(trace.hops[2].node, 2);
+  EXPECT_THAT(trace.hops[2].behind, IsEmpty());
 }
 
 TEST(TracedRing, TimesAtTheEndsOfTheirRangeAreNoProblem) {

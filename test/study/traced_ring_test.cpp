@@ -16,8 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 using capture::Hop;
 using capture::TracedRing;
-using capture::Way;
-using capture::WayEnd;
+using capture::PacketTrace;
+using capture::TripEnd;
 using std::chrono::nanoseconds;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -70,39 +70,39 @@ class CapturedRing {
   std::optional<RingCapture> watching_;
 };
 
-Way slowest(const TracedRing& ring) {
+PacketTrace slowest(const TracedRing& ring) {
   const auto trips = capture::choose_trips(ring, {});
   EXPECT_FALSE(trips.empty());
-  return ring.way(trips.front());
+  return ring.trace(trips.front());
 }
 
 TEST(TracedRing, APacketAloneWaitsNowhere) {
   const TracedRing ring = traced_case(Case::alone);
   ASSERT_EQ(ring.trips(), 1u);
   EXPECT_EQ(ring.round_trip(0), 4 * kDelay + kToTail);
-  const Way way = ring.way(0);
-  ASSERT_THAT(way.hops, SizeIs(5));
-  EXPECT_EQ(way.end, WayEnd::home);
+  const PacketTrace trace = ring.trace(0);
+  ASSERT_THAT(trace.hops, SizeIs(5));
+  EXPECT_EQ(trace.end, TripEnd::home);
   for (unsigned node = 1; node < 4; ++node) {
-    EXPECT_EQ(way.hops[node].node, node);
-    EXPECT_EQ(way.hops[node].waited(), 0ns);
-    EXPECT_THAT(way.hops[node].behind, IsEmpty());
+    EXPECT_EQ(trace.hops[node].node, node);
+    EXPECT_EQ(trace.hops[node].waited(), 0ns);
+    EXPECT_THAT(trace.hops[node].behind, IsEmpty());
   }
-  EXPECT_TRUE(way.hops[4].in->home());
+  EXPECT_TRUE(trace.hops[4].in->home());
 }
 
 TEST(TracedRing, InTheWorstCaseItWaitsAtEveryNodeForThatNodesOwnPacket) {
-  const Way way = slowest(traced_case(Case::adversarial));
-  EXPECT_EQ(way.source, 0);
-  ASSERT_THAT(way.hops, SizeIs(5));
+  const PacketTrace trace = slowest(traced_case(Case::adversarial));
+  EXPECT_EQ(trace.source, 0);
+  ASSERT_THAT(trace.hops, SizeIs(5));
   for (unsigned node = 1; node < 4; ++node) {
-    const Hop& hop = way.hops[node];
+    const Hop& hop = trace.hops[node];
     EXPECT_EQ(hop.waited(), kLength);
     ASSERT_THAT(hop.behind, SizeIs(1));
     EXPECT_EQ(hop.behind[0].source, node);
     EXPECT_TRUE(hop.behind[0].info.own);
   }
-  EXPECT_EQ(way.waited(), 3 * kLength);
+  EXPECT_EQ(trace.waited(), 3 * kLength);
 }
 
 /// Every nanosecond of a round trip is a wait, a relay delay or its own length, and who waited has one in its way.
@@ -112,10 +112,10 @@ void expect_all_accounted_for(const TracedRing& ring) {
   ASSERT_GT(trips.size(), kSlowest);
   trips.resize(kSlowest);
   for (const std::size_t trip : trips) {
-    const Way way = ring.way(trip);
-    ASSERT_THAT(way.hops, SizeIs(5));
-    EXPECT_EQ(*ring.round_trip(trip), way.waited() + 4 * kDelay + way.hops.back().in->info.span);
-    for (const Hop& hop : way.hops) {
+    const PacketTrace trace = ring.trace(trip);
+    ASSERT_THAT(trace.hops, SizeIs(5));
+    EXPECT_EQ(*ring.round_trip(trip), trace.waited() + 4 * kDelay + trace.hops.back().in->info.span);
+    for (const Hop& hop : trace.hops) {
       EXPECT_EQ(hop.waited().value_or(0ns) > 0ns, !hop.behind.empty()) << "node " << int{hop.node};
     }
   }
@@ -135,7 +135,7 @@ TEST(TracedRing, NamesTheInterruptThatCutsIntoAPacketAndThePacketItWasIn) {
   ring->run_for(1ms);
   const TracedRing traced = ring.traced();
   ASSERT_EQ(traced.trips(), 2u);
-  const Way data = traced.way(0), interrupt = traced.way(1);
+  const PacketTrace data = traced.trace(0), interrupt = traced.trace(1);
   ASSERT_THAT(data.hops[1].cut_by, SizeIs(1));
   const capture::SeenPacket& cut = data.hops[1].cut_by[0];
   EXPECT_EQ(cut.source, 1);
@@ -159,10 +159,10 @@ TEST(TracedRing, ALostTryHasNoReturnAndTheRoundTripCountsFromIt) {
   const TracedRing traced = ring.traced();
   ASSERT_EQ(traced.trips(), 2u);
   EXPECT_FALSE(traced.round_trip(0));
-  const Way again = traced.way(1);
-  EXPECT_EQ(again.end, WayEnd::home);
+  const PacketTrace again = traced.trace(1);
+  EXPECT_EQ(again.end, TripEnd::home);
   ASSERT_THAT(again.earlier, SizeIs(1));
-  EXPECT_EQ(again.earlier[0].end, WayEnd::not_home);
+  EXPECT_EQ(again.earlier[0].end, TripEnd::not_home);
   EXPECT_EQ(again.earlier[0].last_seen.seen_by(), 2);
   EXPECT_FALSE(again.earlier[0].last_seen.info.input) << "out of it, and never into the next";
   EXPECT_EQ(traced.round_trip(1), again.ended - again.earlier[0].began);
@@ -179,9 +179,9 @@ TEST(TracedRing, ATryThatCameHomeDamagedIsCalledSo) {
   });
   ring->send(0, 1, {1, 2, 3, 4});
   ring->run_for(1s);
-  const Way again = slowest(ring.traced());
+  const PacketTrace again = slowest(ring.traced());
   ASSERT_THAT(again.earlier, SizeIs(1));
-  EXPECT_EQ(again.earlier[0].end, WayEnd::damaged);
+  EXPECT_EQ(again.earlier[0].end, TripEnd::damaged);
 }
 
 TEST(TracedRing, WhatWasRefusedIsToldAsWhatWentBefore) {
@@ -190,10 +190,10 @@ TEST(TracedRing, WhatWasRefusedIsToldAsWhatWentBefore) {
   for (int i = 0; i < 2; ++i) ring->send(0, 2, {1});
   ring->run_for(100ms);
   const TracedRing traced = ring.traced();
-  const Way last = traced.way(traced.trips() - 1);
-  EXPECT_EQ(last.end, WayEnd::refused);
+  const PacketTrace last = traced.trace(traced.trips() - 1);
+  EXPECT_EQ(last.end, TripEnd::refused);
   ASSERT_THAT(last.earlier, SizeIs(traced.trips() - 2)) << "all but the packet that was taken";
-  EXPECT_EQ(last.earlier[0].end, WayEnd::refused);
+  EXPECT_EQ(last.earlier[0].end, TripEnd::refused);
 }
 
 TEST(TracedRing, WithoutOutputsNothingCanBeSaidOfWaits) {

@@ -9,7 +9,7 @@
 #include "app/ringctl/own_folder.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/said.h"
-#include "app/ringctl/way_words.h"
+#include "app/ringctl/trace_words.h"
 #include "study/cases.h"
 
 namespace limb_ring::ringctl {
@@ -50,17 +50,17 @@ TEST_F(Trace, OfTheWorstCaseNamesTheOwnPacketOfEveryNode) {
 }
 
 TEST(HopWords, SayOnWhichLineMostOfTheTimeWent) {
-  capture::Way way;
+  capture::PacketTrace packet;
   for (const int began : {0, 10, 900, 910, 920}) {
     capture::Hop hop;
     hop.in.emplace().began = hop.out.emplace().began = std::chrono::nanoseconds(began);
-    way.hops.push_back(hop);
+    packet.hops.push_back(hop);
   }
-  way.ended = way.hops.back().in->began;
+  packet.ended = packet.hops.back().in->began;
   for (const std::size_t hop : {1u, 2u, 3u})
-    EXPECT_EQ(hop_words(way, hop, {}).find("on the line here") != std::string::npos, hop == 2) << hop;
-  EXPECT_EQ(way.on_line(2), std::chrono::nanoseconds(890));
-  EXPECT_EQ(way.on_line(0), std::nullopt);
+    EXPECT_EQ(hop_words(packet, hop, {}).find("on the line here") != std::string::npos, hop == 2) << hop;
+  EXPECT_EQ(packet.on_line(2), std::chrono::nanoseconds(890));
+  EXPECT_EQ(packet.on_line(0), std::nullopt);
 }
 
 TEST_F(Trace, DrawsAPictureWithABarForEachPacketInTheWay) {

@@ -9,8 +9,8 @@
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/seen_packets.h"
-#include "app/ringctl/way_svg.h"
-#include "app/ringctl/way_words.h"
+#include "app/ringctl/trace_svg.h"
+#include "app/ringctl/trace_words.h"
 #include "cli/values.h"
 #include "capture/trip_choice.h"
 #include "config/quantity.h"
@@ -75,11 +75,11 @@ SeenPackets look(const Context& context, const Options& options) {
   return packets_of_ring(context.ring, time_of("--for", options.how_long.empty() ? "5s" : options.how_long));
 }
 
-void write_picture(const Options& options, const capture::Way& way, const capture::RingNames& names) {
+void write_picture(const Options& options, const capture::PacketTrace& trace, const capture::RingNames& names) {
   std::ofstream out;
   std::string problem = app::open_for_writing(out, options.svg);
   if (!problem.empty()) throw UsageError(problem);
-  out << way_svg(way, names);
+  out << trace_svg(trace, names);
   problem = app::finish_writing(out, options.svg);
   if (!problem.empty()) throw NotDone(problem);
 }
@@ -87,10 +87,10 @@ void write_picture(const Options& options, const capture::Way& way, const captur
 void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips, const Options& options,
           const SeenPackets& seen) {
   for (std::size_t i = 0; i < trips.size(); ++i) {
-    const capture::Way way = ring.way(trips[i]);
-    if (i == 0 && !options.svg.empty()) write_picture(options, way, seen.names);
-    if (options.json) std::cout << way_json(way, seen.names) << '\n';
-    else std::cout << (i == 0 ? "" : "\n") << way_text(way, seen.names);
+    const capture::PacketTrace trace = ring.trace(trips[i]);
+    if (i == 0 && !options.svg.empty()) write_picture(options, trace, seen.names);
+    if (options.json) std::cout << trace_json(trace, seen.names) << '\n';
+    else std::cout << (i == 0 ? "" : "\n") << trace_text(trace, seen.names);
   }
   std::cout << std::flush;
 }
@@ -100,7 +100,7 @@ int run(const Context& context, const Options& options) {
   SeenPackets seen = look(context, options);
   const capture::TripChoice choice = choice_of(options, seen);
   if (seen.lost != 0)
-    std::cerr << "ringctl: " << seen.lost << " packets are missing in this capture; ways have gaps" << std::endl;
+    std::cerr << "ringctl: " << seen.lost << " packets are missing in this capture; paths have gaps" << std::endl;
   const bool any = !seen.packets.empty();
   const capture::TracedRing ring(std::move(seen.packets));
   if (any && !ring.outputs_seen())
@@ -134,7 +134,7 @@ void add_options(CLI::App& command, Options& options) {
 void add_trace(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(
-      app, "trace", "Why was it late: the way of the slowest packet, hop by hop, and what it waited for");
+      app, "trace", "Why was it late: the path of the slowest packet, hop by hop, and what it waited for");
   add_options(*command, *options);
   command->callback([&context, command, options] {
     if (!options->over.empty() && command->count("--count") == 0) options->count = 0;

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "app/ringctl/way_words.h"
+#include "app/ringctl/trace_words.h"
 
 namespace limb_ring::ringctl {
 
@@ -25,9 +25,9 @@ json rows_of(const std::vector<SeenPacket>& packets, const RingNames& names) {
   return rows;
 }
 
-json hop_row(const capture::Way& way, std::size_t place, const RingNames& names) {
-  const capture::Hop& hop = way.hops[place];
-  const auto line = way.on_line(place);
+json hop_row(const capture::PacketTrace& trace, std::size_t place, const RingNames& names) {
+  const capture::Hop& hop = trace.hops[place];
+  const auto line = trace.on_line(place);
   const auto waited = hop.waited();
   return {{"node", names.of(hop.node)},
           {"unseen_before", hop.unseen},
@@ -37,18 +37,18 @@ json hop_row(const capture::Way& way, std::size_t place, const RingNames& names)
           {"waited_ns", waited ? json(waited->count()) : json()},
           {"behind", rows_of(hop.behind, names)},
           {"cut_by", rows_of(hop.cut_by, names)},
-          {"why", hop_words(way, place, names)}};
+          {"why", hop_words(trace, place, names)}};
 }
 
 }  // namespace
 
-std::string way_json(const capture::Way& way, const RingNames& names) {
-  const wire::Code code = wire::code_of(way.code);
-  json row{{"packet", title_of(way, names)}, {"source", names.of(way.source)}, {"try", code.attempt},
-           {"sequence", code.sequence}, {"end", to_string(way.end)}, {"sent_ns", way.sent().count()},
-           {"began_ns", way.began.count()}, {"ended_ns", way.ended.count()}, {"waited_ns", way.waited().count()},
-           {"retries", retry_words(way, names)}, {"hops", json::array()}};
-  for (std::size_t place = 0; place < way.hops.size(); ++place) row["hops"].push_back(hop_row(way, place, names));
+std::string trace_json(const capture::PacketTrace& trace, const RingNames& names) {
+  const wire::Code code = wire::code_of(trace.code);
+  json row{{"packet", title_of(trace, names)}, {"source", names.of(trace.source)}, {"try", code.attempt},
+           {"sequence", code.sequence}, {"end", to_string(trace.end)}, {"sent_ns", trace.sent().count()},
+           {"began_ns", trace.began.count()}, {"ended_ns", trace.ended.count()}, {"waited_ns", trace.waited().count()},
+           {"retries", retry_words(trace, names)}, {"hops", json::array()}};
+  for (std::size_t place = 0; place < trace.hops.size(); ++place) row["hops"].push_back(hop_row(trace, place, names));
   return row.dump();
 }
 

@@ -1,4 +1,4 @@
-#include "app/ringctl/way_words.h"
+#include "app/ringctl/trace_words.h"
 
 #include "app/ringctl/packet_text.h"
 #include "wire/data_packet.h"
@@ -10,8 +10,8 @@ namespace {
 using capture::Hop;
 using capture::RingNames;
 using capture::SeenPacket;
-using capture::Way;
-using capture::WayEnd;
+using capture::PacketTrace;
+using capture::TripEnd;
 using std::to_string;
 
 constexpr std::size_t kMostNamed = 3;  // of the packets in its way at one node
@@ -67,15 +67,15 @@ std::string embedded_words(const SeenPacket& packet, const RingNames& names) {
 }
 
 /// One line of at least three took more than half of it all.
-bool mostly_on_line(const Way& way, std::size_t hop) {
-  const auto line = way.on_line(hop);
-  return line && way.hops.size() > 3 && 2 * *line > way.ended - way.began;
+bool mostly_on_line(const PacketTrace& trace, std::size_t hop) {
+  const auto line = trace.on_line(hop);
+  return line && trace.hops.size() > 3 && 2 * *line > trace.ended - trace.began;
 }
 
-std::string why_again(WayEnd end, std::chrono::nanoseconds after, const SeenPacket& last, const RingNames& names) {
-  if (end == WayEnd::not_home)
+std::string why_again(TripEnd end, std::chrono::nanoseconds after, const SeenPacket& last, const RingNames& names) {
+  if (end == TripEnd::not_home)
     return "no return within " + in_us(after) + " us, last seen " + place_of(last, names) + ": sent again";
-  const std::string again = end == WayEnd::refused ? ": sent again as a new packet" : ": sent again";
+  const std::string again = end == TripEnd::refused ? ": sent again as a new packet" : ": sent again";
   return std::string(to_string(end)) + ", " + in_us(after) + " us later" + again;
 }
 
@@ -95,43 +95,43 @@ std::string packet_words(const SeenPacket& packet, const RingNames& names) {
          destination_of(packet.trailer, names) + size;
 }
 
-std::string title_of(const Way& way, const RingNames& names) {
-  std::string title = names.of(way.source) + " -> " + destination_of(way.trailer, names) + "  " +
-                      kind_of(way.code, way.trailer);
-  if (wire::code_of(way.code).interrupt || !way.trailer) return title;
-  return title + "  p" + to_string(wire::priority_of(way.trailer->last)) + " " +
-         channel_name(wire::channel_of(way.trailer->last)) + "  " + to_string(way.size - wire::kOverhead) + " B";
+std::string title_of(const PacketTrace& trace, const RingNames& names) {
+  std::string title = names.of(trace.source) + " -> " + destination_of(trace.trailer, names) + "  " +
+                      kind_of(trace.code, trace.trailer);
+  if (wire::code_of(trace.code).interrupt || !trace.trailer) return title;
+  return title + "  p" + to_string(wire::priority_of(trace.trailer->last)) + " " +
+         channel_name(wire::channel_of(trace.trailer->last)) + "  " + to_string(trace.size - wire::kOverhead) + " B";
 }
 
-std::string end_words(const Way& way, const RingNames& names) {
-  if (way.came_home())
-    return std::string(to_string(way.end)) + " after " + in_us(way.ended - way.sent()) + " us, waited " +
-           in_us(way.waited()) + " us";
-  const Hop& last = way.hops.back();
+std::string end_words(const PacketTrace& trace, const RingNames& names) {
+  if (trace.came_home())
+    return std::string(to_string(trace.end)) + " after " + in_us(trace.ended - trace.sent()) + " us, waited " +
+           in_us(trace.waited()) + " us";
+  const Hop& last = trace.hops.back();
   return "was not seen coming home; last seen " + place_of(last.out ? *last.out : *last.in, names) + " after " +
-         in_us(way.ended - way.began) + " us";
+         in_us(trace.ended - trace.began) + " us";
 }
 
-std::vector<std::string> retry_words(const Way& way, const RingNames& names) {
+std::vector<std::string> retry_words(const PacketTrace& trace, const RingNames& names) {
   std::vector<std::string> words;
-  for (std::size_t i = 0; i < way.earlier.size(); ++i) {
-    const Way::Earlier& tried = way.earlier[i];
-    const auto next = i + 1 < way.earlier.size() ? way.earlier[i + 1].began : way.began;
-    words.push_back("try " + number_of(tried.code) + ", " + in_us(way.began - tried.began) + " us before: " +
-                    why_again(tried.end, tried.end == WayEnd::not_home ? next - tried.began
+  for (std::size_t i = 0; i < trace.earlier.size(); ++i) {
+    const PacketTrace::Earlier& tried = trace.earlier[i];
+    const auto next = i + 1 < trace.earlier.size() ? trace.earlier[i + 1].began : trace.began;
+    words.push_back("try " + number_of(tried.code) + ", " + in_us(trace.began - tried.began) + " us before: " +
+                    why_again(tried.end, tried.end == TripEnd::not_home ? next - tried.began
                                                                        : tried.last_seen.last - tried.began,
                               tried.last_seen, names));
   }
-  const std::uint8_t first = way.earlier.empty() ? way.code : way.earlier.front().code;
+  const std::uint8_t first = trace.earlier.empty() ? trace.code : trace.earlier.front().code;
   if (wire::code_of(first).attempt > 0) words.insert(words.begin(), "the tries before are not in this capture");
   return words;
 }
 
-std::string hop_words(const Way& way, std::size_t place, const RingNames& names) {
-  const Hop& hop = way.hops[place];
+std::string hop_words(const PacketTrace& trace, std::size_t place, const RingNames& names) {
+  const Hop& hop = trace.hops[place];
   std::string words;
   if (hop.unseen != 0) add(words, to_string(hop.unseen) + (hop.unseen == 1 ? " node" : " nodes") + " before it not in this capture");
-  if (mostly_on_line(way, place)) add(words, "most of the time on the line here, or until this node's process ran");
+  if (mostly_on_line(trace, place)) add(words, "most of the time on the line here, or until this node's process ran");
   const std::string damage = damage_of(hop.in ? *hop.in : *hop.out);
   if (!damage.empty()) add(words, damage);
   const std::string behind = behind_words(hop, names);

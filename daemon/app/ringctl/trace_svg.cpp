@@ -1,9 +1,9 @@
-#include "app/ringctl/way_svg.h"
+#include "app/ringctl/trace_svg.h"
 
 #include <algorithm>
 #include <sstream>
 
-#include "app/ringctl/way_words.h"
+#include "app/ringctl/trace_words.h"
 
 namespace limb_ring::ringctl {
 
@@ -42,25 +42,25 @@ std::int64_t tick_of(nanoseconds time) {
 
 class Picture {
  public:
-  Picture(const capture::Way& way, const capture::RingNames& names) : way_(way), names_(names) {}
+  Picture(const capture::PacketTrace& trace, const capture::RingNames& names) : trace_(trace), names_(names) {}
 
   std::string draw() {
-    const double height = kTop + kRow * static_cast<double>(way_.hops.size()) + 2 * kRow;
+    const double height = kTop + kRow * static_cast<double>(trace_.hops.size()) + 2 * kRow;
     out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << kLabels + kLines + kMargin << "\" height=\""
          << height << "\" font-family=\"sans-serif\" font-size=\"12\">\n"
          << "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-    text(kMargin, 20, title_of(way_, names_), "start");
-    text(kMargin, 38, end_words(way_, names_), "start");
+    text(kMargin, 20, title_of(trace_, names_), "start");
+    text(kMargin, 38, end_words(trace_, names_), "start");
     axis();
-    for (std::size_t row = 0; row < way_.hops.size(); ++row) hop(row);
+    for (std::size_t row = 0; row < trace_.hops.size(); ++row) hop(row);
     out_ << "</svg>\n";
     return out_.str();
   }
 
  private:
   double x(nanoseconds time) const {
-    const double whole = std::max<double>(1, static_cast<double>((way_.ended - way_.began).count()));
-    const double share = static_cast<double>((time - way_.began).count()) / whole;
+    const double whole = std::max<double>(1, static_cast<double>((trace_.ended - trace_.began).count()));
+    const double share = static_cast<double>((time - trace_.began).count()) / whole;
     return kLabels + kLines * std::clamp(share, 0.0, 1.0);
   }
   static double y(std::size_t row) { return kTop + kRow * static_cast<double>(row); }
@@ -77,10 +77,10 @@ class Picture {
   }
 
   void axis() {
-    const double bottom = y(way_.hops.size());
-    const std::int64_t tick = tick_of(way_.ended - way_.began);
-    for (nanoseconds at{0}; at <= way_.ended - way_.began; at += nanoseconds(tick)) {
-      const double place = x(way_.began + at);
+    const double bottom = y(trace_.hops.size());
+    const std::int64_t tick = tick_of(trace_.ended - trace_.began);
+    for (nanoseconds at{0}; at <= trace_.ended - trace_.began; at += nanoseconds(tick)) {
+      const double place = x(trace_.began + at);
       out_ << "<path d=\"M" << place << " " << kTop - 6 << "V" << bottom << "\" stroke=\"#dddddd\"/>\n";
       text(place, bottom + 16, in_us(at), "middle");
     }
@@ -92,11 +92,11 @@ class Picture {
   }
 
   void hop(std::size_t row) {
-    const Hop& hop = way_.hops[row];
+    const Hop& hop = trace_.hops[row];
     text(kLabels - 8, y(row) + kBar - 4, names_.of(hop.node), "end");
     for (const SeenPacket& other : hop.behind) seen(other, row, kOther);
     if (hop.waited()) wait(hop, row);
-    if (hop.out || hop.in) bar(line(hop).began, line(hop).last, row, kPacket, hop_words(way_, row, names_));
+    if (hop.out || hop.in) bar(line(hop).began, line(hop).last, row, kPacket, hop_words(trace_, row, names_));
     for (const SeenPacket& cut : hop.cut_by) seen(cut, row, kInterrupt);
   }
 
@@ -110,13 +110,15 @@ class Picture {
 
   static const SeenPacket& line(const Hop& hop) { return hop.out ? *hop.out : *hop.in; }
 
-  const capture::Way& way_;
+  const capture::PacketTrace& trace_;
   const capture::RingNames& names_;
   std::ostringstream out_;
 };
 
 }  // namespace
 
-std::string way_svg(const capture::Way& way, const capture::RingNames& names) { return Picture(way, names).draw(); }
+std::string trace_svg(const capture::PacketTrace& trace, const capture::RingNames& names) {
+  return Picture(trace, names).draw();
+}
 
 }  // namespace limb_ring::ringctl

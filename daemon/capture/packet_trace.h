@@ -22,35 +22,35 @@ struct Hop {
 };
 
 /// How one try of a packet ended, as far as the capture shows.
-enum class WayEnd : std::uint8_t {
+enum class TripEnd : std::uint8_t {
   home,      ///< came back to its source, taken or not
   refused,   ///< came back with FBC 0
   damaged,   ///< came back with a bad CRC
   broken,    ///< came back without its end
   not_home   ///< was not seen coming back
 };
-const char* to_string(WayEnd end);
+const char* to_string(TripEnd end);
 
-/// The way of one try of a packet, hop by hop, and of the tries before it.
-struct Way {
+/// The path of one try of a packet, hop by hop, and the tries before it.
+struct PacketTrace {
   wire::NodeId source = 0;
   std::uint8_t code = 0;
   std::optional<SeenPacket::Trailer> trailer;
   std::uint16_t size = 0;
   std::vector<Hop> hops;
-  WayEnd end = WayEnd::not_home;
+  TripEnd end = TripEnd::not_home;
   std::chrono::nanoseconds began{0}, ended{0};  ///< first slice of its first sighting, last slice of its last
   /// What was tried before it, the first one first: retries, and a packet of the same data sent again as new
   /// after a refusal. Without hops of their own.
   struct Earlier {
     std::uint8_t code = 0;
-    WayEnd end = WayEnd::not_home;
+    TripEnd end = TripEnd::not_home;
     SeenPacket last_seen;
     std::chrono::nanoseconds began{0};
   };
   std::vector<Earlier> earlier;
 
-  bool came_home() const { return end != WayEnd::not_home; }
+  bool came_home() const { return end != TripEnd::not_home; }
   /// First slice of its first try.
   std::chrono::nanoseconds sent() const { return earlier.empty() ? began : earlier.front().began; }
   std::chrono::nanoseconds waited() const;  ///< at all nodes, as far as known

@@ -1,4 +1,4 @@
-#include "capture/packet_way.h"
+#include "capture/packet_trace.h"
 
 #include <algorithm>
 
@@ -45,24 +45,24 @@ std::optional<nanoseconds> Hop::waited() const {
   return out->began - in->began;
 }
 
-nanoseconds Way::waited() const {
+nanoseconds PacketTrace::waited() const {
   nanoseconds all{0};
   for (const Hop& hop : hops) all += hop.waited().value_or(nanoseconds(0));
   return all;
 }
 
-std::optional<nanoseconds> Way::on_line(std::size_t hop) const {
+std::optional<nanoseconds> PacketTrace::on_line(std::size_t hop) const {
   if (hop == 0 || hops[hop].unseen != 0 || !hops[hop].in || !hops[hop - 1].out) return std::nullopt;
   return hops[hop].in->began - hops[hop - 1].out->began;
 }
 
-const char* to_string(WayEnd end) {
+const char* to_string(TripEnd end) {
   switch (end) {
-    case WayEnd::home: return "came home";
-    case WayEnd::refused: return "came home refused";
-    case WayEnd::damaged: return "came home damaged";
-    case WayEnd::broken: return "came home broken off";
-    case WayEnd::not_home: return "did not come home";
+    case TripEnd::home: return "came home";
+    case TripEnd::refused: return "came home refused";
+    case TripEnd::damaged: return "came home damaged";
+    case TripEnd::broken: return "came home broken off";
+    case TripEnd::not_home: return "did not come home";
   }
   return "";
 }
