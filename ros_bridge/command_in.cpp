@@ -57,18 +57,18 @@ void CommandIn::warn_unknown(const std::vector<std::string>& names) {
 }
 
 void CommandIn::offer(const CommandSplit::Part& part) {
-  Lane& lane = lanes_[part.node];
+  NodeCommands& commands = by_node_[part.node];
   if (!port_.connected()) return counters_.add("commands_dropped_disconnected");
   if (!speaks_(part.node)) return counters_.add("commands_withheld_silent");
   auto done = [this, node = part.node](const Result& result) { on_result(node, result); };
-  if (lane.under_way < kUnderWay) return send(part.node, part.command, done);
-  if (lane.waiting) counters_.add("commands_superseded");
-  lane.waiting = part.command;
+  if (commands.under_way < kUnderWay) return send(part.node, part.command, done);
+  if (commands.waiting) counters_.add("commands_superseded");
+  commands.waiting = part.command;
 }
 
 void CommandIn::send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done) {
-  Lane& lane = lanes_[node];
-  command.sequence = lane.sequence++;
+  NodeCommands& commands = by_node_[node];
+  command.sequence = commands.sequence++;
   const auto bytes = payload::encode(command);
   if (!bytes) {
     // Only a configuration with more joints per node than a packet holds gets here.
@@ -76,17 +76,17 @@ void CommandIn::send(std::uint8_t node, payload::JointCommand command, RingPort:
                    payload::to_string(bytes.error()).c_str());
     return counters_.add("commands_refused");
   }
-  ++lane.under_way;
+  ++commands.under_way;
   port_.send({node, kCommandPriority, payload::kJointChannel, *bytes}, std::move(done));
 }
 
 void CommandIn::on_result(std::uint8_t node, const Result& result) {
   counters_.add("commands_" + outcome_word(result.outcome));
-  Lane& lane = lanes_[node];
-  --lane.under_way;
-  if (!lane.waiting) return;
-  auto next = std::move(*lane.waiting);
-  lane.waiting.reset();
+  NodeCommands& commands = by_node_[node];
+  --commands.under_way;
+  if (!commands.waiting) return;
+  auto next = std::move(*commands.waiting);
+  commands.waiting.reset();
   if (!port_.connected()) return counters_.add("commands_dropped_disconnected");
   send(node, std::move(next), [this, node](const Result& r) { on_result(node, r); });
 }

@@ -36,7 +36,8 @@ class CommandIn {
   bool resume(std::uint8_t node, RingPort::OnResult done);
 
  private:
-  struct Lane {
+  /// What has been sent to one node and not yet come back, and what waits for that.
+  struct NodeCommands {
     unsigned under_way = 0;
     std::optional<payload::JointCommand> waiting;
     std::uint16_t sequence = 0;
@@ -55,7 +56,7 @@ class CommandIn {
   Counters& counters_;
   std::set<std::string> warned_;
   Throttle refusal_{std::chrono::seconds(1)};
-  std::map<std::uint8_t, Lane> lanes_;  // ring thread only
+  std::map<std::uint8_t, NodeCommands> by_node_;  // ring thread only
   ros::Subscriber subscriber_;
 };
 

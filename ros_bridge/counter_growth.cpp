@@ -13,11 +13,11 @@ std::uint64_t counter_of(const NodeStatus& node, const std::string& name) {
 std::vector<CounterGrowth::Step> CounterGrowth::take(const NodeStatus& node) {
   std::vector<Step> grown;
   if (node.pid == 0) return grown;  // nobody says
-  const bool first = pid_ == 0, anew = node.pid != pid_;
+  const bool first = pid_ == 0, restarted = node.pid != pid_;
   pid_ = node.pid;
   for (const std::string& name : names_) {
     const std::uint64_t now = counter_of(node, name);
-    const std::uint64_t before = anew ? 0 : last_[name];
+    const std::uint64_t before = restarted ? 0 : last_[name];
     if (!first && now > before) grown.push_back({name, now - before, now});
     last_[name] = now;
   }

@@ -12,7 +12,7 @@ namespace limb_ring::bridge {
 /// Value of a counter of a node's daemon; 0 where it has none of that name.
 std::uint64_t counter_of(const NodeStatus& node, const std::string& name);
 
-/// By how much some counters of a daemon have grown from look to look. A daemon that was started anew
+/// By how much some counters of a daemon have grown from one status to the next. A daemon that was restarted
 /// (another pid) counts from 0.
 class CounterGrowth {
  public:

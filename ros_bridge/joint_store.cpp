@@ -5,7 +5,7 @@
 namespace limb_ring::bridge {
 namespace {
 
-// A state that comes so many numbers later is from a CPU that has started anew: at 100 Hz this
+// A state that comes so many numbers later is from a CPU that has restarted: at 100 Hz this
 // is ten seconds, long after the node was called silent.
 constexpr std::uint16_t kRestart = 1000;
 

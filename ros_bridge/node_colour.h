@@ -12,7 +12,7 @@ enum class Condition {
   well,     ///< up, and its CPU runs
   unclear,  ///< joining, in an open chain, folded, its CPU boots or is not there
   hung,     ///< its network controller relays, its CPU does not answer
-  down      ///< not heard, alone, or of a doubled id
+  down      ///< not heard, alone, or with a duplicate id
 };
 
 Condition condition_of(const config::NodeConfig& node, const RingStatus& ring);

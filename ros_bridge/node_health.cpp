@@ -61,9 +61,9 @@ void NodeHealth::note_changes(const NodeStatus& now, Clock::time_point at) {
   if (was_heard_ && is_well(now.state) && !is_well(status_.state))
     recent_.note("state", "was " + status_.state, at);
   if (now.cpu_boots > status_.cpu_boots && status_.cpu_boots != 0)
-    recent_.note("boots", "its CPU was started anew (boot " + std::to_string(now.cpu_boots) + ")", at);
+    recent_.note("boots", "its CPU was restarted (boot " + std::to_string(now.cpu_boots) + ")", at);
   if (now.pid == 0) return;
-  if (last_pid_ != 0 && now.pid != last_pid_) recent_.note("pid", "its daemon was started anew", at);
+  if (last_pid_ != 0 && now.pid != last_pid_) recent_.note("pid", "its daemon was restarted", at);
   last_pid_ = now.pid;
 }
 

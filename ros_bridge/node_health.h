@@ -16,7 +16,7 @@ constexpr std::chrono::seconds kWarnFor{5};
 
 /// How one node is, as diagnostics tell it. (ours)
 ///   STALE  nobody has heard of it, or there is nobody to ask
-///   ERROR  it was heard and is not any more; alone; doubled; its CPU has failed or is silent
+///   ERROR  it was heard and is not any more; alone; its id is a duplicate; its CPU has failed or is silent
 ///   WARN   it is up with something wrong, or something was wrong within kWarnFor
 class NodeHealth {
  public:

@@ -21,7 +21,7 @@ namespace limb_ring::bridge {
 /// joint falls silent or the daemon goes. A thread of its own asks the daemons.
 class StatusOut {
  public:
-  /// The CPU of a node (by id) has started anew.
+  /// The CPU of a node (by id) has restarted.
   using OnBoot = std::function<void(std::uint8_t node)>;
 
   using OnStatus = std::function<void(const RingStatus&)>;

@@ -16,7 +16,7 @@ class TopicIn {
   TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic,
           RingPort& port, Counters& counters);
 
-  /// Any thread: the CPU of the node this topic goes to has started anew.
+  /// Any thread: the CPU of the node this topic goes to has restarted.
   void far_side_restarted();
   const config::TopicConfig& topic() const { return topic_; }
 

@@ -25,7 +25,7 @@ struct TopicMessage {
 ///
 /// At most `kWindow` fragments are under way, so that a large message never fills the
 /// controller's send queue. The topic's type goes before its first message, whenever it
-/// changes, and once a second (announce()), because the far side may have started anew. After a
+/// changes, and once a second (announce()), because the far side may have restarted. After a
 /// fragment that was not delivered the rest of its message is not sent.
 class TopicSender {
  public:
@@ -39,7 +39,7 @@ class TopicSender {
   void offer(TopicMessage message);
   /// Says the type again, as soon as the message under way has gone.
   void announce();
-  /// The far side has started anew: type first, and a latched topic's last message again.
+  /// The far side has restarted: type first, and a latched topic's last message again.
   void far_side_restarted();
 
  private:

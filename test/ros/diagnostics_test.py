@@ -80,7 +80,7 @@ class Diagnostics(unittest.TestCase):
 
     def test_a_node_that_went_is_an_error_and_one_that_came_back_a_warning(self):
         kill_process(self.ring.node('right_elbow').pid)
-        self.wait_for('right_elbow', WARN, 'started anew')
+        self.wait_for('right_elbow', WARN, 'was restarted')
         self.ring.wait_until_up()
         self.wait_until_well()
 

@@ -142,7 +142,7 @@ TEST_F(Health, WarnsOfALossForFiveSeconds) {
   EXPECT_EQ(of_node().level, Level::OK);
 }
 
-TEST_F(Health, WarnsOfANewBootAndOfANewDaemonWhoseCountersBeginAnew) {
+TEST_F(Health, WarnsOfANewBootAndOfANewDaemonWhoseCountersBeginAtZero) {
   take();
   knee().cpu_boots = 2;
   take();
@@ -150,7 +150,7 @@ TEST_F(Health, WarnsOfANewBootAndOfANewDaemonWhoseCountersBeginAnew) {
   knee().pid = 999;
   knee().counter_values = {0, 1};
   take();
-  EXPECT_THAT(of_node().message, HasSubstr("daemon was started anew"));
+  EXPECT_THAT(of_node().message, HasSubstr("daemon was restarted"));
   EXPECT_THAT(of_node().message, HasSubstr("ended_lost +1"));
 }
 

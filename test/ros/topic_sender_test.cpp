@@ -159,7 +159,7 @@ TEST_F(Topic, AnnouncesANewTypeBeforeItsFirstMessage) {
   EXPECT_THAT(first_bytes(), ElementsAre('a', 'b'));
 }
 
-TEST_F(Topic, RepeatsALatchedMessageForAFarSideThatStartsAnew) {
+TEST_F(Topic, RepeatsALatchedMessageForAFarSideThatHasRestarted) {
   sender.offer(message(1, 'a', /*latching=*/true));
   answer_all();
   far_side = payload::Reassembler();

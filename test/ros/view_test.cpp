@@ -108,7 +108,7 @@ TEST_F(Picture, KnowsALoadFromTwoLooks) {
   status.nodes[1].counter_values = {6400, 110};  // 5000 bytes and a hundred slice headers
   load.take(status);
   EXPECT_DOUBLE_EQ(*load.of(7), 0.5);
-  status.nodes[1].pid = 2;  // another daemon counts anew
+  status.nodes[1].pid = 2;  // another daemon counts from 0
   status.header.stamp += ros::Duration(1.0);
   load.take(status);
   EXPECT_EQ(load.of(7), std::nullopt);
