@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "ask/known_stops.h"
-#include "ask/reset_seen.h"
+#include "ask/reset_node.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {

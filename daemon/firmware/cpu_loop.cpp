@@ -87,9 +87,9 @@ class Run {
   }
 
   void obey() {
-    const auto& order = cpu_.order();
+    const auto& order = cpu_.fault_command();
     const bool overdue = hang_at_ && read_clocks().monotonic >= *hang_at_;
-    if (overdue || (order && order->kind == Order::Kind::hang)) {
+    if (overdue || (order && order->kind == FaultCommand::Kind::hang)) {
       std::fprintf(stderr, "limb_firmware %s: hangs on purpose (pid %d)\n", port_.name().c_str(),
                    static_cast<int>(getpid()));
       hang();
@@ -120,7 +120,7 @@ class Run {
 
 }  // namespace
 
-Moment read_clocks() {
+Timestamps read_clocks() {
   return {read_clock(CLOCK_MONOTONIC), read_clock(CLOCK_REALTIME).count()};
 }
 

@@ -8,7 +8,7 @@
 
 namespace limb_ring::firmware {
 
-Moment read_clocks();
+Timestamps read_clocks();
 
 /// Runs the CPU on its host port until a stop signal, an order, or the end of the connection. The
 /// daemon hears something of it four times an `alive_period`, however idle it is.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "config/ring_config.h"
-#include "firmware/moment.h"
+#include "firmware/timestamps.h"
 #include "firmware/servo.h"
 
 namespace limb_ring::firmware {

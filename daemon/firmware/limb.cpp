@@ -20,14 +20,14 @@ bool is_empty(const payload::JointCommand::Joint& joint) {
 }  // namespace
 
 Limb::Limb(const config::NodeConfig& node, const config::Firmware& firmware,
-           nanoseconds command_timeout, const Moment& now)
-    : gate_(command_timeout) {
+           nanoseconds command_timeout, const Timestamps& now)
+    : filter_(command_timeout) {
   check(node);
   for (const auto& joint : node.joints)
     joints_.emplace_back(joint, firmware, command_timeout, now.monotonic);
 }
 
-Verdict Limb::command(wire::ByteView packet, const Moment& now) {
+Verdict Limb::command(wire::ByteView packet, const Timestamps& now) {
   const Verdict verdict = judge(packet, now);
   ++counts_[static_cast<std::size_t>(verdict)];
   if (verdict == Verdict::obey) return verdict;
@@ -36,12 +36,12 @@ Verdict Limb::command(wire::ByteView packet, const Moment& now) {
   return verdict;
 }
 
-Verdict Limb::judge(wire::ByteView packet, const Moment& now) {
+Verdict Limb::judge(wire::ByteView packet, const Timestamps& now) {
   advance(now.monotonic);
   const auto command = payload::decode_joint_command(packet);
   if (!command) return Verdict::malformed;
   if (command->joints.size() > joints_.size()) return Verdict::unfit;
-  const Verdict verdict = gate_.judge(*command, now);
+  const Verdict verdict = filter_.judge(*command, now);
   if (verdict == Verdict::obey) obey(*command, now.monotonic);
   return verdict;
 }
@@ -53,9 +53,9 @@ void Limb::obey(const payload::JointCommand& command, nanoseconds now) {
   }
 }
 
-void Limb::stop(const Moment& now) {
+void Limb::stop(const Timestamps& now) {
   advance(now.monotonic);
-  gate_.stop(now);
+  filter_.stop(now);
   for (auto& joint : joints_) joint.go_safe();
 }
 
@@ -63,13 +63,13 @@ void Limb::advance(nanoseconds now) {
   for (auto& joint : joints_) joint.advance(now);
 }
 
-payload::JointState Limb::sample(const Moment& now) {
+payload::JointState Limb::sample(const Timestamps& now) {
   advance(now.monotonic);
   payload::JointState state;
   state.sequence = sequence_++;
   state.stamp_ns = now.wall_ns;
   state.refused = refused_;
-  state.mode.stopped = gate_.stopped();
+  state.mode.stopped = filter_.stopped();
   state.mode.command_refused = refused_since_sample_;
   refused_since_sample_ = false;
   add_mode(state.mode);

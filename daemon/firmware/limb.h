@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "firmware/command_gate.h"
+#include "firmware/command_filter.h"
 #include "firmware/joint.h"
-#include "firmware/moment.h"
+#include "firmware/timestamps.h"
 #include "payload/joint_state.h"
 
 namespace limb_ring::firmware {
@@ -17,27 +17,27 @@ class Limb {
  public:
   /// @throw std::invalid_argument where the node has more joints than one packet carries
   Limb(const config::NodeConfig& node, const config::Firmware& firmware,
-       nanoseconds command_timeout, const Moment& now);
+       nanoseconds command_timeout, const Timestamps& now);
 
   /// A packet that says it is a joint_command. Every verdict but `obey` is counted.
-  Verdict command(wire::ByteView packet, const Moment& now);
+  Verdict command(wire::ByteView packet, const Timestamps& now);
   /// All joints to their safe states, until a command resumes.
-  void stop(const Moment& now);
+  void stop(const Timestamps& now);
   void advance(nanoseconds now);
   /// The state at `now`, under the next sequence number.
-  payload::JointState sample(const Moment& now);
+  payload::JointState sample(const Timestamps& now);
 
   const std::vector<Joint>& joints() const { return joints_; }
-  bool stopped() const { return gate_.stopped(); }
+  bool stopped() const { return filter_.stopped(); }
   std::uint64_t count(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
 
  private:
-  Verdict judge(wire::ByteView packet, const Moment& now);
+  Verdict judge(wire::ByteView packet, const Timestamps& now);
   void obey(const payload::JointCommand& command, nanoseconds now);
   void add_mode(payload::JointState::Mode& mode) const;
 
   std::vector<Joint> joints_;
-  CommandGate gate_;
+  CommandFilter filter_;
   std::array<std::uint64_t, 7> counts_{};  // by Verdict
   std::uint16_t sequence_ = 0;
   std::uint16_t refused_ = 0;

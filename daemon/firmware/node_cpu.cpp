@@ -15,28 +15,28 @@ wire::ByteView view(const std::vector<std::uint8_t>& bytes) { return {bytes.data
 
 }  // namespace
 
-NodeCpu::NodeCpu(const NodeSetup& setup, const Moment& now)
+NodeCpu::NodeCpu(const NodeSetup& setup, const Timestamps& now)
     : limb_(setup.node, setup.firmware, setup.command_timeout, now), state_to_(setup.state_to) {
   if (!setup.node.joints.empty()) states_.emplace(setup.firmware.state_rate, now.monotonic);
   for (const auto& sensor : setup.node.sensors)
     sensors_.emplace_back(sensor, static_cast<std::uint8_t>(sensors_.size()), now.monotonic);
 }
 
-void NodeCpu::receive(const Packet& packet, const Moment& now) {
+void NodeCpu::receive(const Packet& packet, const Timestamps& now) {
   const auto bytes = view(packet.data);
   const bool joint_data = packet.channel == payload::kJointChannel;
   if (joint_data && payload::is_type(bytes, payload::PacketType::joint_command)) {
     limb_.command(bytes, now);
     return;
   }
-  const auto order = packet.channel == payload::kUserChannel ? parse_order(bytes) : std::nullopt;
+  const auto order = packet.channel == payload::kUserChannel ? parse_fault_command(bytes) : std::nullopt;
   if (!order)
     ++counters_.ignored;
-  else if (!order_)
-    order_ = order;
+  else if (!fault_command_)
+    fault_command_ = order;
 }
 
-void NodeCpu::receive(const Interrupt& interrupt, const Moment& now) {
+void NodeCpu::receive(const Interrupt& interrupt, const Timestamps& now) {
   if (interrupt.action == Interrupt::Action::notify) {
     ++counters_.notifies;
     return;
@@ -50,7 +50,7 @@ void NodeCpu::receive(const limb_ring::Result& result) {
   if (result.outcome != Outcome::delivered) ++counters_.not_delivered;
 }
 
-void NodeCpu::advance(const Moment& now) {
+void NodeCpu::advance(const Timestamps& now) {
   limb_.advance(now.monotonic);
   if (states_ && states_->take(now.monotonic) && may_send())
     send(payload::encode(limb_.sample(now)), kStatePriority);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "firmware/limb.h"
-#include "firmware/orders.h"
+#include "firmware/fault_command.h"
 #include "firmware/periodic.h"
 #include "firmware/simulated_sensor.h"
 #include "limb_ring/host_port.h"
@@ -46,19 +46,19 @@ class NodeCpu {
   };
 
   /// @throw std::invalid_argument where the node has more joints than one packet carries
-  NodeCpu(const NodeSetup& setup, const Moment& now);
+  NodeCpu(const NodeSetup& setup, const Timestamps& now);
 
-  void receive(const Packet& packet, const Moment& now);
-  void receive(const Interrupt& interrupt, const Moment& now);
+  void receive(const Packet& packet, const Timestamps& now);
+  void receive(const Interrupt& interrupt, const Timestamps& now);
   void receive(const limb_ring::Result& result);
   /// Simulates up to `now` and samples what is due.
-  void advance(const Moment& now);
+  void advance(const Timestamps& now);
   /// What is to be sent; each of them gives one Result later.
   std::vector<Outgoing> take_outgoing();
   /// When advance() is to be called next, at the latest; nothing where never.
   std::optional<nanoseconds> due() const;
 
-  const std::optional<Order>& order() const { return order_; }
+  const std::optional<FaultCommand>& fault_command() const { return fault_command_; }
   const Limb& limb() const { return limb_; }
   const Counters& counters() const { return counters_; }
   /// One line for people.
@@ -75,7 +75,7 @@ class NodeCpu {
   std::vector<SimulatedSensor> sensors_;
   std::vector<Outgoing> outgoing_;
   std::size_t without_result_ = 0;
-  std::optional<Order> order_;
+  std::optional<FaultCommand> fault_command_;
   Counters counters_;
 };
 

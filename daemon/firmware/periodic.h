@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "firmware/moment.h"
+#include "firmware/timestamps.h"
 
 namespace limb_ring::firmware {
 

@@ -35,7 +35,7 @@ SimulatedSensor::SimulatedSensor(const config::SensorConfig& sensor, std::uint8_
       index_(index),
       periodic_(sensor.rate, start) {}
 
-payload::SensorReading SimulatedSensor::sample(const Limb& limb, const Moment& now) {
+payload::SensorReading SimulatedSensor::sample(const Limb& limb, const Timestamps& now) {
   payload::SensorReading reading;
   if (kind_ == config::SensorConfig::Kind::imu)
     fill_imu(reading, limb);

@@ -22,7 +22,7 @@ class SimulatedSensor {
   nanoseconds due() const { return periodic_.due(); }
   bool take(nanoseconds now) { return periodic_.take(now); }
   /// The reading at `now`, under the next sequence number.
-  payload::SensorReading sample(const Limb& limb, const Moment& now);
+  payload::SensorReading sample(const Limb& limb, const Timestamps& now);
   std::uint8_t priority() const { return priority_; }
   std::uint64_t missed() const { return periodic_.missed(); }
 

@@ -4,7 +4,7 @@
 
 namespace limb_ring::link {
 
-std::string why_unfit(const Head& connect, Refusal refusal) {
+std::string why_unfit(const LinkHeader& connect, Refusal refusal) {
   const std::string node = "node " + std::to_string(connect.sender);
   if (refusal == Refusal::wrong_version) return node + ": " + version_mismatch(connect.version);
   if (refusal == Refusal::wrong_ring) return node + " belongs to another ring";
@@ -14,8 +14,8 @@ std::string why_unfit(const Head& connect, Refusal refusal) {
 Admission::Admission(Identity self, std::vector<std::uint8_t> order)
     : self_(self), order_(std::move(order)) {}
 
-Refusal Admission::judge(const Head& connect, std::optional<std::uint8_t> present) const {
-  if (connect.version != kHeadVersion) return Refusal::wrong_version;
+Refusal Admission::judge(const LinkHeader& connect, std::optional<std::uint8_t> present) const {
+  if (connect.version != kLinkVersion) return Refusal::wrong_version;
   if (connect.ring != self_.ring) return Refusal::wrong_ring;
   const std::size_t asking = distance(connect.sender);
   if (asking == 0) return Refusal::not_in_ring;

@@ -71,8 +71,8 @@ void DelayedInput::on_input_lost(std::string_view reason) {
   add(0, [reason = std::string(reason)](InputHandler& next) { next.on_input_lost(reason); });
 }
 
-void DelayedInput::on_stranger(std::string_view reason) {
-  add(0, [reason = std::string(reason)](InputHandler& next) { next.on_stranger(reason); });
+void DelayedInput::on_unknown_peer(std::string_view reason) {
+  add(0, [reason = std::string(reason)](InputHandler& next) { next.on_unknown_peer(reason); });
 }
 
 void DelayedInput::add(std::size_t size, std::function<void(InputHandler&)> deliver) {

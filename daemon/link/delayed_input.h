@@ -29,7 +29,7 @@ class DelayedInput : public InputHandler {
   void on_input_gap(std::uint32_t lost) override;
   void on_input_up(std::uint8_t from) override;
   void on_input_lost(std::string_view reason) override;
-  void on_stranger(std::string_view reason) override;
+  void on_unknown_peer(std::string_view reason) override;
 
  private:
   struct Event {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "link/head.h"
+#include "link/link_header.h"
 #include "wire/bytes.h"
 
 namespace limb_ring::link {
@@ -14,7 +14,7 @@ class Downstream {
  public:
   struct Owner {
     virtual void on_accepted(std::size_t candidate) = 0;
-    virtual void on_refused(std::size_t candidate, const Head& refuse) = 0;
+    virtual void on_refused(std::size_t candidate, const LinkHeader& refuse) = 0;
     virtual void on_no_node(std::size_t candidate) = 0;  ///< what is there answers, but is no node of the ring
     virtual void on_ended(std::size_t candidate, std::string_view reason) = 0;
     virtual void on_heard(std::size_t candidate) = 0;  ///< it says that it is alive

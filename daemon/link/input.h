@@ -30,8 +30,8 @@ class Input {
   bool up() const { return from().has_value(); }
   std::optional<std::uint8_t> from() const { return line_->from(); }
   const InputCounters& counters() const { return report_.counters; }
-  /// Why the last stranger was turned away; empty where there was none.
-  const std::string& last_stranger() const { return report_.last_stranger; }
+  /// Why the last unknown peer was turned away; empty where there was none.
+  const std::string& last_unknown_peer() const { return report_.last_unknown_peer; }
 
  private:
   InputReport report_;

@@ -26,7 +26,7 @@ struct InputHandler {
   virtual void on_input_lost(std::string_view reason) = 0;
   /// Who asked to be our upstream neighbour cannot be it; once for each reason while the input is the same. `reason`
   /// is for people.
-  virtual void on_stranger(std::string_view reason) = 0;
+  virtual void on_unknown_peer(std::string_view reason) = 0;
 };
 
 }  // namespace limb_ring::link

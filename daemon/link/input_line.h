@@ -6,7 +6,7 @@
 
 #include "link/counters.h"
 #include "link/endpoint.h"
-#include "link/first_time.h"
+#include "link/report_once.h"
 #include "link/input_handler.h"
 
 namespace limb_ring::link {
@@ -22,11 +22,11 @@ struct InputSettings {
 /// What an Input keeps account of, whatever its transport.
 struct InputReport {
   InputCounters counters;
-  std::string last_stranger;  ///< why the last stranger was turned away; for people
-  FirstTime first_time;       ///< of such a reason, since the input came up
-  void stranger(std::string why) {
+  std::string last_unknown_peer;  ///< why the last unknown peer was turned away; for people
+  ReportOnce report_once;       ///< of such a reason, since the input came up
+  void unknown_peer(std::string why) {
     ++counters.strangers;
-    last_stranger = std::move(why);
+    last_unknown_peer = std::move(why);
   }
 };
 

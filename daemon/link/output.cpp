@@ -132,13 +132,13 @@ void Output::use(std::size_t candidate) {
     abandon(attempts_.rbegin()->first);
   }
   ++counters_.connects;
-  first_time_.forget();
+  report_once_.forget();
   silence_.restart(now);
   write_idle();  // over UDP, this takes up the session
   handler_.on_output_up(to());
 }
 
-void Output::on_refused(std::size_t candidate, const Head& refuse) {
+void Output::on_refused(std::size_t candidate, const LinkHeader& refuse) {
   ++counters_.refused;
   const Refusal refusal = refuse.refusal;
   const bool alive = refusal == Refusal::busy || refusal == Refusal::replaced;
@@ -161,7 +161,7 @@ void Output::on_no_node(std::size_t candidate) {
 
 void Output::tell(std::size_t candidate, std::string_view reason) {
   const std::uint8_t id = settings_.candidates[candidate].id;
-  if (first_time_(std::to_string(id) + " " + std::string(reason))) handler_.on_output_refused(id, reason);
+  if (report_once_(std::to_string(id) + " " + std::string(reason))) handler_.on_output_refused(id, reason);
 }
 
 void Output::on_ended(std::size_t candidate, std::string_view reason) {

@@ -9,7 +9,7 @@
 #include "link/counters.h"
 #include "link/downstream.h"
 #include "link/endpoint.h"
-#include "link/first_time.h"
+#include "link/report_once.h"
 #include "link/silence.h"
 #include "link/successor.h"
 #include "link/ticker.h"
@@ -91,7 +91,7 @@ class Output final : private Downstream::Owner {
   };
 
   void on_accepted(std::size_t candidate) override;
-  void on_refused(std::size_t candidate, const Head& refuse) override;
+  void on_refused(std::size_t candidate, const LinkHeader& refuse) override;
   void on_no_node(std::size_t candidate) override;
   void on_ended(std::size_t candidate, std::string_view reason) override;
   void on_heard(std::size_t candidate) override;
@@ -117,7 +117,7 @@ class Output final : private Downstream::Owner {
   OutputSettings settings_;
   OutputHandler& handler_;
   OutputCounters counters_;
-  FirstTime first_time_;  ///< of a refusal, since the output came up
+  ReportOnce report_once_;  ///< of a refusal, since the output came up
   Successor successor_;
   std::map<std::size_t, Attempt> attempts_;
   std::shared_ptr<Downstream> current_;

@@ -24,15 +24,15 @@ bool no_segments(int error) { return error == EIO || error == EINVAL || error ==
 }  // namespace
 
 UdpBatch::UdpBatch(const Identity& self, OutputCounters& counters)
-    : counters_(counters), buffer_(kMaxRunBytes + kHeadSize + wire::kMaxSliceSize) {
-  head_.type = HeadType::slices;
-  head_.ring = self.ring;
-  head_.sender = self.id;
+    : counters_(counters), buffer_(kMaxRunBytes + kLinkHeaderSize + wire::kMaxSliceSize) {
+  header_.type = LinkHeaderType::slices;
+  header_.ring = self.ring;
+  header_.sender = self.id;
 }
 
 void UdpBatch::start_session(std::uint64_t session) {
-  head_.session = session;
-  head_.sequence = 1;
+  header_.session = session;
+  header_.sequence = 1;
   late_.clear();
 }
 
@@ -73,23 +73,23 @@ UdpBatch::Run UdpBatch::fill(wire::ByteView slices) {
   while (run.slices < slices.size && run.count < most && size_ < kMaxRunBytes) {
     const wire::ByteView rest = slices.from(run.slices);
     const std::size_t size = slice_size(rest);
-    if (run.count == 0) run.segment = kHeadSize + size;
-    if (kHeadSize + size > run.segment) break;
+    if (run.count == 0) run.segment = kLinkHeaderSize + size;
+    if (kLinkHeaderSize + size > run.segment) break;
     append(rest.first(size));
     ++run.count;
     run.slices += size;
-    if (kHeadSize + size < run.segment) break;  // only the last one may be shorter
+    if (kLinkHeaderSize + size < run.segment) break;  // only the last one may be shorter
   }
-  head_.sequence -= run.count;  // until they are sent
+  header_.sequence -= run.count;  // until they are sent
   return run;
 }
 
 void UdpBatch::append(wire::ByteView slice) {
   std::uint8_t* out = buffer_.data() + size_;
-  store_head(out, head_);
-  std::memcpy(out + kHeadSize, slice.data, slice.size);
-  size_ += kHeadSize + slice.size;
-  ++head_.sequence;
+  store_header(out, header_);
+  std::memcpy(out + kLinkHeaderSize, slice.data, slice.size);
+  size_ += kLinkHeaderSize + slice.size;
+  ++header_.sequence;
 }
 
 bool UdpBatch::transmit(int socket, const Run& run, Status& status) {
@@ -108,7 +108,7 @@ bool UdpBatch::transmit(int socket, const Run& run, Status& status) {
   }
   ++counters_.writes;
   (sent < 0 ? counters_.datagrams_unsent : counters_.datagrams) += run.count;
-  head_.sequence += run.count;  // also where unsent: the other end then knows of the loss
+  header_.sequence += run.count;  // also where unsent: the other end then knows of the loss
   return true;
 }
 

@@ -4,7 +4,7 @@
 
 #include "link/counters.h"
 #include "link/endpoint.h"
-#include "link/head.h"
+#include "link/link_header.h"
 
 namespace limb_ring::link {
 
@@ -41,7 +41,7 @@ class UdpBatch {
   bool transmit(int socket, const Run& run, Status& status);
   void send_late(int socket);
 
-  Head head_;
+  LinkHeader header_;
   OutputCounters& counters_;
   std::vector<std::uint8_t> buffer_;
   std::size_t size_ = 0;

@@ -22,23 +22,23 @@ UdpDownstream::UdpDownstream(boost::asio::io_context& io, UdpAddress address, co
 
 bool UdpDownstream::start() {
   socket_ = connect_udp(io_, address_);
-  if (!socket_.is_open() || !tell(HeadType::connect)) return false;
-  wait_for_heads();
+  if (!socket_.is_open() || !tell(LinkHeaderType::connect)) return false;
+  wait_for_headers();
   return true;
 }
 
-void UdpDownstream::wait_for_heads() {
+void UdpDownstream::wait_for_headers() {
   socket_.async_wait(UdpSocket::wait_read,
                      [self = shared_from_this()](const boost::system::error_code&) {
                        if (!self->open()) return;
                        self->read();
-                       if (self->open() && !self->failed_) self->wait_for_heads();
+                       if (self->open() && !self->failed_) self->wait_for_headers();
                      });
 }
 
 void UdpDownstream::read() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
-  std::array<std::uint8_t, kHeadSize> bytes;
+  std::array<std::uint8_t, kLinkHeaderSize> bytes;
   while (open() && !failed_) {
     const auto got = receive_now(socket_.native_handle(), bytes.data(), bytes.size());
     if (got < 0 && would_block(errno)) return;
@@ -46,23 +46,23 @@ void UdpDownstream::read() {
       failed_ = true;
       return owner_->on_ended(candidate_, "nobody listens there");
     }
-    const auto head = parse_head({bytes.data(), static_cast<std::size_t>(got)});
-    if (head) take_head(*head);
+    const auto header = parse_header({bytes.data(), static_cast<std::size_t>(got)});
+    if (header) take_header(*header);
   }
 }
 
-void UdpDownstream::take_head(const Head& head) {
-  if (session_nonce(head.session) != session_nonce(session_)) return;
-  if (head.type == HeadType::accept) return accept(head);
-  if (accepted_ && head.session != session_) return;
-  if (head.type == HeadType::refuse) return owner_->on_refused(candidate_, head);
-  if (head.type == HeadType::alive) owner_->on_heard(candidate_);
+void UdpDownstream::take_header(const LinkHeader& header) {
+  if (session_nonce(header.session) != session_nonce(session_)) return;
+  if (header.type == LinkHeaderType::accept) return accept(header);
+  if (accepted_ && header.session != session_) return;
+  if (header.type == LinkHeaderType::refuse) return owner_->on_refused(candidate_, header);
+  if (header.type == LinkHeaderType::alive) owner_->on_heard(candidate_);
 }
 
-void UdpDownstream::accept(const Head& head) {
-  if (accepted_ || head.ring != self_.ring) return;
+void UdpDownstream::accept(const LinkHeader& header) {
+  if (accepted_ || header.ring != self_.ring) return;
   accepted_ = true;
-  session_ = head.session;
+  session_ = header.session;
   batch_.start_session(session_);
   owner_->on_accepted(candidate_);
 }
@@ -106,16 +106,16 @@ void UdpDownstream::send_backlog() {
 }
 
 void UdpDownstream::ask_again() {
-  if (!accepted_ && !failed_ && !tell(HeadType::connect)) fail("nobody listens there");
+  if (!accepted_ && !failed_ && !tell(LinkHeaderType::connect)) fail("nobody listens there");
 }
 
-bool UdpDownstream::tell(HeadType type) {
-  Head head;
-  head.type = type;
-  head.ring = self_.ring;
-  head.sender = self_.id;
-  head.session = session_;
-  const auto bytes = encode(head);
+bool UdpDownstream::tell(LinkHeaderType type) {
+  LinkHeader header;
+  header.type = type;
+  header.ring = self_.ring;
+  header.sender = self_.id;
+  header.session = session_;
+  const auto bytes = encode(header);
   const auto sent = send_now(socket_.native_handle(), {bytes.data(), bytes.size()});
   return sent >= 0 || would_block(errno);
 }
@@ -128,7 +128,7 @@ void UdpDownstream::fail(std::string reason) {
 }
 
 void UdpDownstream::close() {
-  if (open() && socket_.is_open() && accepted_) tell(HeadType::bye);
+  if (open() && socket_.is_open() && accepted_) tell(LinkHeaderType::bye);
   sever();
 }
 

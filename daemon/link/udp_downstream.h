@@ -29,13 +29,13 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
 
  private:
   bool open() const { return owner_ != nullptr; }
-  void wait_for_heads();
+  void wait_for_headers();
   void wait_for_room();
-  void take_head(const Head& head);
-  void accept(const Head& head);
+  void take_header(const LinkHeader& header);
+  void accept(const LinkHeader& header);
   std::size_t send(wire::ByteView slices);
   void send_backlog();
-  bool tell(HeadType type);
+  bool tell(LinkHeaderType type);
   void fail(std::string reason);
 
   boost::asio::io_context& io_;

@@ -29,7 +29,7 @@ UdpInput::UdpInput(boost::asio::io_context& io, const InputSettings& settings,
 
 void UdpInput::close() {
   if (closed_) return;
-  if (from_) tell(HeadType::refuse, session_, Refusal::closing);
+  if (from_) tell(LinkHeaderType::refuse, session_, Refusal::closing);
   closed_ = true;
   ticker_.stop();
   from_.reset();
@@ -73,31 +73,31 @@ void UdpInput::take_run(std::size_t size, std::size_t segment, const UdpAddress&
 }
 
 void UdpInput::take(wire::ByteView datagram, const UdpAddress& sender) {
-  const auto head = parse_head(datagram);
-  if (!head) return on_stranger(kNoNode);
-  if (head->type == HeadType::connect) return on_connect(*head, sender);
-  if (head->ring != settings_.self.ring) return report_.stranger("a datagram of another ring");
-  if (head->type == HeadType::slices) {
-    take_slices(*head, datagram.from(kHeadSize), sender);
-  } else if (head->type == HeadType::bye && present(*head)) {
+  const auto header = parse_header(datagram);
+  if (!header) return on_unknown_peer(kNoNode);
+  if (header->type == LinkHeaderType::connect) return on_connect(*header, sender);
+  if (header->ring != settings_.self.ring) return report_.unknown_peer("a datagram of another ring");
+  if (header->type == LinkHeaderType::slices) {
+    take_slices(*header, datagram.from(kLinkHeaderSize), sender);
+  } else if (header->type == LinkHeaderType::bye && present(*header)) {
     lose("its end was closed");
   }
 }
 
-void UdpInput::on_stranger(const std::string& why) {
-  report_.stranger(why);
-  if (report_.first_time(why)) handler_.on_stranger(why);
+void UdpInput::on_unknown_peer(const std::string& why) {
+  report_.unknown_peer(why);
+  if (report_.report_once(why)) handler_.on_unknown_peer(why);
 }
 
-bool UdpInput::present(const Head& head) const {
-  return from_ && *from_ == head.sender && session_.number == head.session;
+bool UdpInput::present(const LinkHeader& header) const {
+  return from_ && *from_ == header.sender && session_.number == header.session;
 }
 
-void UdpInput::take_slices(const Head& head, wire::ByteView bytes, const UdpAddress& sender) {
-  if (!present(head) && !take_up_offer(head)) return on_stale(head, sender);
+void UdpInput::take_slices(const LinkHeader& header, wire::ByteView bytes, const UdpAddress& sender) {
+  if (!present(header) && !take_up_offer(header)) return on_stale(header, sender);
   if (closed_) return;
   silence_.heard();
-  const SequenceCheck::Verdict verdict = sequence_.check(head.sequence);
+  const SequenceCheck::Verdict verdict = sequence_.check(header.sequence);
   if (!verdict.fresh) {
     ++report_.counters.datagrams_duplicate;
     return;
@@ -130,56 +130,56 @@ void UdpInput::gap(std::uint32_t lost) {
   handler_.on_input_gap(lost);
 }
 
-void UdpInput::on_connect(const Head& head, const UdpAddress& sender) {
-  const Refusal refusal = admission_.judge(head, from_);
+void UdpInput::on_connect(const LinkHeader& header, const UdpAddress& sender) {
+  const Refusal refusal = admission_.judge(header, from_);
   const Time now = Clock::now();
   if (refusal == Refusal::busy) ++report_.counters.refused;
-  if (refusal != Refusal::none) tell(HeadType::refuse, {head.session, sender, now}, refusal);
+  if (refusal != Refusal::none) tell(LinkHeaderType::refuse, {header.session, sender, now}, refusal);
   if (refusal == Refusal::busy) return;
-  if (refusal != Refusal::none) return on_stranger(why_unfit(head, refusal));
-  if (from_ == head.sender && session_nonce(session_.number) == session_nonce(head.session)) {
-    return tell(HeadType::accept, session_);
+  if (refusal != Refusal::none) return on_unknown_peer(why_unfit(header, refusal));
+  if (from_ == header.sender && session_nonce(session_.number) == session_nonce(header.session)) {
+    return tell(LinkHeaderType::accept, session_);
   }
-  Session& offer = offers_[head.sender];
-  if (session_nonce(offer.number) != session_nonce(head.session)) {
-    offer.number = (head.session & 0xFFFFFFFF00000000u) | fresh_nonce();
+  Session& offer = offers_[header.sender];
+  if (session_nonce(offer.number) != session_nonce(header.session)) {
+    offer.number = (header.session & 0xFFFFFFFF00000000u) | fresh_nonce();
   }
   offer.address = sender;
   offer.since = now;
-  tell(HeadType::accept, offer);
+  tell(LinkHeaderType::accept, offer);
 }
 
-bool UdpInput::take_up_offer(const Head& head) {
-  const auto found = offers_.find(head.sender);
-  if (found == offers_.end() || found->second.number != head.session) return false;
+bool UdpInput::take_up_offer(const LinkHeader& header) {
+  const auto found = offers_.find(header.sender);
+  if (found == offers_.end() || found->second.number != header.session) return false;
   const Session offer = found->second;
   offers_.erase(found);
-  if (admission_.judge(head, from_) != Refusal::none) {
+  if (admission_.judge(header, from_) != Refusal::none) {
     ++report_.counters.refused;
-    tell(HeadType::refuse, offer, Refusal::busy);
+    tell(LinkHeaderType::refuse, offer, Refusal::busy);
     return false;
   }
   if (from_) {
     ++report_.counters.replaced;
-    tell(HeadType::refuse, session_, Refusal::replaced);
-    lose("replaced by node " + std::to_string(head.sender));
+    tell(LinkHeaderType::refuse, session_, Refusal::replaced);
+    lose("replaced by node " + std::to_string(header.sender));
     if (closed_) return true;
   }
   session_ = offer;
-  from_ = head.sender;
+  from_ = header.sender;
   sequence_.restart();
   silence_.restart(Clock::now());
   ++report_.counters.connects;
-  report_.first_time.forget();
-  handler_.on_input_up(head.sender);
+  report_.report_once.forget();
+  handler_.on_input_up(header.sender);
   return true;
 }
 
-void UdpInput::on_stale(const Head& head, const UdpAddress& sender) {
+void UdpInput::on_stale(const LinkHeader& header, const UdpAddress& sender) {
   ++report_.counters.datagrams_stale;
   if (told_stale_) return;
   told_stale_ = true;
-  tell(HeadType::refuse, {head.session, sender, {}}, Refusal::unknown_session);
+  tell(LinkHeaderType::refuse, {header.session, sender, {}}, Refusal::unknown_session);
 }
 
 void UdpInput::lose(std::string_view reason) {
@@ -195,12 +195,12 @@ void UdpInput::tick(Time now) {
   told_stale_ = false;
   drop_old_offers(now);
   if (!from_) return;
-  tell(HeadType::alive, session_);
+  tell(LinkHeaderType::alive, session_);
   if (!silence_.tick(now)) return;
   drain();  // this end may not have been scheduled: see what has come
   if (!from_ || !silence_.still()) return;
   ++report_.counters.silences;
-  tell(HeadType::refuse, session_, Refusal::unknown_session);
+  tell(LinkHeaderType::refuse, session_, Refusal::unknown_session);
   lose(kSilent);
 }
 
@@ -210,15 +210,15 @@ void UdpInput::drop_old_offers(Time now) {
   }
 }
 
-void UdpInput::tell(HeadType type, const Session& session, Refusal refusal) {
+void UdpInput::tell(LinkHeaderType type, const Session& session, Refusal refusal) {
   if (closed_) return;
-  Head head;
-  head.type = type;
-  head.ring = settings_.self.ring;
-  head.session = session.number;
-  head.sender = settings_.self.id;
-  head.refusal = refusal;
-  const auto bytes = encode(head);
+  LinkHeader header;
+  header.type = type;
+  header.ring = settings_.self.ring;
+  header.session = session.number;
+  header.sender = settings_.self.id;
+  header.refusal = refusal;
+  const auto bytes = encode(header);
   // What the kernel does not take is lost, as on the wire: everything told is told again.
   ::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
            session.address.data(), static_cast<socklen_t>(session.address.size()));

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "link/admission.h"
-#include "link/head.h"
+#include "link/link_header.h"
 #include "link/input_line.h"
 #include "link/sequence_check.h"
 #include "link/silence.h"
@@ -38,18 +38,18 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void drain();
   void take_run(std::size_t size, std::size_t segment, const UdpAddress& sender);
   void take(wire::ByteView datagram, const UdpAddress& sender);
-  void take_slices(const Head& head, wire::ByteView bytes, const UdpAddress& sender);
+  void take_slices(const LinkHeader& header, wire::ByteView bytes, const UdpAddress& sender);
   void hand_on(wire::ByteView bytes);
-  void on_stranger(const std::string& why);
-  void on_connect(const Head& head, const UdpAddress& sender);
-  bool take_up_offer(const Head& head);
-  void on_stale(const Head& head, const UdpAddress& sender);
-  bool present(const Head& head) const;
+  void on_unknown_peer(const std::string& why);
+  void on_connect(const LinkHeader& header, const UdpAddress& sender);
+  bool take_up_offer(const LinkHeader& header);
+  void on_stale(const LinkHeader& header, const UdpAddress& sender);
+  bool present(const LinkHeader& header) const;
   void gap(std::uint32_t lost);
   void lose(std::string_view reason);
   void tick(Time now);
   void drop_old_offers(Time now);
-  void tell(HeadType type, const Session& session, Refusal refusal = Refusal::none);
+  void tell(LinkHeaderType type, const Session& session, Refusal refusal = Refusal::none);
 
   InputSettings settings_;
   InputHandler& handler_;

@@ -19,51 +19,51 @@ UnixDownstream::UnixDownstream(boost::asio::io_context& io, std::string path, co
 bool UnixDownstream::start() {
   socket_ = connect_unix(io_, path_);
   if (!socket_.is_open()) return false;
-  Head head;
-  head.type = HeadType::connect;
-  head.ring = self_.ring;
-  head.sender = self_.id;
-  head.session = std::uint64_t{fresh_nonce()} << 32;
-  const auto bytes = encode(head);
+  LinkHeader header;
+  header.type = LinkHeaderType::connect;
+  header.ring = self_.ring;
+  header.sender = self_.id;
+  header.session = std::uint64_t{fresh_nonce()} << 32;
+  const auto bytes = encode(header);
   const auto sent = send_now(socket_.native_handle(), {bytes.data(), bytes.size()});
   if (sent != static_cast<ssize_t>(bytes.size())) return false;
-  wait_for_heads();
+  wait_for_headers();
   return true;
 }
 
-void UnixDownstream::wait_for_heads() {
+void UnixDownstream::wait_for_headers() {
   socket_.async_wait(UnixSocket::wait_read,
                      [self = shared_from_this()](const boost::system::error_code&) {
                        if (!self->open()) return;
                        self->read();
-                       if (self->open() && !self->failed_) self->wait_for_heads();
+                       if (self->open() && !self->failed_) self->wait_for_headers();
                      });
 }
 
 void UnixDownstream::read() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
   while (open() && !failed_) {
-    const auto got = receive_now(socket_.native_handle(), head_.data() + head_size_,
-                                 kHeadSize - head_size_);
+    const auto got = receive_now(socket_.native_handle(), header_.data() + header_size_,
+                                 kLinkHeaderSize - header_size_);
     if (got < 0 && would_block(errno)) return;
     if (got <= 0) {
       failed_ = true;
       return owner_->on_ended(candidate_, "its end was closed");
     }
-    head_size_ += static_cast<std::size_t>(got);
-    if (head_size_ == kHeadSize) take_head();
+    header_size_ += static_cast<std::size_t>(got);
+    if (header_size_ == kLinkHeaderSize) take_header();
   }
 }
 
-void UnixDownstream::take_head() {
-  head_size_ = 0;
-  const auto head = parse_head({head_.data(), head_.size()});
-  if (head && head->type == HeadType::refuse) return owner_->on_refused(candidate_, *head);
-  if (!head || head->ring != self_.ring) {
+void UnixDownstream::take_header() {
+  header_size_ = 0;
+  const auto header = parse_header({header_.data(), header_.size()});
+  if (header && header->type == LinkHeaderType::refuse) return owner_->on_refused(candidate_, *header);
+  if (!header || header->ring != self_.ring) {
     failed_ = true;
     return owner_->on_no_node(candidate_);
   }
-  if (head->type == HeadType::accept) return owner_->on_accepted(candidate_);
+  if (header->type == LinkHeaderType::accept) return owner_->on_accepted(candidate_);
   owner_->on_heard(candidate_);
 }
 

@@ -12,7 +12,7 @@
 
 namespace limb_ring::link {
 
-/// A candidate reached over a UNIX-domain stream socket: a connect head and slices go out, heads
+/// A candidate reached over a UNIX-domain stream socket: a connect header and slices go out, headers
 /// come back.
 class UnixDownstream : public Downstream, public std::enable_shared_from_this<UnixDownstream> {
  public:
@@ -27,9 +27,9 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
 
  private:
   bool open() const { return owner_ != nullptr; }
-  void wait_for_heads();
+  void wait_for_headers();
   void wait_for_room();
-  void take_head();
+  void take_header();
   void send_backlog();
   void fail(std::string reason);
 
@@ -40,8 +40,8 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
   Owner* owner_;
   OutputCounters& counters_;
   UnixSocket socket_;
-  std::array<std::uint8_t, kHeadSize> head_{};
-  std::size_t head_size_ = 0;
+  std::array<std::uint8_t, kLinkHeaderSize> header_{};
+  std::size_t header_size_ = 0;
   Backlog backlog_;
   bool failed_ = false;
 };

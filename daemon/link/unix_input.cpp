@@ -8,9 +8,9 @@
 namespace limb_ring::link {
 namespace {
 
-constexpr std::size_t kMaxGuests = 16;
-/// A guest may take so many times `silence` to say who it is.
-constexpr int kGuestPatience = 4;
+constexpr std::size_t kMaxPending = 16;
+/// A connection may take so many times `silence` to say who it is.
+constexpr int kGreetingPatience = 4;
 
 }  // namespace
 
@@ -32,8 +32,8 @@ void UnixInput::close() {
   boost::system::error_code ignored;
   acceptor_.close(ignored);
   ::unlink(settings_.endpoint.path.c_str());
-  for (const auto& guest : guests_) guest->close();
-  guests_.clear();
+  for (const auto& connection : pending_) connection->close();
+  pending_.clear();
   if (stream_) stream_->close();
   stream_.reset();
 }
@@ -60,51 +60,51 @@ void UnixInput::accept() {
 
 void UnixInput::welcome(UnixSocket socket) {
   if (!same_user(socket.native_handle())) {
-    return report_.stranger("a process of another user was turned away");
+    return report_.unknown_peer("a process of another user was turned away");
   }
   enlarge_buffers(socket.native_handle());
-  if (guests_.size() == kMaxGuests) on_stranger(guests_.front(), "too many pending connections; this was the oldest");
-  UnixGuest::Host& host = *this;
-  guests_.push_back(std::make_shared<UnixGuest>(std::move(socket), host, Clock::now()));
-  guests_.back()->start();
+  if (pending_.size() == kMaxPending) on_unknown_peer(pending_.front(), "too many pending connections; this was the oldest");
+  PendingConnection::Owner& owner = *this;
+  pending_.push_back(std::make_shared<PendingConnection>(std::move(socket), owner, Clock::now()));
+  pending_.back()->start();
 }
 
-void UnixInput::on_stranger(const std::shared_ptr<UnixGuest>& guest, std::string_view why) {
-  report_.stranger(std::string(why));
-  guest->close();
-  let_go(guest);
-  if (why == kNoNode && report_.first_time(why)) handler_.on_stranger(why);
+void UnixInput::on_unknown_peer(const std::shared_ptr<PendingConnection>& connection, std::string_view why) {
+  report_.unknown_peer(std::string(why));
+  connection->close();
+  let_go(connection);
+  if (why == kNoNode && report_.report_once(why)) handler_.on_unknown_peer(why);
 }
 
-void UnixInput::on_greeted(const std::shared_ptr<UnixGuest>& guest, const Head& connect) {
-  let_go(guest);
+void UnixInput::on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect) {
+  let_go(connection);
   const Refusal refusal = admission_.judge(connect, from());
-  if (guest->hung_up()) {
-    guest->close();
+  if (connection->hung_up()) {
+    connection->close();
   } else if (refusal != Refusal::none) {
-    turn_away(*guest, connect, refusal);
+    turn_away(*connection, connect, refusal);
   } else {
-    admit(*guest, connect);
+    admit(*connection, connect);
   }
 }
 
-void UnixInput::turn_away(UnixGuest& guest, const Head& connect, Refusal refusal) {
+void UnixInput::turn_away(PendingConnection& connection, const LinkHeader& connect, Refusal refusal) {
   if (refusal == Refusal::busy) {
     ++report_.counters.refused;
   } else {
-    report_.stranger(why_unfit(connect, refusal));
+    report_.unknown_peer(why_unfit(connect, refusal));
   }
-  guest.answer(head(HeadType::refuse, refusal));
-  guest.close();
-  const std::string& why = report_.last_stranger;
-  if (refusal != Refusal::busy && report_.first_time(why)) handler_.on_stranger(why);
+  connection.answer(header(LinkHeaderType::refuse, refusal));
+  connection.close();
+  const std::string& why = report_.last_unknown_peer;
+  if (refusal != Refusal::busy && report_.report_once(why)) handler_.on_unknown_peer(why);
 }
 
-void UnixInput::admit(UnixGuest& guest, const Head& connect) {
-  Head accept = head(HeadType::accept);
+void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) {
+  LinkHeader accept = header(LinkHeaderType::accept);
   accept.session = connect.session;
-  guest.answer(accept);
-  UnixSocket socket = guest.release();
+  connection.answer(accept);
+  UnixSocket socket = connection.release();
   if (stream_) replace(connect.sender);
   if (closed_) return;
   UnixStream::Owner& owner = *this;
@@ -112,14 +112,14 @@ void UnixInput::admit(UnixGuest& guest, const Head& connect) {
   from_ = connect.sender;
   silence_.restart(Clock::now());
   ++report_.counters.connects;
-  report_.first_time.forget();
+  report_.report_once.forget();
   stream_->start();
   handler_.on_input_up(from_);
 }
 
 void UnixInput::replace(std::uint8_t by) {
   ++report_.counters.replaced;
-  stream_->tell(head(HeadType::refuse, Refusal::replaced));
+  stream_->tell(header(LinkHeaderType::refuse, Refusal::replaced));
   lose("replaced by node " + std::to_string(by));
 }
 
@@ -130,15 +130,15 @@ void UnixInput::lose(std::string_view reason) {
   handler_.on_input_lost(reason);
 }
 
-void UnixInput::let_go(const std::shared_ptr<UnixGuest>& guest) {
-  guests_.erase(std::remove(guests_.begin(), guests_.end(), guest), guests_.end());
+void UnixInput::let_go(const std::shared_ptr<PendingConnection>& connection) {
+  pending_.erase(std::remove(pending_.begin(), pending_.end(), connection), pending_.end());
 }
 
 void UnixInput::tick(Time now) {
-  tick_guests(now);
+  tick_pending(now);
   if (!closed_ && !accepting_) accept();
   if (!stream_) return;
-  stream_->tell(head(HeadType::alive));
+  stream_->tell(header(LinkHeaderType::alive));
   if (!silence_.tick(now)) return;
   stream_->read();  // this end may not have been scheduled: see what has come
   if (!stream_ || !silence_.still()) return;
@@ -146,22 +146,22 @@ void UnixInput::tick(Time now) {
   lose(kSilent);
 }
 
-void UnixInput::tick_guests(Time now) {
-  const auto guests = guests_;
-  for (const auto& guest : guests) {
-    if (now - guest->since() < kGuestPatience * settings_.timing.silence) continue;
-    if (guest->open()) guest->read();
-    if (guest->open()) on_stranger(guest, "it did not say who it is");
+void UnixInput::tick_pending(Time now) {
+  const auto pending = pending_;
+  for (const auto& connection : pending) {
+    if (now - connection->since() < kGreetingPatience * settings_.timing.silence) continue;
+    if (connection->open()) connection->read();
+    if (connection->open()) on_unknown_peer(connection, "it did not say who it is");
   }
 }
 
-Head UnixInput::head(HeadType type, Refusal refusal) const {
-  Head head;
-  head.type = type;
-  head.ring = settings_.self.ring;
-  head.sender = settings_.self.id;
-  head.refusal = refusal;
-  return head;
+LinkHeader UnixInput::header(LinkHeaderType type, Refusal refusal) const {
+  LinkHeader header;
+  header.type = type;
+  header.ring = settings_.self.ring;
+  header.sender = settings_.self.id;
+  header.refusal = refusal;
+  return header;
 }
 
 }  // namespace limb_ring::link

@@ -8,15 +8,15 @@
 #include "link/input_line.h"
 #include "link/silence.h"
 #include "link/ticker.h"
-#include "link/unix_guest.h"
+#include "link/pending_connection.h"
 #include "link/unix_stream.h"
 
 namespace limb_ring::link {
 
-/// The receiving end on a UNIX-domain stream socket: the listening socket, pending connections (guests) and one stream.
+/// The receiving end on a UNIX-domain stream socket: the listening socket, pending connections (pending) and one stream.
 class UnixInput final : public InputLine,
                         public std::enable_shared_from_this<UnixInput>,
-                        private UnixGuest::Host,
+                        private PendingConnection::Owner,
                         private UnixStream::Owner {
  public:
   /// @throw std::runtime_error where it cannot listen, with the path and the cause
@@ -30,19 +30,19 @@ class UnixInput final : public InputLine,
  private:
   void accept();
   void welcome(UnixSocket socket);
-  void on_greeted(const std::shared_ptr<UnixGuest>& guest, const Head& connect) override;
-  void on_stranger(const std::shared_ptr<UnixGuest>& guest, std::string_view why) override;
+  void on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect) override;
+  void on_unknown_peer(const std::shared_ptr<PendingConnection>& connection, std::string_view why) override;
   void on_heard() override { silence_.heard(); }
   void on_ended(std::string_view reason) override { lose(reason); }
 
-  void turn_away(UnixGuest& guest, const Head& connect, Refusal refusal);
-  void admit(UnixGuest& guest, const Head& connect);
+  void turn_away(PendingConnection& connection, const LinkHeader& connect, Refusal refusal);
+  void admit(PendingConnection& connection, const LinkHeader& connect);
   void replace(std::uint8_t by);
   void lose(std::string_view reason);
-  void let_go(const std::shared_ptr<UnixGuest>& guest);
+  void let_go(const std::shared_ptr<PendingConnection>& connection);
   void tick(Time now);
-  void tick_guests(Time now);
-  Head head(HeadType type, Refusal refusal = Refusal::none) const;
+  void tick_pending(Time now);
+  LinkHeader header(LinkHeaderType type, Refusal refusal = Refusal::none) const;
 
   boost::asio::io_context& io_;
   InputSettings settings_;
@@ -50,7 +50,7 @@ class UnixInput final : public InputLine,
   InputReport& report_;
   Admission admission_;
   UnixAcceptor acceptor_;
-  std::vector<std::shared_ptr<UnixGuest>> guests_;
+  std::vector<std::shared_ptr<PendingConnection>> pending_;
   std::shared_ptr<UnixStream> stream_;
   std::uint8_t from_ = 0;
   Silence silence_;

@@ -33,8 +33,8 @@ void UnixStream::take(std::size_t size) {
   if (owner_ != nullptr) owner_->on_ended("what it sent is no slice");
 }
 
-void UnixStream::tell(const Head& head) {
-  const auto bytes = encode(head);
+void UnixStream::tell(const LinkHeader& header) {
+  const auto bytes = encode(header);
   send_now(socket_.native_handle(), {bytes.data(), bytes.size()});
 }
 

@@ -3,13 +3,13 @@
 #include <memory>
 #include <string_view>
 
-#include "link/head.h"
+#include "link/link_header.h"
 #include "link/slice_feed.h"
 #include "link/unix_socket.h"
 
 namespace limb_ring::link {
 
-/// The stream from our upstream neighbour: slices come in, heads go back.
+/// The stream from our upstream neighbour: slices come in, headers go back.
 class UnixStream : public std::enable_shared_from_this<UnixStream> {
  public:
   struct Owner {
@@ -26,8 +26,8 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
   void start() { wait(); }
   /// Takes what has come, once. May call the handler and on_ended.
   void read();
-  /// Sends a head back; if the other end does not read, it is lost; heads are sent again.
-  void tell(const Head& head);
+  /// Sends a header back; if the other end does not read, it is lost; headers are sent again.
+  void tell(const LinkHeader& header);
   void close();
 
  private:

@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "runtime/babble.h"
+#include "runtime/babbling_cpu.h"
 #include "runtime/cpu_socket.h"
 
 namespace limb_ring::runtime {
@@ -16,7 +16,7 @@ class CpuFaults {
   using Done = std::function<void(const std::string& problem)>;
 
   CpuFaults(boost::asio::io_context& io, Engine& engine, CpuSocket& cpu)
-      : io_(io), engine_(engine), cpu_(cpu), babble_(io, engine) {}
+      : io_(io), engine_(engine), cpu_(cpu), babbling_(io, engine) {}
 
   /// Stops its process.
   void hang(const Done& done);
@@ -24,19 +24,19 @@ class CpuFaults {
   void crash(const Done& done);
   /// Done when it has booted again.
   void reset(const Done& done);
-  void slow(core::Duration per_packet) { cpu_.reading().one_per(per_packet); }
-  void not_reading() { cpu_.reading().not_at_all(); }
-  void babble(std::chrono::nanoseconds period) { babble_.start(period); }
+  void slow(core::Duration per_packet) { cpu_.read_throttle().one_per(per_packet); }
+  void not_reading() { cpu_.read_throttle().not_at_all(); }
+  void babble(std::chrono::nanoseconds period) { babbling_.start(period); }
 
   /// Its process goes on.
   void wake(const Done& done);
   void read_on();
-  void be_quiet() { babble_.stop(); }
+  void be_quiet() { babbling_.stop(); }
 
   /// Its process is stopped, by us or by others.
   bool hangs() const;
-  std::uint64_t babbled() const { return babble_.sent(); }
-  void on_ended(const core::SendEnded& ended) { babble_.on_ended(ended); }
+  std::uint64_t babbled() const { return babbling_.sent(); }
+  void on_ended(const core::SendEnded& ended) { babbling_.on_ended(ended); }
 
  private:
   void wait(std::function<bool()> condition, const std::string& otherwise, const Done& done);
@@ -44,7 +44,7 @@ class CpuFaults {
   boost::asio::io_context& io_;
   Engine& engine_;
   CpuSocket& cpu_;
-  Babble babble_;
+  BabblingCpu babbling_;
 };
 
 }  // namespace limb_ring::runtime

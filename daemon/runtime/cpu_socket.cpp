@@ -19,7 +19,7 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& en
       host_(host),
       changed_(std::move(changed)),
       supervisor_(io, std::move(options), *this),
-      next_reading_(io) {}
+      next_read_(io) {}
 
 void CpuSocket::start() {
   supervisor_.start();
@@ -56,21 +56,21 @@ void CpuSocket::spoke() {
 void CpuSocket::hand_over() {
   core::ReceivedPacket packet;
   core::NetworkController& controller = engine_.controller();
-  while (reading_.may_take(engine_.now()) && (is_sink() || host_.cpu_can_take()) &&
+  while (read_throttle_.may_take(engine_.now()) && (is_sink() || host_.cpu_can_take()) &&
          controller.take(engine_.now(), packet)) {
-    reading_.took(engine_.now());
+    read_throttle_.took(engine_.now());
     if (is_sink())
       ++read_by_sink_;
     else
       host_.give(client::PacketView{packet.source, packet.destination, packet.priority, packet.channel,
                                     packet.bytes()});
   }
-  if (reading_.next() != core::kNever && controller.received_waiting() != 0) hand_over_later();
+  if (read_throttle_.next() != core::kNever && controller.received_waiting() != 0) hand_over_later();
 }
 
 void CpuSocket::hand_over_later() {
-  next_reading_.expires_at(engine_.clock().steady(reading_.next()));
-  next_reading_.async_wait([this](const boost::system::error_code& error) {
+  next_read_.expires_at(engine_.clock().steady(read_throttle_.next()));
+  next_read_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     hand_over();
     engine_.pump();

@@ -3,7 +3,7 @@
 #include "config/ring_config.h"
 #include "host/host_server.h"
 #include "runtime/engine.h"
-#include "runtime/reading.h"
+#include "runtime/read_throttle.h"
 #include "runtime/supervisor/cpu_supervisor.h"
 
 namespace limb_ring::runtime {
@@ -28,7 +28,7 @@ class CpuSocket final : private CpuEvents {
 
   /// Hands over what the receive buffers hold, by priority, as far as the CPU takes it.
   void hand_over();
-  Reading& reading() { return reading_; }
+  ReadThrottle& read_throttle() { return read_throttle_; }
 
   /// @name Pins
   ///@{
@@ -68,8 +68,8 @@ class CpuSocket final : private CpuEvents {
   host::HostServer& host_;
   std::function<void()> changed_;
   CpuSupervisor supervisor_;
-  Reading reading_;
-  boost::asio::steady_timer next_reading_;
+  ReadThrottle read_throttle_;
+  boost::asio::steady_timer next_read_;
   core::CpuReport reported_;
   Stop stop_;
   std::uint32_t sink_boots_ = 1;

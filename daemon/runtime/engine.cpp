@@ -82,7 +82,7 @@ void Engine::on_output_ready(core::Line line) {
   pump();
 }
 
-void Engine::on_stranger(core::Line line, std::string_view reason) {
+void Engine::on_unknown_peer(core::Line line, std::string_view reason) {
   say(line, "input: turned away: " + std::string(reason));
 }
 

@@ -9,7 +9,7 @@
 #include "core/network_controller.h"
 #include "runtime/clock.h"
 #include "runtime/node_line.h"
-#include "runtime/settings.h"
+#include "runtime/link_settings.h"
 
 namespace limb_ring::runtime {
 
@@ -72,7 +72,7 @@ class Engine final : private LineHandler, private core::NetworkController::Tap {
   void on_output_up(core::Line line, wire::NodeId to) override;
   void on_output_lost(core::Line line, std::string_view reason) override;
   void on_output_ready(core::Line line) override;
-  void on_stranger(core::Line line, std::string_view reason) override;
+  void on_unknown_peer(core::Line line, std::string_view reason) override;
   void on_output_refused(core::Line line, wire::NodeId by, std::string_view reason) override;
 
   void arrives(const wire::Slice& slice, core::Line on, core::Time now) override;

@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "limb_ring/ring_directory.h"
-#include "runtime/anew.h"
+#include "runtime/re_exec.h"
 #include "runtime/owners.h"
 #include "setup/core_settings.h"
 
@@ -72,12 +72,12 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       cpu_(io, cpu_options(ring, config, cores_), engine_, host_, [this] { cpu_changed(); }),
       pins_(config.pins, cpu_),
       traffic_(io, engine_),
-      orders_(io, engine_, [this](wire::NodeId node) { return cpu_of(node); }),
+      interrupts_(io, engine_, [this](wire::NodeId node) { return cpu_of(node); }),
       faults_(io, fault_nodes(ring), engine_, cpu_),
       folder_(io, folder()),
       requests_(*this) {
   if (config::supervisor_of(ring).id == config.id)
-    supervisor_.emplace(io, ring, engine_.clock(), orders_, [this](wire::NodeId node) { return sighting_of(node); },
+    supervisor_.emplace(io, ring, engine_.clock(), interrupts_, [this](wire::NodeId node) { return sighting_of(node); },
                         [this](const Watchdog::Finding& finding) { found(finding); });
 }
 
@@ -91,7 +91,7 @@ void Node::stop(std::function<void()> done) {
   folder_.stop();
   if (supervisor_) supervisor_->stop();
   traffic_.stop();
-  orders_.stop();
+  interrupts_.stop();
   faults_.stop();
   engine_.close();
   host_.close();
@@ -101,7 +101,7 @@ void Node::stop(std::function<void()> done) {
 void Node::power_cycle() {
   faults_.stop();
   cpu_.kill();
-  begin_anew(cores_);
+  re_exec(cores_);
 }
 
 FolderWatch::Folder Node::folder() {
@@ -133,7 +133,7 @@ void Node::on_event(const core::Event& event) {
 void Node::on_round_end() {
   boots_->note(engine_.controller().membership().boot());
   if (engine_.controller().received_waiting() != 0) cpu_.hand_over();
-  if (observers_.any()) noticed_.look(engine_, observers_);
+  if (observers_.any()) change_notifier_.look(engine_, observers_);
 }
 
 void Node::on_link(std::string_view what) {
@@ -144,7 +144,7 @@ void Node::on_link(std::string_view what) {
 void Node::handle(const core::SendEnded& ended) {
   if (ended.outcome == core::Outcome::delivered) round_trips_.add(ended.round_trip);
   if (ended.owner == kTrafficOwner) return traffic_.on_ended(ended, why(ended).text);
-  if (ended.owner == kOrdersOwner) return orders_.on_ended(ended);
+  if (ended.owner == kOrdersOwner) return interrupts_.on_ended(ended);
   if (ended.owner == kBabbleOwner) return faults_.on_ended(ended);
   const auto round_trip = std::chrono::duration_cast<std::chrono::nanoseconds>(ended.round_trip);
   const SendReason reason = why(ended);
@@ -179,7 +179,7 @@ void Node::handle(const core::StateChanged& change) {
                             {"ring_size", membership.ring_size()}});
 }
 
-void Node::handle(const core::PeerChanged& peer) { orders_.on_cpu_changed(peer.node); }
+void Node::handle(const core::PeerChanged& peer) { interrupts_.on_cpu_changed(peer.node); }
 
 void Node::handle(const core::BeaconHome& beacon) { round_trips_.add(beacon.round_trip); }
 
@@ -230,9 +230,9 @@ void Node::on_request(host::ClientId client, std::uint32_t token, const std::str
 
 void Node::on_observe(host::ClientId client, const std::string& json) {
   try {
-    const ObserveOrder order = read_observe_order(ring_, json);
+    const ObserveFilter order = read_observe_filter(ring_, json);
     observers_.set(client, order.kinds);
-    noticed_ = {};  // whoever comes anew is told what there is
+    change_notifier_ = {};  // whoever comes anew is told what there is
     packet_observers_.set(client, order.packets);
   } catch (const std::exception& error) {
     host_.observed(client, nlohmann::json{{"error", error.what()}}.dump());
@@ -252,7 +252,7 @@ void Node::cpu_changed() {
   if (status.pid > 0) spdlog::info("CPU {} (pid {}, boot {})", to_string(status.state), status.pid, status.boots);
   else spdlog::info("CPU {}", to_string(status.state));
   observers_.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
-  orders_.on_cpu_changed(config_.id);
+  interrupts_.on_cpu_changed(config_.id);
   if (status.boots != std::exchange(cpu_boots_, status.boots)) faults_.cpu_booted();
 }
 

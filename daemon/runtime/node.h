@@ -15,10 +15,10 @@
 #include "runtime/engine.h"
 #include "runtime/faults.h"
 #include "runtime/folder_watch.h"
-#include "runtime/noticed.h"
-#include "runtime/observe_order.h"
+#include "runtime/change_notifier.h"
+#include "runtime/observe_filter.h"
 #include "runtime/observers.h"
-#include "runtime/orders.h"
+#include "runtime/daemon_interrupts.h"
 #include "runtime/packet_observers.h"
 #include "runtime/pin_board.h"
 #include "runtime/requests.h"
@@ -52,7 +52,7 @@ class Node final : private EngineListener, private host::HostHandler {
   CpuSocket& cpu() { return cpu_; }
   PinBoard& pins() { return pins_; }
   Traffic& traffic() { return traffic_; }
-  Orders& orders() { return orders_; }
+  DaemonInterrupts& interrupts() { return interrupts_; }
   Faults& faults() { return faults_; }
   /// The configured one behind this.
   const config::NodeConfig& next() const;
@@ -105,12 +105,12 @@ class Node final : private EngineListener, private host::HostHandler {
   Engine engine_;
   host::HostServer host_;
   Observers observers_;
-  Noticed noticed_;
+  ChangeNotifier change_notifier_;
   PacketObservers packet_observers_;
   CpuSocket cpu_;
   PinBoard pins_;
   Traffic traffic_;
-  Orders orders_;
+  DaemonInterrupts interrupts_;
   Faults faults_;
   std::optional<RingSupervisor> supervisor_;
   RoundTrips round_trips_;

@@ -4,7 +4,7 @@
 #include "link/input.h"
 #include "link/output.h"
 #include "runtime/faulty_line.h"
-#include "runtime/settings.h"
+#include "runtime/link_settings.h"
 
 namespace limb_ring::runtime {
 
@@ -18,7 +18,7 @@ struct LineHandler {
   virtual void on_output_up(core::Line line, wire::NodeId to) = 0;
   virtual void on_output_lost(core::Line line, std::string_view reason) = 0;
   virtual void on_output_ready(core::Line line) = 0;
-  virtual void on_stranger(core::Line line, std::string_view reason) = 0;
+  virtual void on_unknown_peer(core::Line line, std::string_view reason) = 0;
   virtual void on_output_refused(core::Line line, wire::NodeId by, std::string_view reason) = 0;
 
  protected:
@@ -51,7 +51,7 @@ class NodeLine final : private link::InputHandler, private link::OutputHandler {
   void on_output_up(std::uint8_t to) override { handler_.on_output_up(line_, to); }
   void on_output_lost(std::string_view reason) override;
   void on_output_ready() override { handler_.on_output_ready(line_); }
-  void on_stranger(std::string_view reason) override { handler_.on_stranger(line_, reason); }
+  void on_unknown_peer(std::string_view reason) override { handler_.on_unknown_peer(line_, reason); }
   void on_output_refused(std::uint8_t by, std::string_view reason) override {
     handler_.on_output_refused(line_, by, reason);
   }

@@ -14,7 +14,7 @@ class Observers {
  public:
   explicit Observers(host::HostServer& host) : host_(host) {}
 
-  /// `kinds` of ObserveOrder; empty: the client wants no events any more.
+  /// `kinds` of ObserveFilter; empty: the client wants no events any more.
   void set(host::ClientId client, const std::set<std::string>& kinds);
   void remove(host::ClientId client) { wanted_.erase(client); }
   bool any() const { return !wanted_.empty(); }

@@ -92,7 +92,7 @@ void Requests::latch(const Json&, const Answer& answer) {
 }
 
 void Requests::ping(const Json& request, const Answer& answer) {
-  TrafficOrder order;
+  TrafficRequest order;
   order.to = node_in(node_.ring(), request, "to").id;
   order.duration = std::chrono::milliseconds(number_in(request, "duration_ms", 0, 0, 600'000));
   const std::uint64_t count = order.duration.count() == 0 ? 10 : Traffic::kMostPackets;
@@ -109,7 +109,7 @@ void Requests::reset(const Json& request, const Answer& answer) {
   const auto& target = node_in(node_.ring(), request, "node");
   const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
   const std::uint8_t factor = factor_of(target, Action::reset, "reset");
-  node_.orders().reset(target.id, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
+  node_.interrupts().reset(target.id, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
     const SendReason reason = node_.why(report.ended);
     const bool explained = report.ended.outcome != core::Outcome::delivered && !report.success();
     answer({{"success", report.success()},
@@ -130,7 +130,7 @@ void Requests::stop(const Json& request, const Answer& answer) {
   const config::NodeConfig& target = to == wire::kBroadcast ? node_.config() : *node_.ring().find(to);
   const std::uint8_t factor = factor_of(target, Action::stop, "stop");
   if (to == wire::kBroadcast) node_.pins().pull(factor, node_.config().id, 0);
-  node_.orders().interrupt(to, factor, [this, answer](const core::SendEnded& ended) { answer(end_of(node_, ended)); });
+  node_.interrupts().interrupt(to, factor, [this, answer](const core::SendEnded& ended) { answer(end_of(node_, ended)); });
 }
 
 void Requests::sync(const Json&, const Answer& answer) {
@@ -138,7 +138,7 @@ void Requests::sync(const Json&, const Answer& answer) {
   const auto clock =
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch());
   node_.pins().latch(node_.config().id, clock.count());
-  node_.orders().interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
+  node_.interrupts().interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
     Json json = end_of(node_, ended);
     json["ring_size"] = node_.engine().controller().membership().ring_size();
     json["clock_ns"] = clock.count();

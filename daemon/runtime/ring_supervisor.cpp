@@ -5,10 +5,10 @@
 namespace limb_ring::runtime {
 
 RingSupervisor::RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock,
-                               Orders& orders, Watchdog::SightingOf sighting_of, Found found)
+                               DaemonInterrupts& interrupts, Watchdog::SightingOf sighting_of, Found found)
     : ring_(ring),
       clock_(clock),
-      orders_(orders),
+      interrupts_(interrupts),
       sighting_of_(std::move(sighting_of)),
       found_(std::move(found)),
       watchdog_(ring.supervisor, watchdog::kMissedBeacons * ring.timeouts.beacon, watchdog::watched_in(ring)),
@@ -39,7 +39,7 @@ void RingSupervisor::look() {
 
 void RingSupervisor::reset(wire::NodeId node) {
   const std::uint8_t factor = *config::reset_pin(*ring_.find(node));  // check_ring() has seen to it
-  orders_.reset(node, factor, watchdog_.confirm_within(), [this, node](const watchdog::ResetReport& report) {
+  interrupts_.reset(node, factor, watchdog_.confirm_within(), [this, node](const watchdog::ResetReport& report) {
     const auto failure = watchdog_.reset_ended(node, report.success(), report.message, clock_.now());
     if (failure) tell(*failure);
   });

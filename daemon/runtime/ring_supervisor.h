@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "runtime/clock.h"
-#include "runtime/orders.h"
+#include "runtime/daemon_interrupts.h"
 #include "watchdog/watchdog.h"
 
 namespace limb_ring::runtime {
@@ -21,7 +21,7 @@ class RingSupervisor {
  public:
   using Found = std::function<void(const Watchdog::Finding&)>;
 
-  RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock, Orders& orders,
+  RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock, DaemonInterrupts& interrupts,
                  Watchdog::SightingOf sighting_of, Found found);
 
   /// Does nothing where no CPU is to be watched, or the policy is off.
@@ -37,7 +37,7 @@ class RingSupervisor {
 
   const config::RingConfig& ring_;
   const Clock& clock_;
-  Orders& orders_;
+  DaemonInterrupts& interrupts_;
   Watchdog::SightingOf sighting_of_;
   Found found_;
   Watchdog watchdog_;

@@ -6,7 +6,7 @@
 
 namespace limb_ring::runtime {
 
-bool Traffic::start(const TrafficOrder& order, Done done) {
+bool Traffic::start(const TrafficRequest& order, Done done) {
   if (runs_.size() >= kMostRuns) return false;
   const std::uint32_t id = ++last_id_;
   auto& run = *runs_.emplace(id, std::make_unique<Run>(io_, order, std::move(done))).first->second;

@@ -14,7 +14,7 @@
 namespace limb_ring::runtime {
 
 /// One run of packets, each sent as the last one ends.
-struct TrafficOrder {
+struct TrafficRequest {
   wire::NodeId to = 0;
   std::uint64_t count = 10;          ///< packets, 1 to kMostPackets
   std::chrono::milliseconds duration{0};     ///< no new packet after it; 0: `count` alone decides
@@ -36,16 +36,16 @@ class Traffic {
 
   /// `done` gets {"sent","delivered","lost","other","reasons","round_trip_us","seconds",...} once.
   /// @return false where too many runs are under way
-  bool start(const TrafficOrder& order, Done done);
+  bool start(const TrafficRequest& order, Done done);
   /// @param reason why it was not delivered, for people
   void on_ended(const core::SendEnded& ended, const std::string& reason);
   void stop() { runs_.clear(); }
 
  private:
   struct Run {
-    Run(boost::asio::io_context& io, TrafficOrder o, Done d)
+    Run(boost::asio::io_context& io, TrafficRequest o, Done d)
         : order(o), done(std::move(d)), next(io), deadline(io) {}
-    TrafficOrder order;
+    TrafficRequest order;
     Done done;
     boost::asio::steady_timer next;
     boost::asio::steady_timer deadline;

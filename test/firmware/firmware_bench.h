@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "firmware/moment.h"
+#include "firmware/timestamps.h"
 #include "payload/joint_command.h"
 
 namespace limb_ring::firmware::bench {
@@ -15,7 +15,7 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::int64_t kWall = 1'700'000'000'000'000'000;
 
 /// The instant `t` after the test's start, on both clocks.
-inline Moment at(nanoseconds t) { return {50s + t, kWall + t.count()}; }
+inline Timestamps at(nanoseconds t) { return {50s + t, kWall + t.count()}; }
 
 /// A limb with a knee that holds and an ankle that damps, an IMU at 50 Hz and a force sensor at
 /// 10 Hz.

@@ -126,12 +126,12 @@ TEST_F(NodeCpuTest, LeavesOutSamplesWhileEightHaveNoResult) {
 TEST_F(NodeCpuTest, TakesOrdersFromUserPacketsOnly) {
   cpu.receive(packet(4, {'h', 'a', 'n', 'g'}), at(0ms));
   cpu.receive(packet(2, {'h', 'a', 'n', 'g'}), at(0ms));
-  EXPECT_FALSE(cpu.order());
+  EXPECT_FALSE(cpu.fault_command());
   EXPECT_EQ(cpu.counters().ignored, 2U);
   cpu.receive(packet(0, {'h', 'a', 'n', 'g'}), at(0ms));
   cpu.receive(packet(0, {'?'}), at(0ms));
-  ASSERT_TRUE(cpu.order());
-  EXPECT_EQ(cpu.order()->kind, Order::Kind::hang);
+  ASSERT_TRUE(cpu.fault_command());
+  EXPECT_EQ(cpu.fault_command()->kind, FaultCommand::Kind::hang);
 }
 
 TEST_F(NodeCpuTest, SaysWhatItDidInOneLine) {

@@ -9,7 +9,7 @@ constexpr std::uint64_t kRing = 7;
 
 /// Node 3 of the ring 5 -> 1 -> 3 -> 9 -> 5.
 Refusal judge(std::uint8_t from, std::optional<std::uint8_t> present, std::uint64_t ring = kRing) {
-  Head connect;
+  LinkHeader connect;
   connect.ring = ring;
   connect.sender = from;
   return Admission({kRing, 3}, {5, 1, 3, 9}).judge(connect, present);
@@ -34,7 +34,7 @@ TEST(Admission, TellsAFartherNodeThatItIsBusy) {
 }
 
 TEST(Admission, TurnsAwayAnotherVersionWhateverElseItSays) {
-  Head connect;
+  LinkHeader connect;
   connect.version = 1;
   connect.ring = kRing;
   connect.sender = 5;

@@ -101,29 +101,29 @@ TEST(Output, DoesNotGoBeyondALivingNodeWhoseInputAnotherOneHolds) {
 std::vector<std::string> said_of(const std::vector<std::uint8_t>& answer) {
   LinkRig rig(2, Endpoint::Transport::unix_stream);
   UnixAcceptor door = listen_unix(rig.node(1).io, rig.endpoint(1).path);
-  std::vector<UnixSocket> guests;
+  std::vector<UnixSocket> pending;
   std::function<void()> open = [&] {
     door.async_accept([&](const boost::system::error_code& error, UnixSocket socket) {
       if (error) return;
       send_now(socket.native_handle(), {answer.data(), answer.size()});
-      guests.push_back(std::move(socket));
+      pending.push_back(std::move(socket));
       open();
     });
   };
   open();
   rig.start_output(0);
-  EXPECT_TRUE(rig.until([&] { return guests.size() > 3; })) << "asked again and again";
+  EXPECT_TRUE(rig.until([&] { return pending.size() > 3; })) << "asked again and again";
   return rig.node(0).said.refusals;
 }
 
 TEST(Output, SaysOnceThatItsNeighbourIsNoNode) {
-  EXPECT_THAT(said_of(std::vector<std::uint8_t>(kHeadSize, 'x')), ElementsAre("1: peer is not a limb_ring node"));
+  EXPECT_THAT(said_of(std::vector<std::uint8_t>(kLinkHeaderSize, 'x')), ElementsAre("1: peer is not a limb_ring node"));
 }
 
 TEST(Output, SaysOnceThatItsNeighbourSpeaksAnotherVersion) {
-  Head refuse;
+  LinkHeader refuse;
   refuse.version = 3;
-  refuse.type = HeadType::refuse;
+  refuse.type = LinkHeaderType::refuse;
   refuse.refusal = Refusal::wrong_version;
   const auto bytes = encode(refuse);
   EXPECT_THAT(said_of({bytes.begin(), bytes.end()}),

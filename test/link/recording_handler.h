@@ -24,7 +24,7 @@ struct RecordingInput : InputHandler {
   void on_input_lost(std::string_view reason) override {
     log.push_back("lost: " + std::string(reason));
   }
-  void on_stranger(std::string_view reason) override { strangers.emplace_back(reason); }
+  void on_unknown_peer(std::string_view reason) override { strangers.emplace_back(reason); }
 
   std::vector<std::vector<std::uint8_t>> slices;
   std::vector<wire::SliceKind> kinds;

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "link/head.h"
+#include "link/link_header.h"
 #include "link/link_rig.h"
 #include "link/udp_batch.h"
 #include "link/unix_socket.h"
@@ -27,17 +27,17 @@ struct UdpInputFromHand : testing::Test {
     datagram(1, {});
     ASSERT_TRUE(rig.until([&] { return rig.node(1).input->from() == 0; }));
   }
-  Head head(HeadType type, std::uint64_t number, std::uint8_t sender = 0) {
-    Head head;
-    head.type = type;
-    head.ring = LinkRig::kRing;
-    head.session = number;
-    head.sender = sender;
-    return head;
+  LinkHeader header(LinkHeaderType type, std::uint64_t number, std::uint8_t sender = 0) {
+    LinkHeader header;
+    header.type = type;
+    header.ring = LinkRig::kRing;
+    header.session = number;
+    header.sender = sender;
+    return header;
   }
-  void send(const Head& head, wire::ByteView slices = {}) {
-    std::vector<std::uint8_t> bytes(kHeadSize);
-    store_head(bytes.data(), head);
+  void send(const LinkHeader& header, wire::ByteView slices = {}) {
+    std::vector<std::uint8_t> bytes(kLinkHeaderSize);
+    store_header(bytes.data(), header);
     bytes.insert(bytes.end(), slices.begin(), slices.end());
     ASSERT_EQ(send_now(line.native_handle(), {bytes.data(), bytes.size()}),
               static_cast<ssize_t>(bytes.size()));
@@ -50,23 +50,23 @@ struct UdpInputFromHand : testing::Test {
     } else {
       writer.put(wire::SliceKind::idle, {});
     }
-    Head h = head(HeadType::slices, session);
+    LinkHeader h = header(LinkHeaderType::slices, session);
     h.sequence = sequence;
     send(h, writer.view());
   }
-  std::optional<Head> answer(HeadType wanted) {
-    std::optional<Head> found;
+  std::optional<LinkHeader> answer(LinkHeaderType wanted) {
+    std::optional<LinkHeader> found;
     rig.until([&] {
-      std::array<std::uint8_t, kHeadSize> bytes;
+      std::array<std::uint8_t, kLinkHeaderSize> bytes;
       const auto got = receive_now(line.native_handle(), bytes.data(), bytes.size());
-      if (got > 0) found = parse_head({bytes.data(), static_cast<std::size_t>(got)});
+      if (got > 0) found = parse_header({bytes.data(), static_cast<std::size_t>(got)});
       return found && found->type == wanted;
     });
     return found;
   }
   std::uint64_t ask_for_session(std::uint32_t nonce) {
-    send(head(HeadType::connect, std::uint64_t{nonce} << 32));
-    const auto accept = answer(HeadType::accept);
+    send(header(LinkHeaderType::connect, std::uint64_t{nonce} << 32));
+    const auto accept = answer(LinkHeaderType::accept);
     return accept ? accept->session : 0;
   }
   const InputCounters& counters() { return rig.node(1).input->counters(); }
@@ -107,7 +107,7 @@ TEST_F(UdpInputFromHand, DiscardsAnOvertakenDatagram) {
 TEST_F(UdpInputFromHand, DiscardsDatagramsOfASessionItDoesNotHaveAndSaysSo) {
   session += 1;
   datagram(2, 2);
-  const auto refuse = answer(HeadType::refuse);
+  const auto refuse = answer(LinkHeaderType::refuse);
   ASSERT_TRUE(refuse);
   EXPECT_EQ(refuse->refusal, Refusal::unknown_session);
   EXPECT_EQ(counters().datagrams_stale, 1u);
@@ -142,7 +142,7 @@ TEST_F(UdpInputFromHand, GivesADoubledConnectTheSameSession) {
 }
 
 TEST_F(UdpInputFromHand, MakesAGapOfAGarbledDatagram) {
-  Head h = head(HeadType::slices, session);
+  LinkHeader h = header(LinkHeaderType::slices, session);
   h.sequence = 2;
   const std::vector<std::uint8_t> garbage(10, 0xEE);
   send(h, {garbage.data(), garbage.size()});
@@ -152,7 +152,7 @@ TEST_F(UdpInputFromHand, MakesAGapOfAGarbledDatagram) {
 }
 
 TEST_F(UdpInputFromHand, IsLostOnGoodbyeAndOnSilence) {
-  send(head(HeadType::bye, session));
+  send(header(LinkHeaderType::bye, session));
   ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
   session = ask_for_session(8);
   datagram(1, {});

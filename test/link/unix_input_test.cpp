@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "link/head.h"
+#include "link/link_header.h"
 #include "link/link_rig.h"
 #include "link/unix_socket.h"
 
@@ -26,11 +26,11 @@ struct UnixInputFromHand : testing::Test {
   }
   UnixSocket greet(std::uint8_t sender) {
     UnixSocket socket = connect_unix(io, rig.endpoint(1).path);
-    Head head;
-    head.type = HeadType::connect;
-    head.ring = LinkRig::kRing;
-    head.sender = sender;
-    const auto bytes = encode(head);
+    LinkHeader header;
+    header.type = LinkHeaderType::connect;
+    header.ring = LinkRig::kRing;
+    header.sender = sender;
+    const auto bytes = encode(header);
     send_now(socket.native_handle(), {bytes.data(), bytes.size()});
     return socket;
   }
@@ -81,11 +81,11 @@ TEST_F(UnixInputFromHand, TellsTheReplacedOneWhy) {
   UnixSocket again = greet(0);
   ASSERT_TRUE(rig.until([&] { return counters().replaced == 1; }));
   EXPECT_THAT(heard.log, ElementsAre("up 0", "lost: replaced by node 0", "up 0"));
-  std::optional<Head> last;
+  std::optional<LinkHeader> last;
   ASSERT_TRUE(rig.until([&] {
-    std::array<std::uint8_t, kHeadSize> bytes;
+    std::array<std::uint8_t, kLinkHeaderSize> bytes;
     const auto got = receive_now(line.native_handle(), bytes.data(), bytes.size());
-    if (got > 0) last = parse_head({bytes.data(), static_cast<std::size_t>(got)});
+    if (got > 0) last = parse_header({bytes.data(), static_cast<std::size_t>(got)});
     return got == 0;
   }));
   ASSERT_TRUE(last);

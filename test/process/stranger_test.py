@@ -8,13 +8,13 @@ import host_port
 import ring_process
 from ring_process import RingTest, free_udp_ports, plain_nodes
 
-HEAD = '>HBBQQIBB'  # daemon/link/head.h
+LINK_HEADER = '>HBBQQIBB'  # daemon/link/link_header.h
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = range(1, 7)
 WRONG_VERSION = 7
 
 
 def head(kind, ring=1, session=1, sequence=0, sender=0, refusal=0, version=2):
-    return struct.pack(HEAD, 0x4C52, version, kind, ring, session, sequence, sender, refusal)
+    return struct.pack(LINK_HEADER, 0x4C52, version, kind, ring, session, sequence, sender, refusal)
 
 
 def garbage(size):

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "runtime/observe_order.h"
+#include "runtime/observe_filter.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -34,10 +34,10 @@ TEST(RequestFields, WhatIsNoObjectIsRefused) {
   EXPECT_EQ(object_in("{\"a\": [1]}", "")["a"][0], 1);
 }
 
-TEST(ObserveOrder, NestedTooDeepIsRefused) {
+TEST(ObserveFilter, NestedTooDeepIsRefused) {
   const config::RingConfig ring;
   for (const char* field : {"kinds", "packets"})
-    EXPECT_THAT(refusal_of([&] { read_observe_order(ring, "{\"" + std::string(field) + "\":" + nested(32600) + "}"); }),
+    EXPECT_THAT(refusal_of([&] { read_observe_filter(ring, "{\"" + std::string(field) + "\":" + nested(32600) + "}"); }),
                 HasSubstr("nested too deep"));
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "link/endpoint.h"
-#include "link/head.h"
+#include "link/link_header.h"
 #include "wire/control_message.h"
 #include "wire/data_packet.h"
 #include "wire/fold_mark.h"
@@ -78,14 +78,14 @@ Bytes control(std::uint8_t sequence, const Bytes& message) {
               message);
 }
 
-Bytes head(link::HeadType type, std::uint64_t session, std::uint32_t sequence) {
-  link::Head head;
-  head.type = type;
-  head.ring = link::ring_hash("humanoid16");
-  head.session = session;
-  head.sequence = sequence;
-  head.sender = kSource;
-  return bytes_of(link::encode(head));
+Bytes header(link::LinkHeaderType type, std::uint64_t session, std::uint32_t sequence) {
+  link::LinkHeader header;
+  header.type = type;
+  header.ring = link::ring_hash("humanoid16");
+  header.session = session;
+  header.sequence = sequence;
+  header.sender = kSource;
+  return bytes_of(link::encode(header));
 }
 
 TEST(WorkedExample, TheTestReadsThePage) { EXPECT_EQ(example("11.3").size(), wire::kInterruptPacketSize); }
@@ -136,11 +136,11 @@ TEST(WorkedExample, Beacon) {
 }
 
 TEST(WorkedExample, Connect) {
-  EXPECT_THAT(example("11.8"), ElementsAreArray(head(link::HeadType::connect, kConnectorNumber << 32, 0)));
+  EXPECT_THAT(example("11.8"), ElementsAreArray(header(link::LinkHeaderType::connect, kConnectorNumber << 32, 0)));
 }
 
 TEST(WorkedExample, FirstDatagramOfASession) {
-  Bytes datagram = head(link::HeadType::slices, kConnectorNumber << 32 | kAcceptorNumber, 1);
+  Bytes datagram = header(link::LinkHeaderType::slices, kConnectorNumber << 32 | kAcceptorNumber, 1);
   wire::SliceWriter line;
   line.put(wire::SliceKind::idle, {});
   datagram.insert(datagram.end(), line.view().begin(), line.view().end());

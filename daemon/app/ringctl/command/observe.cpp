@@ -8,7 +8,7 @@
 #include "app/ringctl/ring_access.h"
 #include "cli/values.h"
 #include "config/names.h"
-#include "runtime/observe_order.h"
+#include "runtime/observe_filter.h"
 
 namespace limb_ring::ringctl {
 

@@ -5,7 +5,7 @@
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
-#include "ask/reset_seen.h"
+#include "ask/reset_node.h"
 #include "cli/values.h"
 
 namespace limb_ring::ringctl {

@@ -6,7 +6,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
-#include "ask/cpu_resumed.h"
+#include "ask/resume_cpu.h"
 
 namespace limb_ring::ringctl {
 

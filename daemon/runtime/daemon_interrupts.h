@@ -11,13 +11,13 @@
 namespace limb_ring::runtime {
 
 /// Interrupts that the daemon itself sends for its clients, and what has to come of them.
-class Orders {
+class DaemonInterrupts {
  public:
   using Ended = std::function<void(const core::SendEnded&)>;
   using ResetDone = std::function<void(const watchdog::ResetReport&)>;
   using CpuOf = std::function<watchdog::CpuKnown(wire::NodeId)>;
 
-  Orders(boost::asio::io_context& io, Engine& engine, CpuOf cpu_of)
+  DaemonInterrupts(boost::asio::io_context& io, Engine& engine, CpuOf cpu_of)
       : io_(io), engine_(engine), cpu_of_(std::move(cpu_of)) {}
 
   void interrupt(wire::NodeId to, std::uint8_t factor, Ended done);

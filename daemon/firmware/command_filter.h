@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/moment.h"
+#include "firmware/timestamps.h"
 #include "payload/joint_command.h"
 
 namespace limb_ring::firmware {
@@ -26,14 +26,14 @@ const char* to_string(Verdict verdict);
 /// by sequence: a commander that restarts counts from 0, but its stamps go on. The order is
 /// remembered for `memory` only, so that a wall clock set back does not lock commands out; beyond
 /// that, expiry alone protects.
-class CommandGate {
+class CommandFilter {
  public:
-  explicit CommandGate(nanoseconds memory) : memory_(memory) {}
+  explicit CommandFilter(nanoseconds memory) : memory_(memory) {}
 
   /// Remembers what it lets through, and ends the stop where that resumes.
-  Verdict judge(const payload::JointCommand& command, const Moment& now);
+  Verdict judge(const payload::JointCommand& command, const Timestamps& now);
   /// Latches a stop until a command that resumes and was given later than this.
-  void stop(const Moment& now) { stopped_at_ = now.monotonic; }
+  void stop(const Timestamps& now) { stopped_at_ = now.monotonic; }
   bool stopped() const { return stopped_at_.has_value(); }
 
  private:
@@ -44,7 +44,7 @@ class CommandGate {
   };
 
   bool is_older(const payload::JointCommand& command, nanoseconds now) const;
-  bool held_by_stop(const payload::JointCommand& command, const Moment& now) const;
+  bool held_by_stop(const payload::JointCommand& command, const Timestamps& now) const;
 
   nanoseconds memory_;
   std::optional<Obeyed> last_;

@@ -1,10 +1,10 @@
-#include "runtime/noticed.h"
+#include "runtime/change_notifier.h"
 
 #include <utility>
 
 namespace limb_ring::runtime {
 
-void Noticed::look(const Engine& engine, Observers& observers) {
+void ChangeNotifier::look(const Engine& engine, Observers& observers) {
   const unsigned ring_size = engine.controller().membership().ring_size();
   if (std::exchange(ring_size_, ring_size) != ring_size) observers.tell("ring", {{"ring_size", ring_size}});
   const auto crc_errors = engine.controller().counters().crc_errors;

@@ -1,4 +1,4 @@
-#include "firmware/orders.h"
+#include "firmware/fault_command.h"
 
 #include <string>
 
@@ -7,15 +7,15 @@
 namespace limb_ring::firmware {
 namespace {
 
-std::optional<Order> order(const std::string& text) {
-  return parse_order({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+std::optional<FaultCommand> order(const std::string& text) {
+  return parse_fault_command({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
 TEST(Orders, KnowHangAndExit) {
-  EXPECT_EQ(order("hang").value().kind, Order::Kind::hang);
-  EXPECT_EQ(order("hang\n").value().kind, Order::Kind::hang);
+  EXPECT_EQ(order("hang").value().kind, FaultCommand::Kind::hang);
+  EXPECT_EQ(order("hang\n").value().kind, FaultCommand::Kind::hang);
   ASSERT_TRUE(order("exit 3"));
-  EXPECT_EQ(order("exit 3")->kind, Order::Kind::exit);
+  EXPECT_EQ(order("exit 3")->kind, FaultCommand::Kind::exit);
   EXPECT_EQ(order("exit 3")->code, 3);
 }
 

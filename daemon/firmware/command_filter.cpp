@@ -1,4 +1,4 @@
-#include "firmware/command_gate.h"
+#include "firmware/command_filter.h"
 
 namespace limb_ring::firmware {
 
@@ -15,7 +15,7 @@ const char* to_string(Verdict verdict) {
   return "unknown";
 }
 
-Verdict CommandGate::judge(const payload::JointCommand& command, const Moment& now) {
+Verdict CommandFilter::judge(const payload::JointCommand& command, const Timestamps& now) {
   const std::int64_t age = now.wall_ns - command.stamp_ns;  // both are >= 0: no overflow
   const std::int64_t valid_for = std::int64_t{command.valid_for_us} * 1000;
   if (age > valid_for) return Verdict::expired;
@@ -27,13 +27,13 @@ Verdict CommandGate::judge(const payload::JointCommand& command, const Moment& n
   return Verdict::obey;
 }
 
-bool CommandGate::is_older(const payload::JointCommand& command, nanoseconds now) const {
+bool CommandFilter::is_older(const payload::JointCommand& command, nanoseconds now) const {
   if (!last_ || now - last_->at >= memory_) return false;
   if (command.stamp_ns != last_->stamp_ns) return command.stamp_ns < last_->stamp_ns;
   return static_cast<std::int16_t>(command.sequence - last_->sequence) <= 0;
 }
 
-bool CommandGate::held_by_stop(const payload::JointCommand& command, const Moment& now) const {
+bool CommandFilter::held_by_stop(const payload::JointCommand& command, const Timestamps& now) const {
   if (!stopped_at_) return false;
   const nanoseconds given_at = now.monotonic - nanoseconds(now.wall_ns - command.stamp_ns);
   return !command.resume || given_at <= *stopped_at_;

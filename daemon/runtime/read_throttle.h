@@ -5,7 +5,7 @@
 namespace limb_ring::runtime {
 
 /// How fast a node's CPU is given what waits for it. (ours: a CPU made slow on purpose)
-class Reading {
+class ReadThrottle {
  public:
   /// Without a limit, as ever.
   void as_fast_as_it_can() { period_ = core::Duration{0}; }

@@ -9,7 +9,7 @@ namespace limb_ring::runtime {
 
 /// What the observers were last told of figures that change without an event of their own: the size of the
 /// ring, and packets that came in damaged or were damaged on purpose. (ours)
-class Noticed {
+class ChangeNotifier {
  public:
   /// Tells what is no longer as it was the last time.
   void look(const Engine& engine, Observers& observers);

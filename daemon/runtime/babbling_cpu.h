@@ -9,9 +9,9 @@ namespace limb_ring::runtime {
 
 /// Sends as a CPU that babbles would: the largest packets, to all, at the highest priority, without end.
 /// The real CPU goes on beside it. (ours)
-class Babble {
+class BabblingCpu {
  public:
-  Babble(boost::asio::io_context& io, Engine& engine) : engine_(engine), next_(io) {}
+  BabblingCpu(boost::asio::io_context& io, Engine& engine) : engine_(engine), next_(io) {}
 
   /// One packet per `period`, as each has ended; 0: its queue is always full, and what is beyond that is rejected.
   void start(std::chrono::nanoseconds period);

@@ -10,13 +10,13 @@ namespace limb_ring::firmware {
 ///
 ///   hang      does nothing any more: reads nothing, says nothing, ignores SIGTERM
 ///   exit N    ends at once with exit code N, 0 to 255
-struct Order {
+struct FaultCommand {
   enum class Kind { hang, exit } kind = Kind::hang;
   int code = 0;
 };
 
 /// The order in a user packet's bytes (spaces and ends of line around it are left out); nothing
 /// where it holds none.
-std::optional<Order> parse_order(wire::ByteView text);
+std::optional<FaultCommand> parse_fault_command(wire::ByteView text);
 
 }  // namespace limb_ring::firmware

@@ -9,15 +9,15 @@
 
 namespace limb_ring::link {
 
-/// What the two ends of a link say about the link itself (ours, protocol.md section 6.5). A UDP datagram is a head and,
-/// where its type is `slices`, one slice. A UNIX stream opens with one `connect` head, goes on
-/// with bare slices, and carries heads the other way.
+/// What the two ends of a link say about the link itself (ours, protocol.md section 6.5). A UDP datagram is a header and,
+/// where its type is `slices`, one slice. A UNIX stream opens with one `connect` header, goes on
+/// with bare slices, and carries headers the other way.
 ///
 ///   | magic "LR" | version 8 | type 8 | ring hash 64 | session 64 | sequence 32 | sender 8 | refusal 8 |
 ///
 /// Session: the upper half is a random number of the connecting end, the lower half one of the
 /// accepting end. So neither an old connect nor an old datagram can revive an old session.
-enum class HeadType : std::uint8_t { connect = 1, accept, refuse, slices, alive, bye };
+enum class LinkHeaderType : std::uint8_t { connect = 1, accept, refuse, slices, alive, bye };
 
 enum class Refusal : std::uint8_t {
   none = 0,
@@ -31,13 +31,13 @@ enum class Refusal : std::uint8_t {
 };
 const char* to_string(Refusal refusal);
 
-constexpr std::size_t kHeadSize = 26;
-constexpr std::uint16_t kHeadMagic = 0x4C52;
-constexpr std::uint8_t kHeadVersion = 2;
+constexpr std::size_t kLinkHeaderSize = 26;
+constexpr std::uint16_t kLinkMagic = 0x4C52;
+constexpr std::uint8_t kLinkVersion = 2;
 
-struct Head {
-  std::uint8_t version = kHeadVersion;
-  HeadType type = HeadType::alive;
+struct LinkHeader {
+  std::uint8_t version = kLinkVersion;
+  LinkHeaderType type = LinkHeaderType::alive;
   std::uint64_t ring = 0;
   std::uint64_t session = 0;
   std::uint32_t sequence = 0;  ///< type slices: 1, 2, ... within the session
@@ -45,19 +45,19 @@ struct Head {
   Refusal refusal = Refusal::none;
 };
 
-/// @param out kHeadSize bytes
-void store_head(std::uint8_t* out, const Head& head);
-std::array<std::uint8_t, kHeadSize> encode(const Head& head);
+/// @param out kLinkHeaderSize bytes
+void store_header(std::uint8_t* out, const LinkHeader& header);
+std::array<std::uint8_t, kLinkHeaderSize> encode(const LinkHeader& header);
 
-/// @return nothing where these are not the first bytes of a head. Of another version only a `connect`, and a `refuse`
-/// for that reason, are heads: they stay as they are in all versions, so that each end can say what is wrong.
-std::optional<Head> parse_head(wire::ByteView bytes);
+/// @return nothing where these are not the first bytes of a header. Of another version only a `connect`, and a `refuse`
+/// for that reason, are headers: they stay as they are in all versions, so that each end can say what is wrong.
+std::optional<LinkHeader> parse_header(wire::ByteView bytes);
 
 /// Why the sender of `refuse` does not want us, in words for people.
-std::string reason_of(const Head& refuse);
-/// The sender of a head of version `peer` and we do not understand each other.
+std::string reason_of(const LinkHeader& refuse);
+/// The sender of a header of version `peer` and we do not understand each other.
 std::string version_mismatch(std::uint8_t peer);
-/// What is at the other end sends no heads.
+/// What is at the other end sends no headers.
 constexpr const char* kNoNode = "peer is not a limb_ring node";
 
 inline std::uint32_t session_nonce(std::uint64_t session) {

@@ -1,4 +1,4 @@
-#include "runtime/anew.h"
+#include "runtime/re_exec.h"
 
 #include <unistd.h>
 
@@ -22,7 +22,7 @@ std::vector<std::string> own_command_line() {
 
 }  // namespace
 
-void begin_anew(const std::optional<cpu_set_t>& cores) {
+void re_exec(const std::optional<cpu_set_t>& cores) {
   std::vector<std::string> arguments = own_command_line();
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());

@@ -1,4 +1,4 @@
-#include "runtime/babble.h"
+#include "runtime/babbling_cpu.h"
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ constexpr std::uint8_t kUserChannel = 0;
 
 }  // namespace
 
-void Babble::start(std::chrono::nanoseconds period) {
+void BabblingCpu::start(std::chrono::nanoseconds period) {
   stop();
   period_ = period;
   on_ = true;
@@ -27,7 +27,7 @@ void Babble::start(std::chrono::nanoseconds period) {
   engine_.pump();
 }
 
-void Babble::stop() {
+void BabblingCpu::stop() {
   if (!on_) return;
   on_ = false;
   next_.cancel();
@@ -35,13 +35,13 @@ void Babble::stop() {
   engine_.pump();
 }
 
-void Babble::send() {
+void BabblingCpu::send() {
   wire::store_u32(data_.data(), static_cast<std::uint32_t>(asked_++));  // no two alike
   engine_.controller().send(
       {kBabbleOwner, run_, wire::kBroadcast, kHighest, kUserChannel, {data_.data(), data_.size()}}, engine_.now());
 }
 
-void Babble::send_after(std::chrono::nanoseconds pause) {
+void BabblingCpu::send_after(std::chrono::nanoseconds pause) {
   next_.expires_after(pause);
   next_.async_wait([this, run = run_](const boost::system::error_code& error) {
     if (error || !on_ || run != run_) return;
@@ -50,7 +50,7 @@ void Babble::send_after(std::chrono::nanoseconds pause) {
   });
 }
 
-void Babble::on_ended(const core::SendEnded& ended) {
+void BabblingCpu::on_ended(const core::SendEnded& ended) {
   if (!on_ || ended.token != run_) return;
   ++sent_;
   const auto pause = ended.outcome == core::Outcome::rejected ? std::max(period_, kRejectedPause) : period_;

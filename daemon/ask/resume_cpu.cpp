@@ -1,4 +1,4 @@
-#include "ask/cpu_resumed.h"
+#include "ask/resume_cpu.h"
 
 #include "payload/joint_command.h"
 #include "payload/packet_type.h"

@@ -1,4 +1,4 @@
-#include "firmware/orders.h"
+#include "firmware/fault_command.h"
 
 #include <charconv>
 #include <string_view>
@@ -13,22 +13,22 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-std::optional<Order> exit_order(std::string_view number) {
+std::optional<FaultCommand> exit_command(std::string_view number) {
   int code = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), code);
   const bool whole = error == std::errc{} && end == number.data() + number.size();
   if (!whole || code < 0 || code > 255) return std::nullopt;
-  return Order{Order::Kind::exit, code};
+  return FaultCommand{FaultCommand::Kind::exit, code};
 }
 
 }  // namespace
 
-std::optional<Order> parse_order(wire::ByteView bytes) {
+std::optional<FaultCommand> parse_fault_command(wire::ByteView bytes) {
   constexpr std::string_view kExit = "exit ";
   const auto text =
       trimmed({reinterpret_cast<const char*>(bytes.data), bytes.size});
-  if (text == "hang") return Order{Order::Kind::hang, 0};
-  if (text.substr(0, kExit.size()) == kExit) return exit_order(text.substr(kExit.size()));
+  if (text == "hang") return FaultCommand{FaultCommand::Kind::hang, 0};
+  if (text.substr(0, kExit.size()) == kExit) return exit_command(text.substr(kExit.size()));
   return std::nullopt;
 }
 

@@ -1,4 +1,4 @@
-#include "ask/reset_seen.h"
+#include "ask/reset_node.h"
 
 #include <thread>
 

@@ -11,7 +11,7 @@
 namespace limb_ring::runtime {
 
 /// What a client wants to observe; see "Observing" in daemon/host/requests.md.
-struct ObserveOrder {
+struct ObserveFilter {
   std::set<std::string> kinds;           ///< of events; empty: none
   std::optional<capture::Wish> packets;  ///< nothing: none
 };
@@ -20,6 +20,6 @@ struct ObserveOrder {
 const std::vector<std::string>& event_kinds();
 
 /// @throw std::runtime_error naming what is wrong, and what is allowed
-ObserveOrder read_observe_order(const config::RingConfig& ring, const std::string& text);
+ObserveFilter read_observe_filter(const config::RingConfig& ring, const std::string& text);
 
 }  // namespace limb_ring::runtime

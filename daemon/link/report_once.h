@@ -7,7 +7,7 @@
 namespace limb_ring::link {
 
 /// Tells a text that has not been said yet from one that has: who is turned away comes again many times a second.
-class FirstTime {
+class ReportOnce {
  public:
   bool operator()(std::string_view text) {
     return said_.size() < kMost && said_.emplace(text).second;

@@ -1,4 +1,4 @@
-#include "runtime/settings.h"
+#include "runtime/link_settings.h"
 
 #include <algorithm>
 

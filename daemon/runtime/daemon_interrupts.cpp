@@ -1,17 +1,17 @@
-#include "runtime/orders.h"
+#include "runtime/daemon_interrupts.h"
 
 #include "runtime/owners.h"
 
 namespace limb_ring::runtime {
 
-void Orders::interrupt(wire::NodeId to, std::uint8_t factor, Ended done) {
+void DaemonInterrupts::interrupt(wire::NodeId to, std::uint8_t factor, Ended done) {
   const std::uint32_t token = ++last_token_;
   interrupts_.emplace(token, std::move(done));
   engine_.controller().interrupt({kOrdersOwner, token, to, factor}, engine_.now());
   engine_.pump();
 }
 
-void Orders::on_ended(const core::SendEnded& ended) {
+void DaemonInterrupts::on_ended(const core::SendEnded& ended) {
   const auto it = interrupts_.find(ended.token);
   if (it == interrupts_.end()) return;
   const Ended done = std::move(it->second);
@@ -19,7 +19,7 @@ void Orders::on_ended(const core::SendEnded& ended) {
   done(ended);
 }
 
-void Orders::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout, ResetDone done) {
+void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout, ResetDone done) {
   Reset& reset = resets_.emplace_back(io_, node, cpu_of_(node), engine_.now(), std::move(done));
   reset.deadline.expires_after(timeout);
   reset.deadline.async_wait([this, which = &reset](const boost::system::error_code& error) {
@@ -33,27 +33,27 @@ void Orders::reset(wire::NodeId node, std::uint8_t factor, std::chrono::millisec
   });
 }
 
-void Orders::on_cpu_changed(wire::NodeId node) {
+void DaemonInterrupts::on_cpu_changed(wire::NodeId node) {
   for (auto it = resets_.begin(); it != resets_.end();) {
     const auto place = it++;
     if (place->node == node) finish(place, place->order.cpu_changed(cpu_of_(node), engine_.now()));
   }
 }
 
-Orders::ResetPlace Orders::place_of(const Reset* reset) {
+DaemonInterrupts::ResetPlace DaemonInterrupts::place_of(const Reset* reset) {
   auto it = resets_.begin();
   while (it != resets_.end() && &*it != reset) ++it;
   return it;
 }
 
-void Orders::finish(ResetPlace place, const watchdog::ResetOrder::Report& report) {
+void DaemonInterrupts::finish(ResetPlace place, const watchdog::ResetOrder::Report& report) {
   if (!report) return;
   const ResetDone done = std::move(place->done);
   resets_.erase(place);
   done(*report);
 }
 
-void Orders::stop() {
+void DaemonInterrupts::stop() {
   interrupts_.clear();
   resets_.clear();
 }

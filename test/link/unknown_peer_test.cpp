@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "link/head.h"
+#include "link/link_header.h"
 #include "link/link_rig.h"
 #include "link/unix_socket.h"
 
@@ -11,7 +11,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Node 1 with node 0 upstream; whatever a stranger does, that stays so.
+/// Node 1 with node 0 upstream; whatever an unknown peer does, that stays so.
 struct Stranger : testing::Test {
   LinkRig rig{2, Endpoint::Transport::unix_stream};
   boost::asio::io_context io;
@@ -25,21 +25,21 @@ struct Stranger : testing::Test {
     EXPECT_THAT(rig.node(1).heard.log, ElementsAre("up 0"));
   }
   UnixSocket knock() { return connect_unix(io, rig.endpoint(1).path); }
-  void say(UnixSocket& socket, const Head& head) {
-    const auto bytes = encode(head);
+  void say(UnixSocket& socket, const LinkHeader& header) {
+    const auto bytes = encode(header);
     send_now(socket.native_handle(), {bytes.data(), bytes.size()});
   }
   std::uint64_t strangers() { return rig.node(1).input->counters().strangers; }
-  /// The head that comes back; nothing where the line is closed without a word.
-  std::optional<Head> answer(UnixSocket& socket) {
-    std::array<std::uint8_t, kHeadSize> bytes;
+  /// The header that comes back; nothing where the line is closed without a word.
+  std::optional<LinkHeader> answer(UnixSocket& socket) {
+    std::array<std::uint8_t, kLinkHeaderSize> bytes;
     ssize_t got = -1;
     const bool came = rig.until([&] {
       got = receive_now(socket.native_handle(), bytes.data(), bytes.size());
       return got >= 0;
     });
     EXPECT_TRUE(came) << "neither an answer nor an end";
-    return parse_head({bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0))});
+    return parse_header({bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0))});
   }
 };
 
@@ -49,7 +49,7 @@ TEST_F(Stranger, ThatTalksGarbageIsClosedAndCounted) {
   send_now(socket.native_handle(),
            {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
   ASSERT_TRUE(rig.until([&] { return strangers() == 1; }));
-  EXPECT_THAT(rig.node(1).input->last_stranger(), HasSubstr("is not a limb_ring node"));
+  EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("is not a limb_ring node"));
   EXPECT_THAT(rig.node(1).heard.strangers, ElementsAre("peer is not a limb_ring node"));
 }
 
@@ -62,15 +62,15 @@ TEST_F(Stranger, ThatSaysNothingIsClosedInTime) {
   UnixSocket socket = knock();
   EXPECT_FALSE(answer(socket));
   EXPECT_EQ(strangers(), 1u);
-  EXPECT_THAT(rig.node(1).input->last_stranger(), HasSubstr("did not say"));
+  EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("did not say"));
 }
 
 TEST_F(Stranger, OfAnotherRingIsToldSo) {
   UnixSocket socket = knock();
-  Head head;
-  head.type = HeadType::connect;
-  head.ring = LinkRig::kRing + 1;
-  say(socket, head);
+  LinkHeader header;
+  header.type = LinkHeaderType::connect;
+  header.ring = LinkRig::kRing + 1;
+  say(socket, header);
   const auto answered = answer(socket);
   ASSERT_TRUE(answered);
   EXPECT_EQ(answered->refusal, Refusal::wrong_ring);
@@ -78,17 +78,17 @@ TEST_F(Stranger, OfAnotherRingIsToldSo) {
 }
 
 TEST_F(Stranger, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
-  Head head;
-  head.version = 1;
-  head.type = HeadType::connect;
-  head.ring = LinkRig::kRing;
+  LinkHeader header;
+  header.version = 1;
+  header.type = LinkHeaderType::connect;
+  header.ring = LinkRig::kRing;
   for (int i = 0; i < 3; ++i) {
     UnixSocket socket = knock();
-    say(socket, head);
+    say(socket, header);
     const auto answered = answer(socket);
     ASSERT_TRUE(answered);
     EXPECT_EQ(answered->refusal, Refusal::wrong_version);
-    EXPECT_EQ(answered->version, kHeadVersion);
+    EXPECT_EQ(answered->version, kLinkVersion);
   }
   EXPECT_EQ(strangers(), 3u);
   EXPECT_THAT(rig.node(1).heard.strangers,
@@ -97,11 +97,11 @@ TEST_F(Stranger, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
 
 TEST_F(Stranger, OfNoNodeOfTheRingIsToldSo) {
   UnixSocket socket = knock();
-  Head head;
-  head.type = HeadType::connect;
-  head.ring = LinkRig::kRing;
-  head.sender = 77;
-  say(socket, head);
+  LinkHeader header;
+  header.type = LinkHeaderType::connect;
+  header.ring = LinkRig::kRing;
+  header.sender = 77;
+  say(socket, header);
   const auto answered = answer(socket);
   ASSERT_TRUE(answered);
   EXPECT_EQ(answered->refusal, Refusal::not_in_ring);
@@ -109,11 +109,11 @@ TEST_F(Stranger, OfNoNodeOfTheRingIsToldSo) {
 
 TEST_F(Stranger, AsAFartherNodeIsToldThatWeAreBusy) {
   UnixSocket socket = knock();
-  Head head;
-  head.type = HeadType::connect;
-  head.ring = LinkRig::kRing;
-  head.sender = 1;  // we ourselves
-  say(socket, head);
+  LinkHeader header;
+  header.type = LinkHeaderType::connect;
+  header.ring = LinkRig::kRing;
+  header.sender = 1;  // we ourselves
+  say(socket, header);
   const auto answered = answer(socket);
   ASSERT_TRUE(answered);
   EXPECT_EQ(answered->refusal, Refusal::busy);
@@ -134,8 +134,8 @@ TEST_F(Stranger, WithADatagramSocketThatIsNotOursDoesNothing) {
   const std::string garbage(700, 'x');
   send_now(socket.native_handle(),
            {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
-  Head other;
-  other.type = HeadType::connect;
+  LinkHeader other;
+  other.type = LinkHeaderType::connect;
   other.ring = LinkRig::kRing + 1;
   const auto bytes = encode(other);
   send_now(socket.native_handle(), {bytes.data(), bytes.size()});

@@ -1,4 +1,4 @@
-#include "runtime/observe_order.h"
+#include "runtime/observe_filter.h"
 
 #include <algorithm>
 #include <limits>
@@ -78,9 +78,9 @@ capture::Wish wish_of(const config::RingConfig& ring, const json& packets) {
 
 const std::vector<std::string>& event_kinds() { return kEvents; }
 
-ObserveOrder read_observe_order(const config::RingConfig& ring, const std::string& text) {
+ObserveFilter read_observe_filter(const config::RingConfig& ring, const std::string& text) {
   const json order = object_in(text.empty() ? "{}" : text, "an observe filter is a JSON object");
-  ObserveOrder read;
+  ObserveFilter read;
   for (const std::size_t kind : words_in(order, "kinds", kEvents)) read.kinds.insert(kEvents[kind]);
   const bool packets = order.contains("packets");
   if (read.kinds.empty() && !packets) read.kinds.insert(kEvents.begin(), kEvents.end());

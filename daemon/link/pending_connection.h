@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+
+#include "link/endpoint.h"
+#include "link/link_header.h"
+#include "link/unix_socket.h"
+
+namespace limb_ring::link {
+
+/// A pending connection: it has not yet said who it is. It has a buffer of one header and a deadline, and becomes the
+/// input only when it is admitted.
+class PendingConnection : public std::enable_shared_from_this<PendingConnection> {
+ public:
+  struct Owner {
+    virtual void on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect) = 0;
+    virtual void on_unknown_peer(const std::shared_ptr<PendingConnection>& connection, std::string_view why) = 0;
+
+   protected:
+    ~Owner() = default;
+  };
+
+  PendingConnection(UnixSocket socket, Owner& owner, Time now)
+      : socket_(std::move(socket)), owner_(&owner), since_(now) {}
+
+  void start() { wait(); }
+  void read();
+  void close();
+  bool open() const { return owner_ != nullptr; }
+  Time since() const { return since_; }
+  /// True if the other end has closed meanwhile: a node that was frozen finds attempts that others gave up long ago.
+  bool hung_up();
+  void answer(const LinkHeader& header);
+  /// Hands the socket over; the connection is closed then.
+  UnixSocket release();
+
+ private:
+  void wait();
+  void greeted();
+
+  UnixSocket socket_;
+  Owner* owner_;
+  Time since_;
+  std::array<std::uint8_t, kLinkHeaderSize> bytes_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace limb_ring::link
