@@ -8,7 +8,7 @@
 #include "inject/lock_files.h"
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
-#include "runtime/supervisor/process_state.h"
+#include "process/process_state.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -19,7 +19,7 @@ constexpr std::size_t kAskers = 16;
 
 std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono::milliseconds timeout) {
   const inject::Holder holder = inject::holder_of(ring_directory(ring), id);
-  if (!holder.held || runtime::is_stopped(holder.pid)) return std::nullopt;
+  if (!holder.held || process::is_stopped(holder.pid)) return std::nullopt;
   try {
     ConnectOptions options;
     options.ring = ring;

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "runtime/supervisor/find_program.h"
+#include "process/find_program.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -22,24 +22,24 @@ constexpr milliseconds kGrace{2000};
 constexpr milliseconds kTick{10};
 constexpr std::size_t kLastWords = 600;
 
-runtime::UniqueFd open_log(const std::string& path) {
-  runtime::UniqueFd file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0600));
+process::UniqueFd open_log(const std::string& path) {
+  process::UniqueFd file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0600));
   if (!file.valid()) throw std::runtime_error("cannot write " + path);
   return file;
 }
 
 std::string found(const std::string& name) {
-  const std::string path = runtime::find_program(name);
+  const std::string path = process::find_program(name);
   if (path.empty())
-    throw std::runtime_error("no program " + name + " beside this one (" + runtime::own_folder() + ") or on PATH");
+    throw std::runtime_error("no program " + name + " beside this one (" + process::own_folder() + ") or on PATH");
   return path;
 }
 
 }  // namespace
 
 ChildProgram::ChildProgram(const ProgramRequest& request) : name_(request.name), log_(request.log) {
-  const runtime::UniqueFd output = open_log(log_);
-  runtime::SpawnRequest spawn;
+  const process::UniqueFd output = open_log(log_);
+  process::SpawnRequest spawn;
   spawn.path = found(request.name);
   spawn.arguments = request.arguments;
   spawn.arguments.insert(spawn.arguments.begin(), request.name);
@@ -47,7 +47,7 @@ ChildProgram::ChildProgram(const ProgramRequest& request) : name_(request.name),
   spawn.death_signal = SIGTERM;
   spawn.output = output.get();
   spawn.affinity = request.cores;
-  process_ = runtime::spawn(spawn);
+  process_ = process::spawn(spawn);
   if (process_.pid < 0) throw std::runtime_error("cannot start " + name_);
 }
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "runtime/supervisor/spawn.h"
+#include "process/spawn.h"
 
 namespace limb_ring::bench {
 
 struct ProgramRequest {
-  std::string name;                    ///< as runtime::find_program wants it
+  std::string name;                    ///< as process::find_program wants it
   std::vector<std::string> arguments;  ///< without the program's name
   std::vector<std::pair<std::string, std::string>> environment;
   std::string log;                     ///< file of its output and errors
@@ -39,7 +39,7 @@ class ChildProgram {
 
  private:
   std::string name_, log_;
-  runtime::Spawned process_;
+  process::Spawned process_;
 };
 
 }  // namespace limb_ring::bench

@@ -14,13 +14,13 @@
 #include "bench/samples.h"
 #include "bench/shared.h"
 #include "bench/worker.h"
-#include "runtime/supervisor/unique_fd.h"
+#include "process/unique_fd.h"
 #include "wire/packet.h"
 
 namespace limb_ring::bench {
 namespace {
 
-using runtime::UniqueFd;
+using process::UniqueFd;
 using std::chrono::milliseconds;
 
 constexpr std::size_t kReadSize = 64 * 1024;

@@ -12,7 +12,7 @@
 
 #include "bench/child_program.h"
 #include "bench/cores.h"
-#include "runtime/supervisor/find_program.h"
+#include "process/find_program.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -39,7 +39,7 @@ std::string find_relay() {
 
 /// A TCP port that nobody listens at just now.
 std::string free_port() {
-  const runtime::UniqueFd probe(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  const process::UniqueFd probe(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -115,8 +115,8 @@ class Chain {
 
 std::string missing(const Setup& setup) {
   if (!setup.ros) return "--no-ros";
-  if (runtime::find_program("relay_chain_ends").empty()) return "built without ROS (no relay_chain_ends)";
-  if (runtime::find_program("rosmaster").empty()) return "no rosmaster on PATH";
+  if (process::find_program("relay_chain_ends").empty()) return "built without ROS (no relay_chain_ends)";
+  if (process::find_program("rosmaster").empty()) return "no rosmaster on PATH";
   if (find_relay().empty()) return "topic_tools is not installed";
   return {};
 }

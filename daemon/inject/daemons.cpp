@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "limb_ring/ring_directory.h"
-#include "runtime/supervisor/process_state.h"
-#include "runtime/supervisor/spawn.h"
+#include "process/process_state.h"
+#include "process/spawn.h"
 
 namespace limb_ring::inject {
 namespace {
@@ -71,7 +71,7 @@ json Daemons::ask(wire::NodeId id, const json& request) const {
 
 bool Daemons::is_stopped(wire::NodeId id) const {
   const Holder holder = this->holder(id);
-  return holder.held && runtime::is_stopped(holder.pid);
+  return holder.held && process::is_stopped(holder.pid);
 }
 
 // The pid is that of the lock's holder: no stranger is hit.
@@ -87,7 +87,7 @@ void Daemons::kill(wire::NodeId id) const {
   const pid_t pid = holder(id).pid;
   signal(id, SIGKILL);
   // Where somebody watches over it, the lock may be held by the next one already.
-  const auto gone = [&] { return runtime::is_gone(pid) || holder(id).pid != pid; };
+  const auto gone = [&] { return process::is_gone(pid) || holder(id).pid != pid; };
   if (!wait_for(gone, kSignalled)) throw NotDone("node " + node(id).name + " does not die");
 }
 
@@ -108,18 +108,18 @@ void Daemons::start(wire::NodeId id) const {
   if (last.program.empty())
     throw NotDone("node " + node(id).name + " has never run on this host, so nobody knows how to start it");
   const std::string log = folder_ + "/" + node(id).number + ".log";
-  const runtime::UniqueFd output(
+  const process::UniqueFd output(
       ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!output.valid()) throw NotDone("cannot write " + log + ": " + std::strerror(errno));
-  runtime::SpawnRequest request;
+  process::SpawnRequest request;
   request.path = last.program;
   request.arguments = last.arguments;
   request.arguments.insert(request.arguments.begin(), "ringd");
   request.folder = last.folder;
   request.output = output.get();
-  request.group = runtime::SpawnRequest::Group::session;
+  request.group = process::SpawnRequest::Group::session;
   request.death_signal = 0;
-  const runtime::Spawned daemon = runtime::spawn(request);
+  const process::Spawned daemon = process::spawn(request);
   if (daemon.pid < 0) throw NotDone(std::string("cannot fork: ") + std::strerror(daemon.error));
 }
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "runtime/supervisor/unique_fd.h"
+#include "process/unique_fd.h"
 
 namespace limb_ring::inject {
 
@@ -26,7 +26,7 @@ std::vector<fs::path> files_in(const std::string& folder) {
 
 /// The kernel frees a lock with its holder, so one that cannot be had has a holder that lives.
 bool is_held(const fs::path& lock) {
-  const runtime::UniqueFd file(::open(lock.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const process::UniqueFd file(::open(lock.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   return file.valid() && ::flock(file.get(), LOCK_EX | LOCK_NB) != 0;
 }
 

@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-#include "runtime/supervisor/process_state.h"
+#include "process/process_state.h"
 #include "runtime/wait_until.h"
 
 namespace limb_ring::runtime {
@@ -20,23 +20,23 @@ void CpuFaults::wait(std::function<bool()> condition, const std::string& otherwi
 
 void CpuFaults::hang(const Done& done) {
   const pid_t pid = cpu_.status().pid;
-  const CpuReport sent = cpu_.signal(SIGSTOP);
+  const CpuActionResult sent = cpu_.signal(SIGSTOP);
   if (!sent.done) return done(sent.message);
-  wait([pid] { return is_stopped(pid) || is_gone(pid); }, "pid " + std::to_string(pid) + " does not stop", done);
+  wait([pid] { return process::is_stopped(pid) || process::is_gone(pid); }, "pid " + std::to_string(pid) + " does not stop", done);
 }
 
 // A stopped process would be hit only when it goes on.
 void CpuFaults::crash(const Done& done) {
   const pid_t pid = cpu_.status().pid;
-  const CpuReport sent = cpu_.signal(SIGSEGV);
+  const CpuActionResult sent = cpu_.signal(SIGSEGV);
   if (!sent.done) return done(sent.message);
   cpu_.signal(SIGCONT);
-  wait([pid] { return is_gone(pid); }, "pid " + std::to_string(pid) + " lives on: it catches SIGSEGV", done);
+  wait([pid] { return process::is_gone(pid); }, "pid " + std::to_string(pid) + " lives on: it catches SIGSEGV", done);
 }
 
 void CpuFaults::reset(const Done& done) {
   const std::uint32_t boots = cpu_.status().boots;
-  const CpuReport report = cpu_.reset("fault");
+  const CpuActionResult report = cpu_.reset("fault");
   if (!report.done) return done(report.message);
   if (!report.comes_back) return done("");
   wait([this, boots] { return cpu_.status().boots > boots; }, "the CPU has not booted again", done);
@@ -44,9 +44,9 @@ void CpuFaults::reset(const Done& done) {
 
 void CpuFaults::wake(const Done& done) {
   const pid_t pid = cpu_.status().pid;
-  if (!is_stopped(pid)) return done("");
+  if (!process::is_stopped(pid)) return done("");
   cpu_.signal(SIGCONT);
-  wait([pid] { return !is_stopped(pid); }, "pid " + std::to_string(pid) + " does not go on", done);
+  wait([pid] { return !process::is_stopped(pid); }, "pid " + std::to_string(pid) + " does not go on", done);
 }
 
 void CpuFaults::read_on() {
@@ -55,6 +55,6 @@ void CpuFaults::read_on() {
   engine_.pump();
 }
 
-bool CpuFaults::hangs() const { return is_stopped(cpu_.status().pid); }
+bool CpuFaults::hangs() const { return process::is_stopped(cpu_.status().pid); }
 
 }  // namespace limb_ring::runtime

@@ -3,13 +3,6 @@
 #include <algorithm>
 
 namespace limb_ring::runtime {
-namespace {
-
-static_assert(static_cast<int>(CpuState::failed) == static_cast<int>(wire::CpuState::failed) &&
-                  static_cast<int>(CpuState::running) == static_cast<int>(wire::CpuState::running),
-              "beacons and the supervisor count the CPU's states alike");
-
-}  // namespace
 
 CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& engine, host::HostServer& host,
                      std::function<void()> changed)
@@ -18,11 +11,11 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& en
       engine_(engine),
       host_(host),
       changed_(std::move(changed)),
-      supervisor_(io, std::move(options), *this),
+      process_(io, std::move(options), *this),
       next_read_(io) {}
 
 void CpuSocket::start() {
-  supervisor_.start();
+  process_.start();
   engine_.controller().set_cpu_present(is_sink());
   report();
 }
@@ -31,7 +24,7 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
   if (is_sink()) return "this node is configured with 'cpu: none'; 'cpu: attached' would let a process be its CPU";
   // A healthy CPU that promised less than its ring's file does is not to be taken for a hung one.
   const auto alive_period = std::max(client.alive_period, alive_period_);
-  if (!supervisor_.attached(client.pid, client.restarted_by_owner, alive_period))
+  if (!process_.attached(client.pid, client.restarted_by_owner, alive_period))
     return "this process has ended or is being reset";
   reported_.spoke_at = engine_.now();  // its greeting was its first word
   engine_.controller().set_cpu_present(true);
@@ -40,7 +33,7 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
 
 // What waited for the old CPU is stale for the next one.
 void CpuSocket::detach(const host::ClientInfo& client) {
-  supervisor_.detached(client.pid);
+  process_.detached(client.pid);
   if (host_.cpu() != nullptr && host_.cpu()->id != client.id) return;
   stop_.latched = false;
   engine_.controller().set_cpu_present(false);
@@ -48,7 +41,7 @@ void CpuSocket::detach(const host::ClientInfo& client) {
 }
 
 void CpuSocket::spoke() {
-  supervisor_.spoke(CpuSupervisor::Time::clock::now());
+  process_.spoke(CpuProcess::Time::clock::now());
   reported_.spoke_at = engine_.now();
   engine_.controller().set_cpu(reported_, engine_.now());
 }
@@ -77,7 +70,7 @@ void CpuSocket::hand_over_later() {
   });
 }
 
-CpuReport CpuSocket::reset(const std::string& reason) {
+CpuActionResult CpuSocket::reset(const std::string& reason) {
   if (is_sink()) {
     ++sink_boots_;
     ++sink_resets_;
@@ -86,7 +79,7 @@ CpuReport CpuSocket::reset(const std::string& reason) {
     report();
     return {true, true, "the built-in sink was reset"};
   }
-  const CpuReport done = supervisor_.reset(reason);
+  const CpuActionResult done = process_.reset(reason);
   drop_client();
   return done;
 }
@@ -112,7 +105,7 @@ void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t sour
 }
 
 CpuStatus CpuSocket::status() const {
-  CpuStatus status = supervisor_.status();
+  CpuStatus status = process_.status();
   if (!is_sink()) return status;
   status.boots = sink_boots_;
   status.resets = sink_resets_;
@@ -125,7 +118,7 @@ void CpuSocket::on_cpu_changed() { report(); }
 void CpuSocket::report() {
   const CpuStatus now = status();
   reported_.boots = now.boots;
-  reported_.state = static_cast<wire::CpuState>(now.state);
+  reported_.state = now.state;
   reported_.comes_back = now.kind != CpuKind::attached || now.restarted_by_owner;
   engine_.controller().set_cpu(reported_, engine_.now());
   changed_();

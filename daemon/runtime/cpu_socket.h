@@ -3,12 +3,12 @@
 #include "config/ring_config.h"
 #include "host/host_server.h"
 #include "runtime/engine.h"
+#include "runtime/cpu/cpu_process.h"
 #include "runtime/read_throttle.h"
-#include "runtime/supervisor/cpu_supervisor.h"
 
 namespace limb_ring::runtime {
 
-/// Where the node's CPU sits: between the network controller, the host port and the supervisor.
+/// Where the node's CPU sits: between the network controller, the host port and the process.
 /// A node without a CPU has a built-in sink that reads and counts.
 class CpuSocket final : private CpuEvents {
  public:
@@ -17,7 +17,7 @@ class CpuSocket final : private CpuEvents {
             std::function<void()> changed);
 
   void start();
-  void stop(std::function<void()> done) { supervisor_.stop(std::move(done)); }
+  void stop(std::function<void()> done) { process_.stop(std::move(done)); }
 
   /// @name From the host port
   ///@{
@@ -33,12 +33,12 @@ class CpuSocket final : private CpuEvents {
   /// @name Pins
   ///@{
   /// Kills and restarts the CPU, whatever state it is in; nothing stale is left for the new one.
-  CpuReport reset(const std::string& reason);
+  CpuActionResult reset(const std::string& reason);
   void interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor);
   /// Off with its node: a child is killed and reaped at once; an outside process has a power of its own.
-  void kill() { supervisor_.kill(); }
-  CpuReport signal(int number) { return supervisor_.signal(number); }
-  CpuReport run(const std::vector<std::string>& command) { return supervisor_.run(command); }
+  void kill() { process_.kill(); }
+  CpuActionResult signal(int number) { return process_.signal(number); }
+  CpuActionResult run(const std::vector<std::string>& command) { return process_.run(command); }
   ///@}
 
   /// What is known of stop pins that were pulled.
@@ -67,7 +67,7 @@ class CpuSocket final : private CpuEvents {
   Engine& engine_;
   host::HostServer& host_;
   std::function<void()> changed_;
-  CpuSupervisor supervisor_;
+  CpuProcess process_;
   ReadThrottle read_throttle_;
   boost::asio::steady_timer next_read_;
   core::CpuReport reported_;

@@ -262,14 +262,14 @@ void Node::found(const Watchdog::Finding& finding) {
 
 SendReason Node::why(const core::SendEnded& ended) const {
   if (ended.outcome == core::Outcome::delivered) return {};
-  const auto own_cpu = static_cast<wire::CpuState>(cpu_.status().state);
+  const auto own_cpu = cpu_.status().state;
   return reason_of(ended, ring_, config_, own_cpu, engine_.controller().membership());
 }
 
 CpuSighting Node::sighting_of(wire::NodeId node) const {
   if (node == config_.id) {
     const CpuStatus status = cpu_.status();
-    return {engine_.now(), status.boots, static_cast<wire::CpuState>(status.state), status.silent,
+    return {engine_.now(), status.boots, status.state, status.silent,
             status.kind != CpuKind::attached || status.restarted_by_owner};
   }
   const core::Peer& peer = engine_.controller().membership().peers()[node];

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <vector>
 
-#include "runtime/supervisor/spawn.h"
+#include "process/spawn.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -27,7 +27,7 @@ void re_exec(const std::optional<cpu_set_t>& cores) {
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
-  close_descriptors_on_exec();
+  process::close_descriptors_on_exec();
   if (cores) ::sched_setaffinity(0, sizeof *cores, &*cores);
   ::execv("/proc/self/exe", pointers.data());
   throw std::system_error(errno, std::generic_category(), "cannot execute this program again");

@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "runtime/node.h"
-#include "runtime/supervisor/process_state.h"
+#include "process/process_state.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -21,7 +21,7 @@ json cpu_json(CpuSocket& cpu, core::Time now) {
   const CpuStatus s = cpu.status();
   return {{"kind", to_string(s.kind)},
           {"pid", s.pid > 0 ? json(s.pid) : json()},
-          {"stopped", s.pid > 0 && is_stopped(s.pid)},
+          {"stopped", s.pid > 0 && process::is_stopped(s.pid)},
           {"boots", s.boots},
           {"state", to_string(s.state)},
           {"silent_ms", s.silent.count()},

@@ -112,9 +112,10 @@ TEST(House, ArrowsPointOneWay) {
       {"firmware", {"wire", "payload", "config", "cli", "client", "firmware", "limb_ring"}},
       {"runtime",
        {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "watchdog",
-        "runtime", "limb_ring"}},
-      {"inject", {"fault", "wire", "inject", "runtime", "limb_ring"}},
-      {"ask", {"ask", "inject", "payload", "runtime", "limb_ring"}},
+        "process", "runtime", "limb_ring"}},
+      {"process", {"process"}},
+      {"inject", {"fault", "wire", "inject", "process", "limb_ring"}},
+      {"ask", {"ask", "inject", "payload", "process", "limb_ring"}},
   };
   for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;
 }

@@ -11,7 +11,7 @@
 
 #include "app/ringctl/problems.h"
 #include "limb_ring/ring_directory.h"
-#include "runtime/supervisor/find_program.h"
+#include "process/find_program.h"
 
 namespace limb_ring::ringctl {
 
@@ -24,22 +24,22 @@ constexpr milliseconds kTick{50};
 constexpr std::size_t kLastLines = 5;
 
 std::string find_ringd() {
-  const std::string path = runtime::find_program("ringd");
+  const std::string path = process::find_program("ringd");
   if (path.empty())
-    throw NotDone("no program ringd beside ringctl (" + runtime::own_folder() + ") or on PATH");
+    throw NotDone("no program ringd beside ringctl (" + process::own_folder() + ") or on PATH");
   return path;
 }
 
-runtime::UniqueFd open_log(const std::string& path) {
-  runtime::UniqueFd file(
+process::UniqueFd open_log(const std::string& path) {
+  process::UniqueFd file(
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!file.valid()) throw NotDone("cannot write " + path + ": " + std::strerror(errno));
   return file;
 }
 
-runtime::SpawnRequest request_for(const RingPlan& plan, const NodeName& node,
+process::SpawnRequest request_for(const RingPlan& plan, const NodeName& node,
                                   const std::string& ringd) {
-  runtime::SpawnRequest request;
+  process::SpawnRequest request;
   request.path = ringd;
   request.arguments = plan.arguments_of(node);
   request.arguments.insert(request.arguments.begin(), "ringd");
@@ -49,20 +49,20 @@ runtime::SpawnRequest request_for(const RingPlan& plan, const NodeName& node,
 
 Daemon start(const RingPlan& plan, const NodeName& node, const std::string& ringd,
              const std::string& log, Daemons::Mode mode) {
-  runtime::SpawnRequest request = request_for(plan, node, ringd);
-  runtime::UniqueFd output;
+  process::SpawnRequest request = request_for(plan, node, ringd);
+  process::UniqueFd output;
   if (!log.empty()) {
     output = open_log(log);
     request.output = output.get();
   }
   if (mode == Daemons::Mode::detached) {
-    request.group = runtime::SpawnRequest::Group::session;
+    request.group = process::SpawnRequest::Group::session;
     request.death_signal = 0;
   }
   if (mode == Daemons::Mode::kept) request.death_signal = SIGKILL;  // one that is stopped would not see another
-  Daemon daemon{node, runtime::spawn(request), log, {}};
+  Daemon daemon{node, process::spawn(request), log, {}};
   if (daemon.process.pid < 0)
-    daemon.ended = runtime::not_started(std::string("cannot fork: ") +
+    daemon.ended = process::not_started(std::string("cannot fork: ") +
                                         std::strerror(daemon.process.error));
   return daemon;
 }
@@ -83,9 +83,9 @@ std::string last_lines(const std::string& path) {
 bool reap_one(Daemon& daemon) {
   int wait_status = 0;
   if (daemon.ended || ::waitpid(daemon.process.pid, &wait_status, WNOHANG) == 0) return false;
-  const int error = runtime::exec_error(daemon.process);
-  daemon.ended = error != 0 ? runtime::not_executed("ringd", error)
-                            : runtime::exit_status(wait_status);
+  const int error = process::exec_error(daemon.process);
+  daemon.ended = error != 0 ? process::not_executed("ringd", error)
+                            : process::exit_status(wait_status);
   return true;
 }
 

@@ -7,17 +7,17 @@
 
 #include "app/ringctl/ring_plan.h"
 #include "app/ringctl/signal_wait.h"
-#include "runtime/supervisor/exit_status.h"
-#include "runtime/supervisor/spawn.h"
+#include "process/exit_status.h"
+#include "process/spawn.h"
 
 namespace limb_ring::ringctl {
 
 /// A ringd that `up` has started.
 struct Daemon {
   NodeName node;
-  runtime::Spawned process;
+  process::Spawned process;
   std::string log;  ///< file of its output; empty: it goes to ours
-  std::optional<runtime::ExitStatus> ended;
+  std::optional<process::ExitStatus> ended;
 
   /// "node 3 (left_knee) ended: exit 2", with its last words
   std::string obituary() const;

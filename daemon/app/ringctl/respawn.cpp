@@ -13,14 +13,14 @@ using std::chrono::milliseconds;
 
 namespace {
 
-constexpr runtime::BackOff::Limits kPauses{milliseconds(500), milliseconds(10000), milliseconds(10000)};
+constexpr process::BackOff::Limits kPauses{milliseconds(500), milliseconds(10000), milliseconds(10000)};
 
 void tell(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }
 
 }  // namespace
 
 Respawn::Respawn(Daemons& daemons) : daemons_(daemons), folder_(ring_directory(daemons.ring())) {
-  Node node{Plan::runs, Clock::now(), {}, runtime::BackOff(kPauses), false};
+  Node node{Plan::runs, Clock::now(), {}, process::BackOff(kPauses), false};
   nodes_.assign(daemons.all().size(), node);
 }
 

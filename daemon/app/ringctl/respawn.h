@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/ringctl/daemons.h"
-#include "runtime/supervisor/back_off.h"
+#include "process/back_off.h"
 
 namespace limb_ring::ringctl {
 
@@ -30,7 +30,7 @@ class Respawn {
     Plan plan = Plan::runs;
     Clock::time_point started{};
     Clock::time_point due{};  ///< starts_again: not before
-    runtime::BackOff pause;
+    process::BackOff pause;
     bool told = false;  ///< starts_again: that it waits, being killed on purpose
   };
 

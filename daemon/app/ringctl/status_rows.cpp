@@ -6,7 +6,7 @@
 #include "app/ringctl/supervision.h"
 #include "inject/lock_files.h"
 #include "limb_ring/ring_directory.h"
-#include "runtime/supervisor/process_state.h"
+#include "process/process_state.h"
 
 namespace limb_ring::ringctl {
 
@@ -52,7 +52,7 @@ json absent_row(const std::string& ring, const NodeName& node) {
   const inject::Holder holder = inject::holder_of(ring_directory(ring), node.id);
   json row = down_row(node);
   if (holder.held) row["pid"] = holder.pid;
-  if (holder.held && runtime::is_stopped(holder.pid)) row["state"] = "frozen";
+  if (holder.held && process::is_stopped(holder.pid)) row["state"] = "frozen";
   return row;
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/ringctl/problems.h"
-#include "runtime/supervisor/find_program.h"
+#include "process/find_program.h"
 
 namespace {
 
@@ -40,9 +40,9 @@ int main(int argc, char** argv) {
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
-  const std::string program = limb_ring::runtime::find_program("ringctl");
+  const std::string program = limb_ring::process::find_program("ringctl");
   if (!program.empty()) ::execv(program.c_str(), pointers.data());
   std::fprintf(stderr, "run_scenario: no program ringctl beside it (%s) or on PATH: %s\n",
-               limb_ring::runtime::own_folder().c_str(), std::strerror(program.empty() ? ENOENT : errno));
+               limb_ring::process::own_folder().c_str(), std::strerror(program.empty() ? ENOENT : errno));
   return limb_ring::ringctl::kNotDone;
 }

@@ -80,7 +80,7 @@ class HeldLock {
   }
 
  private:
-  runtime::UniqueFd file_;
+  process::UniqueFd file_;
 };
 
 TEST_F(Start, HeldNodesAreThoseWhoseHolderLives) {

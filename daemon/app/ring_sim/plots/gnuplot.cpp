@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "runtime/supervisor/find_program.h"
-#include "runtime/supervisor/spawn.h"
+#include "process/find_program.h"
+#include "process/spawn.h"
 
 namespace limb_ring::ring_sim {
 
@@ -48,7 +48,7 @@ std::string last_words(int file) {
 }  // namespace
 
 std::string find_gnuplot() {
-  const std::string path = runtime::find_program("gnuplot");
+  const std::string path = process::find_program("gnuplot");
   if (path.empty())
     throw std::runtime_error("plots need gnuplot, which is not on PATH: install the package gnuplot-nox");
   return path;
@@ -56,13 +56,13 @@ std::string find_gnuplot() {
 
 void run_gnuplot(const std::string& gnuplot, const std::string& folder, const std::string& script,
                  std::chrono::milliseconds limit) {
-  const runtime::UniqueFd output(::memfd_create("gnuplot", MFD_CLOEXEC));
-  runtime::SpawnRequest request;
+  const process::UniqueFd output(::memfd_create("gnuplot", MFD_CLOEXEC));
+  process::SpawnRequest request;
   request.path = gnuplot;
   request.arguments = {"gnuplot", "-d", script};  // -d: whatever the user's own start-up file says
   request.folder = folder;
   request.output = output.get();
-  const runtime::Spawned child = runtime::spawn(request);
+  const process::Spawned child = process::spawn(request);
   if (child.pid < 0) throw std::runtime_error("cannot start gnuplot: " + std::string(std::strerror(child.error)));
   const std::optional<int> status = wait_for(child.pid, limit);
   const std::string where = "gnuplot failed on " + folder + "/" + script + ": ";

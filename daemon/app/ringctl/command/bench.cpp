@@ -9,7 +9,7 @@
 #include "cli/values.h"
 #include "bench/report_text.h"
 #include "bench/suite.h"
-#include "runtime/supervisor/find_program.h"
+#include "process/find_program.h"
 
 namespace limb_ring::ringctl {
 
@@ -24,8 +24,8 @@ struct Options {
 /// humanoid16.yaml as installed or in the devel space's source; empty where it, or the program
 /// that is its CPU, is not there.
 std::string find_humanoid() {
-  if (runtime::find_program("limb_firmware").empty()) return {};
-  const std::string installed = runtime::own_folder() + "/../../share/limb_ring/config/humanoid16.yaml";
+  if (process::find_program("limb_firmware").empty()) return {};
+  const std::string installed = process::own_folder() + "/../../share/limb_ring/config/humanoid16.yaml";
   for (const std::string& path : {installed, std::string(LIMB_RING_CONFIG_FOLDER "/humanoid16.yaml")})
     if (std::filesystem::exists(path)) return path;
   return {};

@@ -8,7 +8,7 @@
 #include "app/ringctl/problems.h"
 #include "config/quantity.h"
 #include "config/yaml_file.h"
-#include "runtime/supervisor/find_program.h"
+#include "process/find_program.h"
 
 namespace limb_ring::ringctl {
 
@@ -27,9 +27,9 @@ YAML::Node plain_file(const config::RingConfig& ring) {
 }
 
 YAML::Node story_cpu() {
-  const std::string program = runtime::find_program("scenario_cpu");
+  const std::string program = process::find_program("scenario_cpu");
   if (program.empty())
-    throw NotDone("no program scenario_cpu beside ringctl (" + runtime::own_folder() + ") or on PATH");
+    throw NotDone("no program scenario_cpu beside ringctl (" + process::own_folder() + ") or on PATH");
   YAML::Node cpu;
   cpu["command"].push_back(program);
   cpu["alive_period"] = config::format_time(study::scenario::kAlivePeriod);

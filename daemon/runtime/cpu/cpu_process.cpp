@@ -1,4 +1,4 @@
-#include "runtime/supervisor/cpu_supervisor.h"
+#include "runtime/cpu/cpu_process.h"
 
 #include <spdlog/spdlog.h>
 
@@ -15,23 +15,23 @@ namespace {
 constexpr milliseconds kKilledTimeout{2000};
 }
 
-CpuSupervisor::CpuSupervisor(boost::asio::io_context& io, CpuOptions options, CpuEvents& events)
+CpuProcess::CpuProcess(boost::asio::io_context& io, CpuOptions options, CpuEvents& events)
     : io_(io), options_(std::move(options)), events_(events), child_(io, options_.by),
       commands_(io, options_.command_timeout, options_.by), back_off_(options_.back_off),
       boot_timer_(io), restart_timer_(io), silence_timer_(io), stop_timer_(io) {}
 
-CpuSupervisor::~CpuSupervisor() = default;
+CpuProcess::~CpuProcess() = default;
 
 /// Calls `action` at `when`, unless the timer has been set anew or we are gone by then.
 template <class Action>
-void CpuSupervisor::after(boost::asio::steady_timer& timer, Time when, Action action) {
+void CpuProcess::after(boost::asio::steady_timer& timer, Time when, Action action) {
   timer.expires_at(when);
   timer.async_wait([this, &timer, when, action, alive = std::weak_ptr(alive_)](const auto& error) {
     if (!error && !alive.expired() && timer.expiry() == when) (this->*action)();
   });
 }
 
-void CpuSupervisor::changed() {
+void CpuProcess::changed() {
   if (std::exchange(event_posted_, true)) return;
   boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
     if (alive.expired()) return;
@@ -42,52 +42,52 @@ void CpuSupervisor::changed() {
 
 // --- the child ---------------------------------------------------------------------------------
 
-void CpuSupervisor::start() {
+void CpuProcess::start() {
   if (options_.cpu.kind == config::CpuConfig::Kind::child) start_child();
 }
 
-SpawnRequest CpuSupervisor::request() const {
-  SpawnRequest request;
+process::SpawnRequest CpuProcess::request() const {
+  process::SpawnRequest request;
   request.arguments = options_.cpu.command;
   request.environment = options_.environment;
   request.affinity = options_.affinity;
   return request;
 }
 
-void CpuSupervisor::start_child() {
+void CpuProcess::start_child() {
   child_killed_ = boot_failed_ = false;
   const auto& command = options_.cpu.command;
   const std::string name = command.empty() ? "" : command.front();
-  const std::string path = find_program(name, options_.program_folder);
+  const std::string path = process::find_program(name, options_.program_folder);
   if (!path.empty()) return start_found(path);
-  could_not_start(not_started("no program '" + name + "' that can be executed (looked in " +
+  could_not_start(process::not_started("no program '" + name + "' that can be executed (looked in " +
                               options_.program_folder + " and on PATH)"));
 }
 
-void CpuSupervisor::start_found(const std::string& path) {
-  SpawnRequest child = request();
+void CpuProcess::start_found(const std::string& path) {
+  process::SpawnRequest child = request();
   child.path = path;
-  child_.start(child, [this](const ExitStatus& status) { child_ended(status); });
+  child_.start(child, [this](const process::ExitStatus& status) { child_ended(status); });
   watch_boot();
   changed();
 }
 
-void CpuSupervisor::could_not_start(const ExitStatus& why) {
+void CpuProcess::could_not_start(const process::ExitStatus& why) {
   did_not_boot(why.text);
   restart_later(milliseconds(0));
 }
 
-void CpuSupervisor::watch_boot() {
-  after(boot_timer_, steady_clock::now() + options_.boot_timeout, &CpuSupervisor::boot_timed_out);
+void CpuProcess::watch_boot() {
+  after(boot_timer_, steady_clock::now() + options_.boot_timeout, &CpuProcess::boot_timed_out);
 }
 
-void CpuSupervisor::boot_timed_out() {
+void CpuProcess::boot_timed_out() {
   if (!child_.running() || child_killed_ || attached_) return;
   boot_failed_ = true;
   child_.signal_group(SIGKILL);
 }
 
-void CpuSupervisor::child_ended(const ExitStatus& status) {
+void CpuProcess::child_ended(const process::ExitStatus& status) {
   boot_timer_.cancel();
   if (attached_ && attached_->process().ended()) attached_.reset();
   if (stopping_) return stopped();
@@ -99,7 +99,7 @@ void CpuSupervisor::child_ended(const ExitStatus& status) {
   restart_later(child_.age());
 }
 
-void CpuSupervisor::ended_by_itself(const ExitStatus& status) {
+void CpuProcess::ended_by_itself(const process::ExitStatus& status) {
   ++counts_.exits;
   counts_.last_exit = status.text;
   failed_ = !status.clean;
@@ -108,7 +108,7 @@ void CpuSupervisor::ended_by_itself(const ExitStatus& status) {
   changed();
 }
 
-void CpuSupervisor::did_not_boot(const std::string& why) {
+void CpuProcess::did_not_boot(const std::string& why) {
   ++counts_.failed_boots;
   failed_ = true;
   if (counts_.last_exit != why) spdlog::error("CPU does not start: {}", why);
@@ -116,19 +116,19 @@ void CpuSupervisor::did_not_boot(const std::string& why) {
   changed();
 }
 
-void CpuSupervisor::restart_later(milliseconds ran) {
+void CpuProcess::restart_later(milliseconds ran) {
   counts_.restart_wait = back_off_.after(ran);
-  after(restart_timer_, steady_clock::now() + counts_.restart_wait, &CpuSupervisor::restart_due);
+  after(restart_timer_, steady_clock::now() + counts_.restart_wait, &CpuProcess::restart_due);
 }
 
-void CpuSupervisor::restart_due() {
+void CpuProcess::restart_due() {
   if (!stopping_ && !child_.running()) start_child();
 }
 
 // --- on the host port --------------------------------------------------------------------------
 
-bool CpuSupervisor::attached(pid_t pid, bool restarted_by_owner, milliseconds alive_period) {
-  ProcessHandle process(pid, options_.by);
+bool CpuProcess::attached(pid_t pid, bool restarted_by_owner, milliseconds alive_period) {
+  process::ProcessHandle process(pid, options_.by);
   const bool dying = (pid == killed_.pid() && !killed_.ended()) ||
                      ((child_killed_ || boot_failed_) && child_.owns(pid));
   if (stopping_ || dying || process.ended()) return false;
@@ -141,7 +141,7 @@ bool CpuSupervisor::attached(pid_t pid, bool restarted_by_owner, milliseconds al
   return true;
 }
 
-void CpuSupervisor::detached(pid_t pid) {
+void CpuProcess::detached(pid_t pid) {
   if (!attached_ || attached_->pid() != pid) return;
   attached_.reset();
   silence_timer_.cancel();
@@ -149,7 +149,7 @@ void CpuSupervisor::detached(pid_t pid) {
   changed();
 }
 
-void CpuSupervisor::spoke(Time now) {
+void CpuProcess::spoke(Time now) {
   if (!attached_) return;
   attached_->spoke(now);
   if (!silent_) return;
@@ -158,37 +158,37 @@ void CpuSupervisor::spoke(Time now) {
   changed();
 }
 
-void CpuSupervisor::watch_silence() {
+void CpuProcess::watch_silence() {
   if (attached_->promises())
-    after(silence_timer_, attached_->silent_at(), &CpuSupervisor::silence_due);
+    after(silence_timer_, attached_->silent_at(), &CpuProcess::silence_due);
 }
 
-void CpuSupervisor::silence_due() {
+void CpuProcess::silence_due() {
   if (!attached_) return;
   const Time now = steady_clock::now();
   if (!attached_->silent(now)) return watch_silence();  // it spoke meanwhile
   // A daemon that was itself not scheduled judges nobody: perhaps the CPU was not, either.
   const bool late = now - silence_timer_.expiry() > attached_->alive_period() / 4;
-  if (late) return after(silence_timer_, now + attached_->alive_period(), &CpuSupervisor::silence_due);
+  if (late) return after(silence_timer_, now + attached_->alive_period(), &CpuProcess::silence_due);
   silent_ = true;
   changed();
 }
 
 // --- orders ------------------------------------------------------------------------------------
 
-CpuReport CpuSupervisor::reset(const std::string& reason) {
+CpuActionResult CpuProcess::reset(const std::string& reason) {
   if (stopping_) return {false, false, "the daemon is shutting down"};
   const bool child = options_.cpu.kind == config::CpuConfig::Kind::child;
   if (!child && !attached_)
     return {false, false, "no CPU is attached to this node, so there is nothing to reset"};
   ++counts_.resets;
   counts_.last_reset_reason = reason;
-  const CpuReport killed = attached_ ? kill_attached() : CpuReport{};
+  const CpuActionResult killed = attached_ ? kill_attached() : CpuActionResult{};
   changed();
   return child ? reset_child() : killed;
 }
 
-CpuReport CpuSupervisor::reset_child() {
+CpuActionResult CpuProcess::reset_child() {
   const std::string was = child_.running() ? "killed pid " + std::to_string(child_.pid()) + ", "
                                            : "it was not running, ";
   back_off_.reset();
@@ -201,7 +201,7 @@ CpuReport CpuSupervisor::reset_child() {
   return {true, true, was + "started again"};
 }
 
-CpuReport CpuSupervisor::kill_attached() {
+CpuActionResult CpuProcess::kill_attached() {
   const bool killed = attached_->process().signal(SIGKILL);
   const bool comes_back = attached_->restarted_by_owner();
   const std::string number = std::to_string(attached_->pid());
@@ -214,15 +214,15 @@ CpuReport CpuSupervisor::kill_attached() {
                        "have it connect with restarted_by_owner (roslaunch: respawn)"};
 }
 
-CpuReport CpuSupervisor::signal(int number) {
+CpuActionResult CpuProcess::signal(int number) {
   const std::string name = std::to_string(number) + " (" + ::strsignal(number) + ")";
-  const ProcessHandle child(attached_ ? -1 : child_.pid(), options_.by);
-  const ProcessHandle& process = attached_ ? attached_->process() : child;
+  const process::ProcessHandle child(attached_ ? -1 : child_.pid(), options_.by);
+  const process::ProcessHandle& process = attached_ ? attached_->process() : child;
   if (!process.signal(number)) return {false, false, "no CPU to send signal " + name + " to"};
   return {true, false, "sent signal " + name + " to pid " + std::to_string(process.pid())};
 }
 
-CpuReport CpuSupervisor::run(const std::vector<std::string>& command) {
+CpuActionResult CpuProcess::run(const std::vector<std::string>& command) {
   if (stopping_) return {false, false, "the daemon is shutting down"};
   const std::string refused = commands_.run(command, request());
   if (!refused.empty()) spdlog::warn("command of a pin not run: {}", refused);
@@ -231,7 +231,7 @@ CpuReport CpuSupervisor::run(const std::vector<std::string>& command) {
 
 // --- the end -----------------------------------------------------------------------------------
 
-void CpuSupervisor::stop(std::function<void()> done) {
+void CpuProcess::stop(std::function<void()> done) {
   stopping_ = true;
   on_stopped_ = std::move(done);
   boot_timer_.cancel();
@@ -246,23 +246,23 @@ void CpuSupervisor::stop(std::function<void()> done) {
   }
   child_.signal_group(SIGTERM);
   child_.signal_group(SIGCONT);  // a stopped one would not see it
-  after(stop_timer_, steady_clock::now() + options_.stop_timeout, &CpuSupervisor::force_stop);
+  after(stop_timer_, steady_clock::now() + options_.stop_timeout, &CpuProcess::force_stop);
 }
 
-void CpuSupervisor::force_stop() {
+void CpuProcess::force_stop() {
   child_.signal_group(SIGKILL);
   // One that even SIGKILL does not end at once hangs in the kernel; we do not hang with it.
-  after(stop_timer_, steady_clock::now() + kKilledTimeout, &CpuSupervisor::stopped);
+  after(stop_timer_, steady_clock::now() + kKilledTimeout, &CpuProcess::stopped);
 }
 
-void CpuSupervisor::stopped() {
+void CpuProcess::stopped() {
   stop_timer_.cancel();
   if (const auto done = std::exchange(on_stopped_, nullptr)) done();
 }
 
 // --- what it looks like ------------------------------------------------------------------------
 
-CpuKind CpuSupervisor::kind() const {
+CpuKind CpuProcess::kind() const {
   switch (options_.cpu.kind) {
     case config::CpuConfig::Kind::child: return CpuKind::child;
     case config::CpuConfig::Kind::attached: return CpuKind::attached;
@@ -271,16 +271,16 @@ CpuKind CpuSupervisor::kind() const {
   return attached_ ? CpuKind::attached : CpuKind::none;
 }
 
-CpuState CpuSupervisor::state() const {
-  if (attached_) return silent_ ? CpuState::silent : CpuState::running;
-  if (child_.running()) return CpuState::booting;
-  if (kind() == CpuKind::none) return CpuState::none;
-  return failed_ ? CpuState::failed : CpuState::absent;
+wire::CpuState CpuProcess::state() const {
+  if (attached_) return silent_ ? wire::CpuState::silent : wire::CpuState::running;
+  if (child_.running()) return wire::CpuState::booting;
+  if (kind() == CpuKind::none) return wire::CpuState::none;
+  return failed_ ? wire::CpuState::failed : wire::CpuState::absent;
 }
 
-pid_t CpuSupervisor::pid() const { return attached_ ? attached_->pid() : child_.pid(); }
+pid_t CpuProcess::pid() const { return attached_ ? attached_->pid() : child_.pid(); }
 
-CpuStatus CpuSupervisor::status() const {
+CpuStatus CpuProcess::status() const {
   CpuStatus status = counts_;
   status.kind = kind();
   status.state = state();

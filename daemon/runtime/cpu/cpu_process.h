@@ -11,28 +11,28 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "runtime/supervisor/attached_cpu.h"
-#include "runtime/supervisor/back_off.h"
-#include "runtime/supervisor/child_process.h"
-#include "runtime/supervisor/cpu_status.h"
-#include "runtime/supervisor/find_program.h"
-#include "runtime/supervisor/pin_commands.h"
+#include "runtime/cpu/attached_cpu.h"
+#include "process/back_off.h"
+#include "process/child_process.h"
+#include "runtime/cpu/cpu_status.h"
+#include "process/find_program.h"
+#include "runtime/cpu/pin_commands.h"
 
 namespace limb_ring::runtime {
 
-/// What the CPU supervisor tells its owner.
+/// What a CpuProcess tells its owner.
 class CpuEvents {
  public:
-  /// State, pid or boots have changed: look at status(). Comes from the event loop, never from
-  /// inside a call into the supervisor; several changes may come as one.
+  /// State, pid or boots have changed: see status(). Comes from the event loop, never from
+  /// inside a call; several changes may come as one.
   virtual void on_cpu_changed() = 0;
 
  protected:
   ~CpuEvents() = default;
 };
 
-/// What came of an order to the CPU.
-struct CpuReport {
+/// What became of something that was to be done to the CPU.
+struct CpuActionResult {
   bool done = false;
   bool comes_back = false;  ///< reset: somebody starts the CPU again
   std::string message;      ///< for people: what was done, or why not
@@ -42,27 +42,27 @@ struct CpuOptions {
   config::CpuConfig cpu;
   /// For the child and the commands of pins: LIMB_RING_RING, LIMB_RING_NODE, LIMB_RING_CONFIG.
   std::vector<std::pair<std::string, std::string>> environment;
-  std::string program_folder = own_folder();  ///< searched before PATH
+  std::string program_folder = process::own_folder();  ///< searched before PATH
   std::chrono::milliseconds boot_timeout{5000};
   std::chrono::milliseconds stop_timeout{500};      ///< from SIGTERM to SIGKILL
   std::chrono::milliseconds command_timeout{10000}; ///< of a pin's command
-  BackOff::Limits back_off;
+  process::BackOff::Limits back_off;
   /// Cores of the CPU's processes, where the daemon has pinned itself to one; empty: as ours.
   std::optional<cpu_set_t> affinity;
-  ProcessHandle::By by = ProcessHandle::By::pidfd;
+  process::ProcessHandle::By by = process::ProcessHandle::By::pidfd;
 };
 
-/// Looks after the CPU of one node: the process that runs the joint's firmware, a child started
-/// here or an outside process on the host port. Cures a hung one by killing it, whatever state
-/// it is in, without the network controller having to stop for it. (paper: a pin wired to the
-/// CPU's reset circuit; the processes are ours)
-class CpuSupervisor {
+/// The CPU of one node: the process that runs the joint's firmware, a child started here or an
+/// outside process on the host port. A reset kills it, whatever state it is in; the network
+/// controller does not wait for that. (paper: a pin wired to the CPU's reset circuit; the
+/// processes are ours)
+class CpuProcess {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  CpuSupervisor(boost::asio::io_context& io, CpuOptions options, CpuEvents& events);
+  CpuProcess(boost::asio::io_context& io, CpuOptions options, CpuEvents& events);
   /// Kills the child. stop() is the gentle way.
-  ~CpuSupervisor();
+  ~CpuProcess();
 
   /// Starts the child, where the configuration names one.
   void start();
@@ -80,35 +80,35 @@ class CpuSupervisor {
 
   /// Kills the CPU, stopped or not, and starts the child again at once; an attached process is
   /// started again by its owner, if it has one. The caller ends its connection.
-  CpuReport reset(const std::string& reason);
+  CpuActionResult reset(const std::string& reason);
   /// Kills and reaps the child at once, for good: nothing is to follow but the end of this process.
   void kill() { child_.kill(); }
   /// Sends a POSIX signal to the CPU's process.
-  CpuReport signal(int number);
+  CpuActionResult signal(int number);
   /// Runs the command of a pin wired to `exec`.
-  CpuReport run(const std::vector<std::string>& command);
+  CpuActionResult run(const std::vector<std::string>& command);
 
   CpuStatus status() const;
   const PinCommands::Counters& command_counters() const { return commands_.counters(); }
 
  private:
-  CpuState state() const;
+  wire::CpuState state() const;
   CpuKind kind() const;
   pid_t pid() const;
   void changed();
 
-  SpawnRequest request() const;
+  process::SpawnRequest request() const;
   void start_child();
   void start_found(const std::string& path);
-  void could_not_start(const ExitStatus& why);
+  void could_not_start(const process::ExitStatus& why);
   void boot_timed_out();
-  void child_ended(const ExitStatus& status);
-  void ended_by_itself(const ExitStatus& status);
+  void child_ended(const process::ExitStatus& status);
+  void ended_by_itself(const process::ExitStatus& status);
   void did_not_boot(const std::string& why);
   void restart_later(std::chrono::milliseconds ran);
   void restart_due();
-  CpuReport reset_child();
-  CpuReport kill_attached();
+  CpuActionResult reset_child();
+  CpuActionResult kill_attached();
   void watch_boot();
   void watch_silence();
   void silence_due();
@@ -120,12 +120,12 @@ class CpuSupervisor {
   boost::asio::io_context& io_;
   CpuOptions options_;
   CpuEvents& events_;
-  ChildProcess child_;
+  process::ChildProcess child_;
   PinCommands commands_;
-  BackOff back_off_;
+  process::BackOff back_off_;
   boost::asio::steady_timer boot_timer_, restart_timer_, silence_timer_, stop_timer_;
   std::optional<AttachedCpu> attached_;
-  ProcessHandle killed_;           ///< an attached process on its way out
+  process::ProcessHandle killed_;           ///< an attached process on its way out
   bool child_killed_ = false;      ///< ... and the child: started again when it is gone
   bool boot_failed_ = false;       ///< the child is being killed because it did not attach
   bool failed_ = false;            ///< the last child ended badly

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 /// How long to wait before a child that ended is started again: `first`, doubling up to `most`,
 /// and `first` again once it has run for `steady`. (ours)
@@ -26,4 +26,4 @@ class BackOff {
   milliseconds next_;
 };
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

@@ -1,7 +1,7 @@
 // Children die with the daemon, however it ends.
 #include <sys/prctl.h>
 
-#include "runtime/supervisor_fixture.h"
+#include "runtime/cpu_fixture.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -17,9 +17,9 @@ struct NoEvents final : CpuEvents {
   CpuOptions options;
   options.cpu.kind = config::CpuConfig::Kind::child;
   options.cpu.command = {"sleep", "1000"};
-  CpuSupervisor supervisor(io, options, events);
-  supervisor.start();
-  const pid_t pid = supervisor.status().pid;
+  CpuProcess cpu(io, options, events);
+  cpu.start();
+  const pid_t pid = cpu.status().pid;
   if (::write(pipe, &pid, sizeof pid) != sizeof pid) ::_exit(1);
   io.run_for(kGuard);
   ::_exit(0);
@@ -33,7 +33,7 @@ class OrphanTest : public ::testing::Test {
     if (::pipe(ends) != 0) return;
     daemon = ::fork();
     if (daemon == 0) be_a_daemon(ends[1]);
-    UniqueFd read_end(ends[0]), write_end(ends[1]);
+    process::UniqueFd read_end(ends[0]), write_end(ends[1]);
     if (::read(read_end.get(), &cpu, sizeof cpu) != sizeof cpu) cpu = -1;
   }
   ~OrphanTest() override { ::prctl(PR_SET_CHILD_SUBREAPER, 0); }
@@ -71,29 +71,5 @@ TEST_F(OrphanTest, StoppedChildEndsWhenTheDaemonIsKilled) {
 }
 
 }  // namespace
-
-TEST(BackOff, DoublesUpToItsLimit) {
-  BackOff back_off({100ms, 350ms, 10s});
-  EXPECT_EQ(back_off.after(0ms), 100ms);
-  EXPECT_EQ(back_off.after(0ms), 200ms);
-  EXPECT_EQ(back_off.after(0ms), 350ms);
-  EXPECT_EQ(back_off.after(9999ms), 350ms);
-}
-
-TEST(BackOff, StartsAgainAfterASteadyRun) {
-  BackOff back_off({100ms, 5s, 10s});
-  back_off.after(0ms);
-  back_off.after(0ms);
-  EXPECT_EQ(back_off.after(10s), 100ms);
-  EXPECT_EQ(back_off.after(0ms), 200ms);
-}
-
-TEST(FindProgram, LooksInItsFolderBeforePath) {
-  EXPECT_EQ(find_program("sh", "/bin"), "/bin/sh");
-  EXPECT_NE(find_program("sh", "/nowhere"), "");
-  EXPECT_EQ(find_program("no_such_program", "/bin"), "");
-  EXPECT_EQ(find_program("/bin/sh"), "/bin/sh");
-  EXPECT_EQ(find_program("/bin"), "") << "a folder is no program";
-}
 
 }  // namespace limb_ring::runtime

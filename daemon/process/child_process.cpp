@@ -1,4 +1,4 @@
-#include "runtime/supervisor/child_process.h"
+#include "process/child_process.h"
 
 #include <sys/wait.h>
 
@@ -9,7 +9,7 @@
 #include <system_error>
 #include <thread>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
@@ -129,4 +129,4 @@ void ChildProcess::wait_for_end() const {
     std::this_thread::sleep_for(milliseconds(1));
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 /// A file descriptor with one owner, closed with it.
 class UniqueFd {
@@ -30,4 +30,4 @@ class UniqueFd {
   int fd_ = -1;
 };
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

@@ -1,4 +1,4 @@
-#include "runtime/supervisor/find_program.h"
+#include "process/find_program.h"
 
 #include <limits.h>
 #include <sys/stat.h>
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <sstream>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 namespace {
 
@@ -45,4 +45,4 @@ std::string find_program(const std::string& name, const std::string& folder) {
   return find_on_path(name);
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

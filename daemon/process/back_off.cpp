@@ -1,8 +1,8 @@
-#include "runtime/supervisor/back_off.h"
+#include "process/back_off.h"
 
 #include <algorithm>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 BackOff::milliseconds BackOff::after(milliseconds ran) {
   if (ran >= limits_.steady) reset();
@@ -11,4 +11,4 @@ BackOff::milliseconds BackOff::after(milliseconds ran) {
   return wait;
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

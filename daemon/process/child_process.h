@@ -8,11 +8,11 @@
 #include <memory>
 #include <optional>
 
-#include "runtime/supervisor/exit_status.h"
-#include "runtime/supervisor/process_handle.h"
-#include "runtime/supervisor/spawn.h"
+#include "process/exit_status.h"
+#include "process/process_handle.h"
+#include "process/spawn.h"
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 /// One child at a time, with the process group it leads. Watched by pidfd, or by SIGCHLD where
 /// the kernel has none; reaped by its number only, so that other children of this process are
@@ -65,4 +65,4 @@ class ChildProcess {
   std::shared_ptr<ChildProcess*> self_;
 };
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

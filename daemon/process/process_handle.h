@@ -2,9 +2,9 @@
 
 #include <sys/types.h>
 
-#include "runtime/supervisor/unique_fd.h"
+#include "process/unique_fd.h"
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 /// One process, and never another that was given its number later: held by a pidfd where the
 /// kernel has them (5.3 and up), else by its number alone.
@@ -32,4 +32,4 @@ class ProcessHandle {
 /// A pidfd of `pid`; -1 with errno set where the kernel has none or the process is gone.
 int open_pidfd(pid_t pid);
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

@@ -1,4 +1,4 @@
-#include "runtime/supervisor/pin_commands.h"
+#include "runtime/cpu/pin_commands.h"
 
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -6,22 +6,22 @@
 #include <algorithm>
 #include <csignal>
 
-#include "runtime/supervisor/find_program.h"
+#include "process/find_program.h"
 
 namespace limb_ring::runtime {
 
 PinCommands::PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline,
-                         ProcessHandle::By by)
+                         process::ProcessHandle::By by)
     : deadline_(deadline), slots_{Slot{io, by}, Slot{io, by}, Slot{io, by}, Slot{io, by}} {
   static_assert(kAtOnce == 4);
 }
 
-std::string PinCommands::run(const std::vector<std::string>& command, SpawnRequest request) {
+std::string PinCommands::run(const std::vector<std::string>& command, process::SpawnRequest request) {
   if (command.empty()) return refuse("the pin's command is empty");
   Slot* slot = free_slot();
   if (slot == nullptr)
     return refuse(std::to_string(kAtOnce) + " commands of pins are running already");
-  request.path = find_program(command.front());
+  request.path = process::find_program(command.front());
   if (request.path.empty()) return refuse("no program '" + command.front() + "'");
   request.arguments = command;
   request.output = STDERR_FILENO;
@@ -34,17 +34,17 @@ std::string PinCommands::refuse(std::string why) {
   return why;
 }
 
-void PinCommands::start(Slot& slot, const SpawnRequest& request) {
+void PinCommands::start(Slot& slot, const process::SpawnRequest& request) {
   ++counters_.started;
   slot.name = request.arguments.front();
-  slot.child.start(request, [this, &slot](const ExitStatus& status) { ended(slot, status); });
+  slot.child.start(request, [this, &slot](const process::ExitStatus& status) { ended(slot, status); });
   slot.deadline.expires_after(deadline_);
   slot.deadline.async_wait([this, &slot, alive = std::weak_ptr(alive_)](const auto& error) {
     if (!error && !alive.expired()) timed_out(slot);
   });
 }
 
-void PinCommands::ended(Slot& slot, const ExitStatus& status) {
+void PinCommands::ended(Slot& slot, const process::ExitStatus& status) {
   slot.deadline.cancel();
   if (status.clean) return;
   ++counters_.failed;

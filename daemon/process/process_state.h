@@ -2,7 +2,7 @@
 
 #include <sys/types.h>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 /// What the kernel says a process does: 'R' runs, 'S' waits, 'T' stopped, 'Z' ended but not waited for ...
 /// (proc(5)); 0 where there is none.
@@ -14,4 +14,4 @@ inline bool is_gone(pid_t pid) {
   return state == 0 || state == 'Z' || state == 'X';
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

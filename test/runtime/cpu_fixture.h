@@ -13,11 +13,13 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/supervisor/cpu_supervisor.h"
+#include "process/process_state.h"
+#include "runtime/cpu/cpu_process.h"
 
 namespace limb_ring::runtime {
 
 using namespace std::chrono_literals;
+using process::process_state;
 
 /// Generous: reached only where something is wrong.
 constexpr auto kGuard = 20s;
@@ -32,18 +34,9 @@ inline bool run_until(boost::asio::io_context& io, const std::function<bool()>& 
   return condition();
 }
 
-/// 'T' stopped, 'Z' ended but not waited for, ...; ' ' where there is none.
-inline char process_state(pid_t pid) {
-  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
-  std::string text;
-  std::getline(stat, text);
-  const auto after_name = text.rfind(')');
-  return after_name == std::string::npos ? ' ' : text[after_name + 2];
-}
-
-/// A supervisor of real processes, and an event loop to run it with. The test plays the host
+/// A CPU of real processes, and an event loop to run it with. The test plays the host
 /// port: it says when a process has attached.
-class SupervisorTest : public ::testing::Test, public CpuEvents {
+class CpuProcessTest : public ::testing::Test, public CpuEvents {
  protected:
   void on_cpu_changed() override { ++changes; }
 
@@ -55,13 +48,13 @@ class SupervisorTest : public ::testing::Test, public CpuEvents {
     return options;
   }
 
-  CpuSupervisor& supervise(CpuOptions options) {
-    supervisor = std::make_unique<CpuSupervisor>(io, std::move(options), *this);
-    supervisor->start();
-    return *supervisor;
+  CpuProcess& start(CpuOptions options) {
+    cpu = std::make_unique<CpuProcess>(io, std::move(options), *this);
+    cpu->start();
+    return *cpu;
   }
 
-  CpuStatus status() const { return supervisor->status(); }
+  CpuStatus status() const { return cpu->status(); }
   bool until(const std::function<bool()>& condition) { return run_until(io, condition); }
   bool until_new_child(pid_t old) {
     return until([&] { return status().pid > 0 && status().pid != old; });
@@ -71,7 +64,7 @@ class SupervisorTest : public ::testing::Test, public CpuEvents {
   }
 
   boost::asio::io_context io;
-  std::unique_ptr<CpuSupervisor> supervisor;
+  std::unique_ptr<CpuProcess> cpu;
   int changes = 0;
 };
 
@@ -79,7 +72,7 @@ class SupervisorTest : public ::testing::Test, public CpuEvents {
 class Outsider {
  public:
   Outsider() {
-    SpawnRequest request;
+    process::SpawnRequest request;
     request.path = "/bin/sleep";
     request.arguments = {"sleep", "1000"};
     pid_ = spawn(request).pid;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/supervisor/child_process.h"
+#include "process/child_process.h"
 
 namespace limb_ring::runtime {
 
@@ -25,11 +25,11 @@ class PinCommands {
   };
 
   PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline,
-              ProcessHandle::By by);
+              process::ProcessHandle::By by);
 
   /// Starts a command; its output goes to our standard error.
   /// @return why not; empty where it was started (its end is logged and counted).
-  std::string run(const std::vector<std::string>& command, SpawnRequest request);
+  std::string run(const std::vector<std::string>& command, process::SpawnRequest request);
   /// Kills what is running.
   void stop();
   std::size_t running() const;
@@ -37,15 +37,15 @@ class PinCommands {
 
  private:
   struct Slot {
-    Slot(boost::asio::io_context& io, ProcessHandle::By by) : child(io, by), deadline(io) {}
-    ChildProcess child;
+    Slot(boost::asio::io_context& io, process::ProcessHandle::By by) : child(io, by), deadline(io) {}
+    process::ChildProcess child;
     boost::asio::steady_timer deadline;
     std::string name;
   };
   Slot* free_slot();
   std::string refuse(std::string why);
-  void start(Slot& slot, const SpawnRequest& request);
-  void ended(Slot& slot, const ExitStatus& status);
+  void start(Slot& slot, const process::SpawnRequest& request);
+  void ended(Slot& slot, const process::ExitStatus& status);
   void timed_out(Slot& slot);
 
   std::chrono::milliseconds deadline_;

@@ -6,27 +6,21 @@
 #include <cstdint>
 #include <string>
 
+#include "wire/control_message.h"
+
 namespace limb_ring::runtime {
 
 /// Where a node's CPU comes from.
 enum class CpuKind { none, child, attached };
 
-/// What a node's CPU does.
-enum class CpuState {
-  none,     ///< the node has no CPU: a built-in sink
-  absent,   ///< not there: never attached, gone, or ended with exit 0
-  booting,  ///< its process runs, but has not attached to the host port yet
-  running,  ///< attached
-  silent,   ///< attached, but without a word for three of its alive periods
-  failed    ///< ended badly, did not attach in time, or cannot be executed; see last_exit
-};
-
 const char* to_string(CpuKind kind);
-const char* to_string(CpuState state);
 
 struct CpuStatus {
   CpuKind kind = CpuKind::none;
-  CpuState state = CpuState::none;
+  /// none: the node has no CPU, but a built-in sink. absent: never attached, gone, or ended with exit 0. booting: its
+  /// process runs, but has not attached to the host port yet. running: attached. silent: attached, but without a word
+  /// for three of its alive periods. failed: ended badly, did not attach in time, or cannot be executed; see last_exit.
+  wire::CpuState state = wire::CpuState::none;
   pid_t pid = -1;           ///< of the process attached, else of the child; -1: neither
   std::uint32_t boots = 0;  ///< times a CPU attached to the host port: higher means it really runs
   std::chrono::milliseconds silent{0};        ///< since its last word; 0 where none is attached

@@ -1,4 +1,4 @@
-#include "runtime/supervisor/process_handle.h"
+#include "process/process_handle.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -16,7 +16,7 @@
 #define SYS_pidfd_send_signal 424
 #endif
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 int open_pidfd(pid_t pid) {
   return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));  // close-on-exec by itself
@@ -41,4 +41,4 @@ bool ProcessHandle::signal(int number) const {
   return ::syscall(SYS_pidfd_send_signal, fd_.get(), number, nullptr, 0) == 0;
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/supervisor/unique_fd.h"
+#include "process/unique_fd.h"
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 /// What to start, and how. The child gets the default signal handlers, an empty signal mask,
 /// /dev/null as input, and no descriptor but 0, 1 and 2; a real-time policy is not passed on.
@@ -42,4 +42,4 @@ Spawned spawn(const SpawnRequest& request);
 /// errno of the exec of a child that has ended; 0 where its program was started.
 int exec_error(const Spawned& child);
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

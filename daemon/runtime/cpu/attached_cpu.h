@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "config/ring_config.h"
-#include "runtime/supervisor/process_handle.h"
+#include "process/process_handle.h"
 
 namespace limb_ring::runtime {
 
@@ -14,12 +14,12 @@ class AttachedCpu {
   using Time = std::chrono::steady_clock::time_point;
   using milliseconds = std::chrono::milliseconds;
 
-  AttachedCpu(ProcessHandle process, bool restarted_by_owner, milliseconds alive_period, Time now)
+  AttachedCpu(process::ProcessHandle process, bool restarted_by_owner, milliseconds alive_period, Time now)
       : process_(std::move(process)), restarted_by_owner_(restarted_by_owner),
         alive_period_(alive_period), spoke_(now) {}
 
-  const ProcessHandle& process() const { return process_; }
-  ProcessHandle release() { return std::move(process_); }
+  const process::ProcessHandle& process() const { return process_; }
+  process::ProcessHandle release() { return std::move(process_); }
   pid_t pid() const { return process_.pid(); }
   bool restarted_by_owner() const { return restarted_by_owner_; }
   milliseconds alive_period() const { return alive_period_; }
@@ -33,7 +33,7 @@ class AttachedCpu {
   Time silent_at() const { return spoke_ + config::CpuConfig::kSilentPeriods * alive_period_; }
 
  private:
-  ProcessHandle process_;
+  process::ProcessHandle process_;
   bool restarted_by_owner_;
   milliseconds alive_period_;
   Time spoke_;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 /// How a child ended.
 struct ExitStatus {
@@ -18,4 +18,4 @@ ExitStatus exit_status(int wait_status);
 ExitStatus not_executed(const std::string& path, int error);
 ExitStatus not_started(std::string why);
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

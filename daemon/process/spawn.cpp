@@ -1,4 +1,4 @@
-#include "runtime/supervisor/spawn.h"
+#include "process/spawn.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -15,7 +15,7 @@
 
 extern char** environ;
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 namespace {
 
@@ -142,4 +142,4 @@ int exec_error(const Spawned& child) {
   return error;
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

@@ -1,4 +1,4 @@
-#include "runtime/supervisor/exit_status.h"
+#include "process/exit_status.h"
 
 #include <sys/wait.h>
 
@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 ExitStatus exit_status(int wait_status) {
   if (WIFSIGNALED(wait_status)) {
@@ -23,4 +23,4 @@ ExitStatus not_executed(const std::string& path, int error) {
 
 ExitStatus not_started(std::string why) { return {false, false, false, std::move(why)}; }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

@@ -1,10 +1,10 @@
-#include "runtime/supervisor/process_state.h"
+#include "process/process_state.h"
 
 #include <fstream>
 #include <iterator>
 #include <string>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 // The program's name before it, in brackets, may hold any character.
 char process_state(pid_t pid) {
@@ -14,4 +14,4 @@ char process_state(pid_t pid) {
   return state == std::string::npos || state + 2 >= text.size() ? '\0' : text[state + 2];
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

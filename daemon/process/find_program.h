@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace limb_ring::runtime {
+namespace limb_ring::process {
 
 /// Folder of the running executable; empty where it cannot be known.
 std::string own_folder();
@@ -12,4 +12,4 @@ std::string own_folder();
 /// @return empty where there is none.
 std::string find_program(const std::string& name, const std::string& folder = own_folder());
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::process

@@ -1,0 +1,99 @@
+// daemon/process: programs found and started, how they ended, what the kernel says of them.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "process/back_off.h"
+#include "process/exit_status.h"
+#include "process/find_program.h"
+#include "process/process_handle.h"
+#include "process/process_state.h"
+#include "process/spawn.h"
+
+namespace limb_ring::process {
+namespace {
+
+using namespace std::chrono_literals;
+
+Spawned started(std::vector<std::string> arguments) {
+  SpawnRequest request;
+  request.path = find_program(arguments.front());
+  request.arguments = std::move(arguments);
+  return spawn(request);
+}
+
+ExitStatus ended(const Spawned& child) {
+  int status = 0;
+  EXPECT_EQ(::waitpid(child.pid, &status, 0), child.pid);
+  const int error = exec_error(child);
+  return error != 0 ? not_executed("it", error) : exit_status(status);
+}
+
+TEST(Spawn, TellsHowAProgramEnded) {
+  EXPECT_TRUE(ended(started({"true"})).clean);
+  EXPECT_EQ(ended(started({"sh", "-c", "exit 3"})).text, "exit 3");
+  EXPECT_EQ(ended(started({"sh", "-c", "kill -9 $$"})).text, "signal 9 (Killed)");
+}
+
+TEST(Spawn, TellsThatAProgramCouldNotBeExecuted) {
+  SpawnRequest request;
+  request.path = "/no/such/program";
+  request.arguments = {"program"};
+  const ExitStatus status = ended(spawn(request));
+  EXPECT_FALSE(status.executed);
+  EXPECT_EQ(status.text, "cannot execute it: No such file or directory");
+}
+
+TEST(ProcessState, ToldOfOneThatIsStoppedThatEndedAndThatIsGone) {
+  const Spawned child = started({"sleep", "1000"});
+  ::kill(child.pid, SIGSTOP);
+  ::waitpid(child.pid, nullptr, WUNTRACED);
+  EXPECT_TRUE(is_stopped(child.pid));
+  EXPECT_FALSE(is_gone(child.pid));
+  ::kill(child.pid, SIGKILL);
+  siginfo_t info{};
+  ::waitid(P_PID, static_cast<id_t>(child.pid), &info, WEXITED | WNOWAIT);
+  EXPECT_TRUE(is_gone(child.pid)) << "ended, not waited for yet";
+  ::waitpid(child.pid, nullptr, 0);
+  EXPECT_EQ(process_state(child.pid), 0);
+}
+
+class Handle : public ::testing::TestWithParam<ProcessHandle::By> {};
+
+TEST_P(Handle, SignalsUntilItsProcessIsGone) {
+  const Spawned child = started({"sleep", "1000"});
+  const ProcessHandle handle(child.pid, GetParam());
+  EXPECT_FALSE(handle.ended());
+  EXPECT_TRUE(handle.signal(SIGKILL));
+  ::waitpid(child.pid, nullptr, 0);
+  EXPECT_TRUE(handle.ended());
+  EXPECT_FALSE(handle.signal(SIGKILL));
+}
+INSTANTIATE_TEST_SUITE_P(By, Handle, ::testing::Values(ProcessHandle::By::pidfd, ProcessHandle::By::number));
+
+}  // namespace
+
+TEST(BackOff, DoublesUpToItsLimit) {
+  BackOff back_off({100ms, 350ms, 10s});
+  EXPECT_EQ(back_off.after(0ms), 100ms);
+  EXPECT_EQ(back_off.after(0ms), 200ms);
+  EXPECT_EQ(back_off.after(0ms), 350ms);
+  EXPECT_EQ(back_off.after(9999ms), 350ms);
+}
+
+TEST(BackOff, StartsAgainAfterASteadyRun) {
+  BackOff back_off({100ms, 5s, 10s});
+  back_off.after(0ms);
+  back_off.after(0ms);
+  EXPECT_EQ(back_off.after(10s), 100ms);
+  EXPECT_EQ(back_off.after(0ms), 200ms);
+}
+
+TEST(FindProgram, LooksInItsFolderBeforePath) {
+  EXPECT_EQ(find_program("sh", "/bin"), "/bin/sh");
+  EXPECT_NE(find_program("sh", "/nowhere"), "");
+  EXPECT_EQ(find_program("no_such_program", "/bin"), "");
+  EXPECT_EQ(find_program("/bin/sh"), "/bin/sh");
+  EXPECT_EQ(find_program("/bin"), "") << "a folder is no program";
+}
+
+}  // namespace limb_ring::process
