@@ -9,7 +9,7 @@ using wire::SliceKind;
 
 namespace {
 
-bool is_control(const Tail& tail) {
+bool is_control(const PacketTrailer& tail) {
   return wire::channel_of(tail.last) == static_cast<std::uint8_t>(wire::Channel::control);
 }
 
@@ -21,7 +21,7 @@ Invariants::Invariants(VirtualRing& ring)
       ledger_(ring.size(), complain_) {
   for (unsigned id = 0; id < ring.size(); ++id)
     nodes_.push_back(std::make_unique<Node>(ring.settings(static_cast<NodeId>(id)), complain_));
-  ring.add_witness(*this);
+  ring.add_observer(*this);
 }
 
 void Invariants::complain(Promise promise, std::string what) {
@@ -58,7 +58,7 @@ void Invariants::packet(NodeId node, const core::ReceivedPacket& packet) { ledge
 
 // ---- out of a node --------------------------------------------------------------------------
 
-void Invariants::check_head(NodeId node, const Head& head) {
+void Invariants::check_head(NodeId node, const PacketHeader& head) {
   const std::string what = "a packet of node " + std::to_string(head.source) + " with HOP " + std::to_string(head.hop) +
                            " left node " + std::to_string(node);
   if (head.source == node && head.hop != 0) complain(Promise::no_circling, what + ", its source");
@@ -66,7 +66,7 @@ void Invariants::check_head(NodeId node, const Head& head) {
 }
 
 // The packets of a node that is gone have passed after one time-out; or one time-out after a line released them.
-void Invariants::check_source(NodeId node, const Head& head, Time now) {
+void Invariants::check_source(NodeId node, const PacketHeader& head, Time now) {
   if (head.source >= ring_.size()) return;
   const auto& away = at(head.source).away_since;
   const core::Settings& settings = ring_.settings(node);
@@ -77,7 +77,7 @@ void Invariants::check_source(NodeId node, const Head& head, Time now) {
 
 void Invariants::leaves(NodeId node, const wire::Slice& slice, Time now) {
   if (slice.kind == SliceKind::start || slice.kind == SliceKind::whole) {
-    at(node).going = Head::of(slice.bytes);
+    at(node).going = PacketHeader::of(slice.bytes);
     at(node).going_since = now;
     at(node).going_size = 0;
     check_head(node, at(node).going);
@@ -88,9 +88,9 @@ void Invariants::leaves(NodeId node, const wire::Slice& slice, Time now) {
 }
 
 void Invariants::data_leaves(NodeId node, const wire::Slice& slice, Time now) {
-  const Head& head = at(node).going;
-  const Tail tail = Tail::of(slice.bytes);
-  if (head.source != node) return at(node).passage.went(head, tail, now);
+  const PacketHeader& head = at(node).going;
+  const PacketTrailer tail = PacketTrailer::of(slice.bytes);
+  if (head.source != node) return at(node).forwarding.went(head, tail, now);
   if (is_control(tail)) return;
   const std::size_t size = at(node).going_size - wire::kOverhead;
   ledger_.depart(node, head.code, {tail.destination, wire::priority_of(tail.last), wire::channel_of(tail.last), size,
@@ -99,17 +99,17 @@ void Invariants::data_leaves(NodeId node, const wire::Slice& slice, Time now) {
 }
 
 void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time now) {
-  const Head head = Head::of(slice.bytes);
-  const Tail tail = Tail::of(slice.bytes);
+  const PacketHeader head = PacketHeader::of(slice.bytes);
+  const PacketTrailer tail = PacketTrailer::of(slice.bytes);
   check_head(node, head);
   Node& n = at(node);
   if (head.source != node) {
-    n.passage.went(head, tail, now);
+    n.forwarding.went(head, tail, now);
   } else {
     const Sent* sent = ledger_.depart(node, head.code, {tail.destination, 4, tail.last, 0, tail.crc}, now);
-    if (sent && !faults_) n.passage.own_interrupt_went(std::max(sent->asked, n.interrupt_free), now);
+    if (sent && !faults_) n.forwarding.own_interrupt_went(std::max(sent->asked, n.interrupt_free), now);
   }
-  n.passage.count_interrupt(now);
+  n.forwarding.count_interrupt(now);
 }
 
 // ---- into a node ----------------------------------------------------------------------------
@@ -132,15 +132,15 @@ Invariants::Before Invariants::count(NodeId node, std::uint8_t priority) const {
 
 void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
   if (slice.kind == SliceKind::start || slice.kind == SliceKind::whole) {
-    at(node).coming = Head::of(slice.bytes);
+    at(node).coming = PacketHeader::of(slice.bytes);
     at(node).coming_size = 0;
     at(node).passes_on = wire::header_valid(slice.bytes, false);
   }
   if (slice.kind != SliceKind::interrupt) at(node).coming_size += slice.bytes.size;
-  const std::uint8_t priority = whole_or_end(slice) ? wire::priority_of(Tail::of(slice.bytes).last) : 0;
+  const std::uint8_t priority = whole_or_end(slice) ? wire::priority_of(PacketTrailer::of(slice.bytes).last) : 0;
   at(node).before = count(node, priority);
   // What waited for the output when it turned back was dropped.
-  if (at(node).no_output != ring_.counters(node).dropped_no_output) at(node).passage.clear();
+  if (at(node).no_output != ring_.counters(node).dropped_no_output) at(node).forwarding.clear();
 }
 
 void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
@@ -157,9 +157,9 @@ void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
 void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now) {
   const std::size_t size = at(node).coming_size;
   if (!at(node).coming || size < wire::kMinDataPacketSize || size > wire::kMaxDataPacketSize) return;
-  const Head head = *at(node).coming;
+  const PacketHeader head = *at(node).coming;
   at(node).coming.reset();
-  const Tail tail = Tail::of(slice.bytes);
+  const PacketTrailer tail = PacketTrailer::of(slice.bytes);
   const Before& before = at(node).before;
   const std::uint8_t priority = wire::priority_of(tail.last);
   const bool taken = after.taken != before.taken;
@@ -173,12 +173,12 @@ void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, const B
   if (after.bad == before.bad && goes_on) check_source(node, head, now);
   if (after.returned != before.returned)
     home(node, sent, fbc, (size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize, now);
-  if (head.source != node && goes_on) at(node).passage.came(head, tail.destination, fbc, now);
+  if (head.source != node && goes_on) at(node).forwarding.came(head, tail.destination, fbc, now);
 }
 
 // min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken,
 // for what was decided before. (protocol.md sections 3.5 and 4.10)
-int Invariants::due_fbc(NodeId node, const Sent* sent, const Tail& tail, const Before& after) const {
+int Invariants::due_fbc(NodeId node, const Sent* sent, const PacketTrailer& tail, const Before& after) const {
   const Before& before = nodes_[node]->before;
   const std::size_t free = is_control(tail) ? wire::kFbcMax : before.free;
   const auto least = [&](std::size_t value) { return static_cast<int>(std::min<std::size_t>(tail.fbc, value)); };
@@ -186,15 +186,15 @@ int Invariants::due_fbc(NodeId node, const Sent* sent, const Tail& tail, const B
   if (after.taken != before.taken) return least(free);
   if (after.repeated == before.repeated) return tail.fbc;
   if (is_control(tail)) return least(free);
-  if (!sent) return Passage::kAnyFbc;
+  if (!sent) return ForwardingChecker::kAnyFbc;
   if (sent->taken_last_by(node)) return least(std::max<std::size_t>(1, free));
   // Two parts of a folded ring have grown together: the verdict may be on an older number, and its source knows.
-  return ring_.settings(node).fold_back ? Passage::kAnyFbc : 0;
+  return ring_.settings(node).fold_back ? ForwardingChecker::kAnyFbc : 0;
 }
 
 void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now) {
-  const Head head = Head::of(slice.bytes);
-  const Tail tail = Tail::of(slice.bytes);
+  const PacketHeader head = PacketHeader::of(slice.bytes);
+  const PacketTrailer tail = PacketTrailer::of(slice.bytes);
   const Before& before = at(node).before;
   const bool pulled = after.pulled != before.pulled;
   Sent* sent = ledger_.on_line(head.source, head.code, tail.destination,
@@ -209,9 +209,9 @@ void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, co
   int fbc = tail.fbc;
   if (pulled) fbc = std::min(fbc, 1);
   if (after.refused != before.refused) fbc = 0;
-  if (after.repeated != before.repeated) fbc = Passage::kAnyFbc;
+  if (after.repeated != before.repeated) fbc = ForwardingChecker::kAnyFbc;
   if (after.dropped == before.dropped && wire::header_valid(slice.bytes, true))
-    at(node).passage.came(head, tail.destination, fbc, now);
+    at(node).forwarding.came(head, tail.destination, fbc, now);
 }
 
 // A return is known when its last bit is in: its slice came as its last bytes began.
@@ -234,21 +234,21 @@ void Invariants::check_insertion(NodeId node) {
 
 // ---- faults ---------------------------------------------------------------------------------
 
-void Invariants::fault(NodeId node, Fault fault, Time now, Line) {
+void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   faults_ = true;
-  if (fault == Fault::late_slice) {
+  if (incident == Incident::late_slice) {
     late_ = now;
     ledger_.line_let_go(now);
   }
   Node& n = at(node);
-  if (fault == Fault::killed || fault == Fault::frozen) n.away_since = now;
-  if (fault == Fault::started || fault == Fault::thawed) n.away_since.reset();
-  if (fault == Fault::started) ledger_.start(node);
-  if (fault == Fault::cpu_reset) ledger_.flush(node);
-  if (fault == Fault::cpu_reset || fault == Fault::cancelled) ledger_.cancel(node, now);
+  if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
+  if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
+  if (incident == Incident::started) ledger_.start(node);
+  if (incident == Incident::cpu_reset) ledger_.flush(node);
+  if (incident == Incident::cpu_reset || incident == Incident::cancelled) ledger_.cancel(node, now);
   // The buffers of a line that is replaced are emptied, unless what waits goes on over the second line.
-  const bool emptied = fault == Fault::output_replaced && !ring_.settings(node).fold_back;
-  if (fault == Fault::started || emptied) n.passage.clear();
+  const bool emptied = incident == Incident::output_replaced && !ring_.settings(node).fold_back;
+  if (incident == Incident::started || emptied) n.forwarding.clear();
 }
 
 }  // namespace limb_ring::sim

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/ledger.h"
-#include "sim/passage.h"
+#include "sim/forwarding_checker.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::sim {
@@ -13,7 +13,7 @@ namespace limb_ring::sim {
 /// Checks every promise of the ring at every event of a virtual ring, from outside: it reads the
 /// slices on the lines, what CPUs ask for and get, and how many buffers are free. The first broken
 /// promise is kept.
-class Invariants : public Witness {
+class Invariants : public Observer {
  public:
   /// Watches `ring` from now on; must live as long as it runs.
   explicit Invariants(VirtualRing& ring);
@@ -29,7 +29,7 @@ class Invariants : public Witness {
   void has_arrived(NodeId node, const wire::Slice& slice, Time now) override;
   void event(NodeId node, const core::Event& event) override;
   void packet(NodeId node, const core::ReceivedPacket& packet) override;
-  void fault(NodeId node, Fault fault, Time now, Line line) override;
+  void incident(NodeId node, Incident incident, Time now, Line line) override;
 
  private:
   /// What the node had counted, and how many buffers were free, before a slice came in.
@@ -39,13 +39,13 @@ class Invariants : public Witness {
   };
   struct Node {
     Node(const core::Settings& settings, const Complain& complain)
-        : passage(settings.id, settings.byte_time_out, settings.byte_time_in, complain) {}
-    Passage passage;
-    std::optional<Head> coming;         ///< header of the DATP that is coming in
+        : forwarding(settings.id, settings.byte_time_out, settings.byte_time_in, complain) {}
+    ForwardingChecker forwarding;
+    std::optional<PacketHeader> coming;         ///< header of the DATP that is coming in
     bool passes_on = false;             ///< it is not dropped
     std::uint64_t no_output = 0;        ///< dropped for that when something last came in
     std::size_t coming_size = 0;        ///< bytes of it that have come
-    Head going;                         ///< of the one that is leaving
+    PacketHeader going;                         ///< of the one that is leaving
     Time going_since{};
     std::size_t going_size = 0;         ///< bytes of it that have left
     Time interrupt_free{};              ///< its last own INTP ended
@@ -58,13 +58,13 @@ class Invariants : public Witness {
   }
   Before count(NodeId node, std::uint8_t priority) const;
   Node& at(NodeId node) { return *nodes_[node]; }
-  void check_head(NodeId node, const Head& head);
-  void check_source(NodeId node, const Head& head, Time now);
+  void check_head(NodeId node, const PacketHeader& head);
+  void check_source(NodeId node, const PacketHeader& head, Time now);
   void data_leaves(NodeId node, const wire::Slice& slice, Time now);
   void interrupt_leaves(NodeId node, const wire::Slice& slice, Time now);
   void data_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now);
   void interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now);
-  int due_fbc(NodeId node, const Sent* sent, const Tail& tail, const Before& after) const;
+  int due_fbc(NodeId node, const Sent* sent, const PacketTrailer& tail, const Before& after) const;
   void home(NodeId node, Sent* sent, int fbc, std::size_t tail_size, Time now);
   void check_insertion(NodeId node);
   void complain(Promise promise, std::string what);

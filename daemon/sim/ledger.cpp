@@ -26,7 +26,7 @@ std::string Sent::name() const {
   return std::string(interrupt() ? "INTP " : "DATP ") + std::to_string(token) + " of node " + std::to_string(source) +
          " to " + (destination == wire::kBroadcast ? "all" : std::to_string(destination)) +
          (interrupt() ? ", factor " + std::to_string(channel)
-                      : ", priority " + std::to_string(lane) + ", " + std::to_string(size) + " bytes");
+                      : ", priority " + std::to_string(queue) + ", " + std::to_string(size) + " bytes");
 }
 
 bool Sent::taken() const {
@@ -69,17 +69,17 @@ Sent& Ledger::add(NodeId source, std::uint32_t token, Time now) {
 void Ledger::ask(NodeId source, const core::SendRequest& request, Time now) {
   Sent& sent = add(source, request.token, now);
   sent.destination = request.destination;
-  sent.lane = request.priority & 3;
+  sent.queue = request.priority & 3;
   sent.channel = request.channel;
   sent.size = static_cast<std::uint16_t>(request.data.size);
   sent.checksum = wire::crc32(request.data);
-  sources_[source].waiting[sent.lane].push_back(sent.token);
+  sources_[source].waiting[sent.queue].push_back(sent.token);
 }
 
 void Ledger::ask(NodeId source, const core::InterruptRequest& request, Time now) {
   Sent& sent = add(source, request.token, now);
   sent.destination = request.destination;
-  sent.lane = 4;
+  sent.queue = 4;
   sent.channel = request.factor;
   sources_[source].waiting[4].push_back(sent.token);
 }
@@ -129,7 +129,7 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time si
     slot.last.crcs[code.attempt] = looks.crc;
     return before;
   }
-  auto& waiting = sources_[source].waiting[looks.lane];
+  auto& waiting = sources_[source].waiting[looks.queue];
   while (!waiting.empty() && over(find(source, waiting.front()))) waiting.pop_front();
   for (const std::uint32_t token : waiting) {
     Sent* sent = find(source, token);
@@ -160,29 +160,29 @@ void Ledger::come_home(Sent* sent, int fbc, Time at) {
   if (!sent->final) sent->refused_at = at;
 }
 
-void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t lane) {
+void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
   if (!sent) {
     if (!sources_[source].others_send)
       complain_(Promise::undamaged, "node " + std::to_string(node) + " took a packet that node " +
                                         std::to_string(source) + " did not send");
-    if (lane < 4) unread_[node][lane].push_back({0, 0});
+    if (queue < 4) unread_[node][queue].push_back({0, 0});
     return;
   }
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
     complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
-  const std::uint32_t life = sources_[node].life + (lane == 4 ? interrupt_lives_[node] : 0);
+  const std::uint32_t life = sources_[node].life + (queue == 4 ? interrupt_lives_[node] : 0);
   for (const Sent::Verdict& verdict : sent->verdicts)
     if (verdict.taken && verdict.node == node && verdict.life == life)
       complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
   sent->verdicts.push_back({node, life, true});
   check_order(*sent, node);
-  if (lane == 4) return;
+  if (queue == 4) return;
   ++sent->unread;
-  unread_[node][lane].push_back({sent->source, sent->token});
+  unread_[node][queue].push_back({sent->source, sent->token});
 }
 
 void Ledger::check_order(const Sent& sent, NodeId node) {
-  std::uint32_t& newest = newest_[(std::size_t{node} * sources_.size() + sent.source) * 5 + sent.lane];
+  std::uint32_t& newest = newest_[(std::size_t{node} * sources_.size() + sent.source) * 5 + sent.queue];
   if (sent.token < newest)
     complain_(Promise::in_order, sent.name() + " was taken by node " + std::to_string(node) + " after " +
                                      std::to_string(newest));

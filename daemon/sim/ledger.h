@@ -22,7 +22,7 @@ struct Sent {
   };
   std::uint32_t token = 0;
   NodeId source = 0, destination = 0;
-  std::uint8_t lane = 0;          ///< priority 0..3; 4: an INTP
+  std::uint8_t queue = 0;          ///< priority 0..3; 4: an INTP
   std::uint8_t channel = 0;       ///< of an INTP its factor
   std::uint16_t size = 0;
   std::uint32_t checksum = 0;     ///< of the data
@@ -38,7 +38,7 @@ struct Sent {
   unsigned unread = 0;            ///< receive buffers in which it lies
   std::vector<Verdict> verdicts;  ///< in the order in which they were made
 
-  bool interrupt() const { return lane == 4; }
+  bool interrupt() const { return queue == 4; }
   /// As a new packet, not as a retry.
   bool may_leave(Time now) const { return now < cancelled_at && (!left || refused_at < now); }
   bool taken() const;
@@ -56,11 +56,11 @@ class Ledger {
   /// What can be seen of a packet on the line, as in Sent.
   struct Looks {
     NodeId destination;
-    std::uint8_t lane, channel;
+    std::uint8_t queue, channel;
     std::size_t size;
     std::uint32_t crc;  ///< as it was when it left its source
     bool fit(const Sent& sent) const {
-      return sent.destination == destination && sent.lane == lane && sent.channel == channel && sent.size == size;
+      return sent.destination == destination && sent.queue == queue && sent.channel == channel && sent.size == size;
     }
   };
 
@@ -78,7 +78,7 @@ class Ledger {
   void refuse(Sent* sent, NodeId node) {
     if (sent) sent->verdicts.push_back({node, 0, false});
   }
-  void take(Sent* sent, NodeId source, NodeId node, std::uint8_t lane);
+  void take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue);
   /// What `source` was asked for until now and has not begun to send is cancelled.
   void cancel(NodeId source, Time now);
   void end(NodeId source, const core::SendEnded& end, Time at);
@@ -114,7 +114,7 @@ class Ledger {
   struct Source {
     std::deque<Sent> sent;
     std::uint32_t first_token = 1;
-    std::array<std::deque<std::uint32_t>, 5> waiting;  ///< by lane, in the order of asking
+    std::array<std::deque<std::uint32_t>, 5> waiting;  ///< by queue, in the order of asking
     std::vector<Slot> on_line;                         ///< by kind, DID, sequence
     bool others_send = false;                          ///< packets left that were not asked for through the ring
     std::uint32_t life = 0;
@@ -130,7 +130,7 @@ class Ledger {
   Complain complain_;
   std::vector<Source> sources_;
   std::vector<std::array<std::deque<Unread>, 4>> unread_;  ///< by node and priority
-  std::vector<std::uint32_t> newest_;                      ///< token, by node, source, lane
+  std::vector<std::uint32_t> newest_;                      ///< token, by node, source, queue
   std::vector<std::uint32_t> interrupt_lives_;
   Time let_go_{core::Duration{-1}};                        ///< when a line last did
 };

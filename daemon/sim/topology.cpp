@@ -50,7 +50,7 @@ void VirtualRing::disconnect_output(NodeId id, Line line) {
   const auto to = static_cast<NodeId>(out.successor);
   ++out.epoch;
   if (alive(id)) output_lost(id, line);
-  tell_fault(id, Fault::output_replaced, line);
+  tell(id, Incident::output_replaced, line);
   if (alive(to) && wire_of(to, line).predecessor == id) {
     input_lost(to, line);
     wire_of(to, line).predecessor = -1;
@@ -100,14 +100,14 @@ void VirtualRing::enter(NodeId id) {
   });
 }
 
-void VirtualRing::tell_fault(NodeId id, Fault fault, Line line) {
-  for (Witness* witness : witnesses_) witness->fault(id, fault, now_, line);
+void VirtualRing::tell(NodeId id, Incident incident, Line line) {
+  for (Observer* observer : observers_) observer->incident(id, incident, now_, line);
 }
 
 void VirtualRing::kill(NodeId id) {
   if (!alive(id)) return;
   leave(id);
-  tell_fault(id, Fault::killed);
+  tell(id, Incident::killed);
 }
 
 void VirtualRing::start(NodeId id) {
@@ -116,19 +116,19 @@ void VirtualRing::start(NodeId id) {
   ++n.lives;
   make_node(id);
   n.controller->set_cpu_present(true);
-  tell_fault(id, Fault::started);
+  tell(id, Incident::started);
   enter(id);
 }
 
 void VirtualRing::freeze(NodeId id) {
   if (!alive(id)) return;
   leave(id);
-  tell_fault(id, Fault::frozen);
+  tell(id, Incident::frozen);
 }
 
 void VirtualRing::thaw(NodeId id) {
   if (alive(id)) return;
-  tell_fault(id, Fault::thawed);
+  tell(id, Incident::thawed);
   each_line([&](Line line) {
     input_lost(id, line);
     output_lost(id, line);
@@ -139,7 +139,7 @@ void VirtualRing::thaw(NodeId id) {
 void VirtualRing::cut(NodeId id, Line line) {
   Wire& out = wire_of(id, line);
   if (out.cut) return;
-  tell_fault(id, Fault::cut, line);
+  tell(id, Incident::cut, line);
   out.cut = true;
   ++out.epoch;  // what is under way is gone
   if (out.successor >= 0) input_lost(static_cast<NodeId>(out.successor), line);
@@ -148,7 +148,7 @@ void VirtualRing::cut(NodeId id, Line line) {
 void VirtualRing::heal(NodeId id, Line line) {
   Wire& out = wire_of(id, line);
   if (!out.cut) return;
-  tell_fault(id, Fault::healed, line);
+  tell(id, Incident::healed, line);
   out.cut = false;
   ++out.epoch;
   if (out.successor < 0 || out.successor != next(id, line)) return connect(id, line);

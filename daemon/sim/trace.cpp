@@ -28,10 +28,10 @@ std::uint64_t mix(std::uint64_t x) {
 
 }  // namespace
 
-const char* to_string(Fault fault) {
+const char* to_string(Incident incident) {
   constexpr const char* kNames[] = {"killed", "started", "frozen", "thawed", "cut", "healed", "output replaced",
                                     "slice lost", "slice damaged", "slice late", "CPU reset", "sends cancelled"};
-  return kNames[static_cast<std::size_t>(fault)];
+  return kNames[static_cast<std::size_t>(incident)];
 }
 
 std::string hash_text(std::uint64_t hash) {
@@ -74,6 +74,6 @@ void Trace::packet(NodeId node, const core::ReceivedPacket& packet) {
   record(packet.at, node, "received", packet.source, packet.size, wire::crc32(packet.bytes()));
 }
 
-void Trace::fault(NodeId node, Fault fault, Time now, Line) { record(now, node, to_string(fault), 0, 0, 0); }
+void Trace::incident(NodeId node, Incident incident, Time now, Line) { record(now, node, to_string(incident), 0, 0, 0); }
 
 }  // namespace limb_ring::sim

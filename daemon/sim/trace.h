@@ -12,10 +12,10 @@ namespace limb_ring::sim {
 /// same trace, on any build.
 ///
 ///   time in ps, node, what, and of a slice: size, header or trailer, CRC-32 of its bytes
-class Trace : public Witness {
+class Trace : public Observer {
  public:
   /// @param text where lines go, null for the hash alone; must live as long as the ring runs
-  explicit Trace(VirtualRing& ring, std::ostream* text = nullptr) : text_(text) { ring.add_witness(*this); }
+  explicit Trace(VirtualRing& ring, std::ostream* text = nullptr) : text_(text) { ring.add_observer(*this); }
 
   /// Of all so far.
   std::uint64_t hash() const { return hash_; }
@@ -23,7 +23,7 @@ class Trace : public Witness {
   void leaves(NodeId node, const wire::Slice& slice, Time now) override;
   void event(NodeId node, const core::Event& event) override;
   void packet(NodeId node, const core::ReceivedPacket& packet) override;
-  void fault(NodeId node, Fault fault, Time now, Line line) override;
+  void incident(NodeId node, Incident incident, Time now, Line line) override;
 
  private:
   void record(Time now, NodeId node, const char* what, std::uint64_t a, std::uint64_t b, std::uint64_t c);
@@ -33,7 +33,7 @@ class Trace : public Witness {
 };
 
 /// "killed", "slice lost"
-const char* to_string(Fault fault);
+const char* to_string(Incident incident);
 
 /// The hash as it is printed: 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);

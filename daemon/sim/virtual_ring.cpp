@@ -12,7 +12,7 @@ VirtualRing::VirtualRing(const VirtualRingOptions& options)
     : cpu_reads(options.nodes, true), options_(options), nodes_(options.nodes), wakes_(options.nodes) {
   for (unsigned id = 0; id < options.nodes; ++id) {
     make_node(static_cast<NodeId>(id));
-    nodes_[id].lane = lane_of(nodes_[id].controller->settings().relay_delay);
+    nodes_[id].delay_line = delay_line_of(nodes_[id].controller->settings().relay_delay);
     nodes_[id].alive = options.start;
   }
   if (!options.start) return;
@@ -26,12 +26,12 @@ void VirtualRing::make_node(NodeId id) {
   Node& n = nodes_[id];
   n.controller = std::make_unique<NetworkController>(settings_of(id), now_);
   n.eye = std::make_unique<Eye>(*this, id);
-  if (!witnesses_.empty()) n.controller->set_tap(n.eye.get());
+  if (!observers_.empty()) n.controller->set_tap(n.eye.get());
 }
 
-// Without a witness nobody looks, at no cost.
-void VirtualRing::add_witness(Witness& witness) {
-  witnesses_.push_back(&witness);
+// Without an observer nobody looks, at no cost.
+void VirtualRing::add_observer(Observer& observer) {
+  observers_.push_back(&observer);
   for (Node& n : nodes_) n.controller->set_tap(n.eye.get());
 }
 
@@ -55,14 +55,14 @@ std::uint32_t VirtualRing::send(NodeId id, NodeId destination, const std::vector
                                 std::uint8_t priority, std::uint8_t channel) {
   const core::SendRequest request{1, nodes_[id].next_token++, destination, priority, channel,
                                   {data.data(), data.size()}};
-  for (Witness* witness : witnesses_) witness->asked(id, request, now_);
+  for (Observer* observer : observers_) observer->asked(id, request, now_);
   node(id).send(request, now_);
   return request.token;
 }
 
 std::uint32_t VirtualRing::interrupt(NodeId id, NodeId destination, std::uint8_t factor) {
   const core::InterruptRequest request{1, nodes_[id].next_token++, destination, factor};
-  for (Witness* witness : witnesses_) witness->asked(id, request, now_);
+  for (Observer* observer : observers_) observer->asked(id, request, now_);
   node(id).interrupt(request, now_);
   return request.token;
 }
@@ -71,19 +71,19 @@ std::uint32_t VirtualRing::pull(NodeId id, unsigned input) {
   const std::uint32_t token = nodes_[id].next_token++;
   const auto& inputs = nodes_[id].controller->settings().inputs;
   if (input < inputs.size() && inputs[input])
-    for (Witness* witness : witnesses_)
-      witness->asked(id, core::InterruptRequest{1, token, inputs[input]->destination, inputs[input]->factor}, now_);
+    for (Observer* observer : observers_)
+      observer->asked(id, core::InterruptRequest{1, token, inputs[input]->destination, inputs[input]->factor}, now_);
   node(id).pull(1, token, input, now_);
   return token;
 }
 
 void VirtualRing::reset_cpu(NodeId id) {
-  tell_fault(id, Fault::cpu_reset);
+  tell(id, Incident::cpu_reset);
   node(id).cpu_reset(1, now_);
 }
 
 void VirtualRing::cancel(NodeId id) {
-  tell_fault(id, Fault::cancelled);
+  tell(id, Incident::cancelled);
   node(id).cancel(1, now_);
 }
 
@@ -103,7 +103,7 @@ void VirtualRing::at(Time time, std::function<void()> action) {
 
 Time VirtualRing::next_instant() const {
   Time next = wakes_.earliest();
-  for (const Lane& lane : lanes_) next = std::min(next, lane.next());
+  for (const DelayLine& delay_line : delay_lines_) next = std::min(next, delay_line.next());
   return actions_.empty() ? next : std::min(next, actions_.top().at);
 }
 
@@ -136,8 +136,8 @@ bool VirtualRing::join() {
 void VirtualRing::step() {
   now_ = next_instant();
   act();
-  for (Lane& lane : lanes_)
-    while (lane.next() == now_) deliver(lane.pop());
+  for (DelayLine& delay_line : delay_lines_)
+    while (delay_line.next() == now_) deliver(delay_line.pop());
   wakes_.each_at(now_, [this](unsigned id) { touch(static_cast<NodeId>(id)); });
   settle_touched();
 }
@@ -150,7 +150,7 @@ void VirtualRing::act() {
   }
 }
 
-void VirtualRing::deliver(const Lane::Arrival& arrival) {
+void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
   Node& to = nodes_[arrival.to];
   const Line line = arrival.second ? Line::second : Line::first;
   if (!to.alive || wire_of(arrival.from, line).epoch != arrival.epoch) return;
@@ -205,18 +205,18 @@ void VirtualRing::carry_off(NodeId id, Line line, SliceWriter& slices) {
   const Wire& out = wire_of(id, line);
   if (slices.empty() || out.cut || out.successor < 0) return slices.clear();
   const auto to = static_cast<NodeId>(out.successor);
-  lanes_[nodes_[to].lane].put(now_, id, to, out.epoch, line == Line::second, slices);
+  delay_lines_[nodes_[to].delay_line].put(now_, id, to, out.epoch, line == Line::second, slices);
 }
 
 void VirtualRing::put_late(NodeId id, SliceWriter& slices, Line line) {
-  tell_fault(id, Fault::late_slice, line);
+  tell(id, Incident::late_slice, line);
   carry_off(id, line, slices);
 }
 
 void VirtualRing::tell_leaving(NodeId id, wire::ByteView rest) {
   while (!rest.empty()) {
     const wire::SliceParse parse = wire::parse_slice(rest);
-    for (Witness* witness : witnesses_) witness->leaves(id, parse.slice, now_);
+    for (Observer* observer : observers_) observer->leaves(id, parse.slice, now_);
     rest = rest.from(parse.consumed);
   }
 }
@@ -227,42 +227,42 @@ void VirtualRing::pass_through_tap(NodeId id, Line line, SliceWriter& slices) {
     const wire::SliceParse parse = wire::parse_slice(rest);
     const std::size_t before = tapped_.view().size;
     wire_of(id, line).tap(parse.slice, now_, tapped_);
-    if (!witnesses_.empty()) tell_tapped(id, line, parse.slice, before);
+    if (!observers_.empty()) tell_tapped(id, line, parse.slice, before);
     rest = rest.from(parse.consumed);
   }
 }
 
 void VirtualRing::tell_tapped(NodeId id, Line line, const wire::Slice& slice, std::size_t before) {
   const wire::ByteView put = tapped_.view().from(before);
-  if (put.empty()) return tell_fault(id, Fault::lost_slice, line);
+  if (put.empty()) return tell(id, Incident::lost_slice, line);
   const wire::ByteView bytes = put.from(wire::kSliceHeaderSize);
   const bool same = bytes.size == slice.bytes.size && std::equal(bytes.begin(), bytes.end(), slice.bytes.begin());
-  if (!same) tell_fault(id, Fault::damaged_slice, line);
+  if (!same) tell(id, Incident::damaged_slice, line);
 }
 
 void VirtualRing::give_out(NodeId id) {
   NetworkController& controller = *nodes_[id].controller;
   core::Event event;
   while (controller.take_event(now_, event)) {
-    for (Witness* witness : witnesses_) witness->event(id, event);
+    for (Observer* observer : observers_) observer->event(id, event);
     if (options_.keep_logs) nodes_[id].log.events.push_back(event);
     on_event(id, event);
     touch(id);
   }
   core::ReceivedPacket packet;
   while (cpu_reads[id] && controller.take(now_, packet)) {
-    for (Witness* witness : witnesses_) witness->packet(id, packet);
+    for (Observer* observer : observers_) observer->packet(id, packet);
     if (options_.keep_logs) nodes_[id].log.packets.push_back(packet);
     on_packet(id, packet);
     touch(id);
   }
 }
 
-std::size_t VirtualRing::lane_of(Duration delay) {
-  for (std::size_t i = 0; i < lanes_.size(); ++i)
-    if (lanes_[i].delay() == delay) return i;
-  lanes_.emplace_back(delay);
-  return lanes_.size() - 1;
+std::size_t VirtualRing::delay_line_of(Duration delay) {
+  for (std::size_t i = 0; i < delay_lines_.size(); ++i)
+    if (delay_lines_[i].delay() == delay) return i;
+  delay_lines_.emplace_back(delay);
+  return delay_lines_.size() - 1;
 }
 
 }  // namespace limb_ring::sim

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/network_controller.h"
-#include "sim/lane.h"
+#include "sim/delay_line.h"
 #include "sim/node_set.h"
 #include "sim/wake_times.h"
-#include "sim/witness.h"
+#include "sim/observer.h"
 
 namespace limb_ring::sim {
 
@@ -99,10 +99,10 @@ class VirtualRing {
   /// What a tap has held back goes onto the line out of `id` now; leaves `slices` empty.
   void put_late(NodeId id, wire::SliceWriter& slices, Line line = Line::first);
   /// Told of everything from now on; must outlive the ring.
-  void add_witness(Witness& witness);
-  /// Tells the witnesses that a tap lost or damaged something on the line out of `id`, or that its
+  void add_observer(Observer& observer);
+  /// Tells the observers that a tap lost or damaged something on the line out of `id`, or that its
   /// CPU was reset or had its sends cancelled.
-  void tell_fault(NodeId id, Fault fault, Line line = Line::first);
+  void tell(NodeId id, Incident incident, Line line = Line::first);
   /// Called for each event and packet as it comes out of a node; may send.
   std::function<void(NodeId, const core::Event&)> on_event = [](NodeId, const core::Event&) {};
   std::function<void(NodeId, const core::ReceivedPacket&)> on_packet = [](NodeId, const core::ReceivedPacket&) {};
@@ -118,14 +118,14 @@ class VirtualRing {
     std::uint64_t epoch = 0;     ///< bytes under way on a line that was replaced are lost
     Tap tap;
   };
-  /// Tells the witnesses what reaches and leaves a node's blocks.
+  /// Tells the observers what reaches and leaves a node's blocks.
   struct Eye final : NetworkController::Tap {
     Eye(VirtualRing& in, NodeId at) : ring(in), node(at) {}
     void arrives(const wire::Slice& slice, Line, Time now) override {
-      for (Witness* witness : ring.witnesses_) witness->arrives(node, slice, now);
+      for (Observer* observer : ring.observers_) observer->arrives(node, slice, now);
     }
     void has_arrived(const wire::Slice& slice, Line, Time now) override {
-      for (Witness* witness : ring.witnesses_) witness->has_arrived(node, slice, now);
+      for (Observer* observer : ring.observers_) observer->has_arrived(node, slice, now);
     }
     void leaves(wire::ByteView slices, Line, Time) override { ring.tell_leaving(node, slices); }
     VirtualRing& ring;
@@ -138,7 +138,7 @@ class VirtualRing {
     std::array<Wire, 2> lines;
     std::uint64_t lives = 0;
     std::uint32_t next_token = 1;
-    std::size_t lane = 0;          ///< of the line into it
+    std::size_t delay_line = 0;          ///< of the line into it
     NodeLog log;
   };
   struct Action {
@@ -170,12 +170,12 @@ class VirtualRing {
   void enter(NodeId id);
   int next_alive(NodeId id) const;
   int previous_alive(NodeId id) const;
-  std::size_t lane_of(Duration delay);
+  std::size_t delay_line_of(Duration delay);
   void touch(NodeId id) { touched_.insert(id); }
   Time next_instant() const;
   void step();
   void act();
-  void deliver(const Lane::Arrival& arrival);
+  void deliver(const DelayLine::Arrival& arrival);
   void settle_touched();
   void settle(NodeId id);
   void carry_line(NodeId id);
@@ -190,11 +190,11 @@ class VirtualRing {
   Time now_{};
   std::uint64_t order_ = 0;
   std::vector<Node> nodes_;
-  std::vector<Lane> lanes_;
+  std::vector<DelayLine> delay_lines_;
   WakeTimes wakes_;
   NodeSet touched_;
   std::priority_queue<Action, std::vector<Action>, std::greater<Action>> actions_;
-  std::vector<Witness*> witnesses_;
+  std::vector<Observer*> observers_;
   wire::SliceWriter tapped_;
 };
 

@@ -7,9 +7,9 @@
 namespace limb_ring::study {
 
 /// What the lines are used for.
-class LineUse : public sim::Witness {
+class LineUse : public sim::Observer {
  public:
-  explicit LineUse(sim::VirtualRing& ring) : going_(ring.size()) { ring.add_witness(*this); }
+  explicit LineUse(sim::VirtualRing& ring) : going_(ring.size()) { ring.add_observer(*this); }
   void leaves(NodeId node, const wire::Slice& slice, Time) override {
     bytes_ += slice.bytes.size;
     if (slice.kind == wire::SliceKind::interrupt) return;

@@ -14,7 +14,7 @@ FaultyLines::FaultyLines(sim::VirtualRing& ring, std::uint64_t seed) : ring_(rin
     for (unsigned id = 0; id < ring.size(); ++id)
       lines_[static_cast<std::size_t>(line)].emplace_back(seeds(), ring.settings(static_cast<NodeId>(id)).byte_time_out);
   }
-  ring.add_witness(*this);
+  ring.add_observer(*this);
 }
 
 void FaultyLines::tap_all() {
@@ -50,8 +50,8 @@ void FaultyLines::pass(NodeId id, Line line, const wire::Slice& slice, wire::Sli
 }
 
 // What was under way on a line that is gone never comes out of the next one.
-void FaultyLines::fault(NodeId id, sim::Fault fault, Time, Line line) {
-  if (fault == sim::Fault::output_replaced || fault == sim::Fault::cut) wire_of(id, line).faults.line_lost();
+void FaultyLines::incident(NodeId id, sim::Incident incident, Time, Line line) {
+  if (incident == sim::Incident::output_replaced || incident == sim::Incident::cut) wire_of(id, line).faults.line_lost();
 }
 
 void FaultyLines::look(NodeId id, Line line) {

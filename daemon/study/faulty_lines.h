@@ -9,7 +9,7 @@
 namespace limb_ring::study {
 
 /// Faults on the lines of a virtual ring: takes them down and up, and puts onto them later what they hold back.
-class FaultyLines : public sim::Witness {
+class FaultyLines : public sim::Observer {
  public:
   /// @param ring must outlive this, and never runs without it. @param seed of whatever is random
   FaultyLines(sim::VirtualRing& ring, std::uint64_t seed);
@@ -25,7 +25,7 @@ class FaultyLines : public sim::Witness {
 
   /// For a tap of the caller's own: what comes out of the line now.
   void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
-  void fault(wire::NodeId id, sim::Fault fault, core::Time now, core::Line line) override;
+  void incident(wire::NodeId id, sim::Incident incident, core::Time now, core::Line line) override;
 
  private:
   struct Wire {

@@ -24,7 +24,7 @@ class RandomFaults {
 
   /// Runs it all, or until a promise is broken.
   void run();
-  /// The ring, for further witnesses before it runs.
+  /// The ring, for further observers before it runs.
   sim::VirtualRing& ring() { return *ring_; }
   const std::optional<sim::Violation>& violation() const { return violation_; }
 

@@ -34,7 +34,7 @@ RingCapture::RingCapture(sim::VirtualRing& ring, std::ostream& out, capture::Rin
   const auto written = [this](const capture::PacketView& packet) { write(packet); };
   inputs_.assign(ring.size(), capture::PacketAssembler(written));
   if (at == CaptureAt::inputs_and_outputs) outputs_.assign(ring.size(), capture::PacketAssembler(written));
-  ring.add_witness(*this);
+  ring.add_observer(*this);
 }
 
 wire::NodeId RingCapture::upstream(wire::NodeId node) const {
@@ -71,8 +71,8 @@ void RingCapture::event(wire::NodeId node, const core::Event& event) {
   if (!what.empty()) writer_.event(in_ns(event.at).count(), node, what);
 }
 
-void RingCapture::fault(wire::NodeId node, sim::Fault fault, core::Time now, core::Line) {
-  writer_.event(in_ns(now).count(), node, to_string(fault));
+void RingCapture::incident(wire::NodeId node, sim::Incident incident, core::Time now, core::Line) {
+  writer_.event(in_ns(now).count(), node, to_string(incident));
 }
 
 }  // namespace limb_ring::study

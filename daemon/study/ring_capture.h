@@ -15,7 +15,7 @@ enum class CaptureAt : std::uint8_t { inputs, inputs_and_outputs };
 
 /// Writes what is on the lines of a virtual ring as pcapng, in virtual time; every line an interface.
 /// Faults, states and pins are events. Must live as long as the ring runs.
-class RingCapture : public sim::Witness {
+class RingCapture : public sim::Observer {
  public:
   RingCapture(sim::VirtualRing& ring, std::ostream& out, capture::RingNames names,
               CaptureAt at = CaptureAt::inputs);
@@ -23,7 +23,7 @@ class RingCapture : public sim::Witness {
   void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void event(wire::NodeId node, const core::Event& event) override;
-  void fault(wire::NodeId node, sim::Fault fault, core::Time now, core::Line line) override;
+  void incident(wire::NodeId node, sim::Incident incident, core::Time now, core::Line line) override;
 
  private:
   wire::NodeId upstream(wire::NodeId node) const;

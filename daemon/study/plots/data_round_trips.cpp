@@ -11,7 +11,7 @@ namespace limb_ring::study {
 namespace {
 
 /// Sees what the feed, which takes the ring's callbacks, sees as well.
-struct Ends : sim::Witness {
+struct Ends : sim::Observer {
   Latencies round_trips;
   void event(NodeId, const core::Event& event) override {
     const auto* end = std::get_if<core::SendEnded>(&event.what);
@@ -28,7 +28,7 @@ Latencies data_round_trips(const Medium& medium, double load, std::uint64_t seed
   Ends ends;
   sim::WatchedRing ring(ring_options(medium));
   join_and_settle(ring, medium);
-  ring.add_witness(ends);
+  ring.add_observer(ends);
   RingFeed feed(ring, messages);
   const auto all_back = [&] { return ends.round_trips.count() == messages.size(); };
   ring.run_until(all_back, core::kNever - ring.now());

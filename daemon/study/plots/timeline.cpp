@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/passage.h"
+#include "sim/forwarding_checker.h"
 #include "sim/watched_ring.h"
 #include "study/ring_bounds.h"
 #include "study/ring_network.h"
@@ -15,7 +15,7 @@ namespace {
 
 /// Notes when the DATPs of a lap pass. A slice is given out as its header, or its last odd bytes,
 /// trailer and CRC, begin. (core/packet_manager/packet_manager.h)
-class Recorder : public sim::Witness {
+class Recorder : public sim::Observer {
  public:
   explicit Recorder(const Medium& medium) : medium_(medium), coming_(medium.nodes), going_(medium.nodes) {}
 
@@ -38,13 +38,13 @@ class Recorder : public sim::Witness {
   };
 
   /// HOP was one less on the line it came from.
-  Key key_of(NodeId node, const sim::Head& head, bool arriving) const {
+  Key key_of(NodeId node, const sim::PacketHeader& head, bool arriving) const {
     const unsigned hops = (node + medium_.nodes - head.source) % medium_.nodes;
     return {head.source, arriving && hops == 0 ? medium_.nodes : hops};
   }
   void note(Place& place, NodeId node, const wire::Slice& slice, Time now, std::optional<Passing::Span> Passing::*span) {
     if (slice.kind == wire::SliceKind::start) {
-      const Key key = key_of(node, sim::Head::of(slice.bytes), span == &Passing::arrives);
+      const Key key = key_of(node, sim::PacketHeader::of(slice.bytes), span == &Passing::arrives);
       place = {&passings[key], 0};
       place.passing->source = key.first;
       place.passing->hop = key.second;
@@ -78,7 +78,7 @@ Timeline record(const Medium& medium, bool others_send) {
   sim::WatchedRing ring(ring_options(medium));
   join_and_settle(ring, medium);
   const Time start = recorder.start = ring.now();
-  ring.add_witness(recorder);
+  ring.add_observer(recorder);
   const auto send = [&](unsigned id) {
     ring.send(static_cast<NodeId>(id), static_cast<NodeId>((id + 1) % medium.nodes),
               std::vector<std::uint8_t>(medium.payload));

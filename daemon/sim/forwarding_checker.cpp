@@ -1,4 +1,4 @@
-#include "sim/passage.h"
+#include "sim/forwarding_checker.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@ namespace {
 /// smallest packets); what was dropped on its way through is forgotten so.
 constexpr std::size_t kMostComing = 1 << 15;
 
-std::string name(const Head& head, const Tail& tail) {
+std::string name(const PacketHeader& head, const PacketTrailer& tail) {
   return std::string(head.code.interrupt ? "INTP" : "DATP") + " of node " + std::to_string(head.source) + " to " +
          std::to_string(tail.destination) + ", sequence " + std::to_string(head.code.sequence) + ", try " +
          std::to_string(head.code.attempt);
@@ -17,7 +17,7 @@ std::string name(const Head& head, const Tail& tail) {
 
 }  // namespace
 
-void Passage::came(const Head& head, NodeId destination, int fbc, Time now) {
+void ForwardingChecker::came(const PacketHeader& head, NodeId destination, int fbc, Time now) {
   auto& coming = head.code.interrupt ? interrupts_ : data_;
   if (coming.size() == kMostComing) coming.pop_front();
   coming.push_back({head.code_byte, head.source, destination, fbc, now});
@@ -25,7 +25,7 @@ void Passage::came(const Head& head, NodeId destination, int fbc, Time now) {
 
 // Packets of a kind leave in the order in which they came, so those before it were dropped. A dropped one may differ
 // from a later one by its FBC only.
-void Passage::went(const Head& head, const Tail& tail, Time now) {
+void ForwardingChecker::went(const PacketHeader& head, const PacketTrailer& tail, Time now) {
   auto& coming = head.code.interrupt ? interrupts_ : data_;
   const auto is_it = [&](const Coming& c) {
     return c.code_byte == head.code_byte && c.source == head.source && c.destination == tail.destination;
@@ -43,10 +43,10 @@ void Passage::went(const Head& head, const Tail& tail, Time now) {
   coming.erase(coming.begin(), it + 1);
 }
 
-void Passage::own_interrupt_went(Time since, Time now) { check_wait(since, now, "its own INTP"); }
+void ForwardingChecker::own_interrupt_went(Time since, Time now) { check_wait(since, now, "its own INTP"); }
 
 // 12 bytes for each INTP before it, and at most 3 odd bytes, trailer and CRC. (protocol.md section 5.2)
-void Passage::check_wait(Time since, Time now, const std::string& which) const {
+void ForwardingChecker::check_wait(Time since, Time now, const std::string& which) const {
   const Duration interrupt = byte_time_ * static_cast<std::int64_t>(wire::kOverhead);
   const auto ahead = std::count_if(interrupts_gone_.begin(), interrupts_gone_.end(),
                                    [&](Time gone) { return gone + interrupt > since; });
@@ -57,12 +57,12 @@ void Passage::check_wait(Time since, Time now, const std::string& which) const {
                                            " are allowed");
 }
 
-void Passage::count_interrupt(Time now) {
+void ForwardingChecker::count_interrupt(Time now) {
   if (interrupts_gone_.size() == kMostComing) interrupts_gone_.pop_front();
   interrupts_gone_.push_back(now);
 }
 
-void Passage::clear() {
+void ForwardingChecker::clear() {
   data_.clear();
   interrupts_.clear();
 }

@@ -9,7 +9,7 @@ using core::Time;
 using wire::NodeId;
 
 /// What happens to a node or to a line out of it.
-enum class Fault : std::uint8_t {
+enum class Incident : std::uint8_t {
   killed, started, frozen, thawed, cut, healed,
   output_replaced,            ///< its neighbour came or went: its line ends, or leads elsewhere
   lost_slice, damaged_slice,  ///< on the line out of the node
@@ -18,9 +18,9 @@ enum class Fault : std::uint8_t {
 };
 
 /// Sees everything that happens in a virtual ring and changes nothing: a trace, the invariants.
-class Witness {
+class Observer {
  public:
-  virtual ~Witness() = default;
+  virtual ~Observer() = default;
   /// A CPU asks; the token its SendEnded will carry is in the request.
   virtual void asked(NodeId, const core::SendRequest&, Time) {}
   virtual void asked(NodeId, const core::InterruptRequest&, Time) {}
@@ -33,7 +33,7 @@ class Witness {
   virtual void event(NodeId, const core::Event&) {}
   virtual void packet(NodeId, const core::ReceivedPacket&) {}
   /// A fault, or its end: what the ring promises is weaker for a while. Of a line, the one it is on.
-  virtual void fault(NodeId, Fault, Time, Line) {}
+  virtual void incident(NodeId, Incident, Time, Line) {}
 };
 
 }  // namespace limb_ring::sim

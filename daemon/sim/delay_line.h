@@ -15,7 +15,7 @@ using wire::NodeId;
 /// What is under way on all lines of one relay delay. What leaves first arrives first, so a queue
 /// is enough where a heap would cost ten times as much. Buffers of slices are swapped in and out,
 /// never copied.
-class Lane {
+class DelayLine {
  public:
   struct Arrival {
     Time at{};
@@ -25,7 +25,7 @@ class Lane {
     wire::SliceWriter slices;
   };
 
-  explicit Lane(Duration delay) : delay_(delay), slots_(16) {}
+  explicit DelayLine(Duration delay) : delay_(delay), slots_(16) {}
 
   Duration delay() const { return delay_; }
   bool empty() const { return count_ == 0; }

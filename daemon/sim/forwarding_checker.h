@@ -14,36 +14,36 @@ using core::Time;
 using wire::NodeId;
 
 /// The header of a packet on a line.
-struct Head {
+struct PacketHeader {
   wire::Code code;
   std::uint8_t code_byte = 0, hop = 0;
   NodeId source = 0;
 
-  static Head of(wire::ByteView bytes) { return {wire::code_of(bytes[0]), bytes[0], bytes[2], bytes[3]}; }
+  static PacketHeader of(wire::ByteView bytes) { return {wire::code_of(bytes[0]), bytes[0], bytes[2], bytes[3]}; }
 };
 
 /// Its trailer.
-struct Tail {
+struct PacketTrailer {
   std::uint8_t fbc = 0;
   NodeId destination = 0;
   std::uint8_t last = 0;
   std::uint32_t crc = 0;
 
-  static Tail of(wire::ByteView bytes) {
+  static PacketTrailer of(wire::ByteView bytes) {
     const std::uint8_t* trailer = bytes.data + bytes.size - wire::kCrcSize - wire::kTrailerSize;
     return {trailer[1], trailer[2], trailer[3], wire::load_u32(trailer + wire::kTrailerSize)};
   }
   /// The CRC of a packet of `size` bytes as it was at its source: it tells packets apart.
-  std::uint32_t crc_at_source(const Head& head, std::size_t size) const {
+  std::uint32_t crc_at_source(const PacketHeader& head, std::size_t size) const {
     return wire::carried_crc(crc, size, head.hop, fbc ^ wire::kFbcUntaken);
   }
 };
 
 /// What has come into one node and has to go on: with which FBC, and an INTP by when.
-class Passage {
+class ForwardingChecker {
  public:
   /// @param byte_time,byte_time_in of the lines out of it and into it
-  Passage(NodeId id, Duration byte_time, Duration byte_time_in, const Complain& complain)
+  ForwardingChecker(NodeId id, Duration byte_time, Duration byte_time_in, const Complain& complain)
       : id_(id),
         byte_time_(byte_time),
         lag_(std::max(Duration{0}, byte_time_in - byte_time) * static_cast<std::int64_t>(wire::kOverhead)),
@@ -51,10 +51,10 @@ class Passage {
 
   /// A packet has come in that others than this node have sent.
   /// @param fbc what it has to leave with; kAnyFbc: nobody can tell
-  void came(const Head& head, NodeId destination, int fbc, Time now);
+  void came(const PacketHeader& head, NodeId destination, int fbc, Time now);
   static constexpr int kAnyFbc = -1;
   /// One that others have sent leaves.
-  void went(const Head& head, const Tail& tail, Time now);
+  void went(const PacketHeader& head, const PacketTrailer& tail, Time now);
   /// One of its own INTPs leaves that could have left since `since`.
   void own_interrupt_went(Time since, Time now);
   /// An INTP leaves, own or not: others may have to wait for it.
