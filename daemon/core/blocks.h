@@ -1,18 +1,6 @@
 #pragma once
 
-#include "core/counters.h"
-#include "core/receive/duplicate_memory.h"
-#include "core/events.h"
-#include "core/relay/incoming.h"
-#include "core/membership/membership.h"
-#include "core/packet_manager/packet_manager.h"
-#include "core/receive/pins.h"
-#include "core/receive/receive.h"
 #include "core/relay/relay.h"
-#include "core/send_request.h"
-#include "core/settings.h"
-#include "core/transmit/transmit.h"
-#include "wire/slice.h"
 
 namespace limb_ring::core {
 
@@ -31,7 +19,7 @@ class Blocks {
   void input_up(NodeId from, Time now);
   void input_lost(Time now);
   /// Something was lost on the input: a DATP that is coming in will never be whole.
-  void input_gap(Time now);
+  void input_gap(Time now) { relay_.input_gap(now); }
   void output_up(NodeId to, Time now);
   void output_lost(Time now);
   /// The output goes on over another line to the same node: what waited for the old one is dropped. (ours,
@@ -57,10 +45,14 @@ class Blocks {
 
   /// @name The CPU and its helpers. Every call ends in exactly one SendEnded event.
   ///@{
-  void send(const SendRequest& request, Time now);
-  void interrupt(const InterruptRequest& request, Time now);
+  void send(const SendRequest& request, Time now) { transmit_.send(request, membership_.accepts_sends(), now); }
+  void interrupt(const InterruptRequest& request, Time now) {
+    transmit_.interrupt(request, membership_.accepts_sends(), now);
+  }
   /// Pulls interrupt input 0..7: sends the INTP it is wired to, without the CPU. (paper, protocol.md section 5.4)
-  void pull(Owner owner, std::uint32_t token, unsigned input, Time now);
+  void pull(Owner owner, std::uint32_t token, unsigned input, Time now) {
+    transmit_.pull(owner, token, input, membership_.accepts_sends(), now);
+  }
   void cancel(Owner owner, Time now) { transmit_.cancel(owner, now); }
   ///@}
 
@@ -95,44 +87,18 @@ class Blocks {
   const InsertionBuffer& insertion_buffer() const { return packet_manager_.insertion_buffer(); }
 
  private:
-  using Fate = Relay::Fate;
-
-  void on_interrupt(wire::ByteView bytes, Time now);
-  /// @return true where it went straight on, and nothing else is to be done
-  bool on_whole(wire::ByteView bytes, Time now);
-  void on_start(wire::ByteView bytes, Time now);
-  void on_more(wire::ByteView bytes, Time now);
-  void on_end(wire::ByteView bytes, Time now);
-  Fate fate_of_data(wire::ByteView header);
-  bool append(wire::ByteView bytes, Time now, std::size_t most);
-  void break_off(std::uint64_t& counter, Time now);
-  std::uint8_t receive_data(const wire::PacketFields& packet, bool good, Time at);
-  void data_came_home(const wire::PacketFields& packet, bool good, Time at);
-  void interrupt_came_home(const wire::PacketFields& packet, bool good, Time at);
-  bool check(const wire::PacketFields& packet);
-  bool is_strangers_retry(const wire::PacketFields& packet);
-  Reject refuse_reason(const SendRequest& request) const;
-  Reject refuse_reason(const InterruptRequest& request) const;
-  bool destination_exists(NodeId destination) const;
-  void reject(const SendRequest& request, Reject reason, Time now);
-  void reject(const InterruptRequest& request, Reject reason, Time now);
-  Time stall_deadline() const {
-    if (!incoming_.open()) return kNever;
-    return incoming_.last_slice() + settings_.stall + 2 * settings_.byte_time_in * 1024;
-  }
-
   const Settings settings_;
   Counters counters_;
   EventQueue events_;
   wire::SliceWriter line_;
   Transmit transmit_;
   DuplicateMemory memory_;
+  Membership membership_;
   Receive receive_;
   Pins pins_;
-  Relay relay_;
   PacketManager packet_manager_;
-  Membership membership_;
-  Incoming incoming_;
+  Returns returns_;
+  Relay relay_;
 };
 
 }  // namespace limb_ring::core

@@ -6,11 +6,15 @@
 #include <vector>
 
 #include "core/time.h"
-#include "wire/packet.h"
+#include "wire/data_packet.h"
+#include "wire/interrupt_packet.h"
 
 namespace limb_ring::core {
 
 using wire::NodeId;
+
+/// So many announcements missed in a row: who makes them is gone, or beyond a second break. (ours)
+constexpr int kMissedBeacons = 5;
 
 /// An interrupt input of the NC: pulling it sends this INTP, without the CPU. (paper)
 struct InterruptInput {
@@ -60,12 +64,12 @@ struct Settings {
   /// One lap of largest packets in the worst case: N * (T + d), INTPs cutting in once per node.
   Duration worst_lap() const {
     if (lap.count() != 0) return lap;
-    return nodes() * (byte_time_out * static_cast<int>(524 + wire::kOverhead) + relay_delay);
+    return nodes() * (byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kInterruptPacketSize) + relay_delay);
   }
   /// Least time between two packets of a kind in an open chain, where no return says when.
   Duration open_chain_pace() const { return std::max(worst_lap(), unconfirmed_pace); }
   Duration open_chain_interrupt_pace() const {
-    return std::max(nodes() * (byte_time_out * static_cast<int>(2 * wire::kOverhead) + relay_delay), unconfirmed_pace);
+    return std::max(nodes() * (byte_time_out * static_cast<int>(2 * wire::kInterruptPacketSize) + relay_delay), unconfirmed_pace);
   }
   /// Time-out of one try: two laps, and never less than send_timeout_least. Where the ring may be folded,
   /// a lap has the second line's delays too: a packet may have left before the fold. (ours)

@@ -5,9 +5,21 @@ namespace {
 
 constexpr std::uint8_t kTypeHello = 1;
 constexpr std::uint8_t kTypeBeacon = 2;
+constexpr std::size_t kTypeAt = 0;
+
+/// Where the fields of a hello lie.
+namespace hello_field {
+constexpr std::size_t kBoot = 1, kRemembers = 9;
+}
+/// Where those of a beacon do.
+namespace beacon_field {
+constexpr std::size_t kBoot = 1, kCpuBoots = 9, kCpuState = 13, kCpuSilent = 14, kInput = 18, kInputFrom = 19,
+                      kOutput = 20, kOutputTo = 21, kBreakKnown = 22, kBreakBefore = 23, kBreakBehind = 24,
+                      kCpuComesBack = 25;
+}
 
 bool is(ByteView data, std::uint8_t type, std::size_t size) {
-  return data.size == size && data[0] == type;
+  return data.size == size && data[kTypeAt] == type;
 }
 
 }  // namespace
@@ -35,54 +47,58 @@ const char* to_string(LinkState state) {
 }
 
 std::size_t encode(const Hello& hello, std::uint8_t* out) {
-  out[0] = kTypeHello;
-  store_u64(out + 1, hello.boot);
-  out[9] = hello.remembers ? 1 : 0;
+  using namespace hello_field;
+  out[kTypeAt] = kTypeHello;
+  store_u64(out + kBoot, hello.boot);
+  out[kRemembers] = hello.remembers ? 1 : 0;
   return kHelloSize;
 }
 
 std::size_t encode(const Beacon& b, std::uint8_t* out) {
-  out[0] = kTypeBeacon;
-  store_u64(out + 1, b.boot);
-  store_u32(out + 9, b.cpu_boots);
-  out[13] = static_cast<std::uint8_t>(b.cpu_state);
-  store_u32(out + 14, b.cpu_silent_ms);
-  out[18] = static_cast<std::uint8_t>(b.input);
-  out[19] = b.input_from;
-  out[20] = static_cast<std::uint8_t>(b.output);
-  out[21] = b.output_to;
-  out[22] = b.break_known ? 1 : 0;
-  out[23] = b.break_before;
-  out[24] = b.break_behind;
-  out[25] = b.cpu_comes_back ? 1 : 0;
+  using namespace beacon_field;
+  out[kTypeAt] = kTypeBeacon;
+  store_u64(out + kBoot, b.boot);
+  store_u32(out + kCpuBoots, b.cpu_boots);
+  out[kCpuState] = static_cast<std::uint8_t>(b.cpu_state);
+  store_u32(out + kCpuSilent, b.cpu_silent_ms);
+  out[kInput] = static_cast<std::uint8_t>(b.input);
+  out[kInputFrom] = b.input_from;
+  out[kOutput] = static_cast<std::uint8_t>(b.output);
+  out[kOutputTo] = b.output_to;
+  out[kBreakKnown] = b.break_known ? 1 : 0;
+  out[kBreakBefore] = b.break_before;
+  out[kBreakBehind] = b.break_behind;
+  out[kCpuComesBack] = b.cpu_comes_back ? 1 : 0;
   return kBeaconSize;
 }
 
 std::optional<Hello> decode_hello(ByteView data) {
-  if (!is(data, kTypeHello, kHelloSize) || data[9] > 1) return std::nullopt;
-  return Hello{load_u64(data.data + 1), data[9] == 1};
+  using namespace hello_field;
+  if (!is(data, kTypeHello, kHelloSize) || data[kRemembers] > 1) return std::nullopt;
+  return Hello{load_u64(data.data + kBoot), data[kRemembers] == 1};
 }
 
 std::optional<Beacon> decode_beacon(ByteView data) {
+  using namespace beacon_field;
   if (!is(data, kTypeBeacon, kBeaconSize)) return std::nullopt;
-  const std::uint8_t* p = data.data;
-  const bool legal = p[13] <= static_cast<std::uint8_t>(CpuState::failed) &&
-                     p[18] <= static_cast<std::uint8_t>(LinkState::folded) &&
-                     p[20] <= static_cast<std::uint8_t>(LinkState::folded) && p[22] <= 1 && p[25] <= 1;
+  const bool legal = data[kCpuState] <= static_cast<std::uint8_t>(CpuState::failed) &&
+                     data[kInput] <= static_cast<std::uint8_t>(LinkState::folded) &&
+                     data[kOutput] <= static_cast<std::uint8_t>(LinkState::folded) && data[kBreakKnown] <= 1 &&
+                     data[kCpuComesBack] <= 1;
   if (!legal) return std::nullopt;
   Beacon b;
-  b.boot = load_u64(p + 1);
-  b.cpu_boots = load_u32(p + 9);
-  b.cpu_state = static_cast<CpuState>(p[13]);
-  b.cpu_silent_ms = load_u32(p + 14);
-  b.input = static_cast<LinkState>(p[18]);
-  b.input_from = p[19];
-  b.output = static_cast<LinkState>(p[20]);
-  b.output_to = p[21];
-  b.break_known = p[22] == 1;
-  b.break_before = p[23];
-  b.break_behind = p[24];
-  b.cpu_comes_back = p[25] == 1;
+  b.boot = load_u64(data.data + kBoot);
+  b.cpu_boots = load_u32(data.data + kCpuBoots);
+  b.cpu_state = static_cast<CpuState>(data[kCpuState]);
+  b.cpu_silent_ms = load_u32(data.data + kCpuSilent);
+  b.input = static_cast<LinkState>(data[kInput]);
+  b.input_from = data[kInputFrom];
+  b.output = static_cast<LinkState>(data[kOutput]);
+  b.output_to = data[kOutputTo];
+  b.break_known = data[kBreakKnown] == 1;
+  b.break_before = data[kBreakBefore];
+  b.break_behind = data[kBreakBehind];
+  b.cpu_comes_back = data[kCpuComesBack] == 1;
   return b;
 }
 

@@ -22,6 +22,11 @@ inline std::uint8_t pri_byte(std::uint8_t priority, std::uint8_t channel) {
 inline std::uint8_t priority_of(std::uint8_t pri) { return pri & 3; }
 inline std::uint8_t channel_of(std::uint8_t pri) { return pri >> 2; }
 
+/// True for a DATP on the network controllers' own channel.
+inline bool is_control(const PacketFields& packet) {
+  return channel_of(packet.last()) == static_cast<std::uint8_t>(Channel::control);
+}
+
 /// A DATP as a plain value.
 struct DataPacket {
   Code code;

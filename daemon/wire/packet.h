@@ -25,6 +25,12 @@ constexpr std::size_t kTrailerSize = 4;
 constexpr std::size_t kCrcSize = 4;
 constexpr std::size_t kOverhead = kHeaderSize + kTrailerSize + kCrcSize;
 
+/// Where the fields of a packet lie: those of the header from its first byte on, the others back from its end.
+namespace field {
+constexpr std::size_t kCode = 0, kSop = 1, kHop = 2, kSource = 3;
+constexpr std::size_t kEopFromEnd = 8, kFbcFromEnd = 7, kDestinationFromEnd = 6, kLastFromEnd = 5;
+}  // namespace field
+
 /// Code: bits 7..6 incarnation of the source, 5 kind (0 DATP, 1 INTP), 4..3 try, 2..0 sequence. (ours)
 struct Code {
   bool interrupt = false;
@@ -49,40 +55,45 @@ constexpr std::uint8_t incarnation_of(std::uint64_t boot) { return boot & 3; }
 struct PacketFields {
   ByteView bytes;
 
-  std::uint8_t code_byte() const { return bytes[0]; }
-  Code code() const { return code_of(bytes[0]); }
-  std::uint8_t hop() const { return bytes[2]; }
-  NodeId source() const { return bytes[3]; }
+  std::uint8_t code_byte() const { return bytes[field::kCode]; }
+  Code code() const { return code_of(code_byte()); }
+  std::uint8_t hop() const { return bytes[field::kHop]; }
+  NodeId source() const { return bytes[field::kSource]; }
   ByteView data() const { return {bytes.data + kHeaderSize, bytes.size - kOverhead}; }
-  std::uint8_t fbc() const { return bytes[bytes.size - 7]; }
-  NodeId destination() const { return bytes[bytes.size - 6]; }
-  std::uint8_t last() const { return bytes[bytes.size - 5]; }
+  std::uint8_t fbc() const { return bytes[bytes.size - field::kFbcFromEnd]; }
+  NodeId destination() const { return bytes[bytes.size - field::kDestinationFromEnd]; }
+  std::uint8_t last() const { return bytes[bytes.size - field::kLastFromEnd]; }
   std::uint32_t crc() const { return load_u32(bytes.data + bytes.size - kCrcSize); }
   bool crc_good() const { return crc32(bytes.first(bytes.size - kCrcSize)) == crc(); }
 };
 
 /// True where the four header bytes can begin a packet of that kind.
 inline bool header_valid(ByteView header, bool interrupt) {
-  return (header[0] >> 5 & 1) == (interrupt ? 1 : 0) &&
-         header[1] == kSop && header[3] != kBroadcast;
+  return code_of(header[field::kCode]).interrupt == interrupt && header[field::kSop] == kSop &&
+         header[field::kSource] != kBroadcast;
 }
 /// True where trailer and size can end one. @pre bytes.size >= kOverhead
-inline bool trailer_valid(ByteView packet) { return packet[packet.size - 8] == kEop; }
+inline bool trailer_valid(ByteView packet) { return packet[packet.size - field::kEopFromEnd] == kEop; }
 
 /// CRC of a packet after its HOP was XORed with `hop_delta` and its FBC with `fbc_delta`, from the
 /// CRC it came with.
 inline std::uint32_t carried_crc(std::uint32_t crc, std::size_t packet_size, std::uint8_t hop_delta,
                                  std::uint8_t fbc_delta) {
-  crc ^= crc32_change(hop_delta, packet_size - kCrcSize - 3);
-  return fbc_delta == 0 ? crc : crc ^ crc32_change(fbc_delta, 2);
+  // How many bytes that the CRC covers follow the field.
+  const std::size_t after_hop = packet_size - kCrcSize - field::kHop - 1;
+  constexpr std::size_t after_fbc = field::kFbcFromEnd - kCrcSize - 1;
+  crc ^= crc32_change(hop_delta, after_hop);
+  return fbc_delta == 0 ? crc : crc ^ crc32_change(fbc_delta, after_fbc);
 }
 
 /// Writes HOP and FBC into a packet and carries its CRC along.
 inline void rewrite(std::uint8_t* packet, std::size_t size, std::uint8_t hop, std::uint8_t fbc) {
   std::uint8_t* crc = packet + size - kCrcSize;
-  store_u32(crc, carried_crc(load_u32(crc), size, packet[2] ^ hop, packet[size - 7] ^ fbc));
-  packet[2] = hop;
-  packet[size - 7] = fbc;
+  std::uint8_t& hop_field = packet[field::kHop];
+  std::uint8_t& fbc_field = packet[size - field::kFbcFromEnd];
+  store_u32(crc, carried_crc(load_u32(crc), size, hop_field ^ hop, fbc_field ^ fbc));
+  hop_field = hop;
+  fbc_field = fbc;
 }
 
 /// Why bytes are no packet; to_string gives a sentence.

@@ -3,15 +3,26 @@
 #include <algorithm>
 #include <cstring>
 
+#include "wire/data_packet.h"
+#include "wire/interrupt_packet.h"
+
 namespace limb_ring::wire {
+namespace {
+
+constexpr std::size_t kWord = 4;
+constexpr std::size_t kTail = kTrailerSize + kCrcSize;
+/// Of a framed slice: | magic | kind | size 16 |.
+constexpr std::size_t kMagicAt = 0, kKindAt = 1, kSizeAt = 2;
+
+}  // namespace
 
 bool slice_size_fits(SliceKind kind, std::size_t size) {
   switch (kind) {
-    case SliceKind::start: return size >= 4 && size <= 4 + 512 && size % 4 == 0;
-    case SliceKind::more: return size >= 4 && size <= 512 && size % 4 == 0;
-    case SliceKind::end: return size >= 8 && size <= 8 + 512;
-    case SliceKind::whole: return size >= 13 && size <= 524;
-    case SliceKind::interrupt: return size == 12;
+    case SliceKind::start: return size >= kHeaderSize && size <= kHeaderSize + kMaxPayload && size % kWord == 0;
+    case SliceKind::more: return size >= kWord && size <= kMaxPayload && size % kWord == 0;
+    case SliceKind::end: return size >= kTail && size <= kTail + kMaxPayload;
+    case SliceKind::whole: return size >= kMinDataPacketSize && size <= kMaxDataPacketSize;
+    case SliceKind::interrupt: return size == kInterruptPacketSize;
     case SliceKind::abort:
     case SliceKind::idle: return size == 0;
     case SliceKind::fold: return size == kFoldWordSize;
@@ -22,12 +33,12 @@ bool slice_size_fits(SliceKind kind, std::size_t size) {
 SliceParse parse_slice(ByteView bytes) {
   using Status = SliceParse::Status;
   if (bytes.size < kSliceHeaderSize) {
-    const bool wrong = !bytes.empty() && bytes[0] != kSliceMagic;
+    const bool wrong = !bytes.empty() && bytes[kMagicAt] != kSliceMagic;
     return {wrong ? Status::malformed : Status::incomplete, {}, 0};
   }
-  const auto kind = static_cast<SliceKind>(bytes[1]);
-  const std::size_t size = load_u16(bytes.data + 2);
-  if (bytes[0] != kSliceMagic || !slice_size_fits(kind, size)) return {Status::malformed, {}, 0};
+  const auto kind = static_cast<SliceKind>(bytes[kKindAt]);
+  const std::size_t size = load_u16(bytes.data + kSizeAt);
+  if (bytes[kMagicAt] != kSliceMagic || !slice_size_fits(kind, size)) return {Status::malformed, {}, 0};
   if (bytes.size < kSliceHeaderSize + size) return {Status::incomplete, {}, 0};
   return {Status::slice, {kind, bytes.from(kSliceHeaderSize).first(size)}, kSliceHeaderSize + size};
 }
@@ -37,9 +48,9 @@ std::uint8_t* SliceWriter::put_space(SliceKind kind, std::size_t size) {
   size_ += kSliceHeaderSize + size;
   if (buffer_.size() < size_) buffer_.resize(std::max(kMaxSliceSize, 2 * size_));
   std::uint8_t* p = buffer_.data() + at;
-  p[0] = kSliceMagic;
-  p[1] = static_cast<std::uint8_t>(kind);
-  store_u16(p + 2, static_cast<std::uint16_t>(size));
+  p[kMagicAt] = kSliceMagic;
+  p[kKindAt] = static_cast<std::uint8_t>(kind);
+  store_u16(p + kSizeAt, static_cast<std::uint16_t>(size));
   return p + kSliceHeaderSize;
 }
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "wire/bytes.h"
+#include "wire/data_packet.h"
 
 namespace limb_ring::wire {
 
@@ -31,7 +31,7 @@ struct Slice {
 
 constexpr std::size_t kSliceHeaderSize = 4;
 constexpr std::uint8_t kSliceMagic = 0xA7;
-constexpr std::size_t kMaxSliceSize = kSliceHeaderSize + 524;
+constexpr std::size_t kMaxSliceSize = kSliceHeaderSize + kMaxDataPacketSize;
 
 /// True where `size` is one that `kind` may have.
 bool slice_size_fits(SliceKind kind, std::size_t size);

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/mutation.h"
+#include "mutants/mutation.h"
 #include "study/random_faults.h"
 
 namespace limb_ring::study {

@@ -6,7 +6,7 @@
 namespace limb_ring::watchdog {
 namespace {
 
-using Broken = core::Membership::BrokenLine;
+using Broken = core::BrokenLine;
 const std::vector<wire::NodeId> kOrder{10, 20, 30, 40};
 
 void expect(const std::optional<Broken>& broken, wire::NodeId from, wire::NodeId to, bool sends, bool hears) {

@@ -102,8 +102,6 @@ class FoldBack {
   void forget_tail(Time now);
   /// Whether a DATP is under way after this slice.
   static bool open_after(const wire::Slice& slice, bool open);
-  /// After so many announcements missed, the fold node (tail) is forgotten.
-  static constexpr int kMissed = 5;
   void break_off_second(Time now);
   void say(wire::FoldMark mark, NodeId node) { wire::put(second_, {mark, node}); }
   void say_again(Time now);

@@ -91,12 +91,12 @@ void FoldBack::hear_of_tail(FoldWord word, const Slice& slice, Time now) {
   // The node before still sends back what this one would hear: a `hears` was lost.
   if (word.mark == FoldMark::begin && word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
   const bool said_just_now = word.mark == FoldMark::begin && tail_ == word.node &&
-                             tail_due_ - now > kMissed * pause() - pause() / 2;
+                             tail_due_ - now > kMissedBeacons * pause() - pause() / 2;
   if (said_just_now) return;  // it has come round: no node is behind a break
   if (repeats()) second_.put(slice.kind, slice.bytes);
   if (word.mark == FoldMark::begin) {
     tail_ = word.node;
-    tail_due_ = now + kMissed * pause();
+    tail_due_ = now + kMissedBeacons * pause();
     return settle(now);
   }
   if (word.mark == FoldMark::last && tail_ != word.node) return;

@@ -1,7 +1,5 @@
 #include "core/membership/membership.h"
 
-#include <algorithm>
-
 namespace limb_ring::core {
 namespace {
 
@@ -11,23 +9,74 @@ constexpr std::uint32_t kBeaconToken = 2;
 /// a restart pass only once; a living double goes on sending.
 constexpr unsigned kDoubledSigns = 3;
 
-wire::LinkState link_state(bool up, bool lost, bool folded) {
-  if (up && folded) return wire::LinkState::folded;
-  return up ? wire::LinkState::up : lost ? wire::LinkState::silent : wire::LinkState::down;
-}
+/// A set of states.
+using States = unsigned;
+constexpr States in(NodeState state) { return 1u << static_cast<unsigned>(state); }
+constexpr States kStarting = in(NodeState::starting), kJoining = in(NodeState::joining),
+                 kClosed = in(NodeState::up) | in(NodeState::alone) | in(NodeState::folded),
+                 kOpenChain = in(NodeState::open_chain), kDoubled = in(NodeState::doubled_id);
+constexpr States kAny = kStarting | kJoining | kClosed | kOpenChain | kDoubled;
+
+/// The next state; `closed` is up, alone or folded.
+enum class Next : std::uint8_t { same, starting, joining, closed, open_chain, doubled_id };
 
 }  // namespace
 
-Membership::Membership(const Settings& settings, Transmit& transmit, Receive& receive, DuplicateMemory& memory,
-                       Counters& counters, EventQueue& events)
+struct Membership::Transition {
+  Input input;
+  States from;
+  Next to;
+  Action first;  ///< before the state changes
+  Action then;   ///< after it has
+};
+
+// The table of protocol.md section 8.1. A state that is not named does not heed the input.
+const Membership::Transition Membership::kTransitions[] = {
+    // input                     from                   to                first                            then
+    {Input::own_packet_home,    kDoubled,              Next::joining,    nullptr,                         nullptr},
+    {Input::own_control_home,   kOpenChain,            Next::same,       nullptr,                         &Membership::start_drain},
+    {Input::both_lines_up,      kStarting,             Next::joining,    nullptr,                         &Membership::say_hello},
+    {Input::both_lines_up,      kJoining | kDoubled,   Next::same,       nullptr,                         &Membership::say_hello},
+    {Input::hello_home,         kOpenChain,            Next::same,       &Membership::join,               &Membership::beacon_changed},
+    {Input::hello_home,         kAny & ~kOpenChain,    Next::closed,     &Membership::join,               &Membership::beacon_changed},
+    {Input::hello_lost,         kAny & ~kOpenChain,    Next::same,       nullptr,                         &Membership::say_hello},
+    {Input::hello_lost_no_line, kJoining,              Next::starting,   nullptr,                         nullptr},
+    {Input::both_lines_lost,    kAny,                  Next::starting,   &Membership::start_over,         nullptr},
+    {Input::numbers_due,        kClosed,               Next::same,       nullptr,                         &Membership::renumber},
+    {Input::break_known,        kClosed,               Next::open_chain, nullptr,                         &Membership::go_on_unconfirmed},
+    {Input::break_known,        kStarting | kJoining,  Next::open_chain, nullptr,                         &Membership::say_hello_into_chain},
+    {Input::break_known,        kOpenChain,            Next::same,       nullptr,                         &Membership::stop_drain},
+    {Input::drained,            kOpenChain,            Next::closed,     &Membership::confirm_again,      nullptr},
+    {Input::duplicate_id,       kAny & ~(kStarting | kDoubled), Next::doubled_id, &Membership::begin_incarnation, &Membership::say_hello_if_lines_up},
+};
+
+Membership::Membership(const Settings& settings, Transmit& transmit, DuplicateMemory& memory, Counters& counters,
+                       EventQueue& events)
     : settings_(settings),
       transmit_(transmit),
-      receive_(receive),
       memory_(memory),
       counters_(counters),
       events_(events),
-      boot_(settings.boot) {
+      boot_(settings.boot),
+      break_(settings.id) {
   transmit_.restart_numbers(boot_);
+}
+
+void Membership::on(Input input, Time now) {
+  for (const Transition& t : kTransitions) {
+    if (t.input != input || (t.from & in(state_)) == 0) continue;
+    if (t.first) (this->*t.first)(now);
+    switch (t.to) {
+      case Next::same: break;
+      case Next::starting: enter(NodeState::starting, now); break;
+      case Next::joining: enter(NodeState::joining, now); break;
+      case Next::closed: enter(closed_state(), now); break;
+      case Next::open_chain: enter(NodeState::open_chain, now); break;
+      case Next::doubled_id: enter(NodeState::doubled_id, now); break;
+    }
+    if (t.then) (this->*t.then)(now);
+    return;
+  }
 }
 
 void Membership::enter(NodeState state, Time now) {
@@ -36,71 +85,74 @@ void Membership::enter(NodeState state, Time now) {
   state_ = state;
 }
 
-// ---- links --------------------------------------------------------------------------------
+NodeState Membership::closed_state() const {
+  if (ring_size_ == 1) return NodeState::alone;
+  return folded_ ? NodeState::folded : NodeState::up;
+}
+
+// ---- the node's lines ---------------------------------------------------------------------
 
 void Membership::input_up(NodeId from, Time now) {
-  if (input_ == Link::up) input_lost(now);
-  input_ = Link::up;
-  input_from_ = from;
+  if (input_.up()) input_lost(now);
+  input_.state = wire::LinkState::up;
+  input_.neighbour = from;
   break_due_ = kNever;
-  if (break_known_ && break_behind_ == settings_.id) break_known_ = false;
-  links_changed(now);
+  break_.own_mended();
+  lines_changed(now);
 }
 
 void Membership::input_lost(Time now) {
-  if (input_ != Link::up) return;
-  input_ = Link::lost;
-  input_was_lost_ = true;
-  links_changed(now);
+  if (!input_.up()) return;
+  input_.lose();
+  lines_changed(now);
 }
 
 void Membership::output_up(NodeId to, Time now) {
-  if (output_ == Link::up) output_lost(now);
-  output_ = Link::up;
-  output_to_ = to;
-  links_changed(now);
+  if (output_.up()) output_lost(now);
+  output_.state = wire::LinkState::up;
+  output_.neighbour = to;
+  lines_changed(now);
 }
 
 void Membership::output_lost(Time now) {
-  if (output_ != Link::up) return;
-  output_ = Link::lost;
-  output_was_lost_ = true;
-  links_changed(now);
+  if (!output_.up()) return;
+  output_.lose();
+  lines_changed(now);
 }
 
-// Both links gone or replaced: this node was bypassed; perhaps it was only frozen. What it knows of the others, and
-// they of it, is out of date. (ours, protocol.md section 4.8)
-void Membership::links_changed(Time now) {
-  if (input_was_lost_ && output_was_lost_) start_over(now);
+void Membership::lines_changed(Time now) {
+  if (input_.was_lost && output_.was_lost) on(Input::both_lines_lost, now);
   watch_for_break(now);
-  if (state_ == NodeState::starting || state_ == NodeState::joining || state_ == NodeState::doubled_id) {
-    if (links_up()) say_hello(now);
-  } else {
-    change(now);
-  }
+  if (accepts_sends())
+    beacon_changed(now);
+  else if (lines_up())
+    on(Input::both_lines_up, now);
 }
 
+// ---- starting over --------------------------------------------------------------------------
+
+// What it knows of the others, and they of it, is out of date. (ours, protocol.md section 4.8)
 void Membership::start_over(Time now) {
-  input_was_lost_ = output_was_lost_ = false;
-  transmit_.set_open_chain(false, now);
-  new_life(now);
+  input_.was_lost = output_.was_lost = false;
+  begin_incarnation(now);
   peers_.forget_all();
   ring_size_ = 0;
-  enter(NodeState::starting, now);
 }
 
 // Sends end cancelled, and everything is as after a start, until the next hello is home.
-void Membership::new_life(Time now) {
+void Membership::begin_incarnation(Time now) {
+  transmit_.set_open_chain(false, now);
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed, now);
   memory_.start_over(now);
-  receive_.set_joining(true);
-  hello_out_ = renumbering_ = merged_ = beacon_out_ = break_known_ = false;
-  beacon_due_ = break_due_ = drained_at_ = kNever;
+  joined_ = hello_out_ = renumbering_ = merged_ = false;
+  beacon_.out = false;
+  beacon_.due = break_due_ = drained_at_ = kNever;
+  break_.forget();
   next_boot();
 }
 
-// A new incarnation: its packets say so, and its sequence numbers begin anew.
+// Its packets say of which incarnation they are, and its sequence numbers begin anew.
 void Membership::next_boot() {
   ++boot_;
   transmit_.restart_numbers(boot_);
@@ -117,35 +169,35 @@ void Membership::say_hello(Time now) {
   std::array<std::uint8_t, wire::kHelloSize> bytes;
   wire::encode(wire::Hello{boot_, renumbering_}, bytes.data());
   transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kHelloToken, now);
-  if (state_ == NodeState::starting) enter(NodeState::joining, now);
+}
+
+void Membership::say_hello_if_lines_up(Time now) {
+  if (lines_up()) say_hello(now);
 }
 
 void Membership::hello_ended(const SendEnded& ended, Time now) {
   hello_out_ = false;
   const bool home = ended.outcome == Outcome::delivered || ended.outcome == Outcome::no_such_node ||
                     ended.outcome == Outcome::refused;
-  if (home || state_ == NodeState::open_chain) return joined(now);
-  if (links_up()) return say_hello(now);
-  if (state_ == NodeState::joining) enter(NodeState::starting, now);
+  if (home || state_ == NodeState::open_chain) return on(Input::hello_home, now);
+  on(lines_up() ? Input::hello_lost : Input::hello_lost_no_line, now);
 }
 
-void Membership::joined(Time now) {
+void Membership::join(Time now) {
   renumbering_ = false;
-  receive_.set_joining(false);
+  joined_ = true;
   memory_.forget_aged();
   transmit_.set_gate(Gate::open, now);
-  if (state_ != NodeState::open_chain) enter(settled_state(), now);
-  change(now);
 }
 
-// Sequence numbers are used up without a verdict: everyone is told to forget them. (ours, protocol.md section 4.7)
+// Sequence numbers are used up without a verdict: everyone is told to forget them, once all that is out has ended.
+// (ours, protocol.md section 4.7)
 void Membership::renumber(Time now) {
   if (!renumbering_) transmit_.set_gate(Gate::closed, now);
   renumbering_ = true;
   if (!transmit_.idle()) return;
   transmit_.data.drop_control();  // nothing goes before the hello; its beacon follows it
-  beacon_out_ = hello_out_ = false;
-  merged_ = false;
+  beacon_.out = hello_out_ = merged_ = false;
   next_boot();
   say_hello(now);
 }
@@ -156,59 +208,51 @@ void Membership::control_ended(Time now) {
     if (ended.token == kHelloToken) {
       hello_ended(ended, now);
     } else {
-      beacon_out_ = false;
+      beacon_.out = false;
       if (ended.outcome == Outcome::delivered) events_.put(now, BeaconHome{ended.round_trip});
-      if (beacon_wanted_) send_beacon(now);
+      if (beacon_.wanted) send_beacon(now);
     }
   }
-}
-
-void Membership::renumber_when_settled(Time now) {
-  if (settled() && !hello_out_) renumber(now);
 }
 
 // ---- what comes home ----------------------------------------------------------------------
 
 void Membership::came_home(std::uint8_t hop, Time now) {
-  input_was_lost_ = input_ != Link::up;
-  output_was_lost_ = output_ != Link::up;
+  input_.was_lost = !input_.up();
+  output_.was_lost = !output_.up();
   doubled_signs_ = 0;
   if (!hello_out_ && has_merged(hop, now)) merged_ = true;
   ring_size_ = hop + 1u;
-  if (state_ == NodeState::doubled_id) enter(NodeState::joining, now);
-  if (settled()) enter(settled_state(), now);
+  if (closed()) return update_closed_state(now);
+  on(Input::own_packet_home, now);
 }
 
 void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time now) {
   if (!matched && ring_size_ != 0 && packet.hop() + 1u != ring_size_) ++counters_.doubled_id_signs;
-  if (!is_control(packet)) return;
+  if (!wire::is_control(packet)) return;
   if (const auto hello = wire::decode_hello(packet.data())) own_control_seen(hello->boot, packet.hop(), now);
   if (const auto beacon = wire::decode_beacon(packet.data())) own_control_seen(beacon->boot, packet.hop(), now);
 }
 
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
   if (boot == boot_) {
-    if (state_ != NodeState::open_chain) return;
-    ring_size_ = hop + 1u;
-    drained_at_ = std::min(drained_at_, now + settings_.send_timeout());
-    return;
+    if (state_ == NodeState::open_chain) ring_size_ = hop + 1u;
+    return on(Input::own_control_home, now);
   }
   if (boot >= settings_.boot && boot < boot_) return;  // of this process, before its last new hello
   ++counters_.doubled_id_signs;
-  const bool can_tell = state_ != NodeState::starting && state_ != NodeState::doubled_id;
-  if (++doubled_signs_ >= kDoubledSigns && can_tell) found_double(now);
-}
-
-// The two nodes take each other's packets off the ring, so nothing is confirmed. This one goes on saying hello; when
-// one comes home, the other node is gone. (ours, protocol.md section 8.6)
-void Membership::found_double(Time now) {
-  transmit_.set_open_chain(false, now);
-  new_life(now);
-  enter(NodeState::doubled_id, now);
-  if (links_up()) say_hello(now);
+  // The two nodes take each other's packets off the ring, so nothing is confirmed. This one goes on saying hello; when
+  // one comes home, the other node is gone. (ours, protocol.md section 8.6)
+  if (++doubled_signs_ >= kDoubledSigns) on(Input::duplicate_id, now);
 }
 
 // ---- the others ---------------------------------------------------------------------------
+
+bool Membership::is_unknown_peers_retry(const wire::PacketFields& packet) {
+  if (!settings_.fold_back || packet.code().attempt == 0 || peers_[packet.source()].known) return false;
+  ++counters_.retries_of_strangers;
+  return true;
+}
 
 bool Membership::heard(const wire::PacketFields& packet, Time now) {
   if (const auto hello = wire::decode_hello(packet.data())) return heard_hello(packet, *hello, now);
@@ -221,7 +265,10 @@ bool Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello
   const NodeId source = packet.source();
   const Peer& peer = peers_[source];
   const bool goes_on = hello.remembers && peer.known && hello.boot == peer.boot + 1;  // no start was missed
-  if (!memory_.meet_hello(source, hello.boot)) return ++counters_.earlier_incarnation, false;
+  if (!memory_.meet_hello(source, hello.boot)) {
+    ++counters_.earlier_incarnation;
+    return false;
+  }
   // It no longer knows what it took of us.
   if (peers_.heard_hello(source, packet.hop(), hello, now) && !goes_on) transmit_.forgotten_by(source, now);
   return true;
@@ -231,19 +278,24 @@ bool Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello
 // of a node is no sign of one. (ours, protocol.md section 4.10)
 bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
   const NodeId source = packet.source();
-  if (!memory_.meet_beacon(source, beacon.boot, now)) return ++counters_.earlier_incarnation, false;
+  if (!memory_.meet_beacon(source, beacon.boot, now)) {
+    ++counters_.earlier_incarnation;
+    return false;
+  }
   if (peers_[source].known && peers_[source].boot != beacon.boot) transmit_.forgotten_by(source, now);
   if (peers_.heard_beacon(source, packet.hop(), beacon, now)) events_.put(now, PeerChanged{source});
-  if (beacon.break_known && beacon.break_behind == source) hear_break(beacon, now);
-  if (!beacon.break_known && break_behind_ == source && state_ != NodeState::open_chain) break_known_ = false;
+  if (break_.heard(beacon, source) && beacon.input != wire::LinkState::folded) break_known(now);
+  if (!beacon.break_known && state_ != NodeState::open_chain) break_.withdrawn_by(source);
   look_for_folds(now);
   return true;
 }
 
+// ---- own beacons ----------------------------------------------------------------------------
+
 void Membership::set_cpu(const CpuReport& report, Time now) {
   const bool news = report.boots != cpu_.boots || report.state != cpu_.state;
   cpu_ = report;
-  if (news && accepts_sends()) change(now);
+  if (news && accepts_sends()) beacon_changed(now);
 }
 
 wire::Beacon Membership::beacon(Time now) const {
@@ -254,30 +306,30 @@ wire::Beacon Membership::beacon(Time now) const {
   b.cpu_comes_back = cpu_.comes_back;
   const auto silent = std::chrono::duration_cast<std::chrono::milliseconds>(now - cpu_.spoke_at).count();
   b.cpu_silent_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(silent, 0, UINT32_MAX));
-  b.input = link_state(input_ == Link::up, input_ == Link::lost, input_folded_);
-  b.input_from = input_from_;
-  b.output = link_state(output_ == Link::up, output_ == Link::lost, output_folded_);
-  b.output_to = output_to_;
-  b.break_known = break_known_;
-  b.break_before = break_before_;
-  b.break_behind = break_behind_;
+  b.input = input_.shown();
+  b.input_from = input_.neighbour;
+  b.output = output_.shown();
+  b.output_to = output_.neighbour;
+  b.break_known = break_.known();
+  b.break_before = break_.before();
+  b.break_behind = break_.behind();
   return b;
 }
 
 // Something that beacons say has changed: say it at once.
-void Membership::change(Time now) {
+void Membership::beacon_changed(Time now) {
   if (settings_.beacon.count() == 0) return;
-  if (beacon_out_)
-    beacon_wanted_ = true;
+  if (beacon_.out)
+    beacon_.wanted = true;
   else
     send_beacon(now);
 }
 
 void Membership::send_beacon(Time now) {
-  beacon_wanted_ = false;
-  beacon_due_ = now + settings_.beacon;
+  beacon_.wanted = false;
+  beacon_.due = now + settings_.beacon;
   if (hello_out_ || !accepts_sends()) return;
-  beacon_out_ = true;
+  beacon_.out = true;
   std::array<std::uint8_t, wire::kBeaconSize> bytes;
   wire::encode(beacon(now), bytes.data());
   transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kBeaconToken, now);
@@ -287,10 +339,10 @@ void Membership::send_beacon(Time now) {
 
 void Membership::act_on_time(Time now) {
   if (break_due_ <= now) own_input_broken(now);
-  if (drained_at_ <= now) leave_open_chain(now);
-  if (beacon_due_ <= now) {
-    beacon_due_ = now + settings_.beacon;
-    change(now);
+  if (drained_at_ <= now) on(Input::drained, now);
+  if (beacon_.due <= now) {
+    beacon_.due = now + settings_.beacon;
+    beacon_changed(now);
     look_for_folds(now);
   }
 }

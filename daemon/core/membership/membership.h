@@ -5,8 +5,9 @@
 
 #include "core/counters.h"
 #include "core/events.h"
+#include "core/membership/known_break.h"
 #include "core/membership/peers.h"
-#include "core/receive/receive.h"
+#include "core/receive/duplicate_memory.h"
 #include "core/settings.h"
 #include "core/transmit/transmit.h"
 
@@ -20,111 +21,144 @@ struct CpuReport {
   Time spoke_at{};  ///< when it last spoke; beacons say how long ago that was
 };
 
-/// This node's place in the ring: hello, beacons, what they say of the others, the learned ring
-/// size, doubled ids, a broken ring. (ours, protocol.md sections 4.7, 4.8 and 8.1 to 8.6)
+/// This node's place in the ring, as a state machine: hello and join, beacons and what they say of the others, ring
+/// size, duplicate ids, broken lines and the open chain, folds. Its table is in membership.cpp. (ours, protocol.md
+/// sections 4.7, 4.8 and 8.1 to 8.6)
 class Membership {
  public:
-  Membership(const Settings& settings, Transmit& transmit, Receive& receive, DuplicateMemory& memory,
-             Counters& counters, EventQueue& events);
+  Membership(const Settings& settings, Transmit& transmit, DuplicateMemory& memory, Counters& counters,
+             EventQueue& events);
 
   NodeState state() const { return state_; }
   std::uint64_t boot() const { return boot_; }
   /// Nodes in the ring, from the HOP of own packets that came home; 0 while none has.
   unsigned ring_size() const { return ring_size_; }
   const Peers& peers() const { return peers_; }
-  struct BrokenLine {
-    NodeId before, behind;
-  };
   /// As the node behind it, or that node itself, says. Nothing where the ring is whole as far as is known.
-  std::optional<BrokenLine> broken_line() const {
-    if (!break_known_) return std::nullopt;
-    return BrokenLine{break_before_, break_behind_};
-  }
+  std::optional<BrokenLine> broken_line() const { return break_.line(); }
+  /// Its hello has been home since it started, or started over: packets of users are taken.
+  bool joined() const { return joined_; }
   /// Users may send.
-  bool accepts_sends() const {
-    return state_ == NodeState::open_chain || settled();
-  }
+  bool accepts_sends() const { return state_ == NodeState::open_chain || closed(); }
 
+  /// @name The node's lines
+  ///@{
   void input_up(NodeId from, Time now);
   void input_lost(Time now);
   void output_up(NodeId to, Time now);
   void output_lost(Time now);
-  void set_cpu(const CpuReport& report, Time now);
+  /// Who is next on the first line, also while the second stands for it.
   void set_neighbours(NodeId before, NodeId next) {
-    input_from_ = before;
-    output_to_ = next;
+    input_.neighbour = before;
+    output_.neighbour = next;
   }
   /// The second line stands for the input, for the output (fold_back.h).
   void set_folded(bool input, bool output, Time now);
+  ///@}
 
+  void set_cpu(const CpuReport& report, Time now);
+
+  /// @name Packets
+  ///@{
+  /// A control packet of another node, before Receive decides on it.
+  /// @return false where it is of an earlier incarnation of its source, and says nothing
+  bool heard(const wire::PacketFields& packet, Time now);
+  /// A retry of a source that has not been heard since this node started: its first try may have been taken before. The
+  /// source may not know of that start: it was in the other part of a ring that was broken twice. (ours,
+  /// protocol.md section 4.10)
+  bool is_unknown_peers_retry(const wire::PacketFields& packet);
+  /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
+  void came_home(std::uint8_t hop, Time now);
+  /// An own packet came home with a good CRC, whether it matched anything or not.
+  void own_seen(const wire::PacketFields& packet, bool matched, Time now);
   /// An own packet came home with that HOP from a ring that has grown together out of two parts: nodes of the
   /// other part may have missed hellos, so their verdict may be on an older packet of the same number. One node
   /// more is no merger: it was alone, has forgotten everything and says hello itself. (ours, protocol.md section 4.10)
   bool has_merged(std::uint8_t hop, Time now) const {
     return merged_ || (settings_.fold_back && ring_size_ != 0 && hop > ring_size_ && now < fold_over_);
   }
-  /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
-  void came_home(std::uint8_t hop, Time now);
-  /// An own packet came home with a good CRC, whether it matched anything or not.
-  void own_seen(const wire::PacketFields& packet, bool matched, Time now);
-  /// A control packet of another node, before Receive decides on it.
-  /// @return false where it is of an earlier incarnation of its source, and says nothing
-  bool heard(const wire::PacketFields& packet, Time now);
+  ///@}
 
+  /// Acts on ends of the NC's own sends, and on sequence numbers that are used up. Blocks calls it behind whatever may
+  /// have brought one.
+  void settle(Time now) {
+    if (transmit_.data.has_control_end()) control_ended(now);
+    const bool due = renumbering_ || merged_ || transmit_.numbers_exhausted();
+    if (due && !hello_out_) on(Input::numbers_due, now);
+  }
   void handle_timeout(Time now) {
     if (deadline() <= now) act_on_time(now);
   }
-  /// After anything that may have ended a send of the NC's own, or used up sequence numbers.
-  void settle(Time now) {
-    if (transmit_.data.has_control_end()) control_ended(now);
-    if (renumbering_ || merged_ || transmit_.numbers_exhausted()) renumber_when_settled(now);
-  }
-  Time deadline() const { return std::min(std::min(beacon_due_, break_due_), drained_at_); }
+  Time deadline() const { return std::min(std::min(beacon_.due, break_due_), drained_at_); }
 
  private:
-  enum class Link : std::uint8_t { never, up, lost };
+  /// What can change the state.
+  enum class Input : std::uint8_t {
+    both_lines_up,      ///< one of them has just come up
+    both_lines_lost,    ///< since an own packet last came home: this node was bypassed, perhaps it was only frozen
+    hello_home,
+    hello_lost,         ///< both lines are up
+    hello_lost_no_line,
+    own_packet_home,
+    own_control_home,   ///< a hello or beacon with the present boot number
+    numbers_due,        ///< used up, or worth nothing since two parts of the ring have grown together
+    break_known,        ///< and nothing is folded around it
+    drained,            ///< the open chain is closed again, and nothing old is under way
+    duplicate_id
+  };
+  using Action = void (Membership::*)(Time now);
+  struct Transition;
+  static const Transition kTransitions[];
+  void on(Input input, Time now);
+  void enter(NodeState state, Time now);
   /// In a closed ring.
-  bool settled() const {
+  bool closed() const {
     return state_ == NodeState::up || state_ == NodeState::alone || state_ == NodeState::folded;
   }
-  NodeState settled_state() const;
+  NodeState closed_state() const;
+  /// Ring size or folds may have changed.
+  void update_closed_state(Time now) {
+    if (closed()) enter(closed_state(), now);
+  }
 
-  void act_on_time(Time now);
-  void enter(NodeState state, Time now);
-  void links_changed(Time now);
-  bool links_up() const { return input_ == Link::up && output_ == Link::up; }
+  /// @name What is done with a transition
+  ///@{
   void start_over(Time now);
-  void new_life(Time now);
-  void next_boot();
-  void found_double(Time now);
+  void begin_incarnation(Time now);
   void say_hello(Time now);
-  void hello_ended(const SendEnded& ended, Time now);
-  void joined(Time now);
-  void control_ended(Time now);
-  void renumber_when_settled(Time now);
+  void say_hello_if_lines_up(Time now);
+  void join(Time now);
   void renumber(Time now);
+  void go_on_unconfirmed(Time now);
+  void say_hello_into_chain(Time now);
+  void start_drain(Time now);
+  void stop_drain(Time) { drained_at_ = kNever; }
+  void confirm_again(Time now);
+  void beacon_changed(Time now);
+  ///@}
+
+  void lines_changed(Time now);
+  bool lines_up() const { return input_.up() && output_.up(); }
+  void next_boot();
+  void control_ended(Time now);
+  void hello_ended(const SendEnded& ended, Time now);
 
   bool heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);
   bool heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
-
-  void send_beacon(Time now);
-  void change(Time now);
-  wire::Beacon beacon(Time now) const;
-
-  bool own_break() const { return break_known_ && break_behind_ == settings_.id; }
-  void watch_for_break(Time now);
-  void own_input_broken(Time now);
-  void hear_break(const wire::Beacon& beacon, Time now);
-  void enter_open_chain(Time now);
-  void leave_open_chain(Time now);
   void own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now);
 
+  void send_beacon(Time now);
+  wire::Beacon beacon(Time now) const;
+  void act_on_time(Time now);
+
+  void watch_for_break(Time now);
+  void own_input_broken(Time now);
+  void break_known(Time now);
   void look_for_folds(Time now);
   bool says_folded(const Peer& peer, Time now) const;
 
   const Settings& settings_;
   Transmit& transmit_;
-  Receive& receive_;
   DuplicateMemory& memory_;
   Counters& counters_;
   EventQueue& events_;
@@ -135,28 +169,38 @@ class Membership {
   Peers peers_;
   CpuReport cpu_;
 
-  Link input_ = Link::never;
-  Link output_ = Link::never;
-  NodeId input_from_ = 0;
-  NodeId output_to_ = 0;
-  bool input_was_lost_ = false;   ///< since an own packet last came home
-  bool output_was_lost_ = false;
+  /// One of this node's two ends of the first line.
+  struct LineEnd {
+    wire::LinkState state = wire::LinkState::down;  ///< down: it was never up
+    NodeId neighbour = 0;
+    bool was_lost = false;  ///< since an own packet last came home
+    bool folded = false;    ///< the second line stands for it
+    bool up() const { return state == wire::LinkState::up; }
+    void lose() {
+      state = wire::LinkState::silent;
+      was_lost = true;
+    }
+    wire::LinkState shown() const { return up() && folded ? wire::LinkState::folded : state; }
+  };
+  LineEnd input_, output_;
+
+  bool joined_ = false;
   bool hello_out_ = false;
-  bool renumbering_ = false;
-  bool beacon_out_ = false;
-  bool beacon_wanted_ = false;    ///< something changed while one was out
-  Time beacon_due_ = kNever;
-  Time break_due_ = kNever;       ///< the input, lost, counts as a broken line from then on
-  Time drained_at_ = kNever;      ///< the open chain ends then: it is closed again, and nothing old is under way
-  bool break_known_ = false;
-  NodeId break_before_ = 0;
-  NodeId break_behind_ = 0;
-  bool input_folded_ = false;
-  bool output_folded_ = false;
-  bool folded_ = false;           ///< a fold is known, here or elsewhere in the ring
+  bool renumbering_ = false;      ///< that hello, out or to come, begins new numbers
   bool merged_ = false;           ///< with another part of the ring: numbers begin anew
-  Time fold_over_{};              ///< until then a fold is known, or was a short time ago
   unsigned doubled_signs_ = 0;    ///< since an own packet last came home
+
+  struct {
+    bool out = false;
+    bool wanted = false;          ///< something changed while one was out
+    Time due = kNever;
+  } beacon_;
+
+  KnownBreak break_;
+  Time break_due_ = kNever;       ///< the input, lost or folded, counts as a broken line from then on
+  Time drained_at_ = kNever;      ///< an open chain ends then
+  bool folded_ = false;           ///< a fold is known, here or elsewhere in the ring
+  Time fold_over_{};              ///< until then a fold is known, or was a short time ago
 };
 
 }  // namespace limb_ring::core

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/mutation.h"
-
 namespace limb_ring::core {
 
 using wire::ByteView;
@@ -19,62 +17,43 @@ PacketManager::PacketManager(const Settings& settings, Transmit& transmit, Count
 
 // ---- from Relay ---------------------------------------------------------------------------
 
-bool PacketManager::can_pass(Time now) const {
+// Nothing else is on it, or asks for it.
+bool PacketManager::line_is_free(Time now) const {
   return !paced() && ready_ && !is_open_ && buffer_.empty() && interrupts_.empty() &&
          transmit_.data.ready_at() > now && transmit_.interrupts.ready_at() > now;
 }
 
-bool PacketManager::relay_whole(ByteView packet, std::uint8_t fbc, Time now) {
+PacketManager::Place PacketManager::relay_whole(std::size_t size, Time now) {
   if (!output_up_) {
     count_drop(1);
-    return false;
+    return {nullptr, false};
   }
   ++counters_.relayed_data;
-  const auto hop = static_cast<std::uint8_t>(packet[2] + 1);
-  if (can_pass(now)) {
-    std::uint8_t* place = line_.put_space(SliceKind::whole, packet.size);
-    std::memcpy(place, packet.data, packet.size);
-    wire::rewrite(place, packet.size, hop, fbc);
-    return true;
-  }
-  RelayedPacket& slot = buffer_.push(now);
-  std::memcpy(slot.bytes.data(), packet.data, packet.size);
-  buffer_.grow(packet.size);
-  wire::rewrite(slot.bytes.data(), slot.size, hop, fbc);
-  slot.state = RelayedPacket::State::complete;
-  slot.tail_at = now;
-  return false;
+  if (line_is_free(now)) return {line_.put_space(SliceKind::whole, size), true};
+  RelayedPacket& packet = buffer_.push(now);
+  buffer_.grow(size);
+  packet.state = RelayedPacket::State::complete;
+  packet.tail_at = now;
+  return {packet.bytes.data(), false};
 }
 
 std::uint8_t* PacketManager::relay_begin(Time now) {
-  receiving_ = false;
+  receiving_ = output_up_;
   if (!output_up_) {
     count_drop(1);
     return nullptr;
   }
-  receiving_ = true;
   return buffer_.push(now + lag(wire::kHeaderSize)).bytes.data();
 }
 
-void PacketManager::relay_header(std::size_t bytes) {
-  if (!receiving_) return;
-  buffer_.grow(bytes);
-  ++buffer_.back().bytes[2];
-}
-
-void PacketManager::relay_words(std::size_t bytes) {
-  if (receiving_) buffer_.grow(bytes);
-}
-
-void PacketManager::relay_end(std::size_t bytes, std::uint8_t fbc, Time now) {
+void PacketManager::relay_end(std::size_t bytes, Time now) {
   if (!receiving_) return;
   receiving_ = false;
   ++counters_.relayed_data;
   buffer_.grow(bytes);
-  RelayedPacket& slot = buffer_.back();
-  slot.tail_at = now + lag((slot.size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize);
-  slot.state = RelayedPacket::State::complete;
-  wire::rewrite(slot.bytes.data(), slot.size, static_cast<std::uint8_t>(slot.bytes[2] + 1), fbc);
+  RelayedPacket& packet = buffer_.back();
+  packet.tail_at = now + lag((packet.size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize);
+  packet.state = RelayedPacket::State::complete;
 }
 
 void PacketManager::relay_abort() {
@@ -116,17 +95,35 @@ void PacketManager::run(Time now) {
   }
 }
 
+// What goes onto the line next, if something may go now. (paper; protocol.md sections 2.4 and 5.2)
 bool PacketManager::step(Time now) {
   if (!output_up_ || !ready_ || free_at_ > now) return false;
-  if (send_interrupt(now)) return true;
-  return is_open_ ? advance_open(now) : start_data(now);
+
+  // An INTP goes before any DATP, also inside the one that is on the line.
+  const Time interrupt = interrupt_at();
+  if (interrupt <= now) {
+    put_interrupt(interrupt);
+    return true;
+  }
+
+  // A DATP that has begun is finished before the next one.
+  if (is_open_) return advance_open(now);
+
+  // What came in first goes first; on a tie Transmit wins over Relay.
+  while (!buffer_.empty() && buffer_.front().state == RelayedPacket::State::aborted) buffer_.pop();
+  const Time own = transmit_.data.ready_at();
+  const Time relayed = relayed_since();
+  const Time since = std::min(own, relayed);
+  if (since > now) return false;
+  open_data(own <= relayed, std::max(since, free_at_));
+  return true;
 }
 
 Time PacketManager::deadline() const {
   if (!output_up_ || !ready_) return kNever;
   Time next = interrupt_at();
   if (!is_open_)
-    next = std::min(next, data_since());
+    next = std::min({next, transmit_.data.ready_at(), relayed_since()});
   else if (open_aborted())
     next = std::min(next, free_at_);
   else if (open_complete())
@@ -136,16 +133,15 @@ Time PacketManager::deadline() const {
 
 // ---- interrupts ---------------------------------------------------------------------------
 
-bool PacketManager::own_interrupt_first() const {
-  return interrupts_.empty() || transmit_.interrupts.ready_at() <= interrupts_.front().arrived;
-}
-
-// The instant at which the next INTP may begin: at once, or inside an open DATP at its next word
-// boundary; kNever where it has to wait for the open DATP's last odd bytes, trailer and CRC.
-Time PacketManager::interrupt_place(Time since) const {
+// The instant at which the next INTP may begin: at once, or inside an open DATP at its next word boundary; kNever where
+// there is none, or where it has to wait for the open DATP's last odd bytes, trailer and CRC.
+Time PacketManager::interrupt_at() const {
+  const Time relayed = interrupts_.empty() ? kNever : interrupts_.front().arrived;
+  const Time since = std::min(transmit_.interrupts.ready_at(), relayed);
+  if (since == kNever) return kNever;
   const Time at = std::max(since, free_at_);
   if (!is_open_) return at;
-  if (!settings_.embed_interrupts || broken(Mutation::holds_interrupts)) return kNever;
+  if (!settings_.embed_interrupts) return kNever;
   const Time word = next_word(at);
   if (!open_complete() || !paced()) return word;
   // Just before the trailer is a word boundary too, also where the trailer lags behind the words.
@@ -154,29 +150,21 @@ Time PacketManager::interrupt_place(Time since) const {
   return at <= end ? end : kNever;
 }
 
-bool PacketManager::put_interrupt() {
-  const Time at = interrupt_at();
+// What came in first goes first; on a tie the own one does.
+void PacketManager::put_interrupt(Time at) {
   if (is_open_) {
     put_words_until(at);
     ++counters_.embedded_interrupts;
     open_.grid += bytes_time(wire::kInterruptPacketSize);
   }
-  const wire::InterruptBytes packet = take_interrupt(at);
-  line_.put(SliceKind::interrupt, {packet.data(), packet.size()});
-  free_at_ = at + bytes_time(wire::kInterruptPacketSize);
-  return true;
-}
-
-wire::InterruptBytes PacketManager::take_interrupt(Time at) {
-  wire::InterruptBytes packet;
-  if (own_interrupt_first()) {
-    const ByteView image = transmit_.interrupts.start(at);
-    std::copy(image.begin(), image.end(), packet.begin());
+  if (interrupts_.empty() || transmit_.interrupts.ready_at() <= interrupts_.front().arrived) {
+    line_.put(SliceKind::interrupt, transmit_.interrupts.start(at));
   } else {
-    packet = interrupts_.front().bytes;
+    const wire::InterruptBytes& packet = interrupts_.front().bytes;
+    line_.put(SliceKind::interrupt, {packet.data(), packet.size()});
     interrupts_.pop();
   }
-  return packet;
+  free_at_ = at + bytes_time(wire::kInterruptPacketSize);
 }
 
 // ---- the DATP on the line -----------------------------------------------------------------
@@ -240,31 +228,11 @@ void PacketManager::close_open() {
   if (!open_.own) buffer_.pop();
 }
 
-bool PacketManager::own_data_first() const {
-  return buffer_.empty() || transmit_.data.ready_at() <= buffer_.front().arrived;
-}
-
-void PacketManager::drop_aborted_fronts() {
-  while (!buffer_.empty() && buffer_.front().state == RelayedPacket::State::aborted) buffer_.pop();
-}
-
-bool PacketManager::start_data(Time now) {
-  drop_aborted_fronts();
-  const Time since = data_since();
-  if (since > now) return false;
-  open_data(std::max(since, free_at_));
-  return true;
-}
-
-void PacketManager::open_data(Time at) {
+void PacketManager::open_data(bool own, Time at) {
   open_ = {};
-  open_.own = own_data_first();
-  if (open_.own) open_.own_bytes = transmit_.data.start(at);
+  open_.own = own;
+  if (own) open_.own_bytes = transmit_.data.start(at);
   is_open_ = true;
-  put_whole_or_start(at);
-}
-
-void PacketManager::put_whole_or_start(Time at) {
   const ByteView bytes = open_bytes();
   if (!paced() && open_complete()) {
     line_.put(SliceKind::whole, bytes);

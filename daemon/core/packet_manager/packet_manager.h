@@ -12,7 +12,7 @@
 
 namespace limb_ring::core {
 
-/// Packet Manager: chooses what goes onto the outgoing line. What came in first goes first; on a
+/// Packet Manager: chooses what goes onto the outgoing line (step()). What came in first goes first; on a
 /// tie Transmit wins over Relay; an INTP goes before any DATP and is embedded into a DATP already
 /// on its way out, at a word boundary. (paper; word grid and buffer limits ours, protocol.md sections 2.4, 2.5
 /// and 5.2)
@@ -25,20 +25,26 @@ class PacketManager {
  public:
   PacketManager(const Settings& settings, Transmit& transmit, Counters& counters, wire::SliceWriter& line);
 
-  /// @name From Relay: one DATP at a time, whole or begin, words, end or abort
-  /// HOP (and FBC) are rewritten here and the CRC carried along.
+  /// @name From Relay: one DATP at a time, whole or begin, words, end or abort; HOP, FBC and CRC are Relay's
   ///@{
+  /// Room for one more of the largest size; where there is no output, none is needed.
   bool has_room() const { return !output_up_ || !buffer_.full(); }
   const InsertionBuffer& insertion_buffer() const { return buffer_; }
-  /// @return true where the line was free, so that it is on it already
-  bool relay_whole(wire::ByteView packet, std::uint8_t fbc, Time now);
-  /// @return where its bytes are to be put as they come in; null where there is no output
+  /// Where a DATP is to be put.
+  struct Place {
+    std::uint8_t* bytes;  ///< null where there is no output: it is dropped
+    bool on_line;         ///< the line was free, so that it is on it already
+  };
+  /// A whole one, which the caller puts there before anything else is called.
+  Place relay_whole(std::size_t size, Time now);
+  /// One that comes in piece by piece. @return where its bytes are to be put; null where there is no output
   std::uint8_t* relay_begin(Time now);
-  /// Header and first words are in place, and may go on.
-  void relay_header(std::size_t bytes);
-  void relay_words(std::size_t bytes);
-  /// The last bytes are in place, with HOP as it came in.
-  void relay_end(std::size_t bytes, std::uint8_t fbc, Time now);
+  /// So many more bytes are in place, and may go on.
+  void relay_words(std::size_t bytes) {
+    if (receiving_) buffer_.grow(bytes);
+  }
+  /// The last bytes are in place.
+  void relay_end(std::size_t bytes, Time now);
   void relay_abort();
   ///@}
   /// An INTP, HOP and FBC already rewritten.
@@ -55,7 +61,7 @@ class PacketManager {
   Time deadline() const;
 
  private:
-  struct WaitingInterrupt {
+  struct RelayedInterrupt {
     wire::InterruptBytes bytes;
     Time arrived;
   };
@@ -74,24 +80,12 @@ class PacketManager {
   Duration lag(std::size_t bytes) const {
     return std::max(Duration{0}, settings_.byte_time_in - settings_.byte_time_out) * static_cast<std::int64_t>(bytes);
   }
-  bool can_pass(Time now) const;
+  bool line_is_free(Time now) const;
   void count_drop(std::uint64_t packets) { counters_.dropped_no_output += packets; }
   bool step(Time now);
-  void drop_aborted_fronts();
 
-  bool own_interrupt_first() const;
-  Time interrupt_since() const {
-    const Time own = transmit_.interrupts.ready_at();
-    return interrupts_.empty() ? own : std::min(own, interrupts_.front().arrived);
-  }
-  Time interrupt_at() const {
-    const Time since = interrupt_since();
-    return since == kNever ? kNever : interrupt_place(since);
-  }
-  Time interrupt_place(Time since) const;
-  bool send_interrupt(Time now) { return interrupt_at() <= now && put_interrupt(); }
-  bool put_interrupt();
-  wire::InterruptBytes take_interrupt(Time at);
+  Time interrupt_at() const;
+  void put_interrupt(Time at);
 
   wire::ByteView open_bytes() const;
   bool open_complete() const { return open_.own || buffer_.front().state == RelayedPacket::State::complete; }
@@ -102,21 +96,15 @@ class PacketManager {
   bool advance_open(Time now);
   void close_open();
 
-  bool own_data_first() const;
-  Time data_since() const {
-    const Time own = transmit_.data.ready_at();
-    return buffer_.empty() ? own : std::min(own, buffer_.front().arrived);
-  }
-  bool start_data(Time now);
-  void open_data(Time at);
-  void put_whole_or_start(Time at);
+  Time relayed_since() const { return buffer_.empty() ? kNever : buffer_.front().arrived; }
+  void open_data(bool own, Time at);
 
   const Settings& settings_;
   Transmit& transmit_;
   Counters& counters_;
   wire::SliceWriter& line_;
   InsertionBuffer buffer_;
-  SlotQueue<WaitingInterrupt> interrupts_;
+  SlotQueue<RelayedInterrupt> interrupts_;
   bool output_up_ = false;
   bool ready_ = true;
   bool receiving_ = false;  ///< buffer_.back() is still coming in

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 
-#include "core/mutation.h"
 #include "core/time.h"
 #include "wire/packet.h"
 
@@ -57,7 +56,7 @@ class DuplicateMemory {
   /// The verdict on this sequence number, `none` where it is new. @pre meet() was true
   Verdict verdict(wire::NodeId source, wire::Code code, bool broadcast, Time now) const {
     const Entry& e = sources_[source].entries[place(code, broadcast)];
-    if (e.sequence != code.sequence || broken(Mutation::forgets_duplicates)) return Verdict::none;
+    if (e.sequence != code.sequence) return Verdict::none;
     const bool fresh = !e.aged && now - e.decided <= horizon_;
     return fresh || code.attempt > 0 ? e.verdict : Verdict::none;
   }

@@ -3,6 +3,7 @@
 #include "core/counters.h"
 #include "core/receive/duplicate_memory.h"
 #include "core/events.h"
+#include "core/membership/membership.h"
 #include "core/settings.h"
 
 namespace limb_ring::core {
@@ -11,11 +12,16 @@ namespace limb_ring::core {
 /// firmware involved. (paper) Only after a good CRC, and once per INTP. (ours, protocol.md section 5.3)
 class Pins {
  public:
-  Pins(const Settings& settings, DuplicateMemory& memory, Counters& counters, EventQueue& events)
-      : settings_(settings), memory_(memory), counters_(counters), events_(events) {}
+  Pins(const Settings& settings, DuplicateMemory& memory, Membership& membership, Counters& counters,
+       EventQueue& events)
+      : settings_(settings), memory_(memory), membership_(membership), counters_(counters), events_(events) {}
 
-  /// An INTP with a good CRC passes.
+  /// An INTP of another node, with a good CRC, passes.
   /// @return the FBC it goes on with: 1 pin pulled, 0 pin wired to nothing
+  std::uint8_t pass(const wire::PacketFields& packet, Time at) {
+    return membership_.is_unknown_peers_retry(packet) ? packet.fbc() : offer(packet, at);
+  }
+  /// The same of any INTP, an own one to this node too, when nothing else speaks against it.
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
 
  private:
@@ -25,6 +31,7 @@ class Pins {
 
   const Settings& settings_;
   DuplicateMemory& memory_;
+  Membership& membership_;
   Counters& counters_;
   EventQueue& events_;
 };

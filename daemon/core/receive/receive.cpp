@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/mutation.h"
-
 namespace limb_ring::core {
 
 using wire::PacketFields;
@@ -15,17 +13,23 @@ bool Receive::addressed(const PacketFields& packet) const {
 }
 
 std::size_t Receive::free_buffers(const PacketFields& packet) const {
-  if (is_control(packet)) return wire::kFbcMax;
+  if (wire::is_control(packet)) return wire::kFbcMax;
   if (!cpu_present_) return 0;
   const std::size_t used = buffers_[wire::priority_of(packet.last())].size();
   return settings_.receive_buffers > used ? settings_.receive_buffers - used : 0;
 }
 
 bool Receive::accepts(const PacketFields& packet) {
-  if (joining_) return ++counters_.refused_joining, false;
+  if (!membership_.joined()) return ++counters_.refused_joining, false;
   if (!cpu_present_) return ++counters_.refused_cpu_absent, false;
   if (free_buffers(packet) == 0) return ++counters_.refused_no_buffer, false;
   return true;
+}
+
+std::uint8_t Receive::pass(const PacketFields& packet, Time at) {
+  if (wire::is_control(packet) && !membership_.heard(packet, at)) return 0;
+  if (membership_.is_unknown_peers_retry(packet)) return packet.fbc();
+  return offer(packet, at);
 }
 
 std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
@@ -39,7 +43,7 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   };
   // Hellos and beacons may be taken twice, since they say the same; a verdict on an older packet must not keep them
   // out.
-  if (is_control(packet)) {
+  if (wire::is_control(packet)) {
     memory_.remember(packet.source(), packet.code(), broadcast, Verdict::taken, at);
     ++counters_.received_control;
     return least(free);
@@ -51,7 +55,7 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   }
   const bool taken = accepts(packet);
   memory_.remember(packet.source(), packet.code(), broadcast, taken ? Verdict::taken : Verdict::refused, at);
-  if (!taken) return broken(Mutation::lies_in_fbc) ? least(1) : std::uint8_t{0};
+  if (!taken) return 0;
   store(packet, at);
   return least(free);
 }

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/counters.h"
+#include "core/membership/membership.h"
 #include "core/receive/duplicate_memory.h"
 #include "core/settings.h"
 #include "core/slot_queue.h"
@@ -28,11 +29,13 @@ struct ReceivedPacket {
 /// 2.3 and 4.10).
 class Receive {
  public:
-  Receive(const Settings& settings, DuplicateMemory& memory, Counters& counters)
-      : settings_(settings), memory_(memory), counters_(counters) {}
+  Receive(const Settings& settings, DuplicateMemory& memory, Membership& membership, Counters& counters)
+      : settings_(settings), memory_(memory), membership_(membership), counters_(counters) {}
 
-  /// A packet with a good CRC passes.
+  /// A packet of another node, with a good CRC, passes.
   /// @return the FBC it goes on with
+  std::uint8_t pass(const wire::PacketFields& packet, Time at);
+  /// The same of any packet, an own one to this node too, when nothing else speaks against taking it.
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
 
   /// The next packet for the CPU, highest priority first. @return false where none is there yet
@@ -44,7 +47,6 @@ class Receive {
   Time next() const { return waiting_ == 0 ? kNever : earliest(); }
 
   void set_cpu_present(bool present) { cpu_present_ = present; }
-  void set_joining(bool joining) { joining_ = joining; }
   /// The CPU was reset: the buffers are emptied, so that it acts on no stale command.
   void flush();
 
@@ -59,16 +61,11 @@ class Receive {
 
   const Settings& settings_;
   DuplicateMemory& memory_;
+  Membership& membership_;
   Counters& counters_;
   std::array<SlotQueue<ReceivedPacket>, 4> buffers_;
   std::size_t waiting_ = 0;  ///< in all of them
   bool cpu_present_ = false;
-  bool joining_ = true;
 };
-
-/// True for the network controllers' own channel.
-inline bool is_control(const wire::PacketFields& packet) {
-  return wire::channel_of(packet.last()) == static_cast<std::uint8_t>(wire::Channel::control);
-}
 
 }  // namespace limb_ring::core

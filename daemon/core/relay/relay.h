@@ -4,36 +4,36 @@
 #include <optional>
 
 #include "core/counters.h"
-#include "core/mutation.h"
+#include "core/packet_manager/packet_manager.h"
+#include "core/receive/pins.h"
+#include "core/receive/receive.h"
+#include "core/relay/incoming.h"
 #include "core/settings.h"
+#include "core/transmit/returns.h"
+#include "wire/slice.h"
 
 namespace limb_ring::core {
 
-/// Relay: passes every incoming packet on with HOP + 1, and discards a packet whose SID is its
-/// own. (paper) What becomes of orphans, whose source can no longer discard them, is ours (protocol.md
-/// sections 2.2 and 4.9).
+/// Relay: passes every incoming packet on with HOP + 1, and discards a packet whose SID is its own. (paper) It puts
+/// together what comes in slice by slice, judges it as soon as its header is in, and gives what goes on HOP, FBC and
+/// CRC. Receive and the pins work on the same input (paper) and say the FBC. What becomes of orphans, whose source can
+/// no longer discard them, is ours (protocol.md sections 2.2 and 4.9).
 class Relay {
  public:
-  enum class Fate : std::uint8_t {
-    pass_on,
-    strip,         ///< own: it has come home
-    receive_only,  ///< its source is bypassed by this node's output: taken, then discarded
-    discard        ///< an orphan by its HOP or beyond a break, or no packet at all
-  };
+  Relay(const Settings& settings, PacketManager& packet_manager, Receive& receive, Pins& pins, Returns& returns,
+        Counters& counters)
+      : settings_(settings),
+        packet_manager_(packet_manager),
+        receive_(receive),
+        pins_(pins),
+        returns_(returns),
+        counters_(counters) {}
 
-  Relay(const Settings& settings, Counters& counters) : settings_(settings), counters_(counters) {}
-
-  /// What becomes of a packet, known as soon as its header is in. @pre header.size >= 4
-  Fate fate(wire::ByteView header, bool interrupt) {
-    if (!wire::header_valid(header, interrupt)) return ++counters_.malformed_packets, Fate::discard;
-    const NodeId source = header[3];
-    if (source == settings_.id) return Fate::strip;
-    if (broken(Mutation::passes_orphans)) return Fate::pass_on;
-    if (cut_off_[source]) return ++counters_.orphans_cut_off, Fate::discard;
-    if (header[2] + 1u >= settings_.nodes()) return ++counters_.orphans_hop, Fate::discard;
-    if (bypassed_[source]) return ++counters_.orphans_bypassed, Fate::receive_only;
-    return Fate::pass_on;
-  }
+  /// One slice from upstream.
+  /// @return true where it went straight on to the line, and nothing else has changed
+  bool receive(const wire::Slice& slice, Time now);
+  /// Something was lost on the input: a DATP that is coming in will never be whole.
+  void input_gap(Time now) { break_off(counters_.broken_off_packets, now); }
 
   /// The output now leads to `successor`: nodes between it and this one are bypassed.
   void set_successor(NodeId successor) { bypassed_ = between(settings_.id, successor); }
@@ -44,23 +44,44 @@ class Relay {
     cut_off_ = node ? between(*node, settings_.id) : std::bitset<256>{};
   }
 
- private:
-  /// The nodes that come after `before` and before `behind` in ring order.
-  std::bitset<256> between(NodeId before, NodeId behind) const {
-    std::bitset<256> nodes;
-    const auto& order = settings_.order;
-    std::size_t at = 0;
-    while (order[at] != before) ++at;
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      const NodeId next = order[(at + i) % order.size()];
-      if (next == behind) break;
-      nodes.set(next);
-    }
-    return nodes;
+  void handle_timeout(Time now) {
+    if (deadline() <= now) break_off(counters_.stalled_packets, now);
+  }
+  /// The DATP that is coming in is given up then.
+  Time deadline() const {
+    if (!incoming_.open()) return kNever;
+    return incoming_.last_slice() + settings_.stall + 2 * settings_.byte_time_in * 1024;
   }
 
+ private:
+  enum class Fate : std::uint8_t {
+    pass_on,
+    strip,         ///< own: it has come home
+    receive_only,  ///< its source is bypassed by this node's output: taken, then discarded
+    discard        ///< an orphan by its HOP or beyond a break, or no packet at all
+  };
+
+  Fate judge(wire::ByteView header, bool interrupt);
+  Fate judge_data(wire::ByteView header);
+  bool check(const wire::PacketFields& packet);
+
+  void on_interrupt(wire::ByteView bytes, Time now);
+  bool on_whole(wire::ByteView bytes, Time now);
+  void on_start(wire::ByteView bytes, Time now);
+  void on_more(wire::ByteView bytes, Time now);
+  void on_end(wire::ByteView bytes, Time now);
+  bool append(wire::ByteView bytes, Time now, std::size_t most);
+  void break_off(std::uint64_t& counter, Time now);
+  std::bitset<256> between(NodeId before, NodeId behind) const;
+
   const Settings& settings_;
+  PacketManager& packet_manager_;
+  Receive& receive_;
+  Pins& pins_;
+  Returns& returns_;
   Counters& counters_;
+  Incoming incoming_;
+  Fate fate_ = Fate::discard;  ///< of what is coming in
   std::bitset<256> bypassed_;
   std::bitset<256> cut_off_;
 };

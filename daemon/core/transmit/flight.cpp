@@ -6,21 +6,20 @@ std::uint8_t* Flight::load(wire::Code code, wire::NodeId source, wire::NodeId de
                            std::uint8_t last, std::size_t data_size) {
   code_ = code;
   size_ = data_size + wire::kOverhead;
-  bytes_[0] = code.byte();
-  bytes_[1] = wire::kSop;
-  bytes_[2] = 0;
-  bytes_[3] = source;
-  std::uint8_t* trailer = bytes_.data() + wire::kHeaderSize + data_size;
-  trailer[0] = wire::kEop;
-  trailer[1] = wire::kFbcUntaken;
-  trailer[2] = destination;
-  trailer[3] = last;
+  bytes_[wire::field::kSop] = wire::kSop;
+  bytes_[wire::field::kHop] = 0;
+  bytes_[wire::field::kSource] = source;
+  std::uint8_t* end = bytes_.data() + size_;
+  *(end - wire::field::kEopFromEnd) = wire::kEop;
+  *(end - wire::field::kFbcFromEnd) = wire::kFbcUntaken;
+  *(end - wire::field::kDestinationFromEnd) = destination;
+  *(end - wire::field::kLastFromEnd) = last;
   phase_ = Phase::waiting;
   return bytes_.data() + wire::kHeaderSize;
 }
 
 wire::ByteView Flight::launch(Time now, Duration timeout) {
-  bytes_[0] = code_.byte();
+  bytes_[wire::field::kCode] = code_.byte();
   const std::size_t covered = size_ - wire::kCrcSize;
   wire::store_u32(bytes_.data() + covered, wire::crc32({bytes_.data(), covered}));
   phase_ = Phase::out;
@@ -30,11 +29,11 @@ wire::ByteView Flight::launch(Time now, Duration timeout) {
 }
 
 bool Flight::is_return(const wire::PacketFields& packet) const {
-  if (idle() || packet.bytes.size != size_ || packet.code_byte() != bytes_[0]) return false;
+  const wire::PacketFields sent{image()};
+  if (idle() || packet.bytes.size != size_ || packet.code_byte() != sent.code_byte()) return false;
   const std::uint32_t as_sent = wire::carried_crc(packet.crc(), size_, packet.hop(),
                                                   packet.fbc() ^ wire::kFbcUntaken);
-  return packet.destination() == destination() && packet.last() == bytes_[size_ - 5] &&
-         as_sent == wire::load_u32(bytes_.data() + size_ - wire::kCrcSize);
+  return packet.destination() == sent.destination() && packet.last() == sent.last() && as_sent == sent.crc();
 }
 
 bool Flight::retry(Time now) {

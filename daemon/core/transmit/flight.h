@@ -22,7 +22,7 @@ class Flight {
   Time deadline() const { return phase_ == Phase::out ? deadline_ : kNever; }
   Time sent_at() const { return sent_at_; }
   wire::ByteView image() const { return {bytes_.data(), size_}; }
-  wire::NodeId destination() const { return bytes_[size_ - 6]; }
+  wire::NodeId destination() const { return wire::PacketFields{image()}.destination(); }
 
   /// A new packet; the caller writes `data_size` bytes where the result points.
   std::uint8_t* load(wire::Code code, wire::NodeId source, wire::NodeId destination,

@@ -7,12 +7,30 @@ namespace limb_ring::core {
 
 /// Transmit: sends what the node asks for. Data packets and interrupt packets have separate,
 /// parallel units. (paper, protocol.md section 2.1)
-struct Transmit {
+class Transmit {
+ public:
   Transmit(const Settings& settings, Counters& counters, EventQueue& events)
-      : data(settings, counters, events), interrupts(settings, counters, events) {}
+      : data(settings, counters, events),
+        interrupts(settings, counters, events),
+        settings_(settings),
+        counters_(counters),
+        events_(events) {}
 
   DataUnit data;
   InterruptUnit interrupts;
+
+  /// @name What is asked for. Every call ends in exactly one SendEnded event.
+  /// @param in_ring users may send (Membership::accepts_sends); if not, it is rejected
+  ///@{
+  void send(const SendRequest& request, bool in_ring, Time now);
+  void interrupt(const InterruptRequest& request, bool in_ring, Time now);
+  /// Pulls interrupt input 0..7: sends the INTP it is wired to, without the CPU. (paper, protocol.md section 5.4)
+  void pull(Owner owner, std::uint32_t token, unsigned input, bool in_ring, Time now);
+  void cancel(Owner owner, Time now) {
+    data.cancel(owner, now);
+    interrupts.cancel(owner, now);
+  }
+  ///@}
 
   void set_gate(Gate gate, Time now) {
     data.set_gate(gate, now);
@@ -36,15 +54,21 @@ struct Transmit {
     data.forgotten_by(peer, now);
     interrupts.forgotten_by(peer, now);
   }
-  void cancel(Owner owner, Time now) {
-    data.cancel(owner, now);
-    interrupts.cancel(owner, now);
-  }
   void handle_timeout(Time now) {
     data.handle_timeout(now);
     interrupts.handle_timeout(now);
   }
   Time deadline() const { return std::min(data.deadline(), interrupts.deadline()); }
+
+ private:
+  bool exists(NodeId destination) const;
+  Reject check(const SendRequest& request) const;
+  Reject check(const InterruptRequest& request) const;
+  void reject(SendEnded ended, Reject reason, Time now);
+
+  const Settings& settings_;
+  Counters& counters_;
+  EventQueue& events_;
 };
 
 }  // namespace limb_ring::core

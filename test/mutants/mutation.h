@@ -2,8 +2,7 @@
 
 namespace limb_ring::core {
 
-/// Ways to break the core on purpose: a test build (LIMB_RING_MUTATIONS) shows with them that every
-/// check of the ring's promises can fail. In any other build nothing of this is left.
+/// Ways in which the core is broken on purpose; break_core puts them into a copy of its sources.
 enum class Mutation {
   none,
   result_twice,        ///< a send tells its result twice
@@ -18,11 +17,7 @@ enum class Mutation {
   never_heals          ///< a node stays in the open chain though its beacon has come home
 };
 
-#ifdef LIMB_RING_MUTATIONS
 inline Mutation mutation = Mutation::none;
 inline bool broken(Mutation which) { return mutation == which; }
-#else
-constexpr bool broken(Mutation) { return false; }
-#endif
 
 }  // namespace limb_ring::core

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+
+#include "wire/control_message.h"
+
+namespace limb_ring::core {
+
+using wire::NodeId;
+
+/// A line of the ring, by the nodes on both sides of it.
+struct BrokenLine {
+  NodeId before, behind;
+};
+
+/// Which line is broken, as far as this node knows; it is written down here alone. Only the node behind a break is
+/// believed, since the beacons of others would repeat it after the break is mended. (ours, protocol.md section 8.3)
+class KnownBreak {
+ public:
+  explicit KnownBreak(NodeId id) : id_(id) {}
+
+  bool known() const { return known_; }
+  std::optional<BrokenLine> line() const {
+    if (!known_) return std::nullopt;
+    return BrokenLine{before_, behind_};
+  }
+  /// The nodes on both sides of it, or of the last one that was known.
+  NodeId before() const { return before_; }
+  NodeId behind() const { return behind_; }
+  /// It is the one into this node.
+  bool is_own() const { return known_ && behind_ == id_; }
+
+  /// The line from `before` into this node counts as broken.
+  void found(NodeId before) { set(before, id_); }
+  /// A beacon of another node came. @return true where it tells of a break that is believed
+  bool heard(const wire::Beacon& beacon, NodeId source) {
+    if (!beacon.break_known || beacon.break_behind != source || is_own()) return false;
+    set(beacon.break_before, beacon.break_behind);
+    return true;
+  }
+  /// A beacon of that node knows of no break.
+  void withdrawn_by(NodeId source) {
+    if (behind_ == source) known_ = false;
+  }
+  /// The line into this node is up again, or nothing stands for it any longer.
+  void own_mended() {
+    if (is_own()) known_ = false;
+  }
+  /// No fold is left in the ring: only a break that this node sees itself may still be there.
+  void keep_own_alone() { known_ = is_own(); }
+  /// The ring is closed again; `folded`: the second line stands for this node's input, so the line into it is broken.
+  void ring_closed(bool folded) { known_ = folded; }
+  void forget() { known_ = false; }
+
+ private:
+  void set(NodeId before, NodeId behind) {
+    known_ = true;
+    before_ = before;
+    behind_ = behind;
+  }
+
+  NodeId id_;
+  bool known_ = false;
+  NodeId before_ = 0;
+  NodeId behind_ = 0;
+};
+
+}  // namespace limb_ring::core

@@ -1,0 +1,158 @@
+#include "core/relay/relay.h"
+
+#include <algorithm>
+
+namespace limb_ring::core {
+
+using wire::ByteView;
+using wire::PacketFields;
+using wire::SliceKind;
+
+bool Relay::receive(const wire::Slice& slice, Time now) {
+  switch (slice.kind) {
+    case SliceKind::whole: return on_whole(slice.bytes, now);
+    case SliceKind::start: on_start(slice.bytes, now); break;
+    case SliceKind::more: on_more(slice.bytes, now); break;
+    case SliceKind::end: on_end(slice.bytes, now); break;
+    case SliceKind::interrupt: on_interrupt(slice.bytes, now); break;
+    case SliceKind::abort:
+      if (incoming_.open())
+        break_off(counters_.aborts_received, now);
+      else
+        ++counters_.stray_slices;
+      break;
+    case SliceKind::idle:
+    case SliceKind::fold: break;
+  }
+  return false;
+}
+
+// ---- what becomes of it -------------------------------------------------------------------
+
+Relay::Fate Relay::judge(ByteView header, bool interrupt) {
+  if (!wire::header_valid(header, interrupt)) return ++counters_.malformed_packets, Fate::discard;
+  const NodeId source = header[wire::field::kSource];
+  if (source == settings_.id) return Fate::strip;
+  if (cut_off_[source]) return ++counters_.orphans_cut_off, Fate::discard;
+  if (header[wire::field::kHop] + 1u >= settings_.nodes()) return ++counters_.orphans_hop, Fate::discard;
+  if (bypassed_[source]) return ++counters_.orphans_bypassed, Fate::receive_only;
+  return Fate::pass_on;
+}
+
+Relay::Fate Relay::judge_data(ByteView header) {
+  const Fate fate = judge(header, false);
+  if (fate != Fate::pass_on || packet_manager_.has_room()) return fate;
+  ++counters_.insertion_buffer_full;
+  return Fate::discard;
+}
+
+bool Relay::check(const PacketFields& packet) {
+  if (!packet.crc_good()) return ++counters_.crc_errors, false;
+  if (!wire::trailer_valid(packet.bytes)) return ++counters_.malformed_packets, false;
+  return true;
+}
+
+/// The nodes that come after `before` and before `behind` in ring order.
+std::bitset<256> Relay::between(NodeId before, NodeId behind) const {
+  std::bitset<256> nodes;
+  const auto& order = settings_.order;
+  std::size_t at = 0;
+  while (order[at] != before) ++at;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const NodeId next = order[(at + i) % order.size()];
+    if (next == behind) break;
+    nodes.set(next);
+  }
+  return nodes;
+}
+
+// ---- DATP -----------------------------------------------------------------------------------
+
+bool Relay::on_whole(ByteView bytes, Time now) {
+  break_off(counters_.broken_off_packets, now);
+  const PacketFields packet{bytes};
+  const Fate fate = judge_data(bytes);
+  if (fate == Fate::discard) return false;
+  const bool good = check(packet);
+  if (fate == Fate::strip) {
+    returns_.data(packet, good, now);
+    return false;
+  }
+  const std::uint8_t fbc = good ? receive_.pass(packet, now) : packet.fbc();
+  if (fate != Fate::pass_on) return false;
+  const PacketManager::Place place = packet_manager_.relay_whole(bytes.size, now);
+  if (place.bytes == nullptr) return false;
+  std::copy(bytes.begin(), bytes.end(), place.bytes);
+  wire::rewrite(place.bytes, bytes.size, static_cast<std::uint8_t>(packet.hop() + 1), fbc);
+  return place.on_line;
+}
+
+void Relay::on_start(ByteView bytes, Time now) {
+  break_off(counters_.broken_off_packets, now);
+  fate_ = judge_data(bytes);
+  std::uint8_t* place = fate_ == Fate::pass_on ? packet_manager_.relay_begin(now) : nullptr;
+  incoming_.begin(bytes, now, place);
+  if (!place) return;
+  ++place[wire::field::kHop];
+  packet_manager_.relay_words(bytes.size);
+}
+
+bool Relay::append(ByteView bytes, Time now, std::size_t most) {
+  if (!incoming_.open()) {
+    ++counters_.stray_slices;
+    return false;
+  }
+  if (incoming_.append(bytes, now, most)) return true;
+  break_off(counters_.oversize_packets, now);
+  return false;
+}
+
+void Relay::on_more(ByteView bytes, Time now) {
+  const std::size_t most = wire::kHeaderSize + wire::kMaxPayload;  // trailer and CRC come with the end alone
+  if (append(bytes, now, most) && fate_ == Fate::pass_on) packet_manager_.relay_words(bytes.size);
+}
+
+// An `end` slice comes as the last odd bytes, trailer and CRC begin on the line; they are in a few byte times later.
+void Relay::on_end(ByteView bytes, Time now) {
+  if (!append(bytes, now, wire::kMaxDataPacketSize)) return;
+  const PacketFields packet{incoming_.bytes()};
+  if (packet.bytes.size < wire::kMinDataPacketSize) return break_off(counters_.malformed_packets, now);
+  incoming_.close();
+  if (fate_ == Fate::discard) return;
+  const auto tail = static_cast<std::int64_t>(packet.data().size % 4 + wire::kTrailerSize + wire::kCrcSize);
+  const Time at = now + settings_.byte_time_in * tail;
+  const bool good = check(packet);
+  if (fate_ == Fate::strip) return returns_.data(packet, good, at);
+  const std::uint8_t fbc = good ? receive_.pass(packet, at) : packet.fbc();
+  if (fate_ != Fate::pass_on) return;
+  wire::rewrite(incoming_.place(), packet.bytes.size, static_cast<std::uint8_t>(packet.hop() + 1), fbc);
+  packet_manager_.relay_end(bytes.size, now);
+}
+
+// The DATP that is coming in will never be complete; each relay passes the abort on. An INTP embedded in it goes on.
+void Relay::break_off(std::uint64_t& counter, Time now) {
+  if (!incoming_.open()) return;
+  incoming_.close();
+  ++counter;
+  if (fate_ == Fate::pass_on) packet_manager_.relay_abort();
+  if (fate_ == Fate::strip) returns_.broken_off(now);
+}
+
+// ---- INTP -----------------------------------------------------------------------------------
+
+void Relay::on_interrupt(ByteView bytes, Time now) {
+  const PacketFields packet{bytes};
+  const Fate fate = judge(bytes, true);
+  if (fate == Fate::discard) return;
+  const Time at = now + settings_.byte_time_in * static_cast<std::int64_t>(wire::kInterruptPacketSize);
+  const bool good = check(packet);
+  if (fate == Fate::strip) return returns_.interrupt(packet, good, at);
+  const std::uint8_t fbc = good ? pins_.pass(packet, at) : packet.fbc();
+  if (fate != Fate::pass_on) return;
+  wire::InterruptBytes copy;
+  std::copy(bytes.begin(), bytes.end(), copy.begin());
+  wire::rewrite(copy.data(), copy.size(), static_cast<std::uint8_t>(packet.hop() + 1), fbc);
+  packet_manager_.relay_interrupt(copy, now);
+}
+
+}  // namespace limb_ring::core

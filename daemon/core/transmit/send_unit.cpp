@@ -1,0 +1,109 @@
+#include "core/transmit/send_unit.h"
+
+namespace limb_ring::core {
+namespace {
+
+void count_outcome(Counters& counters, Outcome outcome) {
+  switch (outcome) {
+    case Outcome::delivered: ++counters.ended_delivered; break;
+    case Outcome::refused: ++counters.ended_refused; break;
+    case Outcome::no_such_node: ++counters.ended_no_such_node; break;
+    case Outcome::lost: ++counters.ended_lost; break;
+    case Outcome::unconfirmed: ++counters.ended_unconfirmed; break;
+    case Outcome::rejected: ++counters.ended_rejected; break;
+    case Outcome::cancelled: ++counters.ended_cancelled; break;
+  }
+}
+
+}  // namespace
+
+void SendUnit::set_open_chain(bool open, Time now) {
+  open_chain_ = open;
+  if (open && busy()) end_outstanding(Outcome::unconfirmed, now);
+}
+
+wire::ByteView SendUnit::launch(Time now) {
+  ++outstanding().end.tries;
+  const wire::ByteView image = flight_.launch(now, settings_.send_timeout());
+  if (open_chain_) end_outstanding(Outcome::unconfirmed, now);
+  return image;
+}
+
+bool SendUnit::returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at) {
+  if (!flight_.is_return(packet)) return false;
+  count_return();
+  if (doubtful && outstanding().end.owner != kController)
+    give_up(at);
+  else
+    decide(fbc, at);
+  return true;
+}
+
+// What the FBC says of one try says nothing of an earlier one that may have been taken.
+void SendUnit::decide(std::uint8_t fbc, Time at) {
+  const Duration round_trip = at - flight_.sent_at();
+  const bool sure = !outstanding().repeated;
+  if (fbc == wire::kFbcUntaken) {
+    numbers_.undecided(flight_.destination());
+    return end_outstanding(sure ? Outcome::no_such_node : Outcome::lost, at, round_trip);
+  }
+  numbers_.decided(flight_.destination());
+  if (fbc != 0) return end_outstanding(Outcome::delivered, at, round_trip);
+  if (goes_again(at)) return;
+  end_outstanding(sure ? Outcome::refused : Outcome::lost, at, round_trip);
+}
+
+void SendUnit::returned_damaged(Time at) {
+  if (flight_.phase() == Flight::Phase::out) fail_try(at);
+}
+
+void SendUnit::fail_try(Time at) {
+  Send& send = outstanding();
+  send.repeated = true;
+  if (!send.told && !send.forgotten && flight_.retry(at)) return;
+  give_up(at);
+}
+
+void SendUnit::give_up(Time at) {
+  numbers_.undecided(flight_.destination());
+  end_outstanding(Outcome::lost, at);
+}
+
+void SendUnit::handle_try_timeout(Time now) {
+  if (flight_.deadline() <= now) {
+    ++counters_.timeouts;
+    fail_try(now);
+  }
+  if (flight_.phase() == Flight::Phase::waiting && try_deadline() <= now) give_up(now);
+}
+
+void SendUnit::end_outstanding(Outcome outcome, Time at, Duration round_trip) {
+  flight_.clear();
+  free_at_ = at;
+  tell(outstanding(), outcome, at, round_trip);
+  pop_outstanding();
+}
+
+void SendUnit::tell(Send& send, Outcome outcome, Time at, Duration round_trip) {
+  if (send.told) return;
+  send.told = true;
+  send.end.outcome = outcome;
+  send.end.reject = outcome == Outcome::rejected ? Reject::no_way_out : Reject::none;
+  send.end.round_trip = round_trip;
+  give_out(send.end, at);
+}
+
+void SendUnit::give_out(const SendEnded& ended, Time at) {
+  count_outcome(counters_, ended.outcome);
+  events_.put(at, ended);
+}
+
+void SendUnit::forgotten_by(NodeId peer, Time now) {
+  if (flight_.idle() || outstanding().end.owner == kController) return;
+  const NodeId destination = outstanding().end.destination;
+  if (destination != peer && destination != wire::kBroadcast) return;
+  outstanding().forgotten = true;
+  if (flight_.phase() == Flight::Phase::waiting && outstanding().repeated) give_up(now);
+}
+
+}  // namespace limb_ring::core

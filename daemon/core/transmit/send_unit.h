@@ -1,0 +1,104 @@
+#pragma once
+
+#include "core/counters.h"
+#include "core/events.h"
+#include "core/settings.h"
+#include "core/transmit/flight.h"
+#include "core/transmit/sequence_numbers.h"
+
+namespace limb_ring::core {
+
+/// What a unit of Transmit may send.
+enum class Gate : std::uint8_t {
+  closed,   ///< nothing
+  control,  ///< the NC's own hello only
+  open
+};
+
+/// What the two units of Transmit have in common: one packet outstanding, whose return is its acknowledgement (paper);
+/// its tries, its time-out, and one result for every send. (ours, protocol.md sections 4.2 to 4.6)
+class SendUnit {
+ public:
+  SendUnit(const SendUnit&) = delete;
+  SendUnit& operator=(const SendUnit&) = delete;
+
+  void set_gate(Gate gate, Time now) {
+    gate_ = gate;
+    free_at_ = std::max(free_at_, now);  // what waited at it asks for the line now, not when it was asked for
+  }
+  /// Open chain: nothing returns, so every send ends `unconfirmed` as it leaves, at a pace.
+  void set_open_chain(bool open, Time now);
+
+  /// True while a packet is out, or waits for its retry.
+  bool busy() const { return !flight_.idle(); }
+  /// It is what was sent last, and not home yet. @pre its CRC is good
+  bool expects(const wire::PacketFields& packet) const { return flight_.is_return(packet); }
+  /// An own packet came home with a good CRC; `fbc` what the receivers wrote.
+  /// @param doubtful the FBC proves nothing (Membership::has_merged): it ends lost
+  /// @return true where it was the one outstanding
+  bool returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at);
+  /// An own packet came home damaged or broken off: a failed try.
+  void returned_damaged(Time at);
+
+  /// `peer` has restarted and forgotten what it took. What it may have taken before is not repeated: it would take it
+  /// twice. (ours, protocol.md section 4.10)
+  void forgotten_by(NodeId peer, Time now);
+
+  /// Its sequence numbers begin anew, in the incarnation of that boot number.
+  void restart_numbers(std::uint64_t boot) { numbers_.restart(boot); }
+  bool numbers_exhausted() const { return numbers_.exhausted(); }
+
+ protected:
+  /// A send on its way to its end.
+  struct Send {
+    SendEnded end;           ///< who asked for it, where to, and at its end how it ended
+    Time asked{};
+    bool repeated = false;   ///< some try had to be repeated: an earlier one may have been taken
+    bool forgotten = false;  ///< its receiver restarted while it was out: not repeated
+    bool told = false;       ///< its result was given already (cancelled while out)
+  };
+
+  SendUnit(const Settings& settings, Counters& counters, EventQueue& events)
+      : settings_(settings), counters_(counters), events_(events) {}
+  ~SendUnit() = default;
+
+  /// The send whose packet is out, or waits for its retry. @pre busy()
+  virtual Send& outstanding() = 0;
+  /// Takes it out of its queue.
+  virtual void pop_outstanding() = 0;
+  virtual void count_return() = 0;
+  /// All receivers that took it were full. @return true where it goes again later
+  virtual bool goes_again(Time at) = 0;
+  /// Where the end of a send is told.
+  virtual void give_out(const SendEnded& ended, Time at);
+
+  /// Puts its next try onto the line. In an open chain that is its end: it is not busy then.
+  wire::ByteView launch(Time now);
+  void end_outstanding(Outcome outcome, Time at, Duration round_trip = Duration{0});
+  /// Tells the result, if it was not told before.
+  void tell(Send& send, Outcome outcome, Time at, Duration round_trip = Duration{0});
+  void handle_try_timeout(Time now);
+  /// When handle_try_timeout() has something to do.
+  Time try_deadline() const {
+    const bool waits = flight_.phase() == Flight::Phase::waiting;
+    return waits ? flight_.waiting_since() + settings_.queue_timeout : flight_.deadline();
+  }
+  Time overdue_at(const Send& send) const { return send.asked + settings_.queue_timeout; }
+  void give_up(Time at);
+
+  const Settings& settings_;
+  Counters& counters_;
+  EventQueue& events_;
+  Gate gate_ = Gate::closed;
+  Flight flight_;
+  Time free_at_{};  ///< not before: the tail of the last return is in, or the gate was opened
+  SequenceNumbers numbers_;
+
+ private:
+  void fail_try(Time at);
+  void decide(std::uint8_t fbc, Time at);
+
+  bool open_chain_ = false;
+};
+
+}  // namespace limb_ring::core
