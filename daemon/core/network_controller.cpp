@@ -12,28 +12,28 @@ NetworkController::NetworkController(const Settings& settings, Time now) : Block
 // ---- the lines ----------------------------------------------------------------------------
 
 void NetworkController::input_up(Line line, NodeId from, Time now) {
-  if (fold_) return line == Line::first ? fold_->input_up(from, now) : fold_->second_input_up(from);
+  if (fold_) return fold_->input_up(line, from, now);
   if (line == Line::first) Blocks::input_up(from, now);
 }
 
 void NetworkController::input_lost(Line line, Time now) {
-  if (fold_) return line == Line::first ? fold_->input_lost(now) : fold_->second_input_lost(now);
+  if (fold_) return fold_->input_lost(line, now);
   if (line == Line::first) Blocks::input_lost(now);
 }
 
 void NetworkController::input_gap(Line line, Time now) {
-  if (fold_) return line == Line::first ? fold_->input_gap(now) : fold_->second_input_gap(now);
+  if (fold_) return fold_->input_gap(line, now);
   if (line == Line::first) Blocks::input_gap(now);
 }
 
 void NetworkController::output_up(Line line, NodeId to, Time now) {
   ready_[index(line)] = true;
-  if (fold_) return line == Line::first ? fold_->output_up(to, now) : fold_->second_output_up(now);
+  if (fold_) return fold_->output_up(line, to, now);
   if (line == Line::first) Blocks::output_up(to, now);
 }
 
 void NetworkController::output_lost(Line line, Time now) {
-  if (fold_) return line == Line::first ? fold_->output_lost(now) : fold_->second_output_lost(now);
+  if (fold_) return fold_->output_lost(line, now);
   if (line == Line::first) Blocks::output_lost(now);
 }
 
@@ -43,7 +43,7 @@ void NetworkController::set_output_ready(Line line, bool ready) {
 }
 
 void NetworkController::receive(Line line, const wire::Slice& slice, Time now) {
-  if (fold_) return line == Line::first ? fold_->receive(slice, now) : fold_->receive_second(slice, now);
+  if (fold_) return fold_->receive(line, slice, now);
   if (line == Line::first) enter(slice, now);
 }
 

@@ -1,13 +1,12 @@
 #include "core/fold/fold_back.h"
 
 namespace limb_ring::core {
-
-using wire::FoldMark;
-using wire::FoldWord;
-using wire::Slice;
-using wire::SliceKind;
-
 namespace {
+
+std::size_t place_of(const Settings& settings, NodeId node) {
+  return static_cast<std::size_t>(std::find(settings.order.begin(), settings.order.end(), node) -
+                                  settings.order.begin());
+}
 
 NodeId neighbour(const Settings& settings, std::size_t steps) {
   return settings.order[(place_of(settings, settings.id) + steps) % settings.order.size()];
@@ -23,149 +22,93 @@ FoldBack::FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& 
       from_(neighbour(blocks.settings(), blocks.settings().order.size() - 1)),
       to_(neighbour(blocks.settings(), 1)),
       second_from_(to_),
-      patience_(now + blocks.settings().break_grace) {}
+      may_fold_at_(now + blocks.settings().break_grace) {}
 
-// ---- the first line -----------------------------------------------------------------------
+std::size_t FoldBack::distance(NodeId from, NodeId to) const {
+  const std::size_t nodes = settings().order.size();
+  return (place_of(settings(), to) + nodes - place_of(settings(), from)) % nodes;
+}
 
-void FoldBack::input_up(NodeId from, Time now) {
-  if (input_up_) input_lost(now);
+bool FoldBack::in_ring(NodeId node) const { return place_of(settings(), node) < settings().order.size(); }
+
+// ---- the lines ------------------------------------------------------------------------------
+
+void FoldBack::input_up(Line line, NodeId from, Time now) {
+  if (line == Line::second) {
+    second_from_ = from;
+    return;
+  }
+  if (input_up_) input_lost(line, now);
   input_up_ = true;
   from_ = from;
   tell_neighbours();
-  begin_draining(now);
+  on(InInput::first_up, now);
   settle(now);
 }
 
-void FoldBack::input_lost(Time now) {
+void FoldBack::input_lost(Line line, Time now) {
+  if (line == Line::second) return lose_second_input(now);
   if (!input_up_) return;
   input_up_ = false;
-  drop_held();
-  if (in_ == In::first) {
-    blocks_.input_gap(now);
-    ++counters_.folds;
-  }
-  in_ = In::second;
-  drain_due_ = kNever;
-  say_again(now);
+  on(InInput::first_lost, now);
   settle(now);
 }
 
-void FoldBack::input_gap(Time now) {
+void FoldBack::input_gap(Line line, Time now) {
+  if (line == Line::second) return break_off_second(now);
   if (in_ == In::first) blocks_.input_gap(now);
 }
 
-void FoldBack::output_up(NodeId to, Time now) {
-  if (output_up_) output_lost(now);
-  output_up_ = true;
-  to_ = to;
-  tell_neighbours();
-  next_is_deaf_ = false;
-  greet_on_first();
-  settle(now);
-}
-
-void FoldBack::output_lost(Time now) {
-  if (!output_up_) return;
-  output_up_ = false;
-  settle(now);
-}
-
-void FoldBack::receive(const Slice& slice, Time now) {
-  if (slice.kind == SliceKind::idle) return;
-  if (const auto word = wire::fold_word(slice); word && word->mark == FoldMark::begin) return answer(*word);
-  if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return blocks_.enter(slice, now);
-  first_spoke_ = true;
-  if (slice.kind != SliceKind::fold) hold(slice, now);
-  drain_if_settled(now);
-}
-
-// The node before has turned back because it believes that this one hears nothing on the first line. Its word has come
-// on that line: a `hears` was lost.
-void FoldBack::answer(FoldWord word) {
-  if (word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
-}
-
-// ---- output: first or second line ---------------------------------------------------------
-
-void FoldBack::settle_output(Time now) {
-  const bool back = (!output_up_ && may_fold_) || next_is_deaf_;
-  if (back && out_ != Out::second) turn_back(now);
-  if (!back && out_ == Out::second) out_ = Out::leaving;
-  if (out_ == Out::leaving && !second_output_up_) {
-    blocks_.output_replaced(now);
-    out_open_ = false;
-  }
-  if (out_ == Out::leaving && !out_open_) back_to_first();
-  const bool up = out_ == Out::first ? output_up_ : second_output_up_ && told_input_;
-  if (up == told_output_) return;
-  told_output_ = up;
-  if (up)
-    blocks_.output_up(to_, now);
-  else
-    blocks_.output_lost(now);
-}
-
-void FoldBack::turn_back(Time now) {
-  const bool anew = out_ == Out::first;
-  out_ = Out::second;
-  if (!anew) return;
-  ++counters_.folds;
-  out_open_ = false;
-  tell_neighbours();
-  if (told_output_) blocks_.output_replaced(now);
-  say_again(now);
-}
-
-// Between two packets, so that none is lost.
-void FoldBack::back_to_first() {
-  out_ = Out::first;
-  tell_neighbours();
-  say(FoldMark::last, id());
-  greet_on_first();
-  if (tail_ && in_ == In::first) say(FoldMark::begin, *tail_);
-}
-
-// While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.
-void FoldBack::tell_neighbours() {
-  blocks_.set_neighbours(from_, to_, out_ == Out::first ? to_ : neighbour(blocks_.settings(), 1));
-}
-
-// The next node waits for this before it takes the first line for its input.
-void FoldBack::greet_on_first() {
-  if (out_ == Out::first) wire::put(first_, {FoldMark::last, id()});
-}
-
-bool FoldBack::open_after(const Slice& slice, bool open) {
-  if (slice.kind == SliceKind::start) return true;
-  return open && (slice.kind == SliceKind::more || slice.kind == SliceKind::interrupt);
-}
-
-void FoldBack::put_out(const Slice& slice) {
-  (out_ == Out::first ? first_ : second_).put(slice.kind, slice.bytes);
-  out_open_ = open_after(slice, out_open_);
-  if (out_ == Out::leaving && !out_open_) back_to_first();
-}
-
-void FoldBack::carry(wire::SliceWriter& line, Time now) {
-  if (out_ == Out::first && first_.empty()) {
-    first_.swap(line);
+void FoldBack::output_up(Line line, NodeId to, Time now) {
+  if (line == Line::second) {
+    second_output_up_ = true;
+    if (fold_node_ && repeats()) say(wire::FoldMark::begin, *fold_node_);
+    say_words(now);
   } else {
-    wire::ByteView rest = line.view();
+    if (output_up_) output_lost(line, now);
+    output_up_ = true;
+    to_ = to;
+    tell_neighbours();
+    next_is_deaf_ = false;
+    greet_next_node();
+  }
+  settle(now);
+}
+
+void FoldBack::output_lost(Line line, Time now) {
+  if (line == Line::first && !output_up_) return;
+  (line == Line::first ? output_up_ : second_output_up_) = false;
+  settle(now);
+}
+
+void FoldBack::receive(Line line, const wire::Slice& slice, Time now) {
+  if (slice.kind == wire::SliceKind::idle) return;
+  if (line == Line::first)
+    receive_first(slice, now);
+  else
+    receive_second(slice, now);
+}
+
+void FoldBack::carry(wire::SliceWriter& given_out, Time now) {
+  if (out_ == Out::first && first_.empty()) {
+    first_.swap(given_out);
+  } else {
+    wire::ByteView rest = given_out.view();
     while (!rest.empty()) {
       const wire::SliceParse parse = wire::parse_slice(rest);
-      put_out(parse.slice);
+      put_out(parse.slice, now);
       rest = rest.from(parse.consumed);
     }
   }
-  line.clear();
+  given_out.clear();
   tell_folded(now);
 }
 
-// ---- time ---------------------------------------------------------------------------------
+// ---- both halves ------------------------------------------------------------------------------
 
 void FoldBack::settle(Time now) {
   if (input_up_ && output_up_) may_fold_ = true;
-  if (may_fold_) patience_ = kNever;
+  if (may_fold_) may_fold_at_ = kNever;
   settle_input(now);
   settle_output(now);
   tell_turned_back();
@@ -173,31 +116,37 @@ void FoldBack::settle(Time now) {
 }
 
 // Words can be lost with the link, so a node that has folded repeats them.
-void FoldBack::say_again(Time now) {
-  say_again_ = kNever;
+void FoldBack::say_words(Time now) {
+  using wire::FoldMark;
+  repeat_words_at_ = kNever;
   if (!may_fold_) return;
   if (in_ == In::second) say(FoldMark::deaf, id());
   if (in_ == In::draining) say(FoldMark::hears, id());
   if (out_ != Out::first) say(FoldMark::begin, id());
   if (next_is_deaf_ && output_up_) wire::put(first_, {FoldMark::begin, id()});
   if (in_ == In::first && out_ == Out::first) return;
-  say_again_ = now + pause();
+  repeat_words_at_ = now + repeat_period();
 }
 
-Duration FoldBack::pause() const {
-  const Duration beacon = blocks_.settings().beacon;
+Duration FoldBack::repeat_period() const {
+  const Duration beacon = settings().beacon;
   return beacon.count() != 0 ? beacon : Duration{std::chrono::milliseconds(100)};
 }
 
 void FoldBack::handle_timeout(Time now) {
-  if (patience_ <= now) {
+  if (may_fold_at_ <= now) {
     may_fold_ = true;
-    say_again(now);
+    say_words(now);
     settle(now);
   }
-  if (say_again_ <= now) say_again(now);
-  if (drain_due_ <= now) waits_for_last() ? forget_tail(now) : drained(now);
-  if (tail_due_ <= now) lose_tail(now);
+  if (repeat_words_at_ <= now) say_words(now);
+  if (drain_due_ <= now) {
+    if (waits_for_last())
+      forget_fold_node(now);
+    else
+      on(InInput::through, now);
+  }
+  if (fold_node_due_ <= now) lose_second_input(now);
   release(now);
 }
 

@@ -1,4 +1,5 @@
-// FoldBack's input: the first line, the second in its place, and the way back without a loss.
+// FoldBack's input half: the first line, the second in its place, and the way back without a loss. (ours,
+// protocol.md section 8.9)
 #include "core/fold/fold_back.h"
 
 namespace limb_ring::core {
@@ -15,84 +16,119 @@ constexpr std::size_t kMostHeld = 64 * 1024;
 /// Packets may be held for this part of a try's time-out: no copy may live longer than that time-out.
 constexpr int kHoldShare = 8;
 
-bool begins_data(const Slice& slice) { return slice.kind == SliceKind::start || slice.kind == SliceKind::whole; }
-
-/// How many lines lie between a node and this one, in ring order.
-std::size_t distance(const Settings& settings, NodeId from) {
-  const std::size_t nodes = settings.order.size();
-  return (place_of(settings, settings.id) + nodes - place_of(settings, from)) % nodes;
-}
-
 }  // namespace
 
 // What the node before has turned back is still on its way on the second line and must be taken first. That node says
 // on both lines when it has stopped sending on the second.
-void FoldBack::begin_draining(Time now) {
+const FoldBack::InRow FoldBack::kInputTable[] = {
+    // input              from                                                to            first, then
+    {InInput::first_up,   in(In::first) | in(In::second) | in(In::draining),  In::draining, &FoldBack::greet_first_line,
+                                                                                            &FoldBack::drain_or_take},
+    {InInput::first_lost, in(In::first) | in(In::second) | in(In::draining),  In::second,   &FoldBack::leave_first_line,
+                                                                                            &FoldBack::say_own_words},
+    {InInput::through,    in(In::draining),                                   In::first,    &FoldBack::leave_second_line,
+                                                                                            &FoldBack::take_first_line},
+};
+
+void FoldBack::on(InInput input, Time now) {
+  const InRow* row = find_row(kInputTable, input, in_);
+  if (row == nullptr) return;
+  (this->*row->first)(now);
+  in_ = row->to;
+  (this->*row->then)(now);
+}
+
+// ---- the first line is back -------------------------------------------------------------------
+
+void FoldBack::greet_first_line(Time) {
   first_spoke_ = false;
   if (may_fold_) say(FoldMark::hears, id());
-  if (in_ == In::first) return;
-  in_ = In::draining;
-  const Settings& settings = blocks_.settings();
-  const bool dead = tail_ && distance(settings, *tail_) < distance(settings, from_);  // the fold node is bypassed now
-  if (dead) return forget_tail(now);
-  if (!tail_) drained(now);
+}
+
+void FoldBack::drain_or_take(Time now) {
+  const bool dead = fold_node_ && distance(*fold_node_, id()) < distance(from_, id());  // it is bypassed now
+  if (dead) return forget_fold_node(now);
+  if (!fold_node_) on(InInput::through, now);
 }
 
 void FoldBack::drain_if_settled(Time now) {
   if (in_ != In::draining || !first_spoke_) return;
-  if (!waits_for_last() && !second_open_) return drained(now);
-  const Settings& settings = blocks_.settings();
-  if (drain_due_ == kNever) drain_due_ = now + std::min(settings.stall, settings.send_timeout() / kHoldShare);
+  if (!waits_for_last() && !coming_second_.is()) return on(InInput::through, now);
+  if (drain_due_ == kNever)
+    drain_due_ = now + std::min(settings().stall, settings().send_timeout() / kHoldShare);
 }
 
-// Back to the first line. If another fold still sends on the second one, this node repeats that from now on.
-void FoldBack::drained(Time now) {
-  in_ = In::first;
+void FoldBack::leave_second_line(Time now) {
   drain_due_ = kNever;
-  if (second_open_) blocks_.input_gap(now);
-  second_open_ = false;
-  if (tail_ && waits_for_last()) {
-    tail_.reset();
-    tail_due_ = kNever;
+  if (coming_second_.is()) blocks_.input_gap(now);
+  coming_second_.close();
+  if (waits_for_last()) {
+    fold_node_.reset();
+    fold_node_due_ = kNever;
   }
-  if (tail_) say(FoldMark::begin, *tail_);
+}
+
+// If another fold still sends on the second line, this node repeats that from now on.
+void FoldBack::take_first_line(Time now) {
+  if (fold_node_) say(FoldMark::begin, *fold_node_);
   tell_turned_back();
   release(now);
 }
 
+// ---- the first line is lost -------------------------------------------------------------------
+
+void FoldBack::leave_first_line(Time now) {
+  drop_held();
+  drain_due_ = kNever;
+  if (in_ != In::first) return;
+  blocks_.input_gap(now);
+  ++counters_.folds;
+}
+
+// ---- what comes in on it ------------------------------------------------------------------------
+
+void FoldBack::receive_first(const Slice& slice, Time now) {
+  if (const auto word = wire::fold_word(slice); word && word->mark == FoldMark::begin) return answer(*word);
+  if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return blocks_.enter(slice, now);
+  first_spoke_ = true;
+  if (slice.kind != SliceKind::fold) hold(slice, now);
+  drain_if_settled(now);
+}
+
+// The node before has turned back because it believes that this one hears nothing on the first line. Its word has come
+// on that line: a `hears` was lost.
+void FoldBack::answer(FoldWord word) {
+  if (word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
+}
+
 void FoldBack::hold(const Slice& slice, Time now) {
-  if (held_.view().size > kMostHeld) {
+  if (held_.bytes() > kMostHeld) {
     drop_held();
     blocks_.input_gap(now);
   }
-  held_.put(slice.kind, slice.bytes);
-  if (in_ == In::first) release(now);
+  held_.put(slice);
+  release(now);
 }
 
 // As fast as the insertion buffer takes it.
 void FoldBack::release(Time now) {
   if (in_ != In::first) return;
-  while (released_ < held_.view().size) {
-    const wire::SliceParse parse = wire::parse_slice(held_.view().from(released_));
-    if (begins_data(parse.slice) && !blocks_.has_room()) return;
-    released_ += parse.consumed;
-    blocks_.enter(parse.slice, now);
+  Slice slice{};
+  while (held_.next(slice)) {
+    const bool begins = slice.kind == SliceKind::start || slice.kind == SliceKind::whole;
+    if (begins && !blocks_.has_room()) return;
+    held_.pop();
+    blocks_.enter(slice, now);
   }
-  held_.clear();
-  released_ = 0;
 }
 
 void FoldBack::drop_held() {
-  while (released_ < held_.view().size) {
-    released_ += wire::parse_slice(held_.view().from(released_)).consumed;
-    ++counters_.fold_held_dropped;
-  }
-  held_.clear();
-  released_ = 0;
+  Slice slice{};
+  for (; held_.next(slice); held_.pop()) ++counters_.fold_held_dropped;
 }
 
 void FoldBack::settle_input(Time now) {
-  const bool up = in_ == In::first ? input_up_ : tail_.has_value();
+  const bool up = in_ == In::first ? input_up_ : fold_node_.has_value();
   if (up == told_input_) return;
   told_input_ = up;
   if (up)

@@ -9,29 +9,15 @@ constexpr std::uint32_t kBeaconToken = 2;
 /// a restart pass only once; a living double goes on sending.
 constexpr unsigned kDoubledSigns = 3;
 
-/// A set of states.
-using States = unsigned;
-constexpr States in(NodeState state) { return 1u << static_cast<unsigned>(state); }
-constexpr States kStarting = in(NodeState::starting), kJoining = in(NodeState::joining),
-                 kClosed = in(NodeState::up) | in(NodeState::alone) | in(NodeState::folded),
-                 kOpenChain = in(NodeState::open_chain), kDoubled = in(NodeState::doubled_id);
-constexpr States kAny = kStarting | kJoining | kClosed | kOpenChain | kDoubled;
-
-/// The next state; `closed` is up, alone or folded.
-enum class Next : std::uint8_t { same, starting, joining, closed, open_chain, doubled_id };
+constexpr unsigned kStarting = in(NodeState::starting), kJoining = in(NodeState::joining),
+                   kClosed = in(NodeState::up) | in(NodeState::alone) | in(NodeState::folded),
+                   kOpenChain = in(NodeState::open_chain), kDoubled = in(NodeState::doubled_id);
+constexpr unsigned kAny = kStarting | kJoining | kClosed | kOpenChain | kDoubled;
 
 }  // namespace
 
-struct Membership::Transition {
-  Input input;
-  States from;
-  Next to;
-  Action first;  ///< before the state changes
-  Action then;   ///< after it has
-};
-
-// The table of protocol.md section 8.1. A state that is not named does not heed the input.
-const Membership::Transition Membership::kTransitions[] = {
+// The table of protocol.md section 8.1.
+const Membership::Row Membership::kTable[] = {
     // input                     from                   to                first                            then
     {Input::own_packet_home,    kDoubled,              Next::joining,    nullptr,                         nullptr},
     {Input::own_control_home,   kOpenChain,            Next::same,       nullptr,                         &Membership::start_drain},
@@ -63,20 +49,18 @@ Membership::Membership(const Settings& settings, Transmit& transmit, DuplicateMe
 }
 
 void Membership::on(Input input, Time now) {
-  for (const Transition& t : kTransitions) {
-    if (t.input != input || (t.from & in(state_)) == 0) continue;
-    if (t.first) (this->*t.first)(now);
-    switch (t.to) {
-      case Next::same: break;
-      case Next::starting: enter(NodeState::starting, now); break;
-      case Next::joining: enter(NodeState::joining, now); break;
-      case Next::closed: enter(closed_state(), now); break;
-      case Next::open_chain: enter(NodeState::open_chain, now); break;
-      case Next::doubled_id: enter(NodeState::doubled_id, now); break;
-    }
-    if (t.then) (this->*t.then)(now);
-    return;
+  const Row* row = find_row(kTable, input, state_);
+  if (row == nullptr) return;
+  if (row->first) (this->*row->first)(now);
+  switch (row->to) {
+    case Next::same: break;
+    case Next::starting: enter(NodeState::starting, now); break;
+    case Next::joining: enter(NodeState::joining, now); break;
+    case Next::closed: enter(closed_state(), now); break;
+    case Next::open_chain: enter(NodeState::open_chain, now); break;
+    case Next::doubled_id: enter(NodeState::doubled_id, now); break;
   }
+  if (row->then) (this->*row->then)(now);
 }
 
 void Membership::enter(NodeState state, Time now) {

@@ -9,6 +9,7 @@
 #include "core/membership/peers.h"
 #include "core/receive/duplicate_memory.h"
 #include "core/settings.h"
+#include "core/state_table.h"
 #include "core/transmit/transmit.h"
 
 namespace limb_ring::core {
@@ -106,9 +107,10 @@ class Membership {
     drained,            ///< the open chain is closed again, and nothing old is under way
     duplicate_id
   };
-  using Action = void (Membership::*)(Time now);
-  struct Transition;
-  static const Transition kTransitions[];
+  /// The next state; `closed` is up, alone or folded.
+  enum class Next : std::uint8_t { same, starting, joining, closed, open_chain, doubled_id };
+  using Row = Transition<Membership, Input, Next>;
+  static const Row kTable[];
   void on(Input input, Time now);
   void enter(NodeState state, Time now);
   /// In a closed ring.

@@ -1,0 +1,75 @@
+// FoldBack's output half: the first line, or back onto the second. (ours, protocol.md section 8.10)
+#include "core/fold/fold_back.h"
+
+namespace limb_ring::core {
+
+using wire::FoldMark;
+
+const FoldBack::OutRow FoldBack::kOutputTable[] = {
+    // input                 from              to            first    then
+    {OutInput::blocked,      in(Out::first),   Out::second,  nullptr, &FoldBack::turn_back},
+    {OutInput::blocked,      in(Out::leaving), Out::second,  nullptr, nullptr},
+    {OutInput::free,         in(Out::second),  Out::leaving, nullptr, nullptr},
+    {OutInput::packet_ended, in(Out::leaving), Out::first,   nullptr, &FoldBack::turn_forward},
+};
+
+void FoldBack::on(OutInput input, Time now) {
+  const OutRow* row = find_row(kOutputTable, input, out_);
+  if (row == nullptr) return;
+  out_ = row->to;
+  if (row->then) (this->*row->then)(now);
+}
+
+void FoldBack::settle_output(Time now) {
+  const bool blocked = (!output_up_ && may_fold_) || next_is_deaf_;
+  on(blocked ? OutInput::blocked : OutInput::free, now);
+  if (out_ == Out::leaving && !second_output_up_) {
+    blocks_.output_replaced(now);
+    sent_back_.close();
+  }
+  if (!sent_back_.is()) on(OutInput::packet_ended, now);
+  const bool up = out_ == Out::first ? output_up_ : second_output_up_ && told_input_;
+  if (up == told_output_) return;
+  told_output_ = up;
+  if (up)
+    blocks_.output_up(to_, now);
+  else
+    blocks_.output_lost(now);
+}
+
+void FoldBack::turn_back(Time now) {
+  ++counters_.folds;
+  sent_back_.close();
+  tell_neighbours();
+  if (told_output_) blocks_.output_replaced(now);
+  say_words(now);
+}
+
+// Between two packets, so that none is lost.
+void FoldBack::turn_forward(Time) {
+  tell_neighbours();
+  say(FoldMark::last, id());
+  greet_next_node();
+  if (fold_node_ && in_ == In::first) say(FoldMark::begin, *fold_node_);
+}
+
+// The next node waits for this before it takes the first line for its input.
+void FoldBack::greet_next_node() {
+  if (out_ == Out::first) wire::put(first_, {FoldMark::last, id()});
+}
+
+// While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.
+void FoldBack::tell_neighbours() {
+  const auto& order = settings().order;
+  const auto own = std::find(order.begin(), order.end(), id());
+  const NodeId configured = own + 1 == order.end() ? order.front() : *(own + 1);
+  blocks_.set_neighbours(from_, to_, out_ == Out::first ? to_ : configured);
+}
+
+void FoldBack::put_out(const wire::Slice& slice, Time now) {
+  (out_ == Out::first ? first_ : second_).put(slice.kind, slice.bytes);
+  sent_back_.see(slice);
+  if (!sent_back_.is()) on(OutInput::packet_ended, now);
+}
+
+}  // namespace limb_ring::core
