@@ -1,7 +1,3 @@
-"""What scripts/chaos and scripts/fault_table stand on: a live ring of real daemons in a folder of its own, traffic
-whose every packet can be checked, the ring's own account of what happens, and faults on purpose."""
-import os
-import sys
-
-# The host port's messages, as the process tests have them.
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'test', 'process'))
+"""What scripts/demo, scripts/chaos, scripts/fault_table and the process tests stand on: rings of real daemons in a folder
+of their own, the host port, traffic whose every packet can be checked, the ring's own account of what happens, and
+faults on purpose."""

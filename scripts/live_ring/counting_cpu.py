@@ -8,8 +8,7 @@ import struct
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-from live_ring import payload  # noqa: E402  (finds host_port)
-import host_port  # noqa: E402
+from live_ring import host_port, payload  # noqa: E402
 
 SPEAKS_EVERY = 0.1   # s
 NOTE = struct.Struct('>BIBB')   # source, number, destination, priority

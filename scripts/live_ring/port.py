@@ -1,8 +1,8 @@
 """A host port in an event loop: nothing here waits, but for the greeting."""
 import struct
 
-import host_port
-from host_port import HostPort
+from live_ring import host_port
+from live_ring.host_port import HostPort
 
 GREETING_TIMEOUT = 5.0   # s
 CREDIT = 64              # packets that the daemon may be ahead of us

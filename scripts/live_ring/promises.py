@@ -2,9 +2,7 @@
 damaged, nothing twice, nothing out of order, no interrupt more often than it was sent."""
 from collections import Counter
 
-import host_port
-
-from live_ring import payload
+from live_ring import host_port, payload
 
 NEVER_ARRIVED = ('no such node', 'refused', 'rejected')
 # An INTP doubled by a link in the moment its target joins may be told as this though it pulled the pin: accepted.

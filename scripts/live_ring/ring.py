@@ -2,12 +2,9 @@
 import json
 import os
 import resource
-import shutil
 import signal
-import subprocess
-import tempfile
 
-from ring_process import free_udp_ports, plain_nodes
+from live_ring.launcher import Launcher, free_udp_ports, plain_nodes
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 BUILT = os.path.join(ROOT, 'build', 'devel', 'lib', 'limb_ring')
@@ -27,12 +24,11 @@ class LiveRing:
 
     def __init__(self, told, child_nodes, child_command):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))   # crashes are ordered here
-        self.folder = tempfile.mkdtemp(prefix='limb_ring_')
-        self.programs, self.transport, self.redundancy = told.programs, told.transport, told.redundancy
+        self.launcher = Launcher(told.programs)
+        self.launcher.environment['PYTHONDONTWRITEBYTECODE'] = '1'
+        self.folder, self.transport, self.redundancy = self.launcher.folder, told.transport, told.redundancy
         self.nodes, self.child_nodes = list(range(NODES)), list(child_nodes)
         self.name = 'live%d_%d' % (told.seed, os.getpid())
-        self.environment = {k: v for k, v in os.environ.items() if not k.startswith('LIMB_RING')}
-        self.environment.update(XDG_RUNTIME_DIR=self.folder, PYTHONDONTWRITEBYTECODE='1')
         self.config = self._write(child_command)
         self.daemons, self.ordered, self.frozen = {}, set(), set()
         self.lives = {node: 0 for node in self.nodes}
@@ -49,10 +45,7 @@ class LiveRing:
         ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes,
                 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
                 'supervisor': {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}}
-        path = os.path.join(self.folder, 'ring.yaml')
-        with open(path, 'w') as file:
-            json.dump(ring, file)   # which is YAML too
-        return path
+        return self.launcher.write('ring.yaml', json.dumps(ring))   # which is YAML too
 
     def name_of(self, node):
         return 'node%d' % (node % NODES)
@@ -62,10 +55,7 @@ class LiveRing:
         return '%s -> %s' % (self.name_of(node), self.name_of(node + 1))
 
     def socket_of(self, node):
-        return os.path.join(self.folder, 'limb_ring', self.name, '%d.host' % node)
-
-    def log_of(self, node):
-        return os.path.join(self.folder, 'ringd_%d.log' % node)
+        return self.launcher.socket_of(self.name, node)
 
     # ---- processes ------------------------------------------------------------------------
 
@@ -75,11 +65,7 @@ class LiveRing:
 
     def start_node(self, node):
         # In a session of its own: Ctrl-C is for the caller, who ends the ring.
-        with open(self.log_of(node), 'ab') as log:
-            self.daemons[node] = subprocess.Popen(
-                [os.path.join(self.programs, 'ringd'), '--config', self.config, '--node', str(node)],
-                stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, env=self.environment,
-                start_new_session=True)
+        self.daemons[node] = self.launcher.ringd(self.config, node, start_new_session=True)
         self.ordered.discard(node)
         self.lives[node] += 1
 
@@ -109,21 +95,11 @@ class LiveRing:
                     node, daemon.pid, daemon.returncode, self.last_lines(node)))
 
     def last_lines(self, node, count=20):
-        with open(self.log_of(node), errors='replace') as log:
+        with open(self.daemons[node].log, errors='replace') as log:
             return ''.join(log.readlines()[-count:])
 
     def stop(self):
         for node in list(self.frozen):
             self.thaw(node)
-        for daemon in self.daemons.values():
-            if daemon.poll() is None:
-                daemon.terminate()
-        try:
-            for daemon in self.daemons.values():
-                daemon.wait(END_TIMEOUT)
-        except subprocess.TimeoutExpired:
-            pass
-        for daemon in self.daemons.values():
-            daemon.kill()
-            daemon.wait(END_TIMEOUT)
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self.launcher.end(END_TIMEOUT)
+        self.launcher.remove()

@@ -3,9 +3,7 @@ import random
 import time
 from collections import Counter
 
-import host_port
-
-from live_ring import counting_cpu, payload
+from live_ring import counting_cpu, host_port, payload
 from live_ring.port import Port
 from live_ring.promises import Promises
 from live_ring.ring import NOTIFY

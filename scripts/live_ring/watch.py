@@ -1,8 +1,7 @@
 """What the nodes say of themselves as it happens: the observe stream, with the daemons' own times."""
 import time
 
-import host_port
-
+from live_ring import host_port
 from live_ring.port import Port
 from live_ring.ring import NODES
 

@@ -6,9 +6,9 @@ import random
 import signal
 import struct
 
-import host_port
 import ring_process
 from ring_process import RingTest, plain_nodes
+from live_ring import host_port
 
 RECEIVER, SENDERS, NODES = 2, (0, 4), 5
 OUTSTANDING = 16

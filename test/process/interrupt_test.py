@@ -3,9 +3,9 @@
 import os
 import signal
 
-import host_port
 import ring_process
 from ring_process import RingTest, plain_nodes
+from live_ring import host_port
 
 
 class Pins(RingTest):

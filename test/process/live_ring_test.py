@@ -14,12 +14,12 @@ import unittest
 import ring_process
 from ring_process import GUARD, STEP
 
+from live_ring import faults, payload, report
+from live_ring.loop import Loop
+from live_ring.promises import Promises
+from live_ring.traffic import Send, Traffic
+
 SCRIPTS = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts')
-sys.path.insert(0, SCRIPTS)
-from live_ring import faults, payload, report  # noqa: E402
-from live_ring.loop import Loop  # noqa: E402
-from live_ring.promises import Promises  # noqa: E402
-from live_ring.traffic import Send, Traffic  # noqa: E402
 
 ALL = 0xFF
 

@@ -1,8 +1,8 @@
 """Clients that see the packets on a node's lines, as fast or as slow as they read."""
 
-import host_port
 import ring_process
 from ring_process import RingTest, plain_nodes
+from live_ring import host_port
 
 CONTROL = 1
 

@@ -4,15 +4,15 @@ own, so that tests can run side by side. Conditions are waited for; nothing is t
 import json
 import os
 import random
-import shutil
-import signal
-import socket
 import subprocess
-import tempfile
+import sys
 import time
 import unittest
 
-from host_port import HostPort
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
+from live_ring.host_port import HostPort  # noqa: E402
+from live_ring.launcher import Launcher, free_udp_ports, plain_nodes  # noqa: E402,F401
+from live_ring.processes import is_gone, process_state  # noqa: E402,F401
 
 PROGRAMS = os.environ.get('RING_TEST_PROGRAMS', '')
 CONFIG = os.environ.get('RING_TEST_CONFIG', '')
@@ -27,57 +27,30 @@ def program(name):
     return os.path.join(PROGRAMS, name)
 
 
-def process_state(pid):
-    """'T' stopped, 'Z' ended but not waited for ...; '' where there is none."""
-    try:
-        with open('/proc/%d/stat' % pid) as stat:
-            return stat.read().rsplit(')', 1)[1].split()[0]
-    except OSError:
-        return ''
-
-
-def is_gone(pid):
-    return process_state(pid) in ('', 'Z', 'X')
-
-
-def free_udp_ports(count):
-    """First of `count` UDP ports in a row that nobody has at this moment."""
-    while True:
-        first = random.randrange(10000, 16000)
-        probes = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
-        try:
-            for i, probe in enumerate(probes):
-                probe.bind(('127.0.0.1', first + i))
-            return first
-        except OSError:
-            continue
-        finally:
-            for probe in probes:
-                probe.close()
-
-
-def plain_nodes(count):
-    return [{'id': i, 'name': 'node%d' % i} for i in range(count)]
-
-
 class RingTest(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix='ring_')
-        self.runtime = os.path.join(self.folder, 'run')
-        os.mkdir(self.runtime, 0o700)
+        self.launcher = Launcher(PROGRAMS, prefix='ring_')
+        self.folder, self.environment = self.launcher.folder, self.launcher.environment
         self.ring = 'r%d' % random.randrange(10 ** 9)
-        self.environment = {k: v for k, v in os.environ.items() if not k.startswith('LIMB_RING')}
-        self.environment['XDG_RUNTIME_DIR'] = self.runtime
-        self.processes = []   # (what, Popen, log path)
         self.addCleanup(self._clean_up)
+
+    @property
+    def runtime(self):
+        """Where the rings of this test have their folders."""
+        return self.launcher.runtime
+
+    @runtime.setter
+    def runtime(self, folder):
+        self.launcher.runtime = folder
+
+    @property
+    def processes(self):
+        return self.launcher.started
 
     # ---- files ----------------------------------------------------------------------------
 
     def write(self, name, text):
-        path = os.path.join(self.folder, name)
-        with open(path, 'w') as file:
-            file.write(text)
-        return path
+        return self.launcher.write(name, text)
 
     def script(self, name, text):
         path = self.write(name, '#!/bin/sh\n' + text)
@@ -90,25 +63,18 @@ class RingTest(unittest.TestCase):
         return self.write('ring.yaml', json.dumps(ring, indent=1))
 
     def ring_folder(self, ring=None):
-        return os.path.join(self.runtime, 'limb_ring', ring or self.ring)
+        return self.launcher.ring_folder(ring or self.ring)
 
     def socket_of(self, node, kind='host'):
-        return os.path.join(self.ring_folder(), '%s.%s' % (node, kind))
+        return self.launcher.socket_of(self.ring, node, kind)
 
     # ---- processes ------------------------------------------------------------------------
 
     def start(self, what, arguments, **options):
-        log = os.path.join(self.folder, '%d_%s.log' % (len(self.processes), what))
-        with open(log, 'wb') as output:
-            process = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=output,
-                                       stderr=subprocess.STDOUT, env=self.environment, **options)
-        process.log = log
-        self.processes.append((what, process))
-        return process
+        return self.launcher.start(what, arguments, **options)
 
     def ringd(self, config, node, *more):
-        return self.start('ringd_%s' % node,
-                          [program('ringd'), '--config', config, '--node', str(node)] + list(more))
+        return self.launcher.ringd(config, node, *more)
 
     def start_ring(self, nodes, **sections):
         """All daemons of a ring, which is closed when this returns: {id: process}."""
@@ -198,34 +164,10 @@ class RingTest(unittest.TestCase):
     # ---- the end --------------------------------------------------------------------------
 
     def _clean_up(self):
-        for _, process in self.processes:
-            if process.poll() is None:
-                process.kill()
-        for _, process in self.processes:
-            process.wait(timeout=GUARD)
-        for pid in self._lock_holders():
-            os.kill(pid, signal.SIGKILL)
+        self.launcher.end()
         if self._failed():
             self._print_logs()
-        shutil.rmtree(self.folder, ignore_errors=True)
-
-    def _lock_holders(self):
-        """Daemons that ringctl started for this test and nobody ended."""
-        for folder, _, files in os.walk(self.runtime):
-            for name in files:
-                pid = self._ringd_of(os.path.join(folder, name)) if name.endswith('.lock') else None
-                if pid:
-                    yield pid
-
-    def _ringd_of(self, lock):
-        try:
-            with open(lock) as file:
-                pid = int(file.readline() or 0)
-            with open('/proc/%d/environ' % pid) as file:
-                ours = 'XDG_RUNTIME_DIR=' + self.runtime in file.read().split('\0')
-        except (OSError, ValueError):
-            return None
-        return pid if ours else None
+        self.launcher.remove()
 
     def _failed(self):
         outcome = self._outcome

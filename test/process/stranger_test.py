@@ -4,9 +4,9 @@ import random
 import socket
 import struct
 
-import host_port
 import ring_process
 from ring_process import RingTest, free_udp_ports, plain_nodes
+from live_ring import host_port
 
 LINK_HEADER = '>HBBQQIBB'  # daemon/link/link_header.h
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = range(1, 7)

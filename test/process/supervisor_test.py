@@ -3,9 +3,9 @@
 import os
 import signal
 
-import host_port
 import ring_process
 from ring_process import RingTest, is_gone, plain_nodes, process_state
+from live_ring import host_port
 
 # Short enough to wait for, long enough for a CPU that a busy machine lets wait.
 ALIVE = '300ms'

@@ -2,9 +2,9 @@
 
 import os
 
-import host_port
 import ring_process
 from ring_process import RingTest, plain_nodes
+from live_ring import host_port
 
 
 class Tools(RingTest):

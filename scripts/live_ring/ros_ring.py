@@ -1,4 +1,4 @@
-"""What scripts/demo stands on: a roslaunch with a master of its own, and the ring as ROS shows it."""
+"""A ring with ROS: a roslaunch with a master of its own, and the ring as its topics show it. For scripts/demo."""
 import os
 import signal
 import socket
@@ -6,6 +6,8 @@ import subprocess
 import tempfile
 import threading
 import time
+
+from live_ring.processes import send_signal, session_members
 
 GUARD = 60.0     # s that each step may take; a busy machine is slow
 
@@ -65,26 +67,7 @@ class Launch:
                 time.sleep(0.05)
 
 
-def session_members(session):
-    """Processes of the session that roslaunch was started in."""
-    members = []
-    for entry in os.listdir('/proc'):
-        try:
-            if entry.isdigit() and os.getsid(int(entry)) == session:
-                members.append(int(entry))
-        except OSError:
-            pass
-    return members
-
-
-def send_signal(pid, sign):
-    try:
-        os.kill(pid, sign)
-    except ProcessLookupError:
-        pass
-
-
-class Robot:
+class RosRing:
     """What the ROS side of the ring shows."""
 
     def __init__(self):
