@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mutants/mutation.h"
-#include "study/random_faults.h"
+#include "study/soak/random_faults.h"
 
 namespace limb_ring::study {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "study/network.h"
+#include "study/comparison/network.h"
 
 namespace limb_ring::study {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/common/rows.h"
-#include "study/cases.h"
+#include "study/analysis/cases.h"
 
 namespace limb_ring::ring_sim {
 

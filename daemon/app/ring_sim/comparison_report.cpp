@@ -1,7 +1,7 @@
 #include "app/ring_sim/comparison_report.h"
 
 #include "app/ring_sim/comparison_text.h"
-#include "study/latency.h"
+#include "study/analysis/latency.h"
 
 namespace limb_ring::ring_sim {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "app/common/rows.h"
-#include "study/comparison.h"
+#include "study/comparison/comparison.h"
 
 namespace limb_ring::ring_sim {
 

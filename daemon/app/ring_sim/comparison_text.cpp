@@ -4,7 +4,7 @@
 
 #include "app/common/text_table.h"
 #include "app/ring_sim/rate_text.h"
-#include "study/latency.h"
+#include "study/analysis/latency.h"
 #include "wire/packet.h"
 
 namespace limb_ring::ring_sim {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "study/comparison.h"
+#include "study/comparison/comparison.h"
 
 namespace limb_ring::ring_sim {
 

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "app/common/rows.h"
-#include "study/medium.h"
+#include "study/analysis/medium.h"
 
 namespace limb_ring::ring_sim {
 

@@ -1,4 +1,4 @@
-#include "study/plan.h"
+#include "study/analysis/plan.h"
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -38,9 +38,9 @@ std::string check_duration(const std::string& text) {
 PlanReport make_report(const Options& options) {
   PlanReport report;
   const config::RingConfig ring = config::load_ring(options.config);
-  report.assumed = study::assumes_lines(ring);
+  report.assumed = sim::assumes_lines(ring);
   const auto delay = std::chrono::duration_cast<std::chrono::nanoseconds>(options.medium.relay_delay);
-  report.ring = study::with_assumed_lines(ring, options.medium.rate, delay);
+  report.ring = sim::with_assumed_lines(ring, options.medium.rate, delay);
   report.streams = study::streams_of(report.ring);
   report.plan = study::plan(report.ring, report.streams);
   if (!options.simulate) return report;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "app/common/rows.h"
-#include "study/plan.h"
-#include "study/traffic_run.h"
+#include "study/analysis/plan.h"
+#include "study/analysis/traffic_run.h"
 
 namespace limb_ring::ring_sim {
 

@@ -46,7 +46,7 @@ int run(const Options& options) {
   std::ofstream trace, capture;
   open(trace, "--trace ", options.trace);
   open(capture, "--capture ", options.capture);
-  const study::CaptureAt at = options.outputs ? study::CaptureAt::inputs_and_outputs : study::CaptureAt::inputs;
+  const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
   const study::CaseResult result =
       run_case(options.which, options.medium, options.seed, trace.is_open() ? &trace : nullptr,
                capture.is_open() ? &capture : nullptr, at);

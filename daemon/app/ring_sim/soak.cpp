@@ -10,7 +10,7 @@
 #include "app/ring_sim/progress.h"
 #include "cli/values.h"
 #include "sim/trace.h"
-#include "study/random_faults.h"
+#include "study/soak/random_faults.h"
 
 namespace limb_ring::ring_sim {
 

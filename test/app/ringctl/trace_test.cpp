@@ -10,13 +10,13 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/said.h"
 #include "app/ringctl/trace_words.h"
-#include "study/cases.h"
+#include "study/analysis/cases.h"
 
 namespace limb_ring::ringctl {
 namespace {
 
 using study::Case;
-using study::CaptureAt;
+using sim::CaptureAt;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;

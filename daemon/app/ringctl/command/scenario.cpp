@@ -11,16 +11,16 @@
 #include "app/ringctl/live/play_live.h"
 #include "app/ringctl/problems.h"
 #include "cli/values.h"
-#include "study/scenario/load_scenario.h"
-#include "study/scenario/only_virtual.h"
-#include "study/scenario/report.h"
+#include "scenario/load_scenario.h"
+#include "scenario/only_virtual.h"
+#include "scenario/report.h"
 
 namespace limb_ring::ringctl {
 
 namespace {
 
-using study::scenario::Scenario;
-using study::scenario::ScenarioRun;
+using scenario::Scenario;
+using scenario::ScenarioRun;
 
 struct Options {
   std::vector<std::string> files;
@@ -42,7 +42,7 @@ app::Row row_of(const ScenarioRun& run) {
 void write_junit(const std::string& path, const std::vector<ScenarioRun>& runs) {
   std::ofstream out;
   std::string problem = app::open_for_writing(out, path);
-  out << study::scenario::junit_of(runs);
+  out << scenario::junit_of(runs);
   if (problem.empty()) problem = app::finish_writing(out, path);
   if (!problem.empty()) throw NotDone(problem);
 }
@@ -73,7 +73,7 @@ void require_expectation(const Scenario& scenario) {
 std::vector<Scenario> load(const Options& options) {
   std::vector<Scenario> scenarios;
   for (const std::string& file : options.files) {
-    scenarios.push_back(study::scenario::load_scenario(file));
+    scenarios.push_back(scenario::load_scenario(file));
     require_expectation(scenarios.back());
     if (options.live) require_live(scenarios.back(), options.transport);
   }
@@ -83,7 +83,7 @@ std::vector<Scenario> load(const Options& options) {
 int run(const Options& options) {
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options);
-  const study::CaptureAt at = options.outputs ? study::CaptureAt::inputs_and_outputs : study::CaptureAt::inputs;
+  const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
   std::vector<ScenarioRun> runs;
   for (const Scenario& scenario : scenarios) {
     const std::uint64_t seed = options.seed.value_or(scenario.seed);

@@ -7,8 +7,8 @@
 #include "app/common/rows.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
-#include "study/scenario/load_scenario.h"
-#include "study/scenario/only_virtual.h"
+#include "scenario/load_scenario.h"
+#include "scenario/only_virtual.h"
 
 namespace limb_ring::ringctl {
 
@@ -36,7 +36,7 @@ std::vector<std::string> files_in(const std::string& folder) {
 }
 
 app::Row row_of(const std::string& file, bool json) {
-  const auto scenario = study::scenario::load_scenario(file);
+  const auto scenario = scenario::load_scenario(file);
   const auto reasons = only_virtual(scenario, "");
   app::Row row{{"file", fs::path(file).filename().string()},
                {"where", reasons.empty() ? "sim, live" : "sim only"},

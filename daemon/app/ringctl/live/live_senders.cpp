@@ -5,15 +5,15 @@
 namespace limb_ring::ringctl {
 
 using nlohmann::json;
-using study::scenario::Scenario;
-using study::scenario::Send;
-using study::scenario::Step;
-using study::scenario::Tally;
+using scenario::Scenario;
+using scenario::Send;
+using scenario::Step;
+using scenario::Tally;
 
 LiveSenders::LiveSenders(const Scenario& scenario, LiveNodes& nodes, std::uint64_t seed)
     : scenario_(scenario), nodes_(nodes), random_(seed), hung_(nodes.size(), false) {
   for (const Step& step : scenario.steps) {
-    const auto* send = std::get_if<Send>(&step.deed);
+    const auto* send = std::get_if<Send>(&step.action);
     if (send && std::find(names_.begin(), names_.end(), send->name) == names_.end()) names_.push_back(send->name);
   }
   tallies_.resize(names_.size());

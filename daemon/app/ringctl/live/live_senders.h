@@ -5,8 +5,8 @@
 #include <random>
 
 #include "app/ringctl/live/live_nodes.h"
-#include "study/scenario/scenario.h"
-#include "study/scenario/tally.h"
+#include "scenario/scenario.h"
+#include "scenario/tally.h"
 
 namespace limb_ring::ringctl {
 
@@ -21,9 +21,9 @@ class LiveSenders {
   static constexpr unsigned kMostWaiting = 16;
 
   /// All outlive this. @param seed of where in its period a stream begins
-  LiveSenders(const study::scenario::Scenario& scenario, LiveNodes& nodes, std::uint64_t seed);
+  LiveSenders(const scenario::Scenario& scenario, LiveNodes& nodes, std::uint64_t seed);
 
-  void begin(const study::scenario::Send& send);
+  void begin(const scenario::Send& send);
   /// Asks for what is due by now. @return when the next is
   Clock::time_point act();
   /// Whether a CPU is told to hang.
@@ -31,14 +31,14 @@ class LiveSenders {
 
   void came(std::size_t place, const Message& message);
   /// By name; of `taken` only the pins.
-  const study::scenario::Tally& tally(const std::string& send) const { return tallies_[mark_of(send)]; }
+  const scenario::Tally& tally(const std::string& send) const { return tallies_[mark_of(send)]; }
   /// The first byte of a send's packets.
   std::uint8_t mark_of(const std::string& send) const;
 
  private:
   /// One node's part of a send.
   struct Job {
-    study::scenario::Send send;
+    scenario::Send send;
     std::size_t from;
     std::uint8_t mark;
     std::uint64_t left;
@@ -57,12 +57,12 @@ class LiveSenders {
   void came(std::size_t place, const Result& result);
   void came(const Observed& seen);
 
-  const study::scenario::Scenario& scenario_;
+  const scenario::Scenario& scenario_;
   LiveNodes& nodes_;
   std::mt19937_64 random_;
   std::vector<bool> hung_;
   std::vector<std::string> names_;
-  std::vector<study::scenario::Tally> tallies_;
+  std::vector<scenario::Tally> tallies_;
   std::deque<Job> jobs_;  ///< they stay where they are
   std::map<std::pair<std::size_t, std::uint32_t>, Asked> asked_;                 ///< by source and token
   std::map<std::pair<std::uint8_t, std::uint8_t>, std::uint8_t> of_interrupt_;   ///< by source's id and factor

@@ -10,9 +10,9 @@ namespace limb_ring::ringctl {
 
 using nlohmann::json;
 using std::chrono::milliseconds;
-using study::scenario::Fault;
-using study::scenario::Scenario;
-using study::scenario::Tally;
+using scenario::Fault;
+using scenario::Scenario;
+using scenario::Tally;
 using wire::NodeId;
 
 namespace {
@@ -109,7 +109,7 @@ std::string LiveStage::first_not_ready() const {
   return "";
 }
 
-std::optional<study::scenario::Stage::Surprise> LiveStage::begin() {
+std::optional<scenario::Stage::Surprise> LiveStage::begin() {
   start_ = Clock::now();
   for (const std::size_t place : present()) nodes_.start(place);
   std::string lack;
@@ -158,9 +158,9 @@ LiveStage::Clock::time_point LiveStage::turn() {
   return next;
 }
 
-// ---- deeds ----------------------------------------------------------------------------------
+// ---- actions --------------------------------------------------------------------------------
 
-std::optional<study::scenario::Stage::Surprise> LiveStage::apply(const Fault& fault) {
+std::optional<scenario::Stage::Surprise> LiveStage::apply(const Fault& fault) {
   try {
     do_it(fault);
     return std::nullopt;

@@ -5,7 +5,7 @@
 #include "app/ringctl/live/live_senders.h"
 #include "app/ringctl/ring_plan.h"
 #include "app/scenario_cpu/taken_board.h"
-#include "study/scenario/stage.h"
+#include "scenario/stage.h"
 
 namespace limb_ring::ringctl {
 
@@ -13,10 +13,10 @@ namespace limb_ring::ringctl {
 /// rows of all at every look; it has ended when this is destroyed. (ours)
 ///
 /// begin(), run_until() and apply() may throw Interrupted.
-class LiveStage final : public study::scenario::Stage {
+class LiveStage final : public scenario::Stage {
  public:
   /// Nothing is started before begin(). @param plan as of plan_story_ring(). All outlive this
-  LiveStage(const study::scenario::Scenario& scenario, std::uint64_t seed, const RingPlan& plan, SignalWait& signals);
+  LiveStage(const scenario::Scenario& scenario, std::uint64_t seed, const RingPlan& plan, SignalWait& signals);
 
   unsigned size() const override { return static_cast<unsigned>(nodes_.size()); }
   const std::string& name(wire::NodeId id) const override { return scenario_.ring.nodes[id].name; }
@@ -26,8 +26,8 @@ class LiveStage final : public study::scenario::Stage {
   std::optional<wire::Beacon> heard(wire::NodeId by, wire::NodeId of) const override;
   /// Of its present life, from the start on.
   std::uint64_t counter(wire::NodeId id, const std::string& name) const override;
-  const study::scenario::Tally& tally(const std::string& send) const override;
-  std::chrono::nanoseconds allowed(const study::scenario::Limit& limit) const override { return limit.live; }
+  const scenario::Tally& tally(const std::string& send) const override;
+  std::chrono::nanoseconds allowed(const scenario::Limit& limit) const override { return limit.live; }
 
   std::optional<Surprise> begin() override;
   core::Duration now() const override { return Clock::now() - start_; }
@@ -36,8 +36,8 @@ class LiveStage final : public study::scenario::Stage {
   /// That no daemon ends by itself.
   std::optional<Surprise> broken() const override { return broken_; }
 
-  std::optional<Surprise> apply(const study::scenario::Fault& fault) override;
-  void send(const study::scenario::Send& send) override { senders_.begin(send); }
+  std::optional<Surprise> apply(const scenario::Fault& fault) override;
+  void send(const scenario::Send& send) override { senders_.begin(send); }
 
  private:
   using Clock = LiveNodes::Clock;
@@ -46,12 +46,12 @@ class LiveStage final : public study::scenario::Stage {
   std::vector<std::size_t> present() const;  ///< at the start
   std::string first_not_ready() const;
   void look();
-  void do_it(const study::scenario::Fault& fault);
+  void do_it(const scenario::Fault& fault);
   void apply_to_node(fault::Name name, std::size_t place);
   void apply_at_daemon(fault::Fault fault, std::size_t place);
   Clock::time_point turn();
 
-  const study::scenario::Scenario& scenario_;
+  const scenario::Scenario& scenario_;
   const RingPlan& plan_;
   LiveNodes nodes_;
   LiveSenders senders_;
@@ -60,8 +60,8 @@ class LiveStage final : public study::scenario::Stage {
   std::vector<std::unique_ptr<scenario_cpu::TakenBoard>> boards_;
   std::vector<std::optional<nlohmann::json>> first_rows_;  ///< at the start: joining counts too, and is no story
   std::optional<Surprise> broken_;
-  std::vector<std::pair<Clock::time_point, study::scenario::Fault>> endings_;  ///< of faults that last for a time
-  mutable study::scenario::Tally with_taken_;  ///< what tally() said last
+  std::vector<std::pair<Clock::time_point, scenario::Fault>> endings_;  ///< of faults that last for a time
+  mutable scenario::Tally with_taken_;  ///< what tally() said last
 };
 
 }  // namespace limb_ring::ringctl

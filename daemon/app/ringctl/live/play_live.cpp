@@ -6,7 +6,7 @@
 
 namespace limb_ring::ringctl {
 
-study::scenario::ScenarioRun play_live(const study::scenario::Scenario& scenario, std::uint64_t seed,
+scenario::ScenarioRun play_live(const scenario::Scenario& scenario, std::uint64_t seed,
                                        const std::string& transport) {
   const bench::PrivateFolder folder;
   const RingPlan plan = plan_story_ring(scenario, folder.path(), transport);

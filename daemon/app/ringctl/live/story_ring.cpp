@@ -32,7 +32,7 @@ YAML::Node story_cpu() {
     throw NotDone("no program scenario_cpu beside ringctl (" + process::own_folder() + ") or on PATH");
   YAML::Node cpu;
   cpu["command"].push_back(program);
-  cpu["alive_period"] = config::format_time(study::scenario::kAlivePeriod);
+  cpu["alive_period"] = config::format_time(scenario::kAlivePeriod);
   return cpu;
 }
 
@@ -46,7 +46,7 @@ void write(const YAML::Node& file, const std::string& path) {
 
 }  // namespace
 
-RingPlan plan_story_ring(const study::scenario::Scenario& scenario, const std::string& folder,
+RingPlan plan_story_ring(const scenario::Scenario& scenario, const std::string& folder,
                          const std::string& transport) {
   const config::RingConfig& ring = scenario.ring;
   YAML::Node file = ring.path.empty() ? plain_file(ring) : config::parse_yaml(config::read_file(ring.path), ring.path);

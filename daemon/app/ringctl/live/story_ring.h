@@ -3,7 +3,7 @@
 #include <string>
 
 #include "app/ringctl/ring_plan.h"
-#include "study/scenario/scenario.h"
+#include "scenario/scenario.h"
 
 namespace limb_ring::ringctl {
 
@@ -12,7 +12,7 @@ namespace limb_ring::ringctl {
 /// @param folder where its file is written
 /// @param transport unix or udp, or empty as in UpRequest
 /// @throw NotDone where scenario_cpu is not installed, or the file cannot be written
-RingPlan plan_story_ring(const study::scenario::Scenario& scenario, const std::string& folder,
+RingPlan plan_story_ring(const scenario::Scenario& scenario, const std::string& folder,
                          const std::string& transport);
 
 }  // namespace limb_ring::ringctl

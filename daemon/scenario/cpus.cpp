@@ -1,0 +1,113 @@
+#include "scenario/cpus.h"
+
+namespace limb_ring::scenario {
+
+namespace {
+
+/// From its death to the next start, as the daemon's default. (ours)
+constexpr std::chrono::milliseconds kBackOff{100};
+
+}  // namespace
+
+Cpus::Cpus(sim::VirtualRing& ring, core::Duration boot_time)
+    : ring_(ring), boot_time_(boot_time), cpus_(ring.size()) {
+  for (unsigned id = 0; id < ring.size(); ++id) tell(static_cast<NodeId>(id), wire::CpuState::running);
+}
+
+void Cpus::tell(NodeId id, wire::CpuState state) {
+  cpus_[id].state = state;
+  if (state != wire::CpuState::silent) cpus_[id].spoke_at = ring_.now();
+  core::CpuReport report;
+  report.boots = cpus_[id].boots;
+  report.state = state;
+  report.spoke_at = cpus_[id].spoke_at;
+  ring_.node(id).set_cpu(report, ring_.now());
+}
+
+void Cpus::read(NodeId id, bool reads) {
+  ring_.cpu_reads[id] = reads;
+  cpus_[id].slow = false;
+  ++cpus_[id].reading;
+}
+
+void Cpus::hang(NodeId id) {
+  cpus_[id].running = false;
+  read(id, false);
+  cpus_[id].spoke_at = ring_.now();
+  const core::Duration silent_after = config::CpuConfig::kSilentPeriods * kAlivePeriod;
+  ring_.at(ring_.now() + silent_after, [this, id, epoch = ++cpus_[id].epoch] {
+    if (cpus_[id].epoch == epoch && ring_.alive(id)) tell(id, wire::CpuState::silent);
+  });
+}
+
+void Cpus::resume(NodeId id) {
+  cpus_[id].running = true;
+  ++cpus_[id].epoch;
+  ++cpus_[id].life;
+  read(id, true);
+  tell(id, wire::CpuState::running);
+}
+
+void Cpus::stop_reading(NodeId id) { read(id, false); }
+
+void Cpus::slow_down(NodeId id, core::Duration period) {
+  read(id, false);
+  cpus_[id].slow = true;
+  read_one_and_wait(id, period);
+}
+
+// It may take one from now on, whenever that comes; touched, so that one that lies there is taken at once.
+void Cpus::read_one_and_wait(NodeId id, core::Duration period) {
+  ring_.cpu_reads[id] = true;
+  ring_.node(id);
+  ring_.at(ring_.now() + period, [this, id, period, reading = cpus_[id].reading] {
+    if (cpus_[id].reading == reading) read_one_and_wait(id, period);
+  });
+}
+
+void Cpus::reset(NodeId id) {
+  Cpu& cpu = cpus_[id];
+  ++cpu.life;
+  cpu.running = false;
+  read(id, true);
+  ring_.reset_cpu(id);
+  ring_.node(id).set_cpu_present(false);
+  tell(id, wire::CpuState::booting);
+  ring_.at(ring_.now() + boot_time_, [this, id, epoch = ++cpu.epoch] {
+    if (cpus_[id].epoch == epoch) boot(id);
+  });
+}
+
+// Its first word makes it a boot, as for the daemon.
+void Cpus::boot(NodeId id) {
+  ++cpus_[id].boots;
+  ring_.node(id).set_cpu_present(true);
+  resume(id);
+}
+
+void Cpus::crash(NodeId id) {
+  Cpu& cpu = cpus_[id];
+  ++cpu.life;
+  cpu.running = false;
+  read(id, true);
+  ring_.reset_cpu(id);
+  ring_.node(id).set_cpu_present(false);
+  tell(id, wire::CpuState::failed);
+  ring_.at(ring_.now() + kBackOff, [this, id, epoch = ++cpu.epoch] {
+    if (cpus_[id].epoch == epoch) reset(id);
+  });
+}
+
+void Cpus::started(NodeId id) {
+  Cpu& cpu = cpus_[id];
+  cpu.boots = 1;
+  resume(id);
+}
+
+watchdog::CpuSighting Cpus::sighting_of(NodeId id) const {
+  const Cpu& cpu = cpus_[id];
+  const core::Duration silent = cpu.running ? core::Duration{0} : ring_.now() - cpu.spoke_at;
+  return {ring_.now(), cpu.boots, cpu.state, std::chrono::duration_cast<std::chrono::milliseconds>(silent), true};
+}
+
+}  // namespace limb_ring::scenario

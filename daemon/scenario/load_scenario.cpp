@@ -1,0 +1,112 @@
+#include "scenario/load_scenario.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "config/load_ring.h"
+#include "config/plain_ring.h"
+#include "config/yaml_file.h"
+#include "sim_tools/planned_ring.h"
+#include "scenario/sections.h"
+
+namespace limb_ring::scenario {
+
+using config::ConfigError;
+using config::Entry;
+
+namespace {
+
+/// A named send is told apart by one byte of its data.
+constexpr std::size_t kMostNames = 255;
+constexpr const char* kNameRule = "the name of a send of this scenario";
+
+config::RingConfig ring_of(const Entry& file) {
+  const auto path = file.find("ring"), nodes = file.find("nodes");
+  if (path.has_value() == nodes.has_value())
+    file.refuse(path ? "ring and nodes are both given" : "neither ring nor nodes is given",
+                "ring: the YAML file of a ring, beside this file; or nodes: 2 to 255 plain ones");
+  if (nodes) return config::plain_ring("plain", static_cast<unsigned>(read_integer(*nodes, {2, 255})));
+  const std::filesystem::path beside = std::filesystem::path(file.document().name).parent_path();
+  return config::load_ring((beside / path->text("a file")).lexically_normal().string());
+}
+
+/// Nodes are spoken of by name or id and kept as places.
+void learn_nodes(config::Document& document, const config::RingConfig& ring) {
+  for (std::size_t place = 0; place < ring.nodes.size(); ++place) {
+    document.nodes[ring.nodes[place].name] = static_cast<std::uint8_t>(place);
+    document.nodes[std::to_string(ring.nodes[place].id)] = static_cast<std::uint8_t>(place);
+  }
+}
+
+std::vector<std::string> send_names(const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const Step& step : scenario.steps) {
+    const auto* send = std::get_if<Send>(&step.action);
+    if (send && std::find(names.begin(), names.end(), send->name) == names.end()) names.push_back(send->name);
+  }
+  return names;
+}
+
+void check_condition(const Entry& condition, const std::vector<std::string>& names) {
+  for (const char* key : {"results", "taken", "latency"}) {
+    const auto name = condition.find(key);
+    if (name && std::find(names.begin(), names.end(), name->text(kNameRule)) == names.end())
+      name->refuse_value("is none", std::string(kNameRule) + " (" + config::join(names) + ")");
+  }
+}
+
+void check_line(const Entry& entry, const Step& step, const config::RingConfig& ring) {
+  const auto* fault = std::get_if<fault::Fault>(&step.action);
+  if (!fault || !fault->second_line || ring.redundancy == config::RingConfig::Redundancy::foldback) return;
+  entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
+}
+
+/// What no single entry shows: names of sends, lines that the ring has not, and times that run backwards.
+void check_scenario(const Entry& file, const Scenario& scenario) {
+  const std::vector<std::string> names = send_names(scenario);
+  if (names.size() > kMostNames) file.refuse("it has too many sends", std::to_string(kMostNames) + " names");
+  for (const char* list : {"always", "never"})
+    if (const auto conditions = file.find(list))
+      for (const Entry& condition : conditions->items("")) check_condition(condition, names);
+  nanoseconds latest{0};
+  const std::vector<Entry> steps = file.find("steps")->items("");
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (const auto when = steps[i].find("when")) check_condition(*when, names);
+    check_line(steps[i], scenario.steps[i], scenario.ring);
+    if (!scenario.steps[i].at) continue;
+    if (*scenario.steps[i].at < latest)
+      steps[i].find("at")->refuse_value("is before an earlier step", "times in order");
+    latest = *scenario.steps[i].at;
+  }
+}
+
+}  // namespace
+
+bool expects_something(const Scenario& scenario) {
+  const auto waits = [](const Step& step) { return step.when.has_value(); };
+  return !scenario.always.empty() || !scenario.never.empty() ||
+         std::any_of(scenario.steps.begin(), scenario.steps.end(), waits);
+}
+
+Scenario parse_scenario(const std::string& text, const std::string& name) {
+  config::Document document{name, {}};
+  const Entry file(config::parse_yaml(text, name), "", document);
+  check_names(file, names_of(scenario_section()), {});
+  Scenario scenario;
+  scenario.path = name;
+  scenario.ring = ring_of(file);
+  learn_nodes(document, scenario.ring);
+  std::uint64_t rate = sim::kUsualRate;
+  nanoseconds delay = sim::kUsualRelayDelay;
+  if (const auto entry = file.find("rate")) rate = read_line_rate(*entry);
+  if (const auto entry = file.find("relay_delay")) delay = read_relay_delay(*entry);
+  scenario.rates_assumed = sim::assumes_lines(scenario.ring);
+  scenario.ring = sim::with_assumed_lines(std::move(scenario.ring), rate, delay);
+  read_section(file, scenario_section(), scenario);
+  check_scenario(file, scenario);
+  return scenario;
+}
+
+Scenario load_scenario(const std::string& path) { return parse_scenario(config::read_file(path), path); }
+
+}  // namespace limb_ring::scenario

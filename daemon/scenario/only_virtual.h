@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenario/scenario.h"
+
+namespace limb_ring::scenario {
+
+/// What in a scenario cannot be had on live daemons, and why; empty where it can be played there.
+/// @param transport of all lines, unix or udp; empty: as the ring's file says
+std::vector<std::string> only_virtual(const Scenario& scenario, const std::string& transport);
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,78 @@
+#include "scenario/report.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+
+namespace limb_ring::scenario {
+
+namespace {
+
+std::ostringstream plain_stream() {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << std::fixed;
+  return out;
+}
+
+std::string milliseconds(nanoseconds time) {
+  std::ostringstream out = plain_stream();
+  out << std::setw(12) << time.count() / 1000000 << '.' << std::setfill('0') << std::setw(6) << time.count() % 1000000;
+  return out.str() + " ms";
+}
+
+std::string seconds(nanoseconds time) {
+  std::ostringstream out = plain_stream();
+  out << time.count() / 1000000000 << '.' << std::setfill('0') << std::setw(9) << time.count() % 1000000000;
+  return out.str();
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  return out;
+}
+
+std::string test_case(const ScenarioRun& run) {
+  const std::string file = std::filesystem::path(run.path).stem().string();
+  std::string text = "    <testcase classname=\"scenarios\" name=\"" + escaped(file + ": " + run.name) + "\" time=\"" +
+                     seconds(run.lasted) + "\">\n";
+  if (run.unmet)
+    text += "      <failure message=\"" + escaped("expected: " + run.unmet->expected + "; seen: " + run.unmet->seen) +
+            "\"/>\n";
+  return text + "      <system-out>" + escaped(text_of(run)) + "</system-out>\n    </testcase>\n";
+}
+
+}  // namespace
+
+std::string text_of(const ScenarioRun& run) {
+  const std::string where = run.live ? "live, " : "";
+  std::string text = run.path + ": " + run.name + " (" + where + "seed " + std::to_string(run.seed) + ")\n";
+  for (const LogLine& line : run.log) text += milliseconds(line.at) + "  " + line.words + '\n';
+  if (!run.unmet) return text + milliseconds(run.lasted) + "  end: all as expected\n";
+  const std::string indent(milliseconds(run.lasted).size() + 2, ' ');
+  return text + milliseconds(run.unmet->at) + "  NOT as expected: " + run.unmet->expected + '\n' + indent +
+         "seen instead: " + run.unmet->seen + '\n';
+}
+
+std::string junit_of(const std::vector<ScenarioRun>& runs) {
+  nanoseconds all{0};
+  for (const ScenarioRun& run : runs) all += run.lasted;
+  const auto failures =
+      std::count_if(runs.begin(), runs.end(), [](const ScenarioRun& run) { return run.unmet.has_value(); });
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"scenarios\"";
+  text += " tests=\"" + std::to_string(runs.size()) + "\" failures=\"" + std::to_string(failures) + "\" errors=\"0\"";
+  text += " time=\"" + seconds(all) + "\">\n";
+  for (const ScenarioRun& run : runs) text += test_case(run);
+  return text + "  </testsuite>\n</testsuites>\n";
+}
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "config/ring_config.h"
+#include "core/events.h"
+#include "core/outcome.h"
+#include "fault/fault.h"
+#include "wire/control_message.h"
+
+/// A scenario: a story about a ring, what breaks and when, and what has to be seen. (ours)
+/// Nodes are places in ring order, as in planned_ring.h. Times count from when every node has joined.
+namespace limb_ring::scenario {
+
+using std::chrono::nanoseconds;
+using wire::NodeId;
+
+// ---- what is done ---------------------------------------------------------------------------
+
+using fault::Fault;
+
+/// Packets or interrupts under a name by which conditions speak of them.
+struct Send {
+  std::string name;
+  std::vector<NodeId> from;                ///< each of them sends
+  NodeId to = 0;                           ///< or wire::kBroadcast
+  unsigned size = 0;                       ///< bytes of data, 1 to 512, or one of these two:
+  std::optional<std::uint8_t> interrupt;   ///< an INTP with this factor
+  std::optional<std::uint8_t> input;       ///< what pulling this interrupt input sends, CPU or not
+  std::uint8_t priority = 0;
+  nanoseconds every{0};    ///< 0: all at once
+  std::uint64_t count = 0; ///< from each node; 0: one, or with `every` without end
+};
+
+// ---- what is seen ---------------------------------------------------------------------------
+
+/// How long something may take: exactly, under the virtual clock; live, where machines are busy, something else.
+struct Limit {
+  nanoseconds sim{0}, live{0};
+};
+/// Where a file gives one time for both, a live run allows so much more. (ours)
+constexpr std::chrono::seconds kLiveGuard{5};
+
+struct Range {
+  std::optional<std::uint64_t> at_least, at_most;
+  bool holds(std::uint64_t value) const {
+    return (!at_least || value >= *at_least) && (!at_most || value <= *at_most);
+  }
+};
+
+/// Who has to be in a state.
+struct Who {
+  enum class Kind { one, all, living } kind = Kind::all;
+  NodeId node = 0;  ///< Kind::one
+};
+
+/// The state of network controllers.
+struct NodeIs {
+  Who who;
+  std::optional<core::NodeState> state;
+  bool down = false;                   ///< dead or frozen, instead of a state
+  std::optional<unsigned> ring_size;   ///< as learned by the node
+};
+/// What every other living node has been told, by beacons, of a CPU.
+struct CpuIs {
+  NodeId node = 0;
+  std::optional<wire::CpuState> state;
+  std::optional<std::uint32_t> boots;
+};
+/// Every living node but the one behind it has been told of that broken line.
+struct Located {
+  NodeId before = 0, behind = 0;
+};
+/// A counter of core/counters.h, of one node's present life or of all nodes together.
+struct Counted {
+  std::string counter;
+  Who of;  ///< one or all
+  Range range;
+};
+/// How many sends of that name have ended so.
+struct Results {
+  std::string send;
+  core::Outcome are = core::Outcome::delivered;
+  Range range;
+};
+/// How many of that name CPUs have taken; of an interrupt, pins pulled.
+struct Taken {
+  std::string send;
+  Range range;
+};
+/// The worst so far of that name, from the CPU's request to the confirmation, of what was delivered.
+struct Latency {
+  std::string send;
+  Limit at_most;
+};
+
+struct Condition {
+  std::variant<NodeIs, CpuIs, Located, Counted, Results, Taken, Latency> what;
+  std::string words;  ///< as it stands in the file
+};
+
+// ---- the story ------------------------------------------------------------------------------
+
+/// First the time, then the milestone, then the action; each may be missing.
+struct Step {
+  std::optional<nanoseconds> at;     ///< from the start
+  std::optional<nanoseconds> after;  ///< from the step before
+  std::optional<Condition> when;
+  Limit within;                      ///< `when` has to hold by then; 0: at once
+  std::variant<std::monostate, Fault, Send> action;
+  std::string words;                 ///< of the action, as it stands in the file
+};
+
+/// What a CPU in a story promises: to speak at least so often. (ours)
+constexpr std::chrono::milliseconds kAlivePeriod{200};
+
+struct Scenario {
+  std::string path;
+  std::string name;          ///< one line of what it is about
+  config::RingConfig ring;   ///< every line has a rate
+  bool rates_assumed = false;  ///< of some lines: the ring's file gives none
+  bool only_sim = false;     ///< its author says so
+  std::uint64_t seed = 1;
+  nanoseconds boot_time{std::chrono::milliseconds(20)};  ///< of a CPU, from a reset to its first word; not live
+  std::vector<NodeId> absent;  ///< not there at the start
+  std::vector<Step> steps;
+  std::vector<Condition> always, never;  ///< from the start to the last step's end
+};
+
+/// It says what has to be seen: without that nothing but the ring's own promises could be broken.
+bool expects_something(const Scenario& scenario);
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,118 @@
+#include "scenario/scenario_run.h"
+
+#include "config/quantity.h"
+#include "scenario/conditions.h"
+#include "scenario/virtual_stage.h"
+
+namespace limb_ring::scenario {
+
+namespace {
+
+using core::Duration;
+
+/// In us: the ring's own measure, whatever the length.
+std::string microseconds(nanoseconds time) {
+  const std::string thousandths = std::to_string(1000 + time.count() % 1000);
+  return std::to_string(time.count() / 1000) + '.' + thousandths.substr(1) + " us";
+}
+
+/// Nodes are places in ring order here.
+capture::RingNames names_of(const config::RingConfig& ring) {
+  capture::RingNames names{ring.ring, {}};
+  for (const auto& node : ring.nodes) names.nodes.emplace(static_cast<NodeId>(names.nodes.size()), node.name);
+  return names;
+}
+
+class Run {
+ public:
+  Run(const Scenario& scenario, std::uint64_t seed, Stage& stage) : scenario_(scenario), stage_(stage) {
+    result_.name = scenario.name;
+    result_.path = scenario.path;
+    result_.seed = seed;
+    result_.live = !stage.exact();
+  }
+
+  ScenarioRun run() {
+    begin();
+    for (const Step& step : scenario_.steps)
+      if (result_.unmet || !do_step(step)) break;
+    result_.lasted = now();
+    return std::move(result_);
+  }
+
+ private:
+  nanoseconds now() const { return std::chrono::duration_cast<nanoseconds>(stage_.now()); }
+  void log(const std::string& words) { result_.log.push_back({now(), words}); }
+  bool fail(const std::string& expected, const std::string& seen) {
+    if (!result_.unmet) result_.unmet = Unmet{now(), expected, seen};
+    return false;
+  }
+
+  void begin() {
+    if (const auto surprise = stage_.begin()) return void(fail(surprise->expected, surprise->seen));
+    const std::size_t there = scenario_.ring.nodes.size() - scenario_.absent.size();
+    log("start: " + std::to_string(there) + " nodes have joined");
+    go_to(Duration{0});
+  }
+
+  /// What has to hold at every look. @return true where it does
+  bool watch() {
+    if (result_.unmet) return false;
+    if (const auto broken = stage_.broken()) return fail(broken->expected, broken->seen);
+    for (const Condition& condition : scenario_.always)
+      if (!holds(condition, stage_)) return fail("always " + condition.words, seen(condition, stage_));
+    for (const Condition& condition : scenario_.never)
+      if (holds(condition, stage_)) return fail("never " + condition.words, seen(condition, stage_));
+    return true;
+  }
+
+  /// @return false where something did not hold on the way
+  bool go_to(Duration until) {
+    if (stage_.exact() && until < stage_.now()) return fail("a step that is in time", "it was later already");
+    stage_.run_until([this] { return !watch(); }, until, "waiting for the next step");
+    return !result_.unmet;
+  }
+
+  bool wait_for(const Condition& condition, const Limit& limit) {
+    const nanoseconds within = stage_.allowed(limit);
+    const std::string expected = "when " + condition.words + " within " + config::format_time(within);
+    const Duration from = stage_.now();
+    bool reached = false;
+    const auto done = [&] { return !watch() || (reached = holds(condition, stage_)); };
+    stage_.run_until(done, from + Duration(within), expected);
+    if (result_.unmet) return false;
+    if (!reached) return fail(expected, seen(condition, stage_));
+    log(expected + ": after " + microseconds(std::chrono::duration_cast<nanoseconds>(stage_.now() - from)));
+    return true;
+  }
+
+  bool do_step(const Step& step) {
+    if (step.at && !go_to(Duration(*step.at))) return false;
+    if (step.after && !go_to(stage_.now() + Duration(*step.after))) return false;
+    if (step.when && !wait_for(*step.when, step.within)) return false;
+    if (!step.words.empty()) log("do " + step.words);
+    if (const auto* fault = std::get_if<Fault>(&step.action))
+      if (const auto problem = stage_.apply(*fault)) return fail(problem->expected, problem->seen);
+    if (const auto* send = std::get_if<Send>(&step.action)) stage_.send(*send);
+    return true;
+  }
+
+  const Scenario& scenario_;
+  Stage& stage_;
+  ScenarioRun result_;
+};
+
+}  // namespace
+
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage) {
+  return Run(scenario, seed, stage).run();
+}
+
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, sim::CaptureAt at) {
+  VirtualStage stage(scenario, seed);
+  std::optional<sim::RingCapture> captured;
+  if (capture != nullptr) captured.emplace(stage.ring(), *capture, names_of(scenario.ring), at);
+  return run_scenario(scenario, seed, stage);
+}
+
+}  // namespace limb_ring::scenario

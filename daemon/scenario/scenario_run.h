@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "sim_tools/ring_capture.h"
+#include "scenario/stage.h"
+
+namespace limb_ring::scenario {
+
+/// One thing that was done or seen.
+struct LogLine {
+  nanoseconds at{0};   ///< from the start, rounded down
+  std::string words;
+};
+
+/// An expectation that was not met.
+struct Unmet {
+  nanoseconds at{0};
+  std::string expected, seen;
+};
+
+struct ScenarioRun {
+  std::string name, path;
+  std::uint64_t seed = 0;
+  bool live = false;
+  std::vector<LogLine> log;
+  std::optional<Unmet> unmet;  ///< the first; nothing after it was done
+  nanoseconds lasted{0};
+};
+
+/// Runs a scenario under a virtual clock; every promise of the ring is an expectation too. The same scenario
+/// and seed give the same run.
+/// @param capture where its packets go as pcapng, or null; taken where `at` says
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture = nullptr,
+                         sim::CaptureAt at = sim::CaptureAt::inputs);
+
+/// Plays it on a stage that has not begun. @param seed the stage's, for the report
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& stage);
+
+}  // namespace limb_ring::scenario

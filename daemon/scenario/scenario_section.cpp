@@ -1,0 +1,136 @@
+#include <algorithm>
+
+#include "scenario/sections.h"
+
+namespace limb_ring::scenario {
+
+using config::Entry;
+using config::Option;
+using config::Section;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::size_t kMostSteps = 10000;
+constexpr const char* kNameRule = "a line of 1 to 100 characters";
+constexpr const char* kLineRule = "two nodes of the ring, such as left_hip -> left_knee";
+constexpr config::TimeRange kTimes{0s, 3600s, 1ns};
+constexpr config::TimeRange kDelays{0s, 1s, 1ns};
+
+/// Read before all else, by load_scenario: nodes are known by them.
+Option<Scenario> read_already(const char* name, const char* allowed, const char* meaning) {
+  return {name, "none", allowed, meaning, [](const Entry&, Scenario&) {}};
+}
+
+std::string read_title(const Entry& entry) {
+  const std::string title = entry.text(kNameRule);
+  if (title.empty() || title.size() > 100 || title.find('\n') != std::string::npos)
+    entry.refuse_value("is not one", kNameRule);
+  return title;
+}
+
+Option<Scenario> conditions_option(const char* name, std::vector<Condition> Scenario::*member, const char* meaning) {
+  return {name, "[]", "a list of conditions", meaning, [=](const Entry& entry, Scenario& scenario) {
+            for (const Entry& item : entry.items("a list of conditions", kMostSteps))
+              (scenario.*member).push_back(read_condition(item));
+          }};
+}
+
+void check_step(const Entry& entry, const Step& step) {
+  if (step.at && step.after) entry.refuse("at and after are both given", "one of them");
+  if (entry.find("within") && !step.when) entry.find("within")->refuse("there is no when", "within beside when");
+  if (step.when && !entry.find("within")) entry.refuse("'within' is missing", "within beside when");
+}
+
+Option<Step> time_of_step(const char* name, std::optional<nanoseconds> Step::*member, const char* meaning) {
+  return {name, "none", config::allowed(kTimes), meaning,
+          [=](const Entry& entry, Step& step) { step.*member = read_time(entry, kTimes); }};
+}
+
+}  // namespace
+
+std::uint64_t read_line_rate(const Entry& entry) {
+  const std::uint64_t rate = read_rate(entry);
+  if (rate == 0) entry.refuse_value("takes no time", "a rate: under a virtual clock lines have one");
+  return rate;
+}
+
+nanoseconds read_relay_delay(const Entry& entry) { return read_time(entry, kDelays); }
+
+Limit read_limit(const Entry& entry) {
+  if (entry.is_map()) config::check_names(entry, {"sim", "live"}, {"sim"});
+  const nanoseconds sim = read_time(entry.is_map() ? *entry.find("sim") : entry, kTimes);
+  const auto live = entry.is_map() ? entry.find("live") : std::nullopt;
+  return {sim, live ? read_time(*live, kTimes) : sim + kLiveGuard};
+}
+
+std::vector<NodeId> read_nodes(const Entry& entry) {
+  std::vector<NodeId> nodes;
+  if (entry.is_scalar() && entry.text("") == "all") {
+    for (const auto& [name, place] : entry.document().nodes) nodes.push_back(place);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes;
+  }
+  if (entry.is_scalar()) return {read_node(entry, ", a list of them, or all")};
+  for (const Entry& item : entry.items("a node, a list of nodes, or all", 255)) nodes.push_back(read_node(item));
+  return nodes;
+}
+
+Located read_line(const Entry& entry) {
+  const std::string text = entry.text(kLineRule);
+  const std::size_t arrow = text.find(" -> ");
+  const auto& nodes = entry.document().nodes;
+  const auto before = nodes.find(text.substr(0, arrow));
+  const auto behind = arrow == std::string::npos ? nodes.end() : nodes.find(text.substr(arrow + 4));
+  if (before == nodes.end() || behind == nodes.end()) entry.refuse_value("is no line", kLineRule);
+  return {before->second, behind->second};
+}
+
+const Section<Scenario>& scenario_section() {
+  static const Section<Scenario> section{
+      {"scenario", config::kRequired, kNameRule, "What it is about.",
+       [](const Entry& entry, Scenario& scenario) { scenario.name = read_title(entry); }},
+      read_already("ring", "a file", "The YAML file of the ring, looked for beside this file."),
+      read_already("nodes", "2 to 255", "Instead of `ring`: so many plain nodes, node0 and so on."),
+      read_already("rate", config::kAllowedRates, "Of lines that the ring's file gives none."),
+      read_already("relay_delay", "a time", "Of lines that the ring's file gives no rate."),
+      {"seed", "1", "a whole number", "Decides everything random.",
+       [](const Entry& entry, Scenario& scenario) {
+         scenario.seed = static_cast<std::uint64_t>(read_integer(entry, {0, INT64_MAX}));
+       }},
+      {"only", "none", "sim", "For the virtual clock alone.",
+       [](const Entry& entry, Scenario& scenario) { scenario.only_sim = read_choice(entry, {"sim"}) == 0; }},
+      config::time_option("boot_time", &Scenario::boot_time, 0ns, 60s,
+                          "From a reset of a CPU to its first word, under the virtual clock; live it takes what it takes."),
+      {"absent", "[]", "a node or a list of nodes", "Not there at the start.",
+       [](const Entry& entry, Scenario& scenario) { scenario.absent = read_nodes(entry); }},
+      {"steps", config::kRequired, "a list of steps", "What happens and what is seen, in this order.",
+       [](const Entry& entry, Scenario& scenario) {
+         for (const Entry& item : entry.items("a list of steps", kMostSteps)) {
+           Step step;
+           read_section(item, step_section(), step);
+           check_step(item, step);
+           scenario.steps.push_back(std::move(step));
+         }
+       }},
+      conditions_option("always", &Scenario::always, "Holds at every moment."),
+      conditions_option("never", &Scenario::never, "Holds at no moment."),
+  };
+  return section;
+}
+
+const Section<Step>& step_section() {
+  static const Section<Step> section{
+      time_of_step("at", &Step::at, "Wait until then, from the start."),
+      time_of_step("after", &Step::after, "Wait so long after the step before."),
+      {"when", "none", "a condition", "Then wait until it holds.",
+       [](const Entry& entry, Step& step) { step.when = read_condition(entry); }},
+      {"within", "none", "a time, or {sim: TIME, live: TIME}", "`when` has to hold by then.",
+       [](const Entry& entry, Step& step) { step.within = read_limit(entry); }},
+      {"do", "none", "a fault or a send", "Then do this.", read_action},
+  };
+  return section;
+}
+
+}  // namespace limb_ring::scenario

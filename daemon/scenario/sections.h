@@ -1,0 +1,28 @@
+#pragma once
+
+#include "config/option.h"
+#include "scenario/scenario.h"
+
+namespace limb_ring::scenario {
+
+/// What the maps of a scenario may hold.
+const config::Section<Scenario>& scenario_section();
+const config::Section<Step>& step_section();
+
+/// `{KIND: ..., ...}`: a condition. @throw config::ConfigError
+Condition read_condition(const config::Entry& entry);
+/// `{FAULT: ...}` or `{send: {...}}` into the step. @throw config::ConfigError
+void read_action(const config::Entry& entry, Step& step);
+
+/// bit/s, not unlimited; and the relay delay d: of lines that the ring's file gives no rate.
+std::uint64_t read_line_rate(const config::Entry& entry);
+nanoseconds read_relay_delay(const config::Entry& entry);
+
+/// A node, a list of nodes, or `all`. @throw config::ConfigError
+std::vector<NodeId> read_nodes(const config::Entry& entry);
+/// `{sim: TIME, live: TIME}`, or a time: live it is kLiveGuard longer. @throw config::ConfigError
+Limit read_limit(const config::Entry& entry);
+/// `A -> B`, two nodes that follow each other in the ring. @throw config::ConfigError
+Located read_line(const config::Entry& entry);
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,92 @@
+#include "scenario/senders.h"
+
+#include <algorithm>
+
+namespace limb_ring::scenario {
+
+namespace {
+
+/// Of a babble that says none: more than a node of 16 gets through at 1 Gbit/s, so its queue is full. (ours)
+constexpr std::chrono::microseconds kBabblePeriod{10};
+
+}  // namespace
+
+std::size_t Senders::index_of(const std::string& name) {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  const auto index = static_cast<std::size_t>(found - names_.begin());
+  if (found != names_.end()) return index;
+  names_.push_back(name);
+  tallies_.emplace_back();
+  return index;
+}
+
+const Tally& Senders::tally(const std::string& name) const {
+  static const Tally kNone;
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  return found == names_.end() ? kNone : tallies_[static_cast<std::size_t>(found - names_.begin())];
+}
+
+void Senders::begin(const Send& send) {
+  constexpr std::uint64_t kNoEnd = UINT64_MAX;
+  const bool stream = send.every.count() != 0;
+  const std::uint64_t count = send.count != 0 ? send.count : stream ? kNoEnd : 1;
+  for (const NodeId from : send.from) {
+    Job& job = jobs_.emplace_back(Job{send, from, index_of(send.name), count});
+    if (!stream) {
+      for (; job.left != 0; --job.left) ask(job);
+      continue;
+    }
+    const core::Duration period = send.every;
+    const core::Duration phase{static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(period.count()))};
+    ring_.at(ring_.now() + phase, [this, &job] { ask_and_go_on(job); });
+  }
+}
+
+void Senders::babble(NodeId from, core::Duration every) {
+  Send send;
+  send.name = "babble";
+  send.to = wire::kBroadcast;
+  send.size = wire::kMaxPayload;
+  send.every = every.count() == 0 ? kBabblePeriod : std::chrono::duration_cast<nanoseconds>(every);
+  ask_and_go_on(jobs_.emplace_back(Job{send, from, index_of(send.name), UINT64_MAX, cpus_.life(from)}));
+}
+
+void Senders::ask_and_go_on(Job& job) {
+  if (over(job)) return;
+  ask(job);
+  if (--job.left != 0) ring_.at(ring_.now() + core::Duration(job.send.every), [this, &job] { ask_and_go_on(job); });
+}
+
+void Senders::ask(const Job& job) {
+  const Send& send = job.send;
+  if (!(send.input ? ring_.alive(job.from) : cpus_.sends(job.from))) return;
+  std::uint32_t token = 0;
+  if (send.input) {
+    const auto& wire = ring_.settings(job.from).inputs[*send.input];
+    if (wire) of_interrupt_[{job.from, wire->factor}] = job.tally;
+    token = ring_.pull(job.from, *send.input);
+  } else if (send.interrupt) {
+    of_interrupt_[{job.from, *send.interrupt}] = job.tally;
+    token = ring_.interrupt(job.from, send.to, *send.interrupt);
+  } else {
+    const std::vector<std::uint8_t> data(send.size, static_cast<std::uint8_t>(job.tally));
+    token = ring_.send(job.from, send.to, data, send.priority);
+  }
+  asked_[{job.from, token}] = {job.tally, ring_.now()};
+}
+
+void Senders::came(const core::Event& event, NodeId at) {
+  if (const auto* pin = std::get_if<core::PinPulled>(&event.what)) {
+    const auto found = of_interrupt_.find({pin->source, pin->factor});
+    if (found != of_interrupt_.end()) ++tallies_[found->second].taken;
+  }
+  const auto* ended = std::get_if<core::SendEnded>(&event.what);
+  const auto found = ended ? asked_.find({at, ended->token}) : asked_.end();
+  if (found == asked_.end()) return;
+  Tally& tally = tallies_[found->second.tally];
+  ++tally.results[static_cast<std::size_t>(ended->outcome)];
+  if (ended->outcome == core::Outcome::delivered) tally.worst = std::max(tally.worst, event.at - found->second.at);
+  asked_.erase(found);
+}
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "core/membership/membership.h"
+#include "core/time.h"
+#include "scenario/scenario.h"
+#include "scenario/tally.h"
+
+namespace limb_ring::scenario {
+
+/// What can be seen of a ring at one moment: all that conditions speak of.
+class Sight {
+ public:
+  virtual ~Sight() = default;
+
+  virtual unsigned size() const = 0;  ///< nodes, living or not
+  virtual const std::string& name(NodeId id) const = 0;
+  /// Neither dead nor frozen; if it is, the values below mean nothing.
+  virtual bool alive(NodeId id) const = 0;
+  virtual core::NodeState state(NodeId id) const = 0;
+  virtual unsigned ring_size(NodeId id) const = 0;  ///< as that node has learned it; 0: not yet
+  /// The last beacon of `of` that `by` has heard, its nodes as places; nothing where none. Of it no more is used
+  /// than the CPU's state and boots, and the break.
+  virtual std::optional<wire::Beacon> heard(NodeId by, NodeId of) const = 0;
+  /// By name, of core/counters.h; of the node's present life. 0 where it is dead.
+  virtual std::uint64_t counter(NodeId id, const std::string& name) const = 0;
+  /// All zero where nothing of that name was sent yet.
+  virtual const Tally& tally(const std::string& send) const = 0;
+
+  /// Which of the two limits counts here.
+  virtual nanoseconds allowed(const Limit& limit) const = 0;
+};
+
+/// What a scenario is played on: a ring to observe and to act on, and its time. Under a virtual clock all
+/// is exact; live, it is polled every few hundredths of a second, and steps may be late.
+class Stage : public Sight {
+ public:
+  struct Surprise {
+    std::string expected, seen;
+  };
+
+  /// Brings the ring up. Time counts from then. @return what was not as expected
+  virtual std::optional<Surprise> begin() = 0;
+  virtual core::Duration now() const = 0;
+  /// A step whose time has passed is an error; otherwise it is done at once.
+  virtual bool exact() const = 0;
+  /// Lets time go on and polls, until `done` is true or `until` has come. @param what for people who wait
+  /// @return what `done` said last
+  virtual bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) = 0;
+  /// What is expected of every ring, whatever the scenario says. @return the first expectation that was not met
+  virtual std::optional<Surprise> broken() const = 0;
+
+  /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
+  virtual std::optional<Surprise> apply(const Fault& fault) = 0;
+  virtual void send(const Send& send) = 0;
+};
+
+}  // namespace limb_ring::scenario

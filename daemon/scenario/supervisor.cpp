@@ -1,0 +1,98 @@
+#include "scenario/supervisor.h"
+
+#include <algorithm>
+
+#include "setup/core_settings.h"
+
+namespace limb_ring::scenario {
+
+namespace {
+
+NodeId supervisor_place(const config::RingConfig& config) {
+  if (!config.supervisor.node) return 0;
+  return static_cast<NodeId>(setup::index_of(config, *config.find(*config.supervisor.node)));
+}
+
+}  // namespace
+
+Supervisor::Supervisor(const config::RingConfig& config, sim::VirtualRing& ring, const Cpus& cpus)
+    : config_(config), ring_(ring), cpus_(cpus), beacon_(config.timeouts.beacon), node_(supervisor_place(config)),
+      membership_(&ring.node(node_).membership()), watchdog_(fresh()) {}
+
+watchdog::Watchdog Supervisor::fresh() const {
+  std::vector<wire::NodeId> watched;
+  for (std::size_t place = 0; place < config_.nodes.size(); ++place)
+    if (config::reset_pin(config_.nodes[place])) watched.push_back(static_cast<NodeId>(place));
+  return {config_.supervisor, watchdog::kMissedBeacons * beacon_, watched};
+}
+
+void Supervisor::start() {
+  if (config_.supervisor.policy == config::SupervisorConfig::Policy::automatic) look_later();
+}
+
+void Supervisor::started(NodeId id) {
+  if (id != node_) return;
+  membership_ = &ring_.node(id).membership();
+  watchdog_ = fresh();
+  resets_.clear();
+}
+
+void Supervisor::look_later() {
+  ring_.at(ring_.now() + beacon_, [this] {
+    if (ring_.alive(node_)) look();
+    look_later();
+  });
+}
+
+void Supervisor::look() {
+  const watchdog::Watchdog::Round round =
+      watchdog_.look([this](NodeId id) { return sighting_of(id); }, ring_.now());
+  for (const NodeId id : round.resets) reset(id);
+}
+
+void Supervisor::reset(NodeId id) {
+  const std::uint32_t token = ring_.interrupt(node_, id, *config::reset_pin(config_.nodes[id]));
+  resets_.push_back({id, token, watchdog::ResetOrder(cpu_of(id), ring_.now())});
+  ring_.at(ring_.now() + core::Duration(watchdog_.confirm_within()), [this, token] {
+    const auto late =
+        std::find_if(resets_.begin(), resets_.end(), [token](const Reset& each) { return each.token == token; });
+    if (late != resets_.end()) finish(late, late->order.timed_out(ring_.now()));
+  });
+}
+
+void Supervisor::came(const core::Event& event, NodeId at) {
+  if (at != node_) return;
+  const auto* ended = std::get_if<core::SendEnded>(&event.what);
+  const auto* changed = std::get_if<core::PeerChanged>(&event.what);
+  for (auto it = resets_.begin(); it != resets_.end();) {
+    const auto place = it++;
+    if (ended && ended->token == place->token)
+      finish(place, place->order.interrupt_ended(*ended, cpu_of(place->node), event.at));
+    else if (changed && changed->node == place->node)
+      finish(place, place->order.cpu_changed(cpu_of(place->node), event.at));
+  }
+}
+
+void Supervisor::finish(std::list<Reset>::iterator reset, const watchdog::ResetOrder::Report& report) {
+  if (!report) return;
+  const NodeId node = reset->node;
+  resets_.erase(reset);
+  watchdog_.reset_ended(node, report->success(), report->message, ring_.now());
+}
+
+watchdog::CpuSighting Supervisor::sighting_of(NodeId id) const {
+  if (id == node_) return cpus_.sighting_of(id);
+  const core::Peer& peer = membership_->peers()[id];
+  const wire::Beacon& beacon = peer.beacon;
+  return {peer.beacon_heard ? std::make_optional(peer.heard_at) : std::nullopt, beacon.cpu_boots, beacon.cpu_state,
+          std::chrono::milliseconds(beacon.cpu_silent_ms), beacon.cpu_comes_back};
+}
+
+watchdog::CpuKnown Supervisor::cpu_of(NodeId id) const {
+  const watchdog::CpuSighting cpu = sighting_of(id);
+  const bool heard = cpu.heard_at && ring_.now() - *cpu.heard_at < watchdog::kMissedBeacons * beacon_;
+  return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent, heard,
+          watchdog::reach_of(ring_.settings(node_).order, membership_->broken_line(), node_, id)};
+}
+
+}  // namespace limb_ring::scenario

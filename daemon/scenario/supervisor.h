@@ -1,0 +1,57 @@
+#pragma once
+
+#include <list>
+#include <optional>
+
+#include "config/ring_config.h"
+#include "sim/virtual_ring.h"
+#include "scenario/cpus.h"
+#include "watchdog/reset_order.h"
+#include "watchdog/watchdog.h"
+
+namespace limb_ring::scenario {
+
+/// The ring's supervisor under a virtual clock: the watchdog of the daemon, looked at once a beacon period, and its
+/// orders given. Nodes are places in ring order. As in a live story every CPU is a child that has promised to speak,
+/// so all are watched, and the supervisor is the configured node, else the first.
+class Supervisor {
+ public:
+  /// All must outlive this. Does nothing unless the ring's policy is auto: what it would find changes nothing.
+  Supervisor(const config::RingConfig& config, sim::VirtualRing& ring, const Cpus& cpus);
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  /// From now on. @pre not started yet
+  void start();
+  /// A node's daemon was started: one that is the supervisor knows nothing any more.
+  void started(NodeId id);
+  /// What the ring gives out.
+  void came(const core::Event& event, NodeId at);
+
+ private:
+  struct Reset {
+    NodeId node;
+    std::uint32_t token;
+    watchdog::ResetOrder order;
+  };
+
+  void look();
+  void look_later();
+  void reset(NodeId id);
+  /// @param report none: it goes on
+  void finish(std::list<Reset>::iterator reset, const watchdog::ResetOrder::Report& report);
+  watchdog::CpuSighting sighting_of(NodeId id) const;
+  watchdog::CpuKnown cpu_of(NodeId id) const;
+  watchdog::Watchdog fresh() const;
+
+  const config::RingConfig& config_;
+  sim::VirtualRing& ring_;
+  const Cpus& cpus_;
+  core::Duration beacon_;
+  NodeId node_;
+  const core::Membership* membership_;  ///< of that node's present life, to look at it without waking it
+  watchdog::Watchdog watchdog_;
+  std::list<Reset> resets_;
+};
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,129 @@
+#include "scenario/virtual_stage.h"
+
+#include "sim_tools/planned_ring.h"
+
+namespace limb_ring::scenario {
+
+using config::PinConfig;
+using fault::Name;
+
+VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed)
+    : scenario_(scenario),
+      ring_(sim::planned_ring(scenario.ring)),
+      members_(ring_->size()),
+      frozen_(ring_->size(), false),
+      cpus_(*ring_, scenario.boot_time),
+      senders_(*ring_, cpus_, seed),
+      supervisor_(scenario.ring, *ring_, cpus_),
+      lines_(*ring_, seed) {
+  for (unsigned id = 0; id < ring_->size(); ++id)
+    members_[id] = &ring_->node(static_cast<NodeId>(id)).membership();
+  ring_->on_event = [this](NodeId at, const core::Event& event) { came(event, at); };
+  ring_->on_packet = [this](NodeId at, const core::ReceivedPacket& packet) {
+    senders_.came(packet);
+    cpus_.took_packet(at);
+  };
+  lines_.tap_all();
+  supervisor_.start();
+  for (const NodeId id : scenario.absent) ring_->kill(id);
+}
+
+// ---- sight and time -------------------------------------------------------------------------
+
+std::optional<wire::Beacon> VirtualStage::heard(NodeId by, NodeId of) const {
+  const core::Peer& peer = members_[by]->peers()[of];
+  return peer.beacon_heard ? std::optional(peer.beacon) : std::nullopt;
+}
+
+std::uint64_t VirtualStage::counter(NodeId id, const std::string& name) const {
+  std::uint64_t count = 0;
+  ring_->counters(id).each([&](const char* each, const char*, std::uint64_t value) {
+    if (name == each) count = value;
+  });
+  return count;
+}
+
+std::optional<Stage::Surprise> VirtualStage::begin() {
+  const bool joined = ring_->join();
+  start_ = ring_->now();
+  if (joined) return std::nullopt;
+  return Surprise{"every node joins", "not within 10 s"};
+}
+
+bool VirtualStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
+  const core::Time end = start_ + until;
+  if (ring_->run_until(done, end - ring_->now())) return true;
+  ring_->run_until(end);
+  return done();
+}
+
+std::optional<Stage::Surprise> VirtualStage::broken() const {
+  const auto& violation = ring_->violation();
+  if (!violation) return std::nullopt;
+  return Surprise{std::string("the ring's promise: ") + sim::to_string(violation->promise), violation->what};
+}
+
+// ---- actions --------------------------------------------------------------------------------
+
+void VirtualStage::came(const core::Event& event, NodeId at) {
+  senders_.came(event, at);
+  supervisor_.came(event, at);
+  const auto* pin = std::get_if<core::PinPulled>(&event.what);
+  if (!pin || scenario_.ring.nodes[at].pins[pin->factor].action != PinConfig::Action::reset) return;
+  ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
+}
+
+std::optional<Stage::Surprise> VirtualStage::apply(const Fault& fault) {
+  do_it(fault);
+  return std::nullopt;
+}
+
+void VirtualStage::do_it(const Fault& fault) {
+  if (fault::word_of(fault.name).of == fault::Of::line) return lines_.begin(fault);
+  // All are off before the first is on again.
+  if (fault.name == Name::power_cycle)
+    for (const NodeId id : fault.nodes) ring_->kill(id);
+  for (const NodeId id : fault.nodes) apply(fault, id);
+  if (fault.lasts.count() != 0) end_later(fault);
+}
+
+void VirtualStage::end_later(const Fault& fault) {
+  Fault end;
+  end.name = fault.name == Name::freeze ? Name::thaw : Name::resume;
+  end.nodes = fault.nodes;
+  ring_->at(ring_->now() + core::Duration(fault.lasts), [this, end] { do_it(end); });
+}
+
+void VirtualStage::apply(const Fault& fault, NodeId id) {
+  switch (fault.name) {
+    case Name::kill: return ring_->kill(id);
+    case Name::start:
+    case Name::power_cycle: return start(id);
+    case Name::freeze:
+      frozen_[id] = ring_->alive(id);
+      return ring_->freeze(id);
+    case Name::thaw:
+      if (frozen_[id]) ring_->thaw(id);
+      frozen_[id] = false;
+      return;
+    case Name::hang: return cpus_.hang(id);
+    case Name::resume: return cpus_.resume(id);
+    case Name::reset: return cpus_.reset(id);
+    case Name::crash: return cpus_.crash(id);
+    case Name::slow: return cpus_.slow_down(id, fault.every);
+    case Name::not_reading: return cpus_.stop_reading(id);
+    case Name::babble: return senders_.babble(id, fault.every);
+    default: return;  // of a line: not here
+  }
+}
+
+void VirtualStage::start(NodeId id) {
+  if (ring_->alive(id)) return;
+  frozen_[id] = false;
+  ring_->start(id);
+  members_[id] = &ring_->node(id).membership();
+  cpus_.started(id);
+  supervisor_.started(id);
+}
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <ostream>
+#include <vector>
+
+#include "capture/packet_assembler.h"
+#include "capture/pcapng_writer.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::sim {
+
+/// Where packets are captured: as they come into a node, so that what faults did to them shows; or as
+/// they go out of one as well, so that what they waited for shows.
+enum class CaptureAt : std::uint8_t { inputs, inputs_and_outputs };
+
+/// Writes what is on the lines of a virtual ring as pcapng, in virtual time; every line an interface.
+/// Faults, states and pins are events. Must live as long as the ring runs.
+class RingCapture : public sim::Observer {
+ public:
+  RingCapture(sim::VirtualRing& ring, std::ostream& out, capture::RingNames names,
+              CaptureAt at = CaptureAt::inputs);
+
+  void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
+  void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
+  void event(wire::NodeId node, const core::Event& event) override;
+  void incident(wire::NodeId node, sim::Incident incident, core::Time now, core::Line line) override;
+
+ private:
+  wire::NodeId upstream(wire::NodeId node) const;
+  wire::NodeId downstream(wire::NodeId node) const;
+  void write(const capture::PacketView& packet);
+
+  sim::VirtualRing& ring_;
+  capture::PcapngWriter writer_;
+  std::vector<capture::PacketAssembler> inputs_, outputs_;  ///< by node; outputs_ empty where not looked at
+};
+
+/// Names of a ring of plain nodes: node0, node1 ...
+capture::RingNames plain_names(unsigned nodes);
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,83 @@
+#include "sim_tools/virtual_line_faults.h"
+
+namespace limb_ring::sim {
+
+using core::Line;
+using core::Time;
+
+using wire::NodeId;
+
+VirtualLineFaults::VirtualLineFaults(sim::VirtualRing& ring, std::uint64_t seed) : ring_(ring) {
+  std::mt19937_64 seeds(seed);
+  for (const Line line : {Line::first, Line::second}) {
+    if (line == Line::second && !ring.settings(0).fold_back) break;
+    for (unsigned id = 0; id < ring.size(); ++id)
+      lines_[static_cast<std::size_t>(line)].emplace_back(seeds(), ring.settings(static_cast<NodeId>(id)).byte_time_out);
+  }
+  ring.add_observer(*this);
+}
+
+void VirtualLineFaults::tap_all() {
+  each_line([this](NodeId id, Line line) {
+    const auto tap = [this, id, line](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+      pass(id, line, slice, arriving);
+    };
+    ring_.tap(id, tap, line);
+  });
+}
+
+void VirtualLineFaults::begin(const fault::Fault& fault) {
+  const Line line = fault.second_line ? Line::second : Line::first;
+  for (const NodeId id : fault.nodes) {
+    wire_of(id, line).faults.begin(fault, ring_.now());
+    look(id, line);
+  }
+}
+
+void VirtualLineFaults::mend_all() {
+  each_line([this](NodeId id, Line line) {
+    wire_of(id, line).faults.clear();
+    look(id, line);
+  });
+}
+
+void VirtualLineFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
+  fault::LineFaults& faults = wire_of(id, line).faults;
+  if (faults.idle()) return arriving.put(slice.kind, slice.bytes);
+  faults.pass(slice, ring_.now());
+  faults.take(ring_.now(), arriving);
+  look_later(id, line);
+}
+
+// What was under way on a line that is gone never comes out of the next one.
+void VirtualLineFaults::incident(NodeId id, sim::Incident incident, Time, Line line) {
+  if (incident == sim::Incident::output_replaced || incident == sim::Incident::cut) wire_of(id, line).faults.line_lost();
+}
+
+void VirtualLineFaults::look(NodeId id, Line line) {
+  Wire& wire = wire_of(id, line);
+  const bool cut = wire.faults.cut(ring_.now());
+  if (cut && !wire.cut) ring_.cut(id, line);
+  if (!cut && wire.cut) ring_.heal(id, line);
+  wire.cut = cut;
+  wire.faults.take(ring_.now(), late_);
+  if (!late_.empty()) ring_.put_late(id, late_, line);
+  late_.clear();
+  look_later(id, line);
+}
+
+void VirtualLineFaults::look_later(NodeId id, Line line) {
+  Wire& wire = wire_of(id, line);
+  Time next = wire.faults.next_deadline();
+  // A line that a packet takes down by having passed it goes down behind that packet.
+  if (next <= ring_.now()) next = ring_.now() + ring_.settings(id).relay_delay + core::Duration{1};
+  if (next >= wire.wake) return;
+  wire.wake = next;
+  ring_.at(next, [this, id, line, next] {
+    if (wire_of(id, line).wake != next) return;  // an earlier look has taken its place
+    wire_of(id, line).wake = core::kNever;
+    look(id, line);
+  });
+}
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <deque>
+
+#include "fault/line_faults.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::sim {
+
+/// Faults on the lines of a virtual ring: takes them down and up, and puts onto them later what they hold back.
+class VirtualLineFaults : public sim::Observer {
+ public:
+  /// @param ring must outlive this, and never runs without it. @param seed of whatever is random
+  VirtualLineFaults(sim::VirtualRing& ring, std::uint64_t seed);
+  VirtualLineFaults(const VirtualLineFaults&) = delete;
+  VirtualLineFaults& operator=(const VirtualLineFaults&) = delete;
+
+  /// Lays a tap on every line of the ring.
+  void tap_all();
+  /// On each line out of the fault's nodes. @pre it is of a line
+  void begin(const fault::Fault& fault);
+  /// Ends all on all lines.
+  void mend_all();
+
+  /// For a tap of the caller's own: what comes out of the line now.
+  void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
+  void incident(wire::NodeId id, sim::Incident incident, core::Time now, core::Line line) override;
+
+ private:
+  struct Wire {
+    Wire(std::uint64_t seed, core::Duration byte_time) : faults(seed, byte_time) {}
+    fault::LineFaults faults;
+    bool cut = false;                ///< by a fault
+    core::Time wake = core::kNever;  ///< next look
+  };
+  Wire& wire_of(wire::NodeId id, core::Line line) { return lines_[static_cast<std::size_t>(line)][id]; }
+  template <class Each>
+  void each_line(Each each) const {
+    for (const core::Line line : {core::Line::first, core::Line::second})
+      for (std::size_t id = 0; id < lines_[static_cast<std::size_t>(line)].size(); ++id)
+        each(static_cast<wire::NodeId>(id), line);
+  }
+  void look(wire::NodeId id, core::Line line);
+  void look_later(wire::NodeId id, core::Line line);
+
+  sim::VirtualRing& ring_;
+  std::array<std::deque<Wire>, 2> lines_;  ///< out of each node, by Line; no second ones without fold-back
+  wire::SliceWriter late_;
+};
+
+}  // namespace limb_ring::sim

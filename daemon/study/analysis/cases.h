@@ -1,0 +1,49 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "study/analysis/latency.h"
+#include "study/analysis/medium.h"
+#include "sim_tools/ring_capture.h"
+
+namespace limb_ring::study {
+
+/// The cases of protocol.md section 7.2, each on the real core under a virtual clock: the ring has
+/// joined before time zero and beacons are off. T = (B + 12) bytes on the line, i = 12 bytes.
+enum class Case {
+  alone,            ///< one packet, nobody else sends: T + N d
+  simultaneous,     ///< all start at the same instant: N T + d, or T + N d where T < d
+  adversarial,      ///< each node starts its own just before this one arrives: N (T + d)
+  request,          ///< the same, asked for just after a packet of another began to pass: (N + 1) T + N d
+  delivery,         ///< adversarial, to the farthest node: (N - 1) (T + d)
+  interrupt,        ///< an INTP behind one other at every node: N (d + i)
+  interrupt_bound,  ///< worst seen under full load; behind trailer and CRC as well: N (d + i + 8 bytes)
+  saturated,        ///< all always send, aligned: occupancy of the lines, N T / (N T + d)
+  random,           ///< all always send, at random phases: bound N (T + d)
+  payload           ///< share of the bytes on the lines that are data, all always sending: B / (B + 12)
+};
+constexpr Case kCases[] = {Case::alone,     Case::simultaneous,    Case::adversarial, Case::request, Case::delivery,
+                           Case::interrupt, Case::interrupt_bound, Case::saturated,   Case::random,  Case::payload};
+const char* to_string(Case which);
+/// The formula in words: "N (T + d)".
+std::string formula_words(Case which, const Medium& medium);
+
+struct CaseResult {
+  Duration formula{0};    ///< of the time; a bound in `interrupt_bound` and `random`
+  Latencies measured;     ///< of the packets in question, one or many
+  bool has_share = false; ///< saturated, payload: a share instead of a time
+  double formula_share = 0, measured_share = 0;
+  double occupancy = 0;   ///< of all lines, while it ran
+  std::uint64_t trace_hash = 0;
+};
+
+/// Runs one case. The seed matters where something is random (interrupt_bound, random).
+/// @param trace where the lines of the trace go, or null
+/// @param capture where its packets go as pcapng, or null; taken where `at` says
+/// @throw sim::BrokenPromise
+CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace = nullptr,
+                    std::ostream* capture = nullptr, sim::CaptureAt at = sim::CaptureAt::inputs);
+
+}  // namespace limb_ring::study

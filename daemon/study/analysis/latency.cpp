@@ -1,0 +1,24 @@
+#include "study/analysis/latency.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace limb_ring::study {
+
+Duration Latencies::mean() const {
+  if (values_.empty()) return Duration{0};
+  long double sum = 0;
+  for (const Duration value : values_) sum += static_cast<long double>(value.count());
+  return Duration{static_cast<std::int64_t>(std::llround(sum / static_cast<long double>(values_.size())))};
+}
+
+Duration Latencies::quantile(double share) const {
+  if (values_.empty()) return Duration{0};
+  if (!sorted_) std::sort(values_.begin(), values_.end());
+  sorted_ = true;
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values_.size())));
+  return values_[std::min(values_.size(), std::max<std::size_t>(rank, 1)) - 1];
+}
+
+}  // namespace limb_ring::study

@@ -1,0 +1,203 @@
+#include "study/analysis/traffic_run.h"
+
+#include <map>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+
+#include "sim_tools/planned_ring.h"
+
+namespace limb_ring::study {
+
+namespace {
+
+using core::Time;
+
+constexpr unsigned kWindow = 4;   // as ring_bridge's TopicSender
+constexpr int kTold = 100;        // how often progress is told
+constexpr Duration kInstant{1};
+
+struct Message {
+  Time asked{};
+  std::size_t left = 0;  ///< packets that have not ended
+  bool whole = true;     ///< all that have were delivered
+};
+
+/// A stream's CPU.
+struct Feed {
+  std::vector<unsigned> packets;
+  std::map<std::size_t, Message> messages;  ///< by number, not ended
+  std::size_t next_message = 0;             ///< ... of which the next packet is
+  std::size_t next_packet = 0;
+  unsigned in_nc = 0;
+  Duration next_nominal{0};                 ///< of the next message, from the start
+};
+
+struct Job {
+  std::size_t stream = 0;
+  std::size_t message = 0;
+};
+
+struct Source {
+  std::map<std::uint32_t, Job> jobs;  ///< by token
+  Time data_delivered{};              ///< of the one outstanding
+  Time interrupt_delivered{};
+};
+
+class Run {
+ public:
+  Run(const config::RingConfig& config, const std::vector<Stream>& streams, const TrafficOptions& options)
+      : streams_(streams),
+        options_(options),
+        random_(options.seed),
+        ring_(sim::planned_ring(config)),
+        feeds_(streams.size()),
+        sources_(config.nodes.size()),
+        result_(streams.size()) {
+    if (!ring_->join()) throw std::runtime_error("the simulated ring did not close within 10 s");
+    ring_->run_for(Duration(config.timeouts.beacon) / 2);  // between what nodes say when they join and the next
+    patience_ = config.timeouts.queue + ring_->node(0).settings().worst_lap();
+    start_ = ring_->now();
+    end_ = start_ + options.duration;
+    listen();
+  }
+
+  std::vector<StreamRun> run() {
+    for (std::size_t s = 0; s < streams_.size(); ++s)
+      if (!streams_[s].beacon) begin(s);
+    for (int i = 1; i <= kTold; ++i) {
+      ring_->run_until(start_ + options_.duration * i / kTold);
+      options_.tell(static_cast<double>(i) / kTold);
+    }
+    ring_->run_until([this] { return all_home(); }, patience_);
+    ring_->check();
+    return std::move(result_);
+  }
+
+ private:
+  void listen() {
+    ring_->on_packet = [this](NodeId, const core::ReceivedPacket& packet) {
+      sources_[packet.source].data_delivered = packet.at;
+    };
+    ring_->on_event = [this](NodeId at, const core::Event& event) {
+      if (const auto* ended = std::get_if<core::SendEnded>(&event.what)) on_end(at, *ended, event.at);
+      if (const auto* pulled = std::get_if<core::PinPulled>(&event.what))
+        sources_[pulled->source].interrupt_delivered = event.at;
+      if (const auto* home = std::get_if<core::BeaconHome>(&event.what)) on_beacon(at, home->round_trip);
+    };
+  }
+
+  // ---- requests -----------------------------------------------------------------------------
+
+  Duration any_below(Duration limit) {
+    return Duration{static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(limit.count()))};
+  }
+
+  void begin(std::size_t s) {
+    feeds_[s].packets = streams_[s].interrupt ? std::vector<unsigned>{0} : streams_[s].packets;
+    feeds_[s].next_nominal = streams_[s].phase ? *streams_[s].phase : any_below(streams_[s].period);
+    schedule(s);
+  }
+
+  void schedule(std::size_t s) {
+    const Time at = start_ + feeds_[s].next_nominal + any_below(streams_[s].jitter + kInstant);
+    feeds_[s].next_nominal += streams_[s].period;
+    if (at < end_) ring_->at(at, [this, s] { ask(s); });
+  }
+
+  void ask(std::size_t s) {
+    feeds_[s].messages[result_[s].asked++] = {ring_->now(), feeds_[s].packets.size(), true};
+    schedule(s);
+    feed(s);
+  }
+
+  void feed(std::size_t s) {
+    Feed& feed = feeds_[s];
+    while (feed.in_nc < kWindow && feed.next_message < result_[s].asked) {
+      const std::uint32_t token = send(streams_[s], feed.packets[feed.next_packet]);
+      sources_[streams_[s].source].jobs[token] = {s, feed.next_message};
+      ++feed.in_nc;
+      if (++feed.next_packet < feed.packets.size()) continue;
+      feed.next_packet = 0;
+      ++feed.next_message;
+    }
+  }
+
+  std::uint32_t send(const Stream& stream, unsigned bytes) {
+    if (stream.interrupt) return ring_->interrupt(stream.source, stream.destination, *stream.interrupt);
+    return ring_->send(stream.source, stream.destination, std::vector<std::uint8_t>(bytes), stream.priority);
+  }
+
+  // ---- ends ---------------------------------------------------------------------------------
+
+  void on_beacon(NodeId node, Duration round_trip) {
+    for (std::size_t s = 0; s < streams_.size(); ++s) {
+      if (!streams_[s].beacon || streams_[s].source != node || ring_->now() >= end_) continue;
+      ++result_[s].asked;
+      ++result_[s].outcomes[static_cast<std::size_t>(core::Outcome::delivered)];
+      result_[s].confirmed.add(round_trip);
+    }
+  }
+
+  // A destination may take the packet in the very instant in which it is home: look an instant later.
+  void on_end(NodeId node, const core::SendEnded& ended, Time home) {
+    ring_->at(ring_->now() + kInstant, [this, node, ended, home] { finish(node, ended, home); });
+  }
+
+  void finish(NodeId node, const core::SendEnded& ended, Time home) {
+    Source& source = sources_[node];
+    const Job job = source.jobs.at(ended.token);
+    source.jobs.erase(ended.token);
+    Message& message = feeds_[job.stream].messages.at(job.message);
+    ++result_[job.stream].outcomes[static_cast<std::size_t>(ended.outcome)];
+    message.whole = message.whole && ended.outcome == core::Outcome::delivered;
+    if (--message.left == 0) {
+      if (message.whole)
+        count(job.stream, message.asked, ended.interrupt ? source.interrupt_delivered : source.data_delivered, home);
+      feeds_[job.stream].messages.erase(job.message);
+    }
+    --feeds_[job.stream].in_nc;
+    feed(job.stream);
+  }
+
+  void count(std::size_t s, Time asked, Time there, Time home) {
+    result_[s].delivered.add(there - asked);
+    result_[s].confirmed.add(home - asked);
+  }
+
+  bool all_home() const {
+    for (const Feed& feed : feeds_)
+      if (!feed.messages.empty()) return false;
+    return true;
+  }
+
+  const std::vector<Stream>& streams_;
+  const TrafficOptions& options_;
+  std::mt19937_64 random_;
+  std::unique_ptr<sim::WatchedRing> ring_;
+  Time start_{}, end_{};
+  Duration patience_{0};  ///< for what is under way at the end: what has a bound is home by then
+  std::vector<Feed> feeds_;
+  std::vector<Source> sources_;
+  std::vector<StreamRun> result_;
+};
+
+}  // namespace
+
+std::size_t StreamRun::failed() const {
+  const std::size_t all = std::accumulate(outcomes.begin(), outcomes.end(), std::size_t{0});
+  return all - outcomes[static_cast<std::size_t>(core::Outcome::delivered)];
+}
+
+std::vector<StreamRun> run_traffic(const config::RingConfig& ring, const std::vector<Stream>& streams,
+                                   const TrafficOptions& options) {
+  return Run(ring, streams, options).run();
+}
+
+bool kept(const StreamPlan& plan, const StreamRun& run) {
+  if (!plan.confirmed) return true;
+  const bool all = run.failed() == 0 && run.confirmed.count() == run.asked;
+  return all && run.delivered.max() <= *plan.delivered && run.confirmed.max() <= *plan.confirmed;
+}
+
+}  // namespace limb_ring::study

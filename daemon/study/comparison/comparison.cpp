@@ -1,0 +1,64 @@
+#include "study/comparison/comparison.h"
+
+#include <memory>
+
+#include "study/comparison/ring_network.h"
+#include "study/baselines/arcnet.h"
+#include "study/baselines/can_bus.h"
+#include "study/baselines/ethercat.h"
+#include "study/baselines/responsive_link.h"
+#include "study/baselines/sercos.h"
+
+namespace limb_ring::study {
+
+namespace {
+
+constexpr std::uint64_t kMega = 1'000'000;
+constexpr int kMostDelay = 100;  // more, and a full load of messages no longer fits into memory
+
+struct Method {
+  std::string name;
+  std::uint64_t own_rate;  ///< of the paper's Table I, bit/s
+  std::unique_ptr<Network> network;
+};
+
+std::vector<Method> methods() {
+  std::vector<Method> all;
+  all.push_back({"limb_ring", 1000 * kMega, std::make_unique<RingNetwork>()});
+  all.push_back({"ARCNET", 5 * kMega, std::make_unique<Arcnet>()});
+  all.push_back({"EtherCAT", 100 * kMega, std::make_unique<EtherCat>()});
+  all.push_back({"SERCOS II", 16 * kMega, std::make_unique<Sercos>()});
+  all.push_back({"Responsive Link", 500 * kMega, std::make_unique<ResponsiveLink>()});
+  all.push_back({"CAN / MLVDS", 100 * kMega, std::make_unique<CanBus>()});
+  return all;
+}
+
+void add(const ComparisonOptions& options, const Subject& subject, const Network& network, Comparison& out) {
+  options.tell(subject);
+  Medium medium = options.medium;
+  medium.rate = subject.rate;
+  out.methods.push_back({subject, measure(network, medium, options.seed)});
+  for (const double load : options.loads)
+    out.against_load.push_back({subject, load, measure_efficiency(network, medium, load, options.seed)});
+  for (const unsigned nodes : options.nodes) {
+    medium.nodes = nodes;
+    const Spread at_once = measure_at_once(network, medium, Destination::opposite, options.seed);
+    out.against_nodes.push_back({subject, nodes, at_once});
+  }
+}
+
+}  // namespace
+
+bool comparable(const Medium& medium) {
+  return medium.relay_delay <= kMostDelay * (medium.payload * medium.byte_time());
+}
+
+Comparison compare(const ComparisonOptions& options) {
+  Comparison out;
+  const std::vector<Method> all = methods();
+  for (const Method& method : all) add(options, {method.name, false, options.medium.rate}, *method.network, out);
+  for (const Method& method : all) add(options, {method.name, true, method.own_rate}, *method.network, out);
+  return out;
+}
+
+}  // namespace limb_ring::study

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "study/comparison/network.h"
+
+namespace limb_ring::study {
+
+/// Our ring as a method among others: the core of the daemon, sim::VirtualRing, with lines of rate R
+/// and relay delay d, beacons off, joined before time zero. (ours; protocol.md section 7.2)
+///
+/// Delivered is what the destination's controller has in its receive buffer with a good CRC; an
+/// interrupt-like message is an INTP, delivered when the pin is pulled.
+class RingNetwork : public Network {
+ public:
+  /// @throw std::runtime_error where the ring does not close: the settings are wrong
+  std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
+  /// Until the hello is home, the longest of some moments spread over a lap: the links are moved, what
+  /// is on them at that moment is lost and sent again by its sources.
+  /// @throw std::runtime_error as above
+  Duration time_to_join(const Medium& medium) const override;
+};
+
+}  // namespace limb_ring::study

@@ -1,0 +1,246 @@
+#include "study/soak/random_faults.h"
+
+#include <algorithm>
+
+namespace limb_ring::study {
+
+using core::Duration;
+using core::Line;
+
+using wire::NodeId;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr unsigned kSteps = 1200;
+
+}  // namespace
+
+RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back) : seed_(seed), random_(seed) {
+  choose_mix(fold_back);
+  make_ring();
+}
+
+void RandomFaults::choose_mix(FoldBack fold_back) {
+  nodes_ = once_in(3) ? 2 + random(15) : 16;
+  if (fold_back == FoldBack::all && nodes_ < 3) nodes_ = 3;  // a ring of two has no way round a break
+  paced_ = once_in(2);
+  const unsigned levels[] = {0, 2000, 200, 33};
+  drop_ = levels[random(4)];
+  damage_ = levels[random(4)];
+  trouble_ = levels[random(4)];
+  const bool drawn = nodes_ > 2 && once_in(3);
+  fold_back_ = drawn || fold_back == FoldBack::all;
+  doubles_ = once_in(2) && !fold_back_;  // a fold may bring a doubled copy behind the source's next packet
+}
+
+std::string RandomFaults::describe() const {
+  const auto rate = [](const char* what, unsigned times) {
+    return times == 0 ? "" : std::string(", ") + what + " once in " + std::to_string(times);
+  };
+  return std::to_string(nodes_) + " nodes, lines " + (paced_ ? "of 1 Gbit/s" : "without a rate") +
+         (fold_back_ ? ", folding back" : "") +
+         rate("a slice lost", drop_) + rate("damaged", damage_) + rate("a fault in a step", trouble_);
+}
+
+void RandomFaults::make_ring() {
+  sim::VirtualRingOptions options;
+  options.nodes = nodes_;
+  options.byte_time = paced_ ? Duration{8ns} : Duration{0};
+  options.keep_logs = false;
+  options.adjust = [this](core::Settings& s) {
+    s.send_timeout_least = paced_ ? Duration{0} : Duration{100us};
+    s.refused_for = 2ms;
+    s.refused_backoff = 20us;
+    s.refused_backoff_most = 300us;
+    s.queue_timeout = 20ms;
+    s.stall = 50us;
+    s.beacon = 1ms;
+    s.break_grace = 300us;
+    s.receive_buffers = 3;
+    s.send_queue = 6;
+    s.fold_back = fold_back_;
+    s.wired = {true, false, true, true, true, true, true, true};
+  };
+  ring_ = std::make_unique<sim::VirtualRing>(options);
+  killed_.assign(nodes_, false);
+  invariants_ = std::make_unique<sim::Invariants>(*ring_);
+  lines_ = std::make_unique<sim::VirtualLineFaults>(*ring_, seed_);
+  ring_->on_event = [this](NodeId, const core::Event& event) {
+    if (const auto* end = std::get_if<core::SendEnded>(&event.what)) ++ended_[static_cast<std::size_t>(end->outcome)];
+  };
+  tap_all(Line::first);
+  if (fold_back_) tap_all(Line::second);
+}
+
+void RandomFaults::tap_all(Line line) {
+  for (unsigned node = 0; node < nodes_; ++node) {
+    const auto id = static_cast<NodeId>(node);
+    const auto tap = [this, id, line](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
+      pass(id, line, slice, arriving);
+    };
+    ring_->tap(id, tap, line);
+  }
+}
+
+// ---- lines ----------------------------------------------------------------------------------
+
+void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
+  if (quiet_) {
+    const bool control = slice.kind != wire::SliceKind::interrupt && slice.bytes.size >= 13 &&
+                         slice.bytes[slice.bytes.size - 5] >> 2 == 1;
+    const bool part = slice.kind == wire::SliceKind::start;  // its end tells
+    if (!control && !part) ++slices_when_quiet_;
+  }
+  if (!quiet_ && once_in(drop_)) return;
+  if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, line, slice, arriving);
+  std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
+  std::copy(slice.bytes.begin(), slice.bytes.end(), bytes.begin());
+  bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1 + random(255));
+  lines_->pass(id, line, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
+}
+
+// ---- what happens ---------------------------------------------------------------------------
+
+void RandomFaults::run() {
+  ring_->join();
+  for (unsigned step = 0; step < kSteps && !violation_; ++step) {
+    act();
+    ring_->run_for(Duration{1ns} * random(paced_ ? 12000 : 4000));
+    look();
+  }
+  if (!violation_) calm_down();
+  if (!violation_) check_whole();
+  if (!violation_) check_silence();
+}
+
+void RandomFaults::look() { violation_ = invariants_->violation(); }
+
+std::uint64_t RandomFaults::hops() const {
+  std::uint64_t hops = 0;
+  for (unsigned id = 0; id < nodes_; ++id) {
+    const core::Counters& c = ring_->counters(static_cast<NodeId>(id));
+    hops += c.relayed_data + c.relayed_interrupts + c.sent_data + c.sent_interrupts;
+  }
+  return hops;
+}
+
+void RandomFaults::act() {
+  if (once_in(trouble_)) fault();
+  if (once_in(7))
+    interrupt();
+  else
+    send();
+}
+
+void RandomFaults::send() {
+  const NodeId source = random_node();
+  if (!ring_->alive(source)) return;
+  std::vector<std::uint8_t> data(once_in(3) ? wire::kMaxPayload : 1 + random(512));
+  for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random_());
+  ring_->send(source, random_destination(), data, static_cast<std::uint8_t>(random(4)));
+}
+
+void RandomFaults::interrupt() {
+  const NodeId source = random_node();
+  if (ring_->alive(source)) ring_->interrupt(source, random_destination(), static_cast<std::uint8_t>(random(8)));
+}
+
+void RandomFaults::fault() {
+  const NodeId node = random_node();
+  switch (random(13)) {
+    case 0: return kill_or_start(node);
+    case 1:
+      if (ring_->alive(node)) ring_->kill(node);
+      killed_[node] = true;
+      return ring_->start(node);
+    case 2: return freeze_or_thaw(node);
+    case 3: return ring_->alive(node) ? cut(node) : kill_or_start(node);
+    case 4:
+    case 5: return heal(node);
+    case 6: ring_->cpu_reads[node] = !ring_->cpu_reads[node]; return;  // its CPU hangs, or goes on
+    case 7: return ring_->alive(node) ? ring_->cancel(node) : void();
+    case 8: return ring_->alive(node) ? ring_->reset_cpu(node) : void();
+    case 9: return ring_->alive(node) ? freeze_or_thaw(node) : kill_or_start(node);
+    case 10:
+    case 11:
+    case 12: return line_fault(node);
+  }
+}
+
+// No copy may outlive the time-out of a try: a receiver takes a second one for a new packet, and one that has joined
+// anew meanwhile knows nothing of the first. So a line holds back for a part of it: a small one where lines double,
+// and where a part of a folded ring sends what is nobody's over the same line again and again.
+void RandomFaults::line_fault(NodeId node) {
+  const int share = doubles_ ? 32 : fold_back_ ? 16 : 2;
+  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / share / 1ns);
+  fault::Fault fault;
+  fault.name = once_in(2) ? fault::Name::delay : doubles_ ? fault::Name::duplicate : fault::Name::stall;
+  fault.nodes = {node};
+  fault.second_line = fold_back_ && once_in(3);
+  fault.once_in = 1 + random(10);
+  fault.delay = 1ns * (1 + random(longest));
+  fault.jitter = 1ns * random(longest);
+  fault.lasts = fault.name == fault::Name::stall ? 1ns * (1 + random(longest)) : 1us * (1 + random(1000));
+  lines_->begin(fault);
+}
+
+void RandomFaults::cut(NodeId node) {
+  if (!fold_back_ || once_in(3)) return ring_->cut(node);
+  once_in(4) ? ring_->cut(static_cast<NodeId>((node + 1) % nodes_), Line::second) : ring_->cut_cable(node);
+}
+
+void RandomFaults::heal(NodeId node) { fold_back_ ? ring_->heal_cable(node) : ring_->heal(node); }
+
+void RandomFaults::kill_or_start(NodeId node) {
+  if (!ring_->alive(node)) return ring_->start(node);
+  killed_[node] = true;
+  ring_->kill(node);
+}
+
+void RandomFaults::freeze_or_thaw(NodeId node) {
+  if (ring_->alive(node)) {
+    killed_[node] = false;
+    return ring_->freeze(node);
+  }
+  return killed_[node] ? ring_->start(node) : ring_->thaw(node);
+}
+
+// ---- afterwards -----------------------------------------------------------------------------
+
+void RandomFaults::calm_down() {
+  quiet_ = true;
+  lines_->mend_all();
+  for (unsigned id = 0; id < nodes_; ++id) {
+    const auto node = static_cast<NodeId>(id);
+    ring_->cpu_reads[id] = true;
+    heal(node);
+    if (!ring_->alive(node)) freeze_or_thaw(node);
+  }
+  ring_->run_for(200ms);
+  invariants_->finish();
+  look();
+}
+
+void RandomFaults::check_whole() {
+  for (unsigned id = 0; id < nodes_; ++id) {
+    const core::Membership& m = ring_->node(static_cast<NodeId>(id)).membership();
+    if (m.state() == core::NodeState::up && m.ring_size() == nodes_) continue;
+    violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
+                                "node " + std::to_string(id) + " is " + to_string(m.state()) + " in a ring of " +
+                                    std::to_string(m.ring_size()) + " after all was mended"};
+    return;
+  }
+}
+
+// Traffic has long ended: whatever is no beacon has a life without end.
+void RandomFaults::check_silence() {
+  slices_when_quiet_ = 0;
+  ring_->run_for(20ms);
+  look();
+  if (slices_when_quiet_ == 0 || violation_) return;
+  violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
+                              std::to_string(slices_when_quiet_) + " slices that are no beacon's still circulate"};
+}
+
+}  // namespace limb_ring::study

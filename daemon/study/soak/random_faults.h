@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sim/invariants.h"
+#include "sim_tools/virtual_line_faults.h"
+
+namespace limb_ring::study {
+
+/// A ring under random traffic and random faults, all of it decided by the seed: bit errors, lost and cut-off
+/// packets, lines that break and heal, delay, stall and double, nodes that die, freeze and come back, CPUs that
+/// hang or are reset. Every promise of the ring is checked all the time; afterwards all is mended, and the ring
+/// has to be whole again and fall silent.
+class RandomFaults {
+ public:
+  /// Which rings fold back around a break: a third of them, or all.
+  enum class FoldBack { some, all };
+  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some);
+
+  /// Runs it all, or until a promise is broken.
+  void run();
+  /// The ring, for further observers before it runs.
+  sim::VirtualRing& ring() { return *ring_; }
+  const std::optional<sim::Violation>& violation() const { return violation_; }
+
+  /// What the seed has chosen, in words.
+  std::string describe() const;
+  /// Results of DATPs and INTPs, by core::Outcome.
+  const std::array<unsigned, 7>& ended() const { return ended_; }
+  unsigned nodes() const { return nodes_; }
+  std::uint64_t hops() const;
+
+ private:
+  unsigned random(unsigned below) { return static_cast<unsigned>(random_() % below); }
+  /// True once in so many times.
+  bool once_in(unsigned times) { return times != 0 && random(times) == 0; }
+  wire::NodeId random_node() { return static_cast<wire::NodeId>(random(nodes_)); }
+  wire::NodeId random_destination() { return once_in(5) ? wire::kBroadcast : random_node(); }
+
+  void choose_mix(FoldBack fold_back);
+  void make_ring();
+  void tap_all(core::Line line);
+  void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
+  void act();
+  void send();
+  void interrupt();
+  void fault();
+  void line_fault(wire::NodeId node);
+  void cut(wire::NodeId node);
+  void heal(wire::NodeId node);
+  void kill_or_start(wire::NodeId node);
+  void freeze_or_thaw(wire::NodeId node);
+  void calm_down();
+  void check_whole();
+  void check_silence();
+  void look();
+
+  std::uint64_t seed_;
+  std::mt19937_64 random_;
+  unsigned nodes_ = 16;
+  bool paced_ = false;
+  bool fold_back_ = false;
+  unsigned drop_ = 0, damage_ = 0, trouble_ = 0;  ///< once in so many slices, slices, steps; 0: never
+  bool doubles_ = false;                          ///< lines duplicate packets, and hold back only briefly
+  bool quiet_ = false;
+  std::uint64_t slices_when_quiet_ = 0;
+  std::vector<bool> killed_;                      ///< if not alive: killed (true) or frozen
+  std::array<unsigned, 7> ended_{};
+  std::unique_ptr<sim::VirtualRing> ring_;
+  std::unique_ptr<sim::VirtualLineFaults> lines_;
+  std::unique_ptr<sim::Invariants> invariants_;
+  std::optional<sim::Violation> violation_;
+};
+
+}  // namespace limb_ring::study

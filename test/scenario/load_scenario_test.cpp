@@ -1,0 +1,98 @@
+#include "scenario/scenario_text.h"
+
+namespace limb_ring::scenario {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// What is added to four_nodes() begins in line 3.
+
+TEST(LoadScenario, ReadsStepsInTheirOrder) {
+  const Scenario scenario = parse_scenario(
+      four_nodes("seed: 7\nsteps:\n  - {at: 1ms, do: {kill: [node1, 2]}}\n  - {when: {node: all, is: up}, within: 2us}\n"),
+              "t");
+  EXPECT_EQ(scenario.seed, 7u);
+  ASSERT_EQ(scenario.steps.size(), 2u);
+  EXPECT_EQ(std::get<Fault>(scenario.steps[0].action).nodes, (std::vector<NodeId>{1, 2}));
+  EXPECT_EQ(scenario.steps[1].within.sim, std::chrono::microseconds(2));
+}
+
+TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLife) {
+  const Scenario scenario = parse_scenario(
+      four_nodes("steps: [{when: {node: all, is: up}, within: {sim: 200us, live: 2s}}]\n"), "t");
+  EXPECT_EQ(scenario.steps[0].within.sim, std::chrono::microseconds(200));
+}
+
+TEST(LoadScenario, LiveRunsHaveMoreTimeWhereTheFileGivesOne) {
+  const auto within = [](const std::string& time) {
+    const std::string step = "{when: {node: all, is: up}, within: " + time + "}";
+    return parse_scenario(four_nodes("steps: [" + step + "]\n"), "t").steps[0].within;
+  };
+  EXPECT_EQ(within("{sim: 200us, live: 2s}").live, std::chrono::seconds(2));
+  EXPECT_EQ(within("1s").live, std::chrono::seconds(1) + kLiveGuard);
+  EXPECT_EQ(within("{sim: 0s}").live, kLiveGuard);
+}
+
+TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
+  EXPECT_THAT(refusal_of(four_nodes("steps:\n  - {do: {kil: node1}}\n")),
+              AllOf(StartsWith("test.yaml:4:11: entry 'steps[0].do.kil': is unknown, did you mean 'kill'?"),
+                    HasSubstr("cut, heal, drop, corrupt, truncate, duplicate")));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {kill: node7}}]\n")), HasSubstr("'node7' is no node of the ring"));
+  EXPECT_THAT(refusal_of(four_nodes("step: []\n")),
+              StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
+}
+
+TEST(LoadScenario, AStoryExpectsSomethingWhereItWaitsOrWatches) {
+  const auto expects = [](const std::string& more) { return expects_something(parse_scenario(four_nodes(more), "t")); };
+  EXPECT_FALSE(expects("steps: []\n"));
+  EXPECT_FALSE(expects("steps: [{at: 1ms, do: {kill: node1}}]\n"));
+  EXPECT_TRUE(expects("steps: [{when: {node: all, is: up}, within: 0s}]\n"));
+  EXPECT_TRUE(expects("steps: []\nalways: [{node: all, is: up}]\n"));
+  EXPECT_TRUE(expects("steps: []\nnever: [{node: all, is: down}]\n"));
+}
+
+TEST(LoadScenario, RefusesALineThatIsNone) {
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0 -> node2}}]\n")), HasSubstr("to the next: node0 -> node1"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0}}]\n")), HasSubstr("cut says no line"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node1 -> node0}}]\n")), HasSubstr("a ring that folds back"));
+}
+
+TEST(LoadScenario, RefusesAWaitWithoutALimit) {
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{when: {node: all, is: up}}]\n")), HasSubstr("'within' is missing"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{within: 1s}]\n")), HasSubstr("there is no when"));
+}
+
+TEST(LoadScenario, RefusesTimesThatRunBackwards) {
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{at: 2ms}, {at: 1ms}]\n")), HasSubstr("'1ms' is before an earlier step"));
+}
+
+TEST(LoadScenario, RefusesConditionsThatSayNothing) {
+  EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{node: all}]\n")),
+              HasSubstr("says not what to look for; allowed: is, ring_size"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{knee: up}]\n")), HasSubstr("it is no condition"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{counter: crc_error, of: all, at_most: 0}]\n")),
+              HasSubstr("did you mean 'crc_errors'?"));
+}
+
+TEST(LoadScenario, RefusesANameThatNothingIsSentUnder) {
+  EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{taken: x, at_most: 0}]\n")),
+              HasSubstr("entry 'always[0].taken': 'x' is none"));
+}
+
+TEST(LoadScenario, RefusesASendThatIsNoneOrTwo) {
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 0, to: 1}}}]\n")),
+              HasSubstr("one of size, interrupt, input"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 0, size: 8}}}]\n")),
+              HasSubstr("'to' is missing"));
+}
+
+TEST(LoadScenario, NeedsOneRing) {
+  EXPECT_THAT(refusal_of("scenario: x\nsteps: []\n"), HasSubstr("neither ring nor nodes is given"));
+  EXPECT_THAT(refusal_of("scenario: x\nnodes: 2\nring: y\nsteps: []\n"), HasSubstr("both given"));
+  EXPECT_THAT(refusal_of("scenario: x\nring: none.yaml\nsteps: []\n"), HasSubstr("none.yaml: there is no such file"));
+}
+
+}  // namespace
+}  // namespace limb_ring::scenario

@@ -1,0 +1,62 @@
+// Whatever happens, every promise of the ring is kept, and it heals: on seeds drawn anew each time, since those that
+// were run until they passed find nothing. LIMB_RING_SEED=n runs that one only, LIMB_RING_SEEDS=n runs so many;
+// `ring_sim soak` does the same.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "study/soak/random_faults.h"
+
+namespace limb_ring::study {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::uint64_t kRuns = 60;  // some ten times slower
+#else
+constexpr std::uint64_t kRuns = 300;
+#endif
+
+std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
+  const char* value = std::getenv(name);
+  return value ? std::strtoull(value, nullptr, 10) : otherwise;
+}
+
+std::string in_words(const RandomFaults& run) {
+  const auto& broken = run.violation();
+  if (!broken) return "";
+  return std::string(sim::to_string(broken->promise)) + ": " + broken->what + ", at " +
+         std::to_string(core::picoseconds(broken->at.time_since_epoch())) + " ps";
+}
+
+TEST(RandomFaults, BreakNoPromise) {
+  std::random_device entropy;
+  const std::uint64_t drawn = std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(entropy);
+  const std::uint64_t first = from_environment("LIMB_RING_SEED", drawn);
+  const std::uint64_t count = from_environment("LIMB_RING_SEEDS", std::getenv("LIMB_RING_SEED") ? 1 : kRuns);
+  std::cout << "seeds " << first << " to " << first + count - 1 << '\n';
+  std::array<unsigned, 7> ended{};
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    RandomFaults run(seed);
+    run.run();
+    EXPECT_EQ(in_words(run), "") << "seed " << seed << ": " << run.describe();
+    for (unsigned outcome = 0; outcome < ended.size(); ++outcome) ended[outcome] += run.ended()[outcome];
+  }
+  // The mix reaches every way in which a send can end.
+  if (count >= 50) {
+    EXPECT_THAT(ended, testing::Each(testing::Gt(0u)));
+  }
+  std::cout << "sends by outcome: " << testing::PrintToString(ended) << '\n';
+}
+
+TEST(RandomFaults, OfTheSameSeedAreTheSame) {
+  RandomFaults first(7), second(7);
+  first.run();
+  second.run();
+  EXPECT_EQ(first.hops(), second.hops());
+  EXPECT_EQ(first.ended(), second.ended());
+}
+
+}  // namespace
+}  // namespace limb_ring::study
