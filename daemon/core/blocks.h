@@ -83,7 +83,7 @@ class Blocks {
   Counters& counters() { return counters_; }
   const Membership& membership() const { return membership_; }
   std::size_t received_waiting() const { return receive_.waiting(); }
-  std::size_t received_waiting(std::uint8_t priority) const { return receive_.waiting(priority); }
+  std::size_t received_waiting(wire::Priority priority) const { return receive_.waiting(priority); }
   const InsertionBuffer& insertion_buffer() const { return packet_manager_.insertion_buffer(); }
 
  private:

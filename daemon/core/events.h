@@ -38,12 +38,12 @@ struct SendEnded {
   unsigned tries = 0;
   bool interrupt = false;
   NodeId destination = 0;
-  std::uint8_t factor = 0;  ///< of an interrupt
+  wire::Factor factor{};      ///< of an interrupt
 };
 
 /// The pin of that number was pulled by an INTP with a good CRC; once per INTP.
 struct PinPulled {
-  std::uint8_t factor = 0;
+  wire::Factor factor{};
   NodeId source = 0;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/events.h"
-#include "wire/bytes.h"
+#include "wire/data_packet.h"
 
 namespace limb_ring::core {
 
@@ -10,8 +10,8 @@ struct SendRequest {
   Owner owner = kController;
   std::uint32_t token = 0;     ///< given back in SendEnded
   NodeId destination = 0;      ///< 0..254, or wire::kBroadcast
-  std::uint8_t priority = 0;   ///< 0 (highest) to 3
-  std::uint8_t channel = 0;    ///< 0..63; 1 is the network controllers' own
+  wire::Priority priority{};
+  wire::ChannelId channel{};     ///< 1 is the network controllers' own
   wire::ByteView data;         ///< 1..512 bytes; copied
 };
 
@@ -20,7 +20,7 @@ struct InterruptRequest {
   Owner owner = kController;
   std::uint32_t token = 0;
   NodeId destination = 0;   ///< 0..254, or wire::kBroadcast
-  std::uint8_t factor = 0;  ///< 0..7
+  wire::Factor factor{};
 };
 
 }  // namespace limb_ring::core

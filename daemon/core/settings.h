@@ -19,7 +19,7 @@ constexpr int kMissedBeacons = 5;
 /// An interrupt input of the NC: pulling it sends this INTP, without the CPU. (paper)
 struct InterruptInput {
   NodeId destination = 0;
-  std::uint8_t factor = 0;
+  wire::Factor factor{};
 };
 
 /// What one network controller is told at its start.

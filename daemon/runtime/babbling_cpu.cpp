@@ -10,8 +10,6 @@ namespace {
 
 /// After a rejection: going on at once would never let the event loop breathe.
 constexpr std::chrono::nanoseconds kRejectedPause = std::chrono::milliseconds(1);
-constexpr std::uint8_t kHighest = 0;
-constexpr std::uint8_t kUserChannel = 0;
 
 }  // namespace
 
@@ -37,8 +35,12 @@ void BabblingCpu::stop() {
 
 void BabblingCpu::send() {
   wire::store_u32(data_.data(), static_cast<std::uint32_t>(asked_++));  // no two alike
-  engine_.controller().send(
-      {kBabbleOwner, run_, wire::kBroadcast, kHighest, kUserChannel, {data_.data(), data_.size()}}, engine_.now());
+  core::SendRequest request;  // of the highest priority, to all
+  request.owner = kBabbleOwner;
+  request.token = run_;
+  request.destination = wire::kBroadcast;
+  request.data = {data_.data(), data_.size()};
+  engine_.controller().send(request, engine_.now());
 }
 
 void BabblingCpu::send_after(std::chrono::nanoseconds pause) {

@@ -7,7 +7,7 @@ namespace limb_ring::runtime {
 void DaemonInterrupts::interrupt(wire::NodeId to, std::uint8_t factor, Ended done) {
   const std::uint32_t token = ++last_token_;
   interrupts_.emplace(token, std::move(done));
-  engine_.controller().interrupt({kOrdersOwner, token, to, factor}, engine_.now());
+  engine_.controller().interrupt({kOrdersOwner, token, to, wire::Factor{factor}}, engine_.now());
   engine_.pump();
 }
 

@@ -162,7 +162,7 @@ void Node::handle(const core::SendEnded& ended) {
 void Node::handle(const core::PinPulled& pin) {
   const std::string done = pins_.pull(pin.factor, pin.source, clock_ns());
   spdlog::info("{}", done);
-  observers_.tell("pin", {{"factor", pin.factor}, {"source", pin.source}, {"what", done}});
+  observers_.tell("pin", {{"factor", std::uint8_t{pin.factor}}, {"source", pin.source}, {"what", done}});
 }
 
 void Node::handle(const core::StateChanged& change) {
@@ -199,7 +199,7 @@ void Node::on_detach(const host::ClientInfo& client) {
 
 void Node::on_send(host::ClientId client, std::uint32_t token, std::uint8_t destination, std::uint8_t priority,
                    std::uint8_t channel, wire::ByteView data) {
-  engine_.controller().send({client, token, destination, priority, channel, data}, engine_.now());
+  engine_.controller().send({client, token, destination, wire::Priority{priority}, wire::ChannelId{channel}, data}, engine_.now());
   engine_.pump();
 }
 
@@ -212,7 +212,7 @@ void Node::on_interrupt(host::ClientId client, std::uint32_t token, std::uint8_t
                           Reason::needs_force});
     return;
   }
-  engine_.controller().interrupt({client, token, destination, factor}, engine_.now());
+  engine_.controller().interrupt({client, token, destination, wire::Factor{factor}}, engine_.now());
   engine_.pump();
 }
 

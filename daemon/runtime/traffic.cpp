@@ -28,8 +28,13 @@ void Traffic::send(std::uint32_t id, Run& run) {
   wire::store_u32(run.data.data(), static_cast<std::uint32_t>(run.sent));  // no two alike
   ++run.sent;
   run.out = true;
-  engine_.controller().send(
-      {kTrafficOwner, id, run.order.to, run.order.priority, 0, {run.data.data(), run.order.size}}, engine_.now());
+  core::SendRequest request;
+  request.owner = kTrafficOwner;
+  request.token = id;
+  request.destination = run.order.to;
+  request.priority = wire::Priority{run.order.priority};
+  request.data = {run.data.data(), run.order.size};
+  engine_.controller().send(request, engine_.now());
 }
 
 void Traffic::send_later(std::uint32_t id, Run& run) {

@@ -114,7 +114,7 @@ void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time no
 
 // ---- into a node ----------------------------------------------------------------------------
 
-Invariants::Before Invariants::count(NodeId node, std::uint8_t priority) const {
+Invariants::Before Invariants::count(NodeId node, wire::Priority priority) const {
   const Counters& c = ring_.counters(node);
   const std::size_t used = ring_.received_waiting(node, priority);
   const std::size_t buffers = ring_.settings(node).receive_buffers;
@@ -137,14 +137,15 @@ void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
     at(node).passes_on = wire::header_valid(slice.bytes, false);
   }
   if (slice.kind != SliceKind::interrupt) at(node).coming_size += slice.bytes.size;
-  const std::uint8_t priority = whole_or_end(slice) ? wire::priority_of(PacketTrailer::of(slice.bytes).last) : 0;
+  const bool ends = whole_or_end(slice);
+  const wire::Priority priority = ends ? wire::priority_of(PacketTrailer::of(slice.bytes).last) : wire::Priority{};
   at(node).before = count(node, priority);
   // What waited for the output when it turned back was dropped.
   if (at(node).no_output != ring_.counters(node).dropped_no_output) at(node).forwarding.clear();
 }
 
 void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
-  const Before after = count(node, 0);
+  const Before after = count(node, wire::Priority{});
   at(node).no_output = ring_.counters(node).dropped_no_output;
   if (slice.kind == SliceKind::abort || after.stray != at(node).before.stray) at(node).coming.reset();
   if (whole_or_end(slice)) data_has_arrived(node, slice, after, now);

@@ -56,7 +56,7 @@ class Invariants : public Observer {
   static bool whole_or_end(const wire::Slice& slice) {
     return slice.kind == wire::SliceKind::whole || slice.kind == wire::SliceKind::end;
   }
-  Before count(NodeId node, std::uint8_t priority) const;
+  Before count(NodeId node, wire::Priority priority) const;
   Node& at(NodeId node) { return *nodes_[node]; }
   void check_head(NodeId node, const PacketHeader& head);
   void check_source(NodeId node, const PacketHeader& head, Time now);

@@ -8,6 +8,12 @@ using core::kNever;
 using wire::Slice;
 using wire::SliceWriter;
 
+namespace {
+
+constexpr core::Owner kUser = 1;  ///< who sends on all nodes
+
+}  // namespace
+
 VirtualRing::VirtualRing(const VirtualRingOptions& options)
     : cpu_reads(options.nodes, true), options_(options), nodes_(options.nodes), wakes_(options.nodes) {
   for (unsigned id = 0; id < options.nodes; ++id) {
@@ -53,15 +59,20 @@ core::Settings VirtualRing::settings_of(NodeId id) const {
 
 std::uint32_t VirtualRing::send(NodeId id, NodeId destination, const std::vector<std::uint8_t>& data,
                                 std::uint8_t priority, std::uint8_t channel) {
-  const core::SendRequest request{1, nodes_[id].next_token++, destination, priority, channel,
-                                  {data.data(), data.size()}};
+  core::SendRequest request;
+  request.owner = kUser;
+  request.token = nodes_[id].next_token++;
+  request.destination = destination;
+  request.priority = wire::Priority{priority};
+  request.channel = wire::ChannelId{channel};
+  request.data = {data.data(), data.size()};
   for (Observer* observer : observers_) observer->asked(id, request, now_);
   node(id).send(request, now_);
   return request.token;
 }
 
 std::uint32_t VirtualRing::interrupt(NodeId id, NodeId destination, std::uint8_t factor) {
-  const core::InterruptRequest request{1, nodes_[id].next_token++, destination, factor};
+  const core::InterruptRequest request{kUser, nodes_[id].next_token++, destination, wire::Factor{factor}};
   for (Observer* observer : observers_) observer->asked(id, request, now_);
   node(id).interrupt(request, now_);
   return request.token;
@@ -72,19 +83,19 @@ std::uint32_t VirtualRing::pull(NodeId id, unsigned input) {
   const auto& inputs = nodes_[id].controller->settings().inputs;
   if (input < inputs.size() && inputs[input])
     for (Observer* observer : observers_)
-      observer->asked(id, core::InterruptRequest{1, token, inputs[input]->destination, inputs[input]->factor}, now_);
-  node(id).pull(1, token, input, now_);
+      observer->asked(id, core::InterruptRequest{kUser, token, inputs[input]->destination, inputs[input]->factor}, now_);
+  node(id).pull(kUser, token, input, now_);
   return token;
 }
 
 void VirtualRing::reset_cpu(NodeId id) {
   tell(id, Incident::cpu_reset);
-  node(id).cpu_reset(1, now_);
+  node(id).cpu_reset(kUser, now_);
 }
 
 void VirtualRing::cancel(NodeId id) {
   tell(id, Incident::cancelled);
-  node(id).cancel(1, now_);
+  node(id).cancel(kUser, now_);
 }
 
 const core::SendEnded* VirtualRing::ended(NodeId id, std::uint32_t token) const {

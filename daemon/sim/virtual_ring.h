@@ -46,7 +46,7 @@ class VirtualRing {
   }
   unsigned size() const { return static_cast<unsigned>(nodes_.size()); }
   const core::Settings& settings(NodeId id) const { return nodes_[id].controller->settings(); }
-  std::size_t received_waiting(NodeId id, std::uint8_t priority) const {
+  std::size_t received_waiting(NodeId id, wire::Priority priority) const {
     return nodes_[id].controller->received_waiting(priority);
   }
   const core::Counters& counters(NodeId id) const { return nodes_[id].controller->counters(); }

@@ -16,15 +16,17 @@ constexpr std::size_t kMaxDataPacketSize = kOverhead + kMaxPayload;
 /// Channels of the PRI field. (ours)
 enum class Channel : std::uint8_t { user = 0, control = 1, joint = 2, fragment = 3 };
 
-inline std::uint8_t pri_byte(std::uint8_t priority, std::uint8_t channel) {
+constexpr ChannelId id_of(Channel channel) { return ChannelId{static_cast<std::uint8_t>(channel)}; }
+
+inline std::uint8_t pri_byte(Priority priority, ChannelId channel) {
   return static_cast<std::uint8_t>(channel << 2 | (priority & 3));
 }
-inline std::uint8_t priority_of(std::uint8_t pri) { return pri & 3; }
-inline std::uint8_t channel_of(std::uint8_t pri) { return pri >> 2; }
+inline Priority priority_of(std::uint8_t pri) { return Priority{static_cast<std::uint8_t>(pri & 3)}; }
+inline ChannelId channel_of(std::uint8_t pri) { return ChannelId{static_cast<std::uint8_t>(pri >> 2)}; }
 
 /// True for a DATP on the network controllers' own channel.
 inline bool is_control(const PacketFields& packet) {
-  return channel_of(packet.last()) == static_cast<std::uint8_t>(Channel::control);
+  return channel_of(packet.last()) == id_of(Channel::control);
 }
 
 /// A DATP as a plain value.

@@ -14,7 +14,7 @@ PacketError decode(ByteView bytes, InterruptPacket& packet) {
   if (error != PacketError::none) return error;
   const PacketFields f{bytes};
   if (f.last() >= kFactors) return PacketError::trailer;
-  packet = {f.code(), f.hop(), f.source(), f.fbc(), f.destination(), f.last()};
+  packet = {f.code(), f.hop(), f.source(), f.fbc(), f.destination(), factor_of(f.last())};
   return PacketError::none;
 }
 

@@ -14,14 +14,16 @@ namespace limb_ring::wire {
 constexpr std::size_t kInterruptPacketSize = kOverhead;
 constexpr std::uint8_t kFactors = 8;
 
+inline Factor factor_of(std::uint8_t last) { return Factor{static_cast<std::uint8_t>(last & 7)}; }
+
 /// An INTP as a plain value.
 struct InterruptPacket {
-  Code code{true, 0, 0};
+  Code code{true};
   std::uint8_t hop = 0;
   NodeId source = 0;
   std::uint8_t fbc = kFbcUntaken;
   NodeId destination = 0;
-  std::uint8_t factor = 0;  ///< 0..7
+  Factor factor{};
 };
 
 using InterruptBytes = std::array<std::uint8_t, kInterruptPacketSize>;

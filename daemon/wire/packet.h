@@ -31,12 +31,29 @@ constexpr std::size_t kCode = 0, kSop = 1, kHop = 2, kSource = 3;
 constexpr std::size_t kEopFromEnd = 8, kFbcFromEnd = 7, kDestinationFromEnd = 6, kLastFromEnd = 5;
 }  // namespace field
 
+/// A number of one byte that is a type of its own, so that it is not taken for another one, nor for a node's id.
+template <class What>
+class Number {
+ public:
+  constexpr Number() = default;
+  explicit constexpr Number(std::uint8_t value) : value_(value) {}
+  constexpr operator std::uint8_t() const { return value_; }
+
+ private:
+  std::uint8_t value_ = 0;
+};
+using Sequence = Number<struct SequenceNumber>;        ///< 0..7
+using Incarnation = Number<struct IncarnationNumber>;  ///< 0..3
+using Priority = Number<struct PriorityNumber>;        ///< 0 (highest) to 3
+using ChannelId = Number<struct ChannelNumber>;        ///< 0..63
+using Factor = Number<struct FactorNumber>;            ///< 0..7, which pin an INTP pulls
+
 /// Code: bits 7..6 incarnation of the source, 5 kind (0 DATP, 1 INTP), 4..3 try, 2..0 sequence. (ours)
 struct Code {
   bool interrupt = false;
-  std::uint8_t attempt = 0;      ///< 0 the first, 1..3 retries
-  std::uint8_t sequence = 0;     ///< 0..7
-  std::uint8_t incarnation = 0;  ///< 0..3, incarnation_of() the source's boot number
+  std::uint8_t attempt = 0;  ///< 0 the first, 1..3 retries
+  Sequence sequence{};
+  Incarnation incarnation{};   ///< incarnation_of() the source's boot number
 
   std::uint8_t byte() const {
     return static_cast<std::uint8_t>((incarnation & 3) << 6 | (interrupt ? 1 << 5 : 0) | (attempt & 3) << 3 |
@@ -45,10 +62,10 @@ struct Code {
 };
 inline Code code_of(std::uint8_t byte) {
   return {(byte >> 5 & 1) != 0, static_cast<std::uint8_t>(byte >> 3 & 3),
-          static_cast<std::uint8_t>(byte & 7), static_cast<std::uint8_t>(byte >> 6)};
+          Sequence{static_cast<std::uint8_t>(byte & 7)}, Incarnation{static_cast<std::uint8_t>(byte >> 6)}};
 }
 /// What a packet says of its source's boot number: its two low bits.
-constexpr std::uint8_t incarnation_of(std::uint64_t boot) { return boot & 3; }
+constexpr Incarnation incarnation_of(std::uint64_t boot) { return Incarnation{static_cast<std::uint8_t>(boot & 3)}; }
 
 /// Fields of a packet as it lies in memory, from its first header byte to its last CRC byte.
 /// @pre bytes.size >= kOverhead (header fields alone: >= kHeaderSize)

@@ -140,7 +140,7 @@ TEST_F(Assembler, MarksADamagedPacket) {
 }
 
 TEST_F(Assembler, MarksARetry) {
-  put(SliceKind::whole, view(test::data_packet(7, 9, 8, 2, {false, 2, 5})), 1);
+  put(SliceKind::whole, view(test::data_packet(7, 9, 8, 2, {false, 2, wire::Sequence{5}, {}})), 1);
   EXPECT_TRUE(seen.at(0).info.retry);
 }
 

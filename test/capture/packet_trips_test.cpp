@@ -26,7 +26,7 @@ SeenPacket sighting(const Sent& sent, unsigned stage, nanoseconds at) {
   const test::Bytes data(8, sent.fill);
   test::Bytes bytes(data.size() + wire::kOverhead);
   wire::DataPacket packet;
-  packet.code = {false, sent.attempt, sent.sequence};
+  packet.code = {false, sent.attempt, wire::Sequence{sent.sequence}, {}};
   packet.hop = static_cast<std::uint8_t>(stage / 2);
   packet.destination = 2;
   packet.fbc = sent.fbc;

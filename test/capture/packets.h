@@ -32,7 +32,7 @@ inline Bytes interrupt_packet(wire::NodeId source, wire::NodeId destination, std
   wire::InterruptPacket packet;
   packet.source = source;
   packet.destination = destination;
-  packet.factor = factor;
+  packet.factor = wire::Factor{factor};
   const wire::InterruptBytes bytes = encode(packet);
   return {bytes.begin(), bytes.end()};
 }

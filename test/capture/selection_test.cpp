@@ -17,8 +17,8 @@ PacketView seen_out(const Bytes& bytes) {
   return packet;
 }
 
-const std::uint8_t kControlPri = wire::pri_byte(0, static_cast<std::uint8_t>(wire::Channel::control));
-const Bytes kData = test::data_packet(1, 2, 8, wire::pri_byte(3, 5));
+const std::uint8_t kControlPri = wire::pri_byte(wire::Priority{0}, wire::id_of(wire::Channel::control));
+const Bytes kData = test::data_packet(1, 2, 8, wire::pri_byte(wire::Priority{3}, wire::ChannelId{5}));
 const Bytes kControl = test::data_packet(1, wire::kBroadcast, 9, kControlPri);
 const Bytes kInterrupt = test::interrupt_packet(1, 2, 4);
 

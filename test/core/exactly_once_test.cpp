@@ -74,7 +74,7 @@ TEST_F(ExactlyOnce, DamagedFirstTryLeavesNoTrace) {
 }
 
 struct Incarnations : ExactlyOnce {
-  static std::uint8_t of(std::uint64_t boot) { return wire::incarnation_of(boot); }
+  static wire::Incarnation of(std::uint64_t boot) { return wire::incarnation_of(boot); }
   void hello(std::uint64_t boot, std::uint8_t sequence = 0) {
     Bytes bytes(wire::kHelloSize);
     wire::encode(wire::Hello{boot}, bytes.data());
@@ -96,7 +96,7 @@ struct Incarnations : ExactlyOnce {
 
  private:
   void control(std::uint64_t boot, std::uint8_t sequence, const Bytes& bytes) {
-    pass({0, wire::kBroadcast, sequence, 0, 0, wire::pri_byte(0, 1), wire::kFbcUntaken, of(boot)}, bytes);
+    pass({0, wire::kBroadcast, sequence, 0, 0, kControlPri, wire::kFbcUntaken, of(boot)}, bytes);
   }
 };
 
@@ -209,7 +209,7 @@ TEST(ExactlyOnceJoining, RefusesUsersDataAndTakesTheRest) {
   solo.line();
   solo.receive(SliceKind::whole, Foreign{0, 1}.with(text("x")));
   EXPECT_EQ(solo.line().at(0).bytes[6], 0) << "FBC";
-  solo.receive(SliceKind::whole, Foreign{0, wire::kBroadcast, 0, 0, 0, wire::pri_byte(0, 1)}.with(beacon));
+  solo.receive(SliceKind::whole, Foreign{0, wire::kBroadcast, 0, 0, 0, kControlPri}.with(beacon));
   solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 2));
   EXPECT_EQ(solo.counters().refused_joining, 1u);
   EXPECT_EQ(solo.counters().received_control, 1u);

@@ -305,8 +305,12 @@ struct LoneFold : testing::Test {
     node.receive(Line::second, wire::parse_slice(word.view()).slice, Time{});
   }
   void receive_interrupt(Line line, std::uint8_t sequence, std::uint8_t hop) {
-    const auto bytes =
-        wire::encode(wire::InterruptPacket{{true, 0, sequence}, hop, 1, wire::kFbcUntaken, wire::kBroadcast, 0});
+    wire::InterruptPacket packet;
+    packet.code.sequence = wire::Sequence{sequence};
+    packet.hop = hop;
+    packet.source = 1;
+    packet.destination = wire::kBroadcast;
+    const auto bytes = wire::encode(packet);
     node.receive(line, {wire::SliceKind::interrupt, {bytes.data(), bytes.size()}}, Time{});
   }
 };

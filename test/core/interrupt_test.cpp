@@ -10,8 +10,8 @@ using wire::SliceKind;
 
 struct Interrupts : testing::Test {
   VirtualRing ring{with(quick(4), [](Settings& s) {
-    s.inputs[2] = InterruptInput{3, 1};
-    s.inputs[5] = InterruptInput{wire::kBroadcast, 2};
+    s.inputs[2] = InterruptInput{3, wire::Factor{1}};
+    s.inputs[5] = InterruptInput{wire::kBroadcast, wire::Factor{2}};
   })};
   void SetUp() override { ASSERT_TRUE(ring.join()); }
 };

@@ -15,13 +15,13 @@ struct NewLifeOfTheReceiver : testing::Test {
   void hello_of_2(std::uint64_t boot, std::uint8_t sequence) {
     Bytes bytes(wire::kHelloSize);
     wire::encode(wire::Hello{boot}, bytes.data());
-    solo.receive(SliceKind::whole, Foreign{2, wire::kBroadcast, sequence, 0, 1, wire::pri_byte(0, 1)}.with(bytes));
+    solo.receive(SliceKind::whole, Foreign{2, wire::kBroadcast, sequence, 0, 1, kControlPri}.with(bytes));
     solo.line();
   }
   void SetUp() override {
     solo.join();
     hello_of_2(7, 0);
-    solo.node().send({1, 1, 2, 0, 0, {text("x").data(), 1}}, solo.now());
+    solo.node().send(send_of(1, 1, 2, text("x")), solo.now());
     solo.run_for(100ms);
     ASSERT_EQ(solo.line().size(), 2u) << "the first try, and the second as it is overdue";
   }
@@ -35,7 +35,7 @@ TEST_F(NewLifeOfTheReceiver, RepeatsNothingTheFormerMayHaveTaken) {
 }
 
 TEST_F(NewLifeOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) {
-  solo.node().send({1, 2, 3, 0, 0, {text("y").data(), 1}}, solo.now());
+  solo.node().send(send_of(1, 2, 3, text("y")), solo.now());
   solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2, 0, 1}.with(text("x")), 0));
   EXPECT_EQ(solo.counters().refusals, 1u);
   hello_of_2(8, 0);

@@ -15,7 +15,7 @@ struct Retry : testing::Test {
   void SetUp() override { solo.join(); }
   void send(NodeId to = 2) {
     const Bytes data = text("payload");
-    solo.node().send({1, ++token_, to, 0, 0, {data.data(), data.size()}}, solo.now());
+    solo.node().send(send_of(1, ++token_, to, data), solo.now());
     solo.run();
   }
   Bytes sent() {
@@ -50,7 +50,7 @@ TEST_F(Retry, TimeOutSendsTheSameSequenceWithTheNextTryNumber) {
 }
 
 TEST_F(Retry, InterruptsAreTriedAgainAsDataIs) {
-  solo.node().interrupt({1, 1, 2, 1}, solo.now());
+  solo.node().interrupt({1, 1, 2, wire::Factor{1}}, solo.now());
   solo.run_for(350ms);
   const auto out = solo.line();
   ASSERT_THAT(out, SizeIs(4));
@@ -82,7 +82,7 @@ TEST_F(Retry, DamagedReturnIsSentAgainAtOnce) {
 }
 
 TEST_F(Retry, DamagedInterruptIsSentAgainAtOnce) {
-  solo.node().interrupt({1, 1, 2, 1}, solo.now());
+  solo.node().interrupt({1, 1, 2, wire::Factor{1}}, solo.now());
   solo.run();
   Bytes back = SoloNode::home(sent(), 1);
   back[7] ^= 1;

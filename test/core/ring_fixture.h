@@ -30,6 +30,15 @@ class VirtualRing : public sim::VirtualRing {
 };
 
 inline Bytes text(const std::string& s) { return {s.begin(), s.end()}; }
+/// What a CPU or tool asks for. @param data must outlive the request
+inline SendRequest send_of(Owner owner, std::uint32_t token, NodeId to, const Bytes& data) {
+  SendRequest request;
+  request.owner = owner;
+  request.token = token;
+  request.destination = to;
+  request.data = {data.data(), data.size()};
+  return request;
+}
 
 /// Payload whose every byte differs from its neighbours.
 inline Bytes pattern(std::size_t size, unsigned start = 0) {

@@ -87,8 +87,8 @@ TEST_F(Sending, WrongArgumentsAreRejectedWithTheirReason) {
 
 TEST(SendingElsewhere, BeforeTheHelloIsHomeIsRejected) {
   SoloNode solo;
-  solo.node().send({1, 1, 2, 0, 0, {text("a").data(), 1}}, solo.now());
-  solo.node().interrupt({1, 2, 2, 0}, solo.now());
+  solo.node().send(send_of(1, 1, 2, text("a")), solo.now());
+  solo.node().interrupt({1, 2, 2, wire::Factor{0}}, solo.now());
   solo.run();
   EXPECT_THAT(solo.ends(), ElementsAre(rejected(Reject::not_in_ring), rejected(Reject::not_in_ring)));
 }
@@ -127,7 +127,7 @@ TEST_F(Sending, CancelledEndsAtOnceAndIsNotRepeated) {
 TEST_F(Sending, CpuResetCancelsItsSendsAndEmptiesItsBuffers) {
   ring.cpu_reads[0] = false;
   send(3, 0, text("stale command"));
-  ring.node(0).send({7, 99, 1, 0, 0, {text("tool").data(), 1}}, ring.now());
+  ring.node(0).send(send_of(7, 99, 1, text("t")), ring.now());
   const auto own = ring.send(0, 1, text("own"));
   ring.node(0).cpu_reset(1, ring.now());
   EXPECT_EQ(outcome_of(ring, 0, own).outcome, Outcome::cancelled);

@@ -112,23 +112,38 @@ class SoloNode {
   std::vector<Event> events_;
 };
 
+/// The last field of hellos and beacons.
+const std::uint8_t kControlPri = wire::pri_byte(wire::Priority{0}, wire::id_of(wire::Channel::control));
+
 /// A DATP as another node has sent it.
 struct Foreign {
   NodeId source = 0, destination = 1;
-  std::uint8_t sequence = 0, attempt = 0, hop = 0, pri = 0, fbc = wire::kFbcUntaken, incarnation = 0;
+  std::uint8_t sequence = 0, attempt = 0, hop = 0, pri = 0, fbc = wire::kFbcUntaken;
+  wire::Incarnation incarnation{};
 
   Bytes with(const Bytes& data) const {
     Bytes out(data.size() + wire::kOverhead);
-    wire::encode({{false, attempt, sequence, incarnation}, hop, source, fbc, destination, pri, {data.data(), data.size()}},
-                 out.data());
+    wire::DataPacket packet;
+    packet.code = {false, attempt, wire::Sequence{sequence}, incarnation};
+    packet.hop = hop;
+    packet.source = source;
+    packet.fbc = fbc;
+    packet.destination = destination;
+    packet.pri = pri;
+    packet.data = {data.data(), data.size()};
+    wire::encode(packet, out.data());
     return out;
   }
 };
 
 inline Bytes foreign_interrupt(NodeId source, NodeId destination, std::uint8_t factor, std::uint8_t sequence = 0,
-                               std::uint8_t attempt = 0, std::uint8_t incarnation = 0) {
-  const auto bytes = wire::encode(
-      wire::InterruptPacket{{true, attempt, sequence, incarnation}, 0, source, wire::kFbcUntaken, destination, factor});
+                               std::uint8_t attempt = 0, wire::Incarnation incarnation = {}) {
+  wire::InterruptPacket packet;
+  packet.code = {true, attempt, wire::Sequence{sequence}, incarnation};
+  packet.source = source;
+  packet.destination = destination;
+  packet.factor = wire::Factor{factor};
+  const auto bytes = wire::encode(packet);
   return {bytes.begin(), bytes.end()};
 }
 

@@ -38,7 +38,7 @@ class LineRig {
   void end() { put({SliceKind::end, {image_.data() + 16, image_.size() - 16}}); }
   void interrupt(std::uint8_t factor) {
     wire::InterruptPacket intp;
-    intp.factor = factor;
+    intp.factor = wire::Factor{factor};
     const wire::InterruptBytes bytes = wire::encode(intp);
     put({SliceKind::interrupt, {bytes.data(), bytes.size()}});
   }
@@ -69,7 +69,7 @@ class LineRig {
     wire::DataPacket datp;
     datp.source = source;
     datp.destination = 1;
-    datp.pri = wire::pri_byte(0, channel);
+    datp.pri = wire::pri_byte(wire::Priority{0}, wire::ChannelId{channel});
     datp.data = {data.data(), data.size()};
     std::vector<std::uint8_t> bytes(wire::kMaxDataPacketSize);
     bytes.resize(wire::encode(datp, bytes.data()));

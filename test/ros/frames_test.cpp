@@ -32,7 +32,7 @@ std::vector<std::uint8_t> data_packet(wire::Channel channel) {
   packet.source = 3;
   packet.fbc = 9;
   packet.destination = 7;
-  packet.pri = wire::pri_byte(1, static_cast<std::uint8_t>(channel));
+  packet.pri = wire::pri_byte(wire::Priority{1}, wire::id_of(channel));
   packet.data = {data, sizeof data};
   std::vector<std::uint8_t> bytes(sizeof data + wire::kOverhead);
   wire::encode(packet, bytes.data());

@@ -54,7 +54,7 @@ Bytes bytes_of(const Array& array) {
 Bytes datp(wire::NodeId destination, std::uint8_t sequence, std::uint8_t pri, const Bytes& data) {
   Bytes out(data.size() + wire::kOverhead);
   wire::DataPacket packet;
-  packet.code = {false, 0, sequence, wire::incarnation_of(kBoot)};
+  packet.code = {false, 0, wire::Sequence{sequence}, wire::incarnation_of(kBoot)};
   packet.source = kSource;
   packet.destination = destination;
   packet.pri = pri;
@@ -63,7 +63,7 @@ Bytes datp(wire::NodeId destination, std::uint8_t sequence, std::uint8_t pri, co
   return out;
 }
 
-Bytes knee() { return datp(kDestination, 2, wire::pri_byte(1, 0), {'k', 'n', 'e', 'e', '!'}); }
+Bytes knee() { return datp(kDestination, 2, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}), {'k', 'n', 'e', 'e', '!'}); }
 
 Bytes intp() {
   wire::InterruptPacket packet;
@@ -74,7 +74,7 @@ Bytes intp() {
 }
 
 Bytes control(std::uint8_t sequence, const Bytes& message) {
-  return datp(wire::kBroadcast, sequence, wire::pri_byte(0, static_cast<std::uint8_t>(wire::Channel::control)),
+  return datp(wire::kBroadcast, sequence, wire::pri_byte(wire::Priority{0}, wire::id_of(wire::Channel::control)),
               message);
 }
 

@@ -22,7 +22,13 @@ Bytes encoded(const DataPacket& packet) {
 // before them.
 TEST(DataPacket, GoldenBytes) {
   const Bytes data{'h', 'i', 0xFB, 0xFD, 0x00};
-  const DataPacket packet{{false, 1, 5, 1}, 3, 12, kFbcUntaken, 7, pri_byte(2, 4), {data.data(), data.size()}};
+  DataPacket packet;
+  packet.code = {false, 1, Sequence{5}, Incarnation{1}};
+  packet.hop = 3;
+  packet.source = 12;
+  packet.destination = 7;
+  packet.pri = pri_byte(Priority{2}, ChannelId{4});
+  packet.data = {data.data(), data.size()};
   const Bytes golden{
       0x4D, 0xFB, 0x03, 0x0C,        // incarnation 1, DATP, try 1, sequence 5 | SOP | HOP 3 | SID 12
       'h',  'i',  0xFB, 0xFD, 0x00,  // any value is legal data
@@ -43,7 +49,12 @@ TEST(DataPacket, GoldenBytes) {
 }
 
 TEST(InterruptPacket, GoldenBytes) {
-  const InterruptPacket packet{{true, 0, 2, 1}, 15, 0, 1, 12, 6};
+  InterruptPacket packet;
+  packet.code = {true, 0, Sequence{2}, Incarnation{1}};
+  packet.hop = 15;
+  packet.fbc = 1;
+  packet.destination = 12;
+  packet.factor = Factor{6};
   const Bytes golden{0x62, 0xFB, 0x0F, 0x00,   // incarnation 1, INTP, try 0, sequence 2 | SOP | HOP 15 | SID 0
                      0xFD, 0x01, 0x0C, 0x06,   // EOP | FBC 1: pin pulled | DID 12 | factor 6
                      0x50, 0xDB, 0xEA, 0x2D};

@@ -20,8 +20,8 @@ void add_trailer(json& row, const wire::PacketFields& fields, const RingNames& n
     row["factor"] = fields.last();
     return;
   }
-  row["priority"] = wire::priority_of(fields.last());
-  row["channel"] = wire::channel_of(fields.last());
+  row["priority"] = +wire::priority_of(fields.last());
+  row["channel"] = +wire::channel_of(fields.last());
   row["data"] = hex_words(fields.data());
 }
 
@@ -36,7 +36,7 @@ std::string packet_json(const CapturedPacket& packet, const RingNames& names) {
            {"at", info.input ? "in" : "out"}, {"kind", code.interrupt ? "INTP" : "DATP"},
            {"source", names.of(fields.source())}, {"sid", fields.source()},
            {"hop", fields.hop()},         {"try", code.attempt},
-           {"sequence", code.sequence},   {"size", packet.bytes.size()},
+           {"sequence", +code.sequence},   {"size", packet.bytes.size()},
            {"span_ns", info.span.count()}, {"crc_bad", info.crc_bad},
            {"aborted", info.aborted},     {"truncated", info.truncated},
            {"retry", info.retry},         {"own", info.own},

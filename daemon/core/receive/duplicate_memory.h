@@ -25,7 +25,7 @@ class DuplicateMemory {
 
   /// A packet of that incarnation came.
   /// @return false where it is of an earlier one than is known: not to be taken
-  bool meet(wire::NodeId source, std::uint8_t incarnation) {
+  bool meet(wire::NodeId source, wire::Incarnation incarnation) {
     Source& s = sources_[source];
     switch (s.known ? (incarnation - s.incarnation) & 3 : 2) {
       case 0: return true;
@@ -86,14 +86,14 @@ class DuplicateMemory {
 
   struct Entry {
     Time decided{};
-    std::uint8_t sequence = 0;
+    wire::Sequence sequence{};
     Verdict verdict = Verdict::none;
     bool aged = false;
   };
   struct Source {
     std::array<Entry, 4> entries{};
     std::uint64_t boot = 0;         ///< of the last hello or beacon; 0: none was heard
-    std::uint8_t incarnation = 0;   ///< 0..3
+    wire::Incarnation incarnation{};
     bool known = false;
     bool from_packet = false;       ///< the incarnation is known from a packet alone
   };

@@ -24,7 +24,7 @@ std::uint8_t Pins::offer(const wire::PacketFields& packet, Time at) {
 }
 
 bool Pins::pull(const wire::PacketFields& packet, Time at) {
-  const std::uint8_t factor = packet.last() & 7;
+  const wire::Factor factor = wire::factor_of(packet.last());
   if (!settings_.wired[factor]) return ++counters_.refused_unwired, false;
   ++counters_.pins_pulled;
   events_.put(at, PinPulled{factor, packet.source()});

@@ -16,8 +16,8 @@ struct ReceivedPacket {
   Time at{};                   ///< its last bit was in
   NodeId source = 0;
   NodeId destination = 0;      ///< this node, or wire::kBroadcast
-  std::uint8_t priority = 0;   ///< 0..3
-  std::uint8_t channel = 0;    ///< 0..63
+  wire::Priority priority{};
+  wire::ChannelId channel{};
   std::uint16_t size = 0;      ///< 1..512
   std::array<std::uint8_t, wire::kMaxPayload> data;
 
@@ -42,7 +42,7 @@ class Receive {
   bool take(Time now, ReceivedPacket& out) { return waiting_ != 0 && take_due(now, out); }
   std::size_t waiting() const { return waiting_; }
   /// The same of one priority, 0..3.
-  std::size_t waiting(std::uint8_t priority) const { return buffers_[priority].size(); }
+  std::size_t waiting(wire::Priority priority) const { return buffers_[priority].size(); }
   /// When take() may have something, kNever where all buffers are empty.
   Time next() const { return waiting_ == 0 ? kNever : earliest(); }
 

@@ -31,7 +31,7 @@ void DataUnit::enqueue_control(wire::ByteView message, std::uint32_t token, Time
   SendRequest request;
   request.token = token;
   request.destination = wire::kBroadcast;
-  request.channel = static_cast<std::uint8_t>(wire::Channel::control);
+  request.channel = wire::id_of(wire::Channel::control);
   request.data = message;
   push(queues_[kControlQueue], request, now);
 }

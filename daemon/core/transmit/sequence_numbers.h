@@ -15,7 +15,8 @@ class SequenceNumbers {
  public:
   /// Code of a first try to `destination`.
   wire::Code next(bool interrupt, wire::NodeId destination) {
-    return {interrupt, 0, static_cast<std::uint8_t>(counts_[destination].next++ & 7), incarnation_};
+    const wire::Sequence sequence{static_cast<std::uint8_t>(counts_[destination].next++ & 7)};
+    return {interrupt, 0, sequence, incarnation_};
   }
   void decided(wire::NodeId destination) { counts_[destination].undecided = 0; }
   void undecided(wire::NodeId destination) {
@@ -37,7 +38,7 @@ class SequenceNumbers {
   };
   std::array<Count, 256> counts_{};
   bool exhausted_ = false;
-  std::uint8_t incarnation_ = 0;
+  wire::Incarnation incarnation_{};
 };
 
 }  // namespace limb_ring::core

@@ -31,13 +31,13 @@ class Plan : public testing::Test {
 };
 
 TEST_F(Plan, KeepsDistancesAndContents) {
-  seen(1000, 0, 1, test::data_packet(0, 2, 3, wire::pri_byte(1, 4)));
+  seen(1000, 0, 1, test::data_packet(0, 2, 3, wire::pri_byte(wire::Priority{1}, wire::ChannelId{4})));
   seen(1700, 0, 1, test::interrupt_packet(0, 3, 6));
   const auto sends = plan().sends;
   ASSERT_EQ(sends.size(), 2u);
   EXPECT_EQ(sends[0].after_ns, 0);
   EXPECT_EQ(sends[0].destination, 2);
-  EXPECT_EQ(sends[0].last, wire::pri_byte(1, 4));
+  EXPECT_EQ(sends[0].last, wire::pri_byte(wire::Priority{1}, wire::ChannelId{4}));
   EXPECT_EQ(sends[0].data, (test::Bytes{0, 1, 2}));
   EXPECT_EQ(sends[1].after_ns, 700);
   EXPECT_TRUE(sends[1].interrupt);
@@ -59,7 +59,7 @@ TEST_F(Plan, LeavesControlBrokenAndRepeatedPacketsOut) {
   const test::Bytes good = test::data_packet(0, 2, 8, 2, {false, 0, 5});
   test::Bytes bad = good;
   bad[5] ^= 1;
-  seen(0, 0, 1, test::data_packet(0, wire::kBroadcast, 9, wire::pri_byte(0, 1)));
+  seen(0, 0, 1, test::data_packet(0, wire::kBroadcast, 9, wire::pri_byte(wire::Priority{0}, wire::ChannelId{1})));
   seen(1, 0, 1, good);
   seen(2, 0, 1, test::data_packet(0, 2, 8, 2, {false, 1, 5}));
   seen(3, 0, 1, bad);
