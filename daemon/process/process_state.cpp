@@ -1,17 +1,22 @@
 #include "process/process_state.h"
 
 #include <fstream>
-#include <iterator>
 #include <string>
 
 namespace limb_ring::process {
 
 // The program's name before it, in brackets, may hold any character.
-char process_state(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+char state_in(std::istream& stat) {
+  // getline() ends where the process is gone by now; an istreambuf_iterator would throw.
+  std::string text;
+  std::getline(stat, text, '\0');
   const std::size_t state = text.rfind(')');
   return state == std::string::npos || state + 2 >= text.size() ? '\0' : text[state + 2];
+}
+
+char process_state(pid_t pid) {
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+  return state_in(stat);
 }
 
 }  // namespace limb_ring::process

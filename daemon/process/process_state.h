@@ -2,11 +2,15 @@
 
 #include <sys/types.h>
 
+#include <iosfwd>
+
 namespace limb_ring::process {
 
 /// What the kernel says a process does: 'R' runs, 'S' waits, 'T' stopped, 'Z' ended but not waited for ...
 /// (proc(5)); 0 where there is none.
 char process_state(pid_t pid);
+/// The same, out of an open /proc/PID/stat; 0 where the process has gone since that was opened.
+char state_in(std::istream& stat);
 
 inline bool is_stopped(pid_t pid) { return process_state(pid) == 'T'; }
 inline bool is_gone(pid_t pid) {
