@@ -70,16 +70,34 @@ std::vector<Begun> LiveFaults::begin(const Fault& fault) const {
 Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node) const {
   if (fault::word_of(fault.name).of != Of::node) return begin_at_daemon(fault, node);
   const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
-  begin_at_node(fault, node);
+  if (fault.name == Name::kill) kill(node, words);
+  else begin_at_node(fault, node);
   const bool lasts = fault.name == Name::kill || fault.name == Name::freeze;
   if (!lasts) return {"", words};
-  write_note(daemons_.folder(), node, words);
+  note(node, words);
   if (fault.lasts.count() != 0) return wait_and_thaw(fault.lasts, node), Begun{"", words};
   return {daemons_.node(node).name + '.' + fault::word_of(fault.name).word, words};
 }
 
+void LiveFaults::note(wire::NodeId node, const std::string& words) const {
+  const std::string problem = write_note(daemons_.folder(), node, words);
+  if (!problem.empty()) throw NotDone("node " + daemons_.node(node).name + ": " + problem);
+}
+
+// Noted first, so that 'ringctl up --respawn' finds the note however soon it looks. The caller notes it again: who
+// lists the faults while the node still lives removes the note.
+void LiveFaults::kill(wire::NodeId node, const std::string& words) const {
+  const bool first = !is_killed(daemons_.folder(), node);
+  if (first) note(node, words);
+  try {
+    daemons_.kill(node);
+  } catch (const NotDone&) {
+    if (first) remove_note(daemons_.folder(), node);
+    throw;
+  }
+}
+
 void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
-  if (fault.name == Name::kill) return daemons_.kill(node);
   if (fault.name == Name::freeze) return daemons_.freeze(node);
   if (fault.name == Name::thaw) daemons_.thaw(node);
   if (fault.name == Name::start) daemons_.start(node);

@@ -43,6 +43,8 @@ class LiveFaults {
 
  private:
   Begun begin_at(const fault::Fault& fault, wire::NodeId node) const;
+  void note(wire::NodeId node, const std::string& words) const;
+  void kill(wire::NodeId node, const std::string& words) const;
   void begin_at_node(const fault::Fault& fault, wire::NodeId node) const;
   Begun begin_at_daemon(const fault::Fault& fault, wire::NodeId node) const;
   void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const;

@@ -24,10 +24,11 @@ std::vector<fs::path> files_in(const std::string& folder) {
   return files;
 }
 
-/// The kernel frees a lock with its holder, so one that cannot be had has a holder that lives.
+/// The kernel frees a lock with its holder, so one that cannot be had has a holder that lives. Shared, so that two who
+/// ask at once do not take each other for it.
 bool is_held(const fs::path& lock) {
   const process::UniqueFd file(::open(lock.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  return file.valid() && ::flock(file.get(), LOCK_EX | LOCK_NB) != 0;
+  return file.valid() && ::flock(file.get(), LOCK_SH | LOCK_NB) != 0;
 }
 
 pid_t pid_in(const fs::path& lock) {

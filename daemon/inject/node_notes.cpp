@@ -1,6 +1,8 @@
 #include "inject/node_notes.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 
 #include "fault/name.h"
@@ -19,9 +21,11 @@ std::string path_of(const std::string& folder, wire::NodeId node) {
 
 std::string NodeNote::name() const { return words.substr(0, words.find(' ')); }
 
-void write_note(const std::string& folder, wire::NodeId node, const std::string& words) {
+std::string write_note(const std::string& folder, wire::NodeId node, const std::string& words) {
   const auto now = std::chrono::duration_cast<milliseconds>(system_clock::now().time_since_epoch());
-  std::ofstream(path_of(folder, node)) << now.count() << ' ' << words << '\n';
+  std::ofstream file(path_of(folder, node));
+  file << now.count() << ' ' << words << '\n' << std::flush;
+  return file ? "" : "cannot write " + path_of(folder, node) + ": " + std::strerror(errno);
 }
 
 void remove_note(const std::string& folder, wire::NodeId node) { std::remove(path_of(folder, node).c_str()); }

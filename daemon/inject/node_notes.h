@@ -17,7 +17,8 @@ struct NodeNote {
   std::string name() const;  ///< the first word: "kill"
 };
 
-void write_note(const std::string& folder, wire::NodeId node, const std::string& words);
+/// @return why it could not be written; empty: it is
+std::string write_note(const std::string& folder, wire::NodeId node, const std::string& words);
 void remove_note(const std::string& folder, wire::NodeId node);
 std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node);
 /// The note of a node says that it was killed: whoever watches over its daemon is not to start it again.

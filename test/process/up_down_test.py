@@ -1,6 +1,7 @@
 """ringctl up and down."""
 
 import os
+import resource
 import signal
 
 import ring_process
@@ -56,6 +57,14 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('--ring', self.ring, 'status').returncode, 3)
         self.assertEqual(list(self._lock_holders()), [])
 
+    def test_a_full_disk_is_named_where_no_daemon_can_say_so(self):
+        def write_nothing():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # restore_signals=False: SIGXFSZ stays ignored
+        up = self.ctl('--ring', self.ring, 'up', '--nodes', 3, '--detach', preexec_fn=write_nothing,
+                      restore_signals=False)
+        self.assertEqual(up.returncode, 1)
+        self.assertRegex(up.stderr, r'/\d.log: File too large')
+
     def test_two_rings_at_once_have_to_be_named(self):
         first, second = self.ring, self.ring + 'b'
         self.up('--nodes', 2)
@@ -102,6 +111,16 @@ class UpDown(RingTest):
         up.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(up), 0)
         self.wait('its daemon gone', lambda: ring_process.is_gone(started))
+
+    def test_a_kill_that_cannot_be_noted_is_not_done(self):
+        up = self.up_respawning('--nodes', 3)
+        os.mkdir(os.path.join(self.ring_folder(), '1.fault'))  # nobody can write there
+        killed = self.ctl('--ring', self.ring, 'fault', 'kill', 'node1')
+        self.assertEqual(killed.returncode, 1)
+        self.assertIn('1.fault: Is a directory', killed.stderr)
+        self.assertTrue(self.is_closed(range(3)))
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
 
     def test_respawning_leaves_a_ring_down_that_was_taken_down(self):
         up = self.up_respawning('--nodes', 3)
