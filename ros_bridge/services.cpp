@@ -3,6 +3,7 @@
 #include <cmath>
 #include <future>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "ask/known_stops.h"
@@ -148,11 +149,14 @@ std::vector<ask::Node> Services::nodes_to_ask(const std::string& which) const {
   return nodes;
 }
 
-std::vector<std::uint8_t> Services::nodes_with_joints(std::uint8_t destination) const {
+std::vector<std::uint8_t> Services::nodes_to_resume(std::uint8_t destination) const {
+  std::set<std::uint8_t> latched;
+  for (const ask::Node& node : ask::nodes_with_latched_stop(ring_.ring, nodes_to_ask())) latched.insert(node.id);
   std::vector<std::uint8_t> ids;
-  for (const auto& node : ring_.nodes)
-    if (!node.joints.empty() && (destination == kBroadcast || destination == node.id))
-      ids.push_back(node.id);
+  for (const auto& node : ring_.nodes) {
+    const bool can_be = !node.joints.empty() || latched.count(node.id) != 0;
+    if (can_be && (destination == kBroadcast || destination == node.id)) ids.push_back(node.id);
+  }
   return ids;
 }
 
@@ -167,8 +171,8 @@ Result Services::resume_one(std::uint8_t node) {
 
 bool Services::resume(Resume::Request& request, Resume::Response& response) {
   return answered(response, [&] {
-    const auto ids = nodes_with_joints(request.node.empty() ? kBroadcast : destination(request.node));
-    if (ids.empty()) throw std::invalid_argument("node '" + request.node + "' has no joints");
+    const auto ids = nodes_to_resume(request.node.empty() ? kBroadcast : destination(request.node));
+    if (ids.empty()) throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");
     response.success = true;
     for (const auto id : ids) {
       const auto result = resume_one(id);

@@ -42,7 +42,8 @@ class Services {
   std::uint8_t one_node(const std::string& node) const;
   /// All, or the one of that id or name.
   std::vector<ask::Node> nodes_to_ask(const std::string& which = "") const;
-  std::vector<std::uint8_t> nodes_with_joints(std::uint8_t destination) const;
+  /// Of these, the ones with joints, and those on this host that say that a stop is latched.
+  std::vector<std::uint8_t> nodes_to_resume(std::uint8_t destination) const;
 
   const config::RingConfig& ring_;
   ConnectOptions door_;

@@ -24,6 +24,11 @@ void take_number(const json& object, const char* name, Field& field, double scal
     field = static_cast<Field>(value.get<double>() * scale);
 }
 
+void take_truth(const json& object, const char* name, std::uint8_t& field) {
+  const json& value = member(object, name);
+  if (value.is_boolean()) field = value.get<bool>();
+}
+
 void take_text(const json& object, const char* name, std::string& field) {
   const json& value = member(object, name);
   if (value.is_string()) field = value.get<std::string>();
@@ -81,6 +86,7 @@ void merge_status_row(const json& row, NodeStatus& status) {
   take_text(cpu, "state", status.cpu_state);
   take_number(cpu, "pid", status.cpu_pid);
   take_number(cpu, "boots", status.cpu_boots);
+  take_truth(member(cpu, "stop"), "latched", status.stopped);
   take_lines(row, status);
   const json& trip = member(row, "round_trip_us");
   take_number(trip, "p50", status.round_trip_p50, kMicroseconds);

@@ -102,7 +102,7 @@ void StatusOut::fill_joints(NodeStatus& node) const {
   const auto received = joints_.received(node.id);
   node.states_received = received.states;
   node.states_missing = received.missing;
-  node.stopped = received.stopped;
+  node.stopped |= received.stopped;  // of a node on another host only its joint states tell
 }
 
 void StatusOut::notice_boots(const RingStatus& status) {

@@ -76,6 +76,13 @@ std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector
   }
 }
 
+std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::vector<Node>& nodes) {
+  std::vector<Node> latched;
+  for (const KnownStop& stop : known_stops(nodes, status_rows(ring, nodes, kRowTime), milliseconds(0)))
+    if (stop.state == StopState::stopped) latched.push_back(stop.node);
+  return latched;
+}
+
 bool all_told(const std::vector<KnownStop>& stops) {
   return std::none_of(stops.begin(), stops.end(), [](const KnownStop& stop) {
     return stop.state == StopState::not_reached || stop.state == StopState::unknown;

@@ -29,6 +29,9 @@ std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& r
 std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
                                       std::chrono::steady_clock::time_point sent);
 
+/// Those whose CPU says that a stop is latched, as far as daemons on this host answer.
+std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::vector<Node>& nodes);
+
 /// Every node was reached, and where there is a CPU it has stopped or was told.
 bool all_told(const std::vector<KnownStop>& stops);
 

@@ -68,6 +68,7 @@ void Requests::config(const Json&, const Answer& answer) {
   for (const auto& node : node_.ring().nodes) nodes.push_back({{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}});
   answer({{"ring", node_.ring().ring}, {"path", node_.ring().path}, {"nodes", nodes},
           {"folds_back", node_.ring().redundancy == config::RingConfig::Redundancy::foldback},
+          {"beacon_ms", node_.ring().timeouts.beacon.count()},
           {"supervisor", config::supervisor_of(node_.ring()).id}});
 }
 

@@ -17,6 +17,7 @@ class Nodes(FaultTest):
         self.assertTrue(is_gone(daemons[2].pid))
         self.wait_closed([0, 1, 3])
         self.assertEqual(self.listed()['node2.kill']['fault'], 'kill node2')
+        self.assertIn('fault on purpose node2.kill: kill node2', self.ctl('status').stdout)
         self.assertIn('no daemon', self.fault('freeze', 'node2', code=1))
         self.fault('start', 'node2')
         self.wait_closed(range(4))

@@ -76,12 +76,23 @@ class Stop(LimbRing):
         self.assertEqual(self.latched(), [True] * 4)
         self.assertIn("stop latched at all nodes; 'ringctl resume' ends it", self.ctl('status').stdout)
         top = self.ctl_json('top', '--once', '--interval', '0.1')
-        self.assertEqual([node['cpu'] for node in top['nodes']], ['stop'] * 4)
+        self.assertEqual([node['cpu'] for node in top['nodes']], ['latched'] * 4)
         self.assertEqual(self.ctl('resume', 'node3').stdout, 'resumed node3\n')
         self.wait('node3 has resumed', lambda: self.latched() == [True, True, True, False])
         self.assertIn('stop latched at node0, node1, node2;', self.ctl('status').stdout)
         self.assertEqual(self.ctl('resume').stdout, 'resumed 4 nodes\n')
         self.wait('all have resumed', lambda: self.latched() == [False] * 4)
+
+    def test_a_cpu_without_joints_is_resumed_too(self):
+        nodes = limbs(4)
+        del nodes[2]['joints']
+        self.start_ring(nodes)
+        for node in range(4):
+            self.wait_cpu(node, 'running')
+        self.assertIn('4 of 4 stopped', self.ctl('stop').stdout)
+        self.assertEqual(self.ctl('resume').stdout, 'resumed 4 nodes\n')
+        self.wait('all have resumed', lambda: self.latched() == [False] * 4)
+        self.assertEqual(self.ctl('resume').stdout, 'resumed 3 nodes\n')  # those with joints, latched or not
 
     def test_a_cpu_that_is_reset_has_nothing_latched(self):
         self.start_limbs()

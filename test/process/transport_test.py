@@ -31,6 +31,29 @@ class Transport(RingTest):
         self.wait_closed(range(4))
         self.assert_carries(4)
 
+    def test_nodes_on_another_host_are_shown_by_their_beacons(self):
+        """Another host is another runtime folder here."""
+        config = self.write_ring(plain_nodes(4), links={'transport': 'udp', 'port': free_udp_ports(4)},
+                                 timeouts=SEEN_SOON)
+        here, there = self.runtime, os.path.join(self.folder, 'there')
+        os.mkdir(there, 0o700)
+        daemons = {}
+        for node, host in ((0, here), (1, here), (2, there), (3, there)):
+            self.environment['XDG_RUNTIME_DIR'] = host
+            daemons[node] = self.ringd(config, node)
+        for host in (here, there):
+            self.environment['XDG_RUNTIME_DIR'] = host
+            whole = self.ctl('wait', 'up', '--timeout', 30)
+            self.assertEqual(whole.returncode, 0, whole.stderr)
+            rows = self.ctl_json('status')['nodes']
+            self.assertEqual([row['state'] for row in rows], ['up'] * 4)
+            self.assertEqual([row.get('elsewhere', False) for row in rows], [False, False, True, True]
+                             if host == here else [True, True, False, False])
+            self.assertIn('4 of 4 nodes up', self.ctl('top', '--once', '--interval', '0.1').stdout)
+        daemons[0].kill()
+        gone = self.ctl('wait', 'node0', 'down', '--timeout', 30)
+        self.assertEqual(gone.returncode, 0, gone.stderr)
+
     def test_udp_ring_with_a_kill_and_a_return(self):
         daemons = self.start_ring(plain_nodes(4), links={'transport': 'udp', 'port': free_udp_ports(4)},
                                   timeouts=SEEN_SOON)

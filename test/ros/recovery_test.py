@@ -66,13 +66,16 @@ class Recovery(unittest.TestCase):
 
     def test_a_stop_of_all_is_latched_until_resumed(self):
         self.assertTrue(service('stop', Stop)(node='').success)
-        with_joints = [n.name for n in self.ring.status.get().nodes if n.states_received]
-        for name in with_joints:
+        limbs = [n.name for n in self.ring.status.get().nodes if n.states_received] + ['waist']  # that has no joints
+        for name in limbs:
             self.ring.wait_for_node(name, lambda n: n.stopped, 'stopped')
         answer = service('resume', Resume)(node='all')
         self.assertTrue(answer.success, answer.message)
-        for name in with_joints:
+        for name in limbs:
             self.ring.wait_for_node(name, lambda n: not n.stopped, 'resumed')
+        answer = service('resume', Resume)(node='waist')
+        self.assertFalse(answer.success)
+        self.assertIn('no stop is latched', answer.message)
 
     def test_a_killed_daemon_comes_back_with_its_cpu(self):
         before = self.ring.node('right_elbow')

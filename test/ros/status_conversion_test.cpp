@@ -25,7 +25,7 @@ TEST_F(Status, OfANodeNobodyHearsIsDown) {
 
 TEST_F(Status, TakesARowInSecondsAndWithItsCounters) {
   merge_status_row(json::parse(R"({"state": "up", "pid": 4711,
-      "cpu": {"pid": 4712, "boots": 2, "state": "running"}, "ring_size": 16,
+      "cpu": {"pid": 4712, "boots": 2, "state": "running", "stop": {"latched": true}}, "ring_size": 16,
       "fold": {"second_input": "down"}, "round_trip_us": {"p50": 61.5, "p99": 90, "max": 120.25},
       "counters": {"lost": 3, "relayed_data": 12345678901}})"),
                    status);
@@ -33,6 +33,7 @@ TEST_F(Status, TakesARowInSecondsAndWithItsCounters) {
   EXPECT_EQ(status.pid, 4711);
   EXPECT_EQ(status.cpu_pid, 4712);
   EXPECT_EQ(status.cpu_boots, 2u);
+  EXPECT_TRUE(status.stopped);
   EXPECT_EQ(status.ring_size, 16);
   EXPECT_EQ(status.second_input_state, "down");
   EXPECT_DOUBLE_EQ(status.round_trip_p50, 61.5e-6);

@@ -87,9 +87,11 @@ std::string noisy_line(const std::vector<json>& rows, const json& row) {
 
 std::string faults_on_purpose(const json& row) {
   std::string text;
-  for (const json& fault : row.value("faults", json::array()))
-    text += "fault on purpose " + row["name"].get<std::string>() + '.' + fault["id"].dump() + ": " +
-            fault["fault"].get<std::string>() + '\n';
+  for (const json& fault : row.value("faults", json::array())) {
+    const json& id = fault["id"];  // a number, or the word of what was done to a whole node
+    text += "fault on purpose " + row["name"].get<std::string>() + '.' +
+            (id.is_string() ? id.get<std::string>() : id.dump()) + ": " + fault["fault"].get<std::string>() + '\n';
+  }
   return text;
 }
 

@@ -27,12 +27,15 @@ std::string valid(const std::string& ring) {
   return ring;
 }
 
-/// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
+}  // namespace
+
 std::string why_unreadable(const std::string& folder) {
   std::error_code error;
   fs::directory_iterator(folder, error);
   return error && error != std::errc::no_such_file_or_directory ? ": " + error.message() : "";
 }
+
+namespace {
 
 /// The id in "12.host"; nothing for another file, such as the link of the node's name.
 std::optional<std::uint8_t> socket_id(const fs::path& file) {
@@ -62,7 +65,9 @@ RingAccess described_by(const std::string& ring, const std::string& node) {
   HostPort port = connect_node(ring, node);
   const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime);
   const std::vector<NodeName> nodes = names_of(config);
-  return RingAccess(ring, config.value("path", ""), config.value("folds_back", false), nodes, index_of(nodes, port.id()));
+  const std::chrono::milliseconds beacon(config.value("beacon_ms", 0));
+  return RingAccess(ring, config.value("path", ""), config.value("folds_back", false), beacon, nodes,
+                    index_of(nodes, port.id()));
 }
 
 std::vector<std::string> whom_to_ask(const std::string& ring, const std::string& first) {
@@ -111,7 +116,9 @@ std::vector<std::uint8_t> node_sockets(const std::string& ring) {
 }
 
 RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
-  std::string why = "it has no sockets in " + ring_directory(ring) + why_unreadable(ring_directory(ring));
+  const std::string folder = ring_directory(ring), unreadable = why_unreadable(folder);
+  if (!unreadable.empty()) throw NoRing("ring " + ring + ": " + folder + unreadable);
+  std::string why = "it has no sockets in " + folder;
   Progress progress;
   for (const std::string& node : whom_to_ask(ring, first)) {
     try {
@@ -124,9 +131,9 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
   throw NoRing("ring " + ring + " does not run: " + why);
 }
 
-RingAccess::RingAccess(std::string ring, std::string path, bool folds_back, std::vector<NodeName> nodes,
-                       std::size_t answered)
-    : ring_(std::move(ring)), path_(std::move(path)), folds_back_(folds_back), nodes_(std::move(nodes)),
+RingAccess::RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,
+                       std::vector<NodeName> nodes, std::size_t answered)
+    : ring_(std::move(ring)), path_(std::move(path)), folds_back_(folds_back), beacon_(beacon), nodes_(std::move(nodes)),
       answered_(answered) {}
 
 const NodeName& RingAccess::node(const std::string& id_or_name) const {

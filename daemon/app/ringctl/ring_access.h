@@ -35,12 +35,13 @@ class RingAccess {
   /// configured. @throw NoRing where none answers
   static RingAccess open(const std::string& ring, const std::string& first = {});
   /// `answered`: index of the node that said all this.
-  RingAccess(std::string ring, std::string path, bool folds_back, std::vector<NodeName> nodes,
-             std::size_t answered);
+  RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,
+             std::vector<NodeName> nodes, std::size_t answered);
 
   const std::string& ring() const { return ring_; }
   const std::string& path() const { return path_; }  ///< of its YAML file; may be empty
   bool folds_back() const { return folds_back_; }          ///< it has a second line
+  std::chrono::milliseconds beacon() const { return beacon_; }  ///< time between two beacons of a node
   const std::vector<NodeName>& nodes() const { return nodes_; }  ///< in ring order
   std::vector<ask::Node> ask_nodes() const;                      ///< the same for daemon/ask
 
@@ -56,9 +57,13 @@ class RingAccess {
  private:
   std::string ring_, path_;
   bool folds_back_;
+  std::chrono::milliseconds beacon_;
   std::vector<NodeName> nodes_;
   std::size_t answered_;
 };
+
+/// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
+std::string why_unreadable(const std::string& folder);
 
 /// Connects to a daemon that is there, or not at all. @throw HostPortError
 HostPort connect_node(const std::string& ring, const std::string& node);

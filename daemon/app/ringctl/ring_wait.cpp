@@ -25,6 +25,7 @@ std::string label_of(const json& row) {
 std::string lack_of_row(const json& row, std::size_t nodes) {
   const std::string state = row.value("state", "");
   if (state != "up") return "it is " + state;
+  if (row.value("elsewhere", false)) return "";  // its beacons say no more
   const std::size_t size = row.value("ring_size", std::size_t{0});
   if (size != nodes) return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
   if (row.value(json::json_pointer("/fold/second_input"), "up") != "up") return "its second line in is broken";
@@ -66,7 +67,7 @@ std::string lack_of_state(const std::vector<json>& rows, const std::string& node
 
 std::vector<std::string> state_words() {
   return {"up",   "joining", "open_chain", "folded", "alone",   "down",    "frozen", "starting",
-          "none", "absent",  "booting",    "running", "silent", "failed", "hung",    "stopped"};
+          "none", "absent",  "booting",    "running", "silent", "failed", "hung",    "stopped", "latched"};
 }
 
 std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& lack) {

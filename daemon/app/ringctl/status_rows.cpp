@@ -4,7 +4,9 @@
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/supervision.h"
+#include "fault/name.h"
 #include "inject/lock_files.h"
+#include "inject/node_notes.h"
 #include "limb_ring/ring_directory.h"
 #include "process/process_state.h"
 
@@ -13,6 +15,8 @@ namespace limb_ring::ringctl {
 using nlohmann::json;
 
 namespace {
+
+constexpr int kMissed = 5;  // beacons in a row: the node counts as gone, as the supervisor says of it
 
 bool latched(const json& row) {
   const json::json_pointer place("/cpu/stop/latched");
@@ -35,6 +39,13 @@ std::string broken_line(const std::vector<json>& rows) {
   return "";
 }
 
+/// What was done to a whole node on purpose is noted in the ring's folder; a note may be older than what holds now.
+json faults_of_absent(const std::string& folder, std::uint8_t node, bool frozen) {
+  const auto note = inject::note_of(folder, node);
+  if (!note || (note->name() == fault::word_of(fault::Name::freeze).word) != frozen) return json::array();
+  return {{{"id", note->name()}, {"fault", note->words}}};
+}
+
 }  // namespace
 
 json down_row(const NodeName& node) {
@@ -48,21 +59,47 @@ json down_row(const NodeName& node) {
           {"counters", json::object()}};
 }
 
-json absent_row(const std::string& ring, const NodeName& node) {
-  const inject::Holder holder = inject::holder_of(ring_directory(ring), node.id);
+namespace {
+
+/// Of a node on another host a beacon tells; the newest that one on this host has heard. Null where it is too old.
+json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& answers, std::uint8_t node) {
+  json newest;
+  for (const std::optional<json>& answer : answers)
+    for (const json& heard : answer ? answer->value("heard", json::array()) : json::array())
+      if (heard.value("id", 0) == node && (newest.is_null() || heard.value("age_ms", 0) < newest.value("age_ms", 0)))
+        newest = heard;
+  const bool fresh = !newest.is_null() && std::chrono::milliseconds(newest.value("age_ms", 0)) <= kMissed * ring.beacon();
+  return fresh ? newest : json();
+}
+
+json absent_row(const RingAccess& ring, const std::vector<std::optional<json>>& answers, const NodeName& node) {
+  const std::string folder = ring_directory(ring.ring());
+  const inject::Holder holder = inject::holder_of(folder, node.id);
   json row = down_row(node);
   if (holder.held) row["pid"] = holder.pid;
   if (holder.held && process::is_stopped(holder.pid)) row["state"] = "frozen";
+  row["faults"] = faults_of_absent(folder, node.id, row["state"] == "frozen");
+  const json heard = holder.pid > 0 ? json() : heard_of(ring, answers, node.id);
+  if (heard.is_null()) return row;
+  row["state"] = "up";
+  row["elsewhere"] = true;
+  row["cpu"]["state"] = heard.value("cpu_state", "unknown");
+  row["cpu"]["boots"] = heard.value("cpu_boots", 0);
   return row;
 }
 
-std::vector<json> status_rows(const RingAccess& ring) {
-  const auto answers = ask_all(ring.ring(), ring.nodes(), {{"do", "status"}});
+}  // namespace
+
+std::vector<json> complete_rows(const RingAccess& ring, const std::vector<std::optional<json>>& answers) {
   std::vector<json> rows;
   for (std::size_t i = 0; i < answers.size(); ++i)
-    rows.push_back(answers[i] ? *answers[i] : absent_row(ring.ring(), ring.nodes()[i]));
+    rows.push_back(answers[i] ? *answers[i] : absent_row(ring, answers, ring.nodes()[i]));
   add_verdicts(rows);
   return rows;
+}
+
+std::vector<json> status_rows(const RingAccess& ring) {
+  return complete_rows(ring, ask_all(ring.ring(), ring.nodes(), {{"do", "status"}}));
 }
 
 bool is_up(const json& row) {
@@ -74,7 +111,7 @@ std::string cpu_word(const json& row) {
   const json cpu = row.value("cpu", json::object());
   if (cpu.value("verdict", "") == "hung") return "hung";
   if (cpu.value("stopped", false)) return "stopped";
-  return latched(row) ? "stop" : cpu.value("state", "unknown");
+  return latched(row) ? "latched" : cpu.value("state", "unknown");
 }
 
 std::uint64_t errors_of(const json& row) {

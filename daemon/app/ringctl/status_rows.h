@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,10 +13,13 @@ namespace limb_ring::ringctl {
 
 /// The row of a node whose daemon does not answer: state "down", and null for what only it knows.
 nlohmann::json down_row(const NodeName& node);
-/// The same, with what its lock file says: its pid, and "frozen" where that process is stopped.
-nlohmann::json absent_row(const std::string& ring, const NodeName& node);
-
-/// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs.
+/// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs. Of a node whose daemon has not
+/// answered: "frozen" and its pid where its process on this host is stopped; "up", `elsewhere` and its CPU where it has
+/// never run on this host and its beacons are heard; else "down".
+/// @param answers to "status", in ring order
+std::vector<nlohmann::json> complete_rows(const RingAccess& ring,
+                                          const std::vector<std::optional<nlohmann::json>>& answers);
+/// The same of all daemons on this host, asked now.
 std::vector<nlohmann::json> status_rows(const RingAccess& ring);
 
 /// @name What a row means, in the words that status, top and wait share
@@ -23,7 +27,7 @@ std::vector<nlohmann::json> status_rows(const RingAccess& ring);
 /// Does the node's network controller take part in a closed ring?
 bool is_up(const nlohmann::json& row);
 /// "running", "stopped", "hung" ...: the supervisor's word where it says hung, since the node's own network
-/// controller says silent, no more, and that only of a CPU which has promised to speak. "stop" where a stop is latched.
+/// controller says silent, no more, and that only of a CPU which has promised to speak. "latched" where a stop is.
 std::string cpu_word(const nlohmann::json& row);
 /// Packets that were lost, damaged or discarded at this node since its start, under whatever name.
 std::uint64_t errors_of(const nlohmann::json& row);

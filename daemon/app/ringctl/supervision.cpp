@@ -1,5 +1,7 @@
 #include "app/ringctl/supervision.h"
 
+#include <map>
+
 #include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
@@ -15,14 +17,26 @@ const json* supervisor_of(const std::vector<json>& rows) {
   return nullptr;
 }
 
-bool worth_a_line(const json& cpu) {
-  return cpu["hangs"] != 0 || cpu["verdict"] == "unreachable";
+bool has_hung(const json& cpu) { return cpu["hangs"] != 0; }
+
+/// Behind a break that may be half the ring: a line for all that are so for the same reason.
+std::string unreachable_lines(const json& watched) {
+  std::map<std::string, std::string> names;  // by reason
+  for (const json& cpu : watched)
+    if (cpu["verdict"] == "unreachable" && !has_hung(cpu)) {
+      std::string& all = names[cpu["last"].get<std::string>()];
+      all += (all.empty() ? "" : ", ") + cpu["name"].get<std::string>();
+    }
+  std::string lines;
+  for (const auto& [reason, all] : names) lines += "  unreachable (" + reason + "): " + all + '\n';
+  return lines;
 }
 
 std::string line_of(const json& cpu) {
   return "  " + cpu["name"].get<std::string>() + ": " + cpu["verdict"].get<std::string>() + " for " +
-         app::number(cpu["for_ms"].get<double>() / 1000) + " s (" + cpu["last"].get<std::string>() + "); hung " +
-         cpu["hangs"].dump() + ", resets " + cpu["resets"].dump() + ", confirmed " + cpu["confirmed"].dump() + '\n';
+         app::number(cpu["for_ms"].get<double>() / 1000) + " s (" + cpu["last"].get<std::string>() + "); " +
+         app::counted(cpu["hangs"].get<std::uint64_t>(), "hang") + ", " +
+         app::counted(cpu["resets"].get<std::uint64_t>(), "reset") + ", " + cpu["confirmed"].dump() + " confirmed\n";
 }
 
 }  // namespace
@@ -41,7 +55,8 @@ std::string supervision_text(const std::vector<json>& rows) {
   if (supervisor == nullptr) return {};
   std::string lines;
   for (const json& cpu : (*supervisor)["supervisor"]["watched"])
-    if (worth_a_line(cpu)) lines += line_of(cpu);
+    if (has_hung(cpu)) lines += line_of(cpu);
+  lines += unreachable_lines((*supervisor)["supervisor"]["watched"]);
   if (lines.empty()) return {};
   return "supervisor " + (*supervisor)["name"].get<std::string>() + ", policy " +
          (*supervisor)["supervisor"]["policy"].get<std::string>() + ":\n" + lines;

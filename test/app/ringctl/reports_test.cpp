@@ -141,7 +141,21 @@ TEST(Supervision, MarksTheHungCpuInItsOwnRow) {
 TEST(Supervision, TellsWhatWasDoneAboutIt) {
   EXPECT_EQ(supervision_text(rows_of_a_hang()),
             "supervisor body, policy auto:\n"
-            "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); hung 1, resets 1, confirmed 0\n");
+            "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); 1 hang, 1 reset, 0 confirmed\n");
+}
+
+TEST(Supervision, NamesThoseBehindABreakInOneLine) {
+  std::vector<json> rows = rows_of_a_hang();
+  json& watched = rows[0]["supervisor"]["watched"];
+  const json unreachable{{"verdict", "unreachable"}, {"last", "no beacon of its node for 500 ms"}};
+  json waist = watched[0];
+  waist["name"] = "waist";
+  watched.push_back(waist);
+  for (const int cpu : {0, 2}) watched[cpu].update(unreachable);
+  EXPECT_EQ(supervision_text(rows),
+            "supervisor body, policy auto:\n"
+            "  left_knee: hung for 1.2 s (reset 1 of 3 ordered); 1 hang, 1 reset, 0 confirmed\n"
+            "  unreachable (no beacon of its node for 500 ms): head, waist\n");
 }
 
 TEST(Supervision, SaysNothingWhereAllIsWellOrNobodyWatches) {
@@ -247,7 +261,8 @@ TEST(Headline, AStopThatIsLatchedIsNamedWithWhatEndsIt) {
   EXPECT_EQ(stop_report({node(0, "up"), node(1, "up")}), "");
   EXPECT_EQ(stop_report({node(0, "up", true), node(1, "up")}), "stop latched at n0; 'ringctl resume' ends it\n");
   EXPECT_EQ(stop_report({node(0, "up", true)}), "stop latched at all nodes; 'ringctl resume' ends it\n");
-  EXPECT_EQ(cpu_word(node(0, "up", true)), "stop");
+  EXPECT_EQ(cpu_word(node(0, "up", true)), "latched");
+  EXPECT_NE(status_colour("up", "latched"), std::string());
   EXPECT_EQ(cpu_word(node(0, "up")), "running");
 }
 

@@ -42,7 +42,7 @@ bool wait_until_gone(const std::string& folder, Progress& progress) {
   }
 }
 
-/// A daemon that holds a lock wrote its own pid into it: no stranger is hit.
+/// A daemon that holds a lock wrote its own pid into it: nobody else is hit.
 void signal_holders(const std::string& folder, int number) {
   for (const inject::HeldNode& node : inject::held_nodes(folder))
     if (node.pid > 0) ::kill(node.pid, number);
@@ -76,7 +76,8 @@ int run(const std::string& name) {
   const std::string folder = ring_directory(ring);
   if (inject::held_nodes(folder).empty()) {
     inject::remove_leftovers(folder);
-    throw NoRing("ring " + ring + " is not running");
+    const std::string unreadable = why_unreadable(folder);
+    throw NoRing("ring " + ring + (unreadable.empty() ? " is not running" : ": " + folder + unreadable));
   }
   if (!end_ring(ring, folder))
     throw NotDone("ring " + ring + ": " + app::counted(inject::held_nodes(folder).size(), "daemon") +

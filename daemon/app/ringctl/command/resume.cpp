@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
+#include "ask/known_stops.h"
 #include "ask/resume_cpu.h"
 
 namespace limb_ring::ringctl {
@@ -19,14 +21,18 @@ struct Options {
   bool json = false;
 };
 
-/// Those that have joints, as the ROS service `resume` takes them.
+/// Those that have joints, here and on other hosts, and all that say that a stop is latched; as the ROS service `resume`.
 std::vector<NodeName> meant(const RingAccess& ring, HostPort& port, const std::string& which) {
   if (which != "all") return {ring.node(which)};
-  std::vector<NodeName> nodes;
+  std::set<std::uint8_t> ids;
   const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime);
   for (const auto& node : config.at("nodes"))
-    if (node.value("joints", 0) > 0) nodes.push_back({node.at("id"), node.at("name")});
-  if (nodes.empty()) throw NotDone("no node of ring " + ring.ring() + " has joints");
+    if (node.value("joints", 0) > 0) ids.insert(node.at("id").get<std::uint8_t>());
+  for (const ask::Node& node : ask::nodes_with_latched_stop(ring.ring(), ring.ask_nodes())) ids.insert(node.id);
+  std::vector<NodeName> nodes;
+  for (const NodeName& node : ring.nodes())
+    if (ids.count(node.id) != 0) nodes.push_back(node);
+  if (nodes.empty()) throw NotDone("no node of ring " + ring.ring() + " has joints, and at none a stop is latched");
   return nodes;
 }
 
@@ -57,7 +63,7 @@ int run(const Context& context, const Options& options) {
 void add_resume(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(app, "resume", "End a latched stop: the joints obey the next command again");
-  command->add_option("NODE", options->node, "Node, id or name, or all that have joints (default)");
+  command->add_option("NODE", options->node, "Node, id or name, or all (default): those with joints or a latched stop");
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);
   command->callback([&context, options] {

@@ -45,11 +45,9 @@ class StatusPoll {
     StatusSample sample;
     sample.at_s = duration<double>(steady_clock::now().time_since_epoch()).count();
     const auto deadline = steady_clock::now() + kAnswerWait;
-    for (std::size_t i = 0; i < ports_.size(); ++i) {
-      const auto row = answer(i, tokens[i], deadline);
-      sample.rows.push_back(row ? *row : absent_row(ring_.ring(), ring_.nodes()[i]));
-    }
-    add_verdicts(sample.rows);
+    std::vector<std::optional<nlohmann::json>> answers;
+    for (std::size_t i = 0; i < ports_.size(); ++i) answers.push_back(answer(i, tokens[i], deadline));
+    sample.rows = complete_rows(ring_, answers);
     return sample;
   }
 
