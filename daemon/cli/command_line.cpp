@@ -99,6 +99,14 @@ std::string name_in(const std::string& message) { return message.substr(0, messa
   throw WrongCommandLine(message + "; " + see_help(app));
 }
 
+/// As the usage line names it: "TO", not "--to", of an option that may stand alone.
+[[noreturn]] void one_is_missing(const CLI::App& app, const std::string& message) {
+  std::string name = message.substr(0, message.find(' '));
+  for (const CLI::Option* option : options_of(app))
+    if (option->check_name(name) && !option->get_name(/*positional=*/true).empty()) name = option->get_name(true);
+  throw WrongCommandLine(name + " is required; " + see_help(app));
+}
+
 [[noreturn]] void explain(const CLI::App& root, const CLI::ParseError& error) {
   const CLI::App& app = deepest(root);
   check_left_over(root);
@@ -107,7 +115,8 @@ std::string name_in(const std::string& message) { return message.substr(0, messa
   if (required && !subcommands_of(app).empty())
     throw WrongCommandLine("'" + full_name(app) + "' needs one of: " + config::join(subcommands_of(app)) + "; " +
                            see_help(app));
-  throw WrongCommandLine(error.what() + (required ? "; " + see_help(app) : std::string()));
+  if (required) one_is_missing(app, error.what());
+  throw WrongCommandLine(error.what());
 }
 
 /// `help status` is `status --help`.

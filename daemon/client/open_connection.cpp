@@ -78,7 +78,7 @@ void refuse_foreign_folder(const std::string& folder) {
   if (lstat(folder.c_str(), &status) != 0) return;  // not there yet
   if (S_ISDIR(status.st_mode) && status.st_uid == geteuid()) return;
   throw HostPortError(folder + " is not a folder of this user's (" + std::to_string(geteuid()) +
-                      "): not connecting to what may be a stranger's socket");
+                      "): not connecting to what may be another user's socket");
 }
 
 void refuse_foreign_daemon(const UnixSocket& socket, const std::string& path) {

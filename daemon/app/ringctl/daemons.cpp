@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -67,6 +68,13 @@ Daemon start(const RingPlan& plan, const NodeName& node, const std::string& ring
   return daemon;
 }
 
+/// Why a log has nothing in it: "; LOG: No space left on device"; empty where it can be written.
+std::string why_empty(const std::string& log) {
+  const process::UniqueFd file(::open(log.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW));
+  if (file.valid() && ::write(file.get(), "\n", 1) == 1) return "";
+  return "; " + log + ": " + std::strerror(errno);
+}
+
 std::string last_lines(const std::string& path) {
   std::ifstream file(path);
   std::deque<std::string> lines;
@@ -76,7 +84,7 @@ std::string last_lines(const std::string& path) {
   }
   std::string text;
   for (const std::string& line : lines) text += "\n  " + line;
-  return text;
+  return text.empty() ? why_empty(path) : text;
 }
 
 /// @return true where it has ended now

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <utility>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/problems.h"
@@ -35,10 +36,16 @@ std::string event_words(const nlohmann::json& seen) {
 
 std::string summary(const DumpTotals& totals) {
   const CaptureCounts& nodes = totals.nodes;
-  return app::counted(totals.shown, "packet") + " shown of " + std::to_string(nodes.seen) + " seen; left out: " +
-         std::to_string(nodes.filtered) + " by the filter, " + std::to_string(nodes.sampled_out) + " by --sample, " +
-         std::to_string(nodes.limited) + " by --limit, " + std::to_string(totals.beyond) + " after the last; " +
-         std::to_string(nodes.lost) + " lost, read too slowly";
+  std::string text = app::counted(totals.shown, "packet") + " shown of " + std::to_string(nodes.seen) + " seen, " +
+                     std::to_string(nodes.lost) + " lost" + (nodes.lost == 0 ? "" : ", read too slowly");
+  const std::pair<std::uint64_t, const char*> left_out[] = {{nodes.filtered, "by the filter"},
+                                                            {nodes.sampled_out, "by --sample"},
+                                                            {nodes.limited, "by --limit"},
+                                                            {totals.beyond, "after the last"}};
+  const char* before = "; left out: ";
+  for (const auto& [count, why] : left_out)
+    if (count != 0) text += std::exchange(before, ", ") + std::to_string(count) + ' ' + why;
+  return text;
 }
 
 LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order,

@@ -1,4 +1,5 @@
 // The lines of `ringctl dump`.
+#include "app/ringctl/live_dump.h"
 #include "app/ringctl/packet_text.h"
 
 #include <gmock/gmock.h>
@@ -123,6 +124,19 @@ TEST(PacketJson, HoldsTheFields) {
   EXPECT_EQ(row["did"], 2);
   EXPECT_EQ(row["data"], "00 01");
   EXPECT_EQ(row["line"], (nlohmann::json{"hip", "knee"}));
+}
+
+TEST(DumpSummary, NamesOnlyWhatWasLeftOut) {
+  DumpTotals totals;
+  totals.shown = totals.nodes.seen = 2;
+  EXPECT_EQ(summary(totals), "2 packets shown of 2 seen, 0 lost");
+  totals.nodes.seen = 9;
+  totals.nodes.filtered = 4;
+  totals.beyond = 3;
+  EXPECT_EQ(summary(totals), "2 packets shown of 9 seen, 0 lost; left out: 4 by the filter, 3 after the last");
+  totals.nodes.lost = 1;
+  EXPECT_EQ(summary(totals),
+            "2 packets shown of 9 seen, 1 lost, read too slowly; left out: 4 by the filter, 3 after the last");
 }
 
 }  // namespace

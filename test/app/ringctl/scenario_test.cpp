@@ -12,6 +12,7 @@ namespace limb_ring::ringctl {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -36,6 +37,12 @@ TEST_F(ScenarioCommand, EndsWithOneAndSaysWhatWasSeenInstead) {
   const Said said = run_scenarios({write("good.yaml", kGood), write("unmet.yaml", kUnmet), "--seed", "9"});
   EXPECT_EQ(said.code, kNotDone);
   EXPECT_THAT(said.out, AllOf(HasSubstr("a surprise (seed 9)"), HasSubstr("seen instead: node0 is up")));
+  EXPECT_THAT(said.out, AllOf(HasSubstr("2 scenarios: 1 not as expected:\n  "), EndsWith("unmet.yaml\n")));
+}
+
+TEST_F(ScenarioCommand, SumsUpWhereThereAreSeveral) {
+  EXPECT_THAT(run_scenarios({write("good.yaml", kGood), write("as_good.yaml", kGood)}).out,
+              EndsWith("2 scenarios: all as expected\n"));
 }
 
 TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {

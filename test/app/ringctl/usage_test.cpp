@@ -34,6 +34,11 @@ TEST_F(Usage, UnknownSubcommandIsRefusedWithAGuess) {
   EXPECT_THAT(said.errors, HasSubstr("'ringctl stauts' is unknown, did you mean 'status'? There are: up, down"));
 }
 
+TEST_F(Usage, WhatIsMissingIsNamedAsTheUsageLineNamesIt) {
+  EXPECT_THAT(ringctl({"ping"}).errors, HasSubstr("TO is required"));
+  EXPECT_THAT(ringctl({"send", "--data", "x"}).errors, HasSubstr("--from is required"));
+}
+
 TEST_F(Usage, SizesOutsideAPacketAreRefusedWithTheRange) {
   for (const char* size : {"0", "513", "-1", "many"}) {
     const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", size});

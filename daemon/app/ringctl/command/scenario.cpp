@@ -80,6 +80,19 @@ std::vector<Scenario> load(const Options& options) {
   return scenarios;
 }
 
+/// "40 scenarios: all as expected", or which were not.
+std::string verdict_of(const std::vector<ScenarioRun>& runs) {
+  std::string unmet;
+  std::size_t count = 0;
+  for (const ScenarioRun& run : runs) {
+    if (!run.unmet) continue;
+    ++count;
+    unmet += "\n  " + run.path;
+  }
+  const std::string all = std::to_string(runs.size()) + " scenarios: ";
+  return all + (count == 0 ? "all as expected" : std::to_string(count) + " not as expected:" + unmet);
+}
+
 int run(const Options& options) {
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options);
@@ -91,6 +104,7 @@ int run(const Options& options) {
                                 : run_scenario(scenario, seed, capture.is_open() ? &capture : nullptr, at));
     if (!options.json) std::cout << text_of(runs.back()) << std::endl;
   }
+  if (!options.json && runs.size() > 1) std::cout << verdict_of(runs) << std::endl;
   const std::string problem = capture.is_open() ? app::finish_writing(capture, options.capture) : "";
   if (!problem.empty()) throw NotDone(problem);
   std::vector<app::Row> rows;
