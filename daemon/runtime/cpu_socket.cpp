@@ -17,7 +17,7 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& en
 void CpuSocket::start() {
   process_.start();
   engine_.controller().set_cpu_present(is_sink());
-  report();
+  if (process_.status().kind != CpuKind::child) report();  // a child's start has told: on_cpu_changed()
 }
 
 std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {

@@ -14,6 +14,15 @@ def limb_at(node, count=3):
     return nodes
 
 
+class Log(RingTest):
+    def test_each_change_of_the_cpu_is_told_once(self):
+        daemons = self.start_ring(limb_at(1))
+        self.wait_cpu(1, 'running')
+        self.wait('said so', lambda: 'CPU running' in self.log_of(daemons[1]))
+        told = [line.split('] ')[1] for line in self.log_of(daemons[1]).splitlines() if '] CPU ' in line]
+        self.assertEqual([line.split()[1] for line in told], ['booting', 'running'], told)
+
+
 class Reset(RingTest):
     def hang(self, node):
         pid = self.wait_cpu(node, 'running')['pid']
