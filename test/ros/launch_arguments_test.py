@@ -2,6 +2,7 @@
 """Wrong arguments of ring.launch end the launch with what is wrong."""
 import os
 import random
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -94,6 +95,15 @@ class LaunchArguments(unittest.TestCase):
         launch = self.launch('config:=config/plain4.yaml', 'ring:=' + own_ring(), cwd=HERE,
                              env=dict(os.environ, PWD=HERE))
         launch.wait_for('is closed: 4 nodes up')
+
+    def test_names_of_files_may_have_spaces(self):
+        folder = tempfile.mkdtemp(prefix='my robot é ')
+        self.addCleanup(shutil.rmtree, folder)
+        config, bag = os.path.join(folder, 'my ring.yaml'), os.path.join(folder, 'no such.bag')
+        shutil.copy(os.path.join(HERE, 'config', 'plain4.yaml'), config)
+        launch = self.launch('config:=' + config, 'bag:=' + bag, 'bridge:=false', 'ring:=' + own_ring())
+        launch.wait_for('is closed: 4 nodes up')
+        launch.wait_for('play_bag: %s: No such file or directory' % bag)
 
     def test_what_keeps_the_bridge_from_starting_is_said_and_ends_the_launch(self):
         for argument, said in (('bridge_node:=nobody', "no node 'nobody'"),
