@@ -2,6 +2,10 @@
 -- pcapng with LINKTYPE_USER0: a pseudo-header of 12 bytes, then a packet; docs/capture.md describes both.
 -- Install with scripts/install_dissector. Works with Wireshark 3.2 and later.
 
+-- Installed, and named on the command line as well: the one that came first stays.
+local known, dissector = pcall(Dissector.get, "limbring")
+if known and dissector then return end
+
 local ring = Proto("limbring", "Ring network of articulated robots")
 
 local PSEUDO_SIZE, HEADER, TRAILER, CRC = 12, 4, 4, 4

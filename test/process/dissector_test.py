@@ -1,5 +1,6 @@
 """The Wireshark dissector, on captures of scenarios under the virtual clock, whose packets are known."""
 
+import glob
 import os
 import shutil
 import subprocess
@@ -41,6 +42,7 @@ steps:
 class Dissector(RingTest):
     def setUp(self):
         super().setUp()
+        self.environment['HOME'] = self.folder  # not the dissector that this user has installed
         self.capture = os.path.join(self.folder, 'story.pcapng')
         story = os.path.join(self.folder, 'story.yaml')
         with open(story, 'w') as file:
@@ -48,8 +50,8 @@ class Dissector(RingTest):
         done = self.ctl('scenario', 'run', story, '--capture', self.capture)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
-    def shark(self, *arguments):
-        done = subprocess.run(['tshark', '-X', 'lua_script:' + LUA, '-r', self.capture] +
+    def shark(self, *arguments, scripts=(LUA,)):
+        done = subprocess.run(['tshark', *('-Xlua_script:' + script for script in scripts), '-r', self.capture] +
                               list(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               universal_newlines=True, env=self.environment, timeout=120)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -65,6 +67,20 @@ class Dissector(RingTest):
         everything = '\n'.join(self.shark('-V'))
         self.assertIn('Ring network of articulated robots', everything)
         self.assertNotIn('Lua Error', everything)
+
+    def test_one_that_is_loaded_already_is_no_error(self):
+        other = os.path.join(self.folder, 'installed.lua')
+        shutil.copy(LUA, other)
+        self.assertIn('Ring network of articulated robots', '\n'.join(self.shark('-V', scripts=(other, LUA))))
+
+    def test_install_dissector_explains_itself_and_installs_nothing_then(self):
+        script = os.path.join(SOURCE, 'scripts', 'install_dissector')
+        for option, code in (('--help', 0), ('--frob', 2)):
+            done = subprocess.run([script, option], env=self.environment, stdout=subprocess.PIPE, timeout=60,
+                                  universal_newlines=True)
+            self.assertEqual(done.returncode, code)
+            self.assertIn('usage: install_dissector', done.stdout)
+        self.assertEqual(glob.glob(os.path.join(self.folder, '**', 'limb_ring.lua'), recursive=True), [])
 
     def test_a_data_packet_has_all_its_fields(self):
         seen = self.values('limbring.sid == 0 && limbring.channel == 0',
