@@ -11,29 +11,28 @@ constexpr std::uint8_t kChannels = 64;
 constexpr std::uint8_t kControlChannel = 1;
 constexpr std::uint8_t kFactors = 8;
 
+/// "size 513: a packet carries 1 to 512 bytes"
+Problem problem(const char* argument, std::size_t value, Reason why) {
+  return {why, std::string(argument) + ' ' + std::to_string(value) + ": " + sentence(why)};
+}
+
 }  // namespace
 
 std::optional<Problem> send_problem(std::size_t size, std::uint8_t priority, std::uint8_t channel) {
-  if (size == 0 || size > kMaxPayload)
-    return Problem{Reason::bad_size, "size " + std::to_string(size) + ": a packet holds 1 to 512 bytes"};
-  if (priority >= kPriorities)
-    return Problem{Reason::bad_priority, "priority " + std::to_string(priority) + ": allowed are 0 (highest) to 3"};
-  if (channel >= kChannels)
-    return Problem{Reason::bad_channel, "channel " + std::to_string(channel) + ": allowed are 0 to 63"};
-  if (channel == kControlChannel)
-    return Problem{Reason::bad_channel,
-                   "channel 1 is the network controllers' own: allowed are 0 and 2 to 63"};
+  if (size == 0 || size > kMaxPayload) return problem("size", size, Reason::bad_size);
+  if (priority >= kPriorities) return problem("priority", priority, Reason::bad_priority);
+  if (channel >= kChannels || channel == kControlChannel) return problem("channel", channel, Reason::bad_channel);
   return std::nullopt;
 }
 
 std::optional<Problem> interrupt_problem(std::uint8_t factor) {
   if (factor < kFactors) return std::nullopt;
-  return Problem{Reason::bad_factor, "factor " + std::to_string(factor) + ": allowed are 0 to 7"};
+  return problem("factor", factor, Reason::bad_factor);
 }
 
 std::optional<Problem> pull_problem(std::uint8_t input) {
   if (input < kFactors) return std::nullopt;
-  return Problem{Reason::input_unwired, "input " + std::to_string(input) + ": allowed are 0 to 7"};
+  return problem("input", input, Reason::input_unwired);
 }
 
 std::optional<std::string> json_problem(std::string_view json) {

@@ -15,8 +15,8 @@ struct Problem {
   std::string text;  ///< with the value that is wrong
 };
 
-/// What is wrong with the arguments of a call; nothing where they are right. Both ends
-/// of a host port ask here, so that a bad call says the same wherever it is caught.
+/// What is wrong with the arguments of a call; nothing where they are right: the value, and the words of
+/// limb_ring/reason.h. The daemon asks here for every call of a client; what the daemon itself sends, the core checks.
 std::optional<Problem> send_problem(std::size_t size, std::uint8_t priority, std::uint8_t channel);
 std::optional<Problem> interrupt_problem(std::uint8_t factor);
 std::optional<Problem> pull_problem(std::uint8_t input);

@@ -17,7 +17,7 @@ namespace limb_ring::client {
 
 /// Changes whenever a message changes: both sides come from one build as a rule.
 constexpr std::uint16_t kHostPortVersion = 2;
-/// A frame's size field and type, then this: what a stranger's bytes hardly are.
+/// Follows a frame's size and type: the first bytes of another protocol are hardly these.
 constexpr std::uint32_t kGreetingMagic = 0x4C524850;  // "LRHP"
 
 /// The first message of a client.  | magic 32 | version 16 | role 8 | flags 8 | pid 32 |
@@ -137,8 +137,8 @@ void append(Bytes& out, const CapturedView& message);
 void append(Bytes& out, const limb_ring::CaptureCounts& message);
 
 /// Nothing where the frame is none of that direction, too short, too long, or holds a value that
-/// its field may not have, or for a client JSON that is nested too deep. JSON for the daemon, destinations, priorities and sizes of a SendRequest are not judged
-/// here: they deserve an answer with a reason (arguments.h).
+/// its field may not have, or for a client JSON that is nested too deep. JSON for the daemon, destinations, priorities
+/// and sizes of a SendRequest are not judged here: they deserve an answer with a reason (arguments.h).
 std::optional<ToDaemon> decode_to_daemon(const Frame& frame);
 std::optional<ToClient> decode_to_client(const Frame& frame);
 

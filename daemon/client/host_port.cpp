@@ -5,6 +5,7 @@
 #include "client/arguments.h"
 #include "client/connection.h"
 #include "client/open_connection.h"
+#include "wire/outcome.h"
 
 namespace limb_ring {
 
@@ -24,15 +25,11 @@ Clock::time_point deadline_in(std::chrono::milliseconds timeout) {
 struct HostPort::Impl {
   explicit Impl(client::Connection opened) : connection(std::move(opened)) {}
 
-  /// Begins a call and sends it, unless its arguments are wrong.
+  /// Begins a call and sends it. Whether its arguments are right, the daemon says.
   template <typename Request>
-  std::uint32_t call(Request request, const std::optional<client::Problem>& problem) {
+  std::uint32_t call(Request request) {
     request.token = connection.begin(Pending::Ends::with_result);
-    if (problem) {
-      connection.reject(request.token, problem->text, problem->why);
-    } else {
-      connection.send(request);
-    }
+    connection.send(request);
     return request.token;
   }
 
@@ -50,18 +47,8 @@ struct HostPort::Impl {
   client::Connection connection;
 };
 
-const char* to_string(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::delivered: return "delivered";
-    case Outcome::refused: return "refused";
-    case Outcome::no_such_node: return "no such node";
-    case Outcome::lost: return "lost";
-    case Outcome::unconfirmed: return "unconfirmed";
-    case Outcome::rejected: return "rejected";
-    case Outcome::cancelled: return "cancelled";
-  }
-  return "unknown outcome";
-}
+// The values are those of the wire's, which a public header cannot include.
+const char* to_string(Outcome outcome) { return wire::to_string(static_cast<wire::Outcome>(outcome)); }
 
 HostPort::HostPort(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 HostPort::HostPort(HostPort&&) noexcept = default;
@@ -79,18 +66,20 @@ const std::string& HostPort::ring() const { return impl_->connection.ring; }
 
 std::uint32_t HostPort::send(std::uint8_t destination, const std::uint8_t* data, std::size_t size,
                              std::uint8_t priority, std::uint8_t channel) {
-  const client::SendRequest request{0, destination, priority, channel, {data, size}};
-  return impl_->call(request, client::send_problem(size, priority, channel));
+  if (size <= client::kMaxRequest)
+    return impl_->call(client::SendRequest{0, destination, priority, channel, {data, size}});
+  // More than a frame holds, so the daemon cannot be asked; the answer is what it would be.
+  const client::Problem problem = *client::send_problem(size, priority, channel);
+  const std::uint32_t token = impl_->connection.begin(Pending::Ends::with_result);
+  impl_->connection.reject(token, problem.text, problem.why);
+  return token;
 }
 
 std::uint32_t HostPort::interrupt(std::uint8_t destination, std::uint8_t factor, bool force) {
-  const client::InterruptRequest request{0, destination, factor, force};
-  return impl_->call(request, client::interrupt_problem(factor));
+  return impl_->call(client::InterruptRequest{0, destination, factor, force});
 }
 
-std::uint32_t HostPort::pull(std::uint8_t input) {
-  return impl_->call(client::PullRequest{0, input}, client::pull_problem(input));
-}
+std::uint32_t HostPort::pull(std::uint8_t input) { return impl_->call(client::PullRequest{0, input}); }
 
 std::uint32_t HostPort::request(const std::string& json) {
   client::Connection& connection = impl_->connection;

@@ -72,7 +72,7 @@ Target find_target(const ConnectOptions& options, Clock::time_point deadline) {
   }
 }
 
-/// A stranger could have made the folder below the system's temporary one before us.
+/// Another user could have made the folder below the system's temporary one before us.
 void refuse_foreign_folder(const std::string& folder) {
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0) return;  // not there yet

@@ -39,7 +39,7 @@ void require_name(const char* what, const std::string& name) {
                               "not begin with '.'");
 }
 
-/// A folder others could have made or can write to could hold a stranger's sockets.
+/// A folder that others have made or can write to could hold another user's sockets.
 void require_private(const std::string& folder) {
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0) {

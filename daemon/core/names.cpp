@@ -1,20 +1,6 @@
 #include "core/events.h"
-#include "core/outcome.h"
 
 namespace limb_ring::core {
-
-const char* to_string(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::delivered: return "delivered";
-    case Outcome::refused: return "refused";
-    case Outcome::no_such_node: return "no such node";
-    case Outcome::lost: return "lost";
-    case Outcome::unconfirmed: return "unconfirmed";
-    case Outcome::rejected: return "rejected";
-    case Outcome::cancelled: return "cancelled";
-  }
-  return "";
-}
 
 const char* to_string(NodeState state) {
   switch (state) {

@@ -2,15 +2,12 @@
 
 #include <cstdint>
 
+#include "wire/outcome.h"
+
 namespace limb_ring::core {
 
-/// How a send ended; every send has exactly one. (ours, protocol.md section 4.6)
-enum class Outcome : std::uint8_t {
-  delivered, refused, no_such_node, lost, unconfirmed, rejected, cancelled
-};
-
-/// One or three words: "no such node".
-const char* to_string(Outcome outcome);
+using wire::Outcome;
+using wire::to_string;
 
 /// Why a send was rejected; limb_ring/reason.h has the words.
 enum class Reject : std::uint8_t {

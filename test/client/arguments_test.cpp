@@ -17,13 +17,13 @@ TEST(Arguments, WithinTheirRangesAreNoProblem) {
 }
 
 TEST(Arguments, OutsideSayWhatIsAllowed) {
-  EXPECT_EQ(send_problem(0, 0, 0)->text, "size 0: a packet holds 1 to 512 bytes");
-  EXPECT_EQ(send_problem(513, 0, 0)->text, "size 513: a packet holds 1 to 512 bytes");
-  EXPECT_EQ(send_problem(1, 4, 0)->text, "priority 4: allowed are 0 (highest) to 3");
-  EXPECT_EQ(send_problem(1, 0, 64)->text, "channel 64: allowed are 0 to 63");
+  EXPECT_EQ(send_problem(0, 0, 0)->text, "size 0: a packet carries 1 to 512 bytes");
+  EXPECT_EQ(send_problem(513, 0, 0)->text, "size 513: a packet carries 1 to 512 bytes");
+  EXPECT_EQ(send_problem(1, 4, 0)->text, "priority 4: priorities are 0 (highest) to 3");
+  EXPECT_EQ(send_problem(1, 0, 64)->text, "channel 64: channels are 0 to 63, and 1 is the network controllers' own");
   EXPECT_THAT(send_problem(1, 0, 1)->text, HasSubstr("network controllers"));
-  EXPECT_EQ(interrupt_problem(8)->text, "factor 8: allowed are 0 to 7");
-  EXPECT_EQ(pull_problem(8)->text, "input 8: allowed are 0 to 7");
+  EXPECT_EQ(interrupt_problem(8)->text, "factor 8: interrupt factors are 0 to 7");
+  EXPECT_EQ(pull_problem(8)->text, "input 8: this interrupt input is wired to nothing");
 }
 
 TEST(Arguments, OutsideSayWhyForPrograms) {

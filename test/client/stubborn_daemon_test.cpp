@@ -136,19 +136,28 @@ TEST_F(StubbornDaemon, NotAnsweringInTimeIsSaid) {
               HasSubstr("did not answer within 1 ms"));
 }
 
-TEST_F(StubbornDaemon, BadArgumentsNeverReachIt) {
+TEST_F(StubbornDaemon, IsNotSentMoreThanAFrameHolds) {
   HostPort port = connect();
-  const std::vector<std::uint8_t> large(513);
-  const Result size = port.wait(port.send(4, large), kGuard);
-  EXPECT_EQ(size.outcome, Outcome::rejected);
-  EXPECT_THAT(size.reason, HasSubstr("513"));
-  EXPECT_EQ(port.wait(port.send(4, nullptr, 0), kGuard).outcome, Outcome::rejected);
-  EXPECT_EQ(port.wait(port.send(4, {1}, 4), kGuard).outcome, Outcome::rejected);
-  EXPECT_EQ(port.wait(port.send(4, {1}, 0, 64), kGuard).outcome, Outcome::rejected);
-  EXPECT_EQ(port.wait(port.interrupt(4, 8), kGuard).outcome, Outcome::rejected);
-  EXPECT_EQ(port.wait(port.pull(8), kGuard).outcome, Outcome::rejected);
+  const std::vector<std::uint8_t> large(100000);
+  const Result result = port.wait(port.send(4, large), kGuard);
+  EXPECT_EQ(result.outcome, Outcome::rejected);
+  EXPECT_EQ(result.why, Reason::bad_size);
+  EXPECT_EQ(result.reason, "size 100000: a packet carries 1 to 512 bytes");
   EXPECT_THROW(port.ask(std::string(100000, 'x'), kGuard), HostPortError);
   EXPECT_THROW(port.observe(std::string(100000, 'x')), HostPortError);
+}
+
+// What is wrong, its door says: there is one place that judges and one set of words.
+TEST_F(StubbornDaemon, IsAskedWhetherArgumentsAreRight) {
+  HostPort port = connect();
+  const std::ptrdiff_t greeting = 5 + 16 + 2 + 1;
+  const std::ptrdiff_t send = 5 + 4 + 3, interrupt = 5 + 4 + 3, pull = 5 + 4 + 1;
+  port.send(4, nullptr, 0);
+  port.send(4, {1}, 4);
+  port.interrupt(4, 8);
+  port.pull(8);
+  EXPECT_EQ(daemon.hear(greeting + send + send + 1 + interrupt + pull).size(), 71u);
+  EXPECT_FALSE(port.receive(milliseconds{0}));
 }
 
 TEST_F(StubbornDaemon, HearsFromACpuThatOnlyReceives) {

@@ -144,7 +144,7 @@ class Reasons(RingTest):
     def test_bad_arguments_say_which(self):
         self.start_ring(plain_nodes(2))
         port = self.port(0)
-        self.assertIn('allowed are 0 to 7', port.result(port.interrupt(1, 9))['reason'])
+        self.assertIn('factors are 0 to 7', port.result(port.interrupt(1, 9))['reason'])
         forced = self.ctl_json('interrupt', '--from', 0, '--to', 'all', 0, code=1)['results'][0]
         self.assertEqual(forced['reason_code'], 'needs_force')
 
