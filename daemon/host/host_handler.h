@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "client/host_message.h"
 #include "limb_ring/host_port.h"
-#include "wire/bytes.h"
 
 namespace limb_ring::host {
 
@@ -24,7 +24,7 @@ struct ClientInfo {
 
 /// What the clients of a host port want of the daemon. Called from the event loop only, never
 /// from inside a call to HostServer; calling HostServer from inside is fine. Arguments are within
-/// their ranges already.
+/// their ranges already; what a request points to is valid during the call only.
 class HostHandler {
  public:
   virtual ~HostHandler() = default;
@@ -33,13 +33,11 @@ class HostHandler {
   virtual std::optional<std::string> on_attach(const ClientInfo& client) = 0;
   /// A client that was attached is gone. Results for it may still be given; they go nowhere.
   virtual void on_detach(const ClientInfo& client) = 0;
-  virtual void on_send(ClientId client, std::uint32_t token, std::uint8_t destination,
-                       std::uint8_t priority, std::uint8_t channel, wire::ByteView data) = 0;
-  virtual void on_interrupt(ClientId client, std::uint32_t token, std::uint8_t destination,
-                            std::uint8_t factor, bool force) = 0;
-  virtual void on_pull(ClientId client, std::uint32_t token, std::uint8_t input) = 0;
-  virtual void on_request(ClientId client, std::uint32_t token, const std::string& json) = 0;
-  virtual void on_observe(ClientId client, const std::string& json) = 0;
+  virtual void on_send(ClientId client, const client::SendRequest& request) = 0;
+  virtual void on_interrupt(ClientId client, const client::InterruptRequest& request) = 0;
+  virtual void on_pull(ClientId client, const client::PullRequest& request) = 0;
+  virtual void on_request(ClientId client, const client::JsonRequest& request) = 0;
+  virtual void on_observe(ClientId client, const client::ObserveRequest& request) = 0;
   /// A sign of life: called for every message of a client, before the message's own call.
   virtual void on_alive(ClientId client) = 0;
   /// The CPU can take packets where it could not: HostServer::cpu_can_take() has become true.

@@ -70,33 +70,29 @@ bool HostServer::rejected(Session& session, std::uint32_t token,
 }
 
 void HostServer::on(Session& session, const client::SendRequest& request) {
-  const auto problem =
-      client::send_problem(request.data.size, request.priority, request.channel);
-  if (rejected(session, request.token, problem)) return;
-  handler_.on_send(session.info().id, request.token, request.destination, request.priority,
-                   request.channel, request.data);
+  const auto problem = client::send_problem(request.data.size, request.priority, request.channel);
+  if (!rejected(session, request.token, problem)) handler_.on_send(session.info().id, request);
 }
 
 void HostServer::on(Session& session, const client::InterruptRequest& request) {
-  if (rejected(session, request.token, client::interrupt_problem(request.factor))) return;
-  handler_.on_interrupt(session.info().id, request.token, request.destination, request.factor,
-                        request.force);
+  const auto problem = client::interrupt_problem(request.factor);
+  if (!rejected(session, request.token, problem)) handler_.on_interrupt(session.info().id, request);
 }
 
 void HostServer::on(Session& session, const client::PullRequest& request) {
-  if (rejected(session, request.token, client::pull_problem(request.input))) return;
-  handler_.on_pull(session.info().id, request.token, request.input);
+  const auto problem = client::pull_problem(request.input);
+  if (!rejected(session, request.token, problem)) handler_.on_pull(session.info().id, request);
 }
 
 void HostServer::on(Session& session, const client::JsonRequest& request) {
-  handler_.on_request(session.info().id, request.token, std::string(request.json));
+  handler_.on_request(session.info().id, request);
 }
 
 void HostServer::on(Session& session, const client::ObserveRequest& request) {
-  handler_.on_observe(session.info().id, std::string(request.json));
+  handler_.on_observe(session.info().id, request);
 }
 
-void HostServer::on(Session&, const client::Alive&) {}  // on_message() has said so
+void HostServer::on(Session&, const client::Alive&) {}  // on_message() has told the handler
 
 void HostServer::on(Session& session, const client::Credit& credit) {
   if (&session != cpu_.get()) return;

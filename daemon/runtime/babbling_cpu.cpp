@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "runtime/owners.h"
+#include "runtime/send_owner.h"
 
 namespace limb_ring::runtime {
-
 namespace {
 
-/// After a rejection: going on at once would never let the event loop breathe.
+constexpr core::Owner kOwner = SendOwner::of(SendOwner::Kind::babbling_cpu).to_core();
+/// After a rejection, which comes at once: sending again at once would keep the event loop from all else.
 constexpr std::chrono::nanoseconds kRejectedPause = std::chrono::milliseconds(1);
 
 }  // namespace
@@ -29,14 +29,14 @@ void BabblingCpu::stop() {
   if (!on_) return;
   on_ = false;
   next_.cancel();
-  engine_.controller().cancel(kBabbleOwner, engine_.now());
+  engine_.controller().cancel(kOwner, engine_.now());
   engine_.pump();
 }
 
 void BabblingCpu::send() {
   wire::store_u32(data_.data(), static_cast<std::uint32_t>(asked_++));  // no two alike
   core::SendRequest request;  // of the highest priority, to all
-  request.owner = kBabbleOwner;
+  request.owner = kOwner;
   request.token = run_;
   request.destination = wire::kBroadcast;
   request.data = {data_.data(), data_.size()};
@@ -56,10 +56,8 @@ void BabblingCpu::on_ended(const core::SendEnded& ended) {
   if (!on_ || ended.token != run_) return;
   ++sent_;
   const auto pause = ended.outcome == core::Outcome::rejected ? std::max(period_, kRejectedPause) : period_;
-  if (pause.count() > 0)
-    send_after(pause);
-  else
-    send();
+  if (pause.count() > 0) return send_after(pause);
+  send();
 }
 
 }  // namespace limb_ring::runtime

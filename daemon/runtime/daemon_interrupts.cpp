@@ -1,13 +1,18 @@
 #include "runtime/daemon_interrupts.h"
 
-#include "runtime/owners.h"
+#include "runtime/send_owner.h"
 
 namespace limb_ring::runtime {
+namespace {
+
+constexpr core::Owner kOwner = SendOwner::of(SendOwner::Kind::daemon_interrupts).to_core();
+
+}  // namespace
 
 void DaemonInterrupts::interrupt(wire::NodeId to, std::uint8_t factor, Ended done) {
   const std::uint32_t token = ++last_token_;
   interrupts_.emplace(token, std::move(done));
-  engine_.controller().interrupt({kOrdersOwner, token, to, wire::Factor{factor}}, engine_.now());
+  engine_.controller().interrupt({kOwner, token, to, wire::Factor{factor}}, engine_.now());
   engine_.pump();
 }
 
@@ -20,7 +25,7 @@ void DaemonInterrupts::on_ended(const core::SendEnded& ended) {
 }
 
 void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout, ResetDone done) {
-  Reset& reset = resets_.emplace_back(io_, node, cpu_of_(node), engine_.now(), std::move(done));
+  Reset& reset = resets_.emplace_back(io_, node, cpus_.known(node), engine_.now(), std::move(done));
   reset.deadline.expires_after(timeout);
   reset.deadline.async_wait([this, which = &reset](const boost::system::error_code& error) {
     if (error) return;
@@ -29,14 +34,14 @@ void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono
   interrupt(node, factor, [this, which = &reset](const core::SendEnded& ended) {
     const auto place = place_of(which);
     if (place != resets_.end())
-      finish(place, place->order.interrupt_ended(ended, cpu_of_(place->node), engine_.now()));
+      finish(place, place->order.interrupt_ended(ended, cpus_.known(place->node), engine_.now()));
   });
 }
 
 void DaemonInterrupts::on_cpu_changed(wire::NodeId node) {
   for (auto it = resets_.begin(); it != resets_.end();) {
     const auto place = it++;
-    if (place->node == node) finish(place, place->order.cpu_changed(cpu_of_(node), engine_.now()));
+    if (place->node == node) finish(place, place->order.cpu_changed(cpus_.known(node), engine_.now()));
   }
 }
 

@@ -5,20 +5,21 @@
 #include <list>
 #include <map>
 
+#include "runtime/cpu_sightings.h"
 #include "runtime/engine.h"
 #include "watchdog/reset_order.h"
 
 namespace limb_ring::runtime {
 
-/// Interrupts that the daemon itself sends for its clients, and what has to come of them.
+/// Interrupts that the daemon itself sends, for its clients and for the watchdog, and the resets that wait for what
+/// such an interrupt does.
 class DaemonInterrupts {
  public:
   using Ended = std::function<void(const core::SendEnded&)>;
   using ResetDone = std::function<void(const watchdog::ResetReport&)>;
-  using CpuOf = std::function<watchdog::CpuKnown(wire::NodeId)>;
 
-  DaemonInterrupts(boost::asio::io_context& io, Engine& engine, CpuOf cpu_of)
-      : io_(io), engine_(engine), cpu_of_(std::move(cpu_of)) {}
+  DaemonInterrupts(boost::asio::io_context& io, Engine& engine, const CpuSightings& cpus)
+      : io_(io), engine_(engine), cpus_(cpus) {}
 
   void interrupt(wire::NodeId to, std::uint8_t factor, Ended done);
   /// Pulls the reset pin of `node` and waits until it is known what has come of it.
@@ -46,7 +47,7 @@ class DaemonInterrupts {
 
   boost::asio::io_context& io_;
   Engine& engine_;
-  CpuOf cpu_of_;
+  const CpuSightings& cpus_;
   std::uint32_t last_token_ = 0;
   std::map<std::uint32_t, Ended> interrupts_;
   std::list<Reset> resets_;

@@ -120,6 +120,7 @@ void Engine::round() {
   controller_.run(at_);
   core::Event event;
   while (controller_.take_event(at_, event)) {
+    note(event);
     listener_.on_event(event);
     again_ = true;
   }
@@ -128,6 +129,13 @@ void Engine::round() {
   if (!again_) write_lines();
   listener_.on_round_end();
   deadline_ = controller_.next_deadline(at_);
+}
+
+void Engine::note(const core::Event& event) {
+  const auto* change = std::get_if<core::StateChanged>(&event.what);
+  if (change == nullptr) return;
+  const bool broken = change->after == core::NodeState::open_chain || change->after == core::NodeState::folded;
+  if (broken) broken_since_ = at_;
 }
 
 void Engine::write_lines() {
@@ -142,7 +150,7 @@ void Engine::write(core::Line on) {
   controller_.set_output_ready(on, line(on).output().ready());
 }
 
-// A timer that fires too early costs less than setting it anew for every packet.
+// A timer that fires too early costs less than setting it again for every packet.
 void Engine::arm_timer() {
   if (deadline_ >= armed_for_) return;
   armed_for_ = deadline_;

@@ -50,6 +50,8 @@ class Engine final : private LineHandler, private core::NetworkController::Tap {
   const NodeLine& line(core::Line line) const { return line == core::Line::first ? first_ : *second_; }
   /// When the first line's input was last lost, or where it fell silent, when it was last heard.
   core::Time input_lost_at() const { return input_lost_at_; }
+  /// When this node came to know of a broken line.
+  core::Time broken_since() const { return broken_since_; }
   const Clock& clock() const { return clock_; }
   /// One instant for all that a batch, and what follows from it, sets off: that it came in at.
   core::Time now() const { return in_batch_ || pumping_ ? at_ : clock_.now(); }
@@ -80,6 +82,7 @@ class Engine final : private LineHandler, private core::NetworkController::Tap {
 
   void say(core::Line line, const std::string& what);
   void round();
+  void note(const core::Event& event);
   void write_lines();
   void write(core::Line line);
   void arm_timer();
@@ -93,6 +96,7 @@ class Engine final : private LineHandler, private core::NetworkController::Tap {
   core::Time at_{};
   LineTap* tap_ = nullptr;
   core::Time input_lost_at_{};
+  core::Time broken_since_{};
   core::Duration silence_;
   bool in_batch_ = false;
   bool pumping_ = false;

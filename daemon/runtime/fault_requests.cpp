@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "runtime/node.h"
 #include "runtime/request_fields.h"
+#include "setup/core_settings.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -29,51 +29,57 @@ Fault fault_in(const json& request, const fault::RingNodes& nodes) {
   return fault;
 }
 
-void require_own(const Fault& fault, Node& node) {
+/// The configured one behind this.
+const config::NodeConfig& next_of(const FaultTargets& to) {
+  return to.ring.nodes[(setup::index_of(to.ring, to.node) + 1) % to.ring.nodes.size()];
+}
+
+void require_own(const Fault& fault, const FaultTargets& to) {
   const auto& word = fault::word_of(fault.name);
-  if (fault.nodes != std::vector<wire::NodeId>{node.config().id})
-    throw RequestError("this is node " + node.config().name + "; a fault of a line is begun at the node where the "
+  if (fault.nodes != std::vector<wire::NodeId>{to.node.id})
+    throw RequestError("this is node " + to.node.name + "; a fault of a line is begun at the node where the "
                        "line begins, one of a node or CPU at that node");
   if (word.of == Of::node && fault.name != Name::power_cycle)
     throw RequestError(std::string(word.word) + " is not for the daemon itself: 'ringctl fault' does it from outside");
-  fault::check_second_line(fault, node.engine().has_second_line(), node.faults().nodes());
-  if (fault.name == Name::reorder && node.next().link.transport != config::LinkConfig::Transport::udp)
-    throw RequestError("reorder: the line from " + node.config().name + " to " + node.next().name +
+  fault::check_second_line(fault, to.engine.has_second_line(), to.faults.nodes());
+  const config::NodeConfig& next = next_of(to);
+  if (fault.name == Name::reorder && next.link.transport != config::LinkConfig::Transport::udp)
+    throw RequestError("reorder: the line from " + to.node.name + " to " + next.name +
                        " is a UNIX stream, which keeps order; it needs a UDP line (transport: udp)");
 }
 
 }  // namespace
 
-void begin_fault(Node& node, const json& request, const Requests::Answer& answer) {
-  const Fault fault = fault_in(request, node.faults().nodes());
-  require_own(fault, node);
-  const std::string words = fault::to_words(fault, node.faults().nodes());
+void begin_fault(const FaultTargets& to, const json& request, const Answer& answer) {
+  const Fault fault = fault_in(request, to.faults.nodes());
+  require_own(fault, to);
+  const std::string words = fault::to_words(fault, to.faults.nodes());
   spdlog::warn("fault on purpose: {}", words);
-  if (fault.name == Name::power_cycle) return node.power_cycle();
-  if (node.faults().full())
+  if (fault.name == Name::power_cycle) return to.power_cycle();
+  if (to.faults.full())
     throw RequestError("there are " + std::to_string(Faults::kMost) + " faults here; remove some first");
-  node.faults().begin(fault, [answer, words](Faults::Id id, const std::string& problem) {
+  to.faults.begin(fault, [answer, words](Faults::Id id, const std::string& problem) {
     if (!problem.empty()) return answer({{"error", words + ": " + problem}});
     answer({{"id", id}, {"fault", words}});
   });
 }
 
-void list_faults(Node& node, const json&, const Requests::Answer& answer) {
-  answer({{"faults", node.faults().list()}});
+void list_faults(const FaultTargets& to, const json&, const Answer& answer) {
+  answer({{"faults", to.faults.list()}});
 }
 
-void remove_fault(Node& node, const json& request, const Requests::Answer& answer) {
+void remove_fault(const FaultTargets& to, const json& request, const Answer& answer) {
   if (!request.contains("id")) throw RequestError("id is missing: of the fault, as 'faults' lists it");
   const auto id = static_cast<Faults::Id>(number_in(request, "id", 0, 1, UINT32_MAX));
   const auto done = [answer](const std::string& problem) {
     answer(problem.empty() ? json::object() : json{{"error", problem}});
   };
-  if (!node.faults().remove(id, done))
-    throw RequestError("node " + node.config().name + " has no fault " + std::to_string(id) + " (any more)");
+  if (!to.faults.remove(id, done))
+    throw RequestError("node " + to.node.name + " has no fault " + std::to_string(id) + " (any more)");
 }
 
-void clear_faults(Node& node, const json&, const Requests::Answer& answer) {
-  node.faults().clear([answer](const std::string& problem) {
+void clear_faults(const FaultTargets& to, const json&, const Answer& answer) {
+  to.faults.clear([answer](const std::string& problem) {
     answer(problem.empty() ? json::object() : json{{"error", problem}});
   });
 }

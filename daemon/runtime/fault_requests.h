@@ -1,16 +1,32 @@
 #pragma once
 
-#include "runtime/requests.h"
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "config/ring_config.h"
+#include "runtime/engine.h"
+#include "runtime/faults.h"
 
 namespace limb_ring::runtime {
+
+using Answer = std::function<void(const nlohmann::json&)>;
+
+/// What requests about faults are for.
+struct FaultTargets {
+  const config::RingConfig& ring;
+  const config::NodeConfig& node;
+  const Engine& engine;
+  Faults& faults;
+  std::function<void()> power_cycle;  ///< does not return
+};
 
 /// @name Requests about faults, as daemon/host/requests.md describes them
 /// @throw RequestError, fault::ParseError: their text is the answer
 ///@{
-void begin_fault(Node& node, const nlohmann::json& request, const Requests::Answer& answer);
-void list_faults(Node& node, const nlohmann::json& request, const Requests::Answer& answer);
-void remove_fault(Node& node, const nlohmann::json& request, const Requests::Answer& answer);
-void clear_faults(Node& node, const nlohmann::json& request, const Requests::Answer& answer);
+void begin_fault(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
+void list_faults(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
+void remove_fault(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
+void clear_faults(const FaultTargets& to, const nlohmann::json& request, const Answer& answer);
 ///@}
 
 }  // namespace limb_ring::runtime

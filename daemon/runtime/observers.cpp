@@ -1,10 +1,12 @@
 #include "runtime/observers.h"
 
 #include <chrono>
+#include <utility>
 
 namespace limb_ring::runtime {
 
 void Observers::set(host::ClientId client, const std::set<std::string>& kinds) {
+  told_ = {};
   if (kinds.empty()) return remove(client);
   wanted_[client] = kinds;
 }
@@ -18,6 +20,18 @@ void Observers::tell(const std::string& kind, nlohmann::json what) {
   const std::string line = what.dump();
   for (const auto& [client, kinds] : wanted_)
     if (kinds.count(kind) != 0) host_.observed(client, line);
+}
+
+void Observers::tell_changes(const Engine& engine) {
+  if (!any()) return;
+  Figures now;
+  now.ring_size = engine.controller().membership().ring_size();
+  now.crc_errors = engine.controller().counters().crc_errors;
+  now.line_corrupted = engine.line(core::Line::first).faulty_line().counters().line_corrupted;
+  const Figures before = std::exchange(told_, now);
+  if (now.ring_size != before.ring_size) tell("ring", {{"ring_size", now.ring_size}});
+  if (now.crc_errors != before.crc_errors || now.line_corrupted != before.line_corrupted)
+    tell("noise", {{"crc_errors", now.crc_errors}, {"line_corrupted", now.line_corrupted}});
 }
 
 }  // namespace limb_ring::runtime

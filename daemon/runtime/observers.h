@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/host_server.h"
+#include "runtime/engine.h"
 
 namespace limb_ring::runtime {
 
@@ -20,10 +21,20 @@ class Observers {
   bool any() const { return !wanted_.empty(); }
   /// `what` gets "kind" and "time_ns" (CLOCK_REALTIME) added.
   void tell(const std::string& kind, nlohmann::json what);
+  /// Tells of figures that change without an event of their own, where they have changed since the last call.
+  void tell_changes(const Engine& engine);
 
  private:
+  /// What the observers were last told; all 0 again for a new one.
+  struct Figures {
+    unsigned ring_size = 0;
+    std::uint64_t crc_errors = 0;
+    std::uint64_t line_corrupted = 0;
+  };
+
   host::HostServer& host_;
   std::map<host::ClientId, std::set<std::string>> wanted_;
+  Figures told_;
 };
 
 }  // namespace limb_ring::runtime

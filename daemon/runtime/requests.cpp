@@ -6,10 +6,7 @@
 #include <map>
 
 #include "limb_ring/host_port.h"
-#include "runtime/fault_requests.h"
-#include "runtime/node.h"
 #include "runtime/request_fields.h"
-#include "runtime/status.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -25,20 +22,11 @@ std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std:
   throw RequestError("node " + node.name + " has no pin wired to " + name);
 }
 
-nlohmann::json end_of(const Node& node, const core::SendEnded& ended) {
-  const SendReason reason = node.why(ended);
-  return {{"outcome", to_string(static_cast<Outcome>(ended.outcome))},
-          {"reason", reason.text},
-          {"reason_code", to_string(reason.reason)},
-          {"round_trip_us", microseconds(ended.round_trip)},
-          {"tries", ended.tries}};
-}
-
 }  // namespace
 
 void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer) {
   using Handler = void (Requests::*)(const Json&, const Answer&);
-  using FaultHandler = void (*)(Node&, const Json&, const Answer&);
+  using FaultHandler = void (*)(const FaultTargets&, const Json&, const Answer&);
   static const std::map<std::string, Handler> handlers{
       {"config", &Requests::config}, {"latch", &Requests::latch},   {"ping", &Requests::ping},
       {"reset", &Requests::reset},   {"shutdown", &Requests::shutdown}, {"status", &Requests::status},
@@ -50,7 +38,7 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
     const Json request = object_in(text, kRule);
     if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRule);
     const auto fault_handler = fault_handlers.find(request["do"].get<std::string>());
-    if (fault_handler != fault_handlers.end()) return fault_handler->second(node_, request, answer);
+    if (fault_handler != fault_handlers.end()) return fault_handler->second(to_.faults, request, answer);
     if (request["do"] == "stop_latched" && of_cpu) return stop_latched(request, answer);
     const auto handler = handlers.find(request["do"].get<std::string>());
     if (handler == handlers.end())
@@ -65,16 +53,16 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
 
 void Requests::config(const Json&, const Answer& answer) {
   Json nodes = Json::array();
-  for (const auto& node : node_.ring().nodes) nodes.push_back({{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}});
-  answer({{"ring", node_.ring().ring}, {"path", node_.ring().path}, {"nodes", nodes},
-          {"folds_back", node_.ring().redundancy == config::RingConfig::Redundancy::foldback},
-          {"beacon_ms", node_.ring().timeouts.beacon.count()},
-          {"supervisor", config::supervisor_of(node_.ring()).id}});
+  for (const auto& node : to_.ring.nodes) nodes.push_back({{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}});
+  answer({{"ring", to_.ring.ring}, {"path", to_.ring.path}, {"nodes", nodes},
+          {"folds_back", to_.ring.redundancy == config::RingConfig::Redundancy::foldback},
+          {"beacon_ms", to_.ring.timeouts.beacon.count()},
+          {"supervisor", config::supervisor_of(to_.ring).id}});
 }
 
 void Requests::status(const Json&, const Answer& answer) {
-  Json row = status_row(node_);
-  row["ring"] = node_.ring().ring;
+  Json row = status_row(to_.status);
+  row["ring"] = to_.ring.ring;
   answer(row);
 }
 
@@ -82,36 +70,36 @@ void Requests::status(const Json&, const Answer& answer) {
 void Requests::stop_latched(const Json& request, const Answer& answer) {
   if (!request.contains("latched") || !request["latched"].is_boolean())
     throw RequestError("'latched' is missing or no truth value; allowed: true, false");
-  node_.cpu().stop_latched(request["latched"].get<bool>());
+  to_.cpu.stop_latched(request["latched"].get<bool>());
   answer(Json::object());
 }
 
 void Requests::latch(const Json&, const Answer& answer) {
-  const ClockLatch& latch = node_.pins().last_latch();
+  const ClockLatch& latch = to_.pins.last_latch();
   answer({{"latched", latch.count != 0}, {"source", latch.source}, {"count", latch.count},
           {"clock_ns", latch.clock_ns}});
 }
 
 void Requests::ping(const Json& request, const Answer& answer) {
-  TrafficRequest order;
-  order.to = node_in(node_.ring(), request, "to").id;
-  order.duration = std::chrono::milliseconds(number_in(request, "duration_ms", 0, 0, 600'000));
-  const std::uint64_t count = order.duration.count() == 0 ? 10 : Traffic::kMostPackets;
-  order.count = number_in(request, "count", count, 1, Traffic::kMostPackets);
-  order.size = number_in(request, "size", 512, 1, wire::kMaxPayload);
-  order.priority = static_cast<std::uint8_t>(number_in(request, "priority", 2, 0, 3));
-  order.interval = std::chrono::microseconds(number_in(request, "interval_us", 0, 0, 10'000'000));
-  order.deadline = std::chrono::milliseconds(number_in(request, "deadline_ms", 60'000, 1, 3'600'000));
-  if (!node_.traffic().start(order, answer))
+  TrafficRequest traffic;
+  traffic.to = node_in(to_.ring, request, "to").id;
+  traffic.duration = std::chrono::milliseconds(number_in(request, "duration_ms", 0, 0, 600'000));
+  const std::uint64_t count = traffic.duration.count() == 0 ? 10 : Traffic::kMostPackets;
+  traffic.count = number_in(request, "count", count, 1, Traffic::kMostPackets);
+  traffic.size = number_in(request, "size", 512, 1, wire::kMaxPayload);
+  traffic.priority = static_cast<std::uint8_t>(number_in(request, "priority", 2, 0, 3));
+  traffic.interval = std::chrono::microseconds(number_in(request, "interval_us", 0, 0, 10'000'000));
+  traffic.deadline = std::chrono::milliseconds(number_in(request, "deadline_ms", 60'000, 1, 3'600'000));
+  if (!to_.traffic.start(traffic, answer))
     throw RequestError("this node makes traffic for " + std::to_string(Traffic::kMostRuns) + " others already");
 }
 
 void Requests::reset(const Json& request, const Answer& answer) {
-  const auto& target = node_in(node_.ring(), request, "node");
+  const auto& target = node_in(to_.ring, request, "node");
   const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
   const std::uint8_t factor = factor_of(target, Action::reset, "reset");
-  node_.interrupts().reset(target.id, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
-    const SendReason reason = node_.why(report.ended);
+  to_.interrupts.reset(target.id, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
+    const SendReason reason = to_.reasons.of(report.ended);
     const bool explained = report.ended.outcome != core::Outcome::delivered && !report.success();
     answer({{"success", report.success()},
             {"effect", to_string(report.effect)},
@@ -127,21 +115,21 @@ void Requests::reset(const Json& request, const Answer& answer) {
 
 // A broadcast is not received by its source (paper), but "stop all" means this CPU too.
 void Requests::stop(const Json& request, const Answer& answer) {
-  const std::uint8_t to = nodes_in(node_.ring(), request, "node");
-  const config::NodeConfig& target = to == wire::kBroadcast ? node_.config() : *node_.ring().find(to);
+  const std::uint8_t to = nodes_in(to_.ring, request, "node");
+  const config::NodeConfig& target = to == wire::kBroadcast ? to_.node : *to_.ring.find(to);
   const std::uint8_t factor = factor_of(target, Action::stop, "stop");
-  if (to == wire::kBroadcast) node_.pins().pull(factor, node_.config().id, 0);
-  node_.interrupts().interrupt(to, factor, [this, answer](const core::SendEnded& ended) { answer(end_of(node_, ended)); });
+  if (to == wire::kBroadcast) to_.pins.pull(factor, to_.node.id, 0);
+  to_.interrupts.interrupt(to, factor, [this, answer](const core::SendEnded& ended) { answer(end_of(ended)); });
 }
 
 void Requests::sync(const Json&, const Answer& answer) {
-  const std::uint8_t factor = factor_of(node_.config(), Action::sync, "sync");
+  const std::uint8_t factor = factor_of(to_.node, Action::sync, "sync");
   const auto clock =
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch());
-  node_.pins().latch(node_.config().id, clock.count());
-  node_.interrupts().interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
-    Json json = end_of(node_, ended);
-    json["ring_size"] = node_.engine().controller().membership().ring_size();
+  to_.pins.latch(to_.node.id, clock.count());
+  to_.interrupts.interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
+    Json json = end_of(ended);
+    json["ring_size"] = to_.engine.controller().membership().ring_size();
     json["clock_ns"] = clock.count();
     answer(json);
   });
@@ -151,6 +139,15 @@ void Requests::sync(const Json&, const Answer& answer) {
 void Requests::shutdown(const Json&, const Answer& answer) {
   answer(Json::object());
   ::kill(::getpid(), SIGTERM);
+}
+
+nlohmann::json Requests::end_of(const core::SendEnded& ended) const {
+  const SendReason reason = to_.reasons.of(ended);
+  return {{"outcome", to_string(public_outcome(ended.outcome))},
+          {"reason", reason.text},
+          {"reason_code", to_string(reason.reason)},
+          {"round_trip_us", microseconds(ended.round_trip)},
+          {"tries", ended.tries}};
 }
 
 }  // namespace limb_ring::runtime

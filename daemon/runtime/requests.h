@@ -5,16 +5,34 @@
 #include <string>
 
 #include "config/ring_config.h"
+#include "runtime/cpu_socket.h"
+#include "runtime/daemon_interrupts.h"
+#include "runtime/engine.h"
+#include "runtime/fault_requests.h"
+#include "runtime/pin_board.h"
+#include "runtime/send_reason.h"
+#include "runtime/status.h"
+#include "runtime/traffic.h"
 
 namespace limb_ring::runtime {
-
-class Node;
 
 /// Answers what a client asks the daemon (daemon/host/requests.md).
 class Requests {
  public:
-  using Answer = std::function<void(const nlohmann::json&)>;
-  explicit Requests(Node& node) : node_(node) {}
+  /// What requests are for. All must outlive this.
+  struct Targets {
+    const config::RingConfig& ring;
+    const config::NodeConfig& node;
+    const Engine& engine;
+    CpuSocket& cpu;
+    PinBoard& pins;
+    Traffic& traffic;
+    DaemonInterrupts& interrupts;
+    const SendReasons& reasons;
+    FaultTargets faults;
+    StatusSources status;
+  };
+  explicit Requests(Targets targets) : to_(std::move(targets)) {}
 
   /// `answer` is called exactly once, now or later; with {"error": ...} where it cannot be done.
   /// @param of_cpu asked by the CPU itself
@@ -32,7 +50,9 @@ class Requests {
   void stop(const Json& request, const Answer& answer);
   void sync(const Json& request, const Answer& answer);
 
-  Node& node_;
+  Json end_of(const core::SendEnded& ended) const;
+
+  Targets to_;
 };
 
 }  // namespace limb_ring::runtime

@@ -5,11 +5,11 @@
 namespace limb_ring::runtime {
 
 RingSupervisor::RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock,
-                               DaemonInterrupts& interrupts, Watchdog::SightingOf sighting_of, Found found)
+                               DaemonInterrupts& interrupts, const CpuSightings& cpus, Found found)
     : ring_(ring),
       clock_(clock),
       interrupts_(interrupts),
-      sighting_of_(std::move(sighting_of)),
+      cpus_(cpus),
       found_(std::move(found)),
       watchdog_(ring.supervisor, watchdog::kMissedBeacons * ring.timeouts.beacon, watchdog::watched_in(ring)),
       timer_(io) {}
@@ -18,21 +18,21 @@ void RingSupervisor::start() {
   const auto watched = watchdog_.watched().size();
   if (watched == 0 || watchdog_.policy() == Watchdog::Policy::off) return;
   spdlog::info("supervisor of {} CPUs, policy {}", watched, watchdog::to_string(watchdog_.policy()));
-  look_later();
+  poll_later();
 }
 
 // By the clock and not by the beacons themselves: whoever slept reads them all before it judges.
-void RingSupervisor::look_later() {
+void RingSupervisor::poll_later() {
   timer_.expires_after(ring_.timeouts.beacon);
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
-    look();
-    look_later();
+    poll();
+    poll_later();
   });
 }
 
-void RingSupervisor::look() {
-  const Watchdog::Round round = watchdog_.look(sighting_of_, clock_.now());
+void RingSupervisor::poll() {
+  const Watchdog::Round round = watchdog_.look([this](wire::NodeId node) { return cpus_.of(node); }, clock_.now());
   for (const Watchdog::Finding& finding : round.findings) tell(finding);
   for (const wire::NodeId node : round.resets) reset(node);
 }

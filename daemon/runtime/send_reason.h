@@ -5,7 +5,9 @@
 #include "config/ring_config.h"
 #include "core/events.h"
 #include "core/membership/membership.h"
-#include "limb_ring/reason.h"
+#include "limb_ring/host_port.h"
+#include "runtime/cpu_socket.h"
+#include "runtime/engine.h"
 
 namespace limb_ring::runtime {
 
@@ -14,10 +16,33 @@ struct SendReason {
   std::string text;  ///< for people; says "probably" where it is an inference
 };
 
-/// Why a send of `own` ended as it did. Of a refusal the ring brings home no more than that it was one: of a pin the
-/// ring's file tells, of a packet the last beacon of the destination. (ours)
-/// @param own_cpu the state of the own CPU, for what was sent to itself
-SendReason reason_of(const core::SendEnded& ended, const config::RingConfig& ring, const config::NodeConfig& own,
-                     wire::CpuState own_cpu, const core::Membership& membership);
+/// Why sends of this node ended as they did. Of a refusal the ring brings home no more than that it was one: of a pin
+/// the ring's file tells, of a packet the last beacon of the destination, of the own CPU its state. (ours)
+class SendReasons {
+ public:
+  /// All must outlive this.
+  SendReasons(const config::RingConfig& ring, const config::NodeConfig& self, const CpuSocket& cpu,
+              const Engine& engine)
+      : ring_(ring), self_(self), cpu_(cpu), engine_(engine) {}
+
+  SendReason of(const core::SendEnded& ended) const;
+
+ private:
+  SendReason refused_data(const core::SendEnded& ended) const;
+  SendReason refused_by_some() const;
+  SendReason refused_interrupt(const core::SendEnded& ended) const;
+  SendReason unconfirmed(const core::SendEnded& ended) const;
+  SendReason rejected(const core::SendEnded& ended) const;
+  std::string name_of(wire::NodeId id) const;
+  const core::Membership& membership() const { return engine_.controller().membership(); }
+
+  const config::RingConfig& ring_;
+  const config::NodeConfig& self_;
+  const CpuSocket& cpu_;
+  const Engine& engine_;
+};
+
+/// The client library's word for the core's.
+limb_ring::Outcome public_outcome(core::Outcome outcome);
 
 }  // namespace limb_ring::runtime

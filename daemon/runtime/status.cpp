@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include "runtime/node.h"
 #include "process/process_state.h"
 
 namespace limb_ring::runtime {
@@ -17,7 +16,7 @@ json stop_json(const CpuSocket::Stop& stop, core::Time now) {
           {"pulled_ms", stop.pulled_at ? json(duration_cast<milliseconds>(now - *stop.pulled_at).count()) : json()}};
 }
 
-json cpu_json(CpuSocket& cpu, core::Time now) {
+json cpu_json(const CpuSocket& cpu, core::Time now) {
   const CpuStatus s = cpu.status();
   return {{"kind", to_string(s.kind)},
           {"pid", s.pid > 0 ? json(s.pid) : json()},
@@ -53,19 +52,19 @@ void add_second_line(const NodeLine& second, json& all) {
   });
 }
 
-json counters_json(Node& node) {
+json counters_json(const StatusSources& from) {
   json all = json::object();
-  node.engine().controller().counters().each(
+  from.engine.controller().counters().each(
       [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
-  const NodeLine& first = node.engine().line(core::Line::first);
+  const NodeLine& first = from.engine.line(core::Line::first);
   link::for_each_counter(first.input().counters(),
                          [&](const char* name, std::uint64_t value) { all[std::string("input_") + name] = value; });
   link::for_each_counter(first.output().counters(),
                          [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
   first.faulty_line().counters().each(
       [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
-  if (node.engine().has_second_line()) add_second_line(node.engine().line(core::Line::second), all);
-  const host::HostCounters& h = node.host().counters();
+  if (from.engine.has_second_line()) add_second_line(from.engine.line(core::Line::second), all);
+  const host::HostCounters& h = from.host.counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full;
   all["host_garbage"] = h.garbage + h.never_greeted;
   all["host_slow_clients"] = h.slow_clients;
@@ -76,18 +75,18 @@ json counters_json(Node& node) {
 }
 
 /// The node behind a break knows when its input fell silent; the others, when they were told.
-json broken_line_json(Node& node) {
-  const auto line = node.engine().controller().membership().broken_line();
+json broken_line_json(const StatusSources& from) {
+  const auto line = from.engine.controller().membership().broken_line();
   if (!line) return {};
-  const Engine& engine = node.engine();
-  const bool behind = line->behind == node.config().id;
-  const core::Time since = behind ? engine.input_lost_at() : node.broken_since();
+  const Engine& engine = from.engine;
+  const bool behind = line->behind == from.node.id;
+  const core::Time since = behind ? engine.input_lost_at() : engine.broken_since();
   json broken{{"before", line->before},
               {"behind", line->behind},
               {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
   // A node that was folded already, around another break, does not change its state for this one.
-  if (behind && node.broken_since() >= since)
-    broken["announced_ms"] = std::chrono::duration<double, std::milli>(node.broken_since() - since).count();
+  if (behind && engine.broken_since() >= since)
+    broken["announced_ms"] = std::chrono::duration<double, std::milli>(engine.broken_since() - since).count();
   return broken;
 }
 
@@ -99,13 +98,13 @@ json fold_json(const Engine& engine) {
           {"second_output", second.output().up() ? "up" : "down"}};
 }
 
-json heard_json(Node& node) {
+json heard_json(const StatusSources& from) {
   json heard = json::array();
-  const core::Peers& peers = node.engine().controller().membership().peers();
-  for (const auto& config : node.ring().nodes) {
+  const core::Peers& peers = from.engine.controller().membership().peers();
+  for (const auto& config : from.ring.nodes) {
     const core::Peer& peer = peers[config.id];
     if (!peer.known) continue;
-    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(node.engine().now() - peer.heard_at);
+    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.engine.now() - peer.heard_at);
     heard.push_back({{"id", config.id},
                      {"name", config.name},
                      {"boot", peer.boot},
@@ -119,13 +118,13 @@ json heard_json(Node& node) {
   return heard;
 }
 
-json supervisor_json(Node& node) {
-  const Watchdog& watcher = node.supervisor()->watchdog();
+json supervisor_json(const StatusSources& from) {
+  const Watchdog& watcher = from.supervisor->watchdog();
   json watched = json::array();
   for (const WatchedCpu& cpu : watcher.watched()) {
-    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(node.engine().now() - cpu.since);
+    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.engine.now() - cpu.since);
     watched.push_back({{"id", cpu.node},
-                       {"name", node.ring().find(cpu.node)->name},
+                       {"name", from.ring.find(cpu.node)->name},
                        {"verdict", to_string(cpu.verdict)},
                        {"for_ms", age.count()},
                        {"hangs", cpu.hangs},
@@ -141,16 +140,16 @@ json supervisor_json(Node& node) {
 
 }  // namespace
 
-json status_row(Node& node) {
-  const Engine& engine = node.engine();
+json status_row(const StatusSources& from) {
+  const Engine& engine = from.engine;
   const core::Membership& membership = engine.controller().membership();
   const auto& input = engine.line(core::Line::first).input();
   const auto& output = engine.line(core::Line::first).output();
-  json row{{"id", node.config().id},
-           {"name", node.config().name},
+  json row{{"id", from.node.id},
+           {"name", from.node.name},
            {"state", to_string(membership.state())},
            {"pid", ::getpid()},
-           {"cpu", cpu_json(node.cpu(), engine.now())},
+           {"cpu", cpu_json(from.cpu, engine.now())},
            {"ring_size", membership.ring_size()},
            {"boot", membership.boot()},
            {"uptime_s", std::chrono::duration<double>(engine.clock().uptime()).count()},
@@ -159,15 +158,15 @@ json status_row(Node& node) {
             {{"state", output.up() ? "up" : "down"},
              {"to", output.up() ? json(output.to()) : json()},
              {"rate_bit_s", rate_json(engine.controller().settings())}}},
-           {"round_trip_us", to_json(node.round_trips().get())},
+           {"round_trip_us", to_json(from.round_trips.get())},
            {"received", engine.controller().counters().received_data},
            {"waiting", engine.controller().received_waiting()},
-           {"broken_line", broken_line_json(node)},
-           {"faults", node.faults().list()},
-           {"counters", counters_json(node)},
-           {"heard", heard_json(node)}};
+           {"broken_line", broken_line_json(from)},
+           {"faults", from.faults.list()},
+           {"counters", counters_json(from)},
+           {"heard", heard_json(from)}};
   if (engine.has_second_line()) row["fold"] = fold_json(engine);
-  if (node.supervisor()) row["supervisor"] = supervisor_json(node);
+  if (from.supervisor) row["supervisor"] = supervisor_json(from);
   return row;
 }
 

@@ -1,12 +1,31 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
+
+#include "config/ring_config.h"
+#include "host/host_server.h"
+#include "runtime/cpu_socket.h"
+#include "runtime/engine.h"
+#include "runtime/faults.h"
+#include "runtime/ring_supervisor.h"
+#include "runtime/round_trips.h"
 
 namespace limb_ring::runtime {
 
-class Node;
+/// Whose state a status row shows.
+struct StatusSources {
+  const config::RingConfig& ring;
+  const config::NodeConfig& node;
+  const Engine& engine;
+  const CpuSocket& cpu;
+  const host::HostServer& host;
+  Faults& faults;
+  const RoundTrips& round_trips;
+  const std::optional<RingSupervisor>& supervisor;  ///< none where another node is the ring's supervisor
+};
 
 /// A node's row of `ringctl status --json`, as daemon/host/requests.md describes it.
-nlohmann::json status_row(Node& node);
+nlohmann::json status_row(const StatusSources& from);
 
 }  // namespace limb_ring::runtime

@@ -1,18 +1,23 @@
 #include "runtime/traffic.h"
 
 #include "limb_ring/host_port.h"
-#include "runtime/owners.h"
+#include "runtime/send_owner.h"
 #include "runtime/round_trips.h"
 
 namespace limb_ring::runtime {
+namespace {
 
-bool Traffic::start(const TrafficRequest& order, Done done) {
+constexpr core::Owner kOwner = SendOwner::of(SendOwner::Kind::traffic).to_core();
+
+}  // namespace
+
+bool Traffic::start(const TrafficRequest& request, Done done) {
   if (runs_.size() >= kMostRuns) return false;
   const std::uint32_t id = ++last_id_;
-  auto& run = *runs_.emplace(id, std::make_unique<Run>(io_, order, std::move(done))).first->second;
+  auto& run = *runs_.emplace(id, std::make_unique<Run>(io_, request, std::move(done))).first->second;
   run.begun = run.last_end = engine_.now();
-  run.round_trips.reserve(order.count);
-  run.deadline.expires_after(order.deadline);
+  run.round_trips.reserve(request.count);
+  run.deadline.expires_after(request.deadline);
   run.deadline.async_wait([this, id](const boost::system::error_code& error) {
     const auto it = runs_.find(id);
     if (error || it == runs_.end()) return;
@@ -29,16 +34,16 @@ void Traffic::send(std::uint32_t id, Run& run) {
   ++run.sent;
   run.out = true;
   core::SendRequest request;
-  request.owner = kTrafficOwner;
+  request.owner = kOwner;
   request.token = id;
-  request.destination = run.order.to;
-  request.priority = wire::Priority{run.order.priority};
-  request.data = {run.data.data(), run.order.size};
+  request.destination = run.request.to;
+  request.priority = wire::Priority{run.request.priority};
+  request.data = {run.data.data(), run.request.size};
   engine_.controller().send(request, engine_.now());
 }
 
 void Traffic::send_later(std::uint32_t id, Run& run) {
-  run.next.expires_after(run.order.interval);
+  run.next.expires_after(run.request.interval);
   run.next.async_wait([this, id](const boost::system::error_code& error) {
     const auto it = runs_.find(id);
     if (error || it == runs_.end()) return;
@@ -57,16 +62,16 @@ void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) 
   if (ended.outcome == core::Outcome::delivered) run.round_trips.push_back(ended.round_trip);
   else ++run.reasons[reason];
   if (complete(run)) return finish(ended.token);
-  // Rejected comes back at once: going on at once would never let the loop breathe.
-  if (run.order.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
+  // A rejection comes at once: sending again at once would keep the event loop from all else.
+  if (run.request.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
     send_later(ended.token, run);
   else
     send(ended.token, run);
 }
 
 bool Traffic::complete(const Run& run) {
-  if (run.sent >= run.order.count) return true;
-  return run.order.duration.count() > 0 && run.last_end - run.begun >= run.order.duration;
+  if (run.sent >= run.request.count) return true;
+  return run.request.duration.count() > 0 && run.last_end - run.begun >= run.request.duration;
 }
 
 nlohmann::json Traffic::report(Run& run) {

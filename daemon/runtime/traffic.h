@@ -36,16 +36,16 @@ class Traffic {
 
   /// `done` gets {"sent","delivered","lost","other","reasons","round_trip_us","seconds",...} once.
   /// @return false where too many runs are under way
-  bool start(const TrafficRequest& order, Done done);
+  bool start(const TrafficRequest& request, Done done);
   /// @param reason why it was not delivered, for people
   void on_ended(const core::SendEnded& ended, const std::string& reason);
   void stop() { runs_.clear(); }
 
  private:
   struct Run {
-    Run(boost::asio::io_context& io, TrafficRequest o, Done d)
-        : order(o), done(std::move(d)), next(io), deadline(io) {}
-    TrafficRequest order;
+    Run(boost::asio::io_context& io, TrafficRequest r, Done d)
+        : request(std::move(r)), done(std::move(d)), next(io), deadline(io) {}
+    TrafficRequest request;
     Done done;
     boost::asio::steady_timer next;
     boost::asio::steady_timer deadline;

@@ -33,25 +33,23 @@ struct FakeHandler : host::HostHandler {
     return objection;
   }
   void on_detach(const host::ClientInfo& client) override { detached.push_back(client); }
-  void on_send(host::ClientId client, std::uint32_t token, std::uint8_t destination,
-               std::uint8_t priority, std::uint8_t channel, wire::ByteView data) override {
-    sends.push_back({client, token, destination, priority, channel, 0, false,
-                     std::string(data.begin(), data.end())});
+  void on_send(host::ClientId client, const client::SendRequest& request) override {
+    sends.push_back({client, request.token, request.destination, request.priority, request.channel, 0, false,
+                     std::string(request.data.begin(), request.data.end())});
     if (when_sent) when_sent(sends.back());
   }
-  void on_interrupt(host::ClientId client, std::uint32_t token, std::uint8_t destination,
-                    std::uint8_t factor, bool force) override {
-    interrupts.push_back({client, token, destination, 0, 0, factor, force, ""});
+  void on_interrupt(host::ClientId client, const client::InterruptRequest& request) override {
+    interrupts.push_back({client, request.token, request.destination, 0, 0, request.factor, request.force, ""});
   }
-  void on_pull(host::ClientId client, std::uint32_t token, std::uint8_t input) override {
-    pulls.push_back({client, token, 0, 0, 0, input, false, ""});
+  void on_pull(host::ClientId client, const client::PullRequest& request) override {
+    pulls.push_back({client, request.token, 0, 0, 0, request.input, false, ""});
   }
-  void on_request(host::ClientId client, std::uint32_t token, const std::string& json) override {
-    requests.push_back({client, token, 0, 0, 0, 0, false, json});
+  void on_request(host::ClientId client, const client::JsonRequest& request) override {
+    requests.push_back({client, request.token, 0, 0, 0, 0, false, std::string(request.json)});
     if (when_asked) when_asked(requests.back());
   }
-  void on_observe(host::ClientId client, const std::string& json) override {
-    observers.push_back({client, 0, 0, 0, 0, 0, false, json});
+  void on_observe(host::ClientId client, const client::ObserveRequest& request) override {
+    observers.push_back({client, 0, 0, 0, 0, 0, false, std::string(request.json)});
   }
   void on_alive(host::ClientId) override { ++alive; }
   void on_credit(host::ClientId) override {

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "config/ring_config.h"
+#include "host/host_server.h"
+#include "runtime/cpu_socket.h"
+#include "runtime/observers.h"
+#include "runtime/packet_observers.h"
+#include "runtime/requests.h"
+
+namespace limb_ring::runtime {
+
+/// What the clients of the host port call for: sends go to the network controller, requests to Requests, what
+/// concerns the CPU to its socket.
+class ClientCalls final : public host::HostHandler {
+ public:
+  /// All must outlive this; they may be built after it.
+  struct Receivers {
+    const config::RingConfig& ring;
+    Engine& engine;
+    host::HostServer& host;
+    CpuSocket& cpu;
+    Requests& requests;
+    Observers& observers;
+    PacketObservers& packet_observers;
+  };
+  explicit ClientCalls(const Receivers& receivers) : to_(receivers) {}
+
+  std::optional<std::string> on_attach(const host::ClientInfo& client) override;
+  void on_detach(const host::ClientInfo& client) override;
+  void on_send(host::ClientId client, const client::SendRequest& request) override;
+  void on_interrupt(host::ClientId client, const client::InterruptRequest& request) override;
+  void on_pull(host::ClientId client, const client::PullRequest& request) override;
+  void on_request(host::ClientId client, const client::JsonRequest& request) override;
+  void on_observe(host::ClientId client, const client::ObserveRequest& request) override;
+  void on_alive(host::ClientId client) override;
+  void on_credit(host::ClientId client) override;
+
+ private:
+  bool is_cpu(host::ClientId client) const { return to_.host.cpu() != nullptr && to_.host.cpu()->id == client; }
+
+  Receivers to_;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "runtime/cpu_socket.h"
+#include "runtime/engine.h"
+#include "watchdog/reset_order.h"
+#include "watchdog/watchdog.h"
+
+namespace limb_ring::runtime {
+
+/// What this node knows of the CPUs of the ring: of its own by itself, of the others by their beacons.
+class CpuSightings {
+ public:
+  /// All must outlive this.
+  CpuSightings(const config::RingConfig& ring, const config::NodeConfig& self, const Engine& engine,
+               const CpuSocket& own)
+      : ring_(ring), self_(self), engine_(engine), own_(own) {}
+
+  /// For the watchdog.
+  watchdog::CpuSighting of(wire::NodeId node) const;
+  /// For a reset.
+  watchdog::CpuKnown known(wire::NodeId node) const;
+
+ private:
+  const config::RingConfig& ring_;
+  const config::NodeConfig& self_;
+  const Engine& engine_;
+  const CpuSocket& own_;
+};
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,59 @@
+#pragma once
+
+#include "host/host_server.h"
+#include "runtime/cpu_socket.h"
+#include "runtime/daemon_interrupts.h"
+#include "runtime/engine.h"
+#include "runtime/faults.h"
+#include "runtime/node_folder.h"
+#include "runtime/observers.h"
+#include "runtime/pin_board.h"
+#include "runtime/round_trips.h"
+#include "runtime/send_reason.h"
+#include "runtime/traffic.h"
+#include "watchdog/watchdog.h"
+
+namespace limb_ring::runtime {
+
+/// The one place that knows where events of a node go: what comes out of its network controller, what becomes of its
+/// CPU, and what its watchdog finds.
+class EventRouter final : public EngineListener {
+ public:
+  /// All must outlive the router; they may be built after it.
+  struct Receivers {
+    const config::NodeConfig& node;
+    const SendReasons& reasons;
+    Engine& engine;
+    host::HostServer& host;
+    NodeFolder& folder;
+    CpuSocket& cpu;
+    PinBoard& pins;
+    Traffic& traffic;
+    DaemonInterrupts& interrupts;
+    Faults& faults;
+    RoundTrips& round_trips;
+    Observers& observers;
+  };
+  explicit EventRouter(const Receivers& receivers) : to_(receivers) {}
+
+  void on_event(const core::Event& event) override;
+  void on_round_end() override;
+  void on_link(std::string_view what) override;
+
+  /// Something that status shows of the own CPU has changed.
+  void on_cpu_changed();
+  void on_finding(const watchdog::Watchdog::Finding& finding);
+
+ private:
+  void handle(const core::SendEnded& ended);
+  void handle(const core::PinPulled& pin);
+  void handle(const core::StateChanged& change);
+  void handle(const core::PeerChanged& peer) { to_.interrupts.on_cpu_changed(peer.node); }
+  void handle(const core::BeaconHome& beacon) { to_.round_trips.add(beacon.round_trip); }
+  void tell_client(host::ClientId client, const core::SendEnded& ended);
+
+  Receivers to_;
+  std::uint32_t cpu_boots_ = 0;
+};
+
+}  // namespace limb_ring::runtime

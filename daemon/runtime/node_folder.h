@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "config/ring_config.h"
+#include "host/node_lock.h"
+#include "runtime/boot_record.h"
+
+namespace limb_ring::runtime {
+
+/// The files of one node in its ring's runtime folder, but for its sockets: the lock, which keeps other daemons off,
+/// and the boot record.
+class NodeFolder {
+ public:
+  /// @throw host::NodeHeld where another daemon holds the node, std::exception where it cannot be made
+  NodeFolder(const config::RingConfig& ring, const config::NodeConfig& node);
+
+  const std::string& path() const { return path_; }
+  bool is_in_place() const { return lock_ && lock_->is_in_place(); }
+  /// After the folder was removed. @throw as the constructor
+  void make_again();
+
+  /// Of this process.
+  std::uint64_t first_boot() const;
+  void note_boot(std::uint64_t boot) { boots_->note(boot); }
+
+ private:
+  const config::RingConfig& ring_;
+  const config::NodeConfig& node_;
+  std::string path_;
+  std::optional<host::NodeLock> lock_;  ///< none where it could not be had again
+  std::optional<BootRecord> boots_;
+};
+
+}  // namespace limb_ring::runtime
