@@ -98,7 +98,9 @@ struct Timeouts {
   milliseconds stall{50};            ///< a packet in flight without a slice for so long is aborted
   milliseconds idle{10};             ///< a quiet link sends idle so often
   milliseconds silence{50};          ///< a link silent for so long counts as broken
-  milliseconds bypass{200};          ///< at start: wait so long for a configured neighbour
+  milliseconds first_successor{200}; ///< at start: only the configured successor is asked for so long
+  milliseconds break_grace{200};     ///< an input lost for so long: a broken line
+  milliseconds fold_permission{200}; ///< so long after its start a node may fold, whatever it has heard
   milliseconds beacon{100};
   milliseconds cpu_boot{5000};       ///< a child that has not connected by then counts as failed
   milliseconds command{200};         ///< a joint without a command for so long: its safe state

@@ -44,6 +44,14 @@ void read_nodes(const Entry& entry, RingConfig& ring) {
   for (const Entry& item : items) ring.nodes.push_back(read_node_map(item, ring.links));
 }
 
+/// Until 0.1.0 one entry stood for three waits.
+void read_timeouts(const Entry& entry, RingConfig& ring) {
+  if (entry.is_map())
+    if (const auto bypass = entry.find("bypass"))
+      bypass->refuse("is three entries now", "first_successor, break_grace, fold_permission");
+  read_section(entry, timeouts_section(), ring.timeouts);
+}
+
 }  // namespace
 
 // Read in this order: nodes take their links from `links`; the supervisor, the bridge's topics and
@@ -56,7 +64,7 @@ const Section<RingConfig>& ring_section() {
                     "foldback: a second line, against the ring, closes it again around a break. With udp a node "
                     "listens there at its port + 256."),
       section_option("limits", &RingConfig::limits, limits_section(), "Sizes of the queues."),
-      section_option("timeouts", &RingConfig::timeouts, timeouts_section(), "Waits and periods."),
+      {"timeouts", "{}", "a map, see below", "Waits and periods.", read_timeouts},
       section_option("links", &RingConfig::links, links_section(),
                      "What every node's link has unless it says otherwise."),
       section_option("firmware", &RingConfig::firmware, firmware_section(),

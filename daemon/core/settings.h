@@ -50,6 +50,7 @@ struct Settings {
   Duration stall = std::chrono::milliseconds(50);
   Duration beacon = std::chrono::milliseconds(100);  ///< 0: no beacons
   Duration break_grace = std::chrono::milliseconds(200);  ///< input lost so long: a broken line
+  Duration fold_permission = std::chrono::milliseconds(200);  ///< so long after its start a node may fold at any rate
   Duration unconfirmed_pace = std::chrono::microseconds(100);  ///< open chain, unpaced links
 
   /// INTPs cut into a DATP on its way out (paper); false only to show what that is worth.

@@ -26,14 +26,21 @@ struct Endpoint {
   }
 };
 
-/// As a person would name it: a path, or ADDRESS:PORT.
+/// For messages: a path, or ADDRESS:PORT.
 std::string to_string(const Endpoint& endpoint);
 
 /// The times both ends of a link live by. (ours, protocol.md section 7.4)
 struct Timing {
   milliseconds idle{10};     ///< a quiet end says so this often; also the grain of all else here
   milliseconds silence{50};  ///< an end silent for so long counts as gone
-  milliseconds bypass{200};  ///< at start: the configured successor is waited for so long
+  milliseconds first_successor{200};  ///< at start: only the configured successor is asked for so long
+  milliseconds attempt{1000};         ///< an attempt to connect that is not answered by then is given up
+  milliseconds retry{20};             ///< a node that was not there, or busy, is asked again; see candidate_retry()
+
+  /// Larger rings wait longer in proportion, so that asking dead nodes stays cheap.
+  milliseconds candidate_retry(std::size_t nodes) const { return retry * (1 + (nodes - 1) / 16); }
+  /// A pending connection, or the offer of a session over UDP, that is not taken up by then is dropped.
+  milliseconds handshake() const { return 4 * silence; }
 };
 
 /// Who we are on which ring.

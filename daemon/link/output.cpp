@@ -10,9 +10,6 @@
 namespace limb_ring::link {
 namespace {
 
-/// An attempt unanswered for so long is given up and made anew.
-constexpr milliseconds kAttemptLife{1000};
-
 /// Asking again does not help: somebody has to change something.
 bool for_good(Refusal refusal) {
   return refusal == Refusal::wrong_ring || refusal == Refusal::not_in_ring || refusal == Refusal::wrong_version;
@@ -148,7 +145,11 @@ void Output::on_refused(std::size_t candidate, const LinkHeader& refuse) {
     lose(alive ? Successor::Loss::replaced : Successor::Loss::ended, reason);
   } else {
     abandon(candidate);
-    alive ? successor_.busy(candidate, now) : successor_.absent(candidate, now);
+    if (alive) {
+      successor_.busy(candidate, now);
+    } else {
+      successor_.absent(candidate, now);
+    }
     if (for_good(refusal)) tell(candidate, reason);
   }
   advance(now);
@@ -233,7 +234,7 @@ void Output::tick_attempts(Time now) {
   const auto attempts = attempts_;
   const std::size_t turns = 2 + attempts.size() / 8;  // with many dead nodes each is asked less often
   for (const auto& [candidate, attempt] : attempts) {
-    if (now - attempt.since >= kAttemptLife) {
+    if (now - attempt.since >= settings_.timing.attempt) {
       abandon(candidate);
       successor_.absent(candidate, now);
     } else if ((ticks_ + candidate) % turns == 0) {

@@ -3,8 +3,7 @@
 namespace limb_ring::link {
 
 Successor::Successor(std::size_t candidates, const Timing& timing, Time now)
-    : timing_(timing), candidates_(candidates), patience_(now + timing.bypass),
-      retry_(kRetry * (1 + (candidates - 1) / 16)) {}
+    : timing_(timing), candidates_(candidates), patience_(now + timing.first_successor) {}
 
 std::optional<std::size_t> Successor::next(Time now) {
   const std::size_t count = current_ ? *current_ : farthest(now) + 1;
@@ -17,11 +16,11 @@ std::optional<std::size_t> Successor::next(Time now) {
 }
 
 void Successor::absent(std::size_t candidate, Time now) {
-  set(candidate, Candidate::State::absent, now + retry_, true);
+  set(candidate, Candidate::State::absent, now + timing_.candidate_retry(candidates_.size()), true);
 }
 
 void Successor::busy(std::size_t candidate, Time now) {
-  set(candidate, Candidate::State::busy, now + retry_);
+  set(candidate, Candidate::State::busy, now + timing_.candidate_retry(candidates_.size()));
 }
 
 bool Successor::accepted(std::size_t candidate, Time now) {
@@ -47,7 +46,7 @@ void Successor::lost(Loss loss, Time now) {
     busy(old, now);
   } else if (loss == Loss::silent) {
     set(old, Candidate::State::absent, now, true);  // passed over at once, and tried beside the others
-  } else if (now - up_since_ < kRetry) {
+  } else if (now - up_since_ < timing_.retry) {
     absent(old, now);  // it accepts us and hangs up at once: wait, so as not to loop without a pause
   }
 }

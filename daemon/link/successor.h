@@ -16,10 +16,6 @@ namespace limb_ring::link {
 /// then our line is cut, and the ring is an open chain.
 class Successor {
  public:
-  /// How soon one that was not there is tried again, in a ring of up to 16 nodes. Larger ones
-  /// wait longer in proportion, so that asking dead nodes stays cheap.
-  static constexpr milliseconds kRetry{20};
-
   Successor(std::size_t candidates, const Timing& timing, Time now);
 
   /// The next one to be tried now; it counts as being tried from here on.
@@ -50,7 +46,6 @@ class Successor {
   std::optional<std::size_t> current_;
   std::optional<Time> patience_;  ///< at start: the configured successor only, until then
   Time up_since_{};
-  milliseconds retry_;
 };
 
 }  // namespace limb_ring::link

@@ -206,7 +206,7 @@ void UdpInput::tick(Time now) {
 
 void UdpInput::drop_old_offers(Time now) {
   for (auto i = offers_.begin(); i != offers_.end();) {
-    i = now - i->second.since > 4 * settings_.timing.silence ? offers_.erase(i) : std::next(i);
+    i = now - i->second.since > settings_.timing.handshake() ? offers_.erase(i) : std::next(i);
   }
 }
 

@@ -9,8 +9,6 @@ namespace limb_ring::link {
 namespace {
 
 constexpr std::size_t kMaxPending = 16;
-/// A connection may take so many times `silence` to say who it is.
-constexpr int kGreetingPatience = 4;
 
 }  // namespace
 
@@ -149,7 +147,7 @@ void UnixInput::tick(Time now) {
 void UnixInput::tick_pending(Time now) {
   const auto pending = pending_;
   for (const auto& connection : pending) {
-    if (now - connection->since() < kGreetingPatience * settings_.timing.silence) continue;
+    if (now - connection->since() < settings_.timing.handshake()) continue;
     if (connection->open()) connection->read();
     if (connection->open()) on_unknown_peer(connection, "it did not say who it is");
   }

@@ -30,7 +30,7 @@ std::vector<std::uint8_t> order_on(const RingConfig& ring, Line line) {
 }
 
 link::Timing timing_of(const RingConfig& ring) {
-  return {ring.timeouts.idle, ring.timeouts.silence, ring.timeouts.bypass};
+  return {ring.timeouts.idle, ring.timeouts.silence, ring.timeouts.first_successor};
 }
 
 link::Identity identity_of(const RingConfig& ring, const NodeConfig& node) {

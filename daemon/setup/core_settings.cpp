@@ -67,7 +67,8 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.queue_timeout = ring.timeouts.queue;
   s.stall = ring.timeouts.stall;
   s.beacon = ring.timeouts.beacon;
-  s.break_grace = ring.timeouts.bypass;
+  s.break_grace = ring.timeouts.break_grace;
+  s.fold_permission = ring.timeouts.fold_permission;
   s.fold_back = ring.redundancy == RingConfig::Redundancy::foldback;
   for (unsigned factor = 0; factor < 8; ++factor) {
     s.wired[factor] = node.pins[factor].action != config::PinConfig::Action::none;

@@ -77,7 +77,7 @@ class LineFault(Fault):
 
 class Cut(LineFault):
     kind = 'broken line'
-    does = 'the node behind waits timeouts.bypass (200 ms) for a bypass, then tells all: open chain, unconfirmed'
+    does = 'the node behind waits timeouts.break_grace (200 ms) for a bypass, then tells all: open chain, unconfirmed'
 
     def __init__(self, live, node):
         super().__init__(live, node)

@@ -26,7 +26,7 @@ TEST(RingFile, SetsLimitsAndTimeouts) {
       "clients: 6}\n"
       "timeouts: {send: 1ms, refused: 2s, refused_backoff: 3ms, queue: 4ms, stall: 5ms, idle: "
       "6ms,\n"
-      "           silence: 70ms, bypass: 8ms, beacon: 90ms, cpu_boot: 10s, command: 11ms}\n"));
+      "           silence: 70ms, first_successor: 8ms, break_grace: 9ms, fold_permission: 12ms, beacon: 90ms, cpu_boot: 10s, command: 11ms}\n"));
   EXPECT_EQ(ring.limits.insertion_buffer, 2u);
   EXPECT_EQ(ring.limits.interrupt_buffer, 3u);
   EXPECT_EQ(ring.limits.send_queue, 4u);
@@ -39,7 +39,9 @@ TEST(RingFile, SetsLimitsAndTimeouts) {
   EXPECT_EQ(ring.timeouts.stall, 5ms);
   EXPECT_EQ(ring.timeouts.idle, 6ms);
   EXPECT_EQ(ring.timeouts.silence, 70ms);
-  EXPECT_EQ(ring.timeouts.bypass, 8ms);
+  EXPECT_EQ(ring.timeouts.first_successor, 8ms);
+  EXPECT_EQ(ring.timeouts.break_grace, 9ms);
+  EXPECT_EQ(ring.timeouts.fold_permission, 12ms);
   EXPECT_EQ(ring.timeouts.beacon, 90ms);
   EXPECT_EQ(ring.timeouts.cpu_boot, 10s);
   EXPECT_EQ(ring.timeouts.command, 11ms);

@@ -34,6 +34,12 @@ TEST(WrongEntry, UnknownWithinASection) {
       StartsWith("ring.yaml:6:12: entry 'firmware.colour': is unknown; allowed: state_rate"));
 }
 
+TEST(WrongEntry, ThatHasBecomeThreeNamesThem) {
+  EXPECT_THAT(refusal_of(two_nodes("timeouts: {bypass: 200ms}\n")),
+              Eq("ring.yaml:6:20: entry 'timeouts.bypass': is three entries now; allowed: first_successor, "
+                 "break_grace, fold_permission"));
+}
+
 TEST(WrongEntry, GivenTwice) {
   EXPECT_THAT(refusal_of(two_nodes("bridge: {}\nbridge: {}\n")),
               Eq("ring.yaml:7:1: entry 'bridge': is given twice; allowed: once"));

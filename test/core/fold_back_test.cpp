@@ -16,7 +16,7 @@ VirtualRingOptions folding(VirtualRingOptions options) {
   return with(std::move(options), [](Settings& s) {
     s.fold_back = true;
     s.beacon = 10ms;
-    s.break_grace = 1ms;
+    s.break_grace = s.fold_permission = 1ms;
     s.send_timeout_least = 200us;
   });
 }

@@ -2,7 +2,7 @@
 
 from ring_process import RingTest, free_udp_ports, plain_nodes
 
-QUICK = {'silence': '300ms', 'bypass': '50ms', 'send': '100ms'}
+QUICK = {'silence': '300ms', 'first_successor': '50ms', 'break_grace': '50ms', 'fold_permission': '50ms', 'send': '100ms'}
 
 
 class FaultTest(RingTest):

@@ -86,7 +86,7 @@ class Lines(FaultTest):
         self.assertEqual(self.ping(0, 2)['delivered'], 20)
 
     def test_a_short_stall_loses_nothing_and_a_long_one_is_a_broken_line(self):
-        self.start_ring(plain_nodes(3), timeouts={'silence': '1s', 'bypass': '50ms', 'send': '2s'})
+        self.start_ring(plain_nodes(3), timeouts={'silence': '1s', 'first_successor': '50ms', 'break_grace': '50ms', 'send': '2s'})
         self.begin('stall', 'node0:node1', '--for', '200ms')
         done = self.ping(0, 2, 5)
         self.assertEqual(done['delivered'], 5)

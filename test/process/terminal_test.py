@@ -126,7 +126,7 @@ class Wait(RingTest):
 
 class FaultClear(RingTest):
     def test_returns_when_the_ring_is_whole_again(self):
-        self.start_ring(plain_nodes(3), timeouts={'silence': '300ms', 'bypass': '50ms', 'send': '100ms'})
+        self.start_ring(plain_nodes(3), timeouts={'silence': '300ms', 'first_successor': '50ms', 'break_grace': '50ms', 'send': '100ms'})
         self.assertEqual(self.ctl('fault', 'cut', 'node0:node1').returncode, 0)
         self.wait('open', lambda: self.row(2)['state'] == 'open_chain')
         done = self.ctl('fault', 'clear')

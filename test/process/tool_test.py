@@ -59,7 +59,7 @@ class Tools(RingTest):
         cpu.close()
 
     def test_observer_is_told_of_noise_and_of_the_rings_size(self):
-        daemons = self.start_ring(plain_nodes(3), timeouts={'bypass': '50ms'})
+        daemons = self.start_ring(plain_nodes(3), timeouts={'first_successor': '50ms', 'break_grace': '50ms'})
         observer = self.port(1)
         observer.observe('ring', 'noise')
         self.assertEqual(observer.next_of(host_port.OBSERVED)['ring_size'], 3)

@@ -22,7 +22,7 @@ FoldBack::FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& 
       from_(neighbour(blocks.settings(), blocks.settings().order.size() - 1)),
       to_(neighbour(blocks.settings(), 1)),
       second_from_(to_),
-      may_fold_at_(now + blocks.settings().break_grace) {}
+      may_fold_at_(now + blocks.settings().fold_permission) {}
 
 std::size_t FoldBack::distance(NodeId from, NodeId to) const {
   const std::size_t nodes = settings().order.size();

@@ -157,7 +157,7 @@ class FoldBack {
   Time fold_node_due_ = kNever;      ///< it is forgotten then, unless it is announced again
   OpenPacket coming_second_;         ///< the DATP that is coming in on the second line
 
-  bool may_fold_ = false;  ///< both first lines have been up, or break_grace has passed since the start
+  bool may_fold_ = false;  ///< both first lines have been up, or fold_permission has passed since the start
   Time may_fold_at_ = kNever;
   Time repeat_words_at_ = kNever;
 };

@@ -23,7 +23,7 @@ sim::VirtualRingOptions ring_options(const Medium& medium) {
     settings.beacon = Duration{0};
     settings.send_timeout_least = Duration{0};
     settings.receive_buffers = kReceiveBuffers;
-    settings.queue_timeout = settings.stall = settings.break_grace = kNoLimit;
+    settings.queue_timeout = settings.stall = settings.break_grace = settings.fold_permission = kNoLimit;
   };
   return options;
 }

@@ -56,7 +56,7 @@ void RandomFaults::make_ring() {
     s.queue_timeout = 20ms;
     s.stall = 50us;
     s.beacon = 1ms;
-    s.break_grace = 300us;
+    s.break_grace = s.fold_permission = 300us;
     s.receive_buffers = 3;
     s.send_queue = 6;
     s.fold_back = fold_back_;
