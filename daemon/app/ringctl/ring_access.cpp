@@ -99,8 +99,11 @@ std::string choose_ring(const std::string& given) {
   const char* environment = std::getenv("LIMB_RING_RING");
   if (environment != nullptr && *environment != '\0') return valid(environment);
   const std::vector<std::string> rings = running_rings();
-  if (rings.empty())
-    throw NoRing("no ring is running (looked in " + rings_directory() + why_unreadable(rings_directory()) + ")");
+  if (rings.empty()) {
+    const std::string unreadable = why_unreadable(rings_directory());
+    if (!unreadable.empty()) throw NoRing(rings_directory() + unreadable);
+    throw NoRing("no ring is running (looked in " + rings_directory() + ")");
+  }
   if (rings.size() == 1) return rings.front();
   throw UsageError("several rings are running: " + config::join(rings) + "; choose one with --ring");
 }
