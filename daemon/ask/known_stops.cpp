@@ -10,8 +10,7 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kRowTime{500};
-constexpr milliseconds kBetweenLooks{20};
+constexpr milliseconds kPollPeriod{20};
 constexpr milliseconds kToSaySo{1000};
 constexpr milliseconds kUnderWay{200};
 
@@ -63,7 +62,7 @@ std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector
                                       steady_clock::time_point sent) {
   const auto begun = steady_clock::now();
   for (;;) {
-    const Rows rows = status_rows(ring, nodes, kRowTime);
+    const Rows rows = status_rows(ring, nodes, kRowTimeout);
     const auto age = std::chrono::ceil<milliseconds>(steady_clock::now() - sent);
     const std::vector<KnownStop> stops = known_stops(nodes, rows, age);
     const auto waited = steady_clock::now() - begun;
@@ -72,7 +71,7 @@ std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector
              (stop.state == StopState::not_reached && waited < kUnderWay);
     };
     if (std::none_of(stops.begin(), stops.end(), pending)) return stops;
-    std::this_thread::sleep_for(kBetweenLooks);
+    std::this_thread::sleep_for(kPollPeriod);
   }
 }
 

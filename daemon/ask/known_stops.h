@@ -23,7 +23,7 @@ struct KnownStop {
 /// @param age of the stop: a pin that was pulled longer ago was pulled by another one
 std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, std::chrono::milliseconds age);
 
-/// Looks until every CPU that was told says that it has stopped, for 1 s at most; for 200 ms of one that was not
+/// Polls until every CPU that was told says that it has stopped, for 1 s at most; for 200 ms of one that was not
 /// reached: in an open chain a stop may still be under way.
 /// @param sent when the stop was asked for
 std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,

@@ -11,8 +11,7 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kRowTime{500};
-constexpr milliseconds kBetweenLooks{50};
+constexpr milliseconds kPollPeriod{50};
 constexpr milliseconds kMargin{2000};   ///< for the answer, beside the time that the reset is given
 constexpr int kLately = 1000;           ///< ms; an older beacon tells nothing
 
@@ -74,16 +73,16 @@ json judged(json answer, const ResetQuery& query, const Rows& before, const Rows
 }
 
 json reset_node(ResetQuery query) {
-  const Rows before = status_rows(query.ring, query.nodes, kRowTime);
+  const Rows before = status_rows(query.ring, query.nodes, kRowTimeout);
   query.from = best_sender(before, query);
   const auto deadline = steady_clock::now() + query.timeout;
   const json answer = ask_daemon(query);
   if (answer.value("success", false)) return answer;
   for (;;) {
-    const json known = judged(answer, query, before, status_rows(query.ring, query.nodes, kRowTime));
+    const json known = judged(answer, query, before, status_rows(query.ring, query.nodes, kRowTimeout));
     const bool over = known.value("effect", "") != "unknown" || steady_clock::now() >= deadline;
     if (over) return known;
-    std::this_thread::sleep_for(kBetweenLooks);
+    std::this_thread::sleep_for(kPollPeriod);
   }
 }
 

@@ -6,7 +6,7 @@
 
 namespace limb_ring::ask {
 
-/// A reset of one node's CPU, asked of one daemon and looked for at all.
+/// A reset of one node's CPU: one daemon is asked for it, all are polled for its effect.
 struct ResetQuery {
   std::string ring;
   std::vector<Node> nodes;   ///< all of the ring, in ring order

@@ -9,6 +9,9 @@
 
 namespace limb_ring::ask {
 
+/// What a daemon is given to answer, where rows are asked for again and again.
+constexpr std::chrono::milliseconds kRowTimeout{500};
+
 struct Node {
   std::uint8_t id = 0;
   std::string name;

@@ -184,7 +184,8 @@ struct RingConfig {
 };
 
 /// The first node in ring order whose CPU is attached (the bridge's, usually the body), else the
-/// first node. (ours) @pre the ring has a node
+/// first node. Limbs send their states and readings there, and get their commands from there. (ours)
+/// @pre the ring has a node
 const NodeConfig& body_of(const RingConfig& ring);
 
 /// The node that watches the CPUs of the others: the one configured, else the body.

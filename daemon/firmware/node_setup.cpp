@@ -1,7 +1,6 @@
 #include "firmware/node_setup.h"
 
 #include "config/load_ring.h"
-#include "config/state_destination.h"
 
 namespace limb_ring::firmware {
 namespace {
@@ -32,7 +31,7 @@ ProgramSetup make_setup(const Options& options) {
   if (setup.cpu.node.cpu.alive_period.count() != 0) setup.alive_period = setup.cpu.node.cpu.alive_period;
   setup.cpu.firmware = ring.firmware;
   setup.cpu.command_timeout = ring.timeouts.command;
-  setup.cpu.state_to = config::state_destination(ring);
+  setup.cpu.state_to = config::body_of(ring).id;
   return setup;
 }
 

@@ -11,11 +11,18 @@ namespace limb_ring::firmware {
 class Periodic {
  public:
   /// First due one period after `start`. @pre rate_hz > 0
-  Periodic(double rate_hz, nanoseconds start);
+  Periodic(double rate_hz, nanoseconds start)
+      : period_(static_cast<std::int64_t>(1e9 / rate_hz)), due_(start + period_) {}
 
   nanoseconds due() const { return due_; }
   /// @return true once per deadline that has come
-  bool take(nanoseconds now);
+  bool take(nanoseconds now) {
+    if (now < due_) return false;
+    const std::int64_t late = (now - due_) / period_;
+    missed_ += static_cast<std::uint64_t>(late);
+    due_ += period_ * (late + 1);
+    return true;
+  }
   std::uint64_t missed() const { return missed_; }
 
  private:

@@ -109,7 +109,11 @@ bool Session::put_captured(const client::CapturedView& packet) {
   if (!open()) return true;
   if (queued() + packet.packet.bytes.size > kMaxQueuedForCaptured) return false;
   client::append(out_, packet);
-  queued() < kCapturedLot ? flush_later() : flush_soon();
+  if (queued() < kCapturedLot) {
+    flush_later();
+  } else {
+    flush_soon();
+  }
   return true;
 }
 

@@ -12,7 +12,7 @@ struct InputCounters {
   std::uint64_t silences = 0;   ///< of those: silent for too long
   std::uint64_t replaced = 0;   ///< of those: a nearer or newer one came
   std::uint64_t refused = 0;    ///< connects of our ring that we refused
-  std::uint64_t strangers = 0;  ///< garbage, other rings, other users, half-open connections
+  std::uint64_t strangers = 0;  ///< unknown peers: garbage, other rings, other users, half-open connections
   std::uint64_t malformed = 0;  ///< streams or datagrams that held no slice
   std::uint64_t datagrams = 0;
   std::uint64_t datagrams_duplicate = 0;  ///< lower or equal sequence: doubled or overtaken

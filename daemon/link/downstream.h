@@ -34,7 +34,7 @@ class Downstream {
   /// @return false: not possible on this line, or not now; nothing was taken.
   virtual bool hold_back(wire::ByteView) { return false; }
   virtual bool drained() const = 0;
-  /// Reads what has come, as if the event loop had said so.
+  /// Reads what has come, without waiting for the event loop.
   virtual void read() = 0;
   /// Called now and then until accepted: asks again where questions can get lost.
   virtual void ask_again() = 0;

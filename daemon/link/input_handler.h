@@ -16,7 +16,7 @@ struct InputHandler {
   virtual ~InputHandler() = default;
   /// In the order sent, each once; never an idle slice. The bytes are valid during the call only.
   virtual void on_slice(const wire::Slice& slice) = 0;
-  /// After all slices of one read: the moment to write what they led to.
+  /// After all slices of one read: now write what they led to.
   virtual void on_batch_end() = 0;
   /// `lost` datagrams (or a garbled one) are missing here: a packet in flight cannot be finished.
   virtual void on_input_gap(std::uint32_t lost) = 0;

@@ -65,15 +65,15 @@ class Output final : private Downstream::Owner {
   /// @param framed_slices whole slices. All are taken: what the socket does not take waits
   ///        inside, what is given while down() or after a failure is discarded and counted.
   void write(wire::ByteView framed_slices);
-  /// One slice that overtakes itself: over UDP its datagram keeps its place in the sequence and is sent behind
-  /// the next one. Elsewhere, and where something waits inside, it goes as with write().
+  /// One slice that is to arrive late: over UDP its datagram keeps its sequence number and is sent behind the next one.
+  /// On a UNIX line, and where something waits inside, it goes as with write().
   void write_late(wire::ByteView framed_slice);
   /// Connected, and nothing waits inside.
   bool ready() const { return current_ && current_->drained(); }
   bool up() const { return current_ != nullptr; }
   /// @pre up()
   std::uint8_t to() const { return settings_.candidates[*successor_.current()].id; }
-  /// How many nodes, dead or frozen, lie between us and to(). @pre up()
+  /// How many nodes, dead or frozen, lie between this one and to(). @pre up()
   std::size_t bypassed() const { return *successor_.current(); }
 
   /// While the wire is not whole no node is asked to connect, and none is bypassed: the wire is broken, not the node

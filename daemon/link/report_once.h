@@ -6,17 +6,17 @@
 
 namespace limb_ring::link {
 
-/// Tells a text that has not been said yet from one that has: who is turned away comes again many times a second.
+/// True for a text that was not reported yet: a node that is turned away comes again many times a second.
 class ReportOnce {
  public:
   bool operator()(std::string_view text) {
-    return said_.size() < kMost && said_.emplace(text).second;
+    return reported_.size() < kMost && reported_.emplace(text).second;
   }
-  void forget() { said_.clear(); }
+  void forget() { reported_.clear(); }
 
  private:
   static constexpr std::size_t kMost = 16;
-  std::set<std::string> said_;
+  std::set<std::string> reported_;
 };
 
 }  // namespace limb_ring::link

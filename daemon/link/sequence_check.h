@@ -12,7 +12,12 @@ class SequenceCheck {
     std::uint32_t lost;  ///< so many before this one are missing
   };
   /// A session's first number is 1. Numbers wrap.
-  Verdict check(std::uint32_t sequence);
+  Verdict check(std::uint32_t sequence) {
+    const std::uint32_t ahead = sequence - next_;
+    if (ahead >= 0x80000000u) return {false, 0};
+    next_ = sequence + 1;
+    return {true, ahead};
+  }
   void restart() { next_ = 1; }
 
  private:

@@ -15,7 +15,7 @@ class Silence {
   void heard() { heard_ = true; }
   /// Call at every tick. @return true: nothing came for `timing.silence`.
   bool tick(Time now);
-  /// Looks again after a tick that said true, for what a last read may have brought.
+  /// After a tick that said true: nothing has come since, also not with a last read.
   bool still() const { return !heard_; }
 
  private:

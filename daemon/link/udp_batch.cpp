@@ -48,7 +48,11 @@ bool UdpBatch::hold_back(wire::ByteView slice) {
 void UdpBatch::send_late(int socket) {
   const bool sent = send_run(socket, {late_.data(), late_.size()}, late_.size()) >= 0;
   ++counters_.writes;
-  ++(sent ? counters_.datagrams : counters_.datagrams_unsent);
+  if (sent) {
+    ++counters_.datagrams;
+  } else {
+    ++counters_.datagrams_unsent;
+  }
   late_.clear();
 }
 
@@ -107,7 +111,8 @@ bool UdpBatch::transmit(int socket, const Run& run, Status& status) {
     return false;
   }
   ++counters_.writes;
-  (sent < 0 ? counters_.datagrams_unsent : counters_.datagrams) += run.count;
+  auto& counted = sent < 0 ? counters_.datagrams_unsent : counters_.datagrams;
+  counted += run.count;
   header_.sequence += run.count;  // also where unsent: the other end then knows of the loss
   return true;
 }

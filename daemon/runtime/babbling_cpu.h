@@ -7,8 +7,8 @@
 
 namespace limb_ring::runtime {
 
-/// Sends as a CPU that babbles would: the largest packets, to all, at the highest priority, without end.
-/// The real CPU goes on beside it. (ours)
+/// Sends as a babbling CPU would (a "babbling idiot"): the largest packets, to all, at the highest priority, without
+/// end. The real CPU goes on beside it. (ours)
 class BabblingCpu {
  public:
   BabblingCpu(boost::asio::io_context& io, Engine& engine) : engine_(engine), next_(io) {}

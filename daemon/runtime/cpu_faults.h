@@ -20,7 +20,7 @@ class CpuFaults {
 
   /// Stops its process.
   void hang(const Done& done);
-  /// Ends its process as a wild pointer would.
+  /// Ends its process by SIGSEGV, as a wild pointer would.
   void crash(const Done& done);
   /// Done when it has booted again.
   void reset(const Done& done);

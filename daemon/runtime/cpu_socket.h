@@ -47,7 +47,7 @@ class CpuSocket final : private CpuEvents {
     std::uint64_t pulled = 0;          ///< times since the daemon's start
     std::optional<core::Time> pulled_at;
   };
-  /// The CPU says that a stop is latched, or that it has resumed. One that is started anew has nothing latched.
+  /// The CPU says that a stop is latched, or that it has resumed. One that has just been started has nothing latched.
   void stop_latched(bool latched) { stop_.latched = latched; }
   const Stop& stop_state() const { return stop_; }
 

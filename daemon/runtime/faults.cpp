@@ -89,9 +89,12 @@ bool Faults::remove(Id id, const Done& done) {
   const LineFaults::Id line = found->second.line;
   const Name name = found->second.fault.name;
   active_.erase(found);
-  if (on == nullptr) return mend(name, done), true;
-  on->remove(line, engine_.now());
-  wait_for(*on, done);
+  if (on == nullptr) {
+    mend(name, done);
+  } else {
+    on->remove(line, engine_.now());
+    wait_for(*on, done);
+  }
   return true;
 }
 

@@ -8,8 +8,8 @@
 
 namespace limb_ring::runtime {
 
-/// A line out of this node with what is wrong with it on purpose: between the Engine and the Output, on
-/// the way of every slice while anything is, and off it at no cost while nothing is. (ours)
+/// A line out of this node with its faults on purpose, between the Engine and the Output. While there is a fault, every
+/// slice passes through it; while there is none, it costs nothing. (ours)
 ///
 /// Idles are the link's own and do not pass here: a line that drops every packet is not silent, one that
 /// stalls or is cut is.
@@ -20,9 +20,10 @@ class FaultyLine {
   /// The wire is neither cut nor held: the output is, or will be, connected.
   bool carries() const { return wire_ == link::Wire::whole; }
   void put(wire::ByteView framed_slices, core::Time now) {
-    active_ ? pass_all(framed_slices, now) : output_.write(framed_slices);
+    if (active_) return pass_all(framed_slices, now);
+    output_.write(framed_slices);
   }
-  /// As good as new for whoever waits: it leads on, or has another fault that keeps it from that.
+  /// Nothing more to wait for: the output is connected, or another fault keeps it from that.
   bool mended() const { return output_.up() || !carries(); }
   /// The output was lost, or leads to another node.
   void line_lost() { faults_.line_lost(); }

@@ -17,7 +17,7 @@ void FolderWatch::start() {
   timer_.expires_after(kPeriod);
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (error || stopped_) return;
-    look();
+    check();
     start();
   });
 }
@@ -27,7 +27,7 @@ void FolderWatch::stop() {
   timer_.cancel();
 }
 
-void FolderWatch::look() {
+void FolderWatch::check() {
   if (folder_.is_in_place()) return;
   try {
     folder_.make_again();

@@ -7,7 +7,7 @@
 namespace limb_ring::runtime {
 
 /// Keeps a node reachable whose runtime folder is removed under it (the end of a login, a cleaner of temporary
-/// files): looks once a second, and has what is missing made again. Connections that stand do not notice. (ours)
+/// files): checks once a second, and has what is missing made again. Connections that stand do not notice. (ours)
 class FolderWatch {
  public:
   struct Folder {
@@ -24,7 +24,7 @@ class FolderWatch {
   void stop();
 
  private:
-  void look();
+  void check();
 
   boost::asio::steady_timer timer_;
   Folder folder_;

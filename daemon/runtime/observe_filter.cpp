@@ -49,7 +49,7 @@ std::bitset<N> numbers_in(const json& from, const char* field) {
   return found;
 }
 
-/// A source may be none that is configured: a stray packet is what one looks for.
+/// A source may be an id that is not configured: so stray packets can be found.
 std::bitset<256> nodes_of(const config::RingConfig& ring, const json& from, const char* field) {
   std::bitset<256> found;
   for (const json& node : list_in(from, field))

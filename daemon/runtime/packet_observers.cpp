@@ -21,35 +21,35 @@ void PacketObservers::set(host::ClientId client, const std::optional<capture::Wi
     observers_.emplace(client, Observer{capture::Selection(*wish)});
     host_.capture_counts(client, {});
   }
-  look_where_wanted();
+  update_taps();
 }
 
 void PacketObservers::remove(host::ClientId client) {
   observers_.erase(client);
-  look_where_wanted();
+  update_taps();
 }
 
-void PacketObservers::look_where_wanted() {
-  look_at_input_ = look_at_output_ = false;
+void PacketObservers::update_taps() {
+  watch_input_ = watch_output_ = false;
   for (const auto& [client, observer] : observers_) {
-    look_at_input_ = look_at_input_ || observer.selection.filter().input;
-    look_at_output_ = look_at_output_ || observer.selection.filter().output;
+    watch_input_ = watch_input_ || observer.selection.filter().input;
+    watch_output_ = watch_output_ || observer.selection.filter().output;
   }
-  if (!look_at_input_) input_.reset();
-  if (!look_at_output_) output_.reset();
+  if (!watch_input_) input_.reset();
+  if (!watch_output_) output_.reset();
   engine_.set_tap(observers_.empty() ? nullptr : this);
 }
 
 // ---- the lines ----------------------------------------------------------------------------
 
 void PacketObservers::on_input(const wire::Slice& slice, wire::NodeId from, Instant at) {
-  if (!look_at_input_) return;
+  if (!watch_input_) return;
   input_.set_line(true, from, self_);
   input_.put(slice, at.time_since_epoch());
 }
 
 void PacketObservers::on_output(wire::ByteView framed_slices, wire::NodeId to, Instant at) {
-  if (!look_at_output_) return;
+  if (!watch_output_) return;
   output_.set_line(false, self_, to);
   while (!framed_slices.empty()) {
     const wire::SliceParse parse = wire::parse_slice(framed_slices);

@@ -34,7 +34,7 @@ class PacketObservers final : private LineTap {
   void on_input_gap(Clock::Steady::time_point at) override;
   void on_output_gap(Clock::Steady::time_point at) override;
 
-  void look_where_wanted();
+  void update_taps();
   void seen(const capture::PacketView& packet);
   void give(host::ClientId client, Observer& observer, const capture::PacketView& packet);
 
@@ -44,7 +44,7 @@ class PacketObservers final : private LineTap {
   WallClock wall_;
   capture::PacketAssembler input_, output_;
   std::map<host::ClientId, Observer> observers_;
-  bool look_at_input_ = false, look_at_output_ = false;  ///< somebody wants to see it
+  bool watch_input_ = false, watch_output_ = false;  ///< somebody wants to see it
 };
 
 }  // namespace limb_ring::runtime

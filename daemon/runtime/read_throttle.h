@@ -7,7 +7,7 @@ namespace limb_ring::runtime {
 /// How fast a node's CPU is given what waits for it. (ours: a CPU made slow on purpose)
 class ReadThrottle {
  public:
-  /// Without a limit, as ever.
+  /// No limit: the default.
   void as_fast_as_it_can() { period_ = core::Duration{0}; }
   /// One packet per `period`, the first at once.
   void one_per(core::Duration period) { period_ = period; }

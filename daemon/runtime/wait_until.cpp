@@ -15,12 +15,12 @@ struct Wait : std::enable_shared_from_this<Wait> {
        std::function<void(bool)> tell)
       : condition(std::move(what)), deadline(end), done(std::move(tell)), timer(io) {}
 
-  void look() {
+  void poll() {
     if (condition()) return done(true);
     if (steady_clock::now() >= deadline) return done(false);
     timer.expires_after(kPeriod);
     timer.async_wait([self = shared_from_this()](const auto& error) {
-      if (!error) self->look();
+      if (!error) self->poll();
     });
   }
 
@@ -34,7 +34,7 @@ struct Wait : std::enable_shared_from_this<Wait> {
 
 void wait_until(boost::asio::io_context& io, std::function<bool()> condition, std::chrono::milliseconds patience,
                 std::function<void(bool)> done) {
-  std::make_shared<Wait>(io, std::move(condition), steady_clock::now() + patience, std::move(done))->look();
+  std::make_shared<Wait>(io, std::move(condition), steady_clock::now() + patience, std::move(done))->poll();
 }
 
 }  // namespace limb_ring::runtime

@@ -5,7 +5,7 @@
 
 namespace limb_ring::runtime {
 
-/// CLOCK_REALTIME of instants of CLOCK_MONOTONIC. How far apart the two are is looked up once a
+/// CLOCK_REALTIME of instants of CLOCK_MONOTONIC. How far apart the two are is measured once a
 /// second: packets of one batch keep their distances, and a clock that is set is soon followed.
 class WallClock {
  public:
@@ -13,14 +13,14 @@ class WallClock {
 
   /// ns since 1970
   std::int64_t at(Steady::time_point when) {
-    if (when - looked_ >= std::chrono::seconds(1)) look(when);
+    if (when - measured_ >= std::chrono::seconds(1)) measure(when);
     return when.time_since_epoch().count() + offset_;
   }
 
  private:
-  // Of three looks the one during which the process was held up least.
-  void look(Steady::time_point when) {
-    looked_ = when;
+  // Of three readings the one during which the process was held up least.
+  void measure(Steady::time_point when) {
+    measured_ = when;
     auto shortest = Steady::duration::max();
     for (int i = 0; i < 3; ++i) {
       const auto before = Steady::now();
@@ -32,7 +32,7 @@ class WallClock {
     }
   }
 
-  Steady::time_point looked_{-std::chrono::hours(1)};
+  Steady::time_point measured_{-std::chrono::hours(1)};
   std::int64_t offset_ = 0;
 };
 

@@ -38,7 +38,7 @@ struct ResetReport {
 };
 
 /// One reset under way: an INTP to the reset pin, then a higher boot number in the beacons of its node. (ours,
-/// protocol.md section 5) An INTP that does not come home, in an open chain or lost, may have arrived all the same:
+/// protocol.md section 5.5) An INTP that does not come home, in an open chain or lost, may have arrived all the same:
 /// where that node can still be heard its boot number tells.
 ///
 /// No IO and no clock; whoever has it ends it with timed_out().

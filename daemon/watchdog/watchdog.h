@@ -57,7 +57,7 @@ struct WatchedCpu {
 
 /// Who watches the CPUs that declare an alive period, and resets the hung ones. A hung CPU is told
 /// from a dead node by the beacons (patent) and cured by its reset pin (paper); grace, bounded tries
-/// and back-off are ours (protocol.md section 8).
+/// and back-off are ours (protocol.md section 8.13).
 ///
 /// No IO and no clock: sightings and time go in, findings and orders come out.
 class Watchdog {

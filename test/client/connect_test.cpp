@@ -59,7 +59,7 @@ TEST_F(Connect, RefusesAnotherUsersFolder) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can make another user's folder";
   test::FakeDaemon daemon;
   ASSERT_EQ(chown((folder.path() + "/limb_ring/r").c_str(), 65534, 65534), 0);
-  expect_refusal(options("r", "3"), HasSubstr("stranger"));
+  expect_refusal(options("r", "3"), HasSubstr("another user's socket"));
 }
 
 TEST_F(Connect, TakesTheOnlyRunningRingAndTheNodeOfTheEnvironment) {

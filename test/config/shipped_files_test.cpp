@@ -96,7 +96,7 @@ TEST(ShippedFiles, SlowLinesTimeoutsAreAboveTwoRoundTrips) {
 TEST(ShippedFiles, OptionsAreThoseOfTheTable) {
   std::ifstream in(std::string(SHIPPED_CONFIG) + "/OPTIONS.md");
   const std::string committed{std::istreambuf_iterator<char>(in), {}};
-  EXPECT_EQ(committed, options_markdown()) << "print it anew: ringd --options > config/OPTIONS.md";
+  EXPECT_EQ(committed, options_markdown()) << "print it again: ringd --options > config/OPTIONS.md";
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using test::RawClient;
 using testing::AllOf;
 using testing::HasSubstr;
 
-class Stranger : public HostTest {
+class UnknownPeer : public HostTest {
  protected:
   /// Waits until the client has been shown out. @return the daemon's last words
   std::string shown_out(RawClient& client) {
@@ -31,7 +31,7 @@ class Stranger : public HostTest {
   void expect_still_serving() { EXPECT_EQ(tool().id(), 3); }
 };
 
-TEST_F(Stranger, TalkingAnotherProtocolIsShownOut) {
+TEST_F(UnknownPeer, TalkingAnotherProtocolIsShownOut) {
   RawClient client("r", "3");
   const std::string http = "GET / HTTP/1.1\r\n\r\n";
   client.say_bytes(client::Bytes(http.begin(), http.end()));
@@ -41,7 +41,7 @@ TEST_F(Stranger, TalkingAnotherProtocolIsShownOut) {
   expect_still_serving();
 }
 
-TEST_F(Stranger, ClaimingAHugeMessageIsShownOutAtOnce) {
+TEST_F(UnknownPeer, ClaimingAHugeMessageIsShownOutAtOnce) {
   RawClient client("r", "3");
   client.say(client::Greeting{});
   client.say_bytes({0, 1, 0, 1, 2});
@@ -51,7 +51,7 @@ TEST_F(Stranger, ClaimingAHugeMessageIsShownOutAtOnce) {
   expect_still_serving();
 }
 
-TEST_F(Stranger, SayingAnythingBeforeTheGreetingIsShownOut) {
+TEST_F(UnknownPeer, SayingAnythingBeforeTheGreetingIsShownOut) {
   RawClient client("r", "3");
   client.say(client::PullRequest{1, 1});
   shown_out(client);
@@ -59,7 +59,7 @@ TEST_F(Stranger, SayingAnythingBeforeTheGreetingIsShownOut) {
   EXPECT_TRUE(handler.pulls.empty());
 }
 
-TEST_F(Stranger, GreetingTwiceIsShownOut) {
+TEST_F(UnknownPeer, GreetingTwiceIsShownOut) {
   RawClient client("r", "3");
   client.say(client::Greeting{});
   client.say(client::Greeting{});
@@ -68,7 +68,7 @@ TEST_F(Stranger, GreetingTwiceIsShownOut) {
   EXPECT_EQ(handler.attached.size(), 1u);
 }
 
-TEST_F(Stranger, GreetingByteByByteIsWelcome) {
+TEST_F(UnknownPeer, GreetingByteByByteIsWelcome) {
   RawClient client("r", "3");
   for (const std::uint8_t byte : greeting_bytes()) {
     ASSERT_TRUE(client.say_bytes({byte}));
@@ -78,7 +78,7 @@ TEST_F(Stranger, GreetingByteByByteIsWelcome) {
   EXPECT_EQ(server->counters().garbage, 0u);
 }
 
-TEST_F(Stranger, LeavingInTheMiddleOfItsGreetingIsForgotten) {
+TEST_F(UnknownPeer, LeavingInTheMiddleOfItsGreetingIsForgotten) {
   const client::Bytes greeting = greeting_bytes();
   for (std::size_t size = 0; size < greeting.size(); ++size) {
     RawClient client("r", "3");
@@ -90,13 +90,13 @@ TEST_F(Stranger, LeavingInTheMiddleOfItsGreetingIsForgotten) {
   EXPECT_EQ(server->counters().garbage, 0u);
 }
 
-TEST_F(Stranger, SayingNothingIsShownOutAfterAWhile) {
+TEST_F(UnknownPeer, SayingNothingIsShownOutAfterAWhile) {
   RawClient client("r", "3");
   EXPECT_THAT(shown_out(client), HasSubstr("no greeting"));
   EXPECT_EQ(server->counters().never_greeted, 1u);
 }
 
-TEST_F(Stranger, SayingRandomMessagesHarmsNobody) {
+TEST_F(UnknownPeer, SayingRandomMessagesHarmsNobody) {
   const unsigned seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
@@ -121,7 +121,7 @@ TEST_F(Stranger, SayingRandomMessagesHarmsNobody) {
   EXPECT_EQ(during([&] { return bystander.ask("{}", test::kGuard); }), "{}");
 }
 
-TEST_F(Stranger, WithBadArgumentsGetsThemRejected) {
+TEST_F(UnknownPeer, WithBadArgumentsGetsThemRejected) {
   RawClient client("r", "3");
   const client::Bytes large(513);
   client.say(client::Greeting{});
@@ -137,7 +137,7 @@ TEST_F(Stranger, WithBadArgumentsGetsThemRejected) {
   EXPECT_TRUE(handler.pulls.empty());
 }
 
-TEST_F(Stranger, OfAnotherRingIsRefused) {
+TEST_F(UnknownPeer, OfAnotherRingIsRefused) {
   RawClient client("r", "3");
   client::Greeting greeting;
   greeting.ring = "other";
@@ -146,7 +146,7 @@ TEST_F(Stranger, OfAnotherRingIsRefused) {
   EXPECT_EQ(server->counters().refused, 1u);
 }
 
-TEST_F(Stranger, OfAnotherVersionIsToldBoth) {
+TEST_F(UnknownPeer, OfAnotherVersionIsToldBoth) {
   RawClient client("r", "3");
   client::Greeting greeting;
   greeting.version = 7;
@@ -154,7 +154,7 @@ TEST_F(Stranger, OfAnotherVersionIsToldBoth) {
   EXPECT_THAT(shown_out(client), AllOf(HasSubstr("version 2"), HasSubstr("version 7")));
 }
 
-TEST_F(Stranger, BeyondTheLimitOfClientsIsToldTheLimit) {
+TEST_F(UnknownPeer, BeyondTheLimitOfClientsIsToldTheLimit) {
   const HostPort one = tool(), two = tool(), three = tool();
   {
     const HostPort four = tool();
@@ -165,7 +165,7 @@ TEST_F(Stranger, BeyondTheLimitOfClientsIsToldTheLimit) {
   expect_still_serving();
 }
 
-TEST_F(Stranger, OfAnotherUserIsRefused) {
+TEST_F(UnknownPeer, OfAnotherUserIsRefused) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
   for (const std::string& path : {folder.path(), rings_directory(), ring_directory("r")}) {
     chmod(path.c_str(), 0755);

@@ -66,7 +66,7 @@ TEST_P(Bypass, DoesNotFlapWhenALongFrozenNodeThaws) {
   close_ring();
   rig.node(1).frozen = true;
   ASSERT_TRUE(rig.until([&] { return rig.linked(0, 2); }));
-  rig.run_for(milliseconds(2500));  // long enough for probes to be given up and made anew
+  rig.run_for(milliseconds(2500));  // long enough for probes to be given up and begun again
   rig.node(1).heard.log.clear();
   rig.node(1).frozen = false;
   ASSERT_TRUE(rig.until([&] { return rig.whole(); }));

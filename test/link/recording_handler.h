@@ -24,12 +24,12 @@ struct RecordingInput : InputHandler {
   void on_input_lost(std::string_view reason) override {
     log.push_back("lost: " + std::string(reason));
   }
-  void on_unknown_peer(std::string_view reason) override { strangers.emplace_back(reason); }
+  void on_unknown_peer(std::string_view reason) override { unknown_peers.emplace_back(reason); }
 
   std::vector<std::vector<std::uint8_t>> slices;
   std::vector<wire::SliceKind> kinds;
   std::vector<std::string> log;
-  std::vector<std::string> strangers;
+  std::vector<std::string> unknown_peers;
   int batches = 0;
 };
 

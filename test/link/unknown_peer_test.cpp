@@ -12,7 +12,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// Node 1 with node 0 upstream; whatever an unknown peer does, that stays so.
-struct Stranger : testing::Test {
+struct UnknownPeer : testing::Test {
   LinkRig rig{2, Endpoint::Transport::unix_stream};
   boost::asio::io_context io;
 
@@ -29,7 +29,7 @@ struct Stranger : testing::Test {
     const auto bytes = encode(header);
     send_now(socket.native_handle(), {bytes.data(), bytes.size()});
   }
-  std::uint64_t strangers() { return rig.node(1).input->counters().strangers; }
+  std::uint64_t unknown_peers() { return rig.node(1).input->counters().strangers; }
   /// The header that comes back; nothing where the line is closed without a word.
   std::optional<LinkHeader> answer(UnixSocket& socket) {
     std::array<std::uint8_t, kLinkHeaderSize> bytes;
@@ -43,29 +43,29 @@ struct Stranger : testing::Test {
   }
 };
 
-TEST_F(Stranger, ThatTalksGarbageIsClosedAndCounted) {
+TEST_F(UnknownPeer, ThatTalksGarbageIsClosedAndCounted) {
   UnixSocket socket = knock();
   const std::string garbage(100, 'x');
   send_now(socket.native_handle(),
            {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
-  ASSERT_TRUE(rig.until([&] { return strangers() == 1; }));
+  ASSERT_TRUE(rig.until([&] { return unknown_peers() == 1; }));
   EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("is not a limb_ring node"));
-  EXPECT_THAT(rig.node(1).heard.strangers, ElementsAre("peer is not a limb_ring node"));
+  EXPECT_THAT(rig.node(1).heard.unknown_peers, ElementsAre("peer is not a limb_ring node"));
 }
 
-TEST_F(Stranger, ThatLeavesWithoutAWordIsCounted) {
+TEST_F(UnknownPeer, ThatLeavesWithoutAWordIsCounted) {
   knock().close();
-  EXPECT_TRUE(rig.until([&] { return strangers() == 1; }));
+  EXPECT_TRUE(rig.until([&] { return unknown_peers() == 1; }));
 }
 
-TEST_F(Stranger, ThatSaysNothingIsClosedInTime) {
+TEST_F(UnknownPeer, ThatSaysNothingIsClosedInTime) {
   UnixSocket socket = knock();
   EXPECT_FALSE(answer(socket));
-  EXPECT_EQ(strangers(), 1u);
+  EXPECT_EQ(unknown_peers(), 1u);
   EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("did not say"));
 }
 
-TEST_F(Stranger, OfAnotherRingIsToldSo) {
+TEST_F(UnknownPeer, OfAnotherRingIsToldSo) {
   UnixSocket socket = knock();
   LinkHeader header;
   header.type = LinkHeaderType::connect;
@@ -74,10 +74,10 @@ TEST_F(Stranger, OfAnotherRingIsToldSo) {
   const auto answered = answer(socket);
   ASSERT_TRUE(answered);
   EXPECT_EQ(answered->refusal, Refusal::wrong_ring);
-  EXPECT_EQ(strangers(), 1u);
+  EXPECT_EQ(unknown_peers(), 1u);
 }
 
-TEST_F(Stranger, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
+TEST_F(UnknownPeer, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
   LinkHeader header;
   header.version = 1;
   header.type = LinkHeaderType::connect;
@@ -90,12 +90,12 @@ TEST_F(Stranger, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
     EXPECT_EQ(answered->refusal, Refusal::wrong_version);
     EXPECT_EQ(answered->version, kLinkVersion);
   }
-  EXPECT_EQ(strangers(), 3u);
-  EXPECT_THAT(rig.node(1).heard.strangers,
+  EXPECT_EQ(unknown_peers(), 3u);
+  EXPECT_THAT(rig.node(1).heard.unknown_peers,
               ElementsAre("node 0: protocol mismatch: peer speaks version 1, this is version 2; update it"));
 }
 
-TEST_F(Stranger, OfNoNodeOfTheRingIsToldSo) {
+TEST_F(UnknownPeer, OfNoNodeOfTheRingIsToldSo) {
   UnixSocket socket = knock();
   LinkHeader header;
   header.type = LinkHeaderType::connect;
@@ -107,7 +107,7 @@ TEST_F(Stranger, OfNoNodeOfTheRingIsToldSo) {
   EXPECT_EQ(answered->refusal, Refusal::not_in_ring);
 }
 
-TEST_F(Stranger, AsAFartherNodeIsToldThatWeAreBusy) {
+TEST_F(UnknownPeer, AsAFartherNodeIsToldThatWeAreBusy) {
   UnixSocket socket = knock();
   LinkHeader header;
   header.type = LinkHeaderType::connect;
@@ -120,13 +120,13 @@ TEST_F(Stranger, AsAFartherNodeIsToldThatWeAreBusy) {
   EXPECT_EQ(rig.node(1).input->counters().refused, 1u);
 }
 
-TEST_F(Stranger, InACrowdKeepsNobodyOut) {
+TEST_F(UnknownPeer, InACrowdKeepsNobodyOut) {
   std::vector<UnixSocket> crowd;
   for (int i = 0; i < 50; ++i) crowd.push_back(knock());
-  ASSERT_TRUE(rig.until([&] { return strangers() == 50; }));
+  ASSERT_TRUE(rig.until([&] { return unknown_peers() == 50; }));
 }
 
-TEST_F(Stranger, WithADatagramSocketThatIsNotOursDoesNothing) {
+TEST_F(UnknownPeer, WithADatagramSocketThatIsNotOursDoesNothing) {
   LinkRig udp(2, Endpoint::Transport::udp);
   udp.start_all();
   ASSERT_TRUE(udp.until([&] { return udp.whole(); }));
@@ -142,7 +142,7 @@ TEST_F(Stranger, WithADatagramSocketThatIsNotOursDoesNothing) {
   EXPECT_TRUE(udp.until([&] { return udp.node(1).input->counters().strangers == 2; }));
   EXPECT_TRUE(udp.whole());
   EXPECT_THAT(udp.node(1).heard.slices, IsEmpty());
-  EXPECT_THAT(udp.node(1).heard.strangers,
+  EXPECT_THAT(udp.node(1).heard.unknown_peers,
               ElementsAre("peer is not a limb_ring node", "node 0 belongs to another ring"));
 }
 

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "config/state_destination.h"
 #include "payload/fragment.h"
 #include "payload/joint_command.h"
 #include "payload/joint_state.h"
@@ -62,7 +61,7 @@ Stream message(std::string name, NodeId source, NodeId destination, std::uint8_t
 }
 
 void add_joints(const RingConfig& ring, std::vector<Stream>& streams) {
-  const NodeId body = place_of(ring, config::state_destination(ring));
+  const NodeId body = place_of(ring, config::body_of(ring).id);
   for (const NodeConfig& node : ring.nodes)
     if (!node.joints.empty())
       streams.push_back(message("state of " + node.name, place_of(ring, node.id), body, kJointPriority,
@@ -76,7 +75,7 @@ void add_joints(const RingConfig& ring, std::vector<Stream>& streams) {
 }
 
 void add_sensors(const RingConfig& ring, std::vector<Stream>& streams) {
-  const NodeId body = place_of(ring, config::state_destination(ring));
+  const NodeId body = place_of(ring, config::body_of(ring).id);
   for (const NodeConfig& node : ring.nodes)
     for (const config::SensorConfig& sensor : node.sensors)
       streams.push_back(

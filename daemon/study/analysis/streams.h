@@ -32,7 +32,7 @@ struct Stream {
 };
 
 /// Every stream that a ring's file implies (ours), in this order:
-///   joint states    of each node with joints, to config::state_destination() (firmware)
+///   joint states    of each node with joints, to config::body_of() (firmware)
 ///   joint commands  from there to each of them, position and velocity of every joint (ring_bridge)
 ///   sensors         to there (firmware)
 ///   topics          that have a size and a rate (ring_bridge); the announcement before the first is not counted
