@@ -149,7 +149,7 @@ class Contents(unittest.TestCase):
         self.assertEqual(dict(re.findall(r"`timeouts\.(\w+)` \((\w+)", timers)), defaults)
 
     def test_every_state_reason_and_code_is_listed(self):
-        for name, where in [("NodeState", "8.1"), ("Reject", "4.6"), ("SliceKind", "6.2"), ("HeadType", "6.5"),
+        for name, where in [("NodeState", "8.1"), ("Reject", "4.6"), ("SliceKind", "6.2"), ("LinkHeaderType", "6.5"),
                             ("Refusal", "6.5"), ("FoldMark", "8.8")]:
             for word in enumerators(name):
                 if (name, word) != ("Reject", "none"):
