@@ -54,7 +54,7 @@ bool FaultServices::inject(InjectFault::Request& request, InjectFault::Response&
   return answered(response, [&] {
     const fault::Fault fault = fault::from_words(request.fault, ring_nodes_);
     require_survival(fault);
-    for (const inject::Begun& begun : faults_.begin(fault)) {
+    for (const live::Begun& begun : faults_.begin(fault)) {
       append(response.message, begun.words, "; ");
       append(response.id, begun.id, " ");
     }
@@ -71,7 +71,7 @@ bool FaultServices::clear(ClearFaults::Request& request, ClearFaults::Response& 
 
 bool FaultServices::list(ListFaults::Request&, ListFaults::Response& response) {
   return answered(response, [&] {
-    for (const inject::LiveFault& fault : faults_.list()) {
+    for (const live::LiveFault& fault : faults_.list()) {
       response.ids.push_back(fault.id);
       response.faults.push_back(fault.words);
       response.ages.push_back(fault.age_s);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "inject/live_faults.h"
+#include "live/live_faults.h"
 
 namespace limb_ring::bridge {
 
@@ -29,7 +29,7 @@ class FaultServices {
 
   fault::RingNodes ring_nodes_;
   std::string own_;
-  inject::LiveFaults faults_;
+  live::LiveFaults faults_;
   std::vector<ros::ServiceServer> servers_;
 };
 

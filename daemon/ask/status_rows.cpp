@@ -5,7 +5,7 @@
 #include <optional>
 #include <thread>
 
-#include "inject/lock_files.h"
+#include "live/lock_files.h"
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
 #include "process/process_state.h"
@@ -18,7 +18,7 @@ using nlohmann::json;
 constexpr std::size_t kAskers = 16;
 
 std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono::milliseconds timeout) {
-  const inject::Holder holder = inject::holder_of(ring_directory(ring), id);
+  const live::Holder holder = live::holder_of(ring_directory(ring), id);
   if (!holder.held || process::is_stopped(holder.pid)) return std::nullopt;
   try {
     ConnectOptions options;

@@ -116,8 +116,8 @@ TEST(House, ArrowsPointOneWay) {
        {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "watchdog",
         "process", "runtime", "limb_ring"}},
       {"process", {"process"}},
-      {"inject", {"fault", "wire", "inject", "process", "limb_ring"}},
-      {"ask", {"ask", "inject", "payload", "process", "limb_ring"}},
+      {"live", {"fault", "wire", "live", "process", "limb_ring"}},
+      {"ask", {"ask", "live", "payload", "process", "limb_ring"}},
   };
   for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;
 }

@@ -4,7 +4,7 @@
 
 namespace limb_ring::ringctl {
 
-using inject::LiveFault;
+using live::LiveFault;
 using nlohmann::json;
 
 namespace {

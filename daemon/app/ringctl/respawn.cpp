@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <iostream>
 
-#include "inject/lock_files.h"
-#include "inject/node_notes.h"
+#include "live/lock_files.h"
+#include "live/node_notes.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
@@ -52,10 +52,10 @@ void Respawn::consider(std::size_t index) {
   Node& node = nodes_[index];
   const NodeName& name = daemons_.all()[index].node;
   if (Clock::now() < node.due) return;
-  const inject::Holder holder = inject::holder_of(folder_, name.id);
+  const live::Holder holder = live::holder_of(folder_, name.id);
   if (holder.held) return;  // 'ringctl fault start'
   if (holder.pid < 0) node.plan = Plan::stays_down;
-  else if (!inject::is_killed(folder_, name.id)) start(index);
+  else if (!live::is_killed(folder_, name.id)) start(index);
   else if (!std::exchange(node.told, true))
     tell("node " + label(name) + " was killed on purpose; 'ringctl fault start " + name.name + "' starts it again");
 }

@@ -5,8 +5,8 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/supervision.h"
 #include "fault/name.h"
-#include "inject/lock_files.h"
-#include "inject/node_notes.h"
+#include "live/lock_files.h"
+#include "live/node_notes.h"
 #include "limb_ring/ring_directory.h"
 #include "process/process_state.h"
 
@@ -41,7 +41,7 @@ std::string broken_line(const std::vector<json>& rows) {
 
 /// What was done to a whole node on purpose is noted in the ring's folder; a note may be older than what holds now.
 json faults_of_absent(const std::string& folder, std::uint8_t node, bool frozen) {
-  const auto note = inject::note_of(folder, node);
+  const auto note = live::note_of(folder, node);
   if (!note || (note->name() == fault::word_of(fault::Name::freeze).word) != frozen) return json::array();
   return {{{"id", note->name()}, {"fault", note->words}}};
 }
@@ -74,7 +74,7 @@ json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& an
 
 json absent_row(const RingAccess& ring, const std::vector<std::optional<json>>& answers, const NodeName& node) {
   const std::string folder = ring_directory(ring.ring());
-  const inject::Holder holder = inject::holder_of(folder, node.id);
+  const live::Holder holder = live::holder_of(folder, node.id);
   json row = down_row(node);
   if (holder.held) row["pid"] = holder.pid;
   if (holder.held && process::is_stopped(holder.pid)) row["state"] = "frozen";

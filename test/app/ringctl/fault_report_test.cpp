@@ -10,8 +10,8 @@ namespace {
 
 using nlohmann::json;
 
-inject::LiveFault drop() {
-  inject::LiveFault fault;
+live::LiveFault drop() {
+  live::LiveFault fault;
   fault.id = "body.3";
   fault.name = "drop";
   fault.words = "drop body -> head packets=5 for=2s";
@@ -23,7 +23,7 @@ inject::LiveFault drop() {
 }
 
 TEST(FaultTable, SaysWhatWhereSinceWhenHowOftenAndWhatIsLeft) {
-  inject::LiveFault cut;
+  live::LiveFault cut;
   cut.id = "knee.1";
   cut.words = "cut knee -> ankle after=1s";
   cut.waits = true;
@@ -35,7 +35,7 @@ TEST(FaultTable, SaysWhatWhereSinceWhenHowOftenAndWhatIsLeft) {
 
 TEST(FaultTable, HasNullInJsonForAnEndThatAFaultDoesNotHave) {
   EXPECT_EQ(to_json(drop())["packets_left"], 3);
-  EXPECT_TRUE(to_json(inject::LiveFault{})["packets_left"].is_null());
+  EXPECT_TRUE(to_json(live::LiveFault{})["packets_left"].is_null());
 }
 
 /// Nodes 0 to 2, each with the one before it at its input.

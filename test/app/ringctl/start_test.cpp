@@ -8,7 +8,7 @@
 
 #include "app/ringctl/daemons.h"
 #include "app/ringctl/own_folder.h"
-#include "inject/lock_files.h"
+#include "live/lock_files.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
@@ -87,7 +87,7 @@ TEST_F(Start, HeldNodesAreThoseWhoseHolderLives) {
   const std::string ring = make_ring_directory("legs");
   std::ofstream(ring + "/3.lock") << 4711 << '\n';
   const HeldLock held(ring + "/7.lock", 12);
-  const auto nodes = inject::held_nodes(ring);
+  const auto nodes = live::held_nodes(ring);
   ASSERT_THAT(nodes, SizeIs(1));
   EXPECT_EQ(nodes[0].pid, 12);
 }
@@ -96,19 +96,19 @@ TEST_F(Start, LeftoversGoWithTheirFolder) {
   const std::string ring = make_ring_directory("legs");
   for (const char* name : {"3.boot", "3.lock", "3.host", "3.link", "3.log"}) std::ofstream(ring + "/" + name);
   std::filesystem::create_symlink("3.host", ring + "/left_knee.host");
-  inject::remove_leftovers(ring);
+  live::remove_leftovers(ring);
   EXPECT_FALSE(std::filesystem::exists(ring));
 }
 
 TEST_F(Start, LeftoversOfOthersStay) {
   const std::string ring = make_ring_directory("legs");
   std::ofstream(ring + "/notes.txt") << "mine";
-  inject::remove_leftovers(ring);
+  live::remove_leftovers(ring);
   EXPECT_TRUE(std::filesystem::exists(ring + "/notes.txt"));
 }
 
 TEST_F(Start, RingThatIsNotThereHoldsNothing) {
-  EXPECT_THAT(inject::held_nodes(ring_directory("nowhere")), IsEmpty());
+  EXPECT_THAT(live::held_nodes(ring_directory("nowhere")), IsEmpty());
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
-#include "inject/lock_files.h"
+#include "live/lock_files.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
@@ -34,7 +34,7 @@ std::vector<NodeName> nodes_with_sockets(const std::string& ring) {
 bool wait_until_gone(const std::string& folder, Progress& progress) {
   const auto deadline = steady_clock::now() + kPatience;
   for (;;) {
-    const auto held = inject::held_nodes(folder);
+    const auto held = live::held_nodes(folder);
     if (held.empty()) return true;
     if (steady_clock::now() >= deadline) return false;
     progress.tell("waiting for " + app::counted(held.size(), "daemon") + " to end");
@@ -44,7 +44,7 @@ bool wait_until_gone(const std::string& folder, Progress& progress) {
 
 /// A daemon that holds a lock wrote its own pid into it: nobody else is hit.
 void signal_holders(const std::string& folder, int number) {
-  for (const inject::HeldNode& node : inject::held_nodes(folder))
+  for (const live::HeldNode& node : live::held_nodes(folder))
     if (node.pid > 0) ::kill(node.pid, number);
 }
 
@@ -63,7 +63,7 @@ void terminate(const std::string& folder) {
 
 bool end_ring(const std::string& ring, const std::string& folder) {
   Progress progress;
-  if (!ask_to_end(ring, inject::held_nodes(folder).size())) terminate(folder);
+  if (!ask_to_end(ring, live::held_nodes(folder).size())) terminate(folder);
   if (wait_until_gone(folder, progress)) return true;
   terminate(folder);
   if (wait_until_gone(folder, progress)) return true;
@@ -74,15 +74,15 @@ bool end_ring(const std::string& ring, const std::string& folder) {
 int run(const std::string& name) {
   const std::string ring = choose_ring(name);
   const std::string folder = ring_directory(ring);
-  if (inject::held_nodes(folder).empty()) {
-    inject::remove_leftovers(folder);
+  if (live::held_nodes(folder).empty()) {
+    live::remove_leftovers(folder);
     const std::string unreadable = why_unreadable(folder);
     throw NoRing("ring " + ring + (unreadable.empty() ? " is not running" : ": " + folder + unreadable));
   }
   if (!end_ring(ring, folder))
-    throw NotDone("ring " + ring + ": " + app::counted(inject::held_nodes(folder).size(), "daemon") +
+    throw NotDone("ring " + ring + ": " + app::counted(live::held_nodes(folder).size(), "daemon") +
                   " left that even SIGKILL does not end");
-  inject::remove_leftovers(folder);
+  live::remove_leftovers(folder);
   std::cout << "ring " << ring << " is down" << std::endl;
   return kDone;
 }

@@ -12,11 +12,11 @@
 #include "app/ringctl/ring_wait.h"
 #include "cli/values.h"
 #include "fault/parse.h"
-#include "inject/live_faults.h"
+#include "live/live_faults.h"
 
 namespace limb_ring::ringctl {
 
-using inject::LiveFaults;
+using live::LiveFaults;
 using nlohmann::json;
 
 namespace {
@@ -65,7 +65,7 @@ int begin(const Context& context, const fault::Word& word, const Options& option
   const fault::RingNodes nodes = nodes_of(ring);
   const fault::Fault fault = parsed(words_of(word, options), nodes, ring.folds_back());
   json all = json::array();
-  for (const inject::Begun& begun : LiveFaults(ring.ring(), nodes).begin(fault)) {
+  for (const live::Begun& begun : LiveFaults(ring.ring(), nodes).begin(fault)) {
     all.push_back({{"id", begun.id.empty() ? json() : json(begun.id)}, {"fault", begun.words}});
     if (!options.json) std::cout << (begun.id.empty() ? "done" : begun.id) << ": " << begun.words << std::endl;
   }
@@ -77,7 +77,7 @@ int list(const Context& context, const Options& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   const auto faults = LiveFaults(ring.ring(), nodes_of(ring)).list();
   json all = json::array();
-  for (const inject::LiveFault& fault : faults) all.push_back(to_json(fault));
+  for (const live::LiveFault& fault : faults) all.push_back(to_json(fault));
   if (options.json) std::cout << json{{"ring", ring.ring()}, {"faults", all}}.dump(2) << '\n';
   else if (faults.empty()) std::cout << "ring " << ring.ring() << " has no faults on purpose\n";
   else std::cout << fault_table(faults);

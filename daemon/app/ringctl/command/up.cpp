@@ -13,7 +13,7 @@
 #include "app/ringctl/respawn.h"
 #include "app/ringctl/ring_watch.h"
 #include "cli/values.h"
-#include "inject/lock_files.h"
+#include "live/lock_files.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
@@ -38,7 +38,7 @@ struct Options {
 };
 
 void require_not_running(const std::string& ring) {
-  if (inject::held_nodes(ring_directory(ring)).empty()) return;
+  if (live::held_nodes(ring_directory(ring)).empty()) return;
   throw NotDone("ring " + ring + " is running already; 'ringctl down " + ring + "' ends it");
 }
 
@@ -72,7 +72,7 @@ void tell_ended(Daemons& daemons) {
 
 /// Killed on purpose and started again ('ringctl fault start'), so no children of ours: they end with the ring.
 void end_restarted(const std::string& ring) {
-  for (const inject::HeldNode& node : inject::held_nodes(ring_directory(ring))) {
+  for (const live::HeldNode& node : live::held_nodes(ring_directory(ring))) {
     if (node.pid <= 0) continue;
     ::kill(node.pid, SIGTERM);
     ::kill(node.pid, SIGCONT);  // one that is stopped would not see it

@@ -1,11 +1,11 @@
-#include "inject/live_faults.h"
+#include "live/live_faults.h"
 
 #include <functional>
 #include <thread>
 
-#include "inject/node_notes.h"
+#include "live/node_notes.h"
 
-namespace limb_ring::inject {
+namespace limb_ring::live {
 
 using fault::Fault;
 using fault::Name;
@@ -203,4 +203,4 @@ std::vector<std::string> LiveFaults::clear() const {
   return problems;
 }
 
-}  // namespace limb_ring::inject
+}  // namespace limb_ring::live

@@ -6,7 +6,7 @@
 
 #include "wire/packet.h"
 
-namespace limb_ring::inject {
+namespace limb_ring::live {
 
 /// What was done to a whole node from outside, and when: its daemon is dead or stopped and cannot keep it.
 /// One file for a node, ID.fault in the ring's folder. (ours)
@@ -24,4 +24,4 @@ std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node);
 /// The note of a node says that it was killed: whoever watches over its daemon is not to start it again.
 bool is_killed(const std::string& folder, wire::NodeId node);
 
-}  // namespace limb_ring::inject
+}  // namespace limb_ring::live

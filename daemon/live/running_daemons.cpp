@@ -1,4 +1,4 @@
-#include "inject/daemons.h"
+#include "live/running_daemons.h"
 
 #include <fcntl.h>
 
@@ -13,7 +13,7 @@
 #include "process/process_state.h"
 #include "process/spawn.h"
 
-namespace limb_ring::inject {
+namespace limb_ring::live {
 namespace {
 
 using nlohmann::json;
@@ -43,14 +43,14 @@ bool has_said_hello(const json& row) {
 
 }  // namespace
 
-Daemons::Daemons(std::string ring, fault::RingNodes nodes)
+RunningDaemons::RunningDaemons(std::string ring, fault::RingNodes nodes)
     : ring_(std::move(ring)), nodes_(std::move(nodes)), folder_(ring_directory(ring_)) {}
 
-const fault::NamedNode& Daemons::node(wire::NodeId id) const {
+const fault::NamedNode& RunningDaemons::node(wire::NodeId id) const {
   return *std::find_if(nodes_.begin(), nodes_.end(), [id](const auto& node) { return node.id == id; });
 }
 
-HostPort Daemons::connect(wire::NodeId id) const {
+HostPort RunningDaemons::connect(wire::NodeId id) const {
   if (is_stopped(id)) throw NotDone("node " + node(id).name + " is frozen: its daemon does not answer; thaw it first");
   ConnectOptions options;
   options.ring = ring_;
@@ -59,7 +59,7 @@ HostPort Daemons::connect(wire::NodeId id) const {
   return HostPort::connect(options);
 }
 
-json Daemons::ask(wire::NodeId id, const json& request) const {
+json RunningDaemons::ask(wire::NodeId id, const json& request) const {
   HostPort port = connect(id);
   try {
     return json::parse(port.ask(request.dump(), kAnswer));
@@ -69,13 +69,13 @@ json Daemons::ask(wire::NodeId id, const json& request) const {
   }
 }
 
-bool Daemons::is_stopped(wire::NodeId id) const {
+bool RunningDaemons::is_stopped(wire::NodeId id) const {
   const Holder holder = this->holder(id);
   return holder.held && process::is_stopped(holder.pid);
 }
 
 // The pid is that of the lock's holder: no stranger is hit.
-void Daemons::signal(wire::NodeId id, int number) const {
+void RunningDaemons::signal(wire::NodeId id, int number) const {
   const Holder holder = this->holder(id);
   if (!holder.held || holder.pid <= 0)
     throw NotDone("node " + node(id).name + " of ring " + ring_ + " has no daemon on this host that runs");
@@ -83,7 +83,7 @@ void Daemons::signal(wire::NodeId id, int number) const {
     throw NotDone("node " + node(id).name + ": pid " + std::to_string(holder.pid) + ": " + std::strerror(errno));
 }
 
-void Daemons::kill(wire::NodeId id) const {
+void RunningDaemons::kill(wire::NodeId id) const {
   const pid_t pid = holder(id).pid;
   signal(id, SIGKILL);
   // Where somebody watches over it, the lock may be held by the next one already.
@@ -91,18 +91,18 @@ void Daemons::kill(wire::NodeId id) const {
   if (!wait_for(gone, kSignalled)) throw NotDone("node " + node(id).name + " does not die");
 }
 
-void Daemons::freeze(wire::NodeId id) const {
+void RunningDaemons::freeze(wire::NodeId id) const {
   signal(id, SIGSTOP);
   if (!wait_for([&] { return is_stopped(id); }, kSignalled)) throw NotDone("node " + node(id).name + " does not stop");
 }
 
-void Daemons::thaw(wire::NodeId id) const {
+void RunningDaemons::thaw(wire::NodeId id) const {
   signal(id, SIGCONT);
   if (!wait_for([&] { return !is_stopped(id); }, kSignalled))
     throw NotDone("node " + node(id).name + " does not go on");
 }
 
-void Daemons::start(wire::NodeId id) const {
+void RunningDaemons::start(wire::NodeId id) const {
   const Holder last = holder(id);
   if (last.held) throw NotDone("node " + node(id).name + " runs already, pid " + std::to_string(last.pid));
   if (last.program.empty())
@@ -123,12 +123,12 @@ void Daemons::start(wire::NodeId id) const {
   if (daemon.pid < 0) throw NotDone(std::string("cannot fork: ") + std::strerror(daemon.error));
 }
 
-std::uint64_t Daemons::boot_of(wire::NodeId id) const {
+std::uint64_t RunningDaemons::boot_of(wire::NodeId id) const {
   return ask(id, {{"do", "status"}}).value("boot", std::uint64_t{0});
 }
 
 // It does not answer: its end is the answer, and a higher boot number the proof.
-void Daemons::power_cycle(wire::NodeId id) const {
+void RunningDaemons::power_cycle(wire::NodeId id) const {
   HostPort port = connect(id);
   const std::uint64_t before = json::parse(port.ask(R"({"do": "status"})", kAnswer)).value("boot", std::uint64_t{0});
   const json request{{"do", "fault"}, {"fault", "power_cycle " + node(id).number}};
@@ -147,7 +147,7 @@ void Daemons::power_cycle(wire::NodeId id) const {
   if (!wait_for(is_new, kHello)) throw NotDone("node " + node(id).name + " does not come back");
 }
 
-void Daemons::wait_for_hello(wire::NodeId id) const {
+void RunningDaemons::wait_for_hello(wire::NodeId id) const {
   const auto joined = [&] {
     try {
       return has_said_hello(ask(id, {{"do", "status"}}));
@@ -159,4 +159,4 @@ void Daemons::wait_for_hello(wire::NodeId id) const {
     throw NotDone("node " + node(id).name + " was started, but has not joined the ring in time");
 }
 
-}  // namespace limb_ring::inject
+}  // namespace limb_ring::live

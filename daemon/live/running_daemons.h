@@ -5,10 +5,10 @@
 #include <string>
 
 #include "fault/parse.h"
-#include "inject/lock_files.h"
+#include "live/lock_files.h"
 #include "limb_ring/host_port.h"
 
-namespace limb_ring::inject {
+namespace limb_ring::live {
 
 /// A fault that did not happen; what() says why.
 struct NotDone : std::runtime_error {
@@ -17,9 +17,9 @@ struct NotDone : std::runtime_error {
 
 /// The daemons of one ring on this host: asked through their host ports, hit by signals, started again.
 /// Every call ends by a deadline. @throw NotDone with the node's name and what is wrong
-class Daemons {
+class RunningDaemons {
  public:
-  Daemons(std::string ring, fault::RingNodes nodes);
+  RunningDaemons(std::string ring, fault::RingNodes nodes);
 
   const fault::RingNodes& nodes() const { return nodes_; }
   const fault::NamedNode& node(wire::NodeId id) const;
@@ -51,4 +51,4 @@ class Daemons {
   std::string folder_;
 };
 
-}  // namespace limb_ring::inject
+}  // namespace limb_ring::live

@@ -1,4 +1,4 @@
-#include "inject/node_notes.h"
+#include "live/node_notes.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 #include "fault/name.h"
 
-namespace limb_ring::inject {
+namespace limb_ring::live {
 namespace {
 
 using std::chrono::milliseconds;
@@ -44,4 +44,4 @@ bool is_killed(const std::string& folder, wire::NodeId node) {
   return note && note->name() == fault::word_of(fault::Name::kill).word;
 }
 
-}  // namespace limb_ring::inject
+}  // namespace limb_ring::live

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace limb_ring::inject {
+namespace limb_ring::live {
 
 /// What the lock file of a node says of the daemon that holds it, or held it last (host/node_lock.h).
 struct Holder {
@@ -33,4 +33,4 @@ std::vector<HeldNode> held_nodes(const std::string& folder);
 /// Call only where nothing is held any more.
 void remove_leftovers(const std::string& folder);
 
-}  // namespace limb_ring::inject
+}  // namespace limb_ring::live

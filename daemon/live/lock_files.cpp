@@ -1,4 +1,4 @@
-#include "inject/lock_files.h"
+#include "live/lock_files.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -10,7 +10,7 @@
 
 #include "process/unique_fd.h"
 
-namespace limb_ring::inject {
+namespace limb_ring::live {
 
 namespace fs = std::filesystem;
 
@@ -79,4 +79,4 @@ void remove_leftovers(const std::string& folder) {
   fs::remove(folder, ignored);  // stays where something else is in it
 }
 
-}  // namespace limb_ring::inject
+}  // namespace limb_ring::live

@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "inject/daemons.h"
+#include "live/running_daemons.h"
 
-namespace limb_ring::inject {
+namespace limb_ring::live {
 
 /// A fault that lasts, wherever it is kept.
 struct LiveFault {
@@ -54,7 +54,7 @@ class LiveFaults {
   std::vector<LiveFault> faults_of(wire::NodeId node) const;
   wire::NodeId node_called(const std::string& name) const;
 
-  Daemons daemons_;
+  RunningDaemons daemons_;
 };
 
-}  // namespace limb_ring::inject
+}  // namespace limb_ring::live
