@@ -63,7 +63,7 @@ void measure(HostPort port, std::uint8_t to, const Setup& setup, Outcome& outcom
 void wait_until(const std::atomic<bool>& flag, const Setup& setup, Worker& worker, milliseconds patience) {
   const auto deadline = Samples::Clock::now() + patience;
   while (!flag) {
-    setup.breathe();
+    setup.poll();
     if (!worker.running() || Samples::Clock::now() > deadline)
       throw std::runtime_error("two CPUs could not talk over the ring");
     std::this_thread::sleep_for(kTick);

@@ -38,7 +38,7 @@ std::optional<HostPort> reading_cpu(const PrivateRing& ring) {
 void let_pass(const Setup& setup, std::optional<HostPort>& cpu, steady_clock::duration time) {
   const auto end = steady_clock::now() + time;
   while (steady_clock::now() < end) {
-    setup.breathe();
+    setup.poll();
     if (cpu) cpu->receive(kSlice);
     else std::this_thread::sleep_for(kSlice);
   }

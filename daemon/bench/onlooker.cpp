@@ -42,7 +42,7 @@ Onlooker::Onlooker(const Setup& setup, const PrivateRing& ring, std::size_t inde
   });
   const auto deadline = steady_clock::now() + kPatience;
   while (!ready) {
-    setup.breathe();
+    setup.poll();
     if (!worker_->running() || steady_clock::now() > deadline)
       throw std::runtime_error("nobody could look at the packets of a node");
     std::this_thread::sleep_for(kTick);

@@ -19,6 +19,7 @@ using std::chrono::steady_clock;
 constexpr milliseconds kAnswerTime{5000};
 constexpr milliseconds kClosingTime{20'000};
 constexpr milliseconds kTick{20};
+constexpr milliseconds kGrace{2000};
 
 /// Never the same twice: UDP ports come from it, and an old ring's may still be taken.
 std::string fresh_name() {
@@ -34,11 +35,18 @@ config::RingConfig configure(const Setup& setup, const RingRequest& request) {
   return ring;
 }
 
-std::vector<std::string> arguments_of(const config::RingConfig& ring, const RingRequest& request) {
+live::LaunchRequest launch_of(const config::RingConfig& ring, const RingRequest& request) {
   std::vector<std::string> arguments = {"--nodes", std::to_string(ring.nodes.size()), "--ring", ring.ring};
   if (!request.config.empty()) arguments.insert(arguments.end(), {"--config", request.config});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
-  return arguments;
+  live::LaunchRequest launch;
+  launch.ring = ring.ring;
+  launch.cores = cores_for(request.pinning);
+  for (const config::NodeConfig& node : ring.nodes) {
+    launch.nodes.push_back({node.id, node.name, arguments});
+    launch.nodes.back().arguments.insert(launch.nodes.back().arguments.end(), {"--node", std::to_string(node.id)});
+  }
+  return launch;
 }
 
 bool node_is_ready(const nlohmann::json& status, const config::RingConfig& ring, const config::NodeConfig& node) {
@@ -53,31 +61,29 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request) {
   return nlohmann::json::parse(port.ask(request.dump(), kAnswerTime));
 }
 
-PrivateRing::PrivateRing(const Setup& setup, const PrivateFolder& folder, const RingRequest& request)
-    : config_(configure(setup, request)) {
-  start(folder, request);
-  wait_until_closed(setup);
-}
-
-PrivateRing::~PrivateRing() {
-  for (ChildProgram& daemon : daemons_) daemon.ask_to_end();
-}
-
-void PrivateRing::start(const PrivateFolder& folder, const RingRequest& request) {
-  for (std::size_t i = 0; i < config_.nodes.size(); ++i) {
-    ProgramRequest program;
-    program.name = "ringd";
-    program.arguments = arguments_of(config_, request);
-    program.arguments.insert(program.arguments.end(), {"--index", std::to_string(i)});
-    program.log = folder.path() + "/" + std::to_string(i) + ".log";
-    program.cores = cores_for(request.pinning);
-    daemons_.emplace_back(program);
+PrivateRing::PrivateRing(const Setup& setup, const RingRequest& request)
+    : config_(configure(setup, request)), daemons_(launch_of(config_, request)) {
+  try {
+    wait_until_closed(setup);
+  } catch (...) {
+    end();
+    throw;
   }
 }
 
+PrivateRing::~PrivateRing() { end(); }
+
+void PrivateRing::end() {
+  const auto wait = [](milliseconds time) {
+    std::this_thread::sleep_for(time);
+    return false;
+  };
+  daemons_.end(wait, kGrace);
+}
+
 void PrivateRing::require_running() {
-  for (ChildProgram& daemon : daemons_)
-    if (!daemon.running()) throw std::runtime_error("a ringd has ended:\n" + daemon.last_words());
+  daemons_.reap();
+  if (const auto* ended = daemons_.first_ended()) throw std::runtime_error(ended->exit_reason());
 }
 
 bool PrivateRing::closed() {
@@ -95,11 +101,11 @@ bool PrivateRing::closed() {
 void PrivateRing::wait_until_closed(const Setup& setup) {
   const auto deadline = steady_clock::now() + kClosingTime;
   while (!closed()) {
-    setup.breathe();
+    setup.poll();
     require_running();
     if (steady_clock::now() > deadline)
       throw std::runtime_error("a ring of " + std::to_string(config_.nodes.size()) + " nodes did not close within " +
-                               std::to_string(kClosingTime.count() / 1000) + " s:\n" + daemons_[0].last_words());
+                               std::to_string(kClosingTime.count() / 1000) + " s" + daemons_.all()[0].last_lines());
     std::this_thread::sleep_for(kTick);
   }
 }
@@ -115,8 +121,8 @@ HostPort PrivateRing::connect(std::size_t index, Role role) const {
 
 std::vector<pid_t> PrivateRing::processes() {
   std::vector<pid_t> all;
-  for (std::size_t i = 0; i < daemons_.size(); ++i) {
-    all.push_back(daemons_[i].pid());
+  for (std::size_t i = 0; i < daemons_.all().size(); ++i) {
+    all.push_back(daemons_.all()[i].program.pid());
     HostPort port = connect(i);
     const nlohmann::json cpu = ask(port, {{"do", "status"}}).at("cpu");
     if (cpu.value("kind", "") == "child") all.push_back(cpu.at("pid").get<pid_t>());

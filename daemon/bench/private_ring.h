@@ -4,11 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "bench/child_program.h"
-#include "bench/private_folder.h"
 #include "bench/setup.h"
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
+#include "live/launched_ring.h"
 
 namespace limb_ring::bench {
 
@@ -24,7 +23,7 @@ class PrivateRing {
  public:
   /// Returns when the ring is closed and its child CPUs run.
   /// @throw std::runtime_error where it does not close, with what a daemon said last
-  PrivateRing(const Setup& setup, const PrivateFolder& folder, const RingRequest& request);
+  PrivateRing(const Setup& setup, const RingRequest& request);
   ~PrivateRing();
   PrivateRing(const PrivateRing&) = delete;
   PrivateRing& operator=(const PrivateRing&) = delete;
@@ -36,13 +35,13 @@ class PrivateRing {
   std::vector<pid_t> processes();
 
  private:
-  void start(const PrivateFolder& folder, const RingRequest& request);
   void wait_until_closed(const Setup& setup);
   bool closed();
   void require_running();
+  void end();
 
   config::RingConfig config_;
-  std::vector<ChildProgram> daemons_;
+  live::LaunchedRing daemons_;
 };
 
 /// The daemon's answer to a request. @throw HostPortError

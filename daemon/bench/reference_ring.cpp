@@ -129,7 +129,7 @@ std::vector<Worker> start(const Setup& setup, Pinning pinning, unsigned senders,
 
 void wait_until_done(const Setup& setup, Outcome& outcome, Samples::Clock::time_point deadline) {
   while (!outcome.done) {
-    setup.breathe();
+    setup.poll();
     if (Samples::Clock::now() > deadline)
       throw std::runtime_error("the reference ring does not go round; is the machine overloaded?");
     std::this_thread::sleep_for(kTick);

@@ -5,14 +5,16 @@
 
 #include <array>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "bench/child_program.h"
 #include "bench/cores.h"
 #include "process/find_program.h"
+#include "process/program.h"
+#include "process/unique_fd.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -58,7 +60,8 @@ class Chain {
       : setup_(setup), folder_(folder), pinning_(pinning), port_(free_port()) {}
 
   ~Chain() {
-    for (ChildProgram& program : programs_) program.ask_to_end();
+    for (const process::Program& program : programs_) program.signal(SIGTERM);
+    for (process::Program& program : programs_) program.end();
   }
 
   Measurement run() {
@@ -77,28 +80,29 @@ class Chain {
   void start(const std::string& program, const std::vector<std::string>& arguments,
              const std::optional<cpu_set_t>& cores) {
     const std::string log = folder_.path() + "/chain" + std::to_string(programs_.size()) + ".log";
-    programs_.emplace_back(ProgramRequest{
+    programs_.emplace_back(process::ProgramRequest{
         program,
         arguments,
         {{"ROS_MASTER_URI", "http://127.0.0.1:" + port_}, {"ROS_IP", "127.0.0.1"}, {"ROS_LOG_DIR", folder_.path()}},
         log,
+        process::Lifetime::asked_to_end,
         cores});
   }
 
-  void wait_for_end(ChildProgram& ends) {
+  void wait_for_end(process::Program& ends) {
     const auto deadline = steady_clock::now() + kPatience;
-    while (ends.running()) {
-      setup_.breathe();
+    while (ends.reap(), !ends.ended()) {
+      setup_.poll();
       if (steady_clock::now() > deadline) throw std::runtime_error("it did not get going within a minute");
       std::this_thread::sleep_for(kTick);
     }
   }
 
-  static Measurement measurement_of(const ChildProgram& ends) {
+  static Measurement measurement_of(const process::Program& ends) {
     const std::string said = ends.output();
     const std::size_t at = said.find('{');
     const auto json = nlohmann::json::parse(at == std::string::npos ? "" : said.substr(at), nullptr, false);
-    if (!json.is_object()) throw std::runtime_error(ends.last_words());
+    if (!json.is_object()) throw std::runtime_error(ends.last_lines());
     Measurement measured;
     measured.round_trip_us = {json.at("p50"), json.at("p99"), json.at("max")};
     measured.packets_per_second = json.at("packets_per_second");
@@ -110,7 +114,7 @@ class Chain {
   const PrivateFolder& folder_;
   Pinning pinning_;
   std::string port_;
-  std::vector<ChildProgram> programs_;
+  std::vector<process::Program> programs_;
 };
 
 std::string missing(const Setup& setup) {

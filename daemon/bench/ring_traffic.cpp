@@ -22,7 +22,7 @@ nlohmann::json request_of(const Setup& setup, const config::RingConfig& ring, st
 
 nlohmann::json reply_to(std::uint32_t token, HostPort& port, const Setup& setup, steady_clock::time_point deadline) {
   while (steady_clock::now() < deadline) {
-    setup.breathe();
+    setup.poll();
     const auto message = port.receive(kSlice);
     if (!message) continue;
     if (const auto* reply = std::get_if<Reply>(&*message))

@@ -19,7 +19,7 @@ struct Setup {
   bool ros = true;            ///< the chain of relays too, where ROS is there
   std::string humanoid;       ///< its YAML file; empty: not measured
   /// Called many times a second while something is waited for; throws to end the benchmark.
-  std::function<void()> breathe = [] {};
+  std::function<void()> poll = [] {};
   /// What is being measured now, for people.
   std::function<void(const std::string&)> tell = [](const std::string&) {};
 

@@ -54,7 +54,7 @@ class Rounds {
   void ring(const std::string& what, const RingRequest& request) {
     std::map<Sending, double> reference;
     for (const Sending sending : kSendings) reference[sending] = measure_reference_p50(sending);
-    const PrivateRing ring(setup_, folder_, request);
+    const PrivateRing ring(setup_, request);
     for (const Sending sending : kSendings) {
       tell(what, sending);
       const Measurement measured = measure_traffic(setup_, ring, sending);
@@ -74,7 +74,7 @@ class Rounds {
 
   void cpu_to_cpu(const RingRequest& request) {
     const double reference = measure_reference_p50(Sending::one);
-    const PrivateRing ring(setup_, folder_, request);
+    const PrivateRing ring(setup_, request);
     tell("cpu_to_cpu", Sending::one);
     add("cpu_to_cpu", Sending::one, measure_cpu_to_cpu(setup_, ring, pinning_), reference);
   }
@@ -115,9 +115,9 @@ void add_relay_chain(const Setup& setup, const PrivateFolder& folder, Report& re
   }
 }
 
-double idle_percent(const Setup& setup, const PrivateFolder& folder, const std::string& config) {
+double idle_percent(const Setup& setup, const std::string& config) {
   setup.tell("idle ring " + (config.empty() ? "without CPUs" : "of " + config));
-  PrivateRing ring(setup, folder, {config, "", Pinning::free});
+  PrivateRing ring(setup, {config, "", Pinning::free});
   return measure_idle_percent(setup, ring);
 }
 
@@ -138,8 +138,8 @@ Report run_suite(const Setup& setup, const PrivateFolder& folder) {
     rounds.add_rows(report.rows);
   }
   add_relay_chain(setup, folder, report);
-  report.idle_plain_percent = idle_percent(setup, folder, "");
-  if (!setup.humanoid.empty()) report.idle_humanoid_percent = idle_percent(setup, folder, setup.humanoid);
+  report.idle_plain_percent = idle_percent(setup, "");
+  if (!setup.humanoid.empty()) report.idle_humanoid_percent = idle_percent(setup, setup.humanoid);
   return report;
 }
 

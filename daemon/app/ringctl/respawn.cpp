@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "app/ringctl/ring_access.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
 #include "limb_ring/ring_directory.h"
@@ -19,15 +20,15 @@ void tell(const std::string& what) { std::cerr << "ringctl: " << what << std::en
 
 }  // namespace
 
-Respawn::Respawn(Daemons& daemons) : daemons_(daemons), folder_(ring_directory(daemons.ring())) {
+Respawn::Respawn(live::LaunchedRing& daemons) : daemons_(daemons), folder_(ring_directory(daemons.ring())) {
   Node node{Plan::runs, Clock::now(), {}, process::BackOff(kPauses), false};
   nodes_.assign(daemons.all().size(), node);
 }
 
-void Respawn::look() {
+void Respawn::poll() {
   daemons_.reap();
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    if (nodes_[i].plan == Plan::runs && daemons_.all()[i].ended) ended(i);
+    if (nodes_[i].plan == Plan::runs && daemons_.all()[i].ended()) ended(i);
     if (nodes_[i].plan == Plan::starts_again) consider(i);
   }
 }
@@ -38,19 +39,20 @@ bool Respawn::taken_down() const {
 
 void Respawn::ended(std::size_t index) {
   Node& node = nodes_[index];
-  const Daemon& daemon = daemons_.all()[index];
+  const live::LaunchedDaemon& daemon = daemons_.all()[index];
   const auto ran = std::chrono::duration_cast<milliseconds>(Clock::now() - node.started);
   // A clean end is one that was asked for: 'ringctl down', SIGTERM.
-  node.plan = daemon.ended->clean ? Plan::stays_down : Plan::starts_again;
+  node.plan = daemon.ended()->clean ? Plan::stays_down : Plan::starts_again;
   node.due = Clock::now() + node.pause.after(ran);
   node.told = false;
-  if (!daemon.ended->clean) tell(daemon.obituary());
+  if (!daemon.ended()->clean) tell(daemon.exit_reason());
 }
 
 /// 'ringctl down' removes the lock file of a daemon that it had to kill; nothing else does.
 void Respawn::consider(std::size_t index) {
   Node& node = nodes_[index];
-  const NodeName& name = daemons_.all()[index].node;
+  const live::LaunchedDaemon& daemon = daemons_.all()[index];
+  const NodeName name{daemon.id, daemon.name};
   if (Clock::now() < node.due) return;
   const live::Holder holder = live::holder_of(folder_, name.id);
   if (holder.held) return;  // 'ringctl fault start'
@@ -61,7 +63,7 @@ void Respawn::consider(std::size_t index) {
 }
 
 void Respawn::start(std::size_t index) {
-  tell("node " + label(daemons_.all()[index].node) + " is started again");
+  tell("node " + label({daemons_.all()[index].id, daemons_.all()[index].name}) + " is started again");
   daemons_.start_again(index);
   nodes_[index].plan = Plan::runs;
   nodes_[index].started = Clock::now();

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/daemons.h"
+#include "live/launched_ring.h"
 #include "process/back_off.h"
 
 namespace limb_ring::ringctl {
@@ -14,10 +14,10 @@ namespace limb_ring::ringctl {
 /// start' or 'fault clear', whose daemon is no child of ours), by SIGTERM.
 class Respawn {
  public:
-  explicit Respawn(Daemons& daemons);
+  explicit Respawn(live::LaunchedRing& daemons);
 
   /// Reaps, tells on standard error what has ended, and starts what is due. To be called every `kTick`.
-  void look();
+  void poll();
   /// No daemon runs, and none is to be started again.
   bool taken_down() const;
 
@@ -38,7 +38,7 @@ class Respawn {
   void consider(std::size_t index);
   void start(std::size_t index);
 
-  Daemons& daemons_;
+  live::LaunchedRing& daemons_;
   std::string folder_;
   std::vector<Node> nodes_;
 };

@@ -52,6 +52,16 @@ std::vector<std::string> RingPlan::arguments_of(const NodeName& node) const {
   return all;
 }
 
+live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime, bool logged) {
+  live::LaunchRequest request;
+  request.ring = plan.ring;
+  for (const PlannedNode& planned : plan.nodes)
+    request.nodes.push_back({planned.node.id, planned.node.name, plan.arguments_of(planned.node)});
+  request.lifetime = lifetime;
+  request.logged = logged;
+  return request;
+}
+
 RingPlan plan_ring(const UpRequest& request) {
   if (request.config.empty() && request.nodes == 0)
     throw UsageError("give CONFIG, the ring's YAML file, or --nodes N for a plain ring");

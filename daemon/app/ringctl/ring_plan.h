@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/ringctl/ring_access.h"
+#include "live/launched_ring.h"
 
 namespace limb_ring::ringctl {
 
@@ -29,6 +30,9 @@ struct RingPlan {
   /// Command line of the daemon of one node, without the program.
   std::vector<std::string> arguments_of(const NodeName& node) const;
 };
+
+/// One ringd for each node of the plan.
+live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime, bool logged);
 
 /// @throw config::ConfigError, UsageError
 RingPlan plan_ring(const UpRequest& request);

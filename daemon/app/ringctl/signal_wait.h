@@ -16,6 +16,8 @@ class SignalWait {
 
   /// The next one, waiting up to `timeout`; 0 where none came.
   int next(std::chrono::milliseconds timeout);
+  /// Waits up to `timeout`. @return whether one came that asks to end
+  bool asked_to_end(std::chrono::milliseconds timeout) { return asks_to_end(next(timeout)); }
   static bool asks_to_end(int signal) {
     return signal == SIGINT || signal == SIGTERM || signal == SIGHUP;
   }

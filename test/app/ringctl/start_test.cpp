@@ -6,7 +6,8 @@
 
 #include <functional>
 
-#include "app/ringctl/daemons.h"
+#include "app/ringctl/ring_plan.h"
+#include "app/ringctl/signal_wait.h"
 #include "app/ringctl/own_folder.h"
 #include "live/lock_files.h"
 #include "limb_ring/ring_directory.h"
@@ -41,32 +42,33 @@ class Start : public OwnFolder {
 
   RingPlan plan;
   SignalWait signals;
+  live::LaunchedRing::Wait wait = [this](auto time) { return signals.asked_to_end(time); };
 
  private:
   std::string path_;
 };
 
-TEST_F(Start, DaemonThatEndsIsNamedWithItsLastWords) {
+TEST_F(Start, DaemonThatEndsIsNamedWithTheLastLinesOfItsLog) {
   ringd_is("echo first; echo node is held by pid 12 >&2; exit 3");
-  Daemons daemons(plan, Daemons::Mode::detached);
+  live::LaunchedRing daemons(launch_request(plan, process::Lifetime::its_own, true));
   ASSERT_TRUE(until([&] { return daemons.reap(), !daemons.any_running(); }));
-  EXPECT_THAT(daemons.all()[1].obituary(),
+  EXPECT_THAT(daemons.all()[1].exit_reason(),
               AllOf(HasSubstr("node 7 (left_knee)"), HasSubstr("exit 3"),
                     HasSubstr("held by pid 12")));
 }
 
 TEST_F(Start, DaemonsThatIgnoreSigtermAreKilled) {
   ringd_is("trap '' TERM; kill -STOP $$; while :; do sleep 1; done");
-  Daemons daemons(plan, Daemons::Mode::foreground);
-  daemons.end(signals, 50ms);
+  live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end, false));
+  daemons.end(wait, 50ms);
   EXPECT_FALSE(daemons.any_running());
 }
 
 TEST_F(Start, SecondRequestToEndKillsAtOnce) {
   ringd_is("trap '' TERM INT; kill -STOP $$; while :; do sleep 1; done");
-  Daemons daemons(plan, Daemons::Mode::foreground);
+  live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end, false));
   ::raise(SIGINT);
-  daemons.end(signals, 1h);
+  daemons.end(wait, 1h);
   EXPECT_FALSE(daemons.any_running());
 }
 

@@ -36,7 +36,7 @@ int run(Options& options) {
   options.setup.ros = !options.no_ros;
   options.setup.humanoid = find_humanoid();
   options.setup.tell = [](const std::string& what) { std::cerr << "bench: " << what << std::endl; };
-  options.setup.breathe = [&signals] {
+  options.setup.poll = [&signals] {
     if (SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) throw NotDone("interrupted");
   };
   const bench::PrivateFolder folder;

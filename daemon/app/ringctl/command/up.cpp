@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "app/ringctl/command/commands.h"
-#include "app/ringctl/daemons.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/respawn.h"
 #include "app/ringctl/ring_watch.h"
+#include "app/ringctl/signal_wait.h"
 #include "cli/values.h"
 #include "live/lock_files.h"
 #include "limb_ring/ring_directory.h"
@@ -32,9 +32,6 @@ struct Options {
   bool respawn = false;
   double timeout_s = 10;
 
-  Daemons::Mode mode() const {
-    return detach ? Daemons::Mode::detached : Daemons::Mode::foreground;
-  }
 };
 
 void require_not_running(const std::string& ring) {
@@ -43,7 +40,7 @@ void require_not_running(const std::string& ring) {
 }
 
 /// Waits until the ring is closed. @return why it is not; empty where it is
-std::string wait_until_closed(const RingPlan& plan, Daemons& daemons, SignalWait& signals,
+std::string wait_until_closed(const RingPlan& plan, live::LaunchedRing& daemons, SignalWait& signals,
                               double timeout_s) {
   const auto deadline = steady_clock::now() + milliseconds(static_cast<int>(timeout_s * 1000));
   RingWatch watch(plan);
@@ -51,11 +48,11 @@ std::string wait_until_closed(const RingPlan& plan, Daemons& daemons, SignalWait
   for (;;) {
     const auto waiting = watch.first_not_ready();
     daemons.reap();
-    if (const Daemon* dead = daemons.first_ended()) return dead->obituary();
+    if (const live::LaunchedDaemon* dead = daemons.first_ended()) return dead->exit_reason();
     if (!waiting) return {};
     if (steady_clock::now() >= deadline)
-      return "not closed in time; " + waiting->lack + daemons.all()[waiting->index].last_words();
-    if (SignalWait::asks_to_end(signals.next(kTick))) return "interrupted";
+      return "not closed in time; " + waiting->lack + daemons.all()[waiting->index].last_lines();
+    if (signals.asked_to_end(kTick)) return "interrupted";
     progress.tell("waiting for " + waiting->lack);
   }
 }
@@ -65,9 +62,9 @@ void announce(const RingPlan& plan) {
             << std::endl;
 }
 
-void tell_ended(Daemons& daemons) {
-  for (const Daemon* daemon : daemons.reap())
-    if (!daemon->ended->clean) std::cerr << "ringctl: " << daemon->obituary() << std::endl;
+void tell_ended(live::LaunchedRing& daemons) {
+  for (const live::LaunchedDaemon* daemon : daemons.reap())
+    if (!daemon->ended()->clean) std::cerr << "ringctl: " << daemon->exit_reason() << std::endl;
 }
 
 /// Killed on purpose and started again ('ringctl fault start'), so no children of ours: they end with the ring.
@@ -79,24 +76,29 @@ void end_restarted(const std::string& ring) {
   }
 }
 
+/// A second request to end kills at once.
+void end(live::LaunchedRing& daemons, SignalWait& signals) {
+  daemons.end([&signals](milliseconds time) { return signals.asked_to_end(time); }, kGrace);
+}
+
 /// Until a signal, or until all daemons have ended by themselves (ringctl down).
-int stay(Daemons& daemons, SignalWait& signals) {
+int stay(live::LaunchedRing& daemons, SignalWait& signals) {
   while (daemons.any_running()) {
-    if (SignalWait::asks_to_end(signals.next(milliseconds(1000)))) {
-      daemons.end(signals, kGrace);
+    if (signals.asked_to_end(milliseconds(1000))) {
+      end(daemons, signals);
       return kDone;
     }
     tell_ended(daemons);
   }
   const bool clean = std::all_of(daemons.all().begin(), daemons.all().end(),
-                                 [](const Daemon& daemon) { return daemon.ended->clean; });
+                                 [](const live::LaunchedDaemon& daemon) { return daemon.ended()->clean; });
   return clean ? kDone : kNotDone;
 }
 
 /// A daemon that exits with an error while the ring has never been closed would do so again.
-void require_started(const Daemons& daemons) {
-  const Daemon* dead = daemons.first_ended();
-  if (dead != nullptr && !dead->ended->clean && !dead->ended->by_signal) throw NotDone(dead->obituary());
+void require_started(const live::LaunchedRing& daemons) {
+  const live::LaunchedDaemon* dead = daemons.first_ended();
+  if (dead != nullptr && !dead->ended()->clean && !dead->ended()->by_signal) throw NotDone(dead->exit_reason());
 }
 
 void tell_taken_down(const std::string& ring) {
@@ -105,15 +107,15 @@ void tell_taken_down(const std::string& ring) {
 }
 
 /// Until a signal, whatever ends the daemons. @throw NotDone where one cannot start
-void stay_and_respawn(const RingPlan& plan, Daemons& daemons, SignalWait& signals) {
+void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, SignalWait& signals) {
   Respawn respawn(daemons);
   std::optional<RingWatch> watch(plan);
   Progress progress;
   bool down = false;
-  while (!SignalWait::asks_to_end(signals.next(Respawn::kTick))) {
+  while (!signals.asked_to_end(Respawn::kTick)) {
     daemons.reap();
     if (watch) require_started(daemons);
-    respawn.look();
+    respawn.poll();
     if (!down && respawn.taken_down()) {
       tell_taken_down(plan.ring);
       watch.reset();
@@ -128,17 +130,17 @@ void stay_and_respawn(const RingPlan& plan, Daemons& daemons, SignalWait& signal
     }
   }
   if (down) return;  // what runs by now is somebody else's
-  daemons.end(signals, kGrace);
+  end(daemons, signals);
   end_restarted(plan.ring);
 }
 
 int respawn(const RingPlan& plan) {
   SignalWait signals;
-  Daemons daemons(plan, Daemons::Mode::foreground);
+  live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end, false));
   try {
     stay_and_respawn(plan, daemons, signals);
   } catch (const NotDone& problem) {
-    daemons.end(signals, kGrace);
+    end(daemons, signals);
     throw NotDone("ring " + plan.ring + ": " + problem.what());
   }
   return kDone;
@@ -149,10 +151,11 @@ int run(const Options& options) {
   require_not_running(plan.ring);
   if (options.respawn) return respawn(plan);
   SignalWait signals;
-  Daemons daemons(plan, options.mode());
+  const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
+  live::LaunchedRing daemons(launch_request(plan, lifetime, options.detach));
   const std::string problem = wait_until_closed(plan, daemons, signals, options.timeout_s);
   if (!problem.empty()) {
-    daemons.end(signals, kGrace);
+    end(daemons, signals);
     throw NotDone("ring " + plan.ring + ": " + problem);
   }
   announce(plan);

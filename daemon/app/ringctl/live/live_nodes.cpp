@@ -19,9 +19,9 @@ constexpr milliseconds kTick{20};       ///< signals are looked at so often
 constexpr milliseconds kPatience{10000};  ///< with a daemon that runs; machines are busy
 
 /// Waits until the process is so; what it ended with is left to whoever reaps it.
-void wait_until(const Daemons& daemons, int state) {
+void wait_until(const live::LaunchedRing& daemons, int state) {
   siginfo_t info{};
-  ::waitid(P_PID, static_cast<id_t>(daemons.all()[0].process.pid), &info, state | WEXITED | WNOWAIT);
+  ::waitid(P_PID, static_cast<id_t>(daemons.all()[0].program.pid()), &info, state | WEXITED | WNOWAIT);
 }
 
 }  // namespace
@@ -33,14 +33,15 @@ LiveNodes::~LiveNodes() {
     for (const Node& node : nodes_)
       if (node.daemons) node.daemons->signal(number);
   for (Node& node : nodes_)
-    if (node.daemons) node.daemons->end(signals_, kGrace);
+    if (node.daemons) node.daemons->end([this](milliseconds time) { return signals_.asked_to_end(time); }, kGrace);
 }
 
 void LiveNodes::start(std::size_t place) {
   if (nodes_[place].daemons) return;
   RingPlan one = plan_;
   one.nodes = {plan_.nodes[place]};
-  nodes_[place].daemons = std::make_unique<Daemons>(one, Daemons::Mode::kept);
+  nodes_[place].daemons =
+      std::make_unique<live::LaunchedRing>(launch_request(one, process::Lifetime::killed, true));
 }
 
 void LiveNodes::kill(std::size_t place) {
@@ -69,17 +70,17 @@ void LiveNodes::thaw(std::size_t place) {
   nodes_[place].daemons->signal(SIGCONT);
 }
 
-std::optional<std::string> LiveNodes::obituary() {
+std::optional<std::string> LiveNodes::exit_reason() {
   for (Node& node : nodes_) {
     if (!node.daemons) continue;
     node.daemons->reap();
-    if (const Daemon* dead = node.daemons->first_ended()) return dead->obituary();
+    if (const live::LaunchedDaemon* dead = node.daemons->first_ended()) return dead->exit_reason();
   }
   return std::nullopt;
 }
 
-std::string LiveNodes::last_words(std::size_t place) const {
-  return nodes_[place].daemons ? nodes_[place].daemons->all()[0].last_words() : "";
+std::string LiveNodes::last_lines(std::size_t place) const {
+  return nodes_[place].daemons ? nodes_[place].daemons->all()[0].last_lines() : "";
 }
 
 // ---- messages -------------------------------------------------------------------------------
@@ -90,7 +91,7 @@ void LiveNodes::connect(std::size_t place) {
     node.port.emplace(connect_node(plan_.ring, std::to_string(plan_.nodes[place].node.id)));
     node.port->observe(json{{"kinds", {"pin"}}}.dump());
   } catch (const HostPortError&) {
-    node.port.reset();  // not there yet: the next look tries again
+    node.port.reset();  // not there yet: the next poll() tries again
   }
 }
 
@@ -105,20 +106,20 @@ bool LiveNodes::ask_for_rows() {
   return std::any_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.asked.has_value(); });
 }
 
-std::string LiveNodes::look() {
+std::string LiveNodes::poll() {
   if (!ask_for_rows()) return "";
   const auto all_have = [this] {
     return std::none_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.asked.has_value(); });
   };
   const bool complete = pump(Clock::now() + kPatience, all_have);
   for (std::size_t place = 0; !complete && place < nodes_.size(); ++place)
-    if (nodes_[place].asked) return "node " + name(place) + " does not answer" + last_words(place);
+    if (nodes_[place].asked) return "node " + name(place) + " does not answer" + last_lines(place);
   return failed_order_;
 }
 
 bool LiveNodes::pump(Clock::time_point until, const std::function<bool()>& done) {
   for (;;) {
-    if (SignalWait::asks_to_end(signals_.next(milliseconds(0)))) throw Interrupted();
+    if (signals_.asked_to_end(milliseconds(0))) throw Interrupted();
     take_messages();
     const Clock::time_point next = on_turn();
     if (done()) return true;

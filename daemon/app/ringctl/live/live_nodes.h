@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/daemons.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_plan.h"
+#include "app/ringctl/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -18,7 +19,7 @@ struct Interrupted : std::runtime_error {
 };
 
 /// The daemons of a ring of our own, by their place in it, and a connection to each. One thread; messages come in
-/// while look(), pump() or ask() wait. All that was started has ended when this is destroyed.
+/// while poll(), pump() or ask() wait. All that was started has ended when this is destroyed.
 class LiveNodes {
  public:
   using Clock = std::chrono::steady_clock;
@@ -41,13 +42,13 @@ class LiveNodes {
   /// Its process lives and is not frozen.
   bool running(std::size_t place) const { return nodes_[place].daemons && !nodes_[place].frozen; }
   /// Why a daemon ended that was not to; nothing where none did.
-  std::optional<std::string> obituary();
-  /// The last words of a node's log.
-  std::string last_words(std::size_t place) const;
+  std::optional<std::string> exit_reason();
+  /// The last lines of a node's log.
+  std::string last_lines(std::size_t place) const;
 
   /// Fresh status rows of all that run. @return who does not answer, or what an order() met. @throw Interrupted
-  std::string look();
-  /// Of the last look; null where the node was not there.
+  std::string poll();
+  /// Of the last poll(); null where the node was not there.
   const nlohmann::json* row(std::size_t place) const { return nodes_[place].row ? &*nodes_[place].row : nullptr; }
   /// null where there is no connection.
   HostPort* port(std::size_t place) { return nodes_[place].port ? &*nodes_[place].port : nullptr; }
@@ -56,7 +57,7 @@ class LiveNodes {
   bool pump(Clock::time_point until, const std::function<bool()>& done = [] { return false; });
   /// Its answer, while all else goes on. @throw NotDone with what it says is wrong, or where it does not answer
   nlohmann::json ask(std::size_t place, const nlohmann::json& request);
-  /// Does not wait for the answer; where that is an error, a later look() says so. @throw NotDone as ask()
+  /// Does not wait for the answer; where that is an error, a later poll() says so. @throw NotDone as ask()
   void order(std::size_t place, const nlohmann::json& request);
 
   /// Results and observations; called from pump().
@@ -66,7 +67,7 @@ class LiveNodes {
 
  private:
   struct Node {
-    std::unique_ptr<Daemons> daemons;  ///< one; null: not started, or killed
+    std::unique_ptr<live::LaunchedRing> daemons;  ///< one; null: not started, or killed
     bool frozen = false;
     std::optional<HostPort> port;
     std::optional<nlohmann::json> row;

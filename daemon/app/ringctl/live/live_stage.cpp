@@ -104,7 +104,7 @@ std::string LiveStage::first_not_ready() const {
     const PlannedNode& planned = plan_.nodes[place];
     const json* row = nodes_.row(place);
     const std::string lack = row ? missing(planned, *row, places.size()) : "it does not answer yet";
-    if (!lack.empty()) return "node " + label(planned.node) + ": " + lack + nodes_.last_words(place);
+    if (!lack.empty()) return "node " + label(planned.node) + ": " + lack + nodes_.last_lines(place);
   }
   return "";
 }
@@ -138,8 +138,8 @@ bool LiveStage::run_until(const std::function<bool()>& done, core::Duration unti
 
 void LiveStage::look() {
   if (broken_) return;
-  const auto dead = nodes_.obituary();
-  const std::string problem = dead ? *dead : nodes_.look();
+  const auto dead = nodes_.exit_reason();
+  const std::string problem = dead ? *dead : nodes_.poll();
   if (!problem.empty()) broken_ = Surprise{"every daemon runs and does as it is told", problem};
 }
 

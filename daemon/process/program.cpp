@@ -1,0 +1,127 @@
+#include "process/program.h"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <deque>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+#include "process/find_program.h"
+
+namespace limb_ring::process {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kGrace{2000};
+constexpr milliseconds kTick{10};
+constexpr std::size_t kLastLines = 5;
+
+UniqueFd open_log(const std::string& path) {
+  UniqueFd file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.valid()) throw std::runtime_error("cannot write " + path + ": " + std::strerror(errno));
+  return file;
+}
+
+std::string path_of(const std::string& name) {
+  const std::string path = find_program(name);
+  if (path.empty())
+    throw std::runtime_error("no program " + name + " beside this one (" + own_folder() + ") or on PATH");
+  return path;
+}
+
+int death_signal(Lifetime lifetime) {
+  switch (lifetime) {
+    case Lifetime::asked_to_end: return SIGTERM;
+    case Lifetime::killed: return SIGKILL;
+    case Lifetime::its_own: break;
+  }
+  return 0;
+}
+
+Spawned start(const ProgramRequest& request) {
+  SpawnRequest what;
+  what.path = path_of(request.name);
+  what.arguments = request.arguments;
+  what.arguments.insert(what.arguments.begin(), request.name);
+  what.environment = request.environment;
+  what.death_signal = death_signal(request.lifetime);
+  if (request.lifetime == Lifetime::its_own) what.group = SpawnRequest::Group::session;
+  what.affinity = request.cores;
+  UniqueFd output;
+  if (!request.log.empty()) {
+    output = open_log(request.log);
+    what.output = output.get();
+  }
+  return spawn(what);
+}
+
+/// Why a log has nothing in it: "; LOG: No space left on device"; empty where it can be written.
+std::string why_empty(const std::string& log) {
+  const UniqueFd file(::open(log.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW));
+  if (file.valid() && ::write(file.get(), "\n", 1) == 1) return "";
+  return "; " + log + ": " + std::strerror(errno);
+}
+
+}  // namespace
+
+Program::Program(const ProgramRequest& request) : name_(request.name), log_(request.log), process_(start(request)) {
+  if (process_.pid < 0) ended_ = not_started(std::string("cannot fork: ") + std::strerror(process_.error));
+}
+
+bool Program::reap() {
+  int wait_status = 0;
+  if (ended_ || ::waitpid(process_.pid, &wait_status, WNOHANG) == 0) return false;
+  const int error = exec_error(process_);
+  ended_ = error != 0 ? not_executed(name_, error) : exit_status(wait_status);
+  return true;
+}
+
+void Program::signal(int number) const {
+  if (!ended_) ::kill(process_.pid, number);
+}
+
+void Program::end() {
+  reap();
+  signal(SIGTERM);
+  const auto deadline = steady_clock::now() + kGrace;
+  while (!ended_ && steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(kTick);
+    reap();
+  }
+  signal(SIGKILL);
+  while (!ended_) {
+    std::this_thread::sleep_for(kTick);
+    reap();
+  }
+}
+
+std::string Program::output() const {
+  std::ostringstream text;
+  if (!log_.empty()) text << std::ifstream(log_).rdbuf();
+  return text.str();
+}
+
+std::string Program::last_lines() const {
+  if (log_.empty()) return {};
+  std::ifstream file(log_);
+  std::deque<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back(line);
+    if (lines.size() > kLastLines) lines.pop_front();
+  }
+  std::string text;
+  for (const std::string& line : lines) text += "\n  " + line;
+  return text.empty() ? why_empty(log_) : text;
+}
+
+}  // namespace limb_ring::process

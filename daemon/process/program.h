@@ -1,0 +1,58 @@
+#pragma once
+
+#include <sched.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "process/exit_status.h"
+#include "process/spawn.h"
+
+namespace limb_ring::process {
+
+/// What happens to a program when this process ends, however it ends.
+enum class Lifetime {
+  asked_to_end,  ///< it gets SIGTERM
+  killed,        ///< it gets SIGKILL, which ends also one that is stopped
+  its_own        ///< nothing: it has a session of its own
+};
+
+struct ProgramRequest {
+  std::string name;                    ///< as find_program() wants it
+  std::vector<std::string> arguments;  ///< without the program's name
+  std::vector<std::pair<std::string, std::string>> environment;  ///< added to, or replacing, ours
+  std::string log;                     ///< file of its output and errors; empty: it writes to ours
+  Lifetime lifetime = Lifetime::asked_to_end;
+  std::optional<cpu_set_t> cores;      ///< it may use; empty: as this process
+};
+
+/// A program that this process has started and waits for. It goes on when this object is gone.
+class Program {
+ public:
+  /// @throw std::runtime_error where there is no such program, or its log cannot be written
+  explicit Program(const ProgramRequest& request);
+
+  pid_t pid() const { return process_.pid; }
+  /// Notes whether it has ended. @return true where it has since the last call
+  bool reap();
+  /// How it ended, as far as reap() knows; empty: it runs.
+  const std::optional<ExitStatus>& ended() const { return ended_; }
+  /// Nothing happens once it has ended.
+  void signal(int number) const;
+  /// SIGTERM, and SIGKILL where it takes longer than two seconds; returns when it has ended.
+  void end();
+  /// All that it has written into its log.
+  std::string output() const;
+  /// The last five lines of its log, each behind a line break and two blanks, or why it could write none; empty where
+  /// it has no log.
+  std::string last_lines() const;
+
+ private:
+  std::string name_, log_;
+  Spawned process_;
+  std::optional<ExitStatus> ended_;
+};
+
+}  // namespace limb_ring::process
