@@ -5,7 +5,7 @@
 
 namespace limb_ring::runtime {
 
-Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const LinkSettings& links,
+Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const setup::LinkSettings& links,
                EngineListener& listener)
     : listener_(listener),
       controller_(core, clock_.now()),

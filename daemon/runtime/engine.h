@@ -9,7 +9,7 @@
 #include "core/network_controller.h"
 #include "runtime/clock.h"
 #include "runtime/node_line.h"
-#include "runtime/link_settings.h"
+#include "setup/link_settings.h"
 
 namespace limb_ring::runtime {
 
@@ -38,7 +38,7 @@ struct LineTap {
 /// One read, one write: all slices of a batch are handed in before anything is written.
 class Engine final : private LineHandler, private core::NetworkController::Tap {
  public:
-  Engine(boost::asio::io_context& io, const core::Settings& core, const LinkSettings& links,
+  Engine(boost::asio::io_context& io, const core::Settings& core, const setup::LinkSettings& links,
          EngineListener& listener);
   ~Engine() { close(); }
 

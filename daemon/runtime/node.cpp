@@ -46,7 +46,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
                observers_}),
       calls_({ring, engine_, host_, cpu_, requests_, observers_, packet_observers_}),
       engine_(io, setup::core_settings(ring, config, folder_.first_boot()),
-              link_settings(ring, config, folder_.path()), router_),
+              setup::link_settings(ring, config, folder_.path()), router_),
       host_(io, host_options(ring, config, folder_.path()), calls_),
       observers_(host_),
       packet_observers_(config.id, engine_, host_),

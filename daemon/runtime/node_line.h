@@ -4,7 +4,7 @@
 #include "link/input.h"
 #include "link/output.h"
 #include "runtime/faulty_line.h"
-#include "runtime/link_settings.h"
+#include "setup/link_settings.h"
 
 namespace limb_ring::runtime {
 
@@ -29,7 +29,7 @@ struct LineHandler {
 class NodeLine final : private link::InputHandler, private link::OutputHandler {
  public:
   /// All but `ends` must outlive this.
-  NodeLine(boost::asio::io_context& io, const Clock& clock, const LinkSettings::Ends& ends, core::Line line,
+  NodeLine(boost::asio::io_context& io, const Clock& clock, const setup::LinkSettings::Ends& ends, core::Line line,
            LineHandler& handler);
 
   const link::Input& input() const { return input_; }

@@ -6,7 +6,7 @@
 #include "link/input_line.h"
 #include "link/output.h"
 
-namespace limb_ring::runtime {
+namespace limb_ring::setup {
 
 /// What one node's links are told, out of the configuration of its ring.
 struct LinkSettings {
@@ -21,4 +21,4 @@ struct LinkSettings {
 LinkSettings link_settings(const config::RingConfig& ring, const config::NodeConfig& node,
                            const std::string& directory);
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::setup

@@ -1,11 +1,11 @@
-#include "runtime/link_settings.h"
+#include "setup/link_settings.h"
 
 #include <algorithm>
 
 #include "limb_ring/ring_directory.h"
 #include "setup/core_settings.h"
 
-namespace limb_ring::runtime {
+namespace limb_ring::setup {
 namespace {
 
 using config::LinkConfig;
@@ -24,7 +24,7 @@ link::Endpoint endpoint_of(const NodeConfig& node, const std::string& directory,
 
 /// Ids in the order in which the line runs.
 std::vector<std::uint8_t> order_on(const RingConfig& ring, Line line) {
-  std::vector<std::uint8_t> order = setup::order_of(ring);
+  std::vector<std::uint8_t> order = order_of(ring);
   if (line == Line::second) std::reverse(order.begin(), order.end());
   return order;
 }
@@ -46,7 +46,7 @@ link::InputSettings input_settings(const RingConfig& ring, const NodeConfig& nod
 link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
                                      Line line) {
   link::OutputSettings s{identity_of(ring, node), {}, timing_of(ring)};
-  const std::size_t at = setup::index_of(ring, node);
+  const std::size_t at = index_of(ring, node);
   const std::size_t nodes = ring.nodes.size();
   for (std::size_t i = 1; i <= nodes; ++i) {
     const NodeConfig& next = ring.nodes[(at + (line == Line::first ? i : nodes - i)) % nodes];
@@ -66,4 +66,4 @@ LinkSettings link_settings(const RingConfig& ring, const NodeConfig& node, const
   return settings;
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::setup
