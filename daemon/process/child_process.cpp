@@ -70,7 +70,7 @@ void ChildProcess::watch_pidfd(int fd) {
   exited_.assign(fd);
   exited_.async_wait(exited_.wait_read, [self = std::weak_ptr(self_)](const auto& error) {
     const auto alive = self.lock();
-    if (alive && !error) (*alive)->look();
+    if (alive && !error) (*alive)->poll();
   });
 }
 
@@ -79,16 +79,16 @@ void ChildProcess::watch_signals() {
   child_signals_.add(SIGCHLD, ignored);
   child_signals_.async_wait([self = std::weak_ptr(self_)](const auto& error, int) {
     const auto alive = self.lock();
-    if (alive && !error) (*alive)->look();
+    if (alive && !error) (*alive)->poll();
   });
   // It may have ended before the handler was in place.
   boost::asio::post(io_, [self = std::weak_ptr(self_), pid = child_.pid] {
     const auto alive = self.lock();
-    if (alive && (*alive)->child_.pid == pid && has_ended(pid)) (*alive)->look();
+    if (alive && (*alive)->child_.pid == pid && has_ended(pid)) (*alive)->poll();
   });
 }
 
-void ChildProcess::look() {
+void ChildProcess::poll() {
   if (child_.pid <= 0) return;
   const auto status = reap();
   if (status) report(*status);

@@ -47,7 +47,7 @@ class ChildProcess {
   void watch();
   void watch_pidfd(int fd);
   void watch_signals();
-  void look();
+  void poll();
   void report(const ExitStatus& status);
   void report_later(const ExitStatus& status);
   std::optional<ExitStatus> reap();

@@ -32,7 +32,7 @@ void RingSupervisor::poll_later() {
 }
 
 void RingSupervisor::poll() {
-  const Watchdog::Round round = watchdog_.look([this](wire::NodeId node) { return cpus_.of(node); }, clock_.now());
+  const Watchdog::Round round = watchdog_.evaluate([this](wire::NodeId node) { return cpus_.of(node); }, clock_.now());
   for (const Watchdog::Finding& finding : round.findings) tell(finding);
   for (const wire::NodeId node : round.resets) reset(node);
 }

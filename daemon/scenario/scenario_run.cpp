@@ -55,7 +55,7 @@ class Run {
     go_to(Duration{0});
   }
 
-  /// What has to hold at every look. @return true where it does
+  /// What has to hold at every poll. @return true where it does
   bool watch() {
     if (result_.unmet) return false;
     if (const auto broken = stage_.broken()) return fail(broken->expected, broken->seen);

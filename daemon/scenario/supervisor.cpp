@@ -27,7 +27,7 @@ watchdog::Watchdog Supervisor::fresh() const {
 }
 
 void Supervisor::start() {
-  if (config_.supervisor.policy == config::SupervisorConfig::Policy::automatic) look_later();
+  if (config_.supervisor.policy == config::SupervisorConfig::Policy::automatic) evaluate_later();
 }
 
 void Supervisor::started(NodeId id) {
@@ -37,16 +37,16 @@ void Supervisor::started(NodeId id) {
   resets_.clear();
 }
 
-void Supervisor::look_later() {
+void Supervisor::evaluate_later() {
   ring_.at(ring_.now() + beacon_, [this] {
-    if (ring_.alive(node_)) look();
-    look_later();
+    if (ring_.alive(node_)) evaluate();
+    evaluate_later();
   });
 }
 
-void Supervisor::look() {
+void Supervisor::evaluate() {
   const watchdog::Watchdog::Round round =
-      watchdog_.look([this](NodeId id) { return sighting_of(id); }, ring_.now());
+      watchdog_.evaluate([this](NodeId id) { return sighting_of(id); }, ring_.now());
   for (const NodeId id : round.resets) reset(id);
 }
 

@@ -11,7 +11,7 @@
 
 namespace limb_ring::scenario {
 
-/// The ring's supervisor under a virtual clock: the watchdog of the daemon, looked at once a beacon period, and its
+/// The ring's supervisor under a virtual clock: the watchdog of the daemon, evaluated once a beacon period, and its
 /// orders given. Nodes are places in ring order. As in a live story every CPU is a child that has promised to speak,
 /// so all are watched, and the supervisor is the configured node, else the first.
 class Supervisor {
@@ -35,8 +35,8 @@ class Supervisor {
     watchdog::ResetOrder order;
   };
 
-  void look();
-  void look_later();
+  void evaluate();
+  void evaluate_later();
   void reset(NodeId id);
   /// @param report none: it goes on
   void finish(std::list<Reset>::iterator reset, const watchdog::ResetOrder::Report& report);
@@ -49,7 +49,7 @@ class Supervisor {
   const Cpus& cpus_;
   core::Duration beacon_;
   NodeId node_;
-  const core::Membership* membership_;  ///< of that node's present life, to look at it without waking it
+  const core::Membership* membership_;  ///< of that node's present life, read without waking the node
   watchdog::Watchdog watchdog_;
   std::list<Reset> resets_;
 };

@@ -18,7 +18,7 @@ class VirtualStage final : public Stage {
   VirtualStage(const VirtualStage&) = delete;
   VirtualStage& operator=(const VirtualStage&) = delete;
 
-  /// To look on, as a capture does.
+  /// For observers, such as a capture.
   sim::VirtualRing& ring() { return *ring_; }
 
   unsigned size() const override { return ring_->size(); }
@@ -51,7 +51,7 @@ class VirtualStage final : public Stage {
   const Scenario& scenario_;
   std::unique_ptr<sim::WatchedRing> ring_;
   core::Time start_{};
-  std::vector<const core::Membership*> members_;  ///< to look at a node without waking it
+  std::vector<const core::Membership*> members_;  ///< read without waking the node
   std::vector<bool> frozen_;
   Cpus cpus_;
   Senders senders_;

@@ -35,7 +35,7 @@ void VirtualRing::make_node(NodeId id) {
   if (!observers_.empty()) n.controller->set_tap(n.eye.get());
 }
 
-// Without an observer nobody looks, at no cost.
+// Without an observer nothing is tapped, which costs nothing.
 void VirtualRing::add_observer(Observer& observer) {
   observers_.push_back(&observer);
   for (Node& n : nodes_) n.controller->set_tap(n.eye.get());

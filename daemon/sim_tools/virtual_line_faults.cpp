@@ -30,14 +30,14 @@ void VirtualLineFaults::begin(const fault::Fault& fault) {
   const Line line = fault.second_line ? Line::second : Line::first;
   for (const NodeId id : fault.nodes) {
     wire_of(id, line).faults.begin(fault, ring_.now());
-    look(id, line);
+    poll(id, line);
   }
 }
 
 void VirtualLineFaults::mend_all() {
   each_line([this](NodeId id, Line line) {
     wire_of(id, line).faults.clear();
-    look(id, line);
+    poll(id, line);
   });
 }
 
@@ -46,7 +46,7 @@ void VirtualLineFaults::pass(NodeId id, Line line, const wire::Slice& slice, wir
   if (faults.idle()) return arriving.put(slice.kind, slice.bytes);
   faults.pass(slice, ring_.now());
   faults.take(ring_.now(), arriving);
-  look_later(id, line);
+  poll_later(id, line);
 }
 
 // What was under way on a line that is gone never comes out of the next one.
@@ -54,7 +54,7 @@ void VirtualLineFaults::incident(NodeId id, sim::Incident incident, Time, Line l
   if (incident == sim::Incident::output_replaced || incident == sim::Incident::cut) wire_of(id, line).faults.line_lost();
 }
 
-void VirtualLineFaults::look(NodeId id, Line line) {
+void VirtualLineFaults::poll(NodeId id, Line line) {
   Wire& wire = wire_of(id, line);
   const bool cut = wire.faults.cut(ring_.now());
   if (cut && !wire.cut) ring_.cut(id, line);
@@ -63,10 +63,10 @@ void VirtualLineFaults::look(NodeId id, Line line) {
   wire.faults.take(ring_.now(), late_);
   if (!late_.empty()) ring_.put_late(id, late_, line);
   late_.clear();
-  look_later(id, line);
+  poll_later(id, line);
 }
 
-void VirtualLineFaults::look_later(NodeId id, Line line) {
+void VirtualLineFaults::poll_later(NodeId id, Line line) {
   Wire& wire = wire_of(id, line);
   Time next = wire.faults.next_deadline();
   // A line that a packet takes down by having passed it goes down behind that packet.
@@ -74,9 +74,9 @@ void VirtualLineFaults::look_later(NodeId id, Line line) {
   if (next >= wire.wake) return;
   wire.wake = next;
   ring_.at(next, [this, id, line, next] {
-    if (wire_of(id, line).wake != next) return;  // an earlier look has taken its place
+    if (wire_of(id, line).wake != next) return;  // an earlier poll has taken its place
     wire_of(id, line).wake = core::kNever;
-    look(id, line);
+    poll(id, line);
   });
 }
 

@@ -32,7 +32,7 @@ class VirtualLineFaults : public sim::Observer {
     Wire(std::uint64_t seed, core::Duration byte_time) : faults(seed, byte_time) {}
     fault::LineFaults faults;
     bool cut = false;                ///< by a fault
-    core::Time wake = core::kNever;  ///< next look
+    core::Time wake = core::kNever;  ///< of the next poll()
   };
   Wire& wire_of(wire::NodeId id, core::Line line) { return lines_[static_cast<std::size_t>(line)][id]; }
   template <class Each>
@@ -41,8 +41,8 @@ class VirtualLineFaults : public sim::Observer {
       for (std::size_t id = 0; id < lines_[static_cast<std::size_t>(line)].size(); ++id)
         each(static_cast<wire::NodeId>(id), line);
   }
-  void look(wire::NodeId id, core::Line line);
-  void look_later(wire::NodeId id, core::Line line);
+  void poll(wire::NodeId id, core::Line line);
+  void poll_later(wire::NodeId id, core::Line line);
 
   sim::VirtualRing& ring_;
   std::array<std::deque<Wire>, 2> lines_;  ///< out of each node, by Line; no second ones without fold-back

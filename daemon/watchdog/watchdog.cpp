@@ -50,13 +50,13 @@ Watchdog::Watchdog(const config::SupervisorConfig& settings, core::Duration miss
 
 std::vector<WatchedCpu> Watchdog::watched() const { return {cpus_.begin(), cpus_.end()}; }
 
-Watchdog::Round Watchdog::look(const SightingOf& sighting_of, core::Time now) {
+Watchdog::Round Watchdog::evaluate(const SightingOf& sighting_of, core::Time now) {
   slept_ = looked_at_ && now - *looked_at_ >= missing_after_;
   looked_at_ = now;
   for (Entry& cpu : cpus_) {
     if (settings_.policy == Policy::off) break;
     const CpuSighting seen = sighting_of(cpu.node);
-    look_at(cpu, seen, now);
+    evaluate(cpu, seen, now);
     if (settings_.policy == Policy::automatic) cure(cpu, seen, now);
   }
   return std::exchange(round_, {});
@@ -64,7 +64,7 @@ Watchdog::Round Watchdog::look(const SightingOf& sighting_of, core::Time now) {
 
 // ---- verdicts -----------------------------------------------------------------------------
 
-void Watchdog::look_at(Entry& cpu, const CpuSighting& seen, core::Time now) {
+void Watchdog::evaluate(Entry& cpu, const CpuSighting& seen, core::Time now) {
   if (seen.heard_at && now - *seen.heard_at < missing_after_) return judge(cpu, seen, now);
   if (slept_ || cpu.verdict == CpuVerdict::unheard) return;
   enter(cpu, CpuVerdict::unreachable, "no beacon of its node for " + text_of(missing_after_), now);

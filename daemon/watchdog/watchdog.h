@@ -82,8 +82,8 @@ class Watchdog {
            const std::vector<wire::NodeId>& watched);
 
   /// To be called regularly, several times within `missing_after`.
-  Round look(const SightingOf& sighting_of, core::Time now);
-  /// An order has ended. Whether it cured is for the boot number to say, at the next look.
+  Round evaluate(const SightingOf& sighting_of, core::Time now);
+  /// An order has ended. Whether it cured is for the boot number to say, at the next evaluation.
   /// @return a failure, as a finding
   std::optional<Finding> reset_ended(wire::NodeId node, bool success, const std::string& message, core::Time now);
 
@@ -102,7 +102,7 @@ class Watchdog {
     bool order_out = false;
   };
 
-  void look_at(Entry& cpu, const CpuSighting& seen, core::Time now);
+  void evaluate(Entry& cpu, const CpuSighting& seen, core::Time now);
   void judge(Entry& cpu, const CpuSighting& seen, core::Time now);
   void speaks(Entry& cpu, core::Time now);
   void booted(Entry& cpu, std::uint32_t boots, core::Time now);
@@ -118,7 +118,7 @@ class Watchdog {
   core::Duration missing_after_;
   std::vector<Entry> cpus_;
   std::optional<core::Time> looked_at_;
-  bool slept_ = false;  ///< this look is so late that beacons may be waiting unread
+  bool slept_ = false;  ///< this evaluation is so late that beacons may be waiting unread
   Round round_;
 };
 

@@ -17,7 +17,7 @@ using State = wire::CpuState;
 constexpr wire::NodeId kKnee = 10;
 constexpr core::Duration kMissing = 500ms;
 
-/// One CPU at the knee and its supervisor, which looks every 100 ms. Grace 2 s, back-off 1 s, 3 tries.
+/// One CPU at the knee and its supervisor, which evaluates every 100 ms. Grace 2 s, back-off 1 s, 3 tries.
 class WatchdogTest : public testing::Test {
  protected:
   WatchdogTest() { watch(Policy::automatic); }
@@ -37,13 +37,13 @@ class WatchdogTest : public testing::Test {
     for (const core::Time end = now_ + time; now_ < end;) {
       now_ += 100ms;
       if (beacons_) cpu_.heard_at = now_;
-      resets += look();
+      resets += evaluate();
     }
     return resets;
   }
 
-  unsigned look() {
-    const Watchdog::Round round = watchdog_->look([this](wire::NodeId) { return cpu_; }, now_);
+  unsigned evaluate() {
+    const Watchdog::Round round = watchdog_->evaluate([this](wire::NodeId) { return cpu_; }, now_);
     for (const auto& finding : round.findings) findings_.push_back(to_string(finding.verdict) + (": " + finding.what));
     EXPECT_THAT(round.resets, testing::Each(kKnee));
     return static_cast<unsigned>(round.resets.size());
@@ -245,7 +245,7 @@ TEST_F(WatchdogTest, AHungCpuWhoseNodeDiesIsNotResetAnyMore) {
 TEST_F(WatchdogTest, ASupervisorThatSleptCallsNobodyUnreachable) {
   run_for_long();
   now_ += 10s;  // nothing was read meanwhile
-  look();
+  evaluate();
   EXPECT_EQ(verdict(), CpuVerdict::alive);
   pass(1s);
   EXPECT_THAT(findings_, IsEmpty());

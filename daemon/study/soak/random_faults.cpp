@@ -107,14 +107,14 @@ void RandomFaults::run() {
   for (unsigned step = 0; step < kSteps && !violation_; ++step) {
     act();
     ring_->run_for(Duration{1ns} * random(paced_ ? 12000 : 4000));
-    look();
+    note_violation();
   }
   if (!violation_) calm_down();
   if (!violation_) check_whole();
   if (!violation_) check_silence();
 }
 
-void RandomFaults::look() { violation_ = invariants_->violation(); }
+void RandomFaults::note_violation() { violation_ = invariants_->violation(); }
 
 std::uint64_t RandomFaults::hops() const {
   std::uint64_t hops = 0;
@@ -219,7 +219,7 @@ void RandomFaults::calm_down() {
   }
   ring_->run_for(200ms);
   invariants_->finish();
-  look();
+  note_violation();
 }
 
 void RandomFaults::check_whole() {
@@ -237,7 +237,7 @@ void RandomFaults::check_whole() {
 void RandomFaults::check_silence() {
   slices_when_quiet_ = 0;
   ring_->run_for(20ms);
-  look();
+  note_violation();
   if (slices_when_quiet_ == 0 || violation_) return;
   violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
                               std::to_string(slices_when_quiet_) + " slices that are no beacon's still circulate"};

@@ -58,7 +58,7 @@ class RandomFaults {
   void calm_down();
   void check_whole();
   void check_silence();
-  void look();
+  void note_violation();
 
   std::uint64_t seed_;
   std::mt19937_64 random_;

@@ -128,7 +128,7 @@ bool LiveStage::run_until(const std::function<bool()>& done, core::Duration unti
   Progress progress;
   for (;;) {
     const bool last = Clock::now() >= end;
-    look();
+    poll();
     if (done()) return true;
     if (last) return false;
     progress.tell(scenario_.name + ": " + what);
@@ -136,7 +136,7 @@ bool LiveStage::run_until(const std::function<bool()>& done, core::Duration unti
   }
 }
 
-void LiveStage::look() {
+void LiveStage::poll() {
   if (broken_) return;
   const auto dead = nodes_.exit_reason();
   const std::string problem = dead ? *dead : nodes_.poll();

@@ -10,7 +10,7 @@
 namespace limb_ring::ringctl {
 
 /// A ring of live daemons of its own as a stage for scenarios. It is seen as its daemons say it, in fresh status
-/// rows of all at every look; it has ended when this is destroyed. (ours)
+/// rows of all at every poll; it has ended when this is destroyed. (ours)
 ///
 /// begin(), run_until() and apply() may throw Interrupted.
 class LiveStage final : public scenario::Stage {
@@ -45,7 +45,7 @@ class LiveStage final : public scenario::Stage {
   wire::NodeId place_of(const nlohmann::json& id) const;
   std::vector<std::size_t> present() const;  ///< at the start
   std::string first_not_ready() const;
-  void look();
+  void poll();
   void do_it(const scenario::Fault& fault);
   void apply_to_node(fault::Name name, std::size_t place);
   void apply_at_daemon(fault::Fault fault, std::size_t place);
