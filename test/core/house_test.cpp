@@ -45,7 +45,13 @@ std::vector<Include> includes_below(const fs::path& folder) {
 /// Headers of the C++ standard library have neither a folder nor an extension.
 bool standard(const std::string& name) { return name.find_first_of("./") == std::string::npos; }
 
-std::string part_of(const std::string& name) { return name.substr(0, name.find('/')); }
+/// "core" of "core/time.h", "app/ringctl" of "app/ringctl/screen.h"; empty for a header of the same folder.
+std::string part_of(const std::string& name) {
+  const auto slash = name.find('/');
+  if (slash == std::string::npos) return "";
+  const std::string part = name.substr(0, slash);
+  return part == "app" ? name.substr(0, name.find('/', slash + 1)) : part;
+}
 
 std::vector<std::string> beyond(const fs::path& folder, const std::set<std::string>& parts) {
   std::vector<std::string> wrong;
@@ -92,40 +98,80 @@ TEST(House, CoreHasNoThreadsClocksOrStreams) {
   EXPECT_THAT(wrong, IsEmpty());
 }
 
+/// What each folder of daemon/ may include, its own headers aside. limb_ring: the public headers.
+using Parts = std::set<std::string>;
+const std::map<std::string, Parts> kMayInclude{
+    {"wire", {}},
+    {"capture", {"wire", "limb_ring"}},
+    {"core", {"wire"}},
+    {"fault", {"wire", "core", "config"}},
+    {"sim", {"wire", "core"}},
+    {"watchdog", {"wire", "core", "config"}},
+    {"setup", {"core", "config", "link", "limb_ring"}},
+    {"sim_tools", {"wire", "capture", "core", "fault", "sim", "setup", "config"}},
+    {"scenario", {"wire", "capture", "core", "fault", "sim", "sim_tools", "setup", "config", "watchdog"}},
+    {"study", {"wire", "core", "sim", "sim_tools", "setup", "config", "payload"}},
+    {"config", {"wire", "limb_ring"}},
+    {"cli", {"config"}},
+    {"payload", {"wire", "limb_ring"}},
+    {"client", {"wire", "capture", "limb_ring"}},
+    {"link", {"wire"}},
+    {"host", {"wire", "capture", "client", "limb_ring"}},
+    {"firmware", {"wire", "payload", "config", "cli", "client", "limb_ring"}},
+    {"process", {}},
+    {"runtime",
+     {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "watchdog",
+      "process", "limb_ring"}},
+    {"live", {"fault", "wire", "process", "limb_ring"}},
+    {"ask", {"live", "payload", "process", "limb_ring"}},
+    {"bench", {"wire", "capture", "config", "live", "process", "runtime", "limb_ring"}},
+    {"app/common", {}},
+    {"app/ringd", {"app/common", "cli", "config", "runtime"}},
+    {"app/ringctl",
+     {"app/common", "app/scenario_cpu", "wire", "capture", "fault", "config", "cli", "payload", "ask", "live",
+      "process", "scenario", "runtime", "bench", "limb_ring"}},
+    {"app/ring_sim", {"app/common", "wire", "sim", "sim_tools", "study", "config", "cli", "process"}},
+    {"app/scenario_cpu", {"limb_ring"}},
+    {"app/run_scenario", {"app/ringctl", "process"}},
+};
+
 TEST(House, ArrowsPointOneWay) {
-  const std::map<std::string, std::set<std::string>> may{
-      {"wire", {"wire"}},
-      {"capture", {"wire", "capture", "limb_ring"}},
-      {"core", {"wire", "core"}},
-      {"fault", {"wire", "core", "config", "fault"}},
-      {"sim", {"wire", "core", "sim"}},
-      {"watchdog", {"wire", "core", "config", "watchdog"}},
-      {"sim_tools", {"wire", "capture", "core", "fault", "sim", "sim_tools", "setup", "config"}},
-      {"scenario",
-       {"wire", "capture", "core", "fault", "sim", "sim_tools", "scenario", "setup", "config", "watchdog"}},
-      {"study", {"wire", "core", "sim", "sim_tools", "study", "setup", "config", "payload"}},
-      {"setup", {"core", "config", "setup"}},
-      {"config", {"wire", "config", "limb_ring"}},
-      {"cli", {"config", "cli"}},
-      {"payload", {"wire", "payload", "limb_ring"}},
-      {"client", {"wire", "capture", "client", "limb_ring"}},
-      {"link", {"wire", "link"}},
-      {"host", {"wire", "capture", "client", "host", "limb_ring"}},
-      {"firmware", {"wire", "payload", "config", "cli", "client", "firmware", "limb_ring"}},
-      {"runtime",
-       {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "watchdog",
-        "process", "runtime", "limb_ring"}},
-      {"process", {"process"}},
-      {"live", {"fault", "wire", "live", "process", "limb_ring"}},
-      {"ask", {"ask", "live", "payload", "process", "limb_ring"}},
-  };
-  for (const auto& [part, parts] : may) EXPECT_THAT(beyond(kSource / "daemon" / part, parts), IsEmpty()) << part;
+  for (const auto& [part, parts] : kMayInclude) {
+    Parts may = parts;
+    may.insert(part);
+    EXPECT_THAT(beyond(kSource / "daemon" / part, may), IsEmpty()) << part;
+  }
+}
+
+TEST(House, EveryFolderHasItsArrows) {
+  for (const char* folder : {"daemon", "daemon/app"})
+    for (const auto& entry : fs::directory_iterator(kSource / folder)) {
+      const std::string part = entry.path().lexically_relative(kSource / "daemon");
+      if (entry.is_directory() && part != "app") EXPECT_EQ(kMayInclude.count(part), 1u) << part;
+    }
+}
+
+TEST(House, EveryFolderHasItsTests) {
+  for (const auto& entry : fs::directory_iterator(kSource / "daemon"))
+    if (entry.is_directory()) EXPECT_TRUE(fs::exists(kSource / "test" / entry.path().filename())) << entry.path();
+}
+
+TEST(House, EveryFolderIsInContributing) {
+  std::ifstream file(kSource / "CONTRIBUTING.md");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  for (const auto& entry : fs::directory_iterator(kSource / "daemon"))
+    if (entry.is_directory())
+      EXPECT_THAT(text, testing::HasSubstr("\n  " + entry.path().filename().string() + "/ ")) << entry.path();
+}
+
+TEST(House, MicroBenchmarksDriveTheCoreAndTheSimulationAlone) {
+  EXPECT_THAT(beyond(kSource / "bench", {"wire", "core", "sim", "cli", "app/common", ""}), IsEmpty());
 }
 
 TEST(House, TheBridgeKnowsNothingOfTheDaemonsInside) {
   std::vector<std::string> wrong;
   for (const Include& i : includes_below(kSource / "ros_bridge"))
-    for (const char* inside : {"core/", "link/", "host/", "runtime/", "sim/"})
+    for (const char* inside : {"core/", "link/", "host/", "runtime/", "sim/", "process/"})
       if (i.name.rfind(inside, 0) == 0) wrong.push_back(i.file + " includes " + i.name);
   EXPECT_THAT(wrong, IsEmpty());
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/ring_sim/problems.h"
-#include "app/ring_sim/said.h"
+#include "app/ring_sim/run_ring_sim.h"
 
 namespace limb_ring::ring_sim {
 namespace {
@@ -52,21 +52,21 @@ TEST(Run, RefusesWhatCannotBeNamingTheOptionAndWhatIsAllowed) {
   for (const auto& arguments : wrong) {
     std::vector<std::string> all{"run"};
     all.insert(all.end(), arguments.begin(), arguments.end());
-    const Said said = ring_sim(all);
+    const CliRun said = ring_sim(all);
     EXPECT_EQ(said.code, kUsage) << arguments[1];
     EXPECT_THAT(said.errors, HasSubstr(arguments[0])) << arguments[1];
   }
 }
 
 TEST(Run, RefusesATraceItCannotWrite) {
-  const Said said = ring_sim({"run", "--trace", "/nowhere/trace"});
+  const CliRun said = ring_sim({"run", "--trace", "/nowhere/trace"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("/nowhere/trace"));
 }
 
 TEST(Run, NamesTheFileThatAFullDiskHasNoRoomFor) {
   for (const char* option : {"--trace", "--capture"}) {
-    const Said said = ring_sim({"run", option, "/dev/full"});
+    const CliRun said = ring_sim({"run", option, "/dev/full"});
     EXPECT_EQ(said.code, kBroken) << option;
     EXPECT_THAT(said.errors, HasSubstr("/dev/full: not all could be written: No space left on device")) << option;
   }
@@ -81,7 +81,7 @@ TEST(Soak, SaysHowManySeedsAndThatNothingBroke) {
 
 TEST(Commands, ExplainThemselvesAndTheirExitCodes) {
   for (const char* command : {"table", "run", "compare", "plan", "soak"}) {
-    const Said said = ring_sim({command, "--help"});
+    const CliRun said = ring_sim({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done"))) << command;
   }

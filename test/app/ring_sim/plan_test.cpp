@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "app/ring_sim/problems.h"
-#include "app/ring_sim/said.h"
-#include "app/ringctl/own_folder.h"
+#include "app/ring_sim/run_ring_sim.h"
+#include "support/own_folder.h"
 
 namespace limb_ring::ring_sim {
 namespace {
@@ -18,7 +18,7 @@ using ::testing::StartsWith;
 
 class PlanCommand : public ringctl::OwnFolder {
  protected:
-  static Said plan(std::vector<std::string> arguments) {
+  static CliRun plan(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "plan");
     return ring_sim(arguments);
   }
@@ -31,14 +31,14 @@ class PlanCommand : public ringctl::OwnFolder {
 };
 
 TEST_F(PlanCommand, SaysWhatIsAssumedAndThatTheRingCarriesIt) {
-  const Said said = plan({two_nodes("size: 61440, rate: 30")});
+  const CliRun said = plan({two_nodes("size: 61440, rate: 30")});
   EXPECT_EQ(said.code, kDone);
   EXPECT_THAT(said.out, AllOf(HasSubstr("camera"), HasSubstr("beacon of body"), HasSubstr("The ring carries this."),
                               HasSubstr("Assumed for lines without a rate: 1Gbit/s, relay delay 512ns.")));
 }
 
 TEST_F(PlanCommand, SaysWhyTheRingDoesNotCarryIt) {
-  const Said said = plan({two_nodes("size: 61440, rate: 300"), "--rate", "100Mbit/s"});
+  const CliRun said = plan({two_nodes("size: 61440, rate: 300"), "--rate", "100Mbit/s"});
   EXPECT_EQ(said.code, kBroken);
   EXPECT_THAT(said.out, AllOf(HasSubstr("cannot be relied on to carry this"), HasSubstr("node head would need"),
                               HasSubstr("100Mbit/s")));
@@ -46,7 +46,7 @@ TEST_F(PlanCommand, SaysWhyTheRingDoesNotCarryIt) {
 
 TEST_F(PlanCommand, SetsWhatWasMeasuredBesideTheBounds) {
   const std::string file = two_nodes("size: 61440, rate: 30");
-  const Said said = plan({file, "--simulate", "100ms", "--seed", "7"});
+  const CliRun said = plan({file, "--simulate", "100ms", "--seed", "7"});
   EXPECT_EQ(said.code, kDone);
   EXPECT_THAT(said.out, AllOf(HasSubstr("confirmed_max"), HasSubstr("Simulated 100ms with seed 7"),
                               HasSubstr("Every message that has a bound came within it.")));
@@ -68,14 +68,14 @@ TEST_F(PlanCommand, PrintsJsonAndCsvForPrograms) {
 }
 
 TEST_F(PlanCommand, RefusesWrongFilesAndArguments) {
-  const Said absent = plan({"/nowhere.yaml"});
+  const CliRun absent = plan({"/nowhere.yaml"});
   EXPECT_EQ(absent.code, kUsage);
   EXPECT_THAT(absent.errors, HasSubstr("there is no such file"));
-  const Said wrong = plan({two_nodes("rate: 30")});
+  const CliRun wrong = plan({two_nodes("rate: 30")});
   EXPECT_EQ(wrong.code, kUsage);
   EXPECT_THAT(wrong.errors, HasSubstr("two.yaml:3:11: entry 'traffic[0]'"));
   EXPECT_EQ(plan({}).code, kUsage);
-  const Said time = plan({two_nodes("size: 1, rate: 1"), "--simulate", "5"});
+  const CliRun time = plan({two_nodes("size: 1, rate: 1"), "--simulate", "5"});
   EXPECT_EQ(time.code, kUsage);
   EXPECT_THAT(time.errors, HasSubstr("with its unit"));
 }

@@ -5,7 +5,7 @@
 
 #include "app/ring_sim/plot_folder.h"
 #include "app/ring_sim/problems.h"
-#include "app/ring_sim/said.h"
+#include "app/ring_sim/run_ring_sim.h"
 
 namespace limb_ring::ring_sim {
 namespace {
@@ -17,7 +17,7 @@ const char* const kPictures[] = {"latency_nodes",  "latency_nodes_own_rates", "e
 
 struct Plots : PlotTest {
   /// compare on a small ring, so that it does not take long.
-  static Said compare(const std::string& to) {
+  static CliRun compare(const std::string& to) {
     return ring_sim({"compare", "--nodes", "4", "--payload", "64", "--seed", "9", "--plots", to});
   }
 };
@@ -34,7 +34,7 @@ std::pair<unsigned, unsigned> size_of_png(const std::string& png) {
 
 TEST_F(Plots, WritesEveryPictureWithItsDataAndScript) {
   LIMB_RING_NEEDS_GNUPLOT();
-  const Said said = compare(folder + "/plots");
+  const CliRun said = compare(folder + "/plots");
   ASSERT_EQ(said.code, kDone) << said.errors;
   EXPECT_THAT(said.out, HasSubstr("seed 9"));
   for (const std::string name : kPictures) {
@@ -53,7 +53,7 @@ TEST_F(Plots, WritesEveryPictureWithItsDataAndScript) {
 
 TEST_F(Plots, WithoutGnuplotEndBeforeAnythingIsMeasured) {
   ::setenv("PATH", "", 1);
-  const Said said = compare(folder);
+  const CliRun said = compare(folder);
   EXPECT_EQ(said.code, kBroken);
   EXPECT_THAT(said.errors, HasSubstr("gnuplot-nox"));
   EXPECT_EQ(said.out, "");
@@ -61,7 +61,7 @@ TEST_F(Plots, WithoutGnuplotEndBeforeAnythingIsMeasured) {
 
 TEST_F(Plots, IntoAFolderThatCannotBeMadeIsAUsageError) {
   std::ofstream(folder + "/file") << "in the way";
-  const Said said = compare(folder + "/file/plots");
+  const CliRun said = compare(folder + "/file/plots");
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("cannot make the folder " + folder + "/file/plots"));
 }

@@ -1,7 +1,7 @@
 // What `ringctl up` intends to start, and when it counts the ring as closed.
 #include <gmock/gmock.h>
 
-#include "app/ringctl/own_folder.h"
+#include "support/own_folder.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_plan.h"
 #include "app/ringctl/ring_watch.h"
@@ -14,7 +14,7 @@ using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-using Plan = OwnFolder;
+using Plan = test::OwnFolder;
 
 UpRequest plain(unsigned nodes) {
   UpRequest request;

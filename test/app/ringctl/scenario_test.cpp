@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/own_folder.h"
+#include "support/own_folder.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/said.h"
+#include "app/ringctl/run_ringctl.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -16,7 +16,7 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-Said run_scenarios(std::vector<std::string> arguments) {
+CliRun run_scenarios(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {"scenario", "run"});
   return ringctl(std::move(arguments));
 }
@@ -25,16 +25,16 @@ const char* const kGood =
     "scenario: nothing happens\nnodes: 4\nsteps: [{at: 1ms}]\nalways: [{node: all, is: up}]\n";
 const char* const kUnmet = "scenario: a surprise\nnodes: 4\nsteps: [{when: {node: 0, is: down}, within: 1ms}]\n";
 
-using ScenarioCommand = OwnFolder;
+using ScenarioCommand = test::OwnFolder;
 
 TEST_F(ScenarioCommand, EndsWithZeroWhereAllWasAsExpected) {
-  const Said said = run_scenarios({write("good.yaml", kGood)});
+  const CliRun said = run_scenarios({write("good.yaml", kGood)});
   EXPECT_EQ(said.code, kDone);
   EXPECT_THAT(said.out, HasSubstr("end: all as expected"));
 }
 
 TEST_F(ScenarioCommand, EndsWithOneAndSaysWhatWasSeenInstead) {
-  const Said said = run_scenarios({write("good.yaml", kGood), write("unmet.yaml", kUnmet), "--seed", "9"});
+  const CliRun said = run_scenarios({write("good.yaml", kGood), write("unmet.yaml", kUnmet), "--seed", "9"});
   EXPECT_EQ(said.code, kNotDone);
   EXPECT_THAT(said.out, AllOf(HasSubstr("a surprise (seed 9)"), HasSubstr("seen instead: node0 is up")));
   EXPECT_THAT(said.out, AllOf(HasSubstr("2 scenarios: 1 not as expected:\n  "), EndsWith("unmet.yaml\n")));
@@ -46,14 +46,14 @@ TEST_F(ScenarioCommand, SumsUpWhereThereAreSeveral) {
 }
 
 TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
-  const Said said = run_scenarios({write("good.yaml", kGood), write("bad.yaml", "scenario: x\nnodes: 4\nstep: []\n")});
+  const CliRun said = run_scenarios({write("good.yaml", kGood), write("bad.yaml", "scenario: x\nnodes: 4\nstep: []\n")});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_EQ(said.out, "");
   EXPECT_THAT(said.errors, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
 }
 
 TEST_F(ScenarioCommand, AStoryThatExpectsNothingIsNotPassed) {
-  const Said said = run_scenarios({write("idle.yaml", "scenario: x\nnodes: 4\nsteps: [{at: 1ms, do: {kill: 1}}]\n")});
+  const CliRun said = run_scenarios({write("idle.yaml", "scenario: x\nnodes: 4\nsteps: [{at: 1ms, do: {kill: 1}}]\n")});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_EQ(said.out, "");
   EXPECT_THAT(said.errors, AllOf(HasSubstr("idle.yaml: nothing is expected"), HasSubstr("when and within")));
@@ -64,7 +64,7 @@ TEST_F(ScenarioCommand, ListsAFolderAndNamesWhatIsNoScenario) {
   write("b_good.yaml", kGood);
   write("c_text.yaml", "- just\n- a list\n");
   write("d_idle.yml", "scenario: later\nnodes: 4\nsteps: []\n");
-  const Said said = ringctl({"scenario", "list", folder});
+  const CliRun said = ringctl({"scenario", "list", folder});
   EXPECT_EQ(said.code, kDone);
   EXPECT_THAT(said.out, AllOf(HasSubstr("nothing happens"), HasSubstr("later (expects nothing)")));
   EXPECT_THAT(said.errors, AllOf(HasSubstr("not a scenario: "), HasSubstr("a_ring.yaml"), HasSubstr("c_text.yaml")));
@@ -82,14 +82,14 @@ TEST_F(ScenarioCommand, HasARingOfItsOwnAndATransportOnlyLive) {
 }
 
 TEST_F(ScenarioCommand, SaysWhyAStoryIsNotForLiveDaemons) {
-  const Said said = run_scenarios({write("only.yaml", std::string(kGood) + "only: sim\n"), "--live"});
+  const CliRun said = run_scenarios({write("only.yaml", std::string(kGood) + "only: sim\n"), "--live"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("only.yaml: only under the virtual clock (--sim):\n  only: sim"));
 }
 
 TEST_F(ScenarioCommand, NamesTheFileThatAFullDiskHasNoRoomFor) {
   for (const char* option : {"--junit", "--capture"}) {
-    const Said said = run_scenarios({write("good.yaml", kGood), option, "/dev/full"});
+    const CliRun said = run_scenarios({write("good.yaml", kGood), option, "/dev/full"});
     EXPECT_EQ(said.code, kNotDone) << option;
     EXPECT_THAT(said.errors, HasSubstr("/dev/full: not all could be written: No space left on device")) << option;
   }
@@ -97,7 +97,7 @@ TEST_F(ScenarioCommand, NamesTheFileThatAFullDiskHasNoRoomFor) {
 
 TEST_F(ScenarioCommand, WritesJunitAndJson) {
   const std::string junit = folder + "/junit.xml";
-  const Said said = run_scenarios({write("unmet.yaml", kUnmet), "--junit", junit, "--json"});
+  const CliRun said = run_scenarios({write("unmet.yaml", kUnmet), "--junit", junit, "--json"});
   EXPECT_THAT(said.out, AllOf(StartsWith("["), HasSubstr("\"met\": false")));
   std::ostringstream xml;
   xml << std::ifstream(junit).rdbuf();

@@ -1,6 +1,6 @@
 #include "app/scenario_cpu/taken_board.h"
 
-#include "app/ringctl/own_folder.h"
+#include "support/own_folder.h"
 
 namespace limb_ring::scenario_cpu {
 namespace {

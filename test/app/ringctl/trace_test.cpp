@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/own_folder.h"
+#include "support/own_folder.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/said.h"
+#include "app/ringctl/run_ringctl.h"
 #include "app/ringctl/trace_words.h"
 #include "study/analysis/cases.h"
 
@@ -21,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class Trace : public OwnFolder {
+class Trace : public test::OwnFolder {
  protected:
   std::string file(const char* name) const { return folder + "/" + name; }
 
@@ -33,14 +33,14 @@ class Trace : public OwnFolder {
     return file("case.pcapng");
   }
 
-  static Said trace(std::vector<std::string> arguments) {
+  static CliRun trace(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "trace");
     return ringctl(std::move(arguments));
   }
 };
 
 TEST_F(Trace, OfTheWorstCaseNamesTheOwnPacketOfEveryNode) {
-  const Said said = trace({captured(Case::adversarial)});
+  const CliRun said = trace({captured(Case::adversarial)});
   EXPECT_EQ(said.code, kDone) << said.errors;
   EXPECT_THAT(said.out, HasSubstr("node0 -> node2  DATP"));
   for (const char* node : {"node1", "node2", "node3"})
@@ -64,7 +64,7 @@ TEST(HopWords, SayOnWhichLineMostOfTheTimeWent) {
 }
 
 TEST_F(Trace, DrawsAPictureWithABarForEachPacketInTheWay) {
-  const Said said = trace({captured(Case::adversarial), "--svg", file("way.svg")});
+  const CliRun said = trace({captured(Case::adversarial), "--svg", file("way.svg")});
   EXPECT_EQ(said.code, kDone) << said.errors;
   std::ifstream in(file("way.svg"));
   const std::string picture{std::istreambuf_iterator<char>(in), {}};
@@ -82,14 +82,14 @@ TEST_F(Trace, WithoutSuchAPacketDidNotHappen) {
   for (const std::vector<std::string>& choice : {std::vector<std::string>{"--over", "1s"}, {"--at", "1s"}}) {
     std::vector<std::string> arguments{captured(Case::alone)};
     arguments.insert(arguments.end(), choice.begin(), choice.end());
-    const Said said = trace(arguments);
+    const CliRun said = trace(arguments);
     EXPECT_EQ(said.code, kNotDone);
     EXPECT_THAT(said.errors, HasSubstr("no such packet among 1 that were seen"));
   }
 }
 
 TEST_F(Trace, RefusesACaptureWithoutOutputsAndSaysHowToTakeOne) {
-  const Said said = trace({captured(Case::alone, CaptureAt::inputs)});
+  const CliRun said = trace({captured(Case::alone, CaptureAt::inputs)});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("case.pcapng"), HasSubstr("--at in,out"), HasSubstr("--outputs")));
 }
@@ -99,7 +99,7 @@ TEST_F(Trace, RefusesWrongTimesAndNodesWithWhatIsRight) {
   EXPECT_THAT(trace({path, "--source", "knee"}).errors, AllOf(HasSubstr("'knee'"), HasSubstr("0 (node0)")));
   for (const char* option : {"--over", "--at"}) {
     for (const char* time : {"soon", "1.2.3", "5 weeks"}) {
-      const Said said = trace({path, option, time});
+      const CliRun said = trace({path, option, time});
       EXPECT_EQ(said.code, kUsage) << option << " " << time;
       EXPECT_THAT(said.errors, HasSubstr(std::string(option) + " " + time + ": not a time"));
     }
@@ -107,7 +107,7 @@ TEST_F(Trace, RefusesWrongTimesAndNodesWithWhatIsRight) {
 }
 
 TEST_F(Trace, WithJsonPrintsALineAPacket) {
-  const Said said = trace({captured(Case::adversarial), "--json", "-n", "0"});
+  const CliRun said = trace({captured(Case::adversarial), "--json", "-n", "0"});
   EXPECT_EQ(std::count(said.out.begin(), said.out.end(), '\n'), 4);
   EXPECT_THAT(said.out, HasSubstr(R"("waited_ns":4192)"));
 }
@@ -122,17 +122,17 @@ TEST_F(Trace, OfACaptureWhoseTimesDoNotFitIsRefused) {
   const std::size_t packet = bytes.find(std::string("\x06\0\0\0", 4), bytes.find("node0 -> node1"));
   for (std::size_t i = packet + 12; i < packet + 20; ++i) bytes[i] = '\xFF';
   std::ofstream(path, std::ios::binary) << bytes;
-  const Said said = trace({path});
+  const CliRun said = trace({path});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("a time after the year 2261"));
 }
 
 TEST_F(Trace, AFullDiskIsNamedWithItsFile) {
   const std::string path = captured(Case::adversarial);
-  const Said drawn = trace({path, "--svg", "/dev/full"});
+  const CliRun drawn = trace({path, "--svg", "/dev/full"});
   EXPECT_EQ(drawn.code, kNotDone);
   EXPECT_THAT(drawn.errors, HasSubstr("/dev/full: not all could be written: No space left on device"));
-  const Said copied = ringctl({"dump", "-r", path, "-w", "/dev/full"});
+  const CliRun copied = ringctl({"dump", "-r", path, "-w", "/dev/full"});
   EXPECT_EQ(copied.code, kNotDone);
   EXPECT_THAT(copied.errors, HasSubstr("/dev/full: not all could be written: No space left on device"));
 }

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "app/ringctl/own_folder.h"
+#include "support/own_folder.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/said.h"
+#include "app/ringctl/run_ringctl.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -14,12 +14,12 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-using Usage = OwnFolder;
+using Usage = test::OwnFolder;
 
 TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
   for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop",
                               "reset", "ping", "observe", "dump", "trace", "replay", "top", "wait"}) {
-    const Said said = ringctl({command, "--help"});
+    const CliRun said = ringctl({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
   }
@@ -29,7 +29,7 @@ TEST_F(Usage, NoSubcommandIsRefused) { EXPECT_EQ(ringctl({}).code, kUsage); }
 
 TEST_F(Usage, UnknownSubcommandIsRefusedWithAGuess) {
   EXPECT_EQ(ringctl({"fly"}).code, kUsage);
-  const Said said = ringctl({"stauts"});
+  const CliRun said = ringctl({"stauts"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("'ringctl stauts' is unknown, did you mean 'status'? There are: up, down"));
 }
@@ -41,7 +41,7 @@ TEST_F(Usage, WhatIsMissingIsNamedAsTheUsageLineNamesIt) {
 
 TEST_F(Usage, SizesOutsideAPacketAreRefusedWithTheRange) {
   for (const char* size : {"0", "513", "-1", "many"}) {
-    const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", size});
+    const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--size", size});
     EXPECT_EQ(said.code, kUsage) << size;
     EXPECT_THAT(said.errors, AllOf(HasSubstr("--size"), HasSubstr("1"), HasSubstr("512"))) << size;
     EXPECT_EQ(ringctl({"ping", "--from", "0", "--to", "1", "--size", size}).code, kUsage);
@@ -49,14 +49,14 @@ TEST_F(Usage, SizesOutsideAPacketAreRefusedWithTheRange) {
 }
 
 TEST_F(Usage, BadPriorityIsRefusedWithTheRange) {
-  const Said said =
+  const CliRun said =
       ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--priority", "4"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("--priority"), HasSubstr("4"), HasSubstr("3")));
 }
 
 TEST_F(Usage, ChannelOfTheNetworkControllersIsRefused) {
-  const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "1"});
+  const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "1"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("network controllers"));
 }
@@ -68,7 +68,7 @@ TEST_F(Usage, SendNeedsExactlyOneKindOfData) {
 }
 
 TEST_F(Usage, TooLongATextIsRefusedWithTheRange) {
-  const Said said = ringctl({"send", "--from", "0", "--to", "1", "--data", std::string(513, 'x')});
+  const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--data", std::string(513, 'x')});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("513 bytes"), HasSubstr("1 to 512")));
 }
@@ -76,7 +76,7 @@ TEST_F(Usage, TooLongATextIsRefusedWithTheRange) {
 TEST_F(Usage, ChannelsAndCountsAreTakenAsPeopleWriteThem) {
   EXPECT_EQ(ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "joint", "--count", "1e3"}).code,
             kNoRing);
-  const Said said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "jiont"});
+  const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "jiont"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("control, joint, topic, user"));
   EXPECT_THAT(ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--channel", "control"}).errors,
@@ -84,7 +84,7 @@ TEST_F(Usage, ChannelsAndCountsAreTakenAsPeopleWriteThem) {
 }
 
 TEST_F(Usage, BadHexadecimalDigitIsNamed) {
-  const Said said = ringctl({"send", "--from", "0", "--to", "1", "--hex", "0xfg"});
+  const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--hex", "0xfg"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("'g' at position 4"));
 }
@@ -95,14 +95,14 @@ TEST_F(Usage, FactorsAndInputsEndAtSeven) {
 }
 
 TEST_F(Usage, WhereNoRingRunsThatIsSaid) {
-  const Said said = ringctl({"status"});
+  const CliRun said = ringctl({"status"});
   EXPECT_EQ(said.code, kNoRing);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("no ring is running"), HasSubstr(folder)));
 }
 
 TEST_F(Usage, AFolderOfAnotherUserIsNotTakenForOneWithoutRings) {
   write("limb_ring", "in its place something that is no folder");  // one that cannot be read, also for root
-  const Said said = ringctl({"status"});
+  const CliRun said = ringctl({"status"});
   EXPECT_EQ(said.code, kNoRing);
   EXPECT_THAT(said.errors, HasSubstr("Not a directory"));
   EXPECT_THAT(ringctl({"--ring", "legs", "status"}).errors, HasSubstr("Not a directory"));
@@ -110,7 +110,7 @@ TEST_F(Usage, AFolderOfAnotherUserIsNotTakenForOneWithoutRings) {
 
 TEST_F(Usage, RingThatDoesNotRunIsNamed) {
   for (const char* command : {"status", "sync", "stop", "down"}) {
-    const Said said = ringctl({command, "--ring", "legs"});
+    const CliRun said = ringctl({command, "--ring", "legs"});
     EXPECT_EQ(said.code, kNoRing) << command;
     EXPECT_THAT(said.errors, HasSubstr("ring legs")) << command;
   }
@@ -123,7 +123,7 @@ TEST_F(Usage, RingNameThatIsNoneIsRefused) {
 
 TEST_F(Usage, UpRefusesABrokenFileBeforeAnythingStarts) {
   const std::string file = write("broken.yaml", "ring: r\nnodes: [{id: 999, name: a}, {id: 1, name: b}]\n");
-  const Said said = ringctl({"up", file});
+  const CliRun said = ringctl({"up", file});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, AllOf(HasSubstr(file), HasSubstr("999")));
   EXPECT_FALSE(std::filesystem::exists(folder + "/limb_ring"));
@@ -145,7 +145,7 @@ TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
       {{"trace", "walk.pcapng", "--sequence", "8"}, "--sequence"},
       {{"trace", "no_such.pcapng"}, "no_such.pcapng: cannot be read"}};
   for (const auto& [arguments, about] : wrong) {
-    const Said said = ringctl(arguments);
+    const CliRun said = ringctl(arguments);
     EXPECT_EQ(said.code, kUsage) << about;
     EXPECT_THAT(said.errors, HasSubstr(about));
   }

@@ -8,14 +8,14 @@
 namespace limb_ring {
 
 /// What a program said to a command line, and ended with.
-struct Said {
+struct CliRun {
   int code = -1;
   std::string out, errors;
 };
 
 /// Runs a program's command line in this process; `arguments` begin with the program's name.
 template <typename CommandLine>
-Said said(const CommandLine& run, std::vector<std::string> arguments) {
+CliRun run_cli(const CommandLine& run, std::vector<std::string> arguments) {
   std::vector<char*> argv;
   for (auto& argument : arguments) argv.push_back(argument.data());
   ::testing::internal::CaptureStderr();

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "app/ringctl/command/command_line.h"
-#include "app/said.h"
+#include "app/run_cli.h"
 
 namespace limb_ring::ringctl {
 
-inline Said ringctl(std::vector<std::string> arguments) {
+inline CliRun ringctl(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "ringctl");
-  return said(run_command_line, std::move(arguments));
+  return run_cli(run_command_line, std::move(arguments));
 }
 
 }  // namespace limb_ring::ringctl

@@ -7,13 +7,13 @@
 #include <fstream>
 #include <string>
 
-namespace limb_ring::ringctl {
+namespace limb_ring::test {
 
 /// A fresh folder of rings for each test, removed at its end.
 class OwnFolder : public ::testing::Test {
  protected:
   OwnFolder() {
-    folder = ::testing::TempDir() + "ringctl_XXXXXX";
+    folder = ::testing::TempDir() + "limb_ring_XXXXXX";
     if (::mkdtemp(folder.data()) == nullptr) folder.clear();
     ::setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
     ::unsetenv("LIMB_RING_RING");
@@ -33,4 +33,4 @@ class OwnFolder : public ::testing::Test {
   std::string folder;
 };
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::test

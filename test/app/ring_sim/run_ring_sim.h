@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "app/ring_sim/command_line.h"
-#include "app/said.h"
+#include "app/run_cli.h"
 
 namespace limb_ring::ring_sim {
 
-inline Said ring_sim(std::vector<std::string> arguments) {
+inline CliRun ring_sim(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "ring_sim");
-  return said(run_command_line, std::move(arguments));
+  return run_cli(run_command_line, std::move(arguments));
 }
 
 }  // namespace limb_ring::ring_sim
