@@ -5,9 +5,9 @@
 #include <optional>
 #include <thread>
 
-#include "live/lock_files.h"
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
 #include "process/process_state.h"
 
 namespace limb_ring::ask {

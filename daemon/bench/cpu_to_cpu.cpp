@@ -72,7 +72,7 @@ void wait_until(const std::atomic<bool>& flag, const Setup& setup, Worker& worke
 
 }  // namespace
 
-std::string write_two_cpus(const Setup& setup, const PrivateFolder& folder) {
+std::string write_two_cpus(const Setup& setup, const live::PrivateFolder& folder) {
   const std::string path = folder.path() + "/two_cpus.yaml";
   std::ofstream file(path);
   file << "ring: two_cpus\nnodes:\n";

@@ -18,7 +18,7 @@ struct RingRequest {
 };
 
 /// A ring of daemons of our own, beside ringctl's other rings; it ends with this object. Its
-/// sockets lie in the PrivateFolder that is in force.
+/// sockets lie in the live::PrivateFolder that is in force.
 class PrivateRing {
  public:
   /// Returns when the ring is closed and its child CPUs run.

@@ -56,7 +56,7 @@ std::string link_name(unsigned index) { return "/chain/" + std::to_string(index)
 /// The processes of a chain; they end with it.
 class Chain {
  public:
-  Chain(const Setup& setup, const PrivateFolder& folder, Pinning pinning)
+  Chain(const Setup& setup, const live::PrivateFolder& folder, Pinning pinning)
       : setup_(setup), folder_(folder), pinning_(pinning), port_(free_port()) {}
 
   ~Chain() {
@@ -111,7 +111,7 @@ class Chain {
   }
 
   const Setup& setup_;
-  const PrivateFolder& folder_;
+  const live::PrivateFolder& folder_;
   Pinning pinning_;
   std::string port_;
   std::vector<process::Program> programs_;
@@ -127,7 +127,7 @@ std::string missing(const Setup& setup) {
 
 }  // namespace
 
-RelayChainResult measure_relay_chain(const Setup& setup, const PrivateFolder& folder, Pinning pinning) {
+RelayChainResult measure_relay_chain(const Setup& setup, const live::PrivateFolder& folder, Pinning pinning) {
   RelayChainResult result;
   result.skipped = missing(setup);
   if (!result.skipped.empty()) return result;

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "bench/measurement.h"
-#include "bench/private_folder.h"
 #include "bench/setup.h"
+#include "live/private_folder.h"
 
 namespace limb_ring::bench {
 
@@ -16,6 +16,6 @@ struct RelayChainResult {
 /// What the same job takes with ROS alone: as many topic_tools/relay nodes in a chain, closed to a
 /// ring by one node (relay_chain_ends) that publishes into it and subscribes to its end, with one
 /// message outstanding. Has a ROS master of its own.
-RelayChainResult measure_relay_chain(const Setup& setup, const PrivateFolder& folder, Pinning pinning);
+RelayChainResult measure_relay_chain(const Setup& setup, const live::PrivateFolder& folder, Pinning pinning);
 
 }  // namespace limb_ring::bench

@@ -31,7 +31,7 @@ struct Case {
 /// Measures everything at one pinning, round by round.
 class Rounds {
  public:
-  Rounds(const Setup& setup, const PrivateFolder& folder, Pinning pinning)
+  Rounds(const Setup& setup, const live::PrivateFolder& folder, Pinning pinning)
       : setup_(setup), folder_(folder), pinning_(pinning) {}
 
   void run() {
@@ -97,13 +97,13 @@ class Rounds {
   }
 
   const Setup& setup_;
-  const PrivateFolder& folder_;
+  const live::PrivateFolder& folder_;
   Pinning pinning_;
   std::string where_;
   std::map<std::pair<std::string, Sending>, Case> cases_;
 };
 
-void add_relay_chain(const Setup& setup, const PrivateFolder& folder, Report& report) {
+void add_relay_chain(const Setup& setup, const live::PrivateFolder& folder, Report& report) {
   for (const Pinning pinning : kPinnings) {
     setup.tell("chain of topic_tools/relay, " + words(pinning));
     const RelayChainResult result = measure_relay_chain(setup, folder, pinning);
@@ -130,7 +130,7 @@ const Row* Report::find(const std::string& what, Pinning pinning, Sending sendin
   return found == rows.end() ? nullptr : &*found;
 }
 
-Report run_suite(const Setup& setup, const PrivateFolder& folder) {
+Report run_suite(const Setup& setup, const live::PrivateFolder& folder) {
   Report report{setup.nodes, setup.payload, setup.seconds, {}, {}, {}, {}};
   for (const Pinning pinning : kPinnings) {
     Rounds rounds(setup, folder, pinning);

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bench/measurement.h"
-#include "bench/private_folder.h"
 #include "bench/setup.h"
+#include "live/private_folder.h"
 
 namespace limb_ring::bench {
 
@@ -33,6 +33,6 @@ struct Report {
 };
 
 /// Runs everything. Takes about 20 times Setup::seconds. @throw std::runtime_error
-Report run_suite(const Setup& setup, const PrivateFolder& folder);
+Report run_suite(const Setup& setup, const live::PrivateFolder& folder);
 
 }  // namespace limb_ring::bench

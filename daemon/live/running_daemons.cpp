@@ -74,7 +74,7 @@ bool RunningDaemons::is_stopped(wire::NodeId id) const {
   return holder.held && process::is_stopped(holder.pid);
 }
 
-// The pid is that of the lock's holder: no stranger is hit.
+// The pid is that of the lock's holder: no other process is hit.
 void RunningDaemons::signal(wire::NodeId id, int number) const {
   const Holder holder = this->holder(id);
   if (!holder.held || holder.pid <= 0)

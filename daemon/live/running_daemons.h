@@ -5,8 +5,8 @@
 #include <string>
 
 #include "fault/parse.h"
-#include "live/lock_files.h"
 #include "limb_ring/host_port.h"
+#include "live/lock_files.h"
 
 namespace limb_ring::live {
 

@@ -2,8 +2,8 @@
 
 #include "config/ring_config.h"
 #include "host/host_server.h"
-#include "runtime/engine.h"
 #include "runtime/cpu/cpu_process.h"
+#include "runtime/engine.h"
 #include "runtime/read_throttle.h"
 
 namespace limb_ring::runtime {

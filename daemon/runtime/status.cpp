@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "process/process_state.h"
+#include "runtime/node.h"
 
 namespace limb_ring::runtime {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "sim/virtual_ring.h"
 #include "scenario/scenario.h"
+#include "sim/virtual_ring.h"
 #include "watchdog/watchdog.h"
 
 namespace limb_ring::scenario {
@@ -32,7 +32,7 @@ class Cpus {
   void took_packet(NodeId id) {
     if (cpus_[id].slow) ring_.cpu_reads[id] = false;
   }
-  /// It begins to babble and goes on while life() stays the same: until it is cured or started anew.
+  /// It begins to babble and goes on while life() stays the same: until it is cured or restarted.
   std::uint64_t life(NodeId id) const { return cpus_[id].life; }
   /// As its reset pin does: everything for and from it is thrown away, and it boots.
   void reset(NodeId id);

@@ -6,8 +6,8 @@
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
 #include "config/yaml_file.h"
-#include "sim_tools/planned_ring.h"
 #include "scenario/sections.h"
+#include "sim_tools/planned_ring.h"
 
 namespace limb_ring::scenario {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_tools/ring_capture.h"
 #include "scenario/stage.h"
+#include "sim_tools/ring_capture.h"
 
 namespace limb_ring::scenario {
 

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "config/ring_config.h"
-#include "sim/virtual_ring.h"
 #include "scenario/cpus.h"
+#include "sim/virtual_ring.h"
 #include "watchdog/reset_order.h"
 #include "watchdog/watchdog.h"
 

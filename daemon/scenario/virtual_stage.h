@@ -2,11 +2,11 @@
 
 #include <memory>
 
-#include "sim/watched_ring.h"
-#include "sim_tools/virtual_line_faults.h"
 #include "scenario/senders.h"
 #include "scenario/stage.h"
 #include "scenario/supervisor.h"
+#include "sim/watched_ring.h"
+#include "sim_tools/virtual_line_faults.h"
 
 namespace limb_ring::scenario {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "sim/ledger.h"
 #include "sim/forwarding_checker.h"
+#include "sim/ledger.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::sim {

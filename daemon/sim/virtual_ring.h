@@ -8,8 +8,8 @@
 #include "core/network_controller.h"
 #include "sim/delay_line.h"
 #include "sim/node_set.h"
-#include "sim/wake_times.h"
 #include "sim/observer.h"
+#include "sim/wake_times.h"
 
 namespace limb_ring::sim {
 

@@ -1,4 +1,4 @@
-"""Faults that have no moments to be measured: what they do is damage, delay or restart, and the promises hold."""
+"""Faults whose times are not measured: they damage, delay or restart, and the promises must hold."""
 from live_ring.faults import Fault
 
 # Of a line: fault and what it is told. Seeds are added.

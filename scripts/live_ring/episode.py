@@ -18,14 +18,14 @@ class Row:
 
 
 def watch_it(fault):
-    """@return whether all its moments were seen"""
+    """@return whether all its timestamps are known"""
     live = fault.live
     fault.start()
     if fault.patience is None:
-        live.wait('what the ring does about a %s at node %d' % (fault.kind, fault.node), fault.look)
+        live.wait('what the ring does about a %s at node %d' % (fault.kind, fault.node), fault.poll)
         return True
     try:
-        live.loop.until('', fault.look, fault.patience)
+        live.loop.until('', fault.poll, fault.patience)
     except NotInTime:
         return False
     return True

@@ -1,4 +1,4 @@
-"""Faults on purpose, each with the moments of what the ring does about it (ns of CLOCK_REALTIME; None: not yet)."""
+"""Faults on purpose, each with timestamps of what the ring does about it (ns of CLOCK_REALTIME; None: not yet)."""
 import time
 
 from live_ring.ring import NODES, SILENCE_MS, SUPERVISOR
@@ -7,7 +7,7 @@ from live_ring.ring import NODES, SILENCE_MS, SUPERVISOR
 class Fault:
     kind = ''
     does = ''     # what the ring does about it
-    patience = None   # s to wait for its moments; None: as long as for anything
+    patience = None   # s to wait for its timestamps; None: as long as for anything
 
     def __init__(self, live, node):
         self.live, self.node = live, node
@@ -17,8 +17,8 @@ class Fault:
         self.requested_ns = time.time_ns()
         self.begin()
 
-    def look(self):
-        """True when all moments are known."""
+    def poll(self):
+        """True when all timestamps are known."""
         self.detected_ns = self.detected_ns or self.detected()
         self.recovered_ns = self.recovered_ns or self.recovered()
         return self.began() and self.detected_ns and self.recovered_ns
@@ -101,7 +101,7 @@ class Stall(LineFault):
 
 class Mended(LineFault):
     kind = 'line mended'
-    does = 'is connected anew; the ring closes'
+    does = 'is connected again; the ring closes'
 
     def begin(self):
         self.order('heal ' + self.live.ring.line(self.node))

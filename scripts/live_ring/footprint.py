@@ -1,4 +1,4 @@
-"""What the daemons hold on to: descriptors and memory, of each of their lives."""
+"""What the daemons hold on to: descriptors and memory, of each of their processes."""
 import os
 
 FD_MARGIN = 2            # of a client that comes or goes in this very moment
@@ -22,8 +22,8 @@ class Footprint:
         self.first = {}      # (node, life): (fds, kB)
         self.grown_fds = self.grown_kb = 0
 
-    def look(self):
-        """Takes the first measure of lives that are new; says what has grown too much in the others."""
+    def measure(self):
+        """Measures new processes for the first time; says what has grown too much in the others."""
         problems = []
         for node, life in self.ring.lives.items():
             pid = self.ring.daemons[node].pid

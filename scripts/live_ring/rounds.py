@@ -62,4 +62,4 @@ class Rounds:
         # Only now: behind a broken line the supervisor cannot reach a CPU.
         for fault in drawn:
             if isinstance(fault, faults.OF_CPUS):
-                self.live.wait('the cure of node %d' % fault.node, fault.look)
+                self.live.wait('the cure of node %d' % fault.node, fault.poll)

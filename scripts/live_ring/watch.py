@@ -72,7 +72,7 @@ class Watch:
         if event['kind'] == 'cpu':
             seen.cpu_state = event['state']
 
-    # ---- moments, in ns of CLOCK_REALTIME; None: not yet ----------------------------------
+    # ---- timestamps, in ns of CLOCK_REALTIME; None: not yet -------------------------------
 
     def all_are(self, state, nodes, size=None):
         """When the last of the nodes came to be so."""

@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <sys/file.h>
 
+#include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
 #include "live/running_daemons.h"
-#include "limb_ring/ring_directory.h"
 #include "process/unique_fd.h"
 #include "support/own_folder.h"
 

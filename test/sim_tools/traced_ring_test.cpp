@@ -7,8 +7,8 @@
 
 #include "capture/pcapng_reader.h"
 #include "capture/trip_choice.h"
-#include "study/analysis/cases.h"
 #include "sim_tools/ring_capture.h"
+#include "study/analysis/cases.h"
 
 namespace limb_ring::study {
 namespace {

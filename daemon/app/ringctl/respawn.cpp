@@ -4,9 +4,9 @@
 #include <iostream>
 
 #include "app/ringctl/ring_access.h"
+#include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
-#include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
 

@@ -4,11 +4,11 @@
 #include <iostream>
 #include <map>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/refusal_counters.h"
 #include "app/ringctl/signal_wait.h"
-#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 

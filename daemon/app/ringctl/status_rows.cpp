@@ -8,6 +8,7 @@
 #include "live/lock_files.h"
 #include "live/node_notes.h"
 #include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
 #include "process/process_state.h"
 
 namespace limb_ring::ringctl {

@@ -39,7 +39,7 @@ std::uint64_t bytes_in(const json& row) {
   return all - std::min(all, kSliceHeader * sum(row, {"input_slices", "input_idle_slices"}));
 }
 
-/// Of the same life, so that the counters have not begun anew.
+/// Of the same boot, so that the counters have not begun again at 0.
 bool comparable(const json& before, const json& now) {
   return now.contains("pid") && now["pid"].is_number() && before.value("pid", json()) == now["pid"];
 }

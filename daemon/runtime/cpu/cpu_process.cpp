@@ -22,7 +22,7 @@ CpuProcess::CpuProcess(boost::asio::io_context& io, CpuOptions options, CpuEvent
 
 CpuProcess::~CpuProcess() = default;
 
-/// Calls `action` at `when`, unless the timer has been set anew or we are gone by then.
+/// Calls `action` at `when`, unless the timer has been set again or we are gone by then.
 template <class Action>
 void CpuProcess::after(boost::asio::steady_timer& timer, Time when, Action action) {
   timer.expires_at(when);
@@ -174,7 +174,7 @@ void CpuProcess::silence_due() {
   changed();
 }
 
-// --- orders ------------------------------------------------------------------------------------
+// --- actions -----------------------------------------------------------------------------------
 
 CpuActionResult CpuProcess::reset(const std::string& reason) {
   if (stopping_) return {false, false, "the daemon is shutting down"};

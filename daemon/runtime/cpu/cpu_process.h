@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "runtime/cpu/attached_cpu.h"
 #include "process/back_off.h"
 #include "process/child_process.h"
-#include "runtime/cpu/cpu_status.h"
 #include "process/find_program.h"
+#include "runtime/cpu/attached_cpu.h"
+#include "runtime/cpu/cpu_status.h"
 #include "runtime/cpu/pin_commands.h"
 
 namespace limb_ring::runtime {

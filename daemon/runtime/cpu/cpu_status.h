@@ -13,7 +13,14 @@ namespace limb_ring::runtime {
 /// Where a node's CPU comes from.
 enum class CpuKind { none, child, attached };
 
-const char* to_string(CpuKind kind);
+inline const char* to_string(CpuKind kind) {
+  switch (kind) {
+    case CpuKind::none: return "none";
+    case CpuKind::child: return "child";
+    case CpuKind::attached: return "attached";
+  }
+  return "?";
+}
 
 struct CpuStatus {
   CpuKind kind = CpuKind::none;

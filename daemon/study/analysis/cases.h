@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "sim_tools/ring_capture.h"
 #include "study/analysis/latency.h"
 #include "study/analysis/medium.h"
-#include "sim_tools/ring_capture.h"
 
 namespace limb_ring::study {
 

@@ -30,7 +30,7 @@ class Arcnet : public Network {
 
   std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
   /// A node that is switched on destroys the token with a reconfiguration burst (8 marks and a space,
-  /// 765 times); after 82 us (at 2.5 Mbit/s) of silence the node with the highest ID begins anew. In
+  /// 765 times); after 82 us (at 2.5 Mbit/s) of silence the node with the highest ID begins again. In
   /// its favour: that ID is 255, which waits no further, the others follow without a gap, so that no
   /// missing node is asked for in vain, and each sends one packet before the newcomer gets the token.
   Duration time_to_join(const Medium& medium) const override;

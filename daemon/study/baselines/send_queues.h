@@ -5,7 +5,7 @@
 #include <deque>
 #include <vector>
 
-#include "study/comparison/message_class.h"
+#include "study/comparison/network.h"
 
 namespace limb_ring::study {
 

@@ -26,7 +26,7 @@ namespace limb_ring::study {
 class Sercos : public Network {
  public:
   std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
-  /// The ring is opened and started anew, through its communication phases (nobody can send
+  /// The ring is opened and restarted, through its communication phases (nobody can send
   /// meanwhile): 0, ten MSTs home; 1, every slave asked once; 2, eight parameters to every slave
   /// through its service channel, number and value, one slave a cycle; 3, the check for phase 4; then
   /// the newcomer's AT. In its favour: the parameters are few (ours: cycle, lengths, time slots, and

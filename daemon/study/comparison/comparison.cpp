@@ -2,12 +2,12 @@
 
 #include <memory>
 
-#include "study/comparison/ring_network.h"
 #include "study/baselines/arcnet.h"
 #include "study/baselines/can_bus.h"
 #include "study/baselines/ethercat.h"
 #include "study/baselines/responsive_link.h"
 #include "study/baselines/sercos.h"
+#include "study/comparison/ring_network.h"
 
 namespace limb_ring::study {
 

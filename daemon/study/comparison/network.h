@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@ struct Message {
   std::uint8_t priority = 0;  ///< 0 (highest) to 3
   bool interrupt = false;     ///< to be carried the fastest way the method has; no data
 };
+
+/// What waits apart in every node: interrupt-like messages (0), then data by priority (1 to 4). (ours)
+constexpr std::size_t kMessageClasses = 5;
+inline std::size_t class_of(const Message& message) { return message.interrupt ? 0 : 1u + message.priority; }
 
 /// A method of sharing a line between nodes, on a virtual clock: messages in, times out.
 class Network {

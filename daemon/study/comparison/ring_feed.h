@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/virtual_ring.h"
-#include "study/comparison/message_class.h"
+#include "study/comparison/network.h"
 
 namespace limb_ring::study {
 

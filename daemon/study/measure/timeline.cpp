@@ -6,8 +6,8 @@
 
 #include "sim/forwarding_checker.h"
 #include "sim/watched_ring.h"
-#include "study/analysis/ring_bounds.h"
 #include "study/analysis/model_ring.h"
+#include "study/analysis/ring_bounds.h"
 
 namespace limb_ring::study {
 

@@ -169,7 +169,7 @@ void RandomFaults::fault() {
 }
 
 // No copy may outlive the time-out of a try: a receiver takes a second one for a new packet, and one that has joined
-// anew meanwhile knows nothing of the first. So a line holds back for a part of it: a small one where lines double,
+// again meanwhile knows nothing of the first. So a line holds back for a part of it: a small one where lines double,
 // and where a part of a folded ring sends what is nobody's over the same line again and again.
 void RandomFaults::line_fault(NodeId node) {
   const int share = doubles_ ? 32 : fold_back_ ? 16 : 2;

@@ -1,9 +1,9 @@
 // gnuplot as a child: what it draws, and every way in which it does not.
 #include <gmock/gmock.h>
 
+#include "app/ring_sim/plot_folder.h"
 #include "app/ring_sim/plots/plots.h"
 #include "app/ring_sim/problems.h"
-#include "app/ring_sim/plot_folder.h"
 
 namespace limb_ring::ring_sim {
 namespace {

@@ -1,11 +1,11 @@
 // What `ringctl up` intends to start, and when it counts the ring as closed.
 #include <gmock/gmock.h>
 
-#include "support/own_folder.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_plan.h"
 #include "app/ringctl/ring_watch.h"
 #include "config/config_error.h"
+#include "support/own_folder.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/clock_offsets.h"
 #include "app/ringctl/hex.h"
 #include "app/ringctl/problems.h"
@@ -12,7 +13,6 @@
 #include "app/ringctl/status_rows.h"
 #include "app/ringctl/status_table.h"
 #include "app/ringctl/supervision.h"
-#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "support/own_folder.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/run_ringctl.h"
+#include "support/own_folder.h"
 
 namespace limb_ring::ringctl {
 namespace {

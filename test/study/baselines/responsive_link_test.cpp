@@ -1,7 +1,7 @@
 // Responsive Link at 1 Gbit/s: a data packet of 64 bytes in 512 ns, an event packet in 128 ns. 512 bytes of
 // data are 10 packets of at most 56.
-#include "study/network_fixture.h"
 #include "study/baselines/responsive_link.h"
+#include "study/network_fixture.h"
 
 namespace limb_ring::study {
 namespace {

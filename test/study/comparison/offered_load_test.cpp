@@ -1,5 +1,5 @@
-#include "study/network_fixture.h"
 #include "study/comparison/offered_load.h"
+#include "study/network_fixture.h"
 
 namespace limb_ring::study {
 namespace {

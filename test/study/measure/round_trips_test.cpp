@@ -1,7 +1,7 @@
 #include "study/measure/round_trips.h"
 
-#include "study/network_fixture.h"
 #include "study/analysis/ring_bounds.h"
+#include "study/network_fixture.h"
 
 namespace limb_ring::study {
 namespace {

@@ -1,5 +1,4 @@
 #include "app/common/text_table.h"
-#include "app/ring_sim/plots/columns.h"
 #include "app/ring_sim/plots/picture.h"
 
 namespace limb_ring::ring_sim {

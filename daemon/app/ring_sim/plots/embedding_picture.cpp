@@ -1,8 +1,7 @@
 #include "app/common/text_table.h"
-#include "app/ring_sim/plots/columns.h"
 #include "app/ring_sim/plots/picture.h"
-#include "study/measure/round_trips.h"
 #include "study/analysis/ring_bounds.h"
+#include "study/measure/round_trips.h"
 
 namespace limb_ring::ring_sim {
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "app/ring_sim/plots/columns.h"
 #include "app/ring_sim/plots/picture.h"
 #include "app/ring_sim/rate_text.h"
 #include "study/analysis/ring_bounds.h"

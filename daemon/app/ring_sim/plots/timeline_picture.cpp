@@ -1,7 +1,6 @@
 #include "study/measure/timeline.h"
 
 #include "app/common/text_table.h"
-#include "app/ring_sim/plots/columns.h"
 #include "app/ring_sim/plots/picture.h"
 #include "study/analysis/latency.h"
 

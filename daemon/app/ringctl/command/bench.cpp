@@ -6,9 +6,9 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/signal_wait.h"
-#include "cli/values.h"
 #include "bench/report_text.h"
 #include "bench/suite.h"
+#include "cli/values.h"
 #include "process/find_program.h"
 
 namespace limb_ring::ringctl {
@@ -39,7 +39,7 @@ int run(Options& options) {
   options.setup.poll = [&signals] {
     if (SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) throw NotDone("interrupted");
   };
-  const bench::PrivateFolder folder;
+  const live::PrivateFolder folder;
   const bench::Report report = bench::run_suite(options.setup, folder);
   if (options.json) std::cout << bench::to_json(report).dump(2) << '\n';
   else std::cout << bench::to_text(report);

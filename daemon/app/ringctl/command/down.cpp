@@ -11,8 +11,8 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
-#include "live/lock_files.h"
 #include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
 
 namespace limb_ring::ringctl {
 

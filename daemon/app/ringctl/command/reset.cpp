@@ -2,9 +2,9 @@
 #include <iostream>
 #include <memory>
 
-#include "app/ringctl/ring_access.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_access.h"
 #include "ask/reset_node.h"
 #include "cli/values.h"
 

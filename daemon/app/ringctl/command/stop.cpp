@@ -2,10 +2,10 @@
 #include <iostream>
 #include <memory>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
-#include "app/common/text_table.h"
 #include "ask/known_stops.h"
 
 namespace limb_ring::ringctl {

@@ -3,11 +3,11 @@
 #include <iostream>
 #include <memory>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/clock_offsets.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
-#include "app/common/text_table.h"
 
 namespace limb_ring::ringctl {
 

@@ -11,8 +11,8 @@
 #include "app/ringctl/seen_packets.h"
 #include "app/ringctl/trace_svg.h"
 #include "app/ringctl/trace_words.h"
-#include "cli/values.h"
 #include "capture/trip_choice.h"
+#include "cli/values.h"
 #include "config/quantity.h"
 
 namespace limb_ring::ringctl {

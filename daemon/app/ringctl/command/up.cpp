@@ -13,8 +13,8 @@
 #include "app/ringctl/ring_watch.h"
 #include "app/ringctl/signal_wait.h"
 #include "cli/values.h"
-#include "live/lock_files.h"
 #include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
 
 namespace limb_ring::ringctl {
 

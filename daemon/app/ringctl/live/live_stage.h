@@ -15,7 +15,7 @@ namespace limb_ring::ringctl {
 /// begin(), run_until() and apply() may throw Interrupted.
 class LiveStage final : public scenario::Stage {
  public:
-  /// Nothing is started before begin(). @param plan as of plan_story_ring(). All outlive this
+  /// Nothing is started before begin(). @param plan whose CPUs are scenario_cpu. All outlive this
   LiveStage(const scenario::Scenario& scenario, std::uint64_t seed, const RingPlan& plan, SignalWait& signals);
 
   unsigned size() const override { return static_cast<unsigned>(nodes_.size()); }

@@ -1,15 +1,73 @@
 #include "app/ringctl/live/play_live.h"
 
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+
+#include <fstream>
+
 #include "app/ringctl/live/live_stage.h"
-#include "app/ringctl/live/story_ring.h"
-#include "bench/private_folder.h"
+#include "app/ringctl/problems.h"
+#include "config/quantity.h"
+#include "config/yaml_file.h"
+#include "live/private_folder.h"
+#include "process/find_program.h"
 
 namespace limb_ring::ringctl {
 
-scenario::ScenarioRun play_live(const scenario::Scenario& scenario, std::uint64_t seed,
-                                       const std::string& transport) {
-  const bench::PrivateFolder folder;
-  const RingPlan plan = plan_story_ring(scenario, folder.path(), transport);
+namespace {
+
+YAML::Node plain_file(const config::RingConfig& ring) {
+  YAML::Node file;
+  file["ring"] = ring.ring;
+  for (const config::NodeConfig& node : ring.nodes) {
+    YAML::Node entry;
+    entry["id"] = static_cast<unsigned>(node.id);
+    entry["name"] = node.name;
+    file["nodes"].push_back(entry);
+  }
+  return file;
+}
+
+YAML::Node story_cpu() {
+  const std::string program = process::find_program("scenario_cpu");
+  if (program.empty())
+    throw NotDone("no program scenario_cpu beside ringctl (" + process::own_folder() + ") or on PATH");
+  YAML::Node cpu;
+  cpu["command"].push_back(program);
+  cpu["alive_period"] = config::format_time(scenario::kAlivePeriod);
+  return cpu;
+}
+
+void write(const YAML::Node& file, const std::string& path) {
+  YAML::Emitter text;
+  text << file;
+  std::ofstream out(path);
+  out << text.c_str() << std::endl;
+  if (!out) throw NotDone("cannot write " + path);
+}
+
+/// The scenario's own ring, but the CPU of every node is scenario_cpu, which counts what it takes, and the ring's name is
+/// one that no other ring has.
+/// @param folder where its file is written
+/// @throw NotDone where scenario_cpu is not installed, or the file cannot be written
+RingPlan plan_scenario_ring(const scenario::Scenario& scenario, const std::string& folder,
+                         const std::string& transport) {
+  const config::RingConfig& ring = scenario.ring;
+  YAML::Node file = ring.path.empty() ? plain_file(ring) : config::parse_yaml(config::read_file(ring.path), ring.path);
+  for (auto node : file["nodes"]) node["cpu"] = story_cpu();
+  UpRequest request;
+  request.config = folder + "/ring.yaml";
+  request.ring = "scenario" + std::to_string(::getpid());  // UDP ports follow from it
+  request.transport = transport;
+  write(file, request.config);
+  return plan_ring(request);
+}
+
+}  // namespace
+
+scenario::ScenarioRun play_live(const scenario::Scenario& scenario, std::uint64_t seed, const std::string& transport) {
+  const live::PrivateFolder folder;
+  const RingPlan plan = plan_scenario_ring(scenario, folder.path(), transport);
   SignalWait signals;
   LiveStage stage(scenario, seed, plan, signals);
   return run_scenario(scenario, seed, stage);

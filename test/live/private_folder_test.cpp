@@ -1,4 +1,4 @@
-#include "bench/private_folder.h"
+#include "live/private_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "limb_ring/ring_directory.h"
 
-namespace limb_ring::bench {
+namespace limb_ring::live {
 namespace {
 
 TEST(PrivateFolder, HoldsTheRingsOfThisProcessWhileItIsThere) {
@@ -41,4 +41,4 @@ TEST(PrivateFolder, IsRemovedWithAllThatIsInIt) {
 }
 
 }  // namespace
-}  // namespace limb_ring::bench
+}  // namespace limb_ring::live

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace limb_ring::bench {
+namespace limb_ring::live {
 
 /// A fresh XDG_RUNTIME_DIR of this process and those it starts, so that nothing of the user's is
 /// touched. Removed with everything in it; the environment is then as before.
@@ -25,4 +25,4 @@ class PrivateFolder {
   std::map<std::string, std::optional<std::string>> before_;
 };
 
-}  // namespace limb_ring::bench
+}  // namespace limb_ring::live

@@ -1,4 +1,4 @@
-#include "bench/private_folder.h"
+#include "live/private_folder.h"
 
 #include <stdlib.h>
 
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace limb_ring::bench {
+namespace limb_ring::live {
 
 PrivateFolder::PrivateFolder() {
   path_ = (std::filesystem::temp_directory_path() / "limb_ring_bench_XXXXXX").string();
@@ -33,4 +33,4 @@ void PrivateFolder::replace(const std::string& name, const char* value) {
   else ::unsetenv(name.c_str());
 }
 
-}  // namespace limb_ring::bench
+}  // namespace limb_ring::live
