@@ -41,7 +41,7 @@ struct LaunchedDaemon {
 /// They go on when this object is gone.
 class LaunchedRing {
  public:
-  /// Passes up to so much time. @return true: end at once
+  /// Waits for up to the given time. @return true: kill what still runs, without further grace
   using Wait = std::function<bool(std::chrono::milliseconds)>;
 
   /// Starts one ringd per node. @throw std::runtime_error where there is none to start

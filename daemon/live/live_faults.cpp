@@ -17,7 +17,7 @@ namespace {
 const char* const kKill = fault::word_of(Name::kill).word;
 const char* const kFreeze = fault::word_of(Name::freeze).word;
 
-/// One after the other would break them one after the other, and wait as often.
+/// All nodes at once: one by one they would break, and be waited for, one after the other.
 std::vector<std::string> at_the_same_time(const std::vector<wire::NodeId>& nodes,
                                           const std::function<void(std::size_t)>& act) {
   std::vector<std::string> problems(nodes.size());
@@ -122,7 +122,7 @@ Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {
 
 // ---- what there is --------------------------------------------------------------------------
 
-/// A note whose fault somebody else has ended says nothing any more.
+/// A note is out of date where somebody else has ended its fault.
 std::optional<LiveFault> LiveFaults::node_fault(wire::NodeId node) const {
   const auto note = note_of(daemons_.folder(), node);
   if (!note) return std::nullopt;

@@ -34,11 +34,11 @@ class LiveFaults {
   /// A node frozen for a time is thawed again when this returns.
   /// @return one for each of its nodes. @throw NotDone
   std::vector<Begun> begin(const fault::Fault& fault) const;
-  /// In ring order. A daemon that does not answer is left out, but for being frozen or killed.
+  /// In ring order. Of a daemon that does not answer, only that it is frozen or killed.
   std::vector<LiveFault> list() const;
-  /// What is frozen is thawed, what was killed is started. @throw NotDone where there is no such fault
+  /// A frozen daemon is thawed, a killed one is started. @throw NotDone where there is no such fault
   void remove(const std::string& id) const;
-  /// All there are. @return what could not be done, one line each; empty: the ring is as new
+  /// Removes all faults. @return what could not be done, one line each; empty: no fault is left
   std::vector<std::string> clear() const;
 
  private:

@@ -17,7 +17,7 @@ struct Holder {
   bool held = false;    ///< it lives, perhaps stopped
 };
 
-/// Of one node of a ring's folder. Where there never was a daemon, nothing is known.
+/// Reads the lock file of one node in a ring's folder. All fields are empty where there never was a daemon.
 Holder holder_of(const std::string& folder, std::uint8_t node);
 
 /// A node held by a daemon that lives, as its lock file says.
@@ -30,7 +30,7 @@ struct HeldNode {
 std::vector<HeldNode> held_nodes(const std::string& folder);
 
 /// Removes what daemons that are gone have left in a ring's folder, and the folder.
-/// Call only where nothing is held any more.
+/// @pre no node of it is held
 void remove_leftovers(const std::string& folder);
 
 }  // namespace limb_ring::live

@@ -21,7 +21,7 @@ struct NodeNote {
 std::string write_note(const std::string& folder, wire::NodeId node, const std::string& words);
 void remove_note(const std::string& folder, wire::NodeId node);
 std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node);
-/// The note of a node says that it was killed: whoever watches over its daemon is not to start it again.
+/// Whether the node's note says that it was killed. Then nobody but `fault start` is to start its daemon again.
 bool is_killed(const std::string& folder, wire::NodeId node);
 
 }  // namespace limb_ring::live

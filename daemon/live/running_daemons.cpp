@@ -35,7 +35,7 @@ bool wait_for(const std::function<bool()>& condition, milliseconds patience) {
   return true;
 }
 
-/// The first thing a node says to the others; until it is home the node is no part of the ring.
+/// A node belongs to the ring once its hello, the first packet it sends, has come home.
 bool has_said_hello(const json& row) {
   const std::string state = row.value("state", "");
   return state != "" && state != "starting" && state != "joining";
@@ -86,7 +86,7 @@ void RunningDaemons::signal(wire::NodeId id, int number) const {
 void RunningDaemons::kill(wire::NodeId id) const {
   const pid_t pid = holder(id).pid;
   signal(id, SIGKILL);
-  // Where somebody watches over it, the lock may be held by the next one already.
+  // A supervisor of the process may have started the next daemon, which then holds the lock.
   const auto gone = [&] { return process::is_gone(pid) || holder(id).pid != pid; };
   if (!wait_for(gone, kSignalled)) throw NotDone("node " + node(id).name + " does not die");
 }
@@ -127,7 +127,7 @@ std::uint64_t RunningDaemons::boot_of(wire::NodeId id) const {
   return ask(id, {{"do", "status"}}).value("boot", std::uint64_t{0});
 }
 
-// It does not answer: its end is the answer, and a higher boot number the proof.
+// The daemon sends no answer, because it ends. A higher boot number shows that it has come back.
 void RunningDaemons::power_cycle(wire::NodeId id) const {
   HostPort port = connect(id);
   const std::uint64_t before = json::parse(port.ask(R"({"do": "status"})", kAnswer)).value("boot", std::uint64_t{0});

@@ -15,7 +15,7 @@ struct NotDone : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The daemons of one ring on this host: asked through their host ports, hit by signals, started again.
+/// The daemons of one ring on this host: they are asked through their host ports, signalled, and started again.
 /// Every call ends by a deadline. @throw NotDone with the node's name and what is wrong
 class RunningDaemons {
  public:
@@ -35,7 +35,7 @@ class RunningDaemons {
   /// SIGSTOP and SIGCONT, of the daemon alone: its CPU goes on.
   void freeze(wire::NodeId node) const;
   void thaw(wire::NodeId node) const;
-  /// As it was started the last time, apart from us, with a log file in the ring's folder.
+  /// With the arguments of its last start, in a session of its own, with a log file in the ring's folder.
   void start(wire::NodeId node) const;
   /// Off and on again, under the same pid.
   void power_cycle(wire::NodeId node) const;

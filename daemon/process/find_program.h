@@ -8,7 +8,7 @@ namespace limb_ring::process {
 std::string own_folder();
 
 /// Path of a program: `name` itself where it holds a '/', else `folder`/name, else the first on
-/// PATH that can be executed. The programs of one build so find each other first.
+/// PATH that can be executed. So the programs of one build find each other first.
 /// @return empty where there is none.
 std::string find_program(const std::string& name, const std::string& folder = own_folder());
 

@@ -24,7 +24,7 @@ fault::RingNodes ring_nodes(const Entry& entry) {
   return nodes;
 }
 
-/// Does it, and says of what it refuses where it stands.
+/// Calls `action`; an error that it throws then names the entry's place in the file.
 template <class Action>
 auto at_entry(const Entry& entry, Action action) {
   try {
@@ -46,7 +46,7 @@ void set_line(Fault& fault, const std::string& text, const fault::RingNodes& nod
   fault.second_line = line.second_line;
 }
 
-/// What the fault is of is read by the others' readers, so that lists of nodes look the same everywhere.
+/// Lines and nodes are read as everywhere in scenarios, so that lists of nodes have one form.
 void read_member(const config::Member& member, Fault& fault, const fault::RingNodes& nodes) {
   const std::string text = member.name == "nodes" ? "" : member.value.text("a value");
   at_entry(member.value, [&] {

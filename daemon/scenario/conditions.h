@@ -9,7 +9,7 @@ namespace limb_ring::scenario {
 /// Whether a condition holds at this moment.
 bool holds(const Condition& condition, const Sight& sight);
 
-/// What there is to see of it instead, in words: "left_knee is joining, in a ring of 15".
+/// What is seen instead, in words: "left_knee is joining, in a ring of 15".
 std::string seen(const Condition& condition, const Sight& sight);
 
 }  // namespace limb_ring::scenario

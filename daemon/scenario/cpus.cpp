@@ -56,7 +56,7 @@ void Cpus::slow_down(NodeId id, core::Duration period) {
   read_one_and_wait(id, period);
 }
 
-// It may take one from now on, whenever that comes; touched, so that one that lies there is taken at once.
+// From now on it may take one packet. node() wakes the controller, so that a waiting packet is taken at once.
 void Cpus::read_one_and_wait(NodeId id, core::Duration period) {
   ring_.cpu_reads[id] = true;
   ring_.node(id);
@@ -78,7 +78,7 @@ void Cpus::reset(NodeId id) {
   });
 }
 
-// Its first word makes it a boot, as for the daemon.
+// As in the daemon, a boot counts from the CPU's first message.
 void Cpus::boot(NodeId id) {
   ++cpus_[id].boots;
   ring_.node(id).set_cpu_present(true);

@@ -23,7 +23,7 @@ class Cpus {
   bool sends(NodeId id) const { return ring_.alive(id) && cpus_[id].running; }
 
   void hang(NodeId id);
-  /// It is cured: it neither hangs, nor is slow, nor babbles, and it reads.
+  /// It works again: it neither hangs, nor is slow, nor babbles, and it reads.
   void resume(NodeId id);
   void stop_reading(NodeId id);
   /// It takes one packet in each `period` from now on.
@@ -38,7 +38,7 @@ class Cpus {
   void reset(NodeId id);
   /// It has crashed, and all packets for and from it are gone. It is started again after the daemon's first back-off.
   void crash(NodeId id);
-  /// Its node has come up: a first boot, done.
+  /// Its node has come up, and the CPU has booted once.
   void started(NodeId id);
   /// As its own network controller sees it.
   watchdog::CpuSighting sighting_of(NodeId id) const;

@@ -61,7 +61,7 @@ void check_line(const Entry& entry, const Step& step, const config::RingConfig& 
   entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
 }
 
-/// What no single entry shows: names of sends, lines that the ring has not, and times that run backwards.
+/// Errors that no single entry shows: unknown sends, lines that the ring has not, times that run backwards.
 void check_scenario(const Entry& file, const Scenario& scenario) {
   const std::vector<std::string> names = send_names(scenario);
   if (names.size() > kMostNames) file.refuse("it has too many sends", std::to_string(kMostNames) + " names");

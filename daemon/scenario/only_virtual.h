@@ -7,7 +7,7 @@
 
 namespace limb_ring::scenario {
 
-/// What in a scenario cannot be had on live daemons, and why; empty where it can be played there.
+/// What in a scenario is not possible on live daemons, and why; empty: it can be played there.
 /// @param transport of all lines, unix or udp; empty: as the ring's file says
 std::vector<std::string> only_virtual(const Scenario& scenario, const std::string& transport);
 

@@ -11,7 +11,7 @@
 #include "fault/fault.h"
 #include "wire/control_message.h"
 
-/// A scenario: a story about a ring, what breaks and when, and what has to be seen. (ours)
+/// A scenario: what is done to a ring and when, and what has to be seen. (ours)
 /// Nodes are places in ring order, as in planned_ring.h. Times count from when every node has joined.
 namespace limb_ring::scenario {
 

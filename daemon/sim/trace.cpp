@@ -74,6 +74,8 @@ void Trace::packet(NodeId node, const core::ReceivedPacket& packet) {
   record(packet.at, node, "received", packet.source, packet.size, wire::crc32(packet.bytes()));
 }
 
-void Trace::incident(NodeId node, Incident incident, Time now, Line) { record(now, node, to_string(incident), 0, 0, 0); }
+void Trace::incident(NodeId node, Incident incident, Time now, Line) {
+  record(now, node, to_string(incident), 0, 0, 0);
+}
 
 }  // namespace limb_ring::sim

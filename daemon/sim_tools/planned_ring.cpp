@@ -26,12 +26,12 @@ void adjust(const RingConfig& ring, core::Settings& settings) {
 
 }  // namespace
 
-std::unique_ptr<sim::WatchedRing> planned_ring(const RingConfig& ring) {
-  sim::VirtualRingOptions options;
+std::unique_ptr<WatchedRing> planned_ring(const RingConfig& ring) {
+  VirtualRingOptions options;
   options.nodes = static_cast<unsigned>(ring.nodes.size());
   options.keep_logs = false;
   options.adjust = [&ring](core::Settings& settings) { adjust(ring, settings); };
-  return std::make_unique<sim::WatchedRing>(options);
+  return std::make_unique<WatchedRing>(options);
 }
 
 bool assumes_lines(const RingConfig& ring) {

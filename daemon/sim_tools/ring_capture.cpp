@@ -29,7 +29,7 @@ capture::RingNames plain_names(unsigned nodes) {
   return names;
 }
 
-RingCapture::RingCapture(sim::VirtualRing& ring, std::ostream& out, capture::RingNames names, CaptureAt at)
+RingCapture::RingCapture(VirtualRing& ring, std::ostream& out, capture::RingNames names, CaptureAt at)
     : ring_(ring), writer_(out, std::move(names)) {
   const auto written = [this](const capture::PacketView& packet) { write(packet); };
   inputs_.assign(ring.size(), capture::PacketAssembler(written));
@@ -71,7 +71,7 @@ void RingCapture::event(wire::NodeId node, const core::Event& event) {
   if (!what.empty()) writer_.event(in_ns(event.at).count(), node, what);
 }
 
-void RingCapture::incident(wire::NodeId node, sim::Incident incident, core::Time now, core::Line) {
+void RingCapture::incident(wire::NodeId node, Incident incident, core::Time now, core::Line) {
   writer_.event(in_ns(now).count(), node, to_string(incident));
 }
 

@@ -15,22 +15,22 @@ enum class CaptureAt : std::uint8_t { inputs, inputs_and_outputs };
 
 /// Writes what is on the lines of a virtual ring as pcapng, in virtual time; every line an interface.
 /// Faults, states and pins are events. Must live as long as the ring runs.
-class RingCapture : public sim::Observer {
+class RingCapture : public Observer {
  public:
-  RingCapture(sim::VirtualRing& ring, std::ostream& out, capture::RingNames names,
+  RingCapture(VirtualRing& ring, std::ostream& out, capture::RingNames names,
               CaptureAt at = CaptureAt::inputs);
 
   void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void event(wire::NodeId node, const core::Event& event) override;
-  void incident(wire::NodeId node, sim::Incident incident, core::Time now, core::Line line) override;
+  void incident(wire::NodeId node, Incident incident, core::Time now, core::Line line) override;
 
  private:
   wire::NodeId upstream(wire::NodeId node) const;
   wire::NodeId downstream(wire::NodeId node) const;
   void write(const capture::PacketView& packet);
 
-  sim::VirtualRing& ring_;
+  VirtualRing& ring_;
   capture::PcapngWriter writer_;
   std::vector<capture::PacketAssembler> inputs_, outputs_;  ///< by node; outputs_ empty where not looked at
 };

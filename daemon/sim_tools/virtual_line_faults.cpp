@@ -7,12 +7,13 @@ using core::Time;
 
 using wire::NodeId;
 
-VirtualLineFaults::VirtualLineFaults(sim::VirtualRing& ring, std::uint64_t seed) : ring_(ring) {
+VirtualLineFaults::VirtualLineFaults(VirtualRing& ring, std::uint64_t seed) : ring_(ring) {
   std::mt19937_64 seeds(seed);
   for (const Line line : {Line::first, Line::second}) {
     if (line == Line::second && !ring.settings(0).fold_back) break;
     for (unsigned id = 0; id < ring.size(); ++id)
-      lines_[static_cast<std::size_t>(line)].emplace_back(seeds(), ring.settings(static_cast<NodeId>(id)).byte_time_out);
+      lines_[static_cast<std::size_t>(line)].emplace_back(seeds(),
+                                                          ring.settings(static_cast<NodeId>(id)).byte_time_out);
   }
   ring.add_observer(*this);
 }
@@ -49,9 +50,9 @@ void VirtualLineFaults::pass(NodeId id, Line line, const wire::Slice& slice, wir
   poll_later(id, line);
 }
 
-// What was under way on a line that is gone never comes out of the next one.
-void VirtualLineFaults::incident(NodeId id, sim::Incident incident, Time, Line line) {
-  if (incident == sim::Incident::output_replaced || incident == sim::Incident::cut) wire_of(id, line).faults.line_lost();
+// Slices held back on a line are lost with it, and do not go onto the line that takes its place.
+void VirtualLineFaults::incident(NodeId id, Incident incident, Time, Line line) {
+  if (incident == Incident::output_replaced || incident == Incident::cut) wire_of(id, line).faults.line_lost();
 }
 
 void VirtualLineFaults::poll(NodeId id, Line line) {
@@ -69,7 +70,7 @@ void VirtualLineFaults::poll(NodeId id, Line line) {
 void VirtualLineFaults::poll_later(NodeId id, Line line) {
   Wire& wire = wire_of(id, line);
   Time next = wire.faults.next_deadline();
-  // A line that a packet takes down by having passed it goes down behind that packet.
+  // A line that goes down after a packet goes down once that packet is through.
   if (next <= ring_.now()) next = ring_.now() + ring_.settings(id).relay_delay + core::Duration{1};
   if (next >= wire.wake) return;
   wire.wake = next;

@@ -9,10 +9,10 @@
 namespace limb_ring::sim {
 
 /// Faults on the lines of a virtual ring: takes them down and up, and puts onto them later what they hold back.
-class VirtualLineFaults : public sim::Observer {
+class VirtualLineFaults : public Observer {
  public:
   /// @param ring must outlive this, and never runs without it. @param seed of whatever is random
-  VirtualLineFaults(sim::VirtualRing& ring, std::uint64_t seed);
+  VirtualLineFaults(VirtualRing& ring, std::uint64_t seed);
   VirtualLineFaults(const VirtualLineFaults&) = delete;
   VirtualLineFaults& operator=(const VirtualLineFaults&) = delete;
 
@@ -25,7 +25,7 @@ class VirtualLineFaults : public sim::Observer {
 
   /// For a tap of the caller's own: what comes out of the line now.
   void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
-  void incident(wire::NodeId id, sim::Incident incident, core::Time now, core::Line line) override;
+  void incident(wire::NodeId id, Incident incident, core::Time now, core::Line line) override;
 
  private:
   struct Wire {
@@ -44,7 +44,7 @@ class VirtualLineFaults : public sim::Observer {
   void poll(wire::NodeId id, core::Line line);
   void poll_later(wire::NodeId id, core::Line line);
 
-  sim::VirtualRing& ring_;
+  VirtualRing& ring_;
   std::array<std::deque<Wire>, 2> lines_;  ///< out of each node, by Line; no second ones without fold-back
   wire::SliceWriter late_;
 };

@@ -7,7 +7,7 @@
 
 namespace limb_ring::watchdog {
 
-/// Between two nodes: whether packets of the one come to the other, and what that says comes back.
+/// Between two nodes: whether packets of the first reach the second, and packets of the second the first.
 /// In an open chain it is one of the two, never both. (ours)
 struct Reach {
   bool sends = true;  ///< packets of the one reach the other

@@ -10,7 +10,7 @@
 
 namespace limb_ring::watchdog {
 
-/// What the node that orders a reset knows of the CPU: its beacons, or of the own one the CPU itself.
+/// What the node that orders a reset knows of the CPU: by beacons, or by its own CPU's state.
 struct CpuKnown {
   std::uint32_t boots = 0;
   bool comes_back = true;  ///< somebody starts it again when it is killed
@@ -41,7 +41,7 @@ struct ResetReport {
 /// protocol.md section 5.5) An INTP that does not come home, in an open chain or lost, may have arrived all the same:
 /// where that node can still be heard its boot number tells.
 ///
-/// No IO and no clock; whoever has it ends it with timed_out().
+/// No IO and no clock; the owner calls timed_out() when its time is over.
 class ResetOrder {
  public:
   using Report = std::optional<ResetReport>;

@@ -41,7 +41,7 @@ enum class CpuVerdict {
 const char* to_string(CpuVerdict verdict);
 const char* to_string(config::SupervisorConfig::Policy policy);
 
-/// One CPU as the supervisor has it on its books.
+/// What the supervisor keeps of one CPU.
 struct WatchedCpu {
   wire::NodeId node = 0;
   CpuVerdict verdict = CpuVerdict::unheard;
@@ -55,7 +55,7 @@ struct WatchedCpu {
   std::string reset_reason;     ///< of the last reset
 };
 
-/// Who watches the CPUs that declare an alive period, and resets the hung ones. A hung CPU is told
+/// Watches the CPUs that declare an alive period, and resets the hung ones. A hung CPU is told
 /// from a dead node by the beacons (patent) and cured by its reset pin (paper); grace, bounded tries
 /// and back-off are ours (protocol.md section 8.13).
 ///
@@ -65,7 +65,7 @@ class Watchdog {
   using Policy = config::SupervisorConfig::Policy;
   using SightingOf = std::function<CpuSighting(wire::NodeId)>;
 
-  /// Something new of one CPU.
+  /// A change of what is known of one CPU.
   struct Finding {
     wire::NodeId node = 0;
     CpuVerdict verdict = CpuVerdict::unheard;
@@ -83,7 +83,7 @@ class Watchdog {
 
   /// To be called regularly, several times within `missing_after`.
   Round evaluate(const SightingOf& sighting_of, core::Time now);
-  /// An order has ended. Whether it cured is for the boot number to say, at the next evaluation.
+  /// A reset has ended. Whether it helped is known by the boot number, at the next evaluation.
   /// @return a failure, as a finding
   std::optional<Finding> reset_ended(wire::NodeId node, bool success, const std::string& message, core::Time now);
 

@@ -2,7 +2,8 @@
 
 namespace limb_ring::app {
 
-/// May what goes there be coloured? On a terminal that can, unless NO_COLOR (https://no-color.org) is set.
+/// Whether output there is to be coloured: on a terminal that can, unless NO_COLOR is set
+/// (https://no-color.org).
 bool colour_wanted(int file);
 
 // Plain ANSI.

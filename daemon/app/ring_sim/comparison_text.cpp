@@ -115,7 +115,7 @@ constexpr const char* kNotes =
     "CAN starves the nodes with the highest identifiers. An ARCNET packet holds 508 bytes: 512 wait for\n"
     "the token twice.\n";
 
-/// What no run shows unless the others start just so. (docs/protocol.md, the worst case)
+/// The worst case, which a run shows only where the others start at exactly the right instants. (docs/protocol.md)
 std::string bound(const study::Medium& medium) {
   const study::Duration hop = medium.byte_time() * (medium.payload + wire::kOverhead) + medium.relay_delay;
   return "At " + megabits(medium.rate) + " Mbit/s limb_ring's bound after h hops is h (T + d), whatever data others\n" +

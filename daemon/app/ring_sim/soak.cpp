@@ -50,7 +50,7 @@ std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, b
          (all_fold_back ? " --redundancy foldback" : "") + "\n";
 }
 
-/// The first of a range that hardly anybody has run before.
+/// The first seed of a range, drawn so that it has hardly been run before.
 std::uint64_t fresh_range() {
   std::random_device device;
   return std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(device);

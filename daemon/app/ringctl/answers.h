@@ -9,7 +9,7 @@
 
 namespace limb_ring::ringctl {
 
-/// How long a daemon may take for what it knows by heart.
+/// How long a daemon may take for an answer that needs no waiting.
 constexpr std::chrono::milliseconds kAnswerTime{2000};
 
 /// Asks a daemon, with progress on standard error where it takes long.

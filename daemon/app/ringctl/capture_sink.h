@@ -13,7 +13,7 @@ class CaptureSink {
   virtual ~CaptureSink() = default;
   virtual void packet(const CapturedPacket& packet) = 0;
   virtual void event(const capture::CapturedEvent& event) = 0;
-  /// Somebody may be looking: nothing is held back.
+  /// Writes what is buffered, since somebody may be reading.
   /// @return false where nobody can be any more (a pipe that was closed, a full disk)
   virtual bool flush() = 0;
   /// Why a flush() was false: names the file.

@@ -63,7 +63,8 @@ void add_line_limits(const config::RingConfig& ring, const Plan& plan, std::vect
     if (plan.lines[n] >= 1) limits.push_back(line_overload(line_name(ring, n), line_rate(ring, n), plan.lines[n]));
 }
 
-// What finds it full is dropped whole, and comes again only after the time-out. One sentence for the worst.
+// A packet that finds the buffer full is dropped whole, and sent again only after the time-out. One sentence, for the
+// worst node.
 void add_buffer_limit(const config::RingConfig& ring, const Plan& plan, std::vector<std::string>& limits) {
   std::size_t worst = 0;
   for (std::size_t n = 0; n < plan.nodes.size(); ++n)

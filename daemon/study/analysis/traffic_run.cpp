@@ -139,7 +139,7 @@ class Run {
     }
   }
 
-  // A destination may take the packet in the very instant in which it is home: look an instant later.
+  // A destination may take the packet in the very instant in which it is home, so this is evaluated an instant later.
   void on_end(NodeId node, const core::SendEnded& ended, Time home) {
     ring_->at(ring_->now() + kInstant, [this, node, ended, home] { finish(node, ended, home); });
   }

@@ -130,7 +130,7 @@ Figures measure(const Network& network, const Medium& medium, std::uint64_t seed
   figures.interrupt = measure_interrupt(network, medium, seed);
   figures.join = network.time_to_join(medium);
   figures.efficiency = measure_saturated(network, medium, seed);
-  // Beyond it the queues grow for as long as one looks.
+  // Beyond it the queues grow without end.
   if (figures.efficiency > kRandomLoad) figures.random_load = measure_random_load(network, medium, seed);
   return figures;
 }

@@ -42,7 +42,8 @@ class Recorder : public sim::Observer {
     const unsigned hops = (node + medium_.nodes - head.source) % medium_.nodes;
     return {head.source, arriving && hops == 0 ? medium_.nodes : hops};
   }
-  void note(Place& place, NodeId node, const wire::Slice& slice, Time now, std::optional<Passing::Span> Passing::*span) {
+  void note(Place& place, NodeId node, const wire::Slice& slice, Time now,
+            std::optional<Passing::Span> Passing::*span) {
     if (slice.kind == wire::SliceKind::start) {
       const Key key = key_of(node, sim::PacketHeader::of(slice.bytes), span == &Passing::arrives);
       place = {&passings[key], 0};

@@ -28,7 +28,7 @@ struct Timeline {
   std::vector<Passing> in_front;  ///< what left a node before ours did, by source and hop
 };
 
-/// It has the ring for itself. @throw std::runtime_error where the ring does not close, or it does not return
+/// No other packet is on the ring. @throw std::runtime_error where the ring does not close, or it does not return
 Timeline timeline_alone(const Medium& medium);
 
 /// The worst case: every other node starts a packet of its own in the instant in which its header arrives.

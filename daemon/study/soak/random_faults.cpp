@@ -168,9 +168,9 @@ void RandomFaults::fault() {
   }
 }
 
-// No copy may outlive the time-out of a try: a receiver takes a second one for a new packet, and one that has joined
-// again meanwhile knows nothing of the first. So a line holds back for a part of it: a small one where lines double,
-// and where a part of a folded ring sends what is nobody's over the same line again and again.
+// No copy may outlive the time-out of a try: the receiver would take it for a new packet, as would one that has
+// restarted meanwhile and knows nothing of the first copy. So a line holds back for a part of the time-out only. The
+// part is small where lines duplicate, and where folded lines send packets without an owner round and round.
 void RandomFaults::line_fault(NodeId node) {
   const int share = doubles_ ? 32 : fold_back_ ? 16 : 2;
   const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / share / 1ns);
@@ -233,7 +233,7 @@ void RandomFaults::check_whole() {
   }
 }
 
-// Traffic has long ended: whatever is no beacon has a life without end.
+// Traffic has ended long ago: whatever still goes round, and is no beacon, would do so for ever.
 void RandomFaults::check_silence() {
   slices_when_quiet_ = 0;
   ring_->run_for(20ms);

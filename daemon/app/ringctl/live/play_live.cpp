@@ -46,8 +46,8 @@ void write(const YAML::Node& file, const std::string& path) {
   if (!out) throw NotDone("cannot write " + path);
 }
 
-/// The scenario's own ring, but the CPU of every node is scenario_cpu, which counts what it takes, and the ring's name is
-/// one that no other ring has.
+/// The scenario's own ring, but the CPU of every node is scenario_cpu, which counts what it takes, and the ring has a
+/// name that no other ring has.
 /// @param folder where its file is written
 /// @throw NotDone where scenario_cpu is not installed, or the file cannot be written
 RingPlan plan_scenario_ring(const scenario::Scenario& scenario, const std::string& folder,
