@@ -6,7 +6,7 @@
 
 #include "bench/cpu_to_cpu.h"
 #include "bench/idle_share.h"
-#include "bench/onlooker.h"
+#include "bench/packet_observer.h"
 #include "bench/private_ring.h"
 #include "bench/reference_ring.h"
 #include "bench/relay_chain.h"
@@ -66,7 +66,7 @@ class Rounds {
   /// The same again while somebody looks at all that one node sees: what looking costs.
   void watched(const PrivateRing& ring, Sending sending, const Measurement& unwatched, double reference) {
     tell("watched", sending);
-    const Onlooker onlooker(setup_, ring, 0, pinning_);
+    const PacketObserver observer(setup_, ring, 0, pinning_);
     const Measurement measured = measure_traffic(setup_, ring, sending);
     add("watched", sending, measured, reference);
     cases_[{"watched", sending}].unwatched.push_back(measured.round_trip_us.p50 / unwatched.round_trip_us.p50);

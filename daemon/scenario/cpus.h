@@ -9,7 +9,7 @@
 namespace limb_ring::scenario {
 
 /// The CPUs of a virtual ring: what runs, hangs, is slow, reads nothing, crashes or boots, and what their network
-/// controllers know of it. As in a live story each has promised to speak every kAlivePeriod, so a hang is known after
+/// controllers know of it. As in a live scenario each has promised to speak every kAlivePeriod, so a hang is known after
 /// three of them.
 class Cpus {
  public:

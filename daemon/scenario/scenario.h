@@ -102,7 +102,7 @@ struct Condition {
   std::string words;  ///< as it stands in the file
 };
 
-// ---- the story ------------------------------------------------------------------------------
+// ---- the scenario ---------------------------------------------------------------------------
 
 /// First the time, then the milestone, then the action; each may be missing.
 struct Step {
@@ -114,7 +114,7 @@ struct Step {
   std::string words;                 ///< of the action, as it stands in the file
 };
 
-/// What a CPU in a story promises: to speak at least so often. (ours)
+/// What a CPU in a scenario promises: to speak at least so often. (ours)
 constexpr std::chrono::milliseconds kAlivePeriod{200};
 
 struct Scenario {

@@ -12,7 +12,7 @@
 namespace limb_ring::scenario {
 
 /// The ring's supervisor under a virtual clock: the watchdog of the daemon, evaluated once a beacon period, and its
-/// orders given. Nodes are places in ring order. As in a live story every CPU is a child that has promised to speak,
+/// orders given. Nodes are places in ring order. As in a live scenario every CPU is a child that has promised to speak,
 /// so all are watched, and the supervisor is the configured node, else the first.
 class Supervisor {
  public:

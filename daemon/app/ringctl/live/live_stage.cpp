@@ -198,7 +198,7 @@ void LiveStage::apply_at_daemon(Fault fault, std::size_t place) {
   if ((fault::word_of(fault.name).keys & fault::kSeed) != 0 && fault.seed == 0) fault.seed = random_() % 1000000 + 1;
   if (fault.name == Name::hang) senders_.set_hung(place, true);
   const json request{{"do", "fault"}, {"fault", fault::to_words(fault, ring_nodes(scenario_.ring))}};
-  // Under the virtual clock too the story goes on while the CPU boots.
+  // Under the virtual clock too the scenario goes on while the CPU boots.
   if (fault.name == Name::reset) nodes_.order(place, request);
   else nodes_.ask(place, request);
   if (fault.name == Name::resume || fault.name == Name::reset || fault.name == Name::crash)

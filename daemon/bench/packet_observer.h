@@ -9,12 +9,12 @@
 
 namespace limb_ring::bench {
 
-/// A process that looks at all packets that come into one node, as `ringctl dump NODE -w` does, and throws away
+/// A process that observes all packets that come into one node, as `ringctl dump NODE -w` does, and throws away
 /// what it would write.
-class Onlooker {
+class PacketObserver {
  public:
-  /// Returns when it looks. @throw std::runtime_error where that takes too long
-  Onlooker(const Setup& setup, const PrivateRing& ring, std::size_t index, Pinning pinning);
+  /// Returns when it observes. @throw std::runtime_error where that takes too long
+  PacketObserver(const Setup& setup, const PrivateRing& ring, std::size_t index, Pinning pinning);
 
  private:
   std::unique_ptr<Shared<std::atomic<bool>>> ready_;

@@ -1,4 +1,4 @@
-#include "bench/onlooker.h"
+#include "bench/packet_observer.h"
 
 #include <chrono>
 #include <fstream>
@@ -17,14 +17,14 @@ using std::chrono::steady_clock;
 constexpr milliseconds kTick{5};
 constexpr milliseconds kPatience{10'000};
 
-void look(HostPort port, std::atomic<bool>& ready) {
+void observe(HostPort port, std::atomic<bool>& ready) {
   std::ofstream nowhere("/dev/null");
   capture::PcapngWriter writer(nowhere, {port.ring(), {}});
   port.observe(R"({"packets": {}})");
   while (port.connected()) {
     const auto message = port.receive(std::chrono::seconds(1));
     if (!message) continue;
-    if (std::holds_alternative<CaptureCounts>(*message)) ready = true;  // the first: it looks now
+    if (std::holds_alternative<CaptureCounts>(*message)) ready = true;  // the first: the daemon has begun
     const auto* packet = std::get_if<CapturedPacket>(&*message);
     if (packet == nullptr) continue;
     writer.packet(packet->time_ns, packet->info, {packet->bytes.data(), packet->bytes.size()}, packet->lost_before);
@@ -33,18 +33,18 @@ void look(HostPort port, std::atomic<bool>& ready) {
 
 }  // namespace
 
-Onlooker::Onlooker(const Setup& setup, const PrivateRing& ring, std::size_t index, Pinning pinning)
+PacketObserver::PacketObserver(const Setup& setup, const PrivateRing& ring, std::size_t index, Pinning pinning)
     : ready_(std::make_unique<Shared<std::atomic<bool>>>(1)) {
   std::atomic<bool>& ready = (*ready_)[0];
   worker_ = std::make_unique<Worker>([&] {
     stay_on(cores_for(pinning));
-    look(ring.connect(index), ready);
+    observe(ring.connect(index), ready);
   });
   const auto deadline = steady_clock::now() + kPatience;
   while (!ready) {
     setup.poll();
     if (!worker_->running() || steady_clock::now() > deadline)
-      throw std::runtime_error("nobody could look at the packets of a node");
+      throw std::runtime_error("the packets of a node could not be observed");
     std::this_thread::sleep_for(kTick);
   }
 }
