@@ -55,7 +55,7 @@ class UpDown(RingTest):
         self.assertIn('no_such_program', up.stderr)
         self.assertIn('node2', up.stderr)
         self.assertEqual(self.ctl('--ring', self.ring, 'status').returncode, 3)
-        self.assertEqual(list(self._lock_holders()), [])
+        self.assertEqual(list(self.launcher.daemons_left()), [])
 
     def test_a_full_disk_is_named_where_no_daemon_can_say_so(self):
         def write_nothing():
@@ -94,7 +94,7 @@ class UpDown(RingTest):
         self.assertIn('node 1 (node1) is started again', self.log_of(up))
         up.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(up), 0)
-        self.assertEqual(list(self._lock_holders()), [])
+        self.assertEqual(list(self.launcher.daemons_left()), [])
 
     def test_respawning_leaves_a_node_dead_that_was_killed_on_purpose(self):
         up = self.up_respawning('--nodes', 4)
@@ -144,7 +144,7 @@ class UpDown(RingTest):
         ended = self.start('up', up)
         self.assertEqual(self.wait_exit(ended), 1)
         self.assertIn(self.socket_of(1, 'link'), self.log_of(ended))
-        self.assertEqual(list(self._lock_holders()), [])
+        self.assertEqual(list(self.launcher.daemons_left()), [])
 
     def test_a_number_of_nodes_beside_a_file_must_be_its_own(self):
         config = self.write_ring(plain_nodes(3))
