@@ -5,10 +5,9 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/supervision.h"
 #include "fault/name.h"
-#include "live/lock_files.h"
-#include "live/node_notes.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "live/node_notes.h"
 #include "process/process_state.h"
 
 namespace limb_ring::ringctl {
