@@ -77,7 +77,7 @@ std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector
 
 std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::vector<Node>& nodes) {
   std::vector<Node> latched;
-  for (const KnownStop& stop : known_stops(nodes, status_rows(ring, nodes, kRowTime), milliseconds(0)))
+  for (const KnownStop& stop : known_stops(nodes, status_rows(ring, nodes, kRowTimeout), milliseconds(0)))
     if (stop.state == StopState::stopped) latched.push_back(stop.node);
   return latched;
 }
