@@ -79,8 +79,8 @@ void Blocks::run(Time now) {
 Time Blocks::next_deadline(Time now) const {
   // A packet that the CPU does not read is no reason to wake up.
   const Time received = receive_.next() > now ? receive_.next() : kNever;
-  return std::min({relay_.deadline(), transmit_.deadline(), membership_.deadline(), packet_manager_.deadline(),
-                   events_.next(), received});
+  const Time node = std::min(std::min(relay_.deadline(), transmit_.deadline()), membership_.deadline());
+  return std::min(std::min(node, packet_manager_.deadline()), std::min(events_.next(), received));
 }
 
 }  // namespace limb_ring::core

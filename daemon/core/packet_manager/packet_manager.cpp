@@ -123,7 +123,7 @@ Time PacketManager::deadline() const {
   if (!output_up_ || !ready_) return kNever;
   Time next = interrupt_at();
   if (!is_open_)
-    next = std::min({next, transmit_.data.ready_at(), relayed_since()});
+    next = std::min(next, std::min(transmit_.data.ready_at(), relayed_since()));
   else if (open_aborted())
     next = std::min(next, free_at_);
   else if (open_complete())
@@ -133,12 +133,9 @@ Time PacketManager::deadline() const {
 
 // ---- interrupts ---------------------------------------------------------------------------
 
-// The instant at which the next INTP may begin: at once, or inside an open DATP at its next word boundary; kNever where
-// there is none, or where it has to wait for the open DATP's last odd bytes, trailer and CRC.
-Time PacketManager::interrupt_at() const {
-  const Time relayed = interrupts_.empty() ? kNever : interrupts_.front().arrived;
-  const Time since = std::min(transmit_.interrupts.ready_at(), relayed);
-  if (since == kNever) return kNever;
+// The instant at which an INTP that waits since then may begin: at once, or inside an open DATP at its next word
+// boundary; kNever where it has to wait for the open DATP's last odd bytes, trailer and CRC.
+Time PacketManager::interrupt_place(Time since) const {
   const Time at = std::max(since, free_at_);
   if (!is_open_) return at;
   if (!settings_.embed_interrupts) return kNever;
@@ -187,7 +184,7 @@ Time PacketManager::open_end_at() const {
   const std::size_t payload = open_bytes().size - wire::kOverhead;
   const Time words_out = open_.grid + bytes_time(payload / 4 * 4);
   const Time tail_at = open_.own ? words_out : buffer_.front().tail_at;
-  return std::max({words_out, tail_at, free_at_});
+  return std::max(std::max(words_out, tail_at), free_at_);
 }
 
 // Gives out the whole words of payload that precede the instant `at` on the line, as far as they

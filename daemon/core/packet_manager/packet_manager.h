@@ -84,7 +84,12 @@ class PacketManager {
   void count_drop(std::uint64_t packets) { counters_.dropped_no_output += packets; }
   bool step(Time now);
 
-  Time interrupt_at() const;
+  Time interrupt_at() const {
+    const Time relayed = interrupts_.empty() ? kNever : interrupts_.front().arrived;
+    const Time since = std::min(transmit_.interrupts.ready_at(), relayed);
+    return since == kNever ? kNever : interrupt_place(since);
+  }
+  Time interrupt_place(Time since) const;
   void put_interrupt(Time at);
 
   wire::ByteView open_bytes() const;

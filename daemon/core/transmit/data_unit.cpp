@@ -119,7 +119,7 @@ Outcome DataUnit::overdue_outcome(const Job& job) {
   return job.repeated ? Outcome::lost : Outcome::refused;
 }
 
-void DataUnit::handle_timeout(Time now) {
+void DataUnit::end_overdue(Time now) {
   handle_try_timeout(now);
   if (!any_waits()) return;
   for (std::size_t q = 0; q < kQueues; ++q) {
@@ -129,9 +129,8 @@ void DataUnit::handle_timeout(Time now) {
   }
 }
 
-Time DataUnit::deadline() const {
+Time DataUnit::waiting_deadline() const {
   Time deadline = try_deadline();
-  if (!any_waits()) return deadline;
   for (std::size_t q = 0; q < kQueues; ++q)
     if (front_waits(q)) deadline = std::min(deadline, overdue_at(queues_[q].front()));
   return deadline;

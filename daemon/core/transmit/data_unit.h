@@ -35,8 +35,10 @@ class DataUnit final : public SendUnit {
   /// The line is its own: the packet that goes now. @pre ready_at() <= now
   wire::ByteView start(Time now);
 
-  void handle_timeout(Time now);
-  Time deadline() const;
+  void handle_timeout(Time now) {
+    if (deadline() <= now) end_overdue(now);
+  }
+  Time deadline() const { return any_waits() ? waiting_deadline() : try_deadline(); }
 
   /// As SendUnit's; what was refused ends too if it may have been taken before.
   void forgotten_by(NodeId peer, Time now);
@@ -86,6 +88,8 @@ class DataUnit final : public SendUnit {
   }
   void load(const Job& job);
   static Outcome overdue_outcome(const Job& job);
+  void end_overdue(Time now);
+  Time waiting_deadline() const;
   void end_waiting(Queue& queue, Outcome outcome, Time now);
 
   std::array<Queue, kQueues> queues_;

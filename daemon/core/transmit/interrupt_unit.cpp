@@ -26,7 +26,7 @@ wire::ByteView InterruptUnit::start(Time now) {
   return image;
 }
 
-void InterruptUnit::handle_timeout(Time now) {
+void InterruptUnit::end_overdue(Time now) {
   handle_try_timeout(now);
   while (flight_.idle() && !queue_.empty() && overdue_at(queue_.front()) <= now)
     end_outstanding(Outcome::rejected, now);

@@ -27,7 +27,9 @@ class InterruptUnit final : public SendUnit {
   /// The line is its own: the packet that goes now. @pre ready_at() <= now
   wire::ByteView start(Time now);
 
-  void handle_timeout(Time now);
+  void handle_timeout(Time now) {
+    if (!queue_.empty()) end_overdue(now);
+  }
   Time deadline() const {
     if (queue_.empty()) return kNever;
     return flight_.idle() ? overdue_at(queue_.front()) : try_deadline();
@@ -39,6 +41,7 @@ class InterruptUnit final : public SendUnit {
   void restart(Time now);
 
  private:
+  void end_overdue(Time now);
   Send& outstanding() override { return queue_.front(); }
   void pop_outstanding() override { queue_.pop_front(); }
   void count_return() override { ++counters_.returned_interrupts; }
