@@ -27,7 +27,8 @@ class Relay {
         receive_(receive),
         pins_(pins),
         returns_(returns),
-        counters_(counters) {}
+        counters_(counters),
+        stall_(settings.stall + 2 * settings.byte_time_in * 1024) {}
 
   /// One slice from upstream.
   /// @return true where it went straight on to the line, and nothing else has changed
@@ -49,8 +50,7 @@ class Relay {
   }
   /// The DATP that is coming in is given up then.
   Time deadline() const {
-    if (!incoming_.open()) return kNever;
-    return incoming_.last_slice() + settings_.stall + 2 * settings_.byte_time_in * 1024;
+    return incoming_.open() ? incoming_.last_slice() + stall_ : kNever;
   }
 
  private:
@@ -80,6 +80,7 @@ class Relay {
   Pins& pins_;
   Returns& returns_;
   Counters& counters_;
+  const Duration stall_;  ///< the longest pause between two slices of a DATP
   Incoming incoming_;
   Fate fate_ = Fate::discard;  ///< of what is coming in
   std::bitset<256> bypassed_;
