@@ -14,40 +14,48 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: all build test demo soak traces bench bench-sim chaos fault-table install-dissector deps clean
+.PHONY: help all build demo tests test soak traces bench bench-sim chaos fault-table install-dissector deps clean
 all: build
 
-deps:
+help: ## This list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-18s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+deps: ## Installs what is missing (apt)
 	@scripts/install_dependencies
 
 $(BUILD)/CMakeCache.txt: | deps
 	$(WITH_ROS) cmake -S . -B $(BUILD) -DPYTHON_EXECUTABLE=$(PYTHON)
 
-build: deps $(BUILD)/CMakeCache.txt
-	$(WITH_ROS) cmake --build $(BUILD) -j$(JOBS)
+BUILD_TARGET = $(WITH_ROS) cmake --build $(BUILD) -j$(JOBS) --target
+
+build: deps $(BUILD)/CMakeCache.txt ## Builds all programs
+	$(BUILD_TARGET) all
 	@echo "Built. The programs are in $(BUILD)/devel/lib/limb_ring; '. $(BUILD)/devel/setup.bash' finds them."
 
+demo: deps $(BUILD)/CMakeCache.txt ## Builds what it needs; a humanoid walks, hangs and is reset (DURATION=20)
+	$(BUILD_TARGET) demo_programs
+	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/demo $(if $(DURATION),--duration $(DURATION))
+
+tests: build ## Builds the tests
+	$(BUILD_TARGET) tests
+
 ifeq ($(SANITIZE),)
-test: build
+test: tests ## Builds and runs all tests (SANITIZE=address,undefined: what needs no ROS, under sanitizers)
 	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest -j$(JOBS) --output-on-failure
 else
-# What needs no ROS, under sanitizers.
 test: deps
 	cmake -S . -B $(BUILD)-sanitize -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=$(SANITIZE) -DPYTHON_EXECUTABLE=$(PYTHON)
-	cmake --build $(BUILD)-sanitize -j$(JOBS)
+	cmake --build $(BUILD)-sanitize -j$(JOBS) --target all tests
 	cd $(BUILD)-sanitize && ctest -j$(JOBS) --output-on-failure
 endif
 
-demo: build
-	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/demo $(if $(DURATION),--duration $(DURATION))
-
 # Random faults by seed under the virtual clock; stops at the first broken promise.
 SEEDS ?= 1000
-soak: build
+soak: build ## Random faults by seed under the virtual clock (SEEDS=10000)
 	$(BUILD)/devel/lib/limb_ring/ring_sim soak --seeds $(SEEDS)
 
 # What the virtual ring does, as hashes: the same before and after a change that is to change nothing.
-traces: build
+traces: build ## What the virtual ring does, as hashes
 	@$(PYTHON) scripts/traces --programs $(BUILD)/devel/lib/limb_ring --seeds 2000
 
 # Random faults on a live ring of 16, by SEED (drawn and printed where not given), for MINUTES.
@@ -57,27 +65,27 @@ TRANSPORT ?= unix
 REDUNDANCY ?= none
 LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --redundancy $(REDUNDANCY) \
             --programs $(BUILD)/devel/lib/limb_ring
-chaos: build
+chaos: build ## Random faults on a live ring of 16 (MINUTES=10 SEED=7 TRANSPORT=udp REDUNDANCY=foldback)
 	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(LIVE_ARGS)
 
 # What the ring does about each fault, in figures: COUNT times each.
 COUNT ?= 20
-fault-table: build
+fault-table: build ## What the ring does about each fault, in figures (COUNT=20)
 	$(PYTHON) scripts/fault_table --count $(COUNT) $(LIVE_ARGS)
 
-bench: build
+bench: build ## Live and virtual benchmarks (BENCH_ARGS=...)
 	$(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)
 	@$(MAKE) bench-sim
 
 # In a build of its own, for speed whatever the other is built for.
-bench-sim: deps
+bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
 	cmake -S . -B $(BUILD)-bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops
 	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
 
 # Into the user's Wireshark: see docs/capture.md.
-install-dissector:
+install-dissector: ## The Wireshark dissector, for this user
 	@scripts/install_dissector
 
-clean:
+clean: ## Removes all builds
 	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-bench

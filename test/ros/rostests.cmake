@@ -40,6 +40,7 @@ string(REPLACE "{command: [limb_firmware], alive_period: 200ms}" "attached" huma
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/humanoid16_attached.yaml "${humanoid}")
 
 add_executable(walking_recording_test walking_recording_test.cpp)
+add_dependencies(tests walking_recording_test)
 target_include_directories(walking_recording_test PRIVATE ${PROJECT_SOURCE_DIR}/test)
 target_link_libraries(walking_recording_test PRIVATE limb_ring_bridge gmock gtest)
 
