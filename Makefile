@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo tests test soak traces bench bench-sim chaos fault-table install-dissector deps clean
+.PHONY: help all build demo tests test soak traces bench bench-sim chaos fault-table install-dissector deps clean format
 all: build
 
 help: ## This list
@@ -82,6 +82,9 @@ bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
 	cmake -S . -B $(BUILD)-bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops
 	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
+
+format: ## Formats all C++ files (clang-format 14)
+	git ls-files '*.h' '*.cpp' | xargs clang-format -i
 
 # Into the user's Wireshark: see docs/capture.md.
 install-dissector: ## The Wireshark dissector, for this user

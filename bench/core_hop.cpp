@@ -52,8 +52,7 @@ double hop(const std::vector<std::vector<std::uint8_t>>& packets) {
   core::Time now{};
   return measure([&] {
     now += core::Duration{1000};
-    for (const auto& packet : packets)
-      node.receive({wire::SliceKind::whole, {packet.data(), packet.size()}}, now);
+    for (const auto& packet : packets) node.receive({wire::SliceKind::whole, {packet.data(), packet.size()}}, now);
     node.run(now);
     node.line().clear();
   });

@@ -65,8 +65,10 @@ class Relay {
     hops_.count();
     std::uint8_t source = 0;
     packet->CopyData(&source, sizeof source);
-    if (source == id_) send_own();
-    else put(packet->Copy());
+    if (source == id_)
+      send_own();
+    else
+      put(packet->Copy());
     return true;
   }
 
@@ -141,7 +143,8 @@ int usage() {
   std::fprintf(stderr,
                "usage: bench_ns3_ring [NODES HOPS]\n"
                "Packet-hops per second of a ring in ns-3: one run of 2 to 255 NODES over so many HOPS,\n"
-               "or the best of %d runs of each size that bench_sim_hops measures.\n", kRounds);
+               "or the best of %d runs of each size that bench_sim_hops measures.\n",
+               kRounds);
   return 2;
 }
 

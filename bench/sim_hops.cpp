@@ -53,7 +53,8 @@ std::vector<Series> measure(const Options& options) {
 
 void print_notes(const Options& options) {
   std::cout << "\nm_hops_s_N: with N nodes, millions of packet-hops per second of wall-clock time, best of "
-            << options.rounds << " rounds;\n"
+            << options.rounds
+            << " rounds;\n"
                "cost_N: of a hop, beside the bare loop's; growth: of a hop's cost from "
             << kSizes.front() << " to " << kSizes.back() << " nodes; medians\n\n"
             << kBareLoop << '\n'
@@ -73,8 +74,10 @@ void print(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Rings of 16 and 254 nodes that always have 512 bytes to send, at 1 Gbit/s and d = 512 ns:\n"
-               "the core under the virtual clock beside a bare event loop and ns-3.", "bench_sim_hops");
+  CLI::App app(
+      "Rings of 16 and 254 nodes that always have 512 bytes to send, at 1 Gbit/s and d = 512 ns:\n"
+      "the core under the virtual clock beside a bare event loop and ns-3.",
+      "bench_sim_hops");
   app.add_option("--hops", options.hops, "Packet-hops per measurement, 1000 to 1000000000")
       ->transform(cli::whole(1000, 1'000'000'000))
       ->capture_default_str();

@@ -12,9 +12,10 @@ void tell_connection(const ConnectOptions& door, const std::string& problem) {
   else if (door.role == Role::cpu)
     ROS_INFO("connected to ringd of node '%s' as its CPU", door.node.c_str());
   else
-    ROS_WARN("connected to ringd of node '%s', but no node of ring %s has 'cpu: attached': there are status, events "
-             "and services, but no joint data and no topics",
-             door.node.c_str(), door.ring.c_str());
+    ROS_WARN(
+        "connected to ringd of node '%s', but no node of ring %s has 'cpu: attached': there are status, events "
+        "and services, but no joint data and no topics",
+        door.node.c_str(), door.ring.c_str());
 }
 
 FrameFilter frame_filter(const Parameters& parameters) {
@@ -28,10 +29,9 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       parameters_(std::move(parameters)),
       port_(parameters_.door),
       joints_(nodes_, parameters_.ring, parameters_.rate, port_, counters_),
-      topics_out_(nodes_, parameters_.ring, parameters_.ring.find(parameters_.door.node)->id, port_,
-                  counters_),
-      commands_(nodes_, parameters_.ring, port_,
-                [this](std::uint8_t node) { return joints_.speaks(node); }, counters_),
+      topics_out_(nodes_, parameters_.ring, parameters_.ring.find(parameters_.door.node)->id, port_, counters_),
+      commands_(
+          nodes_, parameters_.ring, port_, [this](std::uint8_t node) { return joints_.speaks(node); }, counters_),
       diagnostics_(nodes_, parameters_.ring),
       status_(nodes_, parameters_.ring, parameters_.door, port_, joints_, counters_,
               [this](std::uint8_t node) { on_boot(node); }),
@@ -39,8 +39,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       frames_(nodes_, parameters_.ring, parameters_.door, frame_filter(parameters_), counters_),
       services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.door, commands_)) {
   make_topics();
-  port_.on_connection(
-      [door = parameters_.door](const auto& problem) { tell_connection(door, problem); });
+  port_.on_connection([door = parameters_.door](const auto& problem) { tell_connection(door, problem); });
   port_.on_interrupt([](const Interrupt& interrupt) {
     ROS_WARN("interrupt %u from node %u: %s", interrupt.factor, interrupt.source,
              interrupt.action == Interrupt::Action::stop ? "stop" : "notice");
@@ -63,8 +62,8 @@ void Bridge::make_topics() {
   const auto& topics = parameters_.ring.bridge.topics;
   for (std::size_t i = 0; i < topics.size(); ++i)
     if (topics[i].from == own)
-      topics_in_.push_back(std::make_unique<TopicIn>(nodes_, static_cast<std::uint8_t>(i),
-                                                     topics[i], port_, counters_));
+      topics_in_.push_back(
+          std::make_unique<TopicIn>(nodes_, static_cast<std::uint8_t>(i), topics[i], port_, counters_));
 }
 
 void Bridge::on_boot(std::uint8_t node) {

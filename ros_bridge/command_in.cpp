@@ -14,16 +14,15 @@ constexpr std::uint8_t kCommandPriority = 0;
 
 }  // namespace
 
-CommandIn::CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port,
-                     Speaks speaks, Counters& counters)
+CommandIn::CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port, Speaks speaks,
+                     Counters& counters)
     : joints_(ring),
-      valid_for_us_(static_cast<std::uint32_t>(
-          std::chrono::microseconds(ring.timeouts.command).count())),
+      valid_for_us_(static_cast<std::uint32_t>(std::chrono::microseconds(ring.timeouts.command).count())),
       port_(port),
       speaks_(std::move(speaks)),
       counters_(counters),
-      subscriber_(nodes.subscribe("joint_commands", 10, &CommandIn::on_command, this,
-                                  ros::TransportHints().tcpNoDelay())) {}
+      subscriber_(
+          nodes.subscribe("joint_commands", 10, &CommandIn::on_command, this, ros::TransportHints().tcpNoDelay())) {}
 
 void CommandIn::on_command(const sensor_msgs::JointState::ConstPtr& message) {
   counters_.add("commands_in");
@@ -37,8 +36,7 @@ void CommandIn::on_command(const sensor_msgs::JointState::ConstPtr& message) {
     if (!posted) counters_.add("commands_dropped_busy");
   } catch (const std::invalid_argument& error) {
     counters_.add("commands_refused");
-    if (refusal_.allow())
-      ROS_WARN("%s: command refused: %s", subscriber_.getTopic().c_str(), error.what());
+    if (refusal_.allow()) ROS_WARN("%s: command refused: %s", subscriber_.getTopic().c_str(), error.what());
   }
 }
 
@@ -51,8 +49,8 @@ void CommandIn::warn_unknown(const std::vector<std::string>& names) {
   counters_.add("commands_unknown_joint", names.size());
   for (const auto& name : names) {
     if (warned_.size() >= kWarnedLimit || !warned_.insert(name).second) continue;
-    ROS_WARN("%s: no node of the ring owns joint '%s'; there are: %s",
-             subscriber_.getTopic().c_str(), name.c_str(), joints_.names().c_str());
+    ROS_WARN("%s: no node of the ring owns joint '%s'; there are: %s", subscriber_.getTopic().c_str(), name.c_str(),
+             joints_.names().c_str());
   }
 }
 
@@ -72,8 +70,7 @@ void CommandIn::send(std::uint8_t node, payload::JointCommand command, RingPort:
   const auto bytes = payload::encode(command);
   if (!bytes) {
     // Only a configuration with more joints per node than a packet holds gets here.
-    ROS_ERROR_ONCE("command to node %u cannot be written: %s", node,
-                   payload::to_string(bytes.error()).c_str());
+    ROS_ERROR_ONCE("command to node %u cannot be written: %s", node, payload::to_string(bytes.error()).c_str());
     return counters_.add("commands_refused");
   }
   ++commands.under_way;

@@ -28,8 +28,7 @@ class CommandIn {
   /// Whether a node (by id) sends states of its joints; asked on the ring thread.
   using Speaks = std::function<bool(std::uint8_t node)>;
 
-  CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port, Speaks speaks,
-            Counters& counters);
+  CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, RingPort& port, Speaks speaks, Counters& counters);
 
   /// Any thread: ends a latched stop of a node; `done` is called once, from the ring thread.
   /// False where the ring thread has too much to do.

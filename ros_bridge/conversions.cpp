@@ -11,10 +11,8 @@ using Values = std::vector<double>;
 
 void check_array(const char* name, const Values& values, const std::vector<std::string>& joints) {
   if (!values.empty() && values.size() != joints.size())
-    throw std::invalid_argument(std::string("'") + name + "' has " +
-                                std::to_string(values.size()) + " entries for " +
-                                std::to_string(joints.size()) +
-                                " names; it must be empty or have one for each name");
+    throw std::invalid_argument(std::string("'") + name + "' has " + std::to_string(values.size()) + " entries for " +
+                                std::to_string(joints.size()) + " names; it must be empty or have one for each name");
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]))
       throw std::invalid_argument(std::string("'") + name + "' of joint '" + joints[i] + "' is " +
@@ -28,8 +26,7 @@ void check(const sensor_msgs::JointState& message) {
   check_array("effort", message.effort, message.name);
   std::set<std::string> seen;
   for (const auto& name : message.name)
-    if (!seen.insert(name).second)
-      throw std::invalid_argument("joint '" + name + "' is named twice");
+    if (!seen.insert(name).second) throw std::invalid_argument("joint '" + name + "' is named twice");
 }
 
 payload::JointCommand::Joint joint_at(const sensor_msgs::JointState& message, std::size_t i) {
@@ -52,8 +49,7 @@ geometry_msgs::Vector3 to_vector(const std::array<double, 3>& v) {
 
 ros::Time to_ros_time(std::int64_t stamp_ns) {
   constexpr std::int64_t kSecond = 1000000000;
-  return {static_cast<std::uint32_t>(stamp_ns / kSecond),
-          static_cast<std::uint32_t>(stamp_ns % kSecond)};
+  return {static_cast<std::uint32_t>(stamp_ns / kSecond), static_cast<std::uint32_t>(stamp_ns % kSecond)};
 }
 
 CommandSplit split_command(const sensor_msgs::JointState& message, const JointMap& joints) {
@@ -71,8 +67,7 @@ CommandSplit split_command(const sensor_msgs::JointState& message, const JointMa
     list[place->joint] = joint_at(message, i);
   }
   for (std::size_t node = 0; node < commands.size(); ++node)
-    if (!commands[node].joints.empty())
-      split.parts.push_back({joints.id(node), std::move(commands[node])});
+    if (!commands[node].joints.empty()) split.parts.push_back({joints.id(node), std::move(commands[node])});
   return split;
 }
 
@@ -98,8 +93,7 @@ sensor_msgs::Imu to_imu(const payload::SensorReading& reading, const std::string
   return message;
 }
 
-geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading,
-                                       const std::string& frame) {
+geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading, const std::string& frame) {
   geometry_msgs::WrenchStamped message;
   message.header.stamp = to_ros_time(reading.stamp_ns);
   message.header.frame_id = frame;

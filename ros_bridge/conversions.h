@@ -38,7 +38,6 @@ sensor_msgs::JointState to_joint_state(const JointStore::Snapshot& snapshot);
 
 /// Covariances are unknown, orientation is not given (first covariance -1). (REP 145)
 sensor_msgs::Imu to_imu(const payload::SensorReading& reading, const std::string& frame);
-geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading,
-                                       const std::string& frame);
+geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading, const std::string& frame);
 
 }  // namespace limb_ring::bridge

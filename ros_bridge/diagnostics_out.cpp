@@ -37,9 +37,12 @@ void DiagnosticsOut::tell_bridge(DiagnosticStatusWrapper& out) const {
   const auto up = std::count_if(status_.nodes.begin(), status_.nodes.end(),
                                 [](const NodeStatus& node) { return node.state == "up"; });
   const std::string counted = std::to_string(up) + " of " + std::to_string(status_.nodes.size()) + " nodes up";
-  if (!status_.connected) out.summary(Level::ERROR, status_.message);
-  else if (up != static_cast<long>(status_.nodes.size())) out.summary(Level::WARN, counted);
-  else out.summary(Level::OK, counted);
+  if (!status_.connected)
+    out.summary(Level::ERROR, status_.message);
+  else if (up != static_cast<long>(status_.nodes.size()))
+    out.summary(Level::WARN, counted);
+  else
+    out.summary(Level::OK, counted);
   out.add("ring", status_.ring);
   out.add("bridge at node", status_.node);
   out.add("ring size", status_.ring_size);

@@ -85,8 +85,8 @@ void EventConversion::take_link(const std::string& what, RingEvent& made) const 
 void EventConversion::take_pin(const json& said, const config::NodeConfig& node, RingEvent& made) const {
   made.value = number_of(said, "factor", -1);
   const bool is_pin = made.value >= 0 && made.value < static_cast<std::int64_t>(node.pins.size());
-  const bool resets = is_pin && node.pins[static_cast<std::size_t>(made.value)].action ==
-                                    config::PinConfig::Action::reset;
+  const bool resets =
+      is_pin && node.pins[static_cast<std::size_t>(made.value)].action == config::PinConfig::Action::reset;
   made.kind = resets ? RingEvent::RESET : RingEvent::INTERRUPT;
   made.other_node = name_of(static_cast<int>(number_of(said, "source", -1)));
   made.text = text_of(said, "what");
@@ -103,16 +103,18 @@ std::optional<RingEvent> EventConversion::fault_of(const json& said) {
   RingEvent made = event(RingEvent::LOCATED_FAULT, said);
   made.node = name_of(now.before);
   made.other_node = name_of(now.behind);
-  made.text = "the line from " + made.node + " to " + made.other_node + " is broken, or " + made.node +
-              " does not send";
+  made.text =
+      "the line from " + made.node + " to " + made.other_node + " is broken, or " + made.node + " does not send";
   return made;
 }
 
 // One that still runs as a chain knows of no cure yet: the last of them tells.
 std::optional<RingEvent> EventConversion::cure_of(const json& said, const config::NodeConfig& node) {
   const std::string after = text_of(said, "after");
-  if (after == "open_chain" || after == "folded") open_.insert(node.id);
-  else open_.erase(node.id);
+  if (after == "open_chain" || after == "folded")
+    open_.insert(node.id);
+  else
+    open_.erase(node.id);
   if (after != "up" || !broken_ || !open_.empty()) return std::nullopt;
   RingEvent made = event(RingEvent::HEALED, said);
   made.node = name_of(broken_->before);

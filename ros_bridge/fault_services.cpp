@@ -45,7 +45,8 @@ void FaultServices::require_survival(const fault::Fault& fault) const {
   for (const auto& node : ring_nodes_) {
     const bool hit = std::count(fault.nodes.begin(), fault.nodes.end(), node.id) != 0;
     if (hit && (own_ == node.name || own_ == node.number))
-      throw std::invalid_argument("the CPU of node " + node.name + " is this bridge, which could not answer then; use "
+      throw std::invalid_argument("the CPU of node " + node.name +
+                                  " is this bridge, which could not answer then; use "
                                   "ringctl fault");
   }
 }

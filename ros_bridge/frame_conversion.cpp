@@ -49,8 +49,10 @@ Frame to_frame(const CapturedPacket& packet, const config::NodeConfig& node, con
   frame.sid = fields.source();
   frame.whole = !info.aborted && !info.truncated && packet.bytes.size() >= wire::kOverhead;
   frame.crc_ok = frame.whole && !info.crc_bad;
-  if (frame.whole) take_trailer(fields, frame);
-  else frame.payload.assign(packet.bytes.begin() + wire::kHeaderSize, packet.bytes.end());
+  if (frame.whole)
+    take_trailer(fields, frame);
+  else
+    frame.payload.assign(packet.bytes.begin() + wire::kHeaderSize, packet.bytes.end());
   return frame;
 }
 

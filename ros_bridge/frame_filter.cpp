@@ -63,8 +63,10 @@ class Reader {
   json nodes(const std::string& name) const {
     json list = json::array();
     for (const auto& word : words(name)) {
-      if (word == "all" && name == "destination") list.push_back("all");
-      else list.push_back(node(name, word).id);
+      if (word == "all" && name == "destination")
+        list.push_back("all");
+      else
+        list.push_back(node(name, word).id);
     }
     return list;
   }
@@ -116,7 +118,8 @@ FrameFilter read_frame_filter(XmlRpcValue parameters, const config::RingConfig& 
   const Reader reader(parameters, ring);
   FrameFilter filter;
   for (const auto& word : reader.words("nodes")) {
-    if (word != "all") filter.nodes.push_back(&reader.node("nodes", word));
+    if (word != "all")
+      filter.nodes.push_back(&reader.node("nodes", word));
     else
       for (const auto& node : ring.nodes) filter.nodes.push_back(&node);
   }

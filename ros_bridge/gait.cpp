@@ -64,10 +64,10 @@ std::vector<Gait::Target> Gait::at(double time) const {
   const double amplitude = grown(time);
   std::vector<Target> targets;
   for (const Joint& joint : joints_) {
-    const double offset = joint.lift_left * lift(sine) + joint.lift_right * lift(-sine) +
-                          (joint.sway + joint.swing) * sine;
-    targets.push_back({joint.config.name, std::clamp(joint.config.initial + amplitude * offset,
-                                                     joint.config.lower, joint.config.upper)});
+    const double offset =
+        joint.lift_left * lift(sine) + joint.lift_right * lift(-sine) + (joint.sway + joint.swing) * sine;
+    targets.push_back({joint.config.name,
+                       std::clamp(joint.config.initial + amplitude * offset, joint.config.lower, joint.config.upper)});
   }
   return targets;
 }

@@ -11,8 +11,7 @@ using Kind = config::SensorConfig::Kind;
 wire::ByteView view(const Packet& packet) { return {packet.data.data(), packet.data.size()}; }
 
 std::chrono::nanoseconds period_of(double rate) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(1 / rate));
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(1 / rate));
 }
 
 bool is_kind(payload::SensorReading::Kind read, Kind configured) {
@@ -21,8 +20,8 @@ bool is_kind(payload::SensorReading::Kind read, Kind configured) {
 
 }  // namespace
 
-JointDataOut::JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate,
-                           RingPort& port, Counters& counters)
+JointDataOut::JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate, RingPort& port,
+                           Counters& counters)
     : port_(port),
       counters_(counters),
       store_(ring),
@@ -36,14 +35,12 @@ void JointDataOut::advertise_samples(ros::NodeHandle& nodes, const config::RingC
   for (const auto& node : ring.nodes) {
     Sampled& sampled = sampled_[node.id];
     for (const auto& joint : node.joints) sampled.joints.push_back(joint.name);
-    if (!node.joints.empty())
-      sampled.states = nodes.advertise<sensor_msgs::JointState>("states/" + node.name, 100);
+    if (!node.joints.empty()) sampled.states = nodes.advertise<sensor_msgs::JointState>("states/" + node.name, 100);
     for (const auto& sensor : node.sensors) {
       const auto topic = "sensors/" + sensor.name;
-      sampled.sensors.push_back(
-          {sensor.name, sensor.kind,
-           sensor.kind == Kind::imu ? nodes.advertise<sensor_msgs::Imu>(topic, 10)
-                                    : nodes.advertise<geometry_msgs::WrenchStamped>(topic, 10)});
+      sampled.sensors.push_back({sensor.name, sensor.kind,
+                                 sensor.kind == Kind::imu ? nodes.advertise<sensor_msgs::Imu>(topic, 10)
+                                                          : nodes.advertise<geometry_msgs::WrenchStamped>(topic, 10)});
     }
   }
 }
@@ -58,8 +55,7 @@ void JointDataOut::take_state(const Packet& packet) {
   if (!state) return counters_.add("joint_packets_malformed");
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    if (!store_.take(packet.source, *state, JointStore::Clock::now()))
-      return counters_.add("joint_packets_unfit");
+    if (!store_.take(packet.source, *state, JointStore::Clock::now())) return counters_.add("joint_packets_unfit");
   }
   counters_.add("states_in");
   publish_sample(packet.source, *state);
@@ -70,8 +66,7 @@ void JointDataOut::publish_sample(std::uint8_t node, const payload::JointState& 
   if (sampled.states.getNumSubscribers() == 0) return;
   JointStore::Snapshot sample;
   sample.oldest_stamp_ns = state.stamp_ns;
-  for (std::size_t i = 0; i < sampled.joints.size(); ++i)
-    sample.fresh.push_back({sampled.joints[i], state.joints[i]});
+  for (std::size_t i = 0; i < sampled.joints.size(); ++i) sample.fresh.push_back({sampled.joints[i], state.joints[i]});
   sampled.states.publish(to_joint_state(sample));
 }
 
@@ -79,8 +74,7 @@ void JointDataOut::take_reading(const Packet& packet) {
   const auto reading = payload::decode_sensor_reading(view(packet));
   if (!reading) return counters_.add("joint_packets_malformed");
   const auto& sensors = sampled_[packet.source].sensors;
-  if (reading->sensor >= sensors.size() ||
-      !is_kind(reading->kind, sensors[reading->sensor].kind))
+  if (reading->sensor >= sensors.size() || !is_kind(reading->kind, sensors[reading->sensor].kind))
     return counters_.add("joint_packets_unfit");
   const Sensor& sensor = sensors[reading->sensor];
   counters_.add("readings_in");

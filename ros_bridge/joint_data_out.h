@@ -18,8 +18,7 @@ namespace limb_ring::bridge {
 /// sample comes. Stamps are those of the samples, by the wall clock of the node that took them.
 class JointDataOut {
  public:
-  JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate,
-               RingPort& port, Counters& counters);
+  JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate, RingPort& port, Counters& counters);
 
   /// Any thread: as of the last `joint_states`.
   std::vector<std::string> silent_joints() const;

@@ -15,14 +15,12 @@ std::uint64_t missing_between(std::uint16_t last, std::uint16_t now) {
 }
 
 JointStore::Clock::duration three_periods(double rate) {
-  return std::chrono::duration_cast<JointStore::Clock::duration>(
-      std::chrono::duration<double>(3 / rate));
+  return std::chrono::duration_cast<JointStore::Clock::duration>(std::chrono::duration<double>(3 / rate));
 }
 
 }  // namespace
 
-JointStore::JointStore(const config::RingConfig& ring)
-    : silence_(three_periods(ring.firmware.state_rate)) {
+JointStore::JointStore(const config::RingConfig& ring) : silence_(three_periods(ring.firmware.state_rate)) {
   for (const auto& config : ring.nodes) {
     if (config.joints.empty()) continue;
     order_.push_back(config.id);
@@ -61,8 +59,7 @@ JointStore::Snapshot JointStore::snapshot(Clock::time_point now) const {
       continue;
     }
     const bool first = snapshot.fresh.empty();
-    snapshot.oldest_stamp_ns =
-        first ? node.state.stamp_ns : std::min(snapshot.oldest_stamp_ns, node.state.stamp_ns);
+    snapshot.oldest_stamp_ns = first ? node.state.stamp_ns : std::min(snapshot.oldest_stamp_ns, node.state.stamp_ns);
     for (std::size_t i = 0; i < node.joints.size(); ++i)
       snapshot.fresh.push_back({node.joints[i], node.state.joints[i]});
   }

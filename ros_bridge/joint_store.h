@@ -24,9 +24,9 @@ class JointStore {
     payload::JointState::Joint state;
   };
   struct Snapshot {
-    std::vector<Joint> fresh;         ///< in the configuration's order
-    std::int64_t oldest_stamp_ns = 0; ///< of the samples in `fresh`; wall clock
-    std::vector<std::string> silent;  ///< joints left out
+    std::vector<Joint> fresh;          ///< in the configuration's order
+    std::int64_t oldest_stamp_ns = 0;  ///< of the samples in `fresh`; wall clock
+    std::vector<std::string> silent;   ///< joints left out
   };
   /// What has come from one node.
   struct Received {

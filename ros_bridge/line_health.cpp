@@ -13,9 +13,10 @@ using Level = diagnostic_msgs::DiagnosticStatus;
 const std::vector<std::string> kOutputCounters{"output_losses", "output_discarded", "output_datagrams_unsent",
                                                "dropped_no_output"};
 const std::vector<std::string> kInputCounters{
-    "crc_errors",   "malformed_packets", "stray_slices",         "oversize_packets",  "stalled_packets",
-    "input_losses", "input_malformed",   "input_datagrams_lost", "input_datagrams_duplicate", "input_delay_dropped",
-    "broken_off_packets"};
+    "crc_errors",          "malformed_packets",    "stray_slices",
+    "oversize_packets",    "stalled_packets",      "input_losses",
+    "input_malformed",     "input_datagrams_lost", "input_datagrams_duplicate",
+    "input_delay_dropped", "broken_off_packets"};
 
 bool is_known(const NodeStatus& node) { return node.input_state == "up" || node.input_state == "down"; }
 
@@ -37,8 +38,7 @@ void LineHealth::take(const RingStatus& ring, Clock::time_point now) {
 }
 
 void LineHealth::note_growth(CounterGrowth& counters, const NodeStatus& node, Clock::time_point now) {
-  for (const auto& step : counters.take(node))
-    recent_.note(step.name, step.name + " +" + std::to_string(step.by), now);
+  for (const auto& step : counters.take(node)) recent_.note(step.name, step.name + " +" + std::to_string(step.by), now);
 }
 
 LineHealth::Finding LineHealth::finding() const {
@@ -59,8 +59,10 @@ void LineHealth::tell(DiagnosticStatusWrapper& out, Clock::time_point now) {
   out.summary(found.level, found.text);
   if (found.level == Level::OK)
     recent_.each(now, [&](const std::string& text) {
-      if (out.level == Level::OK) out.summary(Level::WARN, "up; lately: " + text);
-      else out.mergeSummary(Level::WARN, text);
+      if (out.level == Level::OK)
+        out.summary(Level::WARN, "up; lately: " + text);
+      else
+        out.mergeSummary(Level::WARN, text);
     });
   out.add("output state", before_.output_state);
   out.add("input state", behind_.input_state);

@@ -31,10 +31,14 @@ std_msgs::ColorRGBA colour(float red, float green, float blue, float alpha) {
 
 std_msgs::ColorRGBA colour_of(Condition condition, float alpha) {
   switch (condition) {
-    case Condition::well: return colour(0.2f, 0.8f, 0.3f, alpha);
-    case Condition::unclear: return colour(1.0f, 0.8f, 0.1f, alpha);
-    case Condition::hung: return colour(1.0f, 0.45f, 0.0f, alpha);
-    case Condition::down: break;
+    case Condition::well:
+      return colour(0.2f, 0.8f, 0.3f, alpha);
+    case Condition::unclear:
+      return colour(1.0f, 0.8f, 0.1f, alpha);
+    case Condition::hung:
+      return colour(1.0f, 0.45f, 0.0f, alpha);
+    case Condition::down:
+      break;
   }
   return colour(0.95f, 0.1f, 0.1f, alpha);
 }

@@ -9,10 +9,19 @@ using diagnostic_updater::DiagnosticStatusWrapper;
 using Level = diagnostic_msgs::DiagnosticStatus;
 
 // Packets lost or given up at a node, whatever its lines do; those of lines are LineHealth's.
-const std::vector<std::string> kLosses{
-    "ended_lost",           "ended_refused",         "timeouts",          "returns_damaged", "returns_unmatched",
-    "refused_no_buffer",    "insertion_buffer_full", "interrupt_buffer_full", "flushed_on_reset",
-    "orphans_hop",          "doubled_id_signs",      "host_slow_clients", "host_interrupts_lost"};
+const std::vector<std::string> kLosses{"ended_lost",
+                                       "ended_refused",
+                                       "timeouts",
+                                       "returns_damaged",
+                                       "returns_unmatched",
+                                       "refused_no_buffer",
+                                       "insertion_buffer_full",
+                                       "interrupt_buffer_full",
+                                       "flushed_on_reset",
+                                       "orphans_hop",
+                                       "doubled_id_signs",
+                                       "host_slow_clients",
+                                       "host_interrupts_lost"};
 // As many in a row make a CPU unreachable for the supervisor.
 constexpr int kMissedBeacons = 5;
 
@@ -56,10 +65,8 @@ bool NodeHealth::is_heard() const {
 }
 
 void NodeHealth::note_changes(const NodeStatus& now, Clock::time_point at) {
-  for (const auto& step : losses_.take(now))
-    recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
-  if (was_heard_ && is_well(now.state) && !is_well(status_.state))
-    recent_.note("state", "was " + status_.state, at);
+  for (const auto& step : losses_.take(now)) recent_.note(step.name, step.name + " +" + std::to_string(step.by), at);
+  if (was_heard_ && is_well(now.state) && !is_well(status_.state)) recent_.note("state", "was " + status_.state, at);
   if (now.cpu_boots > status_.cpu_boots && status_.cpu_boots != 0)
     recent_.note("boots", "its CPU was restarted (boot " + std::to_string(now.cpu_boots) + ")", at);
   if (now.pid == 0) return;

@@ -48,11 +48,11 @@ const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std:
     throw std::invalid_argument("parameter ~node: no node '" + named + "' in " + ring.path +
                                 "; nodes for a bridge: " + candidates(ring));
   if (chosen->cpu.kind == Kind::child)
-    throw std::invalid_argument("parameter ~node: node '" + named + "' has a CPU of its own in " +
-                                ring.path + "; nodes for a bridge: " + candidates(ring));
+    throw std::invalid_argument("parameter ~node: node '" + named + "' has a CPU of its own in " + ring.path +
+                                "; nodes for a bridge: " + candidates(ring));
   if (chosen->cpu.kind == Kind::none)
-    throw std::invalid_argument("parameter ~node: node '" + named + "' has 'cpu: none' in " +
-                                ring.path + "; nodes for a bridge: " + candidates(ring));
+    throw std::invalid_argument("parameter ~node: node '" + named + "' has 'cpu: none' in " + ring.path +
+                                "; nodes for a bridge: " + candidates(ring));
   return *chosen;
 }
 

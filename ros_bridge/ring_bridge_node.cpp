@@ -18,8 +18,7 @@ constexpr const char* kHelp =
     "  ~respawn: it is started again, by --respawn or by roslaunch (else a reset of its node says that it is not)\n";
 
 void run() {
-  const limb_ring::bridge::Bridge bridge(ros::NodeHandle(),
-                                         limb_ring::bridge::read_parameters(ros::NodeHandle("~")));
+  const limb_ring::bridge::Bridge bridge(ros::NodeHandle(), limb_ring::bridge::read_parameters(ros::NodeHandle("~")));
   ros::spin();
 }
 

@@ -7,14 +7,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kRetry = 1s;        // a node on another host is not looked for in vain all the time
-constexpr int kTickMs = 50;        // how soon the end is noticed
+constexpr auto kRetry = 1s;           // a node on another host is not looked for in vain all the time
+constexpr int kTickMs = 50;           // how soon the end is noticed
 constexpr int kMessagesAtOnce = 256;  // then the other nodes have their turn
 
 }  // namespace
 
-RingListener::RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions door,
-                           std::string order, OnMessage on_message)
+RingListener::RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions door, std::string order,
+                           OnMessage on_message)
     : door_(std::move(door)), order_(std::move(order)), on_message_(std::move(on_message)) {
   door_.role = Role::tool;
   door_.alive_period = 0ms;

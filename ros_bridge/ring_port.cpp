@@ -12,10 +12,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kRetry = 200ms;       // between tries to connect
-constexpr auto kLongestWait = 100ms; // so that alive() is passed on
+constexpr auto kRetry = 200ms;        // between tries to connect
+constexpr auto kLongestWait = 100ms;  // so that alive() is passed on
 constexpr std::size_t kPostLimit = 1024;
-constexpr int kMessagesAtOnce = 256; // then posted work and ticks have their turn
+constexpr int kMessagesAtOnce = 256;  // then posted work and ticks have their turn
 
 int make_wake() {
   const int fd = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
@@ -137,8 +137,7 @@ void RingPort::take_messages() {
 
 void RingPort::take(Message message) {
   if (auto* packet = std::get_if<Packet>(&message)) {
-    if (packet->channel < packets_.size() && packets_[packet->channel])
-      packets_[packet->channel](*packet);
+    if (packet->channel < packets_.size() && packets_[packet->channel]) packets_[packet->channel](*packet);
   } else if (auto* result = std::get_if<Result>(&message)) {
     auto entry = results_.extract(result->token);
     if (entry && entry.mapped()) entry.mapped()(*result);

@@ -35,8 +35,8 @@ class RingView {
     if (!limbs_.root().empty()) place_robot();
     status_in_ = nodes.subscribe("ring_status", 1, &RingView::show, this);
     states_in_ = nodes.subscribe("joint_states", 1, &RingView::take_joints, this);
-    timer_ = nodes.createWallTimer(
-        kFrame, [this](const ros::WallTimerEvent&) { held_.publish(joints_.all(wall_now())); });
+    timer_ =
+        nodes.createWallTimer(kFrame, [this](const ros::WallTimerEvent&) { held_.publish(joints_.all(wall_now())); });
   }
 
  private:

@@ -27,8 +27,7 @@ json essence(const json& object, std::initializer_list<const char*> members) {
 
 }  // namespace
 
-RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& door)
-    : ring_(ring), door_(door) {
+RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& door) : ring_(ring), door_(door) {
   door_.role = Role::tool;
   door_.alive_period = 0ms;
   door_.timeout = kConnect;
@@ -57,8 +56,7 @@ std::string RingWatch::digest() {
   if (!row) return "";
   json digest = essence(*row, {"state", "ring_size"});
   if (row->contains("cpu")) digest.push_back(essence((*row)["cpu"], {"state", "boots"}));
-  for (const auto& heard : heard_in(*row))
-    digest.push_back(essence(heard, {"id", "boot", "cpu_boots", "cpu_state"}));
+  for (const auto& heard : heard_in(*row)) digest.push_back(essence(heard, {"id", "boot", "cpu_boots", "cpu_state"}));
   return digest.dump();
 }
 

@@ -60,8 +60,8 @@ std::string file_of(const ScenarioOrder& order, const Folder& folder) {
 }
 
 std::vector<std::string> arguments_of(const ScenarioOrder& order, const Folder& folder) {
-  std::vector<std::string> arguments{"ringctl", "scenario", "run", order.live ? "--live" : "--sim",
-                                     "--junit", folder.file("junit.xml")};
+  std::vector<std::string> arguments{
+      "ringctl", "scenario", "run", order.live ? "--live" : "--sim", "--junit", folder.file("junit.xml")};
   if (order.seed != 0) arguments.insert(arguments.end(), {"--seed", std::to_string(order.seed)});
   arguments.insert(arguments.end(), {"--", file_of(order, folder)});  // a path is no option
   return arguments;

@@ -42,6 +42,4 @@ void run() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  return limb_ring::bridge::run_node(argc, argv, {"scenario_server", kHelp, run});
-}
+int main(int argc, char** argv) { return limb_ring::bridge::run_node(argc, argv, {"scenario_server", kHelp, run}); }

@@ -19,9 +19,9 @@ using std::chrono::milliseconds;
 
 constexpr int kThreads = 3;
 constexpr auto kConnect = 1s;
-constexpr auto kAnswer = 10s;          // a send ends after timeouts.queue and its tries
-constexpr double kDefaultReset = 3.0;  // s
-constexpr double kLongestReset = 60.0; // s
+constexpr auto kAnswer = 10s;           // a send ends after timeouts.queue and its tries
+constexpr double kDefaultReset = 3.0;   // s
+constexpr double kLongestReset = 60.0;  // s
 
 std::string known_nodes(const config::RingConfig& ring) {
   std::string names;
@@ -30,14 +30,11 @@ std::string known_nodes(const config::RingConfig& ring) {
   return names;
 }
 
-double in_seconds(std::chrono::nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
+double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 milliseconds reset_timeout(double seconds) {
   if (!std::isfinite(seconds) || seconds < 0 || seconds > kLongestReset)
-    throw std::invalid_argument("timeout " + std::to_string(seconds) +
-                                " s; it must be 0 (for 3 s) to 60 s");
+    throw std::invalid_argument("timeout " + std::to_string(seconds) + " s; it must be 0 (for 3 s) to 60 s");
   return milliseconds(std::lround((seconds > 0 ? seconds : kDefaultReset) * 1000));
 }
 
@@ -46,8 +43,7 @@ json answer_to(HostPort& port, const json& question, milliseconds timeout) {
 }
 
 template <typename Response>
-void fill(Response& response, const std::string& outcome, double round_trip,
-          const std::string& message) {
+void fill(Response& response, const std::string& outcome, double round_trip, const std::string& message) {
   response.outcome = outcome_word(outcome);
   response.success = response.outcome == "delivered";
   response.round_trip = round_trip;
@@ -68,10 +64,9 @@ bool answered(Response& response, Call call) {
 
 }  // namespace
 
-Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
-                   ConnectOptions door, CommandIn& commands)
-    : ring_(ring), door_(std::move(door)), commands_(commands), nodes_(nodes),
-      threads_(kThreads, &queue_) {
+Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions door,
+                   CommandIn& commands)
+    : ring_(ring), door_(std::move(door)), commands_(commands), nodes_(nodes), threads_(kThreads, &queue_) {
   door_.role = Role::tool;
   door_.alive_period = 0ms;
   door_.timeout = kConnect;
@@ -92,8 +87,7 @@ Services::~Services() {
 
 std::uint8_t Services::one_node(const std::string& node) const {
   if (const auto* found = ring_.find(node)) return found->id;
-  throw std::invalid_argument("no node '" + node + "' in ring " + ring_.ring +
-                              "; there are: " + known_nodes(ring_));
+  throw std::invalid_argument("no node '" + node + "' in ring " + ring_.ring + "; there are: " + known_nodes(ring_));
 }
 
 std::uint8_t Services::destination(const std::string& node) const {
@@ -130,8 +124,7 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
 bool Services::stop(Stop::Request& request, Stop::Response& response) {
   return answered(response, [&] {
     json ask_stop = {{"do", "stop"}};
-    if (!request.node.empty() && request.node != "all")
-      ask_stop["node"] = std::to_string(one_node(request.node));
+    if (!request.node.empty() && request.node != "all") ask_stop["node"] = std::to_string(one_node(request.node));
     auto port = HostPort::connect(door_);
     const auto sent = std::chrono::steady_clock::now();
     const auto reply = answer_to(port, ask_stop, kAnswer);
@@ -172,14 +165,14 @@ Result Services::resume_one(std::uint8_t node) {
 bool Services::resume(Resume::Request& request, Resume::Response& response) {
   return answered(response, [&] {
     const auto ids = nodes_to_resume(request.node.empty() ? kBroadcast : destination(request.node));
-    if (ids.empty()) throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");
+    if (ids.empty())
+      throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");
     response.success = true;
     for (const auto id : ids) {
       const auto result = resume_one(id);
       if (result.outcome == Outcome::delivered) continue;
       response.success = false;
-      response.message += "node " + std::to_string(id) + ": " + to_string(result.outcome) + " " +
-                          result.reason + "; ";
+      response.message += "node " + std::to_string(id) + ": " + to_string(result.outcome) + " " + result.reason + "; ";
     }
   });
 }

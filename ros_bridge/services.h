@@ -25,8 +25,7 @@ namespace limb_ring::bridge {
 class Services {
  public:
   /// `door` says how to reach the daemon of this bridge's node; its role is ignored.
-  Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions door,
-           CommandIn& commands);
+  Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions door, CommandIn& commands);
   ~Services();
 
  private:

@@ -103,8 +103,6 @@ void merge_beacon(const json& heard, NodeStatus& status) {
   take_number(heard, "age_ms", status.beacon_age, 1e-3);
 }
 
-bool differs_in_substance(const NodeStatus& a, const NodeStatus& b) {
-  return substance(a) != substance(b);
-}
+bool differs_in_substance(const NodeStatus& a, const NodeStatus& b) { return substance(a) != substance(b); }
 
 }  // namespace limb_ring::bridge

@@ -13,9 +13,8 @@ constexpr auto kPeriod = 1s;
 
 }  // namespace
 
-StatusOut::StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring,
-                     const ConnectOptions& door, RingPort& port, const JointDataOut& joints,
-                     const Counters& counters, OnBoot on_boot)
+StatusOut::StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, RingPort& port,
+                     const JointDataOut& joints, const Counters& counters, OnBoot on_boot)
     : ring_(ring),
       own_node_(door.node),
       watch_(ring, door),
@@ -62,8 +61,7 @@ bool StatusOut::is_due() {
   auto digest = watch_.digest();
   auto silent = joints_.silent_joints();
   auto now_wrong = problem();
-  const bool changed =
-      digest != last_digest_ || silent != last_silent_ || now_wrong != last_problem_;
+  const bool changed = digest != last_digest_ || silent != last_silent_ || now_wrong != last_problem_;
   last_digest_ = std::move(digest);
   last_silent_ = std::move(silent);
   last_problem_ = std::move(now_wrong);

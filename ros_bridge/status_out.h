@@ -26,8 +26,8 @@ class StatusOut {
 
   using OnStatus = std::function<void(const RingStatus&)>;
 
-  StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door,
-            RingPort& port, const JointDataOut& joints, const Counters& counters, OnBoot on_boot);
+  StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, RingPort& port,
+            const JointDataOut& joints, const Counters& counters, OnBoot on_boot);
   ~StatusOut();
   /// Before start(): calls `handler` with every status that is published, from this class's thread.
   void on_status(OnStatus handler) { on_status_.push_back(std::move(handler)); }

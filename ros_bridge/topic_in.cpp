@@ -22,21 +22,18 @@ TopicMessage to_message(const ros::MessageEvent<topic_tools::ShapeShifter const>
 
 }  // namespace
 
-TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic,
-                 RingPort& port, Counters& counters)
+TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic, RingPort& port,
+                 Counters& counters)
     : topic_(topic),
       port_(port),
       counters_(counters),
       sender_(
           number, topic,
-          [&port](const Outgoing& packet, RingPort::OnResult done) {
-            port.send(packet, std::move(done));
-          },
-          counters) {
+          [&port](const Outgoing& packet, RingPort::OnResult done) { port.send(packet, std::move(done)); }, counters) {
   port_.every(kAnnouncePeriod, [this] { sender_.announce(); });
   ros::SubscribeOptions options;
-  options.initByFullCallbackType<const Event&>(
-      topic.input, topic.queue, [this](const Event& event) { on_message(event); });
+  options.initByFullCallbackType<const Event&>(topic.input, topic.queue,
+                                               [this](const Event& event) { on_message(event); });
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   subscriber_ = nodes.subscribe(options);
 }

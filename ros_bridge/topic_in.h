@@ -13,8 +13,8 @@ namespace limb_ring::bridge {
 /// A ROS topic of any type, subscribed here and sent to the node the configuration names.
 class TopicIn {
  public:
-  TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic,
-          RingPort& port, Counters& counters);
+  TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic, RingPort& port,
+          Counters& counters);
 
   /// Any thread: the CPU of the node this topic goes to has restarted.
   void far_side_restarted();

@@ -15,12 +15,11 @@ topic_tools::ShapeShifter shape_of(const payload::Announcement& type) {
 
 }  // namespace
 
-TopicOut::TopicOut(ros::NodeHandle& nodes, const config::RingConfig& ring, std::uint8_t own_id,
-                   RingPort& port, Counters& counters)
+TopicOut::TopicOut(ros::NodeHandle& nodes, const config::RingConfig& ring, std::uint8_t own_id, RingPort& port,
+                   Counters& counters)
     : nodes_(nodes), counters_(counters) {
   for (std::size_t i = 0; i < ring.bridge.topics.size(); ++i)
-    if (ring.bridge.topics[i].to == own_id)
-      outputs_[static_cast<std::uint8_t>(i)].topic = ring.bridge.topics[i];
+    if (ring.bridge.topics[i].to == own_id) outputs_[static_cast<std::uint8_t>(i)].topic = ring.bridge.topics[i];
   port.on_packet(payload::kTopicChannel, [this](const Packet& packet) { on_packet(packet); });
   port.every(std::chrono::seconds(1), [this] { show_counters(); });
 }
@@ -29,10 +28,8 @@ void TopicOut::on_packet(const Packet& packet) {
   auto message = reassembler_.take(packet.source, {packet.data.data(), packet.data.size()});
   if (!message) return;
   const auto found = outputs_.find(message->topic);
-  if (found == outputs_.end() || found->second.topic.from != message->source)
-    return counters_.add("topics_unfit");
-  if (message->kind == payload::Fragment::Kind::data)
-    return on_message(found->second, std::move(message->bytes));
+  if (found == outputs_.end() || found->second.topic.from != message->source) return counters_.add("topics_unfit");
+  if (message->kind == payload::Fragment::Kind::data) return on_message(found->second, std::move(message->bytes));
   on_announced(found->second, *reassembler_.announcement(message->source, message->topic));
 }
 
@@ -43,8 +40,7 @@ void TopicOut::on_announced(Output& output, const payload::Announcement& type) {
              output.topic.output.c_str(), type.name.c_str());
   if (output.publisher) output.publisher.shutdown();
   output.type = type;
-  output.publisher = shape_of(type).advertise(nodes_, output.topic.output, output.topic.queue,
-                                              type.latching);
+  output.publisher = shape_of(type).advertise(nodes_, output.topic.output, output.topic.queue, type.latching);
 }
 
 void TopicOut::on_message(Output& output, std::vector<std::uint8_t> bytes) {

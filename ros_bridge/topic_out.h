@@ -15,8 +15,8 @@ namespace limb_ring::bridge {
 /// as they were, byte for byte. A topic is advertised when its type is announced.
 class TopicOut {
  public:
-  TopicOut(ros::NodeHandle& nodes, const config::RingConfig& ring, std::uint8_t own_id,
-           RingPort& port, Counters& counters);
+  TopicOut(ros::NodeHandle& nodes, const config::RingConfig& ring, std::uint8_t own_id, RingPort& port,
+           Counters& counters);
 
  private:
   struct Output {

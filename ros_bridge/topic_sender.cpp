@@ -7,9 +7,11 @@ namespace limb_ring::bridge {
 
 using payload::Fragment;
 
-TopicSender::TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send,
-                         Counters& counters)
-    : fragmenter_(number), topic_(topic), send_(std::move(send)), counters_(counters),
+TopicSender::TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send, Counters& counters)
+    : fragmenter_(number),
+      topic_(topic),
+      send_(std::move(send)),
+      counters_(counters),
       prefix_("topic_" + topic.input + "_") {}
 
 void TopicSender::offer(TopicMessage message) {
@@ -96,8 +98,7 @@ void TopicSender::on_result(std::uint64_t serial, const Result& result) {
   Flight& flight = flights_[serial];
   --under_way_;
   --flight.unanswered;
-  const bool arrived =
-      result.outcome == Outcome::delivered || result.outcome == Outcome::unconfirmed;
+  const bool arrived = result.outcome == Outcome::delivered || result.outcome == Outcome::unconfirmed;
   if (!arrived && !flight.failed) {
     fail(flight, result.outcome);
     given_up_ = given_up_ || serial == serial_;

@@ -76,7 +76,7 @@ class TopicSender {
   std::map<std::uint64_t, Flight> flights_;  // by serial number
   std::uint64_t serial_ = 0;                 // of the message in the fragmenter
   bool given_up_ = false;                    // the rest of it is not sent
-  unsigned under_way_ = 0;  // fragments, of all flights
+  unsigned under_way_ = 0;                   // fragments, of all flights
 };
 
 }  // namespace limb_ring::bridge

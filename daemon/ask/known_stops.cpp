@@ -40,11 +40,16 @@ std::string group(const std::vector<KnownStop>& stops, StopState state, const ch
 
 const char* to_string(StopState state) {
   switch (state) {
-    case StopState::stopped: return "stopped";
-    case StopState::told: return "told";
-    case StopState::no_cpu: return "no_cpu";
-    case StopState::not_reached: return "not_reached";
-    case StopState::unknown: return "unknown";
+    case StopState::stopped:
+      return "stopped";
+    case StopState::told:
+      return "told";
+    case StopState::no_cpu:
+      return "no_cpu";
+    case StopState::not_reached:
+      return "not_reached";
+    case StopState::unknown:
+      return "unknown";
   }
   return "";
 }
@@ -89,8 +94,8 @@ bool all_told(const std::vector<KnownStop>& stops) {
 }
 
 std::string sentence_of(const std::vector<KnownStop>& stops) {
-  const auto stopped = std::count_if(stops.begin(), stops.end(),
-                                     [](const KnownStop& stop) { return stop.state == StopState::stopped; });
+  const auto stopped =
+      std::count_if(stops.begin(), stops.end(), [](const KnownStop& stop) { return stop.state == StopState::stopped; });
   return std::to_string(stopped) + " of " + std::to_string(stops.size()) + " stopped" +
          group(stops, StopState::told, "told, but the CPU does not say whether it has stopped") +
          group(stops, StopState::no_cpu, "no CPU to stop") + group(stops, StopState::not_reached, "not reached") +

@@ -12,8 +12,8 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kPollPeriod{50};
-constexpr milliseconds kMargin{2000};   ///< for the answer, beside the time that the reset is given
-constexpr int kLately = 1000;           ///< ms; an older beacon tells nothing
+constexpr milliseconds kMargin{2000};  ///< for the answer, beside the time that the reset is given
+constexpr int kLately = 1000;          ///< ms; an older beacon tells nothing
 
 const json* broken_line(const Rows& rows) {
   for (const auto& [id, row] : rows)
@@ -35,7 +35,8 @@ std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
   const json* line = broken_line(rows);
   if (line == nullptr) return "";
   const auto before = line->value("before", std::uint8_t{0}), behind = line->value("behind", std::uint8_t{0});
-  return "; " + name_of(query.nodes, behind) + " reaches all others, " + name_of(query.nodes, before) + " hears all others";
+  return "; " + name_of(query.nodes, behind) + " reaches all others, " + name_of(query.nodes, before) +
+         " hears all others";
 }
 
 }  // namespace

@@ -9,10 +9,10 @@ namespace limb_ring::ask {
 /// A reset of one node's CPU: one daemon is asked for it, all are polled for its effect.
 struct ResetQuery {
   std::string ring;
-  std::vector<Node> nodes;   ///< all of the ring, in ring order
+  std::vector<Node> nodes;  ///< all of the ring, in ring order
   std::uint8_t target = 0;
-  std::uint8_t from = 0;     ///< the node that sends
-  bool from_is_free = false; ///< in an open chain another one may send, that reaches the target
+  std::uint8_t from = 0;      ///< the node that sends
+  bool from_is_free = false;  ///< in an open chain another one may send, that reaches the target
   std::chrono::milliseconds timeout{3000};
 };
 

@@ -52,8 +52,10 @@ void measure(HostPort port, std::uint8_t to, const Setup& setup, Outcome& outcom
   bool go_on = true;
   while (go_on && failed < 10) {
     port.send(to, data);
-    if (next_packet(port)) go_on = samples.lap(Samples::Clock::now());
-    else ++failed;
+    if (next_packet(port))
+      go_on = samples.lap(Samples::Clock::now());
+    else
+      ++failed;
   }
   outcome.measured = samples.measurement();
   outcome.measured.failed = failed;

@@ -39,8 +39,10 @@ void let_pass(const Setup& setup, std::optional<HostPort>& cpu, steady_clock::du
   const auto end = steady_clock::now() + time;
   while (steady_clock::now() < end) {
     setup.poll();
-    if (cpu) cpu->receive(kSlice);
-    else std::this_thread::sleep_for(kSlice);
+    if (cpu)
+      cpu->receive(kSlice);
+    else
+      std::this_thread::sleep_for(kSlice);
   }
 }
 
@@ -52,7 +54,8 @@ double measure_idle_percent(const Setup& setup, PrivateRing& ring) {
   const std::vector<pid_t> processes = ring.processes();
   const double before = cpu_seconds(processes);
   const auto begun = steady_clock::now();
-  let_pass(setup, cpu, std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(setup.seconds)));
+  let_pass(setup, cpu,
+           std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(setup.seconds)));
   const double used = cpu_seconds(processes) - before;
   return 100 * used / std::chrono::duration<double>(steady_clock::now() - begun).count();
 }

@@ -42,15 +42,13 @@ double median(std::vector<double> values) {
 
 Measurement together(const std::vector<Measurement>& senders) {
   Measurement all = counts_of(senders);
-  all.round_trip_us = {median(each(senders, p50)), worst(each(senders, p99)),
-                       worst(each(senders, longest))};
+  all.round_trip_us = {median(each(senders, p50)), worst(each(senders, p99)), worst(each(senders, longest))};
   return all;
 }
 
 Measurement of_rounds(const std::vector<Measurement>& rounds) {
   Measurement all = counts_of(rounds);
-  all.round_trip_us = {median(each(rounds, p50)), median(each(rounds, p99)),
-                       worst(each(rounds, longest))};
+  all.round_trip_us = {median(each(rounds, p50)), median(each(rounds, p99)), worst(each(rounds, longest))};
   all.packets_per_second = median(each(rounds, rate));
   return all;
 }

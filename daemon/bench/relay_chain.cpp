@@ -67,8 +67,7 @@ class Chain {
   Measurement run() {
     start("rosmaster", {"--core", "-p", port_}, {});
     for (unsigned i = 0; i < setup_.nodes; ++i)
-      start(find_relay(), {link_name(i), link_name(i + 1), "__name:=relay" + std::to_string(i)},
-            cores_for(pinning_));
+      start(find_relay(), {link_name(i), link_name(i + 1), "__name:=relay" + std::to_string(i)}, cores_for(pinning_));
     start("relay_chain_ends",
           {link_name(0), link_name(setup_.nodes), std::to_string(setup_.payload), std::to_string(setup_.seconds)},
           cores_for(pinning_));

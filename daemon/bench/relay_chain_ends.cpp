@@ -20,8 +20,7 @@ using limb_ring::bench::Samples;
 
 class ChainEnds {
  public:
-  ChainEnds(const std::string& first, const std::string& last, std::size_t size, double seconds)
-      : samples_(seconds) {
+  ChainEnds(const std::string& first, const std::string& last, std::size_t size, double seconds) : samples_(seconds) {
     message_.data.resize(size);
     publisher_ = node_.advertise<std_msgs::UInt8MultiArray>(first, 10);
     subscriber_ = node_.subscribe(last, 10, &ChainEnds::on_message, this, ros::TransportHints().tcpNoDelay());
@@ -31,8 +30,11 @@ class ChainEnds {
   bool done() const { return done_; }
   nlohmann::json report() {
     const auto m = samples_.measurement();
-    return {{"p50", m.round_trip_us.p50}, {"p99", m.round_trip_us.p99}, {"max", m.round_trip_us.max},
-            {"packets", m.packets}, {"packets_per_second", m.packets_per_second}};
+    return {{"p50", m.round_trip_us.p50},
+            {"p99", m.round_trip_us.p99},
+            {"max", m.round_trip_us.max},
+            {"packets", m.packets},
+            {"packets_per_second", m.packets_per_second}};
   }
 
  private:
@@ -50,8 +52,10 @@ class ChainEnds {
   void on_message(const std_msgs::UInt8MultiArray::ConstPtr& message) {
     const auto now = Samples::Clock::now();
     if (limb_ring::wire::load_u32(message->data.data()) != number_) return;  // knocked earlier
-    if (running_) done_ = !samples_.lap(now);
-    else samples_.begin(now);
+    if (running_)
+      done_ = !samples_.lap(now);
+    else
+      samples_.begin(now);
     running_ = true;
     if (!done_) publish();
   }

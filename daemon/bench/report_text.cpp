@@ -18,10 +18,10 @@ double rounded(double value) { return std::round(value * 100) / 100; }
 json row_json(const Row& row) {
   const RoundTrip& time = row.measured.round_trip_us;
   json all{{"round_trip_us", {{"p50", rounded(time.p50)}, {"p99", rounded(time.p99)}, {"max", rounded(time.max)}}},
-          {"packets_per_second", rounded(row.measured.packets_per_second)},
-          {"reference_ratio", rounded(row.reference_ratio)},
-          {"packets", row.measured.packets},
-          {"failed", row.measured.failed}};
+           {"packets_per_second", rounded(row.measured.packets_per_second)},
+           {"reference_ratio", rounded(row.reference_ratio)},
+           {"packets", row.measured.packets},
+           {"failed", row.measured.failed}};
   if (row.unwatched_ratio > 0) all["unwatched_ratio"] = rounded(row.unwatched_ratio);
   return all;
 }

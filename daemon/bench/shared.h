@@ -15,8 +15,7 @@ class Shared {
  public:
   explicit Shared(std::size_t count) : count_(count) {
     memory_ = ::mmap(nullptr, bytes(), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (memory_ == MAP_FAILED)
-      throw std::system_error(errno, std::generic_category(), "shared memory");
+    if (memory_ == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "shared memory");
     for (std::size_t i = 0; i < count; ++i) new (begin() + i) T();
   }
   ~Shared() { ::munmap(memory_, bytes()); }

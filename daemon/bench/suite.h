@@ -25,8 +25,8 @@ struct Report {
   std::size_t payload = 0;
   double seconds = 0;
   std::vector<Row> rows;
-  std::string relay_chain_skipped;               ///< why; empty where it was measured
-  std::optional<double> idle_plain_percent;      ///< of one core, all processes together
+  std::string relay_chain_skipped;           ///< why; empty where it was measured
+  std::optional<double> idle_plain_percent;  ///< of one core, all processes together
   std::optional<double> idle_humanoid_percent;
 
   const Row* find(const std::string& what, Pinning pinning, Sending sending) const;

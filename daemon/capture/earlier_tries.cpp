@@ -23,7 +23,8 @@ void EarlierTries::remember(const Known& known) {
   const SeenPacket& seen = known.tried.seen;
   std::map<std::uint8_t, Known>& tries = by_try_[{seen.source, seen.interrupt()}];
   const std::uint8_t attempt = code_of(known.tried).attempt;
-  if (attempt == 0 || (!tries.empty() && code_of(tries.begin()->second.tried).sequence != code_of(known.tried).sequence))
+  if (attempt == 0 ||
+      (!tries.empty() && code_of(tries.begin()->second.tried).sequence != code_of(known.tried).sequence))
     tries.clear();
   tries.insert_or_assign(attempt, known);
   if (seen.trailer && !seen.interrupt())

@@ -30,7 +30,7 @@ class EarlierTries {
     std::size_t index;
     std::chrono::nanoseconds refused_since;  ///< when it, or what it was sent again for, was refused first
   };
-  using Unit = std::pair<wire::NodeId, bool>;                         // source, INTP
+  using Unit = std::pair<wire::NodeId, bool>;                          // source, INTP
   using Route = std::tuple<wire::NodeId, wire::NodeId, std::uint8_t>;  // source, destination, PRI
 
   const Known* try_before(const Try& now) const;

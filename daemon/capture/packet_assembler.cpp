@@ -22,14 +22,18 @@ void PacketAssembler::put(const wire::Slice& slice, nanoseconds at) {
     case SliceKind::start:
       gap(at);
       return begin(slice.bytes, at);
-    case SliceKind::more: return more(slice.bytes, at);
+    case SliceKind::more:
+      return more(slice.bytes, at);
     case SliceKind::end:
       more(slice.bytes, at);
       return close(at, nullptr);
-    case SliceKind::interrupt: return interrupt(slice.bytes, at);
-    case SliceKind::abort: return close(at, &CaptureInfo::aborted);
+    case SliceKind::interrupt:
+      return interrupt(slice.bytes, at);
+    case SliceKind::abort:
+      return close(at, &CaptureInfo::aborted);
     case SliceKind::idle:
-    case SliceKind::fold: return;
+    case SliceKind::fold:
+      return;
   }
 }
 

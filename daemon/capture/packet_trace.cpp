@@ -58,11 +58,16 @@ std::optional<nanoseconds> PacketTrace::on_line(std::size_t hop) const {
 
 const char* to_string(TripEnd end) {
   switch (end) {
-    case TripEnd::home: return "came home";
-    case TripEnd::refused: return "came home refused";
-    case TripEnd::damaged: return "came home damaged";
-    case TripEnd::broken: return "came home broken off";
-    case TripEnd::not_home: return "did not come home";
+    case TripEnd::home:
+      return "came home";
+    case TripEnd::refused:
+      return "came home refused";
+    case TripEnd::damaged:
+      return "came home damaged";
+    case TripEnd::broken:
+      return "came home broken off";
+    case TripEnd::not_home:
+      return "did not come home";
   }
   return "";
 }

@@ -23,11 +23,11 @@ struct Hop {
 
 /// How one try of a packet ended, as far as the capture shows.
 enum class TripEnd : std::uint8_t {
-  home,      ///< came back to its source, taken or not
-  refused,   ///< came back with FBC 0
-  damaged,   ///< came back with a bad CRC
-  broken,    ///< came back without its end
-  not_home   ///< was not seen coming back
+  home,     ///< came back to its source, taken or not
+  refused,  ///< came back with FBC 0
+  damaged,  ///< came back with a bad CRC
+  broken,   ///< came back without its end
+  not_home  ///< was not seen coming back
 };
 const char* to_string(TripEnd end);
 

@@ -9,17 +9,17 @@ namespace limb_ring::capture::pcapng {
 
 enum Block : std::uint32_t { kInterface = 1, kEnhancedPacket = 6, kSectionHeader = 0x0A0D0D0A };
 constexpr std::uint32_t kByteOrderMagic = 0x1A2B3C4D;
-constexpr std::uint16_t kLinkType = 147;  ///< LINKTYPE_USER0
+constexpr std::uint16_t kLinkType = 147;          ///< LINKTYPE_USER0
 constexpr std::uint32_t kMaxBlock = 1024 * 1024;  ///< of a file that is no nonsense
 
 enum Option : std::uint16_t {
   kEnd = 0,
   kComment = 1,
-  kApplication = 4,     ///< of a section header
-  kInterfaceName = 2,   ///< if_name
-  kResolution = 9,      ///< if_tsresol
-  kPacketFlags = 2,     ///< epb_flags
-  kDropCount = 4        ///< epb_dropcount
+  kApplication = 4,    ///< of a section header
+  kInterfaceName = 2,  ///< if_name
+  kResolution = 9,     ///< if_tsresol
+  kPacketFlags = 2,    ///< epb_flags
+  kDropCount = 4       ///< epb_dropcount
 };
 constexpr std::uint8_t kNanoseconds = 9;   ///< if_tsresol: 10^-9 s
 constexpr std::uint8_t kMicroseconds = 6;  ///< where a file says nothing

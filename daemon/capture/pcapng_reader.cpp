@@ -9,8 +9,8 @@ namespace limb_ring::capture {
 
 namespace {
 
-constexpr std::size_t kBlockHead = 8;         // type and length
-constexpr std::size_t kPacketHead = 28;       // of an Enhanced Packet, up to its bytes
+constexpr std::size_t kBlockHead = 8;    // type and length
+constexpr std::size_t kPacketHead = 28;  // of an Enhanced Packet, up to its bytes
 constexpr std::size_t kSectionOptions = 24;
 constexpr std::size_t kInterfaceOptions = 16;
 constexpr std::uint32_t kSmallestBlock = 12;
@@ -156,12 +156,17 @@ std::optional<PcapngReader::Record> PcapngReader::packet() const {
 std::optional<PcapngReader::Record> PcapngReader::next() {
   while (read_block()) {
     switch (u32(0)) {
-      case pcapng::kSectionHeader: section_header(); break;
-      case pcapng::kInterface: interface(); break;
+      case pcapng::kSectionHeader:
+        section_header();
+        break;
+      case pcapng::kInterface:
+        interface();
+        break;
       case pcapng::kEnhancedPacket:
         if (auto record = packet()) return record;
         break;
-      default: break;  // statistics, name resolution: nothing of ours
+      default:
+        break;  // statistics, name resolution: nothing of ours
     }
   }
   return std::nullopt;

@@ -21,7 +21,7 @@ struct SeenPacket {
   struct Trailer {
     std::uint8_t fbc = 0;
     wire::NodeId destination = 0;
-    std::uint8_t last = 0;  ///< PRI or INT
+    std::uint8_t last = 0;   ///< PRI or INT
     std::uint32_t data = 0;  ///< CRC-32 of the data, which tells it from other data of that size
   };
   std::optional<Trailer> trailer;

@@ -3,8 +3,8 @@
 #include <map>
 
 #include "capture/line_history.h"
-#include "capture/packet_trips.h"
 #include "capture/packet_trace.h"
+#include "capture/packet_trips.h"
 
 namespace limb_ring::capture {
 

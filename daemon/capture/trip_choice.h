@@ -7,9 +7,9 @@ namespace limb_ring::capture {
 /// Which packets somebody wants explained. What is left empty lets every packet pass.
 struct TripChoice {
   std::optional<wire::NodeId> source;
-  std::optional<std::uint8_t> sequence;           ///< of its Code: 0..7, comes again after eight
-  std::optional<std::chrono::nanoseconds> at;     ///< was on its way then, by the capture's clock
-  std::optional<std::chrono::nanoseconds> over;   ///< its round trip was longer
+  std::optional<std::uint8_t> sequence;          ///< of its Code: 0..7, comes again after eight
+  std::optional<std::chrono::nanoseconds> at;    ///< was on its way then, by the capture's clock
+  std::optional<std::chrono::nanoseconds> over;  ///< its round trip was longer
 };
 
 /// Numbers of the trips (of TracedRing) that fit, the longest round trip first. Tries that were not seen

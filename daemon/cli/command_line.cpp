@@ -70,7 +70,8 @@ Words option_names(const CLI::App& app) {
 [[noreturn]] void no_such_subcommand(const CLI::App& app, const std::string& word) {
   const Words known = subcommands_of(app);
   const std::string meant = guess(word, known);
-  throw WrongCommandLine("'" + full_name(app) + " " + word + "' is unknown" + meant + "There are: " + config::join(known));
+  throw WrongCommandLine("'" + full_name(app) + " " + word + "' is unknown" + meant +
+                         "There are: " + config::join(known));
 }
 
 [[noreturn]] void one_too_many(const CLI::App& app, const std::string& word) {

@@ -52,8 +52,8 @@ CLI::Validator real(double least, double most) {
 }
 
 CLI::Validator seconds(double least, double most) {
-  const std::string allowed =
-      "a time, " + range(config::format_real(least), config::format_real(most)) + " s: 500ms, 2s, or a number of seconds";
+  const std::string allowed = "a time, " + range(config::format_real(least), config::format_real(most)) +
+                              " s: 500ms, 2s, or a number of seconds";
   return CLI::Validator(
       [=](std::string& text) -> std::string {
         const auto value = seconds_in(text);

@@ -24,8 +24,7 @@ Connection::Connection(UnixSocket socket, const ConnectOptions& options)
       alive_period_(std::clamp(options.alive_period, Milliseconds{0}, kMaxAlivePeriod)),
       last_written_(Clock::now()) {}
 
-Connection::Handshake Connection::greet(const std::string& wanted_ring,
-                                        Clock::time_point deadline) {
+Connection::Handshake Connection::greet(const std::string& wanted_ring, Clock::time_point deadline) {
   Greeting greeting;
   greeting.role = role_;
   greeting.restarted_by_owner = restarted_by_owner_;
@@ -112,8 +111,8 @@ void Connection::on(const Welcome& welcome) {
 void Connection::on(const Refused& refused) { lose(std::string(refused.reason)); }
 
 void Connection::on(const PacketView& packet) {
-  inbox_.put(Packet{packet.source, packet.destination, packet.priority, packet.channel,
-                    {packet.data.begin(), packet.data.end()}});
+  inbox_.put(Packet{
+      packet.source, packet.destination, packet.priority, packet.channel, {packet.data.begin(), packet.data.end()}});
 }
 
 void Connection::on(Result result) {

@@ -73,8 +73,8 @@ struct Credit {
   std::uint16_t count = 0;
 };
 
-using ToDaemon = std::variant<Greeting, SendRequest, InterruptRequest, PullRequest, JsonRequest,
-                              ObserveRequest, Alive, Credit>;
+using ToDaemon =
+    std::variant<Greeting, SendRequest, InterruptRequest, PullRequest, JsonRequest, ObserveRequest, Alive, Credit>;
 
 /// Answer to a greeting.  | id 8 | name, text | ring, text |
 struct Welcome {
@@ -112,9 +112,9 @@ struct CapturedView {
 /// limb_ring::Observed      | JSON |
 /// limb_ring::ObservedLost  | count 64 |
 /// limb_ring::CaptureCounts | seen 64 | filtered 64 | sampled out 64 | limited 64 | lost 64 | given 64 |
-using ToClient = std::variant<Welcome, Refused, PacketView, limb_ring::Interrupt, limb_ring::Result,
-                              limb_ring::Reply, limb_ring::Observed, limb_ring::ObservedLost,
-                              limb_ring::CapturedPacket, limb_ring::CaptureCounts>;
+using ToClient =
+    std::variant<Welcome, Refused, PacketView, limb_ring::Interrupt, limb_ring::Result, limb_ring::Reply,
+                 limb_ring::Observed, limb_ring::ObservedLost, limb_ring::CapturedPacket, limb_ring::CaptureCounts>;
 
 void append(Bytes& out, const Greeting& message);
 void append(Bytes& out, const SendRequest& message);

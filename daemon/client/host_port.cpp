@@ -95,9 +95,8 @@ std::uint32_t HostPort::request(const std::string& json) {
 
 void HostPort::observe(const std::string& json_filter) {
   if (json_filter.size() > client::kMaxRequest) {
-    throw HostPortError("observe: a filter of " + std::to_string(json_filter.size()) +
-                        " bytes, at most " + std::to_string(client::kMaxRequest) +
-                        " are possible");
+    throw HostPortError("observe: a filter of " + std::to_string(json_filter.size()) + " bytes, at most " +
+                        std::to_string(client::kMaxRequest) + " are possible");
   }
   impl_->connection.send(client::ObserveRequest{json_filter});
 }
@@ -126,15 +125,13 @@ std::string HostPort::ask(const std::string& json, std::chrono::milliseconds tim
 Result HostPort::wait(std::uint32_t token, std::chrono::milliseconds timeout) {
   impl_->connection.stay_alive();
   client::Inbox& inbox = impl_->connection.inbox();
-  const auto result =
-      impl_->read_until([&] { return inbox.take_result(token); }, deadline_in(timeout));
+  const auto result = impl_->read_until([&] { return inbox.take_result(token); }, deadline_in(timeout));
   if (result) return *result;
   if (!impl_->connection.outstanding(token)) {
-    throw HostPortError("token " + std::to_string(token) +
-                        ": no result is outstanding (was it received already?)");
+    throw HostPortError("token " + std::to_string(token) + ": no result is outstanding (was it received already?)");
   }
-  throw HostPortError("token " + std::to_string(token) + ": no result within " +
-                      std::to_string(timeout.count()) + " ms");
+  throw HostPortError("token " + std::to_string(token) + ": no result within " + std::to_string(timeout.count()) +
+                      " ms");
 }
 
 bool HostPort::connected() const { return impl_->connection.connected(); }

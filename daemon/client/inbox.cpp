@@ -58,8 +58,7 @@ bool Inbox::packet_is_next() const {
 
 Packet Inbox::take_packet() {
   packet_turns_.pop_front();
-  auto& queue = *std::find_if(packets_.begin(), packets_.end(),
-                              [](const auto& one) { return !one.empty(); });
+  auto& queue = *std::find_if(packets_.begin(), packets_.end(), [](const auto& one) { return !one.empty(); });
   Packet packet = std::move(queue.front());
   queue.pop_front();
   return packet;
@@ -97,17 +96,11 @@ std::optional<Kind> Inbox::take_with_token(std::uint32_t token) {
   return kind;
 }
 
-std::optional<Result> Inbox::take_result(std::uint32_t token) {
-  return take_with_token<Result>(token);
-}
+std::optional<Result> Inbox::take_result(std::uint32_t token) { return take_with_token<Result>(token); }
 
-std::optional<Reply> Inbox::take_reply(std::uint32_t token) {
-  return take_with_token<Reply>(token);
-}
+std::optional<Reply> Inbox::take_reply(std::uint32_t token) { return take_with_token<Reply>(token); }
 
-bool Inbox::empty() const {
-  return interrupts_.empty() && packet_turns_.empty() && others_.empty();
-}
+bool Inbox::empty() const { return interrupts_.empty() && packet_turns_.empty() && others_.empty(); }
 
 bool Inbox::full() const { return others_.size() + interrupts_.size() >= kMaxOthers; }
 

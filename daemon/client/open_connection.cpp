@@ -45,8 +45,7 @@ std::string only_running_ring(Clock::time_point deadline) {
   if (rings.empty()) {
     throw HostPortError("no ring is running (looked in " + rings_directory() + ")");
   }
-  throw HostPortError("several rings are running: " + joined(rings) +
-                      "; name one (option ring, or LIMB_RING_RING)");
+  throw HostPortError("several rings are running: " + joined(rings) + "; name one (option ring, or LIMB_RING_RING)");
 }
 
 std::string ring_of(const ConnectOptions& options, Clock::time_point deadline) {
@@ -104,18 +103,20 @@ std::optional<UnixSocket> open_socket(const Target& target, std::string& problem
 }
 
 /// One try; nothing where another may help.
-std::optional<Connection> try_once(const Target& target, const ConnectOptions& options,
-                                   Clock::time_point deadline, std::string& problem) {
+std::optional<Connection> try_once(const Target& target, const ConnectOptions& options, Clock::time_point deadline,
+                                   std::string& problem) {
   std::optional<UnixSocket> socket = open_socket(target, problem);
   if (!socket) return std::nullopt;
   Connection connection(std::move(*socket), options);
   switch (connection.greet(target.ring, std::max(deadline, Clock::now() + kWelcomeDeadline))) {
-    case Connection::Handshake::welcome: return connection;
+    case Connection::Handshake::welcome:
+      return connection;
     case Connection::Handshake::refused:
       throw HostPortError(target.path + ": " + connection.reason());
     case Connection::Handshake::timed_out:
       throw HostPortError(target.path + ": the daemon does not answer (is it stopped?)");
-    case Connection::Handshake::closed: break;
+    case Connection::Handshake::closed:
+      break;
   }
   problem = target.path + ": the daemon closed the connection without a word";
   return std::nullopt;

@@ -25,9 +25,7 @@ constexpr mode_t kOwnerOnly = 0700;
 constexpr mode_t kGroupAndOthers = 0077;
 
 bool name_fits(const std::string& name) {
-  const auto allowed = [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
-  };
+  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.'; };
   return !name.empty() && name.size() <= kMaxName && name.front() != '.' &&
          std::all_of(name.begin(), name.end(), allowed);
 }
@@ -50,12 +48,11 @@ void require_private(const std::string& folder) {
   }
   if (!S_ISDIR(status.st_mode)) throw std::runtime_error(folder + " is not a folder");
   if (status.st_uid != geteuid()) {
-    throw std::runtime_error(folder + " belongs to user " + std::to_string(status.st_uid) +
-                             ", not to this one (" + std::to_string(geteuid()) + ")");
+    throw std::runtime_error(folder + " belongs to user " + std::to_string(status.st_uid) + ", not to this one (" +
+                             std::to_string(geteuid()) + ")");
   }
   if ((status.st_mode & kGroupAndOthers) != 0) {
-    throw std::runtime_error(folder + " is open to others; mode 0700 is needed (chmod 700 " +
-                             folder + ")");
+    throw std::runtime_error(folder + " is open to others; mode 0700 is needed (chmod 700 " + folder + ")");
   }
 }
 
@@ -107,8 +104,7 @@ std::string make_ring_directory(const std::string& ring) {
 std::vector<std::string> running_rings() {
   std::vector<std::string> rings;
   std::error_code error;
-  for (fs::directory_iterator it(rings_directory(), error), end; !error && it != end;
-       it.increment(error)) {
+  for (fs::directory_iterator it(rings_directory(), error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     if (name_fits(name) && any_daemon_answers(it->path())) rings.push_back(name);
   }
@@ -120,9 +116,8 @@ std::string socket_path(const std::string& directory, const std::string& node, c
   require_name("node", node);
   std::string path = directory + "/" + node + "." + kind;
   if (path.size() <= kMaxSocketPath) return path;
-  throw std::invalid_argument("socket path of " + std::to_string(path.size()) +
-                              " bytes, at most " + std::to_string(kMaxSocketPath) +
-                              " are possible: " + path +
+  throw std::invalid_argument("socket path of " + std::to_string(path.size()) + " bytes, at most " +
+                              std::to_string(kMaxSocketPath) + " are possible: " + path +
                               " (a shorter XDG_RUNTIME_DIR or ring name helps)");
 }
 

@@ -124,9 +124,7 @@ void append(Bytes& out, const Welcome& message) {
   FrameWriter(out, kWelcome).u8(message.id).text(message.name).text(message.ring);
 }
 
-void append(Bytes& out, const Refused& message) {
-  FrameWriter(out, kRefused).rest(message.reason);
-}
+void append(Bytes& out, const Refused& message) { FrameWriter(out, kRefused).rest(message.reason); }
 
 void append(Bytes& out, const PacketView& message) {
   FrameWriter(out, kPacket)
@@ -138,10 +136,7 @@ void append(Bytes& out, const PacketView& message) {
 }
 
 void append(Bytes& out, const limb_ring::Interrupt& message) {
-  FrameWriter(out, kInterrupt)
-      .u8(static_cast<std::uint8_t>(message.action))
-      .u8(message.source)
-      .u8(message.factor);
+  FrameWriter(out, kInterrupt).u8(static_cast<std::uint8_t>(message.action)).u8(message.source).u8(message.factor);
 }
 
 void append(Bytes& out, const limb_ring::Result& message) {
@@ -158,13 +153,9 @@ void append(Bytes& out, const limb_ring::Reply& message) {
   FrameWriter(out, kReply).u32(message.token).rest(message.json);
 }
 
-void append(Bytes& out, const limb_ring::Observed& message) {
-  FrameWriter(out, kObserved).rest(message.json);
-}
+void append(Bytes& out, const limb_ring::Observed& message) { FrameWriter(out, kObserved).rest(message.json); }
 
-void append(Bytes& out, const limb_ring::ObservedLost& message) {
-  FrameWriter(out, kObservedLost).u64(message.count);
-}
+void append(Bytes& out, const limb_ring::ObservedLost& message) { FrameWriter(out, kObservedLost).u64(message.count); }
 
 void append(Bytes& out, const CapturedView& message) {
   const capture::PseudoHeader header = capture::encode(message.packet.info);
@@ -184,17 +175,28 @@ void append(Bytes& out, const limb_ring::CaptureCounts& message) {
 std::optional<ToClient> decode_to_client(const Frame& frame) {
   FieldReader reader(frame.body);
   switch (frame.type) {
-    case kWelcome: return read_welcome(reader);
-    case kRefused: return Refused{reader.rest_text()};
-    case kPacket: return read_packet(reader);
-    case kInterrupt: return read_interrupt(reader);
-    case kResult: return read_result(reader);
-    case kReply: return read_reply(reader);
-    case kObserved: return read_observed(reader);
-    case kObservedLost: return read_observed_lost(reader);
-    case kCaptured: return read_captured(reader);
-    case kCaptureCounts: return read_capture_counts(reader);
-    default: return std::nullopt;
+    case kWelcome:
+      return read_welcome(reader);
+    case kRefused:
+      return Refused{reader.rest_text()};
+    case kPacket:
+      return read_packet(reader);
+    case kInterrupt:
+      return read_interrupt(reader);
+    case kResult:
+      return read_result(reader);
+    case kReply:
+      return read_reply(reader);
+    case kObserved:
+      return read_observed(reader);
+    case kObservedLost:
+      return read_observed_lost(reader);
+    case kCaptured:
+      return read_captured(reader);
+    case kCaptureCounts:
+      return read_capture_counts(reader);
+    default:
+      return std::nullopt;
   }
 }
 

@@ -4,16 +4,7 @@ namespace limb_ring::client {
 
 namespace {
 
-enum Type : std::uint8_t {
-  kGreeting = 1,
-  kSend,
-  kInterrupt,
-  kPull,
-  kRequest,
-  kObserve,
-  kAlive,
-  kCredit
-};
+enum Type : std::uint8_t { kGreeting = 1, kSend, kInterrupt, kPull, kRequest, kObserve, kAlive, kCredit };
 
 constexpr std::uint8_t kRestartedByOwner = 1;
 
@@ -106,24 +97,16 @@ void append(Bytes& out, const SendRequest& message) {
 }
 
 void append(Bytes& out, const InterruptRequest& message) {
-  FrameWriter(out, kInterrupt)
-      .u32(message.token)
-      .u8(message.destination)
-      .u8(message.factor)
-      .u8(message.force ? 1 : 0);
+  FrameWriter(out, kInterrupt).u32(message.token).u8(message.destination).u8(message.factor).u8(message.force ? 1 : 0);
 }
 
-void append(Bytes& out, const PullRequest& message) {
-  FrameWriter(out, kPull).u32(message.token).u8(message.input);
-}
+void append(Bytes& out, const PullRequest& message) { FrameWriter(out, kPull).u32(message.token).u8(message.input); }
 
 void append(Bytes& out, const JsonRequest& message) {
   FrameWriter(out, kRequest).u32(message.token).rest(message.json);
 }
 
-void append(Bytes& out, const ObserveRequest& message) {
-  FrameWriter(out, kObserve).rest(message.json);
-}
+void append(Bytes& out, const ObserveRequest& message) { FrameWriter(out, kObserve).rest(message.json); }
 
 void append(Bytes& out, const Alive&) { FrameWriter(out, kAlive); }
 
@@ -132,15 +115,24 @@ void append(Bytes& out, const Credit& message) { FrameWriter(out, kCredit).u16(m
 std::optional<ToDaemon> decode_to_daemon(const Frame& frame) {
   FieldReader reader(frame.body);
   switch (frame.type) {
-    case kGreeting: return read_greeting(reader);
-    case kSend: return read_send(reader);
-    case kInterrupt: return read_interrupt(reader);
-    case kPull: return read_pull(reader);
-    case kRequest: return read_request(reader);
-    case kObserve: return ObserveRequest{reader.rest_text()};
-    case kAlive: return read_alive(reader);
-    case kCredit: return read_credit(reader);
-    default: return std::nullopt;
+    case kGreeting:
+      return read_greeting(reader);
+    case kSend:
+      return read_send(reader);
+    case kInterrupt:
+      return read_interrupt(reader);
+    case kPull:
+      return read_pull(reader);
+    case kRequest:
+      return read_request(reader);
+    case kObserve:
+      return ObserveRequest{reader.rest_text()};
+    case kAlive:
+      return read_alive(reader);
+    case kCredit:
+      return read_credit(reader);
+    default:
+      return std::nullopt;
   }
 }
 

@@ -6,8 +6,7 @@ namespace {
 constexpr std::size_t kMostTopics = 255;
 
 void check_topic(const Entry& entry, const TopicConfig& topic) {
-  if (topic.from == topic.to)
-    entry.refuse("the topic goes from a node to itself", "two nodes, each with a bridge");
+  if (topic.from == topic.to) entry.refuse("the topic goes from a node to itself", "two nodes, each with a bridge");
   if ((topic.size == 0) != (topic.rate == 0))
     entry.refuse(topic.size == 0 ? "it has a rate and no size" : "it has a size and no rate",
                  "size and rate, or neither of them");
@@ -32,8 +31,7 @@ const Section<TopicConfig>& topic_section() {
                   "The topic advertised at `to`."),
       node_option("from", &TopicConfig::from, "The node whose bridge hears it. Not cpu: none."),
       node_option("to", &TopicConfig::to, "The node whose bridge says it again. Not cpu: none."),
-      integer_option("priority", &TopicConfig::priority, {0, 3},
-                     "Of its packets; 0 is the highest. Joint data has 0."),
+      integer_option("priority", &TopicConfig::priority, {0, 3}, "Of its packets; 0 is the highest. Joint data has 0."),
       integer_option("queue", &TopicConfig::queue, {1, 1000},
                      "Messages waiting to be sent; the oldest is dropped, counted."),
       integer_option("size", &TopicConfig::size, {0, kLargestMessage},

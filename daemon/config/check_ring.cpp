@@ -10,17 +10,14 @@ namespace limb_ring::config {
 namespace {
 
 /// Element `index` of the list `name`, which is known to be there.
-Entry element(const Entry& map, const char* name, std::size_t index) {
-  return map.find(name)->items("").at(index);
-}
+Entry element(const Entry& map, const char* name, std::size_t index) { return map.find(name)->items("").at(index); }
 
 void check_idle(const Entry& file, const Timeouts& timeouts) {
   if (timeouts.idle * 2 <= timeouts.silence) return;
   const Entry section = *file.find("timeouts");
   const auto idle = section.find("idle");
   (idle ? *idle : *section.find("silence"))
-      .refuse("idle " + format_time(timeouts.idle) + " is too long for silence " +
-                  format_time(timeouts.silence),
+      .refuse("idle " + format_time(timeouts.idle) + " is too long for silence " + format_time(timeouts.silence),
               "an idle of at most half of silence");
 }
 
@@ -78,9 +75,11 @@ void check_inputs(const Entry& file, const RingConfig& ring) {
     for (std::size_t i = 0; i < ring.nodes[n].inputs.size(); ++i) {
       const auto& input = ring.nodes[n].inputs[i];
       if (!input || !input->broadcast || !ring_has_reset_on(ring, input->factor)) continue;
-      element(file, "nodes", n).find("inputs")->find(std::to_string(i))->refuse(
-          "to all with factor " + std::to_string(input->factor) + " would reset CPUs",
-          "one node, or a factor that no node has wired to reset");
+      element(file, "nodes", n)
+          .find("inputs")
+          ->find(std::to_string(i))
+          ->refuse("to all with factor " + std::to_string(input->factor) + " would reset CPUs",
+                   "one node, or a factor that no node has wired to reset");
     }
 }
 
@@ -99,8 +98,7 @@ void check_topics(const Entry& file, const RingConfig& ring) {
     check_bridge_at(entry, ring, "from", topic.from);
     check_bridge_at(entry, ring, "to", topic.to);
     if (!outputs.emplace(topic.to, topic.output).second)
-      entry.refuse("output '" + topic.output + "' is another topic's at the same node",
-                   "each output once at a node");
+      entry.refuse("output '" + topic.output + "' is another topic's at the same node", "each output once at a node");
   }
 }
 

@@ -43,11 +43,9 @@ std::string Entry::text(const std::string& allowed) const {
 
 std::vector<Entry> Entry::items(const std::string& allowed, std::size_t most) const {
   if (!node_.IsSequence()) refuse(found() + " is no list", allowed);
-  if (node_.size() > most)
-    refuse("a list of " + std::to_string(node_.size()) + " is too long", allowed);
+  if (node_.size() > most) refuse("a list of " + std::to_string(node_.size()) + " is too long", allowed);
   std::vector<Entry> all;
-  for (const auto& item : node_)
-    all.emplace_back(item, path_ + '[' + std::to_string(all.size()) + ']', *document_);
+  for (const auto& item : node_) all.emplace_back(item, path_ + '[' + std::to_string(all.size()) + ']', *document_);
   return all;
 }
 
@@ -67,8 +65,7 @@ std::vector<Member> Entry::members(const std::string& allowed) const {
 std::optional<Entry> Entry::find(const std::string& key) const {
   if (!node_.IsMap()) return std::nullopt;
   for (const auto& pair : node_)
-    if (pair.first.IsScalar() && pair.first.Scalar() == key)
-      return Entry(pair.second, path_of(key), *document_);
+    if (pair.first.IsScalar() && pair.first.Scalar() == key) return Entry(pair.second, path_of(key), *document_);
   return std::nullopt;
 }
 
@@ -91,8 +88,6 @@ std::string Entry::found() const {
   return node_.IsMap() ? "a map" : "nothing";
 }
 
-std::string Entry::path_of(const std::string& key) const {
-  return path_.empty() ? key : path_ + '.' + key;
-}
+std::string Entry::path_of(const std::string& key) const { return path_.empty() ? key : path_ + '.' + key; }
 
 }  // namespace limb_ring::config

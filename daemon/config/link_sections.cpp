@@ -23,8 +23,7 @@ Section<LinkConfig> section_with(const Option<LinkConfig>& port) {
                     "UNIX stream sockets within a host, or UDP between hosts."),
       address_option(),
       port,
-      rate_option("rate", &LinkConfig::rate,
-                  "Data rate of the line; unlimited: as fast as the host."),
+      rate_option("rate", &LinkConfig::rate, "Data rate of the line; unlimited: as fast as the host."),
       time_option("delay", &LinkConfig::delay, 0s, 1s, "Delay of line and relay together."),
   };
 }
@@ -38,15 +37,15 @@ Section<LinkConfig> with_fallback_to_links(Section<LinkConfig> section) {
 }  // namespace
 
 const Section<LinkConfig>& links_section() {
-  static const Section<LinkConfig> section = section_with(port_option(
-      65535 - 254, "of the ring's name, 17000 to 32104",
-      "udp: the port of node 0; the others' are this + id. Each ring on a host needs its own."));
+  static const Section<LinkConfig> section = section_with(
+      port_option(65535 - 254, "of the ring's name, 17000 to 32104",
+                  "udp: the port of node 0; the others' are this + id. Each ring on a host needs its own."));
   return section;
 }
 
 const Section<LinkConfig>& link_section() {
-  static const Section<LinkConfig> section = with_fallback_to_links(section_with(
-      port_option(65535, "`links.port` + id", "udp: the node listens at this port.")));
+  static const Section<LinkConfig> section = with_fallback_to_links(
+      section_with(port_option(65535, "`links.port` + id", "udp: the node listens at this port.")));
   return section;
 }
 

@@ -11,10 +11,9 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// Letters, digits and `others` alone, 1 to `most` characters.
 bool consists_of(const std::string& name, const std::string& others, std::size_t most) {
-  return !name.empty() && name.size() <= most &&
-         std::all_of(name.begin(), name.end(), [&](char c) {
-           return is_letter(c) || is_digit(c) || others.find(c) != std::string::npos;
-         });
+  return !name.empty() && name.size() <= most && std::all_of(name.begin(), name.end(), [&](char c) {
+    return is_letter(c) || is_digit(c) || others.find(c) != std::string::npos;
+  });
 }
 
 /// Levenshtein's distance: insertions, deletions and replacements between two words.
@@ -34,17 +33,11 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-bool is_ring_name(const std::string& name) {
-  return consists_of(name, "-_.", 32) && name[0] != '.';
-}
+bool is_ring_name(const std::string& name) { return consists_of(name, "-_.", 32) && name[0] != '.'; }
 
-bool is_node_name(const std::string& name) {
-  return consists_of(name, "_", 32) && is_letter(name[0]) && name != "all";
-}
+bool is_node_name(const std::string& name) { return consists_of(name, "_", 32) && is_letter(name[0]) && name != "all"; }
 
-bool is_part_name(const std::string& name) {
-  return consists_of(name, "_-.", 64) && is_letter(name[0]);
-}
+bool is_part_name(const std::string& name) { return consists_of(name, "_-.", 64) && is_letter(name[0]); }
 
 bool is_topic_name(const std::string& name) {
   if (name.empty() || !(is_letter(name[0]) || name[0] == '/' || name[0] == '~')) return false;

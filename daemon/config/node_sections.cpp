@@ -32,16 +32,15 @@ void check_joint(const Entry& entry, const JointConfig& joint) {
   if (joint.lower >= joint.upper)
     entry.refuse("joint '" + joint.name + "' has the limits " + range, "lower less than upper");
   if (joint.initial < joint.lower || joint.initial > joint.upper)
-    entry.refuse("joint '" + joint.name + "' has initial " + format_real(joint.initial) +
-                     ", outside its limits",
+    entry.refuse("joint '" + joint.name + "' has initial " + format_real(joint.initial) + ", outside its limits",
                  range);
 }
 
 void check_sensor(const Entry&, const SensorConfig&) {}
 
 Option<NodeConfig> id_option() {
-  Option<NodeConfig> id = integer_option("id", &NodeConfig::id, {0, 254},
-                                         "Source and destination id of the node; its own.");
+  Option<NodeConfig> id =
+      integer_option("id", &NodeConfig::id, {0, 254}, "Source and destination id of the node; its own.");
   id.fallback = kRequired;
   return id;
 }
@@ -66,14 +65,11 @@ const Section<NodeConfig>& node_section() {
                   "The joints this node drives; they need a cpu."),
       list_option("sensors", &NodeConfig::sensors, sensor_section(), kMostSensors, check_sensor,
                   "The sensors this node reads; they need a cpu. A sensor's name is the frame_id of its messages."),
-      {"pins", "{0: reset, 1: stop, 2: sync}", "a map, see below",
-       "What interrupts from the ring do here.",
+      {"pins", "{0: reset, 1: stop, 2: sync}", "a map, see below", "What interrupts from the ring do here.",
        [](const Entry& entry, NodeConfig& node) { read_section(entry, pins_section(), node); }},
-      {"inputs", "{}", "a map, see below",
-       "Where interrupt inputs lead (a button, a watchdog, a tool).",
+      {"inputs", "{}", "a map, see below", "Where interrupt inputs lead (a button, a watchdog, a tool).",
        [](const Entry& entry, NodeConfig& node) { read_section(entry, inputs_section(), node); }},
-      section_option("link", &NodeConfig::link, link_section(),
-                     "The link into this node, from whoever is upstream."),
+      section_option("link", &NodeConfig::link, link_section(), "The link into this node, from whoever is upstream."),
   };
   return section;
 }
@@ -87,8 +83,7 @@ const Section<CpuConfig>& cpu_section() {
        [](const Entry& entry, CpuConfig& cpu) {
          if (read_flag(entry)) cpu.kind = CpuConfig::Kind::attached;
        }},
-      flag_option("restart_on_exit", &CpuConfig::restart_on_exit,
-                  "Start it again when it ends by itself."),
+      flag_option("restart_on_exit", &CpuConfig::restart_on_exit, "Start it again when it ends by itself."),
       time_option("alive_period", &CpuConfig::alive_period, 0ms, 60s,
                   "It says something to ringd at least so often (limb_firmware keeps to it); silent for three of "
                   "these, or of those it promised itself if longer, it is hung. 0s: not watched by the supervisor."),
@@ -101,12 +96,9 @@ const Section<JointConfig>& joint_section() {
       part_name_option<JointConfig>("As in JointState messages; each name once in a ring."),
       real_option("lower", &JointConfig::lower, {-100, 100, "rad"}, "Lower limit of the angle."),
       real_option("upper", &JointConfig::upper, {-100, 100, "rad"}, "Upper limit of the angle."),
-      real_option("velocity", &JointConfig::velocity, {0.001, 1000, "rad/s"},
-                  "Limit of the speed, both ways."),
-      real_option("effort", &JointConfig::effort, {0.001, 2000, "N m"},
-                  "Limit of the torque, both ways."),
-      real_option("initial", &JointConfig::initial, {-100, 100, "rad"},
-                  "Angle when the firmware starts."),
+      real_option("velocity", &JointConfig::velocity, {0.001, 1000, "rad/s"}, "Limit of the speed, both ways."),
+      real_option("effort", &JointConfig::effort, {0.001, 2000, "N m"}, "Limit of the torque, both ways."),
+      real_option("initial", &JointConfig::initial, {-100, 100, "rad"}, "Angle when the firmware starts."),
       choice_option("safe", &JointConfig::safe, {"hold", "damp"},
                     "Safe state: hold the angle, or let go with damping."),
   };
@@ -119,8 +111,7 @@ const Section<SensorConfig>& sensor_section() {
       choice_option("kind", &SensorConfig::kind, {"imu", "force"},
                     "imu: acceleration and turn rate. force: contact force."),
       real_option("rate", &SensorConfig::rate, {0.1, 1000, "Hz"}, "How often it is sent."),
-      integer_option("priority", &SensorConfig::priority, {0, 3},
-                     "Of its packets; 0 is the highest."),
+      integer_option("priority", &SensorConfig::priority, {0, 3}, "Of its packets; 0 is the highest."),
   };
   return section;
 }

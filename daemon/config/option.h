@@ -37,8 +37,7 @@ std::vector<std::string> names_of(const Section<T>& section) {
 }
 
 /// Refuses what a map may not hold, and what it must.
-void check_names(const Entry& map, const std::vector<std::string>& allowed,
-                 const std::vector<std::string>& required);
+void check_names(const Entry& map, const std::vector<std::string>& allowed, const std::vector<std::string>& required);
 
 /// Reads a map into `object`. What is not in the map keeps its value.
 /// @throw ConfigError
@@ -55,9 +54,7 @@ void read_section(const Entry& map, const Section<T>& section, T& object) {
 template <typename T, typename V>
 Option<T> integer_option(const char* name, V T::*member, IntegerRange range, const char* meaning) {
   return {name, std::to_string(T{}.*member), allowed(range), meaning,
-          [=](const Entry& entry, T& object) {
-            object.*member = static_cast<V>(read_integer(entry, range));
-          }};
+          [=](const Entry& entry, T& object) { object.*member = static_cast<V>(read_integer(entry, range)); }};
 }
 
 template <typename T>
@@ -68,11 +65,10 @@ Option<T> real_option(const char* name, double T::*member, RealRange range, cons
 
 /// Written with a unit; kept in the member's own (V), of which it must be a whole number.
 template <typename T, typename V>
-Option<T> time_option(const char* name, V T::*member, std::chrono::nanoseconds least,
-                      std::chrono::nanoseconds most, const char* meaning) {
+Option<T> time_option(const char* name, V T::*member, std::chrono::nanoseconds least, std::chrono::nanoseconds most,
+                      const char* meaning) {
   const TimeRange range{least, most, V{1}};
-  return {name, format_time(T{}.*member), allowed(range), meaning,
-          [=](const Entry& entry, T& object) {
+  return {name, format_time(T{}.*member), allowed(range), meaning, [=](const Entry& entry, T& object) {
             object.*member = std::chrono::duration_cast<V>(read_time(entry, range));
           }};
 }
@@ -91,21 +87,18 @@ Option<T> flag_option(const char* name, bool T::*member, const char* meaning) {
 
 /// `words` in the order of the enum's values, which count from 0.
 template <typename T, typename E>
-Option<T> choice_option(const char* name, E T::*member, std::vector<std::string> words,
-                        const char* meaning) {
+Option<T> choice_option(const char* name, E T::*member, std::vector<std::string> words, const char* meaning) {
   const std::string fallback = words[static_cast<std::size_t>(T{}.*member)];
   const std::string all = join(words);
-  return {name, fallback, all, meaning, [=](const Entry& entry, T& object) {
-            object.*member = static_cast<E>(read_choice(entry, words));
-          }};
+  return {name, fallback, all, meaning,
+          [=](const Entry& entry, T& object) { object.*member = static_cast<E>(read_choice(entry, words)); }};
 }
 
 template <typename T>
-Option<T> name_option(const char* name, std::string T::*member, bool (*fits)(const std::string&),
-                      const char* rule, const char* fallback, const char* meaning) {
-  return {name, fallback, rule, meaning, [=](const Entry& entry, T& object) {
-            object.*member = read_name(entry, fits, rule);
-          }};
+Option<T> name_option(const char* name, std::string T::*member, bool (*fits)(const std::string&), const char* rule,
+                      const char* fallback, const char* meaning) {
+  return {name, fallback, rule, meaning,
+          [=](const Entry& entry, T& object) { object.*member = read_name(entry, fits, rule); }};
 }
 
 template <typename T>
@@ -116,18 +109,15 @@ Option<T> node_option(const char* name, std::uint8_t T::*member, const char* mea
 
 /// A map with a section of its own.
 template <typename T, typename V>
-Option<T> section_option(const char* name, V T::*member, const Section<V>& section,
-                         const char* meaning) {
-  return {name, "{}", "a map, see below", meaning, [=](const Entry& entry, T& object) {
-            read_section(entry, section, object.*member);
-          }};
+Option<T> section_option(const char* name, V T::*member, const Section<V>& section, const char* meaning) {
+  return {name, "{}", "a map, see below", meaning,
+          [=](const Entry& entry, T& object) { read_section(entry, section, object.*member); }};
 }
 
 /// A list of maps with a section of their own, at most `most`. `check` sees each when it is read.
 template <typename T, typename V>
-Option<T> list_option(const char* name, std::vector<V> T::*member, const Section<V>& section,
-                      std::size_t most, void (*check)(const Entry&, const V&),
-                      const char* meaning) {
+Option<T> list_option(const char* name, std::vector<V> T::*member, const Section<V>& section, std::size_t most,
+                      void (*check)(const Entry&, const V&), const char* meaning) {
   const std::string rule = "a list of up to " + std::to_string(most) + " maps";
   return {name, "[]", rule + ", see below", meaning, [=](const Entry& entry, T& object) {
             for (const Entry& item : entry.items(rule, most)) {

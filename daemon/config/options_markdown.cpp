@@ -27,8 +27,8 @@ std::string table(const std::string& title, const Section<T>& section) {
   std::string text = "\n## " + title + "\n\n";
   text += "| entry | default | allowed | meaning |\n|---|---|---|---|\n";
   for (const Option<T>& option : section)
-    text += "| `" + option.name + "` | " + cell(option.fallback) + " | " + option.allowed + " | " +
-            option.meaning + " |\n";
+    text +=
+        "| `" + option.name + "` | " + cell(option.fallback) + " | " + option.allowed + " | " + option.meaning + " |\n";
   return text;
 }
 
@@ -39,11 +39,10 @@ std::string options_markdown() {
          table("`timeouts`", timeouts_section()) + table("`links`", links_section()) +
          table("`firmware`", firmware_section()) + table("`realtime`", realtime_section()) +
          table("`nodes[]`", node_section()) + table("`nodes[].cpu`, a map", cpu_section()) +
-         table("`nodes[].joints[]`", joint_section()) +
-         table("`nodes[].sensors[]`", sensor_section()) + table("`nodes[].pins`", pins_section()) +
-         table("`nodes[].inputs`", inputs_section()) +
-         table("`nodes[].inputs`, each", input_section()) +
-         table("`nodes[].link`", link_section()) + table("`supervisor`", supervisor_section()) + table("`bridge`", bridge_section()) +
+         table("`nodes[].joints[]`", joint_section()) + table("`nodes[].sensors[]`", sensor_section()) +
+         table("`nodes[].pins`", pins_section()) + table("`nodes[].inputs`", inputs_section()) +
+         table("`nodes[].inputs`, each", input_section()) + table("`nodes[].link`", link_section()) +
+         table("`supervisor`", supervisor_section()) + table("`bridge`", bridge_section()) +
          table("`bridge.topics[]`", topic_section()) + table("`traffic[]`", traffic_section());
 }
 

@@ -8,8 +8,7 @@ namespace {
 
 using Action = PinConfig::Action;
 
-const char* const kAllowedPins =
-    "none, reset, stop, notify, sync, {signal: NAME} or {exec: [PROGRAM, ARGUMENT, ...]}";
+const char* const kAllowedPins = "none, reset, stop, notify, sync, {signal: NAME} or {exec: [PROGRAM, ARGUMENT, ...]}";
 
 struct Signal {
   const char* name;
@@ -47,8 +46,7 @@ PinConfig read_pin_map(const Entry& entry) {
 
 PinConfig read_pin(const Entry& entry) {
   if (entry.is_map()) return read_pin_map(entry);
-  constexpr std::array<Action, 5> actions{Action::none, Action::reset, Action::stop,
-                                          Action::notify, Action::sync};
+  constexpr std::array<Action, 5> actions{Action::none, Action::reset, Action::stop, Action::notify, Action::sync};
   const std::string text = entry.text(kAllowedPins);
   if (text == "signal" || text == "exec") entry.refuse_value("says not which", kAllowedPins);
   PinConfig pin;
@@ -77,9 +75,7 @@ Section<NodeConfig> make_pins() {
   for (std::size_t factor = 0; factor < 8; ++factor)
     section.push_back({std::to_string(factor), default_pin(factor), kAllowedPins,
                        "What INT" + std::to_string(factor) + " from the ring does at this node.",
-                       [factor](const Entry& entry, NodeConfig& node) {
-                         node.pins[factor] = read_pin(entry);
-                       }});
+                       [factor](const Entry& entry, NodeConfig& node) { node.pins[factor] = read_pin(entry); }});
   return section;
 }
 
@@ -88,9 +84,7 @@ Section<NodeConfig> make_inputs() {
   for (std::size_t input = 0; input < 8; ++input)
     section.push_back({std::to_string(input), "wired to nothing", "a map, see below",
                        "Where interrupt input " + std::to_string(input) + " leads.",
-                       [input](const Entry& entry, NodeConfig& node) {
-                         node.inputs[input] = read_input(entry);
-                       }});
+                       [input](const Entry& entry, NodeConfig& node) { node.inputs[input] = read_input(entry); }});
   return section;
 }
 
@@ -108,12 +102,11 @@ const Section<NodeConfig>& inputs_section() {
 
 const Section<InputConfig>& input_section() {
   static const Section<InputConfig> section = [] {
-    Option<InputConfig> factor = integer_option(
-        "factor", &InputConfig::factor, {0, 7}, "The pin pulled there. Not a reset of all nodes.");
+    Option<InputConfig> factor =
+        integer_option("factor", &InputConfig::factor, {0, 7}, "The pin pulled there. Not a reset of all nodes.");
     factor.fallback = kRequired;
-    return Section<InputConfig>{{"to", kRequired, "id or name of a node, or all",
-                                 "The destination of the INTP.", read_input_target},
-                                factor};
+    return Section<InputConfig>{
+        {"to", kRequired, "id or name of a node, or all", "The destination of the INTP.", read_input_target}, factor};
   }();
   return section;
 }

@@ -16,14 +16,12 @@ struct Unit {
 };
 
 // Largest first: formatting takes the first that divides.
-constexpr std::array<Unit, 4> kTimeUnits{
-    {{"s", 1000000000}, {"ms", 1000000}, {"us", 1000}, {"ns", 1}}};
-constexpr std::array<Unit, 4> kRateUnits{
-    {{"Gbit/s", 1000000000}, {"Mbit/s", 1000000}, {"kbit/s", 1000}, {"bit/s", 1}}};
+constexpr std::array<Unit, 4> kTimeUnits{{{"s", 1000000000}, {"ms", 1000000}, {"us", 1000}, {"ns", 1}}};
+constexpr std::array<Unit, 4> kRateUnits{{{"Gbit/s", 1000000000}, {"Mbit/s", 1000000}, {"kbit/s", 1000}, {"bit/s", 1}}};
 
 struct Scaled {
   long double number = 0;
-  std::string unit;    ///< what stands behind it, without the blank between
+  std::string unit;  ///< what stands behind it, without the blank between
 };
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -63,11 +61,20 @@ std::optional<std::uint64_t> scale(long double number, long double unit) {
 /// Of k, M, G, T, as people write them; 0 for another.
 long double prefix_of(char c) {
   switch (c) {
-    case 'k': case 'K': return 1e3L;
-    case 'm': case 'M': return 1e6L;
-    case 'g': case 'G': return 1e9L;
-    case 't': case 'T': return 1e12L;
-    default: return 0;
+    case 'k':
+    case 'K':
+      return 1e3L;
+    case 'm':
+    case 'M':
+      return 1e6L;
+    case 'g':
+    case 'G':
+      return 1e9L;
+    case 't':
+    case 'T':
+      return 1e12L;
+    default:
+      return 0;
   }
 }
 

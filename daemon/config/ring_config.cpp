@@ -13,8 +13,7 @@ std::array<PinConfig, 8> default_pins() {
 }
 
 const NodeConfig* RingConfig::find(std::uint8_t id) const {
-  const auto found = std::find_if(nodes.begin(), nodes.end(),
-                                  [id](const NodeConfig& node) { return node.id == id; });
+  const auto found = std::find_if(nodes.begin(), nodes.end(), [id](const NodeConfig& node) { return node.id == id; });
   return found == nodes.end() ? nullptr : &*found;
 }
 

@@ -39,7 +39,7 @@ struct CpuConfig {
   bool restart_on_exit = true;       ///< child: start it again when it ends by itself
   /// Silent for so many alive periods, it counts as hung. (ours)
   static constexpr int kSilentPeriods = 3;
-  milliseconds alive_period{0};      ///< it says something at least so often; 0: it is not watched
+  milliseconds alive_period{0};  ///< it says something at least so often; 0: it is not watched
 };
 
 struct JointConfig {
@@ -54,8 +54,8 @@ struct JointConfig {
 struct SensorConfig {
   std::string name;
   enum class Kind { imu, force } kind = Kind::imu;
-  double rate = 100.0;           ///< Hz
-  std::uint8_t priority = 1;     ///< 0..3
+  double rate = 100.0;        ///< Hz
+  std::uint8_t priority = 1;  ///< 0..3
 };
 
 /// The link INTO a node; whoever is upstream of it, connects to it so.
@@ -67,7 +67,7 @@ struct LinkConfig {
   std::uint16_t port = 0;
   /// udp: where the node listens on the second line, against the ring. (ours)
   std::uint16_t second_port() const { return static_cast<std::uint16_t>(port + 256); }
-  std::uint64_t rate = 0;             ///< bit/s; 0: as fast as the host
+  std::uint64_t rate = 0;  ///< bit/s; 0: as fast as the host
   nanoseconds delay{0};
 };
 
@@ -83,27 +83,27 @@ struct NodeConfig {
 };
 
 struct Limits {
-  unsigned insertion_buffer = 8;    ///< DATPs of 524 bytes that may wait in the Packet Manager, or more smaller ones
-  unsigned interrupt_buffer = 64;   ///< INTPs that may wait there
-  unsigned send_queue = 64;         ///< per priority
-  unsigned receive_buffers = 32;    ///< per priority
-  unsigned clients = 32;            ///< on a host port
+  unsigned insertion_buffer = 8;   ///< DATPs of 524 bytes that may wait in the Packet Manager, or more smaller ones
+  unsigned interrupt_buffer = 64;  ///< INTPs that may wait there
+  unsigned send_queue = 64;        ///< per priority
+  unsigned receive_buffers = 32;   ///< per priority
+  unsigned clients = 32;           ///< on a host port
 };
 
 struct Timeouts {
-  milliseconds send{100};            ///< least time-out of one try
-  milliseconds refused{1000};        ///< a refused unicast is tried again for so long
-  milliseconds refused_backoff{64};  ///< ceiling of the doubling wait between those tries
-  milliseconds queue{5000};          ///< a send that could not go onto the line by then ends
-  milliseconds stall{50};            ///< a packet in flight without a slice for so long is aborted
-  milliseconds idle{10};             ///< a quiet link sends idle so often
-  milliseconds silence{50};          ///< a link silent for so long counts as broken
-  milliseconds first_successor{200}; ///< at start: only the configured successor is asked for so long
-  milliseconds break_grace{200};     ///< an input lost for so long: a broken line
-  milliseconds fold_permission{200}; ///< so long after its start a node may fold, whatever it has heard
+  milliseconds send{100};             ///< least time-out of one try
+  milliseconds refused{1000};         ///< a refused unicast is tried again for so long
+  milliseconds refused_backoff{64};   ///< ceiling of the doubling wait between those tries
+  milliseconds queue{5000};           ///< a send that could not go onto the line by then ends
+  milliseconds stall{50};             ///< a packet in flight without a slice for so long is aborted
+  milliseconds idle{10};              ///< a quiet link sends idle so often
+  milliseconds silence{50};           ///< a link silent for so long counts as broken
+  milliseconds first_successor{200};  ///< at start: only the configured successor is asked for so long
+  milliseconds break_grace{200};      ///< an input lost for so long: a broken line
+  milliseconds fold_permission{200};  ///< so long after its start a node may fold, whatever it has heard
   milliseconds beacon{100};
-  milliseconds cpu_boot{5000};       ///< a child that has not connected by then counts as failed
-  milliseconds command{200};         ///< a joint without a command for so long: its safe state
+  milliseconds cpu_boot{5000};  ///< a child that has not connected by then counts as failed
+  milliseconds command{200};    ///< a joint without a command for so long: its safe state
 };
 
 /// What is done about a hung CPU. The network controller of a hung CPU goes on relaying, and an INTP
@@ -117,9 +117,9 @@ struct SupervisorConfig {
 };
 
 struct Firmware {
-  double state_rate = 100.0;   ///< Hz
-  double bandwidth = 8.0;      ///< Hz, natural frequency of the simulated servo
-  double damping = 0.9;        ///< its damping ratio
+  double state_rate = 100.0;  ///< Hz
+  double bandwidth = 8.0;     ///< Hz, natural frequency of the simulated servo
+  double damping = 0.9;       ///< its damping ratio
 };
 
 /// Bytes of the largest message: 65,535 fragments of 492 (payload/fragment.h).
@@ -127,13 +127,13 @@ constexpr std::uint32_t kLargestMessage = 0xFFFF * 492;
 
 /// A ROS topic carried over the ring from one bridge to another.
 struct TopicConfig {
-  std::string input;        ///< topic subscribed at the bridge of `from`
-  std::string output;       ///< topic advertised at the bridge of `to`; default: as `input`
+  std::string input;   ///< topic subscribed at the bridge of `from`
+  std::string output;  ///< topic advertised at the bridge of `to`; default: as `input`
   std::uint8_t from = 0, to = 0;
   std::uint8_t priority = 3;
-  unsigned queue = 4;       ///< messages waiting to be sent; the oldest is dropped, counted
-  unsigned size = 0;        ///< for plans: bytes of a message; 0: not planned
-  double rate = 0;          ///< for plans: Hz; 0: not planned
+  unsigned queue = 4;  ///< messages waiting to be sent; the oldest is dropped, counted
+  unsigned size = 0;   ///< for plans: bytes of a message; 0: not planned
+  double rate = 0;     ///< for plans: Hz; 0: not planned
 };
 
 /// A stream of which nothing else in the file tells: for plans and simulation. The daemons do not
@@ -141,17 +141,17 @@ struct TopicConfig {
 struct TrafficConfig {
   std::string name;
   std::uint8_t from = 0, to = 0;
-  bool broadcast = false;   ///< to all others; `to` means nothing
-  unsigned size = 0;        ///< bytes of a message; above 512 it travels as topic fragments
+  bool broadcast = false;                 ///< to all others; `to` means nothing
+  unsigned size = 0;                      ///< bytes of a message; above 512 it travels as topic fragments
   std::optional<std::uint8_t> interrupt;  ///< instead of a message an INTP with this factor
-  double rate = 0;          ///< Hz
+  double rate = 0;                        ///< Hz
   std::uint8_t priority = 3;
-  nanoseconds jitter{0};    ///< asked for up to so much later than its period says
+  nanoseconds jitter{0};             ///< asked for up to so much later than its period says
   std::optional<nanoseconds> phase;  ///< first message so long after the start; none: by the seed
 };
 
 struct BridgeConfig {
-  double rate = 50.0;          ///< Hz of joint_states
+  double rate = 50.0;  ///< Hz of joint_states
   std::vector<TopicConfig> topics;
 };
 
@@ -165,7 +165,7 @@ struct Realtime {
 /// with default, range and unit.
 struct RingConfig {
   std::string ring;
-  std::string path;  ///< file it was read from; empty where made by plain_ring()
+  std::string path;               ///< file it was read from; empty where made by plain_ring()
   std::vector<NodeConfig> nodes;  ///< in ring order, which is the file's order
   /// foldback: a second, counter-rotating line closes the ring again around a break. (ours)
   enum class Redundancy { none, foldback } redundancy = Redundancy::none;

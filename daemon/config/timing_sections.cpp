@@ -14,8 +14,7 @@ const Section<Limits>& limits_section() {
                      "Sends that may wait in a node, per priority; one more is rejected."),
       integer_option("receive_buffers", &Limits::receive_buffers, {1, 65536},
                      "Packets that may wait for a CPU, per priority; one more is refused."),
-      integer_option("clients", &Limits::clients, {1, 1024},
-                     "Programs connected to one host port at a time."),
+      integer_option("clients", &Limits::clients, {1, 1024}, "Programs connected to one host port at a time."),
   };
   return section;
 }
@@ -28,22 +27,19 @@ const Section<Timeouts>& timeouts_section() {
                   "A unicast refused by a full receiver is tried again for so long."),
       time_option("refused_backoff", &Timeouts::refused_backoff, 1ms, 10s,
                   "Longest wait between those tries; it doubles from 1ms."),
-      time_option("queue", &Timeouts::queue, 1ms, 600s,
-                  "A send that could not go onto the line within this ends."),
+      time_option("queue", &Timeouts::queue, 1ms, 600s, "A send that could not go onto the line within this ends."),
       time_option("stall", &Timeouts::stall, 1ms, 60s,
                   "A packet in flight of which nothing came for so long is aborted."),
       time_option("idle", &Timeouts::idle, 1ms, 10s,
                   "A quiet link sends a sign of life so often; at most half of `silence`."),
-      time_option("silence", &Timeouts::silence, 2ms, 60s,
-                  "A link silent for so long counts as broken."),
+      time_option("silence", &Timeouts::silence, 2ms, 60s, "A link silent for so long counts as broken."),
       time_option("first_successor", &Timeouts::first_successor, 0ms, 60s,
                   "At the start, wait so long for the configured neighbour before it is bypassed."),
       time_option("break_grace", &Timeouts::break_grace, 0ms, 60s,
                   "A lost input counts as a broken line when no bypass has closed the gap for so long."),
       time_option("fold_permission", &Timeouts::fold_permission, 0ms, 60s,
                   "foldback: a node does not fold so long after its start, unless its lines have been up."),
-      time_option("beacon", &Timeouts::beacon, 10ms, 60s,
-                  "Each node tells all others its state so often."),
+      time_option("beacon", &Timeouts::beacon, 10ms, 60s, "Each node tells all others its state so often."),
       time_option("cpu_boot", &Timeouts::cpu_boot, 10ms, 600s,
                   "A CPU that has not connected so long after its start counts as failed."),
       time_option("command", &Timeouts::command, 1ms, 60s,
@@ -56,8 +52,7 @@ const Section<Firmware>& firmware_section() {
   static const Section<Firmware> section{
       real_option("state_rate", &Firmware::state_rate, {1, 1000, "Hz"},
                   "How often a limb sends the state of its joints."),
-      real_option("bandwidth", &Firmware::bandwidth, {0.1, 100, "Hz"},
-                  "Natural frequency of the simulated servo."),
+      real_option("bandwidth", &Firmware::bandwidth, {0.1, 100, "Hz"}, "Natural frequency of the simulated servo."),
       real_option("damping", &Firmware::damping, {0.05, 5, "(a ratio)"},
                   "Damping ratio of the simulated servo; 1 is critical."),
   };
@@ -80,10 +75,8 @@ const Section<Realtime>& realtime_section() {
       {"cores", "[]", "a list of CPU cores, each 0 to 1023",
        "The daemons run on these cores only; all on one is the fastest. Empty: anywhere.",
        [](const Entry& entry, Realtime& realtime) { realtime.cores = read_cores(entry); }},
-      integer_option("fifo", &Realtime::fifo, {0, 99},
-                     "SCHED_FIFO priority of the daemons; 0 is off."),
-      flag_option("lock_memory", &Realtime::lock_memory,
-                  "Keep the daemons' memory from being paged out (mlockall)."),
+      integer_option("fifo", &Realtime::fifo, {0, 99}, "SCHED_FIFO priority of the daemons; 0 is off."),
+      flag_option("lock_memory", &Realtime::lock_memory, "Keep the daemons' memory from being paged out (mlockall)."),
   };
   return section;
 }

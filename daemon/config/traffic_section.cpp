@@ -22,9 +22,8 @@ void read_target(const Entry& entry, TrafficConfig& stream) {
 }
 
 Option<TrafficConfig> size_option() {
-  Option<TrafficConfig> size =
-      integer_option("size", &TrafficConfig::size, {1, kLargestMessage},
-                     "Bytes of one message. Above 512 it travels as topic fragments.");
+  Option<TrafficConfig> size = integer_option("size", &TrafficConfig::size, {1, kLargestMessage},
+                                              "Bytes of one message. Above 512 it travels as topic fragments.");
   size.fallback = "none";
   return size;
 }
@@ -38,8 +37,8 @@ Option<TrafficConfig> interrupt_option() {
 }
 
 Option<TrafficConfig> frequency_option() {
-  Option<TrafficConfig> rate = real_option("rate", &TrafficConfig::rate, {0.001, 100000, "Hz"},
-                                           "Messages or interrupts a second.");
+  Option<TrafficConfig> rate =
+      real_option("rate", &TrafficConfig::rate, {0.001, 100000, "Hz"}, "Messages or interrupts a second.");
   rate.fallback = kRequired;
   return rate;
 }
@@ -68,8 +67,7 @@ const Section<TrafficConfig>& traffic_section() {
       frequency_option(),
       integer_option("priority", &TrafficConfig::priority, {0, 3},
                      "Of its packets; 0 is the highest. Not for an interrupt."),
-      time_option("jitter", &TrafficConfig::jitter, 0s, 10s,
-                  "It is asked for up to so much later than its rate says."),
+      time_option("jitter", &TrafficConfig::jitter, 0s, 10s, "It is asked for up to so much later than its rate says."),
       phase_option(),
   };
   return section;

@@ -17,40 +17,34 @@ std::string allowed(const IntegerRange& range) {
 }
 
 std::string allowed(const RealRange& range) {
-  return "a number, " + format_real(range.least) + " to " + format_real(range.most) + ' ' +
-         range.unit;
+  return "a number, " + format_real(range.least) + " to " + format_real(range.most) + ' ' + range.unit;
 }
 
 std::string allowed(const TimeRange& range) {
   const char* example = range.grain < std::chrono::milliseconds(1) ? "50us" : "100ms";
-  return std::string("a time such as ") + example + ", " + format_time(range.least) + " to " +
-         format_time(range.most);
+  return std::string("a time such as ") + example + ", " + format_time(range.least) + " to " + format_time(range.most);
 }
 
 std::int64_t read_integer(const Entry& entry, const IntegerRange& range) {
   const auto value = parse_integer(entry.text(allowed(range)));
   if (!value) entry.refuse_value("is not a whole number", allowed(range));
-  if (*value < range.least || *value > range.most)
-    entry.refuse_value("is out of range", allowed(range));
+  if (*value < range.least || *value > range.most) entry.refuse_value("is out of range", allowed(range));
   return *value;
 }
 
 double read_real(const Entry& entry, const RealRange& range) {
   const auto value = parse_real(entry.text(allowed(range)));
   if (!value) entry.refuse_value("is not a number", allowed(range));
-  if (*value < range.least || *value > range.most)
-    entry.refuse_value("is out of range", allowed(range));
+  if (*value < range.least || *value > range.most) entry.refuse_value("is out of range", allowed(range));
   return *value;
 }
 
 nanoseconds read_time(const Entry& entry, const TimeRange& range) {
   const std::string text = entry.text(allowed(range));
   const auto value = parse_time(text);
-  if (!value && parse_real(text))
-    entry.refuse_value("has no unit (ns, us, ms or s)", allowed(range));
+  if (!value && parse_real(text)) entry.refuse_value("has no unit (ns, us, ms or s)", allowed(range));
   if (!value) entry.refuse_value("is not a time", allowed(range));
-  if (*value < range.least || *value > range.most)
-    entry.refuse_value("is out of range", allowed(range));
+  if (*value < range.least || *value > range.most) entry.refuse_value("is out of range", allowed(range));
   if (*value % range.grain != nanoseconds::zero())
     entry.refuse_value("is too fine", allowed(range) + ", in steps of " + format_time(range.grain));
   return *value;
@@ -65,17 +59,14 @@ std::uint64_t read_rate(const Entry& entry) {
   return *value;
 }
 
-bool read_flag(const Entry& entry) {
-  return read_choice(entry, {"false", "true"}) == 1;
-}
+bool read_flag(const Entry& entry) { return read_choice(entry, {"false", "true"}) == 1; }
 
 std::size_t read_choice(const Entry& entry, const std::vector<std::string>& words) {
   const std::string text = entry.text(join(words));
   for (std::size_t i = 0; i < words.size(); ++i)
     if (text == words[i]) return i;
   const std::string meant = closest(text, words);
-  entry.refuse_value(meant.empty() ? "is unknown" : "is unknown, did you mean '" + meant + "'?",
-                     join(words));
+  entry.refuse_value(meant.empty() ? "is unknown" : "is unknown, did you mean '" + meant + "'?", join(words));
 }
 
 std::string read_name(const Entry& entry, bool (*fits)(const std::string&), const char* rule) {
@@ -86,8 +77,7 @@ std::string read_name(const Entry& entry, bool (*fits)(const std::string&), cons
 
 std::vector<std::string> read_command(const Entry& entry) {
   std::vector<std::string> words;
-  for (const Entry& item : entry.items(kAllowedCommands, 64))
-    words.push_back(item.text(kAllowedCommands));
+  for (const Entry& item : entry.items(kAllowedCommands, 64)) words.push_back(item.text(kAllowedCommands));
   if (words.empty() || words[0].empty()) entry.refuse("names no program", kAllowedCommands);
   return words;
 }
@@ -96,8 +86,7 @@ std::string read_address(const Entry& entry) {
   const char* rule = "the address of one interface, such as 127.0.0.1, 192.168.0.2 or ::1";
   const std::string text = entry.text(rule);
   unsigned char bytes[sizeof(in6_addr)];
-  const bool known = inet_pton(AF_INET, text.c_str(), bytes) == 1 ||
-                     inet_pton(AF_INET6, text.c_str(), bytes) == 1;
+  const bool known = inet_pton(AF_INET, text.c_str(), bytes) == 1 || inet_pton(AF_INET6, text.c_str(), bytes) == 1;
   if (!known) entry.refuse_value("is not an address in numbers", rule);
   if (text == "0.0.0.0" || text == "::") entry.refuse_value("is not one interface", rule);
   return text;
@@ -113,8 +102,7 @@ std::uint8_t read_node(const Entry& entry, const std::string& also) {
   const auto found = nodes.find(text);
   if (found != nodes.end()) return found->second;
   const std::string meant = closest(text, names);
-  entry.refuse_value(
-      meant.empty() ? "is no node of it" : "is no node of it, did you mean '" + meant + "'?", rule);
+  entry.refuse_value(meant.empty() ? "is no node of it" : "is no node of it, did you mean '" + meant + "'?", rule);
 }
 
 }  // namespace limb_ring::config

@@ -49,10 +49,8 @@ std::string place_in(const std::string& name, const YAML::Mark& mark) {
 std::string read_file(const std::string& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found)
-    throw ConfigError(path + ": there is no such file");
-  if (!std::filesystem::is_regular_file(status))
-    throw ConfigError(path + ": is not a file; allowed: a regular file");
+  if (status.type() == std::filesystem::file_type::not_found) throw ConfigError(path + ": there is no such file");
+  if (!std::filesystem::is_regular_file(status)) throw ConfigError(path + ": is not a file; allowed: a regular file");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw ConfigError(path + ": cannot be read: " + std::strerror(errno));
   if (std::filesystem::file_size(path, error) > kMostBytes)

@@ -21,8 +21,8 @@ void YamlLimits::add(const YAML::Mark& mark, YAML::anchor_t anchor, const Extent
   outer.depth = std::max(outer.depth, extent.depth + 1);
   check_depth(mark, open_.size() + extent.depth);
   if (outer.values > kMostValues)
-    refuse(mark, "too many values, each alias counted as all that it stands for; allowed: " +
-                     std::to_string(kMostValues));
+    refuse(mark,
+           "too many values, each alias counted as all that it stands for; allowed: " + std::to_string(kMostValues));
 }
 
 void YamlLimits::begin(const YAML::Mark& mark, YAML::anchor_t anchor) {

@@ -5,8 +5,8 @@
 namespace limb_ring::core {
 
 /// The blocks of a network controller, wired: Relay, Transmit, Packet Manager, Receive (paper), pins and interrupt
-/// inputs (paper), membership (ours), between one line in and one line out. Which lines of the node these are is for the
-/// fold to say (network_controller.h, which is what everybody else uses).
+/// inputs (paper), membership (ours), between one line in and one line out. Which lines of the node these are is for
+/// the fold to say (network_controller.h, which is what everybody else uses).
 class Blocks {
  public:
   explicit Blocks(const Settings& settings);

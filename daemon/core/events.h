@@ -18,8 +18,8 @@ constexpr Owner kController = 0;
 
 /// States a node can be in, as status shows them. (ours, protocol.md section 8.1)
 enum class NodeState : std::uint8_t {
-  starting,    ///< its links are not there yet
-  joining,     ///< its hello is not home yet
+  starting,  ///< its links are not there yet
+  joining,   ///< its hello is not home yet
   up,
   open_chain,  ///< the ring is broken: everything goes on, unconfirmed
   folded,      ///< fold-back around a break
@@ -38,7 +38,7 @@ struct SendEnded {
   unsigned tries = 0;
   bool interrupt = false;
   NodeId destination = 0;
-  wire::Factor factor{};      ///< of an interrupt
+  wire::Factor factor{};  ///< of an interrupt
 };
 
 /// The pin of that number was pulled by an INTP with a good CRC; once per INTP.

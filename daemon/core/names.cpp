@@ -4,13 +4,20 @@ namespace limb_ring::core {
 
 const char* to_string(NodeState state) {
   switch (state) {
-    case NodeState::starting: return "starting";
-    case NodeState::joining: return "joining";
-    case NodeState::up: return "up";
-    case NodeState::open_chain: return "open_chain";
-    case NodeState::folded: return "folded";
-    case NodeState::alone: return "alone";
-    case NodeState::doubled_id: return "doubled_id";
+    case NodeState::starting:
+      return "starting";
+    case NodeState::joining:
+      return "joining";
+    case NodeState::up:
+      return "up";
+    case NodeState::open_chain:
+      return "open_chain";
+    case NodeState::folded:
+      return "folded";
+    case NodeState::alone:
+      return "alone";
+    case NodeState::doubled_id:
+      return "doubled_id";
   }
   return "unknown";
 }

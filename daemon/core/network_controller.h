@@ -10,7 +10,8 @@
 namespace limb_ring::core {
 
 /// The network controller of one node, the paper's Figure 1 and what was added to it: the four blocks, pins and
-/// membership (blocks.h), and where the ring has a second line, the fold between the lines and the blocks (fold_back.h).
+/// membership (blocks.h), and where the ring has a second line, the fold between the lines and the blocks
+/// (fold_back.h).
 ///
 /// It knows no IO and reads no clock. Time never runs backwards. Whoever drives it
 ///   1. tells it what happens: lines up and down, receive(), send(), interrupt(), set_cpu() ...; handle_timeout() once
@@ -58,14 +59,14 @@ class NetworkController : private Blocks {
 
   /// @name The CPU and its helpers. Every call of the first three ends in exactly one SendEnded event.
   ///@{
-  using Blocks::send;
+  using Blocks::cancel;
+  using Blocks::cpu_reset;
   using Blocks::interrupt;
   using Blocks::pull;
-  using Blocks::cancel;
-  using Blocks::take;
-  using Blocks::set_cpu_present;
+  using Blocks::send;
   using Blocks::set_cpu;
-  using Blocks::cpu_reset;
+  using Blocks::set_cpu_present;
+  using Blocks::take;
   ///@}
 
   /// @name Time and events
@@ -82,11 +83,11 @@ class NetworkController : private Blocks {
   /// From now on `tap`, which may be null, sees the packets; it must outlive that.
   void set_tap(Tap* tap) { tap_ = tap; }
 
-  using Blocks::settings;
   using Blocks::counters;
+  using Blocks::insertion_buffer;
   using Blocks::membership;
   using Blocks::received_waiting;
-  using Blocks::insertion_buffer;
+  using Blocks::settings;
 
  private:
   static std::size_t index(Line line) { return static_cast<std::size_t>(line); }

@@ -28,9 +28,9 @@ struct Settings {
   std::vector<NodeId> order{0};  ///< all configured nodes in ring order, this one among them
   std::uint64_t boot = 1;        ///< first boot number; must be higher than any used before
 
-  Duration byte_time_out{0};     ///< of the output line; 0: as fast as it takes them
-  Duration byte_time_in{0};      ///< of the input line
-  Duration relay_delay{0};       ///< d of protocol.md section 7.1; only time-outs use it here
+  Duration byte_time_out{0};  ///< of the output line; 0: as fast as it takes them
+  Duration byte_time_in{0};   ///< of the input line
+  Duration relay_delay{0};    ///< d of protocol.md section 7.1; only time-outs use it here
 
   /// Worst lap of the whole ring where its lines differ; 0: nodes() times the own line's T + d.
   Duration lap{0};
@@ -48,9 +48,9 @@ struct Settings {
   Duration refused_backoff_most = std::chrono::milliseconds(64);
   Duration queue_timeout = std::chrono::seconds(5);
   Duration stall = std::chrono::milliseconds(50);
-  Duration beacon = std::chrono::milliseconds(100);  ///< 0: no beacons
-  Duration break_grace = std::chrono::milliseconds(200);  ///< input lost so long: a broken line
-  Duration fold_permission = std::chrono::milliseconds(200);  ///< so long after its start a node may fold at any rate
+  Duration beacon = std::chrono::milliseconds(100);            ///< 0: no beacons
+  Duration break_grace = std::chrono::milliseconds(200);       ///< input lost so long: a broken line
+  Duration fold_permission = std::chrono::milliseconds(200);   ///< so long after its start a node may fold at any rate
   Duration unconfirmed_pace = std::chrono::microseconds(100);  ///< open chain, unpaced links
 
   /// INTPs cut into a DATP on its way out (paper); false only to show what that is worth.
@@ -65,12 +65,14 @@ struct Settings {
   /// One lap of largest packets in the worst case: N * (T + d), INTPs cutting in once per node.
   Duration worst_lap() const {
     if (lap.count() != 0) return lap;
-    return nodes() * (byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kInterruptPacketSize) + relay_delay);
+    return nodes() *
+           (byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kInterruptPacketSize) + relay_delay);
   }
   /// Least time between two packets of a kind in an open chain, where no return says when.
   Duration open_chain_pace() const { return std::max(worst_lap(), unconfirmed_pace); }
   Duration open_chain_interrupt_pace() const {
-    return std::max(nodes() * (byte_time_out * static_cast<int>(2 * wire::kInterruptPacketSize) + relay_delay), unconfirmed_pace);
+    return std::max(nodes() * (byte_time_out * static_cast<int>(2 * wire::kInterruptPacketSize) + relay_delay),
+                    unconfirmed_pace);
   }
   /// Time-out of one try: two laps, and never less than send_timeout_least. Where the ring may be folded,
   /// a lap has the second line's delays too: a packet may have left before the fold. (ours)

@@ -14,8 +14,8 @@ struct Transition {
   Input input;
   unsigned from;  ///< a set of states, in() each
   Next to;
-  Action first;   ///< or null
-  Action then;    ///< or null
+  Action first;  ///< or null
+  Action then;   ///< or null
 };
 
 /// A state as a member of a set.

@@ -41,8 +41,8 @@ LineFaults::Id LineFaults::begin(const Fault& fault, Time now) {
   if (fault.name == Name::heal) return clear(), 0;
   const std::uint64_t seed = fault.seed != 0 ? fault.seed : random_();
   const std::uint64_t packets = fault.packets != 0 ? fault.packets : kNoLimit;
-  active_.push_back({next_id_, fault, now + Duration(fault.after), kNever, packets, fault.after_packets, 0,
-                     std::mt19937_64(seed)});
+  active_.push_back(
+      {next_id_, fault, now + Duration(fault.after), kNever, packets, fault.after_packets, 0, std::mt19937_64(seed)});
   if (fault.after_packets == 0) start(active_.back(), active_.back().from);
   return next_id_++;
 }
@@ -87,8 +87,7 @@ bool LineFaults::stalled(Time now) const {
 
 bool LineFaults::cut_now(Time now) const {
   return std::any_of(active_.begin(), active_.end(), [&](const Active& a) {
-    return on(a, Name::cut, now) ||
-           (on(a, Name::flap, now) && (now - a.from) / half_period(a.fault) % 2 == 0);
+    return on(a, Name::cut, now) || (on(a, Name::flap, now) && (now - a.from) / half_period(a.fault) % 2 == 0);
   });
 }
 
@@ -147,8 +146,10 @@ LineFaults::Verdict LineFaults::decide(bool interrupt, Time now) {
   }
   for (Active& active : active_) {
     if (active.waits(now)) continue;
-    if (active.fault.name == Name::delay) decide_delay(active, verdict);
-    else decide_damage(active, interrupt, verdict);
+    if (active.fault.name == Name::delay)
+      decide_delay(active, verdict);
+    else
+      decide_damage(active, interrupt, verdict);
   }
   return verdict;
 }
@@ -157,12 +158,23 @@ LineFaults::Verdict LineFaults::decide(bool interrupt, Time now) {
 void LineFaults::decide_damage(Active& active, bool interrupt, Verdict& verdict) {
   std::uint64_t* counter = nullptr;
   switch (active.fault.name) {
-    case Name::drop: counter = &counters_.line_dropped; break;
-    case Name::corrupt: counter = &counters_.line_corrupted; break;
-    case Name::truncate: counter = interrupt ? nullptr : &counters_.line_truncated; break;
-    case Name::duplicate: counter = &counters_.line_duplicated; break;
-    case Name::reorder: counter = &counters_.line_reordered; break;
-    default: break;
+    case Name::drop:
+      counter = &counters_.line_dropped;
+      break;
+    case Name::corrupt:
+      counter = &counters_.line_corrupted;
+      break;
+    case Name::truncate:
+      counter = interrupt ? nullptr : &counters_.line_truncated;
+      break;
+    case Name::duplicate:
+      counter = &counters_.line_duplicated;
+      break;
+    case Name::reorder:
+      counter = &counters_.line_reordered;
+      break;
+    default:
+      break;
   }
   if (counter == nullptr || verdict.damage || !hits(active)) return;
   ++*counter;
@@ -207,8 +219,10 @@ void LineFaults::pass_data(const Slice& slice, Time now) {
   }
   const Verdict verdict = on_data_.value_or(Verdict{});
   if (verdict.damage == Name::duplicate) copy_.insert(copy_.end(), slice.bytes.begin(), slice.bytes.end());
-  if (ends(slice)) end_data(slice, verdict, now);
-  else if (!swallowed(verdict.damage)) put(slice.kind, slice.bytes, now + verdict.delay, now);
+  if (ends(slice))
+    end_data(slice, verdict, now);
+  else if (!swallowed(verdict.damage))
+    put(slice.kind, slice.bytes, now + verdict.delay, now);
   if (ends(slice) || slice.kind == SliceKind::abort) on_data_.reset();
 }
 
@@ -249,8 +263,7 @@ void LineFaults::count_milestones(wire::ByteView end, Time now) {
 
 // Straight on where nothing is in the way: a line that is well but for a rare fault costs little.
 void LineFaults::put(SliceKind kind, wire::ByteView bytes, Time due, Time now) {
-  const bool straight =
-      due <= now && held_.empty() && held_.line_free(now) && !stalled(now) && pace(now).count() == 0;
+  const bool straight = due <= now && held_.empty() && held_.line_free(now) && !stalled(now) && pace(now).count() == 0;
   if (straight) return ready_.put(kind, bytes);
   const bool packet = kind == SliceKind::start || kind == SliceKind::whole || kind == SliceKind::interrupt;
   if (packet && due <= now) ++counters_.line_held;
@@ -276,8 +289,10 @@ void LineFaults::put_cut_short(const Slice& slice, Time due, Time now) {
 
 void LineFaults::take(Time now, wire::SliceWriter& out) {
   advance(now);
-  if (out.empty()) out.swap(ready_);
-  else append(ready_, out);
+  if (out.empty())
+    out.swap(ready_);
+  else
+    append(ready_, out);
   ready_.clear();
   if (cut_now(now)) return line_lost();
   if (stalled(now)) return;

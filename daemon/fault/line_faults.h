@@ -109,7 +109,7 @@ class LineFaults {
   NodeId data_source_ = 0;          ///< of that one
   std::vector<std::uint8_t> copy_;  ///< of that one, where it will follow itself
   HeldSlices held_;
-  wire::SliceWriter ready_;         ///< due at once
+  wire::SliceWriter ready_;  ///< due at once
   LineCounters counters_;
 };
 

@@ -9,9 +9,29 @@ namespace limb_ring::fault {
 /// Every way in which a robot is broken, or mended, on purpose: the one vocabulary of scenarios, simulator,
 /// daemons and tools. (ours)
 enum class Name {
-  cut, heal, drop, corrupt, truncate, duplicate, reorder, delay, rate, stall, flap,  // a line
-  kill, start, power_cycle, freeze, thaw,                                            // a node: controller and CPU
-  hang, resume, reset, crash, slow, not_reading, babble                              // a CPU; its controller goes on
+  cut,
+  heal,
+  drop,
+  corrupt,
+  truncate,
+  duplicate,
+  reorder,
+  delay,
+  rate,
+  stall,
+  flap,  // a line
+  kill,
+  start,
+  power_cycle,
+  freeze,
+  thaw,  // a node: controller and CPU
+  hang,
+  resume,
+  reset,
+  crash,
+  slow,
+  not_reading,
+  babble  // a CPU; its controller goes on
 };
 
 /// What a fault is of.
@@ -19,21 +39,29 @@ enum class Of { line, node, cpu };
 
 /// What a fault may be told, beside what it is of; parse.h has a word for each.
 enum Key : unsigned {
-  kPackets = 1u << 0, kOnceIn = 1u << 1, kFor = 1u << 2, kAfter = 1u << 3, kAfterPackets = 1u << 4,
-  kDelay = 1u << 5, kJitter = 1u << 6, kRate = 1u << 7, kEvery = 1u << 8, kSeed = 1u << 9
+  kPackets = 1u << 0,
+  kOnceIn = 1u << 1,
+  kFor = 1u << 2,
+  kAfter = 1u << 3,
+  kAfterPackets = 1u << 4,
+  kDelay = 1u << 5,
+  kJitter = 1u << 6,
+  kRate = 1u << 7,
+  kEvery = 1u << 8,
+  kSeed = 1u << 9
 };
 
 struct Word {
   Name name;
   const char* word;
   Of of;
-  unsigned keys;  ///< of Key, what it takes
-  bool sim, live; ///< where it is possible
+  unsigned keys;   ///< of Key, what it takes
+  bool sim, live;  ///< where it is possible
   const char* meaning;
 };
 
-constexpr unsigned kWhen = kFor | kAfter | kAfterPackets;           ///< of all lines' faults
-constexpr unsigned kHits = kPackets | kOnceIn | kSeed | kWhen;      ///< of those that hit single packets
+constexpr unsigned kWhen = kFor | kAfter | kAfterPackets;       ///< of all lines' faults
+constexpr unsigned kHits = kPackets | kOnceIn | kSeed | kWhen;  ///< of those that hit single packets
 
 /// In the order of Name.
 constexpr Word kWords[] = {

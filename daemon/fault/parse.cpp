@@ -74,17 +74,20 @@ std::string write_rate(const Fault& fault) { return fault.rate == 0 ? "" : confi
 
 const Row kRows[] = {
     {{kPackets, "packets", kCount, "the next so many"}, read_count<&Fault::packets>, write_count<&Fault::packets>},
-    {{kOnceIn, "once_in", kCount, "each with the probability 1 / once_in"}, read_count<&Fault::once_in>,
+    {{kOnceIn, "once_in", kCount, "each with the probability 1 / once_in"},
+     read_count<&Fault::once_in>,
      write_count<&Fault::once_in>},
     {{kDelay, "delay", kTime, "so much later"}, read_time<&Fault::delay>, write_time<&Fault::delay>},
-    {{kJitter, "jitter", kTime, "at random up to so much later"}, read_time<&Fault::jitter>,
+    {{kJitter, "jitter", kTime, "at random up to so much later"},
+     read_time<&Fault::jitter>,
      write_time<&Fault::jitter>},
     {{kRate, "rate", kRateRule, "no faster"}, read_rate, write_rate},
     {{kEvery, "every", kTime, "a period"}, read_time<&Fault::every>, write_time<&Fault::every>},
     {{kFor, "for", kTime, "for so long"}, read_time<&Fault::lasts>, write_time<&Fault::lasts>},
     {{kAfter, "after", kTime, "starts so much later"}, read_time<&Fault::after>, write_time<&Fault::after>},
     {{kAfterPackets, "after_packets", kCount, "starts when so many data packets of the node `of` have passed the line"},
-     read_count<&Fault::after_packets>, write_count<&Fault::after_packets>},
+     read_count<&Fault::after_packets>,
+     write_count<&Fault::after_packets>},
     {{kSeed, "seed", "a whole number from 1", "of what is random in it"}, read_seed, write_count<&Fault::seed>},
 };
 constexpr const char* kOf = "of";

@@ -4,13 +4,20 @@ namespace limb_ring::firmware {
 
 const char* to_string(Verdict verdict) {
   switch (verdict) {
-    case Verdict::obey: return "obeyed";
-    case Verdict::expired: return "expired";
-    case Verdict::early: return "stamped in the future";
-    case Verdict::older: return "older than the last";
-    case Verdict::stopped: return "held by a stop";
-    case Verdict::unfit: return "for more joints than there are";
-    case Verdict::malformed: return "malformed";
+    case Verdict::obey:
+      return "obeyed";
+    case Verdict::expired:
+      return "expired";
+    case Verdict::early:
+      return "stamped in the future";
+    case Verdict::older:
+      return "older than the last";
+    case Verdict::stopped:
+      return "held by a stop";
+    case Verdict::unfit:
+      return "for more joints than there are";
+    case Verdict::malformed:
+      return "malformed";
   }
   return "unknown";
 }

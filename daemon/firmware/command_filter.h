@@ -11,12 +11,12 @@ namespace limb_ring::firmware {
 /// What becomes of a command.
 enum class Verdict : std::uint8_t {
   obey,
-  expired,    ///< later than stamp + valid_for: this CPU was frozen, or the packet was held up
-  early,      ///< stamped further ahead than valid_for: the clocks of the two hosts disagree
-  older,      ///< not newer than the last one obeyed
-  stopped,    ///< a stop is latched, and this does not resume, or was given before the stop
-  unfit,      ///< for more joints than this node has
-  malformed   ///< the bytes are no command
+  expired,   ///< later than stamp + valid_for: this CPU was frozen, or the packet was held up
+  early,     ///< stamped further ahead than valid_for: the clocks of the two hosts disagree
+  older,     ///< not newer than the last one obeyed
+  stopped,   ///< a stop is latched, and this does not resume, or was given before the stop
+  unfit,     ///< for more joints than this node has
+  malformed  ///< the bytes are no command
 };
 const char* to_string(Verdict verdict);
 

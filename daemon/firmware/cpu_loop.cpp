@@ -59,8 +59,7 @@ class Run {
   void take(const Interrupt& interrupt) { cpu_.receive(interrupt, read_clocks()); }
   void take(const Result& result) { cpu_.receive(result); }
   void take(const Disconnected& end) {
-    std::fprintf(stderr, "limb_firmware %s: the daemon is gone: %s\n", port_.name().c_str(),
-                 end.reason.c_str());
+    std::fprintf(stderr, "limb_firmware %s: the daemon is gone: %s\n", port_.name().c_str(), end.reason.c_str());
     exit_code_ = 1;
   }
   void take(const Reply&) {}
@@ -79,8 +78,7 @@ class Run {
 
   void send() {
     const auto outgoing = cpu_.take_outgoing();
-    for (const auto& packet : outgoing)
-      port_.send(packet.destination, packet.data, packet.priority, packet.channel);
+    for (const auto& packet : outgoing) port_.send(packet.destination, packet.data, packet.priority, packet.channel);
     const auto now = read_clocks().monotonic;
     if (outgoing.empty() && now >= speak_at_) port_.alive();
     if (!outgoing.empty() || now >= speak_at_) speak_at_ = now + speak_every_;
@@ -95,8 +93,7 @@ class Run {
       hang();
     }
     if (!order) return;
-    std::fprintf(stderr, "limb_firmware %s: ends on purpose with code %d\n", port_.name().c_str(),
-                 order->code);
+    std::fprintf(stderr, "limb_firmware %s: ends on purpose with code %d\n", port_.name().c_str(), order->code);
     exit_code_ = order->code;
   }
 
@@ -120,9 +117,7 @@ class Run {
 
 }  // namespace
 
-Timestamps read_clocks() {
-  return {read_clock(CLOCK_MONOTONIC), read_clock(CLOCK_REALTIME).count()};
-}
+Timestamps read_clocks() { return {read_clock(CLOCK_MONOTONIC), read_clock(CLOCK_REALTIME).count()}; }
 
 int run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after) {
   return Run(port, cpu, alive_period, hang_after).loop();

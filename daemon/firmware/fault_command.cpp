@@ -25,8 +25,7 @@ std::optional<FaultCommand> exit_command(std::string_view number) {
 
 std::optional<FaultCommand> parse_fault_command(wire::ByteView bytes) {
   constexpr std::string_view kExit = "exit ";
-  const auto text =
-      trimmed({reinterpret_cast<const char*>(bytes.data), bytes.size});
+  const auto text = trimmed({reinterpret_cast<const char*>(bytes.data), bytes.size});
   if (text == "hang") return FaultCommand{FaultCommand::Kind::hang, 0};
   if (text.substr(0, kExit.size()) == kExit) return exit_command(text.substr(kExit.size()));
   return std::nullopt;

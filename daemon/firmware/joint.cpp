@@ -21,8 +21,8 @@ Joint::State safe_state(const config::JointConfig& joint) {
 
 }  // namespace
 
-Joint::Joint(const config::JointConfig& joint, const config::Firmware& firmware,
-             nanoseconds command_timeout, nanoseconds now)
+Joint::Joint(const config::JointConfig& joint, const config::Firmware& firmware, nanoseconds command_timeout,
+             nanoseconds now)
     : servo_(model_of(joint, firmware)),
       safe_(safe_state(joint)),
       state_(safe_),

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "config/ring_config.h"
-#include "firmware/timestamps.h"
 #include "firmware/servo.h"
+#include "firmware/timestamps.h"
 
 namespace limb_ring::firmware {
 
@@ -16,8 +16,8 @@ class Joint {
     damp   ///< safe: no torque; its velocity decays
   };
 
-  Joint(const config::JointConfig& joint, const config::Firmware& firmware,
-        nanoseconds command_timeout, nanoseconds now);
+  Joint(const config::JointConfig& joint, const config::Firmware& firmware, nanoseconds command_timeout,
+        nanoseconds now);
 
   /// Obeys from now on. @pre the target holds something
   void command(const ServoTarget& target, nanoseconds now);

@@ -9,22 +9,18 @@ namespace {
 void check(const config::NodeConfig& node) {
   if (node.joints.size() <= payload::kMaxCommandJoints) return;
   throw std::invalid_argument("node '" + node.name + "' has " + std::to_string(node.joints.size()) +
-                              " joints; one packet carries at most " +
-                              std::to_string(payload::kMaxCommandJoints));
+                              " joints; one packet carries at most " + std::to_string(payload::kMaxCommandJoints));
 }
 
-bool is_empty(const payload::JointCommand::Joint& joint) {
-  return !joint.position && !joint.velocity && !joint.effort;
-}
+bool is_empty(const payload::JointCommand::Joint& joint) { return !joint.position && !joint.velocity && !joint.effort; }
 
 }  // namespace
 
-Limb::Limb(const config::NodeConfig& node, const config::Firmware& firmware,
-           nanoseconds command_timeout, const Timestamps& now)
+Limb::Limb(const config::NodeConfig& node, const config::Firmware& firmware, nanoseconds command_timeout,
+           const Timestamps& now)
     : filter_(command_timeout) {
   check(node);
-  for (const auto& joint : node.joints)
-    joints_.emplace_back(joint, firmware, command_timeout, now.monotonic);
+  for (const auto& joint : node.joints) joints_.emplace_back(joint, firmware, command_timeout, now.monotonic);
 }
 
 Verdict Limb::command(wire::ByteView packet, const Timestamps& now) {

@@ -16,8 +16,8 @@ namespace limb_ring::firmware {
 class Limb {
  public:
   /// @throw std::invalid_argument where the node has more joints than one packet carries
-  Limb(const config::NodeConfig& node, const config::Firmware& firmware,
-       nanoseconds command_timeout, const Timestamps& now);
+  Limb(const config::NodeConfig& node, const config::Firmware& firmware, nanoseconds command_timeout,
+       const Timestamps& now);
 
   /// A packet that says it is a joint_command. Every verdict but `obey` is counted.
   Verdict command(wire::ByteView packet, const Timestamps& now);

@@ -52,11 +52,9 @@ void NodeCpu::receive(const limb_ring::Result& result) {
 
 void NodeCpu::advance(const Timestamps& now) {
   limb_.advance(now.monotonic);
-  if (states_ && states_->take(now.monotonic) && may_send())
-    send(payload::encode(limb_.sample(now)), kStatePriority);
+  if (states_ && states_->take(now.monotonic) && may_send()) send(payload::encode(limb_.sample(now)), kStatePriority);
   for (auto& sensor : sensors_)
-    if (sensor.take(now.monotonic) && may_send())
-      send(payload::encode(sensor.sample(limb_, now)), sensor.priority());
+    if (sensor.take(now.monotonic) && may_send()) send(payload::encode(sensor.sample(limb_, now)), sensor.priority());
 }
 
 bool NodeCpu::may_send() {
@@ -84,8 +82,7 @@ std::vector<NodeCpu::Outgoing> NodeCpu::take_outgoing() {
 std::optional<nanoseconds> NodeCpu::due() const {
   std::optional<nanoseconds> earliest;
   if (states_) earliest = states_->due();
-  for (const auto& sensor : sensors_)
-    earliest = earliest ? std::min(*earliest, sensor.due()) : sensor.due();
+  for (const auto& sensor : sensors_) earliest = earliest ? std::min(*earliest, sensor.due()) : sensor.due();
   return earliest;
 }
 
@@ -97,8 +94,8 @@ std::uint64_t NodeCpu::missed() const {
 
 std::string NodeCpu::summary() const {
   std::ostringstream text;
-  text << "sent " << counters_.sent << ", not delivered " << counters_.not_delivered
-       << ", left out " << counters_.skipped + missed() << "; commands:";
+  text << "sent " << counters_.sent << ", not delivered " << counters_.not_delivered << ", left out "
+       << counters_.skipped + missed() << "; commands:";
   for (int i = 0; i <= static_cast<int>(Verdict::malformed); ++i) {
     const auto verdict = static_cast<Verdict>(i);
     const auto count = limb_.count(verdict);

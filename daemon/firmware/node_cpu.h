@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/limb.h"
 #include "firmware/fault_command.h"
+#include "firmware/limb.h"
 #include "firmware/periodic.h"
 #include "firmware/simulated_sensor.h"
 #include "limb_ring/host_port.h"

@@ -7,16 +7,14 @@ namespace {
 
 std::string nodes_of(const config::RingConfig& ring) {
   std::string list;
-  for (const auto& node : ring.nodes)
-    list += (list.empty() ? "" : ", ") + std::to_string(node.id) + " " + node.name;
+  for (const auto& node : ring.nodes) list += (list.empty() ? "" : ", ") + std::to_string(node.id) + " " + node.name;
   return list;
 }
 
 const config::NodeConfig& find_node(const config::RingConfig& ring, const Options& options) {
   const auto* node = ring.find(options.node);
   if (node) return *node;
-  throw OptionsError("no node '" + options.node + "' in " + options.config +
-                     "; it has: " + nodes_of(ring));
+  throw OptionsError("no node '" + options.node + "' in " + options.config + "; it has: " + nodes_of(ring));
 }
 
 }  // namespace

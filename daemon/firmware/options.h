@@ -12,7 +12,7 @@ struct Options {
   std::string node;    ///< --node, else LIMB_RING_NODE: id or name
   std::string config;  ///< --config, else LIMB_RING_CONFIG; empty: a plain ring, no joints
   std::optional<std::chrono::nanoseconds> hang_after;  ///< --hang-after
-  std::string print;   ///< to be printed instead of a run: --help, --version
+  std::string print;                                   ///< to be printed instead of a run: --help, --version
 };
 
 /// what() names the argument and what would be right.

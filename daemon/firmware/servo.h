@@ -14,12 +14,12 @@ namespace limb_ring::firmware {
 ///
 /// The torque is limited, then the speed, then the position: at its stop a joint stands still.
 struct ServoModel {
-  double bandwidth = 8.0;               ///< Hz, natural frequency w / 2 pi
-  double damping = 0.9;                 ///< damping ratio z
-  double lower = -3.14, upper = 3.14;   ///< rad
-  double velocity = 6.0;                ///< rad/s, limit both ways
-  double effort = 50.0;                 ///< N m, limit both ways
-  double initial = 0.0;                 ///< rad
+  double bandwidth = 8.0;              ///< Hz, natural frequency w / 2 pi
+  double damping = 0.9;                ///< damping ratio z
+  double lower = -3.14, upper = 3.14;  ///< rad
+  double velocity = 6.0;               ///< rad/s, limit both ways
+  double effort = 50.0;                ///< N m, limit both ways
+  double initial = 0.0;                ///< rad
 };
 
 /// What to do; with nothing in it, nothing is done (see Servo::release()).

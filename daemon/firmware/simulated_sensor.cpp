@@ -28,12 +28,8 @@ void fill_force(payload::SensorReading& reading, const Limb& limb) {
 
 }  // namespace
 
-SimulatedSensor::SimulatedSensor(const config::SensorConfig& sensor, std::uint8_t index,
-                                 nanoseconds start)
-    : kind_(sensor.kind),
-      priority_(sensor.priority),
-      index_(index),
-      periodic_(sensor.rate, start) {}
+SimulatedSensor::SimulatedSensor(const config::SensorConfig& sensor, std::uint8_t index, nanoseconds start)
+    : kind_(sensor.kind), priority_(sensor.priority), index_(index), periodic_(sensor.rate, start) {}
 
 payload::SensorReading SimulatedSensor::sample(const Limb& limb, const Timestamps& now) {
   payload::SensorReading reading;

@@ -28,8 +28,7 @@ void HostServer::free_cpu_slot_of_the_dead() {
   tell_detached();
 }
 
-std::optional<std::string> HostServer::objection(const client::Greeting& greeting,
-                                                 const ClientInfo& info) {
+std::optional<std::string> HostServer::objection(const client::Greeting& greeting, const ClientInfo& info) {
   const std::string node = "node " + std::to_string(options_.id) + " (" + options_.name + ")";
   if (greeting.version != client::kHostPortVersion) {
     return node + " speaks version " + std::to_string(client::kHostPortVersion) +
@@ -61,8 +60,7 @@ void HostServer::on(Session& session, const client::Greeting& greeting) {
   if (greeting.role == Role::cpu) cpu_ = session.shared_from_this();
 }
 
-bool HostServer::rejected(Session& session, std::uint32_t token,
-                          const std::optional<client::Problem>& problem) {
+bool HostServer::rejected(Session& session, std::uint32_t token, const std::optional<client::Problem>& problem) {
   if (!problem) return false;
   ++counters_.rejected;
   session.put(Result{token, Outcome::rejected, std::chrono::nanoseconds{0}, 0, problem->text, problem->why});

@@ -89,10 +89,17 @@ void HostServer::on_end(Session& session, End end) {
 
 void HostServer::count(End end) {
   switch (end) {
-    case End::closed: return;
-    case End::garbage: ++counters_.garbage; return;
-    case End::never_greeted: ++counters_.never_greeted; return;
-    case End::too_slow: ++counters_.slow_clients; return;
+    case End::closed:
+      return;
+    case End::garbage:
+      ++counters_.garbage;
+      return;
+    case End::never_greeted:
+      ++counters_.never_greeted;
+      return;
+    case End::too_slow:
+      ++counters_.slow_clients;
+      return;
   }
 }
 
@@ -125,8 +132,8 @@ void HostServer::give(const client::PacketView& packet) {
 }
 
 void HostServer::give(const Packet& packet) {
-  give(client::PacketView{packet.source, packet.destination, packet.priority, packet.channel,
-                          {packet.data.data(), packet.data.size()}});
+  give(client::PacketView{
+      packet.source, packet.destination, packet.priority, packet.channel, {packet.data.data(), packet.data.size()}});
 }
 
 bool HostServer::interrupt(const limb_ring::Interrupt& interrupt) {

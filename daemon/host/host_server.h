@@ -88,8 +88,7 @@ class HostServer final : private SessionOwner {
   void retire(Session& session);
   void tell_detached();
   void free_cpu_slot_of_the_dead();
-  std::optional<std::string> objection(const client::Greeting& greeting,
-                                       const ClientInfo& info);
+  std::optional<std::string> objection(const client::Greeting& greeting, const ClientInfo& info);
 
   void on(Session& session, const client::Greeting& greeting);
   void on(Session& session, const client::SendRequest& request);

@@ -16,9 +16,7 @@ namespace {
 constexpr int kBacklog = 64;
 constexpr mode_t kOwnerOnly = 0600;
 
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
+[[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
 
 /// Removes what a dead daemon left behind, and nothing else.
 void remove_leftover(const std::string& path) {
@@ -32,8 +30,7 @@ void remove_leftover(const std::string& path) {
 
 }  // namespace
 
-Listener::Listener(boost::asio::io_context& io, const std::string& directory, std::uint8_t id,
-                   const std::string& name)
+Listener::Listener(boost::asio::io_context& io, const std::string& directory, std::uint8_t id, const std::string& name)
     : path_(socket_path(directory, std::to_string(id), "host")),
       link_(name.empty() ? "" : socket_path(directory, name, "host")),
       acceptor_(io) {

@@ -14,8 +14,7 @@ class Listener {
   using Acceptor = boost::asio::local::stream_protocol::acceptor;
 
   /// @throw std::runtime_error naming the path and what is wrong with it
-  Listener(boost::asio::io_context& io, const std::string& directory, std::uint8_t id,
-           const std::string& name);
+  Listener(boost::asio::io_context& io, const std::string& directory, std::uint8_t id, const std::string& name);
   ~Listener();
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;

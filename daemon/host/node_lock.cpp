@@ -17,9 +17,7 @@ namespace limb_ring::host {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& what) {
-  throw std::system_error(errno, std::generic_category(), what);
-}
+[[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
 
 int open_lock_file(const std::string& path) {
   const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -65,22 +63,22 @@ std::string own_description() {
 
 void write_holder(int fd, const std::string& path) {
   const std::string text = own_description();
-  const bool written = ftruncate(fd, 0) == 0 &&
-                       pwrite(fd, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  const bool written =
+      ftruncate(fd, 0) == 0 && pwrite(fd, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
   if (!written) fail("cannot write " + path);
 }
 
 /// 'ringctl down' removes the lock files of a ring that has ended, perhaps just after we opened ours.
 bool is_still_at(const std::string& path, int fd) {
-  struct stat ours {}, there {};
+  struct stat ours {
+  }, there{};
   return fstat(fd, &ours) == 0 && stat(path.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
          ours.st_dev == there.st_dev;
 }
 
 }  // namespace
 
-NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id,
-                   const std::string& name)
+NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name)
     : path_(directory + "/" + std::to_string(id) + ".lock") {
   fd_ = open_lock_file(path_);
   try {
@@ -90,8 +88,8 @@ NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::u
     }
     if (!try_lock(fd_)) {
       if (errno != EWOULDBLOCK) fail("cannot lock " + path_);
-      throw NodeHeld("node " + std::to_string(id) + " (" + name + ") of ring " + ring +
-                               " is held by " + holder_of(path_));
+      throw NodeHeld("node " + std::to_string(id) + " (" + name + ") of ring " + ring + " is held by " +
+                     holder_of(path_));
     }
     write_holder(fd_, path_);
   } catch (...) {

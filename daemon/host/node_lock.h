@@ -18,8 +18,7 @@ class NodeLock {
  public:
   /// @throw NodeHeld "node 3 (left_knee) of ring r is held by pid 4711 (ringd)"; std::system_error naming
   ///        the file and what is wrong with it
-  NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id,
-           const std::string& name);
+  NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name);
   ~NodeLock();
   NodeLock(const NodeLock&) = delete;
   NodeLock& operator=(const NodeLock&) = delete;

@@ -17,10 +17,14 @@ constexpr std::size_t kReadSize = 8 * 1024;
 
 std::string reason_of(SessionOwner::End how) {
   switch (how) {
-    case SessionOwner::End::closed: return "";
-    case SessionOwner::End::garbage: return "this is no message of the host port";
-    case SessionOwner::End::never_greeted: return "no greeting came within 2 s";
-    case SessionOwner::End::too_slow: return "the client does not read what is sent to it";
+    case SessionOwner::End::closed:
+      return "";
+    case SessionOwner::End::garbage:
+      return "this is no message of the host port";
+    case SessionOwner::End::never_greeted:
+      return "no greeting came within 2 s";
+    case SessionOwner::End::too_slow:
+      return "the client does not read what is sent to it";
   }
   return "";
 }
@@ -57,12 +61,11 @@ void Session::attach(const ClientInfo& info) {
 }
 
 void Session::wait_readable() {
-  socket_.async_wait(Socket::wait_read,
-                     [self = shared_from_this()](boost::system::error_code error) {
-                       if (!self->open()) return;
-                       if (error) return self->fail(SessionOwner::End::closed);
-                       self->read();
-                     });
+  socket_.async_wait(Socket::wait_read, [self = shared_from_this()](boost::system::error_code error) {
+    if (!self->open()) return;
+    if (error) return self->fail(SessionOwner::End::closed);
+    self->read();
+  });
 }
 
 void Session::read() {
@@ -147,8 +150,7 @@ void Session::flush() {
 
 int Session::write_now() {
   while (queued() > 0) {
-    const ssize_t went = ::send(socket_.native_handle(), out_.data() + written_, queued(),
-                                MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t went = ::send(socket_.native_handle(), out_.data() + written_, queued(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (went < 0 && errno != EINTR) return errno;
     if (went > 0) written_ += static_cast<std::size_t>(went);
   }
@@ -160,8 +162,7 @@ int Session::write_now() {
 void Session::wait_writable() {
   drop_written();
   flush_under_way_ = true;
-  socket_.async_wait(Socket::wait_write,
-                     [self = shared_from_this()](boost::system::error_code) { self->flush(); });
+  socket_.async_wait(Socket::wait_write, [self = shared_from_this()](boost::system::error_code) { self->flush(); });
 }
 
 /// Moving the rest to the front costs: done only where at least as much has gone.

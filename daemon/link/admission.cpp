@@ -11,8 +11,7 @@ std::string why_unfit(const LinkHeader& connect, Refusal refusal) {
   return node + " is not in this ring";
 }
 
-Admission::Admission(Identity self, std::vector<std::uint8_t> order)
-    : self_(self), order_(std::move(order)) {}
+Admission::Admission(Identity self, std::vector<std::uint8_t> order) : self_(self), order_(std::move(order)) {}
 
 Refusal Admission::judge(const LinkHeader& connect, std::optional<std::uint8_t> present) const {
   if (connect.version != kLinkVersion) return Refusal::wrong_version;

@@ -28,11 +28,11 @@ struct OutputCounters {
   std::uint64_t discarded = 0;  ///< bytes given or waiting while the link was gone
   std::uint64_t datagrams = 0;
   std::uint64_t datagrams_unsent = 0;  ///< the kernel had no room, or no route
-  std::uint64_t attempts = 0;   ///< connections tried
-  std::uint64_t refused = 0;    ///< of those: answered with a refusal
-  std::uint64_t connects = 0;   ///< downstream neighbours won
-  std::uint64_t losses = 0;     ///< downstream neighbours lost, for whatever reason
-  std::uint64_t silences = 0;   ///< of those: silent for too long (dead or frozen)
+  std::uint64_t attempts = 0;          ///< connections tried
+  std::uint64_t refused = 0;           ///< of those: answered with a refusal
+  std::uint64_t connects = 0;          ///< downstream neighbours won
+  std::uint64_t losses = 0;            ///< downstream neighbours lost, for whatever reason
+  std::uint64_t silences = 0;          ///< of those: silent for too long (dead or frozen)
 };
 
 /// Calls visit(name, value) for every counter.

@@ -34,8 +34,7 @@ struct DelayedInput::Line : std::enable_shared_from_this<Line> {
   bool waiting = false;
 };
 
-DelayedInput::DelayedInput(boost::asio::io_context& io, nanoseconds delay, InputHandler& next,
-                           InputCounters& counters)
+DelayedInput::DelayedInput(boost::asio::io_context& io, nanoseconds delay, InputHandler& next, InputCounters& counters)
     : delay_(delay), counters_(counters), line_(std::make_shared<Line>(io, next)) {}
 
 void DelayedInput::close() {

@@ -18,8 +18,7 @@ class DelayedInput : public InputHandler {
  public:
   static constexpr std::size_t kLimit = 4 << 20;
 
-  DelayedInput(boost::asio::io_context& io, nanoseconds delay, InputHandler& next,
-               InputCounters& counters);
+  DelayedInput(boost::asio::io_context& io, nanoseconds delay, InputHandler& next, InputCounters& counters);
   ~DelayedInput() override { close(); }
   /// Drops what is on the line; no calls after this.
   void close();

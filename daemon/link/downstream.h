@@ -17,7 +17,7 @@ class Downstream {
     virtual void on_refused(std::size_t candidate, const LinkHeader& refuse) = 0;
     virtual void on_no_node(std::size_t candidate) = 0;  ///< what is there answers, but is no node of the ring
     virtual void on_ended(std::size_t candidate, std::string_view reason) = 0;
-    virtual void on_heard(std::size_t candidate) = 0;  ///< it says that it is alive
+    virtual void on_heard(std::size_t candidate) = 0;    ///< it says that it is alive
     virtual void on_drained(std::size_t candidate) = 0;  ///< nothing waits inside any more
 
    protected:

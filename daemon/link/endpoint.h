@@ -14,13 +14,11 @@ using Time = Clock::time_point;
 /// Where a node listens for its upstream neighbour. (ours)
 struct Endpoint {
   enum class Transport { unix_stream, udp } transport = Transport::unix_stream;
-  std::string path;           ///< unix_stream: the socket, at most 107 bytes
-  std::string address;        ///< udp: a numeric address; bound there and nowhere else
-  std::uint16_t port = 0;     ///< udp
+  std::string path;        ///< unix_stream: the socket, at most 107 bytes
+  std::string address;     ///< udp: a numeric address; bound there and nowhere else
+  std::uint16_t port = 0;  ///< udp
 
-  static Endpoint unix_stream(std::string path) {
-    return {Transport::unix_stream, std::move(path), {}, 0};
-  }
+  static Endpoint unix_stream(std::string path) { return {Transport::unix_stream, std::move(path), {}, 0}; }
   static Endpoint udp(std::string address, std::uint16_t port) {
     return {Transport::udp, {}, std::move(address), port};
   }
@@ -31,8 +29,8 @@ std::string to_string(const Endpoint& endpoint);
 
 /// The times both ends of a link live by. (ours, protocol.md section 7.4)
 struct Timing {
-  milliseconds idle{10};     ///< a quiet end says so this often; also the grain of all else here
-  milliseconds silence{50};  ///< an end silent for so long counts as gone
+  milliseconds idle{10};              ///< a quiet end says so this often; also the grain of all else here
+  milliseconds silence{50};           ///< an end silent for so long counts as gone
   milliseconds first_successor{200};  ///< at start: only the configured successor is asked for so long
   milliseconds attempt{1000};         ///< an attempt to connect that is not answered by then is given up
   milliseconds retry{20};             ///< a node that was not there, or busy, is asked again; see candidate_retry()

@@ -7,8 +7,8 @@ namespace limb_ring::link {
 namespace {
 
 template <typename Line>
-std::shared_ptr<InputLine> open(boost::asio::io_context& io, const InputSettings& settings,
-                                InputHandler& handler, InputReport& report) {
+std::shared_ptr<InputLine> open(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
+                                InputReport& report) {
   auto line = std::make_shared<Line>(io, settings, handler, report);
   line->start();
   return line;
@@ -22,8 +22,7 @@ Input::Input(boost::asio::io_context& io, const InputSettings& settings, InputHa
   }
   InputHandler& next = delay_ ? *delay_ : handler;
   const bool udp = settings.endpoint.transport == Endpoint::Transport::udp;
-  line_ = udp ? open<UdpInput>(io, settings, next, report_)
-              : open<UnixInput>(io, settings, next, report_);
+  line_ = udp ? open<UdpInput>(io, settings, next, report_) : open<UnixInput>(io, settings, next, report_);
 }
 
 void Input::close() {

@@ -6,8 +6,8 @@
 
 #include "link/counters.h"
 #include "link/endpoint.h"
-#include "link/report_once.h"
 #include "link/input_handler.h"
+#include "link/report_once.h"
 
 namespace limb_ring::link {
 
@@ -16,14 +16,14 @@ struct InputSettings {
   Endpoint endpoint;                ///< where we listen
   std::vector<std::uint8_t> order;  ///< ids of all nodes in ring order, ours among them
   Timing timing;
-  nanoseconds delay{0};             ///< slices are handed on so much later
+  nanoseconds delay{0};  ///< slices are handed on so much later
 };
 
 /// What an Input keeps account of, whatever its transport.
 struct InputReport {
   InputCounters counters;
   std::string last_unknown_peer;  ///< why the last unknown peer was turned away; for people
-  ReportOnce report_once;       ///< of such a reason, since the input came up
+  ReportOnce report_once;         ///< of such a reason, since the input came up
   void unknown_peer(std::string why) {
     ++counters.strangers;
     last_unknown_peer = std::move(why);

@@ -6,8 +6,8 @@ namespace limb_ring::link {
 namespace {
 
 // Byte offsets of the fields.
-constexpr std::size_t kVersionAt = 2, kTypeAt = 3, kRingAt = 4, kSessionAt = 12, kSequenceAt = 20,
-                      kSenderAt = 24, kRefusalAt = 25;
+constexpr std::size_t kVersionAt = 2, kTypeAt = 3, kRingAt = 4, kSessionAt = 12, kSequenceAt = 20, kSenderAt = 24,
+                      kRefusalAt = 25;
 
 bool known(std::uint8_t type, std::uint8_t refusal) {
   return type >= static_cast<std::uint8_t>(LinkHeaderType::connect) &&
@@ -16,21 +16,30 @@ bool known(std::uint8_t type, std::uint8_t refusal) {
 }
 
 bool of_any_version(const LinkHeader& header) {
-  return header.type == LinkHeaderType::connect || (header.type == LinkHeaderType::refuse && header.refusal == Refusal::wrong_version);
+  return header.type == LinkHeaderType::connect ||
+         (header.type == LinkHeaderType::refuse && header.refusal == Refusal::wrong_version);
 }
 
 }  // namespace
 
 const char* to_string(Refusal refusal) {
   switch (refusal) {
-    case Refusal::none: return "none";
-    case Refusal::busy: return "it has a nearer upstream neighbour";
-    case Refusal::replaced: return "a nearer or newer upstream neighbour took our place";
-    case Refusal::wrong_ring: return "it belongs to another ring";
-    case Refusal::not_in_ring: return "it does not know our node id";
-    case Refusal::unknown_session: return "it no longer knows our session";
-    case Refusal::closing: return "it is shutting down";
-    case Refusal::wrong_version: return "it speaks another version of the protocol";
+    case Refusal::none:
+      return "none";
+    case Refusal::busy:
+      return "it has a nearer upstream neighbour";
+    case Refusal::replaced:
+      return "a nearer or newer upstream neighbour took our place";
+    case Refusal::wrong_ring:
+      return "it belongs to another ring";
+    case Refusal::not_in_ring:
+      return "it does not know our node id";
+    case Refusal::unknown_session:
+      return "it no longer knows our session";
+    case Refusal::closing:
+      return "it is shutting down";
+    case Refusal::wrong_version:
+      return "it speaks another version of the protocol";
   }
   return "unknown";
 }

@@ -9,9 +9,9 @@
 
 namespace limb_ring::link {
 
-/// What the two ends of a link say about the link itself (ours, protocol.md section 6.5). A UDP datagram is a header and,
-/// where its type is `slices`, one slice. A UNIX stream opens with one `connect` header, goes on
-/// with bare slices, and carries headers the other way.
+/// What the two ends of a link say about the link itself (ours, protocol.md section 6.5). A UDP datagram is a header
+/// and, where its type is `slices`, one slice. A UNIX stream opens with one `connect` header, goes on with bare slices,
+/// and carries headers the other way.
 ///
 ///   | magic "LR" | version 8 | type 8 | ring hash 64 | session 64 | sequence 32 | sender 8 | refusal 8 |
 ///
@@ -60,9 +60,7 @@ std::string version_mismatch(std::uint8_t peer);
 /// What is at the other end sends no headers.
 constexpr const char* kNoNode = "peer is not a limb_ring node";
 
-inline std::uint32_t session_nonce(std::uint64_t session) {
-  return static_cast<std::uint32_t>(session >> 32);
-}
+inline std::uint32_t session_nonce(std::uint64_t session) { return static_cast<std::uint32_t>(session >> 32); }
 
 /// A number nobody has used lately, not 0.
 std::uint32_t fresh_nonce();

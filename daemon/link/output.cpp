@@ -103,11 +103,9 @@ std::shared_ptr<Downstream> Output::make_line(std::size_t candidate) {
   const Endpoint& endpoint = settings_.candidates[candidate].endpoint;
   Downstream::Owner& owner = *this;
   if (endpoint.transport == Endpoint::Transport::udp) {
-    return std::make_shared<UdpDownstream>(io_, udp_address(endpoint), settings_.self, candidate,
-                                           owner, counters_);
+    return std::make_shared<UdpDownstream>(io_, udp_address(endpoint), settings_.self, candidate, owner, counters_);
   }
-  return std::make_shared<UnixDownstream>(io_, endpoint.path, settings_.self, candidate, owner,
-                                          counters_);
+  return std::make_shared<UnixDownstream>(io_, endpoint.path, settings_.self, candidate, owner, counters_);
 }
 
 bool Output::is_current(std::size_t candidate) const {

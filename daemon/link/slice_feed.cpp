@@ -9,8 +9,7 @@ bool SliceFeed::commit(std::size_t size, InputHandler& handler, InputCounters& c
   wire::ByteView rest{buffer_.data(), kept_ + size};
   const std::uint64_t before = counters.slices;
   wire::SliceParse parse;
-  for (; (parse = wire::parse_slice(rest)).status == Status::slice;
-       rest = rest.from(parse.consumed)) {
+  for (; (parse = wire::parse_slice(rest)).status == Status::slice; rest = rest.from(parse.consumed)) {
     if (parse.slice.kind == wire::SliceKind::idle) {
       ++counters.idle_slices;
       continue;

@@ -60,16 +60,18 @@ std::size_t Successor::farthest(Time now) const {
 
 bool Successor::passed_over(const Candidate& candidate, Time now) const {
   switch (candidate.state) {
-    case Candidate::State::absent: return true;
-    case Candidate::State::trying: return candidate.missing || now - candidate.since >= timing_.silence;
+    case Candidate::State::absent:
+      return true;
+    case Candidate::State::trying:
+      return candidate.missing || now - candidate.since >= timing_.silence;
     case Candidate::State::untried:
-    case Candidate::State::busy: return false;
+    case Candidate::State::busy:
+      return false;
   }
   return false;
 }
 
-void Successor::set(std::size_t candidate, Candidate::State state, Time since,
-                    bool missing) {
+void Successor::set(std::size_t candidate, Candidate::State state, Time since, bool missing) {
   candidates_[candidate] = {state, since, missing};
 }
 

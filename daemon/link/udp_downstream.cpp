@@ -28,12 +28,11 @@ bool UdpDownstream::start() {
 }
 
 void UdpDownstream::wait_for_headers() {
-  socket_.async_wait(UdpSocket::wait_read,
-                     [self = shared_from_this()](const boost::system::error_code&) {
-                       if (!self->open()) return;
-                       self->read();
-                       if (self->open() && !self->failed_) self->wait_for_headers();
-                     });
+  socket_.async_wait(UdpSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
+    if (!self->open()) return;
+    self->read();
+    if (self->open() && !self->failed_) self->wait_for_headers();
+  });
 }
 
 void UdpDownstream::read() {
@@ -92,10 +91,9 @@ std::size_t UdpDownstream::send(wire::ByteView slices) {
 }
 
 void UdpDownstream::wait_for_room() {
-  socket_.async_wait(UdpSocket::wait_write,
-                     [self = shared_from_this()](const boost::system::error_code&) {
-                       if (self->open() && !self->failed_) self->send_backlog();
-                     });
+  socket_.async_wait(UdpSocket::wait_write, [self = shared_from_this()](const boost::system::error_code&) {
+    if (self->open() && !self->failed_) self->send_backlog();
+  });
 }
 
 void UdpDownstream::send_backlog() {

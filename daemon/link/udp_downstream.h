@@ -16,8 +16,8 @@ namespace limb_ring::link {
 /// A candidate reached over UDP: connects go out until answered, then datagrams of one slice.
 class UdpDownstream : public Downstream, public std::enable_shared_from_this<UdpDownstream> {
  public:
-  UdpDownstream(boost::asio::io_context& io, UdpAddress address, const Identity& self,
-                std::size_t candidate, Owner& owner, OutputCounters& counters);
+  UdpDownstream(boost::asio::io_context& io, UdpAddress address, const Identity& self, std::size_t candidate,
+                Owner& owner, OutputCounters& counters);
   bool start() override;
   void write(wire::ByteView slices) override;
   bool hold_back(wire::ByteView slice) override;

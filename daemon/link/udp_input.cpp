@@ -16,8 +16,8 @@ constexpr int kReadsPerDrain = 64;
 
 }  // namespace
 
-UdpInput::UdpInput(boost::asio::io_context& io, const InputSettings& settings,
-                   InputHandler& handler, InputReport& report)
+UdpInput::UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
+                   InputReport& report)
     : settings_(settings),
       handler_(handler),
       report_(report),
@@ -40,19 +40,17 @@ void UdpInput::close() {
 std::optional<std::uint8_t> UdpInput::from() const { return from_; }
 
 void UdpInput::wait() {
-  socket_.async_wait(UdpSocket::wait_read,
-                     [self = shared_from_this()](const boost::system::error_code&) {
-                       if (self->closed_) return;
-                       self->drain();
-                       if (!self->closed_) self->wait();
-                     });
+  socket_.async_wait(UdpSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
+    if (self->closed_) return;
+    self->drain();
+    if (!self->closed_) self->wait();
+  });
 }
 
 void UdpInput::drain() {
   UdpAddress sender;
   for (int i = 0; i < kReadsPerDrain && !closed_; ++i) {
-    const UdpRead read =
-        receive_run(socket_.native_handle(), buffer_.data(), buffer_.size(), sender);
+    const UdpRead read = receive_run(socket_.native_handle(), buffer_.data(), buffer_.size(), sender);
     if (read.size < 0) break;
     take_run(static_cast<std::size_t>(read.size), read.segment, sender);
   }
@@ -220,8 +218,8 @@ void UdpInput::tell(LinkHeaderType type, const Session& session, Refusal refusal
   header.refusal = refusal;
   const auto bytes = encode(header);
   // What the kernel does not take is lost, as on the wire: everything told is told again.
-  ::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
-           session.address.data(), static_cast<socklen_t>(session.address.size()));
+  ::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, session.address.data(),
+           static_cast<socklen_t>(session.address.size()));
 }
 
 }  // namespace limb_ring::link

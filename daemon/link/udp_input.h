@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "link/admission.h"
-#include "link/link_header.h"
 #include "link/input_line.h"
+#include "link/link_header.h"
 #include "link/sequence_check.h"
 #include "link/silence.h"
 #include "link/ticker.h"
@@ -21,8 +21,7 @@ namespace limb_ring::link {
 class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput> {
  public:
   /// @throw std::runtime_error where it cannot be bound, with the address and the cause
-  UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
-           InputReport& report);
+  UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report);
   void start() { wait(); }
   void close() override;
   std::optional<std::uint8_t> from() const override;
@@ -63,8 +62,8 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   SequenceCheck sequence_;
   Silence silence_;
   Ticker ticker_;
-  bool batch_ = false;        ///< something was handed on since the last on_batch_end
-  bool told_stale_ = false;   ///< one answer to stale sessions per tick is enough
+  bool batch_ = false;       ///< something was handed on since the last on_batch_end
+  bool told_stale_ = false;  ///< one answer to stale sessions per tick is enough
   bool closed_ = false;
 };
 

@@ -32,19 +32,18 @@ bool UnixDownstream::start() {
 }
 
 void UnixDownstream::wait_for_headers() {
-  socket_.async_wait(UnixSocket::wait_read,
-                     [self = shared_from_this()](const boost::system::error_code&) {
-                       if (!self->open()) return;
-                       self->read();
-                       if (self->open() && !self->failed_) self->wait_for_headers();
-                     });
+  socket_.async_wait(UnixSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
+    if (!self->open()) return;
+    self->read();
+    if (self->open() && !self->failed_) self->wait_for_headers();
+  });
 }
 
 void UnixDownstream::read() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
   while (open() && !failed_) {
-    const auto got = receive_now(socket_.native_handle(), header_.data() + header_size_,
-                                 kLinkHeaderSize - header_size_);
+    const auto got =
+        receive_now(socket_.native_handle(), header_.data() + header_size_, kLinkHeaderSize - header_size_);
     if (got < 0 && would_block(errno)) return;
     if (got <= 0) {
       failed_ = true;
@@ -86,10 +85,9 @@ void UnixDownstream::write(wire::ByteView slices) {
 }
 
 void UnixDownstream::wait_for_room() {
-  socket_.async_wait(UnixSocket::wait_write,
-                     [self = shared_from_this()](const boost::system::error_code&) {
-                       if (self->open() && !self->failed_) self->send_backlog();
-                     });
+  socket_.async_wait(UnixSocket::wait_write, [self = shared_from_this()](const boost::system::error_code&) {
+    if (self->open() && !self->failed_) self->send_backlog();
+  });
 }
 
 void UnixDownstream::send_backlog() {

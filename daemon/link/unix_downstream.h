@@ -16,8 +16,8 @@ namespace limb_ring::link {
 /// come back.
 class UnixDownstream : public Downstream, public std::enable_shared_from_this<UnixDownstream> {
  public:
-  UnixDownstream(boost::asio::io_context& io, std::string path, const Identity& self,
-                 std::size_t candidate, Owner& owner, OutputCounters& counters);
+  UnixDownstream(boost::asio::io_context& io, std::string path, const Identity& self, std::size_t candidate,
+                 Owner& owner, OutputCounters& counters);
   bool start() override;
   void write(wire::ByteView slices) override;
   bool drained() const override { return !failed_ && backlog_.empty(); }

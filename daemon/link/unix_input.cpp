@@ -12,8 +12,8 @@ constexpr std::size_t kMaxPending = 16;
 
 }  // namespace
 
-UnixInput::UnixInput(boost::asio::io_context& io, const InputSettings& settings,
-                     InputHandler& handler, InputReport& report)
+UnixInput::UnixInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
+                     InputReport& report)
     : io_(io),
       settings_(settings),
       handler_(handler),
@@ -46,14 +46,13 @@ std::optional<std::uint8_t> UnixInput::from() const {
 
 void UnixInput::accept() {
   accepting_ = true;
-  acceptor_.async_accept(
-      [self = shared_from_this()](const boost::system::error_code& error, UnixSocket socket) {
-        if (self->closed_) return;
-        self->accepting_ = false;  // after an error (no descriptors left) the tick goes on
-        if (error) return;
-        self->welcome(std::move(socket));
-        self->accept();
-      });
+  acceptor_.async_accept([self = shared_from_this()](const boost::system::error_code& error, UnixSocket socket) {
+    if (self->closed_) return;
+    self->accepting_ = false;  // after an error (no descriptors left) the tick goes on
+    if (error) return;
+    self->welcome(std::move(socket));
+    self->accept();
+  });
 }
 
 void UnixInput::welcome(UnixSocket socket) {
@@ -61,7 +60,8 @@ void UnixInput::welcome(UnixSocket socket) {
     return report_.unknown_peer("a process of another user was turned away");
   }
   enlarge_buffers(socket.native_handle());
-  if (pending_.size() == kMaxPending) on_unknown_peer(pending_.front(), "too many pending connections; this was the oldest");
+  if (pending_.size() == kMaxPending)
+    on_unknown_peer(pending_.front(), "too many pending connections; this was the oldest");
   PendingConnection::Owner& owner = *this;
   pending_.push_back(std::make_shared<PendingConnection>(std::move(socket), owner, Clock::now()));
   pending_.back()->start();

@@ -6,22 +6,22 @@
 
 #include "link/admission.h"
 #include "link/input_line.h"
+#include "link/pending_connection.h"
 #include "link/silence.h"
 #include "link/ticker.h"
-#include "link/pending_connection.h"
 #include "link/unix_stream.h"
 
 namespace limb_ring::link {
 
-/// The receiving end on a UNIX-domain stream socket: the listening socket, pending connections (pending) and one stream.
+/// The receiving end on a UNIX-domain stream socket: the listening socket, pending connections (pending) and one
+/// stream.
 class UnixInput final : public InputLine,
                         public std::enable_shared_from_this<UnixInput>,
                         private PendingConnection::Owner,
                         private UnixStream::Owner {
  public:
   /// @throw std::runtime_error where it cannot listen, with the path and the cause
-  UnixInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
-            InputReport& report);
+  UnixInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report);
   void start() { accept(); }
   void close() override;
   void listen_again() override;

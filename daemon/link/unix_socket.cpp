@@ -16,23 +16,20 @@ namespace {
 constexpr int kBacklog = 128;
 
 std::runtime_error failure(const std::string& path, const std::string& what, int error) {
-  return std::runtime_error("cannot listen at " + path + ": " + what + " (" +
-                            std::generic_category().message(error) + ")");
+  return std::runtime_error("cannot listen at " + path + ": " + what + " (" + std::generic_category().message(error) +
+                            ")");
 }
 
 void remove_leftover(const std::string& path) {
   struct stat found;
   if (::lstat(path.c_str(), &found) != 0) return;
   if (!S_ISSOCK(found.st_mode)) {
-    throw std::runtime_error("cannot listen at " + path +
-                             ": a file that is no socket is there; remove it");
+    throw std::runtime_error("cannot listen at " + path + ": a file that is no socket is there; remove it");
   }
   if (::unlink(path.c_str()) != 0) throw failure(path, "cannot remove the old socket", errno);
 }
 
-bool fits(const std::string& path) {
-  return !path.empty() && path.size() < sizeof(sockaddr_un::sun_path);
-}
+bool fits(const std::string& path) { return !path.empty() && path.size() < sizeof(sockaddr_un::sun_path); }
 
 }  // namespace
 
@@ -74,8 +71,7 @@ UnixSocket connect_unix(boost::asio::io_context& io, const std::string& path) {
 bool same_user(int socket) {
   ucred peer{};
   socklen_t size = sizeof peer;
-  return ::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 &&
-         peer.uid == ::geteuid();
+  return ::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && peer.uid == ::geteuid();
 }
 
 void enlarge_buffers(int socket) {

@@ -7,12 +7,11 @@
 namespace limb_ring::link {
 
 void UnixStream::wait() {
-  socket_.async_wait(UnixSocket::wait_read,
-                     [self = shared_from_this()](const boost::system::error_code&) {
-                       if (self->owner_ == nullptr) return;
-                       self->read();
-                       if (self->owner_ != nullptr) self->wait();
-                     });
+  socket_.async_wait(UnixSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
+    if (self->owner_ == nullptr) return;
+    self->read();
+    if (self->owner_ != nullptr) self->wait();
+  });
 }
 
 void UnixStream::read() {

@@ -70,8 +70,10 @@ std::vector<Begun> LiveFaults::begin(const Fault& fault) const {
 Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node) const {
   if (fault::word_of(fault.name).of != Of::node) return begin_at_daemon(fault, node);
   const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
-  if (fault.name == Name::kill) kill(node, words);
-  else begin_at_node(fault, node);
+  if (fault.name == Name::kill)
+    kill(node, words);
+  else
+    begin_at_node(fault, node);
   const bool lasts = fault.name == Name::kill || fault.name == Name::freeze;
   if (!lasts) return {"", words};
   note(node, words);

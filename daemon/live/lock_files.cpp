@@ -3,8 +3,8 @@
 #include <fcntl.h>
 #include <sys/file.h>
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 
@@ -45,8 +45,7 @@ std::vector<std::string> rest_of(std::istream& file) {
 
 bool is_leftover(const fs::path& file) {
   const std::array<const char*, 8> ours{".boot", ".fault", ".host", ".link", ".link2", ".lock", ".log", ".sock"};
-  return std::any_of(ours.begin(), ours.end(),
-                     [&](const char* extension) { return file.extension() == extension; });
+  return std::any_of(ours.begin(), ours.end(), [&](const char* extension) { return file.extension() == extension; });
 }
 
 }  // namespace

@@ -10,11 +10,11 @@ namespace limb_ring::live {
 
 /// What the lock file of a node says of the daemon that holds it, or held it last (host/node_lock.h).
 struct Holder {
-  pid_t pid = -1;       ///< -1 where the file does not tell
-  std::string program;  ///< path
-  std::string folder;   ///< it works in
+  pid_t pid = -1;                      ///< -1 where the file does not tell
+  std::string program;                 ///< path
+  std::string folder;                  ///< it works in
   std::vector<std::string> arguments;  ///< without the program's name
-  bool held = false;    ///< it lives, perhaps stopped
+  bool held = false;                   ///< it lives, perhaps stopped
 };
 
 /// Reads the lock file of one node in a ring's folder. All fields are empty where there never was a daemon.

@@ -19,8 +19,10 @@ PrivateFolder::PrivateFolder() {
 
 PrivateFolder::~PrivateFolder() {
   for (const auto& [name, value] : before_) {
-    if (value) ::setenv(name.c_str(), value->c_str(), 1);
-    else ::unsetenv(name.c_str());
+    if (value)
+      ::setenv(name.c_str(), value->c_str(), 1);
+    else
+      ::unsetenv(name.c_str());
   }
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
@@ -29,8 +31,10 @@ PrivateFolder::~PrivateFolder() {
 void PrivateFolder::replace(const std::string& name, const char* value) {
   const char* old = ::getenv(name.c_str());
   before_[name] = old == nullptr ? std::nullopt : std::optional<std::string>(old);
-  if (value != nullptr) ::setenv(name.c_str(), value, 1);
-  else ::unsetenv(name.c_str());
+  if (value != nullptr)
+    ::setenv(name.c_str(), value, 1);
+  else
+    ::unsetenv(name.c_str());
 }
 
 }  // namespace limb_ring::live

@@ -108,8 +108,7 @@ void RunningDaemons::start(wire::NodeId id) const {
   if (last.program.empty())
     throw NotDone("node " + node(id).name + " has never run on this host, so nobody knows how to start it");
   const std::string log = folder_ + "/" + node(id).number + ".log";
-  const process::UniqueFd output(
-      ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const process::UniqueFd output(::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!output.valid()) throw NotDone("cannot write " + log + ": " + std::strerror(errno));
   process::SpawnRequest request;
   request.path = last.program;

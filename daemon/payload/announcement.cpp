@@ -19,9 +19,7 @@ void put_short(ByteWriter& writer, const std::string& text) {
   writer.bytes(view(text));
 }
 
-auto tie(const Announcement& a) {
-  return std::tie(a.name, a.datatype, a.md5sum, a.definition, a.latching);
-}
+auto tie(const Announcement& a) { return std::tie(a.name, a.datatype, a.md5sum, a.definition, a.latching); }
 
 }  // namespace
 
@@ -33,8 +31,7 @@ Encoded encode(const Announcement& announcement) {
     if (text->size() > 0xFFFF) return EncodeFailure{EncodeError::too_large, item};
     ++item;
   }
-  if (announcement.definition.size() > kMaxMessage / 2)
-    return EncodeFailure{EncodeError::too_large, item};
+  if (announcement.definition.size() > kMaxMessage / 2) return EncodeFailure{EncodeError::too_large, item};
   ByteWriter writer;
   writer.u8(kVersion);
   writer.u8(announcement.latching ? kLatching : std::uint8_t{0});

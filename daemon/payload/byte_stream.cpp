@@ -9,9 +9,7 @@ std::uint8_t* ByteWriter::grow(std::size_t count) {
 
 void ByteWriter::u16(std::uint16_t value) { wire::store_u16(grow(2), value); }
 void ByteWriter::u32(std::uint32_t value) { wire::store_u32(grow(4), value); }
-void ByteWriter::i64(std::int64_t value) {
-  wire::store_u64(grow(8), static_cast<std::uint64_t>(value));
-}
+void ByteWriter::i64(std::int64_t value) { wire::store_u64(grow(8), static_cast<std::uint64_t>(value)); }
 
 void ByteWriter::head(PacketType type) {
   u8(static_cast<std::uint8_t>(type));

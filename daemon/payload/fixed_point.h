@@ -13,8 +13,8 @@ namespace limb_ring::payload {
 ///
 /// A value that already is a multiple of the resolution comes out as the nearest double to that
 /// decimal number; reading and writing again changes nothing.
-constexpr double kMicro = 1e6;      ///< steps per unit
-constexpr double kTenMicro = 1e5;   ///< steps per unit
+constexpr double kMicro = 1e6;     ///< steps per unit
+constexpr double kTenMicro = 1e5;  ///< steps per unit
 
 struct Fixed {
   std::int32_t steps = 0;
@@ -25,8 +25,6 @@ struct Fixed {
 /// @pre not NaN
 Fixed to_fixed(double value, double steps_per_unit);
 
-inline double from_fixed(std::int32_t steps, double steps_per_unit) {
-  return steps / steps_per_unit;
-}
+inline double from_fixed(std::int32_t steps, double steps_per_unit) { return steps / steps_per_unit; }
 
 }  // namespace limb_ring::payload

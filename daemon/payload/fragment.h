@@ -20,9 +20,9 @@ namespace limb_ring::payload {
 ///   full. The checksum is that of the whole message, the same in each of its pieces.
 struct Fragment {
   enum class Kind : std::uint8_t { announcement = 0, data = 1 } kind = Kind::data;
-  std::uint8_t topic = 0;      ///< chosen by the sender; means something with its node id only
-  std::uint32_t message = 0;   ///< +1 for every message of this topic, announcements included
-  std::uint16_t index = 0;     ///< from 0
+  std::uint8_t topic = 0;     ///< chosen by the sender; means something with its node id only
+  std::uint32_t message = 0;  ///< +1 for every message of this topic, announcements included
+  std::uint16_t index = 0;    ///< from 0
   std::uint16_t count = 1;
   std::uint32_t total = 0;     ///< bytes of the whole message
   std::uint32_t checksum = 0;  ///< fnv1a of the whole message

@@ -13,13 +13,11 @@ using Joint = JointCommand::Joint;
 constexpr std::size_t kFlagsAt = 16;
 constexpr std::uint8_t kResume = 1 << 0;
 constexpr std::uint8_t kSaturated = 1 << 1;
-constexpr std::array<std::optional<double> Joint::*, 3> kFields{&Joint::position, &Joint::velocity,
-                                                                &Joint::effort};
+constexpr std::array<std::optional<double> Joint::*, 3> kFields{&Joint::position, &Joint::velocity, &Joint::effort};
 
 std::uint8_t mask_of(const Joint& joint) {
   unsigned mask = 0;
-  for (std::size_t i = 0; i < kFields.size(); ++i)
-    mask |= unsigned{(joint.*kFields[i]).has_value()} << i;
+  for (std::size_t i = 0; i < kFields.size(); ++i) mask |= unsigned{(joint.*kFields[i]).has_value()} << i;
   return static_cast<std::uint8_t>(mask);
 }
 
@@ -48,8 +46,7 @@ std::optional<DecodeError> get(ByteReader& reader, Joint& joint) {
   return std::nullopt;
 }
 
-std::optional<DecodeError> get_joints(ByteReader& reader, std::size_t count,
-                                      JointCommand& command) {
+std::optional<DecodeError> get_joints(ByteReader& reader, std::size_t count, JointCommand& command) {
   if (count > kMaxCommandJoints) return DecodeError::bad_count;
   command.joints.resize(count);
   for (auto& joint : command.joints)
@@ -60,8 +57,7 @@ std::optional<DecodeError> get_joints(ByteReader& reader, std::size_t count,
 }  // namespace
 
 Encoded encode(const JointCommand& command) {
-  if (command.joints.size() > kMaxCommandJoints)
-    return EncodeFailure{EncodeError::too_many_items, kMaxCommandJoints};
+  if (command.joints.size() > kMaxCommandJoints) return EncodeFailure{EncodeError::too_many_items, kMaxCommandJoints};
   if (command.stamp_ns < 0) return EncodeFailure{EncodeError::bad_field, 0};
   ByteWriter writer;
   writer.head(PacketType::joint_command);

@@ -14,8 +14,7 @@ constexpr std::size_t kModeAt = 12;
 constexpr std::size_t kJointSize = 12;
 constexpr std::uint8_t kSaturatedBit = 1 << 6;
 constexpr std::array<bool Mode::*, 7> kModeBits{
-    &Mode::commanded, &Mode::safe,            &Mode::hold,     &Mode::damp,
-    &Mode::stopped,   &Mode::command_refused, &Mode::saturated};
+    &Mode::commanded, &Mode::safe, &Mode::hold, &Mode::damp, &Mode::stopped, &Mode::command_refused, &Mode::saturated};
 
 std::uint8_t to_bits(const Mode& mode) {
   unsigned bits = 0;
@@ -50,8 +49,7 @@ JointState::Joint get_joint(ByteReader& reader) {
 }  // namespace
 
 Encoded encode(const JointState& state) {
-  if (state.joints.size() > kMaxStateJoints)
-    return EncodeFailure{EncodeError::too_many_items, kMaxStateJoints};
+  if (state.joints.size() > kMaxStateJoints) return EncodeFailure{EncodeError::too_many_items, kMaxStateJoints};
   if (state.stamp_ns < 0) return EncodeFailure{EncodeError::bad_field, 0};
   ByteWriter writer;
   writer.head(PacketType::joint_state);

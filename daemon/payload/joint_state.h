@@ -34,10 +34,10 @@ struct JointState {
     double effort = 0;    ///< N m
   };
 
-  std::uint16_t sequence = 0;   ///< +1 for every state of this CPU, wraps
-  std::int64_t stamp_ns = 0;    ///< CLOCK_REALTIME when sampled, ns since 1970, not negative
+  std::uint16_t sequence = 0;  ///< +1 for every state of this CPU, wraps
+  std::int64_t stamp_ns = 0;   ///< CLOCK_REALTIME when sampled, ns since 1970, not negative
   Mode mode;
-  std::uint16_t refused = 0;    ///< commands refused since the CPU's start, wraps
+  std::uint16_t refused = 0;  ///< commands refused since the CPU's start, wraps
   std::vector<Joint> joints;
 };
 

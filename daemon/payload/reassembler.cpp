@@ -5,8 +5,7 @@
 namespace limb_ring::payload {
 
 bool Reassembler::Identity::operator==(const Identity& other) const {
-  return std::tie(kind, message, total, checksum) ==
-         std::tie(other.kind, other.message, other.total, other.checksum);
+  return std::tie(kind, message, total, checksum) == std::tie(other.kind, other.message, other.total, other.checksum);
 }
 
 Reassembler::Identity Reassembler::identity(const Fragment& fragment) {

@@ -71,9 +71,9 @@ class Reassembler {
   struct Stream {
     std::optional<Identity> current;  // under way, complete or dropped
     bool collecting = false;
-    std::uint16_t next = 0;           // index of the fragment to come
+    std::uint16_t next = 0;  // index of the fragment to come
     std::vector<std::uint8_t> bytes;
-    std::uint64_t touched = 0;        // packet count when the last piece came
+    std::uint64_t touched = 0;  // packet count when the last piece came
     std::optional<Announcement> announcement;
     std::size_t announcement_size = 0;
   };

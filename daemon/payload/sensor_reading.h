@@ -20,10 +20,10 @@ namespace limb_ring::payload {
 ///   flags: bit 0 saturated
 struct SensorReading {
   enum class Kind : std::uint8_t { imu = 3, force = 4 } kind = Kind::imu;
-  std::uint16_t sequence = 0;  ///< +1 for every reading of this sensor, wraps
-  std::int64_t stamp_ns = 0;   ///< CLOCK_REALTIME when sampled, ns since 1970, not negative
-  std::uint8_t sensor = 0;     ///< its place in the node's configured sensors, from 0
-  bool saturated = false;      ///< read only: a value was out of range and cut to it
+  std::uint16_t sequence = 0;       ///< +1 for every reading of this sensor, wraps
+  std::int64_t stamp_ns = 0;        ///< CLOCK_REALTIME when sampled, ns since 1970, not negative
+  std::uint8_t sensor = 0;          ///< its place in the node's configured sensors, from 0
+  bool saturated = false;           ///< read only: a value was out of range and cut to it
   std::array<double, 3> linear{};   ///< x, y, z: m/s^2 or N
   std::array<double, 3> angular{};  ///< x, y, z: rad/s or N m
 };

@@ -29,8 +29,7 @@ bool has_ended(pid_t pid) {
 }  // namespace
 
 ChildProcess::ChildProcess(boost::asio::io_context& io, ProcessHandle::By by)
-    : io_(io), by_(by), exited_(io), child_signals_(io),
-      self_(std::make_shared<ChildProcess*>(this)) {}
+    : io_(io), by_(by), exited_(io), child_signals_(io), self_(std::make_shared<ChildProcess*>(this)) {}
 
 void ChildProcess::kill() {
   if (child_.pid <= 0) return;
@@ -44,8 +43,10 @@ void ChildProcess::start(const SpawnRequest& request, OnExit on_exit) {
   path_ = request.path;
   started_ = steady_clock::now();
   child_ = spawn(request);
-  if (child_.pid > 0) watch();
-  else report_later(not_started("cannot fork: " + std::generic_category().message(child_.error)));
+  if (child_.pid > 0)
+    watch();
+  else
+    report_later(not_started("cannot fork: " + std::generic_category().message(child_.error)));
 }
 
 milliseconds ChildProcess::age() const {
@@ -62,8 +63,10 @@ bool ChildProcess::owns(pid_t pid) const {
 
 void ChildProcess::watch() {
   const int fd = by_ == ProcessHandle::By::pidfd ? open_pidfd(child_.pid) : -1;
-  if (fd >= 0) watch_pidfd(fd);
-  else watch_signals();
+  if (fd >= 0)
+    watch_pidfd(fd);
+  else
+    watch_signals();
 }
 
 void ChildProcess::watch_pidfd(int fd) {
@@ -91,8 +94,10 @@ void ChildProcess::watch_signals() {
 void ChildProcess::poll() {
   if (child_.pid <= 0) return;
   const auto status = reap();
-  if (status) report(*status);
-  else watch_signals();  // SIGCHLD of another child, or a pidfd that spoke too early
+  if (status)
+    report(*status);
+  else
+    watch_signals();  // SIGCHLD of another child, or a pidfd that spoke too early
 }
 
 /// The group first: once its leader is reaped, its number may belong to others.
@@ -125,8 +130,7 @@ void ChildProcess::report_later(const ExitStatus& status) {
 
 void ChildProcess::wait_for_end() const {
   const auto deadline = steady_clock::now() + kLastWait;
-  while (!has_ended(child_.pid) && steady_clock::now() < deadline)
-    std::this_thread::sleep_for(milliseconds(1));
+  while (!has_ended(child_.pid) && steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(1));
 }
 
 }  // namespace limb_ring::process

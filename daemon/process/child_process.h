@@ -21,8 +21,7 @@ class ChildProcess {
  public:
   using OnExit = std::function<void(const ExitStatus&)>;
 
-  explicit ChildProcess(boost::asio::io_context& io,
-                        ProcessHandle::By by = ProcessHandle::By::pidfd);
+  explicit ChildProcess(boost::asio::io_context& io, ProcessHandle::By by = ProcessHandle::By::pidfd);
   /// As kill().
   ~ChildProcess() { kill(); }
   ChildProcess(const ChildProcess&) = delete;

@@ -9,7 +9,7 @@ struct ExitStatus {
   bool executed = true;  ///< false: the program could not be started at all
   bool clean = false;    ///< exit 0
   bool by_signal = false;
-  std::string text;      ///< "exit 3", "signal 9 (Killed)", or why it could not be started
+  std::string text;  ///< "exit 3", "signal 9 (Killed)", or why it could not be started
 };
 
 /// From what waitpid gives.

@@ -41,9 +41,12 @@ std::string path_of(const std::string& name) {
 
 int death_signal(Lifetime lifetime) {
   switch (lifetime) {
-    case Lifetime::asked_to_end: return SIGTERM;
-    case Lifetime::killed: return SIGKILL;
-    case Lifetime::its_own: break;
+    case Lifetime::asked_to_end:
+      return SIGTERM;
+    case Lifetime::killed:
+      return SIGKILL;
+    case Lifetime::its_own:
+      break;
   }
   return 0;
 }

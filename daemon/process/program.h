@@ -20,12 +20,12 @@ enum class Lifetime {
 };
 
 struct ProgramRequest {
-  std::string name;                    ///< as find_program() wants it
-  std::vector<std::string> arguments;  ///< without the program's name
+  std::string name;                                              ///< as find_program() wants it
+  std::vector<std::string> arguments;                            ///< without the program's name
   std::vector<std::pair<std::string, std::string>> environment;  ///< added to, or replacing, ours
-  std::string log;                     ///< file of its output and errors; empty: it writes to ours
+  std::string log;  ///< file of its output and errors; empty: it writes to ours
   Lifetime lifetime = Lifetime::asked_to_end;
-  std::optional<cpu_set_t> cores;      ///< it may use; empty: as this process
+  std::optional<cpu_set_t> cores;  ///< it may use; empty: as this process
 };
 
 /// A program that this process has started and waits for. It goes on when this object is gone.

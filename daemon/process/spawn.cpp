@@ -96,11 +96,13 @@ void leave_realtime(const std::optional<cpu_set_t>& affinity) {
   if (affinity) ::sched_setaffinity(0, sizeof *affinity, &*affinity);
 }
 
-[[noreturn]] void become(const SpawnRequest& request, TextList& arguments, TextList& environment,
-                         pid_t parent, int pipe) {
+[[noreturn]] void become(const SpawnRequest& request, TextList& arguments, TextList& environment, pid_t parent,
+                         int pipe) {
   die_with(parent, request.death_signal);  // first: until then it could outlive us if stopped
-  if (request.group == SpawnRequest::Group::session) ::setsid();
-  else ::setpgid(0, 0);
+  if (request.group == SpawnRequest::Group::session)
+    ::setsid();
+  else
+    ::setpgid(0, 0);
   redirect(request.output);
   close_descriptors_on_exec();
   leave_realtime(request.affinity);

@@ -16,21 +16,21 @@ namespace limb_ring::process {
 /// What to start, and how. The child gets the default signal handlers, an empty signal mask,
 /// /dev/null as input, and no descriptor but 0, 1 and 2; a real-time policy is not passed on.
 struct SpawnRequest {
-  std::string path;                   ///< of the program, as find_program() gives it
-  std::vector<std::string> arguments; ///< including the program's name as the first
+  std::string path;                                              ///< of the program, as find_program() gives it
+  std::vector<std::string> arguments;                            ///< including the program's name as the first
   std::vector<std::pair<std::string, std::string>> environment;  ///< added to, or replacing, ours
   /// Sent to the child when this process ends, however it ends; 0: it lives on.
   int death_signal = SIGKILL;
   enum class Group { own, session } group = Group::own;  ///< led by the child
-  std::string folder;                   ///< it works in; empty: as this process
-  int output = -1;                      ///< descriptor for its output and errors; -1: ours
-  std::optional<cpu_set_t> affinity;    ///< cores it may use; empty: as this process
+  std::string folder;                                    ///< it works in; empty: as this process
+  int output = -1;                                       ///< descriptor for its output and errors; -1: ours
+  std::optional<cpu_set_t> affinity;                     ///< cores it may use; empty: as this process
 };
 
 struct Spawned {
-  pid_t pid = -1;          ///< -1: not even forked; see `error`
-  int error = 0;           ///< errno of a failed fork
-  UniqueFd exec_error;     ///< see exec_error()
+  pid_t pid = -1;       ///< -1: not even forked; see `error`
+  int error = 0;        ///< errno of a failed fork
+  UniqueFd exec_error;  ///< see exec_error()
 };
 
 /// All descriptors of this process but 0, 1 and 2 are closed when it executes a program. System calls only.

@@ -35,7 +35,7 @@ void BabblingCpu::stop() {
 
 void BabblingCpu::send() {
   wire::store_u32(data_.data(), static_cast<std::uint32_t>(asked_++));  // no two alike
-  core::SendRequest request;  // of the highest priority, to all
+  core::SendRequest request;                                            // of the highest priority, to all
   request.owner = kOwner;
   request.token = run_;
   request.destination = wire::kBroadcast;

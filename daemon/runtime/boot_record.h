@@ -11,7 +11,8 @@ namespace limb_ring::runtime {
 /// section 4.8)
 class BootRecord {
  public:
-  /// Opens or makes the file. Where it cannot be had or holds no number the former one is unknown, and a warning says so.
+  /// Opens or makes the file. Where it cannot be had or holds no number the former one is unknown, and a warning says
+  /// so.
   BootRecord(const std::string& directory, std::uint8_t id);
   ~BootRecord();
   BootRecord(const BootRecord&) = delete;

@@ -22,7 +22,8 @@ void CpuFaults::hang(const Done& done) {
   const pid_t pid = cpu_.status().pid;
   const CpuActionResult sent = cpu_.signal(SIGSTOP);
   if (!sent.done) return done(sent.message);
-  wait([pid] { return process::is_stopped(pid) || process::is_gone(pid); }, "pid " + std::to_string(pid) + " does not stop", done);
+  wait([pid] { return process::is_stopped(pid) || process::is_gone(pid); },
+       "pid " + std::to_string(pid) + " does not stop", done);
 }
 
 // A stopped process would be hit only when it goes on.

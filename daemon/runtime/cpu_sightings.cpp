@@ -17,8 +17,7 @@ watchdog::CpuSighting CpuSightings::of(wire::NodeId node) const {
 watchdog::CpuKnown CpuSightings::known(wire::NodeId node) const {
   const watchdog::CpuSighting cpu = of(node);
   const core::NetworkController& controller = engine_.controller();
-  const bool heard =
-      cpu.heard_at && engine_.now() - *cpu.heard_at < watchdog::kMissedBeacons * ring_.timeouts.beacon;
+  const bool heard = cpu.heard_at && engine_.now() - *cpu.heard_at < watchdog::kMissedBeacons * ring_.timeouts.beacon;
   return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent, heard,
           watchdog::reach_of(controller.settings().order, controller.membership().broken_line(), self_.id, node)};
 }

@@ -55,8 +55,8 @@ void CpuSocket::hand_over() {
     if (is_sink())
       ++read_by_sink_;
     else
-      host_.give(client::PacketView{packet.source, packet.destination, packet.priority, packet.channel,
-                                    packet.bytes()});
+      host_.give(
+          client::PacketView{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()});
   }
   if (read_throttle_.next() != core::kNever && controller.received_waiting() != 0) hand_over_later();
 }

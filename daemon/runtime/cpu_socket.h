@@ -43,8 +43,8 @@ class CpuSocket final : private CpuEvents {
 
   /// What is known of stop pins that were pulled.
   struct Stop {
-    bool latched = false;              ///< by the CPU's own word
-    std::uint64_t pulled = 0;          ///< times since the daemon's start
+    bool latched = false;      ///< by the CPU's own word
+    std::uint64_t pulled = 0;  ///< times since the daemon's start
     std::optional<core::Time> pulled_at;
   };
   /// The CPU says that a stop is latched, or that it has resumed. One that has just been started has nothing latched.

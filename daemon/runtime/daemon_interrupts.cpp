@@ -24,7 +24,8 @@ void DaemonInterrupts::on_ended(const core::SendEnded& ended) {
   done(ended);
 }
 
-void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout, ResetDone done) {
+void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout,
+                             ResetDone done) {
   Reset& reset = resets_.emplace_back(io_, node, cpus_.known(node), engine_.now(), std::move(done));
   reset.deadline.expires_after(timeout);
   reset.deadline.async_wait([this, which = &reset](const boost::system::error_code& error) {

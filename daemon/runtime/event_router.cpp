@@ -36,10 +36,14 @@ void EventRouter::handle(const core::SendEnded& ended) {
   if (ended.outcome == core::Outcome::delivered) to_.round_trips.add(ended.round_trip);
   const SendOwner owner = SendOwner::from_core(ended.owner);
   switch (owner.kind) {
-    case SendOwner::Kind::client: return tell_client(owner.client, ended);
-    case SendOwner::Kind::traffic: return to_.traffic.on_ended(ended, to_.reasons.of(ended).text);
-    case SendOwner::Kind::daemon_interrupts: return to_.interrupts.on_ended(ended);
-    case SendOwner::Kind::babbling_cpu: return to_.faults.on_ended(ended);
+    case SendOwner::Kind::client:
+      return tell_client(owner.client, ended);
+    case SendOwner::Kind::traffic:
+      return to_.traffic.on_ended(ended, to_.reasons.of(ended).text);
+    case SendOwner::Kind::daemon_interrupts:
+      return to_.interrupts.on_ended(ended);
+    case SendOwner::Kind::babbling_cpu:
+      return to_.faults.on_ended(ended);
   }
 }
 
@@ -79,8 +83,10 @@ void EventRouter::handle(const core::StateChanged& change) {
 
 void EventRouter::on_cpu_changed() {
   const CpuStatus status = to_.cpu.status();
-  if (status.pid > 0) spdlog::info("CPU {} (pid {}, boot {})", to_string(status.state), status.pid, status.boots);
-  else spdlog::info("CPU {}", to_string(status.state));
+  if (status.pid > 0)
+    spdlog::info("CPU {} (pid {}, boot {})", to_string(status.state), status.pid, status.boots);
+  else
+    spdlog::info("CPU {}", to_string(status.state));
   to_.observers.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
   to_.interrupts.on_cpu_changed(to_.node.id);
   if (status.boots != std::exchange(cpu_boots_, status.boots)) to_.faults.cpu_booted();

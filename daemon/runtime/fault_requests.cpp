@@ -22,9 +22,9 @@ Fault fault_in(const json& request, const fault::RingNodes& nodes) {
   if (!request.contains("fault") || !request["fault"].is_string())
     throw RequestError("fault is missing: a text as 'ringctl fault' takes it, 'drop body -> head packets=3'");
   Fault fault = fault::from_words(request["fault"].get<std::string>(), nodes);
-  const bool random = (fault::word_of(fault.name).keys & fault::kSeed) != 0 &&
-                      (fault.once_in > 1 || fault.jitter.count() > 0 || fault.name == Name::corrupt ||
-                       fault.name == Name::truncate);
+  const bool random =
+      (fault::word_of(fault.name).keys & fault::kSeed) != 0 &&
+      (fault.once_in > 1 || fault.jitter.count() > 0 || fault.name == Name::corrupt || fault.name == Name::truncate);
   if (random && fault.seed == 0) fault.seed = drawn_seed();
   return fault;
 }
@@ -37,7 +37,8 @@ const config::NodeConfig& next_of(const FaultTargets& to) {
 void require_own(const Fault& fault, const FaultTargets& to) {
   const auto& word = fault::word_of(fault.name);
   if (fault.nodes != std::vector<wire::NodeId>{to.node.id})
-    throw RequestError("this is node " + to.node.name + "; a fault of a line is begun at the node where the "
+    throw RequestError("this is node " + to.node.name +
+                       "; a fault of a line is begun at the node where the "
                        "line begins, one of a node or CPU at that node");
   if (word.of == Of::node && fault.name != Name::power_cycle)
     throw RequestError(std::string(word.word) + " is not for the daemon itself: 'ringctl fault' does it from outside");
@@ -64,9 +65,7 @@ void begin_fault(const FaultTargets& to, const json& request, const Answer& answ
   });
 }
 
-void list_faults(const FaultTargets& to, const json&, const Answer& answer) {
-  answer({{"faults", to.faults.list()}});
-}
+void list_faults(const FaultTargets& to, const json&, const Answer& answer) { answer({{"faults", to.faults.list()}}); }
 
 void remove_fault(const FaultTargets& to, const json& request, const Answer& answer) {
   if (!request.contains("id")) throw RequestError("id is missing: of the fault, as 'faults' lists it");

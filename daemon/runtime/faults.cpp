@@ -59,13 +59,24 @@ void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
     begun(id, problem);
   };
   switch (fault.name) {
-    case Name::resume: forget_cpu_faults(); return mend_cpu(over);
-    case Name::reset: return cpu_.reset(over);
-    case Name::crash: return cpu_.crash(over);
-    case Name::hang: return cpu_.hang(listed);
-    case Name::slow: cpu_.slow(fault.every); break;
-    case Name::not_reading: cpu_.not_reading(); break;
-    default: cpu_.babble(fault.every); break;
+    case Name::resume:
+      forget_cpu_faults();
+      return mend_cpu(over);
+    case Name::reset:
+      return cpu_.reset(over);
+    case Name::crash:
+      return cpu_.crash(over);
+    case Name::hang:
+      return cpu_.hang(listed);
+    case Name::slow:
+      cpu_.slow(fault.every);
+      break;
+    case Name::not_reading:
+      cpu_.not_reading();
+      break;
+    default:
+      cpu_.babble(fault.every);
+      break;
   }
   listed("");
 }
@@ -120,8 +131,10 @@ void Faults::mend(Name name, const Done& done) {
   };
   if (std::any_of(active_.begin(), active_.end(), holds)) return done("");
   if (name == Name::hang) return cpu_.wake(done);
-  if (name == Name::babble) cpu_.be_quiet();
-  else cpu_.read_on();
+  if (name == Name::babble)
+    cpu_.be_quiet();
+  else
+    cpu_.read_on();
   done("");
 }
 
@@ -138,7 +151,8 @@ void Faults::stop() {
 }
 
 void Faults::forget_cpu_faults() {
-  for (auto it = active_.begin(); it != active_.end();) it = it->second.on == nullptr ? active_.erase(it) : std::next(it);
+  for (auto it = active_.begin(); it != active_.end();)
+    it = it->second.on == nullptr ? active_.erase(it) : std::next(it);
 }
 
 void Faults::cpu_booted() {
@@ -152,15 +166,16 @@ FaultyLine& Faults::line_of(const Fault& fault) {
 }
 
 void Faults::wait_for(const FaultyLine& line, const Done& done) {
-  wait_until(io_, [&line] { return line.mended(); }, kLinePatience, [done](bool) { done(""); });
+  wait_until(
+      io_, [&line] { return line.mended(); }, kLinePatience, [done](bool) { done(""); });
 }
 
 /// Those that have ended by themselves, and a hang that somebody else has ended.
 void Faults::drop_ended() {
   for (auto it = active_.begin(); it != active_.end();) {
     const Active& active = it->second;
-    const bool ended = active.on != nullptr ? !listed(active).has_value()
-                                            : active.fault.name == Name::hang && !cpu_.hangs();
+    const bool ended =
+        active.on != nullptr ? !listed(active).has_value() : active.fault.name == Name::hang && !cpu_.hangs();
     it = ended ? active_.erase(it) : std::next(it);
   }
 }

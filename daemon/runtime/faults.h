@@ -13,7 +13,7 @@ namespace limb_ring::runtime {
 /// listed and removed; one that ends by itself leaves the list. (ours)
 class Faults {
  public:
-  using Id = std::uint32_t;  ///< from 1; 0: it was over when it was done (heal, resume, reset, crash)
+  using Id = std::uint32_t;                 ///< from 1; 0: it was over when it was done (heal, resume, reset, crash)
   static constexpr std::size_t kMost = 64;  ///< at the same time
 
   /// Called once, when it has taken effect: with an empty text, or why it has not.

@@ -4,7 +4,10 @@ namespace limb_ring::runtime {
 
 NodeLine::NodeLine(boost::asio::io_context& io, const Clock& clock, const setup::LinkSettings::Ends& ends,
                    core::Line line, LineHandler& handler)
-    : line_(line), handler_(handler), input_(io, ends.input, *this), output_(io, ends.output, *this),
+    : line_(line),
+      handler_(handler),
+      input_(io, ends.input, *this),
+      output_(io, ends.output, *this),
       faulty_line_(io, clock, output_) {}
 
 void NodeLine::write(wire::SliceWriter& slices, core::Time now) {

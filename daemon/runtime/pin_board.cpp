@@ -8,13 +8,23 @@ std::string PinBoard::pull(std::uint8_t factor, std::uint8_t source, std::int64_
   const config::PinConfig& pin = pins_[factor];
   const std::string by = "INT" + std::to_string(factor) + " from node " + std::to_string(source);
   switch (pin.action) {
-    case Action::none: return by + ": wired to nothing";
-    case Action::reset: return by + ": reset: " + cpu_.reset(by).message;
-    case Action::stop: cpu_.interrupt(Interrupt::Action::stop, source, factor); return by + ": stop";
-    case Action::notify: cpu_.interrupt(Interrupt::Action::notify, source, factor); return by + ": notify";
-    case Action::signal: return by + ": signal: " + cpu_.signal(pin.signal).message;
-    case Action::exec: return by + ": exec: " + cpu_.run(pin.command).message;
-    case Action::sync: latch(source, clock_ns); return by + ": clock latched";
+    case Action::none:
+      return by + ": wired to nothing";
+    case Action::reset:
+      return by + ": reset: " + cpu_.reset(by).message;
+    case Action::stop:
+      cpu_.interrupt(Interrupt::Action::stop, source, factor);
+      return by + ": stop";
+    case Action::notify:
+      cpu_.interrupt(Interrupt::Action::notify, source, factor);
+      return by + ": notify";
+    case Action::signal:
+      return by + ": signal: " + cpu_.signal(pin.signal).message;
+    case Action::exec:
+      return by + ": exec: " + cpu_.run(pin.command).message;
+    case Action::sync:
+      latch(source, clock_ns);
+      return by + ": clock latched";
   }
   return by;
 }

@@ -10,9 +10,9 @@ namespace limb_ring::runtime {
 
 /// The last latch of this node's clock by a sync pin.
 struct ClockLatch {
-  std::uint64_t count = 0;      ///< latches so far; 0: none yet
+  std::uint64_t count = 0;  ///< latches so far; 0: none yet
   std::uint8_t source = 0;
-  std::int64_t clock_ns = 0;    ///< CLOCK_MONOTONIC
+  std::int64_t clock_ns = 0;  ///< CLOCK_MONOTONIC
 };
 
 /// What the interrupt pins of this node drive. (paper: pins; the actions are ours)

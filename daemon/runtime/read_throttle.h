@@ -19,9 +19,7 @@ class ReadThrottle {
   }
   void took(core::Time now) { last_ = now; }
   /// When it may take the next one; kNever where it may at once, or never.
-  core::Time next() const {
-    return period_.count() == 0 || period_ == kNeverAgain ? core::kNever : last_ + period_;
-  }
+  core::Time next() const { return period_.count() == 0 || period_ == kNeverAgain ? core::kNever : last_ + period_; }
 
  private:
   static constexpr core::Duration kNeverAgain = core::Duration::max();

@@ -10,8 +10,7 @@ std::string word(const nlohmann::json& value) { return value.is_string() ? value
 
 std::string names_of(const config::RingConfig& ring) {
   std::string names;
-  for (const auto& node : ring.nodes)
-    names += (names.empty() ? "" : ", ") + std::to_string(node.id) + " " + node.name;
+  for (const auto& node : ring.nodes) names += (names.empty() ? "" : ", ") + std::to_string(node.id) + " " + node.name;
   return names;
 }
 

@@ -27,10 +27,10 @@ std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std:
 void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer) {
   using Handler = void (Requests::*)(const Json&, const Answer&);
   using FaultHandler = void (*)(const FaultTargets&, const Json&, const Answer&);
-  static const std::map<std::string, Handler> handlers{
-      {"config", &Requests::config}, {"latch", &Requests::latch},   {"ping", &Requests::ping},
-      {"reset", &Requests::reset},   {"shutdown", &Requests::shutdown}, {"status", &Requests::status},
-      {"stop", &Requests::stop},     {"sync", &Requests::sync}};
+  static const std::map<std::string, Handler> handlers{{"config", &Requests::config},     {"latch", &Requests::latch},
+                                                       {"ping", &Requests::ping},         {"reset", &Requests::reset},
+                                                       {"shutdown", &Requests::shutdown}, {"status", &Requests::status},
+                                                       {"stop", &Requests::stop},         {"sync", &Requests::sync}};
   static const std::map<std::string, FaultHandler> fault_handlers{
       {"clear_faults", clear_faults}, {"fault", begin_fault}, {"faults", list_faults}, {"remove_fault", remove_fault}};
   try {
@@ -53,8 +53,11 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
 
 void Requests::config(const Json&, const Answer& answer) {
   Json nodes = Json::array();
-  for (const auto& node : to_.ring.nodes) nodes.push_back({{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}});
-  answer({{"ring", to_.ring.ring}, {"path", to_.ring.path}, {"nodes", nodes},
+  for (const auto& node : to_.ring.nodes)
+    nodes.push_back({{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}});
+  answer({{"ring", to_.ring.ring},
+          {"path", to_.ring.path},
+          {"nodes", nodes},
           {"folds_back", to_.ring.redundancy == config::RingConfig::Redundancy::foldback},
           {"beacon_ms", to_.ring.timeouts.beacon.count()},
           {"supervisor", config::supervisor_of(to_.ring).id}});
@@ -76,8 +79,8 @@ void Requests::stop_latched(const Json& request, const Answer& answer) {
 
 void Requests::latch(const Json&, const Answer& answer) {
   const ClockLatch& latch = to_.pins.last_latch();
-  answer({{"latched", latch.count != 0}, {"source", latch.source}, {"count", latch.count},
-          {"clock_ns", latch.clock_ns}});
+  answer(
+      {{"latched", latch.count != 0}, {"source", latch.source}, {"count", latch.count}, {"clock_ns", latch.clock_ns}});
 }
 
 void Requests::ping(const Json& request, const Answer& answer) {

@@ -12,8 +12,8 @@
 namespace limb_ring::runtime {
 
 using watchdog::CpuVerdict;
-using watchdog::WatchedCpu;
 using watchdog::Watchdog;
+using watchdog::WatchedCpu;
 
 /// What the ring's supervisor node does beside its own work: it polls the watchdog once a beacon period, logs and tells
 /// its findings (a line each), and does the resets that it asks for.

@@ -5,9 +5,7 @@
 namespace limb_ring::runtime {
 namespace {
 
-double microseconds(core::Duration duration) {
-  return std::chrono::duration<double, std::micro>(duration).count();
-}
+double microseconds(core::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }
 
 /// Nearest rank: the smallest sample that `share` of all do not exceed.
 double rank(std::vector<core::Duration>& samples, double share) {
@@ -32,7 +30,10 @@ Percentiles percentiles(std::vector<core::Duration>& samples) {
 
 nlohmann::json to_json(const Percentiles& p) {
   const auto number = [&](double value) { return p.samples == 0 ? nlohmann::json() : nlohmann::json(value); };
-  return {{"min", number(p.min)}, {"p50", number(p.p50)}, {"p99", number(p.p99)}, {"max", number(p.max)},
+  return {{"min", number(p.min)},
+          {"p50", number(p.p50)},
+          {"p99", number(p.p99)},
+          {"max", number(p.max)},
           {"samples", p.samples}};
 }
 

@@ -11,10 +11,10 @@ namespace limb_ring::runtime {
 /// core::Owner; that is made and read here alone. (ours)
 struct SendOwner {
   enum class Kind : std::uint8_t {
-    client,            ///< of the host port: a tool or the CPU, also where it pulls an interrupt input
-    traffic,           ///< packets that the daemon makes to time them
-    daemon_interrupts, ///< interrupts that the daemon itself sends
-    babbling_cpu       ///< packets of a CPU that babbles on purpose
+    client,             ///< of the host port: a tool or the CPU, also where it pulls an interrupt input
+    traffic,            ///< packets that the daemon makes to time them
+    daemon_interrupts,  ///< interrupts that the daemon itself sends
+    babbling_cpu        ///< packets of a CPU that babbles on purpose
   };
   Kind kind = Kind::client;
   host::ClientId client = 0;  ///< of a client: which; they count up from 1

@@ -18,12 +18,17 @@ SendReason plain(Reason reason) { return {reason, sentence(reason)}; }
 
 Reason reason_of_cpu(wire::CpuState state) {
   switch (state) {
-    case wire::CpuState::absent: return Reason::cpu_absent;
-    case wire::CpuState::booting: return Reason::cpu_booting;
-    case wire::CpuState::failed: return Reason::cpu_failed;
-    case wire::CpuState::silent: return Reason::cpu_silent;
+    case wire::CpuState::absent:
+      return Reason::cpu_absent;
+    case wire::CpuState::booting:
+      return Reason::cpu_booting;
+    case wire::CpuState::failed:
+      return Reason::cpu_failed;
+    case wire::CpuState::silent:
+      return Reason::cpu_silent;
     case wire::CpuState::none:
-    case wire::CpuState::running: break;
+    case wire::CpuState::running:
+      break;
   }
   return Reason::no_buffer;
 }
@@ -44,13 +49,20 @@ static_assert(static_cast<int>(core::Outcome::cancelled) == static_cast<int>(lim
 
 SendReason SendReasons::of(const core::SendEnded& ended) const {
   switch (ended.outcome) {
-    case Outcome::delivered: return {};
-    case Outcome::refused: return ended.interrupt ? refused_interrupt(ended) : refused_data(ended);
-    case Outcome::no_such_node: return plain(Reason::node_missing);
-    case Outcome::lost: return plain(Reason::no_return);
-    case Outcome::unconfirmed: return unconfirmed(ended);
-    case Outcome::cancelled: return plain(Reason::given_up);
-    case Outcome::rejected: break;
+    case Outcome::delivered:
+      return {};
+    case Outcome::refused:
+      return ended.interrupt ? refused_interrupt(ended) : refused_data(ended);
+    case Outcome::no_such_node:
+      return plain(Reason::node_missing);
+    case Outcome::lost:
+      return plain(Reason::no_return);
+    case Outcome::unconfirmed:
+      return unconfirmed(ended);
+    case Outcome::cancelled:
+      return plain(Reason::given_up);
+    case Outcome::rejected:
+      break;
   }
   return rejected(ended);
 }

@@ -62,8 +62,7 @@ json counters_json(const StatusSources& from) {
                          [&](const char* name, std::uint64_t value) { all[std::string("input_") + name] = value; });
   link::for_each_counter(first.output().counters(),
                          [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
-  first.faulty_line().counters().each(
-      [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
+  first.faulty_line().counters().each([&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
   if (from.engine.has_second_line()) add_second_line(from.engine.line(core::Line::second), all);
   const host::HostCounters& h = from.host.counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full;

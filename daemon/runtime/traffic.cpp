@@ -1,8 +1,8 @@
 #include "runtime/traffic.h"
 
 #include "limb_ring/host_port.h"
-#include "runtime/send_owner.h"
 #include "runtime/round_trips.h"
+#include "runtime/send_owner.h"
 
 namespace limb_ring::runtime {
 namespace {
@@ -59,8 +59,10 @@ void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) 
   run.out = false;
   run.last_end = engine_.now();
   ++run.outcomes[static_cast<std::size_t>(ended.outcome)];
-  if (ended.outcome == core::Outcome::delivered) run.round_trips.push_back(ended.round_trip);
-  else ++run.reasons[reason];
+  if (ended.outcome == core::Outcome::delivered)
+    run.round_trips.push_back(ended.round_trip);
+  else
+    ++run.reasons[reason];
   if (complete(run)) return finish(ended.token);
   // A rejection comes at once: sending again at once would keep the event loop from all else.
   if (run.request.interval.count() > 0 || ended.outcome == core::Outcome::rejected)

@@ -16,12 +16,12 @@ namespace limb_ring::runtime {
 /// One run of packets, each sent as the last one ends.
 struct TrafficRequest {
   wire::NodeId to = 0;
-  std::uint64_t count = 10;          ///< packets, 1 to kMostPackets
-  std::chrono::milliseconds duration{0};     ///< no new packet after it; 0: `count` alone decides
-  std::size_t size = 512;            ///< bytes of data, 1 to 512
+  std::uint64_t count = 10;               ///< packets, 1 to kMostPackets
+  std::chrono::milliseconds duration{0};  ///< no new packet after it; 0: `count` alone decides
+  std::size_t size = 512;                 ///< bytes of data, 1 to 512
   std::uint8_t priority = 2;
-  std::chrono::microseconds interval{0};     ///< 0: the next as the last returns
-  std::chrono::milliseconds deadline{60000}; ///< the run ends then, finished or not
+  std::chrono::microseconds interval{0};      ///< 0: the next as the last returns
+  std::chrono::milliseconds deadline{60000};  ///< the run ends then, finished or not
 };
 
 /// Makes traffic inside the daemon and times it from first byte out to matched return: ping and

@@ -6,8 +6,8 @@
 
 namespace limb_ring::runtime {
 
-/// Polls a condition from the event loop, where nothing tells that it has changed. `done` is called once, with whether `condition` has become true within `patience`; at once, from within, where it is true
-/// already.
+/// Polls a condition from the event loop, where nothing tells that it has changed. `done` is called once, with whether
+/// `condition` has become true within `patience`; at once, from within, where it is true already.
 void wait_until(boost::asio::io_context& io, std::function<bool()> condition, std::chrono::milliseconds patience,
                 std::function<void(bool)> done);
 

@@ -100,21 +100,19 @@ std::vector<std::string> counter_names() {
 }
 
 Section<Counted> counter_section() {
-  return with_bounds<Counted>(
-      {{"counter", config::kRequired, "a counter", "Its name.",
-        [](const Entry& entry, Counted& counted) {
-          counted.counter = counter_names()[read_choice(entry, counter_names())];
-        }},
-       {"of", config::kRequired, "a node, or all", "Whose; of all: their sum.",
-        [](const Entry& entry, Counted& counted) { counted.of = read_who(entry, false); }}});
+  return with_bounds<Counted>({{"counter", config::kRequired, "a counter", "Its name.",
+                                [](const Entry& entry, Counted& counted) {
+                                  counted.counter = counter_names()[read_choice(entry, counter_names())];
+                                }},
+                               {"of", config::kRequired, "a node, or all", "Whose; of all: their sum.",
+                                [](const Entry& entry, Counted& counted) { counted.of = read_who(entry, false); }}});
 }
 
 Section<Results> results_section() {
-  return with_bounds<Results>({send_option<Results>("results"),
-                               {"are", config::kRequired, "a result", "What became of them.",
-                                [](const Entry& entry, Results& results) {
-                                  results.are = read_word(entry, core::Outcome::cancelled);
-                                }}});
+  return with_bounds<Results>(
+      {send_option<Results>("results"),
+       {"are", config::kRequired, "a result", "What became of them.",
+        [](const Entry& entry, Results& results) { results.are = read_word(entry, core::Outcome::cancelled); }}});
 }
 
 Section<Taken> taken_section() { return with_bounds<Taken>({send_option<Taken>("taken")}); }
@@ -142,8 +140,14 @@ struct Kind {
   What (*read)(const Entry&);
 };
 const Kind kKinds[] = {
-    {"node", [](const Entry& e) -> What { return read_kind(e, node_section(), {"is", "ring_size"}); }},
-    {"cpu", [](const Entry& e) -> What { return read_kind(e, cpu_section(), {"is", "boots"}); }},
+    {"node",
+     [](const Entry& e) -> What {
+       return read_kind(e, node_section(), {"is", "ring_size"});
+     }},
+    {"cpu",
+     [](const Entry& e) -> What {
+       return read_kind(e, cpu_section(), {"is", "boots"});
+     }},
     {"located", [](const Entry& e) -> What { return read_kind(e, located_section(), {}); }},
     {"counter", [](const Entry& e) -> What { return read_kind(e, counter_section(), kBounds); }},
     {"results", [](const Entry& e) -> What { return read_kind(e, results_section(), kBounds); }},

@@ -52,9 +52,8 @@ bool holds_now(const NodeIs& node, const Sight& sight) {
 
 std::string describe(const NodeIs& node, const Sight& sight) {
   const bool one = node.who.kind == Who::Kind::one;
-  return list(those(node.who, sight), [&](NodeId id) {
-    return one || !holds_at(node, id, sight) ? state_words(id, sight) : std::string();
-  });
+  return list(those(node.who, sight),
+              [&](NodeId id) { return one || !holds_at(node, id, sight) ? state_words(id, sight) : std::string(); });
 }
 
 // ---- what beacons have told -----------------------------------------------------------------
@@ -98,9 +97,8 @@ bool holds_now(const Located& line, const Sight& sight) {
 }
 
 std::string describe(const Located& line, const Sight& sight) {
-  return list(living_others(line.behind, sight), [&](NodeId id) {
-    return knows(id, line, sight) ? std::string() : sight.name(id) + " does not know";
-  });
+  return list(living_others(line.behind, sight),
+              [&](NodeId id) { return knows(id, line, sight) ? std::string() : sight.name(id) + " does not know"; });
 }
 
 // ---- counts ---------------------------------------------------------------------------------

@@ -9,8 +9,7 @@ constexpr std::chrono::milliseconds kBackOff{100};
 
 }  // namespace
 
-Cpus::Cpus(sim::VirtualRing& ring, core::Duration boot_time)
-    : ring_(ring), boot_time_(boot_time), cpus_(ring.size()) {
+Cpus::Cpus(sim::VirtualRing& ring, core::Duration boot_time) : ring_(ring), boot_time_(boot_time), cpus_(ring.size()) {
   for (unsigned id = 0; id < ring.size(); ++id) tell(static_cast<NodeId>(id), wire::CpuState::running);
 }
 

@@ -9,8 +9,8 @@
 namespace limb_ring::scenario {
 
 /// The CPUs of a virtual ring: what runs, hangs, is slow, reads nothing, crashes or boots, and what their network
-/// controllers know of it. As in a live scenario each has promised to speak every kAlivePeriod, so a hang is known after
-/// three of them.
+/// controllers know of it. As in a live scenario each has promised to speak every kAlivePeriod, so a hang is known
+/// after three of them.
 class Cpus {
  public:
   /// All CPUs run at first. @param ring not yet started; must outlive this
@@ -47,7 +47,7 @@ class Cpus {
   struct Cpu {
     std::uint32_t boots = 1;
     wire::CpuState state = wire::CpuState::running;
-    core::Time spoke_at{};      ///< last; of one that runs, when that began
+    core::Time spoke_at{};  ///< last; of one that runs, when that began
     bool running = true;
     bool slow = false;
     std::uint64_t epoch = 0;    ///< counts boots: the end of an earlier one does not count

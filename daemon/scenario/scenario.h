@@ -25,14 +25,14 @@ using fault::Fault;
 /// Packets or interrupts under a name by which conditions speak of them.
 struct Send {
   std::string name;
-  std::vector<NodeId> from;                ///< each of them sends
-  NodeId to = 0;                           ///< or wire::kBroadcast
-  unsigned size = 0;                       ///< bytes of data, 1 to 512, or one of these two:
-  std::optional<std::uint8_t> interrupt;   ///< an INTP with this factor
-  std::optional<std::uint8_t> input;       ///< what pulling this interrupt input sends, CPU or not
+  std::vector<NodeId> from;               ///< each of them sends
+  NodeId to = 0;                          ///< or wire::kBroadcast
+  unsigned size = 0;                      ///< bytes of data, 1 to 512, or one of these two:
+  std::optional<std::uint8_t> interrupt;  ///< an INTP with this factor
+  std::optional<std::uint8_t> input;      ///< what pulling this interrupt input sends, CPU or not
   std::uint8_t priority = 0;
-  nanoseconds every{0};    ///< 0: all at once
-  std::uint64_t count = 0; ///< from each node; 0: one, or with `every` without end
+  nanoseconds every{0};     ///< 0: all at once
+  std::uint64_t count = 0;  ///< from each node; 0: one, or with `every` without end
 };
 
 // ---- what is seen ---------------------------------------------------------------------------
@@ -46,9 +46,7 @@ constexpr std::chrono::seconds kLiveGuard{5};
 
 struct Range {
   std::optional<std::uint64_t> at_least, at_most;
-  bool holds(std::uint64_t value) const {
-    return (!at_least || value >= *at_least) && (!at_most || value <= *at_most);
-  }
+  bool holds(std::uint64_t value) const { return (!at_least || value >= *at_least) && (!at_most || value <= *at_most); }
 };
 
 /// Who has to be in a state.
@@ -61,8 +59,8 @@ struct Who {
 struct NodeIs {
   Who who;
   std::optional<core::NodeState> state;
-  bool down = false;                   ///< dead or frozen, instead of a state
-  std::optional<unsigned> ring_size;   ///< as learned by the node
+  bool down = false;                  ///< dead or frozen, instead of a state
+  std::optional<unsigned> ring_size;  ///< as learned by the node
 };
 /// What every other living node has been told, by beacons, of a CPU.
 struct CpuIs {
@@ -109,9 +107,9 @@ struct Step {
   std::optional<nanoseconds> at;     ///< from the start
   std::optional<nanoseconds> after;  ///< from the step before
   std::optional<Condition> when;
-  Limit within;                      ///< `when` has to hold by then; 0: at once
+  Limit within;  ///< `when` has to hold by then; 0: at once
   std::variant<std::monostate, Fault, Send> action;
-  std::string words;                 ///< of the action, as it stands in the file
+  std::string words;  ///< of the action, as it stands in the file
 };
 
 /// What a CPU in a scenario promises: to speak at least so often. (ours)
@@ -119,13 +117,13 @@ constexpr std::chrono::milliseconds kAlivePeriod{200};
 
 struct Scenario {
   std::string path;
-  std::string name;          ///< one line of what it is about
-  config::RingConfig ring;   ///< every line has a rate
+  std::string name;            ///< one line of what it is about
+  config::RingConfig ring;     ///< every line has a rate
   bool rates_assumed = false;  ///< of some lines: the ring's file gives none
-  bool only_sim = false;     ///< its author says so
+  bool only_sim = false;       ///< its author says so
   std::uint64_t seed = 1;
   nanoseconds boot_time{std::chrono::milliseconds(20)};  ///< of a CPU, from a reset to its first word; not live
-  std::vector<NodeId> absent;  ///< not there at the start
+  std::vector<NodeId> absent;                            ///< not there at the start
   std::vector<Step> steps;
   std::vector<Condition> always, never;  ///< from the start to the last step's end
 };

@@ -12,7 +12,7 @@ namespace limb_ring::scenario {
 
 /// One thing that was done or seen.
 struct LogLine {
-  nanoseconds at{0};   ///< from the start, rounded down
+  nanoseconds at{0};  ///< from the start, rounded down
   std::string words;
 };
 

@@ -101,8 +101,9 @@ const Section<Scenario>& scenario_section() {
        }},
       {"only", "none", "sim", "For the virtual clock alone.",
        [](const Entry& entry, Scenario& scenario) { scenario.only_sim = read_choice(entry, {"sim"}) == 0; }},
-      config::time_option("boot_time", &Scenario::boot_time, 0ns, 60s,
-                          "From a reset of a CPU to its first word, under the virtual clock; live it takes what it takes."),
+      config::time_option(
+          "boot_time", &Scenario::boot_time, 0ns, 60s,
+          "From a reset of a CPU to its first word, under the virtual clock; live it takes what it takes."),
       {"absent", "[]", "a node or a list of nodes", "Not there at the start.",
        [](const Entry& entry, Scenario& scenario) { scenario.absent = read_nodes(entry); }},
       {"steps", config::kRequired, "a list of steps", "What happens and what is seen, in this order.",

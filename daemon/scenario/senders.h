@@ -54,9 +54,9 @@ class Senders {
   std::mt19937_64 random_;
   std::vector<std::string> names_;
   std::vector<Tally> tallies_;
-  std::deque<Job> jobs_;  ///< they stay where they are
-  std::map<std::pair<NodeId, std::uint32_t>, Asked> asked_;                ///< by source and token
-  std::map<std::pair<NodeId, std::uint8_t>, std::size_t> of_interrupt_;    ///< by source and factor, the last begun
+  std::deque<Job> jobs_;                                                 ///< they stay where they are
+  std::map<std::pair<NodeId, std::uint32_t>, Asked> asked_;              ///< by source and token
+  std::map<std::pair<NodeId, std::uint8_t>, std::size_t> of_interrupt_;  ///< by source and factor, the last begun
 };
 
 }  // namespace limb_ring::scenario

@@ -16,8 +16,13 @@ NodeId supervisor_place(const config::RingConfig& config) {
 }  // namespace
 
 Supervisor::Supervisor(const config::RingConfig& config, sim::VirtualRing& ring, const Cpus& cpus)
-    : config_(config), ring_(ring), cpus_(cpus), beacon_(config.timeouts.beacon), node_(supervisor_place(config)),
-      membership_(&ring.node(node_).membership()), watchdog_(fresh()) {}
+    : config_(config),
+      ring_(ring),
+      cpus_(cpus),
+      beacon_(config.timeouts.beacon),
+      node_(supervisor_place(config)),
+      membership_(&ring.node(node_).membership()),
+      watchdog_(fresh()) {}
 
 watchdog::Watchdog Supervisor::fresh() const {
   std::vector<wire::NodeId> watched;

@@ -16,8 +16,7 @@ VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed)
       senders_(*ring_, cpus_, seed),
       supervisor_(scenario.ring, *ring_, cpus_),
       lines_(*ring_, seed) {
-  for (unsigned id = 0; id < ring_->size(); ++id)
-    members_[id] = &ring_->node(static_cast<NodeId>(id)).membership();
+  for (unsigned id = 0; id < ring_->size(); ++id) members_[id] = &ring_->node(static_cast<NodeId>(id)).membership();
   ring_->on_event = [this](NodeId at, const core::Event& event) { came(event, at); };
   ring_->on_packet = [this](NodeId at, const core::ReceivedPacket& packet) {
     senders_.came(packet);
@@ -96,9 +95,11 @@ void VirtualStage::end_later(const Fault& fault) {
 
 void VirtualStage::apply(const Fault& fault, NodeId id) {
   switch (fault.name) {
-    case Name::kill: return ring_->kill(id);
+    case Name::kill:
+      return ring_->kill(id);
     case Name::start:
-    case Name::power_cycle: return start(id);
+    case Name::power_cycle:
+      return start(id);
     case Name::freeze:
       frozen_[id] = ring_->alive(id);
       return ring_->freeze(id);
@@ -106,14 +107,22 @@ void VirtualStage::apply(const Fault& fault, NodeId id) {
       if (frozen_[id]) ring_->thaw(id);
       frozen_[id] = false;
       return;
-    case Name::hang: return cpus_.hang(id);
-    case Name::resume: return cpus_.resume(id);
-    case Name::reset: return cpus_.reset(id);
-    case Name::crash: return cpus_.crash(id);
-    case Name::slow: return cpus_.slow_down(id, fault.every);
-    case Name::not_reading: return cpus_.stop_reading(id);
-    case Name::babble: return senders_.babble(id, fault.every);
-    default: return;  // of a line: not here
+    case Name::hang:
+      return cpus_.hang(id);
+    case Name::resume:
+      return cpus_.resume(id);
+    case Name::reset:
+      return cpus_.reset(id);
+    case Name::crash:
+      return cpus_.crash(id);
+    case Name::slow:
+      return cpus_.slow_down(id, fault.every);
+    case Name::not_reading:
+      return cpus_.stop_reading(id);
+    case Name::babble:
+      return senders_.babble(id, fault.every);
+    default:
+      return;  // of a line: not here
   }
 }
 

@@ -73,7 +73,8 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   for (unsigned factor = 0; factor < 8; ++factor) {
     s.wired[factor] = node.pins[factor].action != config::PinConfig::Action::none;
     if (const auto& input = node.inputs[factor])
-      s.inputs[factor] = core::InterruptInput{input->broadcast ? wire::kBroadcast : input->node, wire::Factor{input->factor}};
+      s.inputs[factor] =
+          core::InterruptInput{input->broadcast ? wire::kBroadcast : input->node, wire::Factor{input->factor}};
   }
   return s;
 }

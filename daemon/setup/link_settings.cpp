@@ -59,7 +59,8 @@ link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& n
 
 LinkSettings link_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
   const auto ends = [&](Line line) {
-    return LinkSettings::Ends{input_settings(ring, node, directory, line), output_settings(ring, node, directory, line)};
+    return LinkSettings::Ends{input_settings(ring, node, directory, line),
+                              output_settings(ring, node, directory, line)};
   };
   LinkSettings settings{ends(Line::first), {}};
   if (ring.redundancy == RingConfig::Redundancy::foldback) settings.second = ends(Line::second);

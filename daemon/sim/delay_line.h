@@ -20,8 +20,8 @@ class DelayLine {
   struct Arrival {
     Time at{};
     NodeId from = 0, to = 0;
-    std::uint64_t epoch = 0;   ///< of the line it left on
-    bool second = false;       ///< on the second line
+    std::uint64_t epoch = 0;  ///< of the line it left on
+    bool second = false;      ///< on the second line
     wire::SliceWriter slices;
   };
 

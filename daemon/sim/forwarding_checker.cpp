@@ -53,8 +53,8 @@ void ForwardingChecker::check_wait(Time since, Time now, const std::string& whic
   const Duration most = interrupt * ahead + byte_time_ * 11;
   if (now - since > most)
     complain_(Promise::interrupt_wait, which + " waited " + std::to_string(core::picoseconds(now - since)) +
-                                           " ps at node " + std::to_string(id_) + ", " + std::to_string(core::picoseconds(most)) +
-                                           " are allowed");
+                                           " ps at node " + std::to_string(id_) + ", " +
+                                           std::to_string(core::picoseconds(most)) + " are allowed");
 }
 
 void ForwardingChecker::count_interrupt(Time now) {

@@ -93,8 +93,8 @@ void Invariants::data_leaves(NodeId node, const wire::Slice& slice, Time now) {
   if (head.source != node) return at(node).forwarding.went(head, tail, now);
   if (is_control(tail)) return;
   const std::size_t size = at(node).going_size - wire::kOverhead;
-  ledger_.depart(node, head.code, {tail.destination, wire::priority_of(tail.last), wire::channel_of(tail.last), size,
-                                      tail.crc},
+  ledger_.depart(node, head.code,
+                 {tail.destination, wire::priority_of(tail.last), wire::channel_of(tail.last), size, tail.crc},
                  at(node).going_since);
 }
 
@@ -124,8 +124,8 @@ Invariants::Before Invariants::count(NodeId node, wire::Priority priority) const
           c.crc_errors + c.malformed_packets,
           c.pins_pulled,
           c.returned_data + c.returned_interrupts,
-          c.insertion_buffer_full + c.interrupt_buffer_full + c.dropped_no_output + c.orphans_hop +
-              c.orphans_bypassed + c.orphans_cut_off,
+          c.insertion_buffer_full + c.interrupt_buffer_full + c.dropped_no_output + c.orphans_hop + c.orphans_bypassed +
+              c.orphans_cut_off,
           c.stray_slices + c.oversize_packets,
           std::min<std::size_t>(buffers - std::min(used, buffers), wire::kFbcMax)};
 }
@@ -198,8 +198,8 @@ void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, co
   const PacketTrailer tail = PacketTrailer::of(slice.bytes);
   const Before& before = at(node).before;
   const bool pulled = after.pulled != before.pulled;
-  Sent* sent = ledger_.on_line(head.source, head.code, tail.destination,
-                               tail.crc_at_source(head, wire::kInterruptPacketSize));
+  Sent* sent =
+      ledger_.on_line(head.source, head.code, tail.destination, tail.crc_at_source(head, wire::kInterruptPacketSize));
   if (after.bad == before.bad && after.dropped == before.dropped) check_source(node, head, now);
   if (pulled) ledger_.take(sent, head.source, node, 4);
   if (after.returned != before.returned) {

@@ -41,15 +41,15 @@ class Invariants : public Observer {
     Node(const core::Settings& settings, const Complain& complain)
         : forwarding(settings.id, settings.byte_time_out, settings.byte_time_in, complain) {}
     ForwardingChecker forwarding;
-    std::optional<PacketHeader> coming;         ///< header of the DATP that is coming in
-    bool passes_on = false;             ///< it is not dropped
-    std::uint64_t no_output = 0;        ///< dropped for that when something last came in
-    std::size_t coming_size = 0;        ///< bytes of it that have come
-    PacketHeader going;                         ///< of the one that is leaving
+    std::optional<PacketHeader> coming;  ///< header of the DATP that is coming in
+    bool passes_on = false;              ///< it is not dropped
+    std::uint64_t no_output = 0;         ///< dropped for that when something last came in
+    std::size_t coming_size = 0;         ///< bytes of it that have come
+    PacketHeader going;                  ///< of the one that is leaving
     Time going_since{};
-    std::size_t going_size = 0;         ///< bytes of it that have left
-    Time interrupt_free{};              ///< its last own INTP ended
-    std::optional<Time> away_since;     ///< killed or frozen
+    std::size_t going_size = 0;      ///< bytes of it that have left
+    Time interrupt_free{};           ///< its last own INTP ended
+    std::optional<Time> away_since;  ///< killed or frozen
     Before before{};
   };
 

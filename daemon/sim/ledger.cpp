@@ -8,16 +8,26 @@ using core::Outcome;
 
 const char* to_string(Promise promise) {
   switch (promise) {
-    case Promise::one_result: return "every send ends in exactly one result";
-    case Promise::true_result: return "a result says what has happened";
-    case Promise::undamaged: return "nothing damaged, partial or misled is delivered";
-    case Promise::exactly_once: return "exactly once";
-    case Promise::in_order: return "order is kept per source and priority";
-    case Promise::interrupt_wait: return "an INTP waits at most for other INTPs and for a piece of a DATP";
-    case Promise::insertion_bound: return "the insertion buffer keeps its bound";
-    case Promise::no_circling: return "no packet goes on round the ring after its source is gone";
-    case Promise::true_fbc: return "FBC is truthful";
-    case Promise::whole_again: return "when all is mended the ring closes and falls silent";
+    case Promise::one_result:
+      return "every send ends in exactly one result";
+    case Promise::true_result:
+      return "a result says what has happened";
+    case Promise::undamaged:
+      return "nothing damaged, partial or misled is delivered";
+    case Promise::exactly_once:
+      return "exactly once";
+    case Promise::in_order:
+      return "order is kept per source and priority";
+    case Promise::interrupt_wait:
+      return "an INTP waits at most for other INTPs and for a piece of a DATP";
+    case Promise::insertion_bound:
+      return "the insertion buffer keeps its bound";
+    case Promise::no_circling:
+      return "no packet goes on round the ring after its source is gone";
+    case Promise::true_fbc:
+      return "FBC is truthful";
+    case Promise::whole_again:
+      return "when all is mended the ring closes and falls silent";
   }
   return "";
 }
@@ -121,8 +131,8 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time si
   Slot& slot = on_line_slot(source, code, looks.destination);
   const auto over = [&](const Sent* sent) {
     if (!sent || sent->final) return true;
-    return sent->ended && (sent->ended_at < since ||
-                           (sent->ended_at == since && sent->end.outcome != Outcome::unconfirmed));
+    return sent->ended &&
+           (sent->ended_at < since || (sent->ended_at == since && sent->end.outcome != Outcome::unconfirmed));
   };
   Sent* before = find(source, slot.last.token);
   if (code.attempt > 0 && !over(before) && looks.fit(*before)) {
@@ -184,8 +194,8 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
 void Ledger::check_order(const Sent& sent, NodeId node) {
   std::uint32_t& newest = newest_[(std::size_t{node} * sources_.size() + sent.source) * 5 + sent.queue];
   if (sent.token < newest)
-    complain_(Promise::in_order, sent.name() + " was taken by node " + std::to_string(node) + " after " +
-                                     std::to_string(newest));
+    complain_(Promise::in_order,
+              sent.name() + " was taken by node " + std::to_string(node) + " after " + std::to_string(newest));
   newest = std::max(newest, sent.token);
 }
 

@@ -22,10 +22,10 @@ struct Sent {
   };
   std::uint32_t token = 0;
   NodeId source = 0, destination = 0;
-  std::uint8_t queue = 0;          ///< priority 0..3; 4: an INTP
-  std::uint8_t channel = 0;       ///< of an INTP its factor
+  std::uint8_t queue = 0;    ///< priority 0..3; 4: an INTP
+  std::uint8_t channel = 0;  ///< of an INTP its factor
   std::uint16_t size = 0;
-  std::uint32_t checksum = 0;     ///< of the data
+  std::uint32_t checksum = 0;  ///< of the data
   std::uint32_t source_life = 0;
   Time asked{};
   bool left = false;                 ///< it was on the line
@@ -132,7 +132,7 @@ class Ledger {
   std::vector<std::array<std::deque<Unread>, 4>> unread_;  ///< by node and priority
   std::vector<std::uint32_t> newest_;                      ///< token, by node, source, queue
   std::vector<std::uint32_t> interrupt_lives_;
-  Time let_go_{core::Duration{-1}};                        ///< when a line last did
+  Time let_go_{core::Duration{-1}};  ///< when a line last did
 };
 
 }  // namespace limb_ring::sim

@@ -10,11 +10,18 @@ using wire::NodeId;
 
 /// What happens to a node or to a line out of it.
 enum class Incident : std::uint8_t {
-  killed, started, frozen, thawed, cut, healed,
-  output_replaced,            ///< its neighbour came or went: its line ends, or leads elsewhere
-  lost_slice, damaged_slice,  ///< on the line out of the node
-  late_slice,                 ///< ... had been held back, and goes on
-  cpu_reset, cancelled
+  killed,
+  started,
+  frozen,
+  thawed,
+  cut,
+  healed,
+  output_replaced,  ///< its neighbour came or went: its line ends, or leads elsewhere
+  lost_slice,
+  damaged_slice,  ///< on the line out of the node
+  late_slice,     ///< ... had been held back, and goes on
+  cpu_reset,
+  cancelled
 };
 
 /// Sees everything that happens in a virtual ring and changes nothing: a trace, the invariants.

@@ -7,14 +7,22 @@ namespace {
 
 const char* kind_name(wire::SliceKind kind) {
   switch (kind) {
-    case wire::SliceKind::start: return "start";
-    case wire::SliceKind::more: return "more";
-    case wire::SliceKind::end: return "end";
-    case wire::SliceKind::whole: return "whole";
-    case wire::SliceKind::interrupt: return "INTP";
-    case wire::SliceKind::abort: return "abort";
-    case wire::SliceKind::idle: return "idle";
-    case wire::SliceKind::fold: return "fold";
+    case wire::SliceKind::start:
+      return "start";
+    case wire::SliceKind::more:
+      return "more";
+    case wire::SliceKind::end:
+      return "end";
+    case wire::SliceKind::whole:
+      return "whole";
+    case wire::SliceKind::interrupt:
+      return "INTP";
+    case wire::SliceKind::abort:
+      return "abort";
+    case wire::SliceKind::idle:
+      return "idle";
+    case wire::SliceKind::fold:
+      return "fold";
   }
   return "";
 }
@@ -29,8 +37,9 @@ std::uint64_t mix(std::uint64_t x) {
 }  // namespace
 
 const char* to_string(Incident incident) {
-  constexpr const char* kNames[] = {"killed", "started", "frozen", "thawed", "cut", "healed", "output replaced",
-                                    "slice lost", "slice damaged", "slice late", "CPU reset", "sends cancelled"};
+  constexpr const char* kNames[] = {"killed",        "started",    "frozen",          "thawed",
+                                    "cut",           "healed",     "output replaced", "slice lost",
+                                    "slice damaged", "slice late", "CPU reset",       "sends cancelled"};
   return kNames[static_cast<std::size_t>(incident)];
 }
 

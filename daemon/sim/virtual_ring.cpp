@@ -83,7 +83,8 @@ std::uint32_t VirtualRing::pull(NodeId id, unsigned input) {
   const auto& inputs = nodes_[id].controller->settings().inputs;
   if (input < inputs.size() && inputs[input])
     for (Observer* observer : observers_)
-      observer->asked(id, core::InterruptRequest{kUser, token, inputs[input]->destination, inputs[input]->factor}, now_);
+      observer->asked(id, core::InterruptRequest{kUser, token, inputs[input]->destination, inputs[input]->factor},
+                      now_);
   node(id).pull(kUser, token, input, now_);
   return token;
 }
@@ -136,9 +137,8 @@ bool VirtualRing::run_until(const std::function<bool()>& done, Duration limit) {
 
 bool VirtualRing::join() {
   const auto joined = [&] {
-    return std::all_of(nodes_.begin(), nodes_.end(), [](const Node& n) {
-      return !n.alive || n.controller->membership().accepts_sends();
-    });
+    return std::all_of(nodes_.begin(), nodes_.end(),
+                       [](const Node& n) { return !n.alive || n.controller->membership().accepts_sends(); });
   };
   return run_until(joined, std::chrono::seconds(10));
 }

@@ -16,11 +16,11 @@ namespace limb_ring::sim {
 using core::NetworkController;
 
 struct VirtualRingOptions {
-  unsigned nodes = 4;                                ///< 1 to 255; their ids are 0, 1, 2 ...
-  Duration byte_time{0};                             ///< on every line; 8 ns is 1 Gbit/s
+  unsigned nodes = 4;                                    ///< 1 to 255; their ids are 0, 1, 2 ...
+  Duration byte_time{0};                                 ///< on every line; 8 ns is 1 Gbit/s
   Duration relay_delay = std::chrono::nanoseconds(512);  ///< d: line and NC, before the Packet Manager
-  bool start = true;                                 ///< false: nodes stay dead until start()
-  bool keep_logs = true;                             ///< false: events and packets go to the callbacks only
+  bool start = true;                                     ///< false: nodes stay dead until start()
+  bool keep_logs = true;                                 ///< false: events and packets go to the callbacks only
   /// Last changes to a node's settings; its relay_delay is that of the line into it.
   std::function<void(core::Settings&)> adjust = [](core::Settings&) {};
 };
@@ -55,8 +55,8 @@ class VirtualRing {
   bool alive(NodeId id) const { return nodes_[id].alive; }
 
   /// Node `id` sends; @return the token its SendEnded will carry (owner 1)
-  std::uint32_t send(NodeId id, NodeId destination, const std::vector<std::uint8_t>& data,
-                     std::uint8_t priority = 0, std::uint8_t channel = 0);
+  std::uint32_t send(NodeId id, NodeId destination, const std::vector<std::uint8_t>& data, std::uint8_t priority = 0,
+                     std::uint8_t channel = 0);
   std::uint32_t interrupt(NodeId id, NodeId destination, std::uint8_t factor);
   std::uint32_t pull(NodeId id, unsigned input);
   /// The CPU of node `id` is reset: its sends end, its receive buffers are emptied.
@@ -115,7 +115,7 @@ class VirtualRing {
     bool cut = false;
     int successor = -1;
     int predecessor = -1;
-    std::uint64_t epoch = 0;     ///< bytes under way on a line that was replaced are lost
+    std::uint64_t epoch = 0;  ///< bytes under way on a line that was replaced are lost
     Tap tap;
   };
   /// Tells the observers what reaches and leaves a node's blocks.
@@ -138,16 +138,14 @@ class VirtualRing {
     std::array<Wire, 2> lines;
     std::uint64_t lives = 0;
     std::uint32_t next_token = 1;
-    std::size_t delay_line = 0;          ///< of the line into it
+    std::size_t delay_line = 0;  ///< of the line into it
     NodeLog log;
   };
   struct Action {
     Time at;
     std::uint64_t order;
     std::function<void()> what;
-    bool operator>(const Action& other) const {
-      return at != other.at ? at > other.at : order > other.order;
-    }
+    bool operator>(const Action& other) const { return at != other.at ? at > other.at : order > other.order; }
   };
 
   core::Settings settings_of(NodeId id) const;

@@ -8,7 +8,7 @@
 namespace limb_ring::sim {
 
 /// What a line is taken for where nothing else is said. (ours)
-constexpr std::uint64_t kUsualRate = 1'000'000'000;         ///< bit/s
+constexpr std::uint64_t kUsualRate = 1'000'000'000;        ///< bit/s
 constexpr std::chrono::nanoseconds kUsualRelayDelay{512};  ///< d: line and node
 
 /// Rate and delay for lines of which the file gives no rate.

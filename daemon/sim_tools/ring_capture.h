@@ -17,8 +17,7 @@ enum class CaptureAt : std::uint8_t { inputs, inputs_and_outputs };
 /// Faults, states and pins are events. Must live as long as the ring runs.
 class RingCapture : public Observer {
  public:
-  RingCapture(VirtualRing& ring, std::ostream& out, capture::RingNames names,
-              CaptureAt at = CaptureAt::inputs);
+  RingCapture(VirtualRing& ring, std::ostream& out, capture::RingNames names, CaptureAt at = CaptureAt::inputs);
 
   void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;

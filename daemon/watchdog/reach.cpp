@@ -12,8 +12,8 @@ std::size_t place(const std::vector<wire::NodeId>& order, wire::NodeId node) {
 }  // namespace
 
 // The chain begins at the node behind the broken line and ends at the one before it.
-Reach reach_of(const std::vector<wire::NodeId>& order, const std::optional<core::BrokenLine>& broken,
-               wire::NodeId from, wire::NodeId to) {
+Reach reach_of(const std::vector<wire::NodeId>& order, const std::optional<core::BrokenLine>& broken, wire::NodeId from,
+               wire::NodeId to) {
   if (!broken) return {};
   const auto in_chain = [&](wire::NodeId node) {
     return (place(order, node) + order.size() - place(order, broken->behind)) % order.size();

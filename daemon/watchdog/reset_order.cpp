@@ -6,9 +6,12 @@ using core::Outcome;
 
 const char* to_string(Effect effect) {
   switch (effect) {
-    case Effect::none: return "none";
-    case Effect::unknown: return "unknown";
-    case Effect::seen: return "seen";
+    case Effect::none:
+      return "none";
+    case Effect::unknown:
+      return "unknown";
+    case Effect::seen:
+      return "seen";
   }
   return "?";
 }
@@ -28,10 +31,8 @@ ResetOrder::Report ResetOrder::interrupt_ended(const core::SendEnded& ended, con
 
 ResetOrder::Report ResetOrder::in_doubt(const CpuKnown& cpu, core::Time now) {
   phase_ = Phase::doubtful;
-  if (!cpu.reach.sends)
-    return end(Effect::none, "not reset", now);
-  if (!cpu.reach.hears || !cpu.heard)
-    return end(Effect::unknown, "that node cannot be heard from here", now);
+  if (!cpu.reach.sends) return end(Effect::none, "not reset", now);
+  if (!cpu.reach.hears || !cpu.heard) return end(Effect::unknown, "that node cannot be heard from here", now);
   return cpu_changed(cpu, now);
 }
 
@@ -48,9 +49,12 @@ ResetOrder::Report ResetOrder::cpu_changed(const CpuKnown& cpu, core::Time now) 
 
 ResetReport ResetOrder::timed_out(core::Time now) {
   switch (phase_) {
-    case Phase::sent: return end(Effect::unknown, "the interrupt has not come home in time", now);
-    case Phase::pulled: return end(Effect::none, "the reset pin was pulled, but no CPU has come back in time", now);
-    case Phase::doubtful: break;
+    case Phase::sent:
+      return end(Effect::unknown, "the interrupt has not come home in time", now);
+    case Phase::pulled:
+      return end(Effect::none, "the reset pin was pulled, but no CPU has come back in time", now);
+    case Phase::doubtful:
+      break;
   }
   return end(Effect::unknown, "its node's beacons show no new boot so far", now);
 }

@@ -21,19 +21,19 @@ struct CpuKnown {
 
 /// What is known of what a reset has done.
 enum class Effect : std::uint8_t {
-  none,    ///< it was not reset, or has not come back
-  unknown, ///< sent, and it may have arrived: nothing that can be heard from here tells
-  seen     ///< a higher CPU boot number was heard
+  none,     ///< it was not reset, or has not come back
+  unknown,  ///< sent, and it may have arrived: nothing that can be heard from here tells
+  seen      ///< a higher CPU boot number was heard
 };
 const char* to_string(Effect effect);
 
 /// How the reset of a CPU ended.
 struct ResetReport {
   Effect effect = Effect::none;
-  std::string message;                       ///< for people
-  core::SendEnded ended;                     ///< of the INTP; lost where it has not ended yet
-  std::uint32_t boots = 0;                   ///< of that CPU, as last heard
-  core::Duration lasted{0};                  ///< from the order to this report
+  std::string message;       ///< for people
+  core::SendEnded ended;     ///< of the INTP; lost where it has not ended yet
+  std::uint32_t boots = 0;   ///< of that CPU, as last heard
+  core::Duration lasted{0};  ///< from the order to this report
   bool success() const { return effect == Effect::seen; }
 };
 

@@ -16,21 +16,30 @@ std::string text_of(core::Duration time) {
 
 const char* to_string(CpuVerdict verdict) {
   switch (verdict) {
-    case CpuVerdict::unheard: return "unheard";
-    case CpuVerdict::booting: return "booting";
-    case CpuVerdict::alive: return "alive";
-    case CpuVerdict::hung: return "hung";
-    case CpuVerdict::absent: return "absent";
-    case CpuVerdict::unreachable: return "unreachable";
+    case CpuVerdict::unheard:
+      return "unheard";
+    case CpuVerdict::booting:
+      return "booting";
+    case CpuVerdict::alive:
+      return "alive";
+    case CpuVerdict::hung:
+      return "hung";
+    case CpuVerdict::absent:
+      return "absent";
+    case CpuVerdict::unreachable:
+      return "unreachable";
   }
   return "?";
 }
 
 const char* to_string(config::SupervisorConfig::Policy policy) {
   switch (policy) {
-    case config::SupervisorConfig::Policy::off: return "off";
-    case config::SupervisorConfig::Policy::report: return "report";
-    case config::SupervisorConfig::Policy::automatic: return "auto";
+    case config::SupervisorConfig::Policy::off:
+      return "off";
+    case config::SupervisorConfig::Policy::report:
+      return "report";
+    case config::SupervisorConfig::Policy::automatic:
+      return "auto";
   }
   return "?";
 }
@@ -75,7 +84,8 @@ void Watchdog::judge(Entry& cpu, const CpuSighting& seen, core::Time now) {
   // The process that a reset has killed is neither booting nor absent: it is not cured yet.
   const bool cured_yet = !(cpu.verdict == CpuVerdict::hung && cpu.under_reset);
   switch (seen.state) {
-    case wire::CpuState::running: return speaks(cpu, now);
+    case wire::CpuState::running:
+      return speaks(cpu, now);
     case wire::CpuState::silent:
       if (now < cpu.booted_at + settings_.grace) return enter(cpu, CpuVerdict::booting, "silent within its grace", now);
       return enter(cpu, CpuVerdict::hung, "silent for " + text_of(seen.silent), now);

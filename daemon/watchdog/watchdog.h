@@ -31,8 +31,8 @@ constexpr int kMissedBeacons = 5;
 std::vector<wire::NodeId> watched_in(const config::RingConfig& ring);
 
 enum class CpuVerdict {
-  unheard,     ///< nothing was heard of its node yet
-  booting,     ///< not there yet, or silent within the grace after its start
+  unheard,  ///< nothing was heard of its node yet
+  booting,  ///< not there yet, or silent within the grace after its start
   alive,
   hung,        ///< its network controller is heard, and says that the CPU is silent; until it speaks or has booted
   absent,      ///< no process is the CPU; nothing that a reset pin cures

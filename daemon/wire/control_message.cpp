@@ -18,30 +18,38 @@ constexpr std::size_t kBoot = 1, kCpuBoots = 9, kCpuState = 13, kCpuSilent = 14,
                       kCpuComesBack = 25;
 }
 
-bool is(ByteView data, std::uint8_t type, std::size_t size) {
-  return data.size == size && data[kTypeAt] == type;
-}
+bool is(ByteView data, std::uint8_t type, std::size_t size) { return data.size == size && data[kTypeAt] == type; }
 
 }  // namespace
 
 const char* to_string(CpuState state) {
   switch (state) {
-    case CpuState::none: return "none";
-    case CpuState::absent: return "absent";
-    case CpuState::booting: return "booting";
-    case CpuState::running: return "running";
-    case CpuState::silent: return "silent";
-    case CpuState::failed: return "failed";
+    case CpuState::none:
+      return "none";
+    case CpuState::absent:
+      return "absent";
+    case CpuState::booting:
+      return "booting";
+    case CpuState::running:
+      return "running";
+    case CpuState::silent:
+      return "silent";
+    case CpuState::failed:
+      return "failed";
   }
   return "unknown";
 }
 
 const char* to_string(LinkState state) {
   switch (state) {
-    case LinkState::down: return "down";
-    case LinkState::up: return "up";
-    case LinkState::silent: return "silent";
-    case LinkState::folded: return "folded";
+    case LinkState::down:
+      return "down";
+    case LinkState::up:
+      return "up";
+    case LinkState::silent:
+      return "silent";
+    case LinkState::folded:
+      return "folded";
   }
   return "unknown";
 }

@@ -25,9 +25,7 @@ inline Priority priority_of(std::uint8_t pri) { return Priority{static_cast<std:
 inline ChannelId channel_of(std::uint8_t pri) { return ChannelId{static_cast<std::uint8_t>(pri >> 2)}; }
 
 /// True for a DATP on the network controllers' own channel.
-inline bool is_control(const PacketFields& packet) {
-  return channel_of(packet.last()) == id_of(Channel::control);
-}
+inline bool is_control(const PacketFields& packet) { return channel_of(packet.last()) == id_of(Channel::control); }
 
 /// A DATP as a plain value.
 struct DataPacket {

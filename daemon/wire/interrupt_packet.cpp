@@ -3,8 +3,14 @@
 namespace limb_ring::wire {
 
 InterruptBytes encode(const InterruptPacket& packet) {
-  InterruptBytes out{packet.code.byte(), kSop, packet.hop, packet.source, kEop, packet.fbc,
-                     packet.destination, static_cast<std::uint8_t>(packet.factor & 7)};
+  InterruptBytes out{packet.code.byte(),
+                     kSop,
+                     packet.hop,
+                     packet.source,
+                     kEop,
+                     packet.fbc,
+                     packet.destination,
+                     static_cast<std::uint8_t>(packet.factor & 7)};
   store_u32(out.data() + 8, crc32({out.data(), 8}));
   return out;
 }

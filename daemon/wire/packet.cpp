@@ -7,11 +7,16 @@ namespace limb_ring::wire {
 
 const char* to_string(PacketError error) {
   switch (error) {
-    case PacketError::none: return "good";
-    case PacketError::size: return "a size no packet of its kind has";
-    case PacketError::header: return "no valid header (kind, SOP or SID)";
-    case PacketError::trailer: return "no EOP where the trailer should begin";
-    case PacketError::crc: return "wrong CRC";
+    case PacketError::none:
+      return "good";
+    case PacketError::size:
+      return "a size no packet of its kind has";
+    case PacketError::header:
+      return "no valid header (kind, SOP or SID)";
+    case PacketError::trailer:
+      return "no EOP where the trailer should begin";
+    case PacketError::crc:
+      return "wrong CRC";
   }
   return "unknown";
 }

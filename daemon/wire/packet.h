@@ -13,12 +13,12 @@
 ///   CRC     32 bits, big-endian           over everything before it, as it is on that line
 namespace limb_ring::wire {
 
-using NodeId = std::uint8_t;               ///< SID, DID: 0..254
-constexpr NodeId kBroadcast = 0xFF;        ///< as DID: every node but the source
+using NodeId = std::uint8_t;         ///< SID, DID: 0..254
+constexpr NodeId kBroadcast = 0xFF;  ///< as DID: every node but the source
 constexpr std::uint8_t kSop = 0xFB;
 constexpr std::uint8_t kEop = 0xFD;
-constexpr std::uint8_t kFbcUntaken = 0xFF; ///< FBC as the source sends it: nobody took it yet
-constexpr std::uint8_t kFbcMax = 254;      ///< the most free buffers a receiver may write
+constexpr std::uint8_t kFbcUntaken = 0xFF;  ///< FBC as the source sends it: nobody took it yet
+constexpr std::uint8_t kFbcMax = 254;       ///< the most free buffers a receiver may write
 
 constexpr std::size_t kHeaderSize = 4;
 constexpr std::size_t kTrailerSize = 4;
@@ -53,7 +53,7 @@ struct Code {
   bool interrupt = false;
   std::uint8_t attempt = 0;  ///< 0 the first, 1..3 retries
   Sequence sequence{};
-  Incarnation incarnation{};   ///< incarnation_of() the source's boot number
+  Incarnation incarnation{};  ///< incarnation_of() the source's boot number
 
   std::uint8_t byte() const {
     return static_cast<std::uint8_t>((incarnation & 3) << 6 | (interrupt ? 1 << 5 : 0) | (attempt & 3) << 3 |
@@ -61,8 +61,8 @@ struct Code {
   }
 };
 inline Code code_of(std::uint8_t byte) {
-  return {(byte >> 5 & 1) != 0, static_cast<std::uint8_t>(byte >> 3 & 3),
-          Sequence{static_cast<std::uint8_t>(byte & 7)}, Incarnation{static_cast<std::uint8_t>(byte >> 6)}};
+  return {(byte >> 5 & 1) != 0, static_cast<std::uint8_t>(byte >> 3 & 3), Sequence{static_cast<std::uint8_t>(byte & 7)},
+          Incarnation{static_cast<std::uint8_t>(byte >> 6)}};
 }
 /// What a packet says of its source's boot number: its two low bits.
 constexpr Incarnation incarnation_of(std::uint64_t boot) { return Incarnation{static_cast<std::uint8_t>(boot & 3)}; }

@@ -18,14 +18,21 @@ constexpr std::size_t kMagicAt = 0, kKindAt = 1, kSizeAt = 2;
 
 bool slice_size_fits(SliceKind kind, std::size_t size) {
   switch (kind) {
-    case SliceKind::start: return size >= kHeaderSize && size <= kHeaderSize + kMaxPayload && size % kWord == 0;
-    case SliceKind::more: return size >= kWord && size <= kMaxPayload && size % kWord == 0;
-    case SliceKind::end: return size >= kTail && size <= kTail + kMaxPayload;
-    case SliceKind::whole: return size >= kMinDataPacketSize && size <= kMaxDataPacketSize;
-    case SliceKind::interrupt: return size == kInterruptPacketSize;
+    case SliceKind::start:
+      return size >= kHeaderSize && size <= kHeaderSize + kMaxPayload && size % kWord == 0;
+    case SliceKind::more:
+      return size >= kWord && size <= kMaxPayload && size % kWord == 0;
+    case SliceKind::end:
+      return size >= kTail && size <= kTail + kMaxPayload;
+    case SliceKind::whole:
+      return size >= kMinDataPacketSize && size <= kMaxDataPacketSize;
+    case SliceKind::interrupt:
+      return size == kInterruptPacketSize;
     case SliceKind::abort:
-    case SliceKind::idle: return size == 0;
-    case SliceKind::fold: return size == kFoldWordSize;
+    case SliceKind::idle:
+      return size == 0;
+    case SliceKind::fold:
+      return size == kFoldWordSize;
   }
   return false;
 }

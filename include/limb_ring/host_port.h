@@ -34,9 +34,9 @@ const char* to_string(Outcome outcome);
 /// A packet for this CPU. Packets come by priority, 0 first. (paper)
 struct Packet {
   std::uint8_t source = 0;
-  std::uint8_t destination = 0;  ///< this node's id, or kBroadcast
-  std::uint8_t priority = 0;     ///< 0 (highest) to 3
-  std::uint8_t channel = 0;      ///< 0 user, 2 joint data, 3 topic fragments, 4 to 63 free
+  std::uint8_t destination = 0;    ///< this node's id, or kBroadcast
+  std::uint8_t priority = 0;       ///< 0 (highest) to 3
+  std::uint8_t channel = 0;        ///< 0 user, 2 joint data, 3 topic fragments, 4 to 63 free
   std::vector<std::uint8_t> data;  ///< 1 to 512 bytes
 };
 
@@ -117,16 +117,16 @@ class HostPort {
   HostPort& operator=(HostPort&&) noexcept;
   ~HostPort();
 
-  std::uint8_t id() const;           ///< of the node this port belongs to
-  const std::string& name() const;   ///< its name
-  const std::string& ring() const;   ///< the ring's name
+  std::uint8_t id() const;          ///< of the node this port belongs to
+  const std::string& name() const;  ///< its name
+  const std::string& ring() const;  ///< the ring's name
 
   /// Sends 1 to 512 bytes to a node (0 to 254) or kBroadcast, at priority 0 (highest) to 3.
   /// @return token of the Result. Bad arguments give a Result `rejected` with the reason.
-  std::uint32_t send(std::uint8_t destination, const std::uint8_t* data, std::size_t size,
-                     std::uint8_t priority = 2, std::uint8_t channel = 0);
-  std::uint32_t send(std::uint8_t destination, const std::vector<std::uint8_t>& data,
-                     std::uint8_t priority = 2, std::uint8_t channel = 0) {
+  std::uint32_t send(std::uint8_t destination, const std::uint8_t* data, std::size_t size, std::uint8_t priority = 2,
+                     std::uint8_t channel = 0);
+  std::uint32_t send(std::uint8_t destination, const std::vector<std::uint8_t>& data, std::uint8_t priority = 2,
+                     std::uint8_t channel = 0) {
     return send(destination, data.data(), data.size(), priority, channel);
   }
   /// Sends an interrupt packet: pulls pin `factor` (0 to 7) of `destination`. A broadcast to a

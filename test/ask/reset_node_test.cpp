@@ -18,7 +18,9 @@ ResetQuery query() {
 }
 
 json heard_by(int id, unsigned boots, int age_ms) {
-  return {{"id", id}, {"state", "open_chain"}, {"cpu", {{"boots", 1}}},
+  return {{"id", id},
+          {"state", "open_chain"},
+          {"cpu", {{"boots", 1}}},
           {"broken_line", {{"before", 13}, {"behind", 0}}},
           {"heard", {{{"id", 12}, {"cpu_boots", boots}, {"age_ms", age_ms}}}}};
 }

@@ -16,9 +16,7 @@ TEST(HopsReport, RatesAreTheBestOfTheRoundsInMillions) {
   EXPECT_DOUBLE_EQ(rows[0]["m_hops_s_254"], 4);
 }
 
-TEST(HopsReport, TheFirstRowCostsOnceItself) {
-  EXPECT_DOUBLE_EQ(hops::report({kBare})[0]["cost_16"], 1);
-}
+TEST(HopsReport, TheFirstRowCostsOnceItself) { EXPECT_DOUBLE_EQ(hops::report({kBare})[0]["cost_16"], 1); }
 
 TEST(HopsReport, CostIsTheMedianOfRatiosWithinARound) {
   // 8/2, 4/1, 8/4: 4, 4, 2. The bests alone would say 8/4 = 2.

@@ -67,7 +67,8 @@ TEST(PacketTrips, ASightingOfAnotherPacketOfThatNumberBeginsAnew) {
 TEST(PacketTrips, ANumberThatComesAgainBeginsAnewWhateverIsMissing) {
   std::vector<SeenPacket> packets;
   for (unsigned i = 0; i < 9; ++i)
-    pass(packets, {static_cast<std::uint8_t>(i % 8)}, i * 1ms, i == 0 ? std::set<unsigned>{2, 3, 4, 5} : std::set<unsigned>{0, 1});
+    pass(packets, {static_cast<std::uint8_t>(i % 8)}, i * 1ms,
+         i == 0 ? std::set<unsigned>{2, 3, 4, 5} : std::set<unsigned>{0, 1});
   const TracedRing ring(packets);
   EXPECT_EQ(ring.trips(), 9u);
 }

@@ -125,7 +125,8 @@ TEST(Pcapng, NamesAndEventsAreFitForATerminalAndJson) {
 /// The packet at a time of so many steps of 10^-resolution s.
 std::string file_of_time(std::uint64_t time, char resolution) {
   std::string file = file_of_one_packet();
-  const std::size_t option = file.find(std::string("\x09\0\x01\0\x09", 5)), packet = file.find(std::string("\x06\0\0\0", 4), option);
+  const std::size_t option = file.find(std::string("\x09\0\x01\0\x09", 5)),
+                    packet = file.find(std::string("\x06\0\0\0", 4), option);
   file[option + 4] = resolution;
   for (unsigned i = 0; i < 4; ++i) {
     file[packet + 12 + i] = static_cast<char>(time >> (32 + 8 * i));

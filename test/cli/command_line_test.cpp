@@ -50,7 +50,8 @@ class Program : public testing::Test {
 TEST_F(Program, GuessesTheSubcommandThatWasMeant) {
   EXPECT_EQ(refusal({"stauts"}), "'prog stauts' is unknown, did you mean 'status'? There are: send, status, fault");
   EXPECT_EQ(refusal({"dance"}), "'prog dance' is unknown. There are: send, status, fault");
-  EXPECT_EQ(refusal({"--ring", "r", "sned"}), "'prog sned' is unknown, did you mean 'send'? There are: send, status, fault");
+  EXPECT_EQ(refusal({"--ring", "r", "sned"}),
+            "'prog sned' is unknown, did you mean 'send'? There are: send, status, fault");
   EXPECT_EQ(refusal({"fault", "cutt"}), "'prog fault cutt' is unknown, did you mean 'cut'? There are: cut, heal");
   EXPECT_THAT(refusal({"stauts", "--help"}), HasSubstr("'prog stauts' is unknown"));
 }

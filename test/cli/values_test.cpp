@@ -27,8 +27,7 @@ TEST(Seconds, MayHaveAUnit) {
   EXPECT_EQ(taken(seconds(0, 600), "5ms"), "0.005");
   EXPECT_EQ(taken(seconds(0, 600), "2"), "2");
   EXPECT_EQ(taken(seconds(0, 600), "100us"), "0.0001");
-  EXPECT_EQ(taken(seconds(0.1, 600), "5ms"),
-            "'5ms' is not a time, 0.1 to 600 s: 500ms, 2s, or a number of seconds");
+  EXPECT_EQ(taken(seconds(0.1, 600), "5ms"), "'5ms' is not a time, 0.1 to 600 s: 500ms, 2s, or a number of seconds");
 }
 
 TEST(Word, IsRefusedWithAGuess) {

@@ -35,13 +35,11 @@ class Connect : public testing::Test {
 };
 
 TEST_F(Connect, SaysWhereItLookedWhenNoDaemonIsThere) {
-  expect_refusal(options("r", "3"), AllOf(HasSubstr(folder.path() + "/limb_ring/r/3.host"),
-                                          HasSubstr("is ringd running")));
+  expect_refusal(options("r", "3"),
+                 AllOf(HasSubstr(folder.path() + "/limb_ring/r/3.host"), HasSubstr("is ringd running")));
 }
 
-TEST_F(Connect, SaysThatNoRingIsRunning) {
-  expect_refusal(options("", "3"), HasSubstr("no ring is running"));
-}
+TEST_F(Connect, SaysThatNoRingIsRunning) { expect_refusal(options("", "3"), HasSubstr("no ring is running")); }
 
 TEST_F(Connect, AsksForANode) { expect_refusal(options("r", ""), HasSubstr("LIMB_RING_NODE")); }
 
@@ -91,8 +89,7 @@ TEST_F(Connect, GivesTheDaemonsReasonWhenItIsRefused) {
   auto port = std::async([] { return HostPort::connect(options("r", "3")); });
   daemon.accept();
   daemon.say(client::Refused{"node 3 has a CPU already"});
-  EXPECT_THAT(test::thrown<HostPortError>([&] { port.get(); }),
-              HasSubstr("has a CPU already"));
+  EXPECT_THAT(test::thrown<HostPortError>([&] { port.get(); }), HasSubstr("has a CPU already"));
 }
 
 TEST_F(Connect, GoesOnTryingWhileTheDaemonIsNotThere) {

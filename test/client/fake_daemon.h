@@ -24,8 +24,8 @@ class FakeDaemon {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path, path_.c_str(), path_.size() + 1);
-    const bool ready = ::bind(listening_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 &&
-                       ::listen(listening_, 8) == 0;
+    const bool ready =
+        ::bind(listening_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 && ::listen(listening_, 8) == 0;
     if (!ready) throw std::runtime_error("cannot listen at " + path_);
   }
   ~FakeDaemon() {

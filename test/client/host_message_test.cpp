@@ -48,10 +48,10 @@ Greeting some_greeting() {
 }
 
 TEST(HostMessage, GreetingBeginsWithMagicAndVersion) {
-  const Bytes golden{0,    0,    0,    21,   1,          // size, type
-                     'L',  'R',  'H',  'P',  0,    2,    // magic, version
-                     1,    1,    0,    0,    0x12, 0x67,  // cpu, restarted by owner, pid
-                     0,    1,    0x11, 0x70, 0,    2, 'a', 'b'};
+  const Bytes golden{0,   0,   0,    21,   1,           // size, type
+                     'L', 'R', 'H',  'P',  0,    2,     // magic, version
+                     1,   1,   0,    0,    0x12, 0x67,  // cpu, restarted by owner, pid
+                     0,   1,   0x11, 0x70, 0,    2,    'a', 'b'};
   Greeting greeting = some_greeting();
   greeting.ring = "ab";
   EXPECT_EQ(encoded(greeting), golden);

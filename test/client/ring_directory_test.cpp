@@ -27,14 +27,12 @@ TEST_F(RingDirectory, LiesInTheRuntimeFolder) {
 
 TEST_F(RingDirectory, LiesInAFolderOfItsOwnBelowTheTemporaryOneOtherwise) {
   unsetenv("XDG_RUNTIME_DIR");
-  const fs::path expected =
-      fs::temp_directory_path() / ("limb_ring-" + std::to_string(geteuid())) / "r";
+  const fs::path expected = fs::temp_directory_path() / ("limb_ring-" + std::to_string(geteuid())) / "r";
   EXPECT_EQ(ring_directory("r"), expected.string());
 }
 
 TEST_F(RingDirectory, RefusesNamesThatAreNoNames) {
-  for (const char* bad : {"", "..", ".hidden", "a/b", "a b", "\xC3\xA4",
-                          "a23456789012345678901234567890123"}) {
+  for (const char* bad : {"", "..", ".hidden", "a/b", "a b", "\xC3\xA4", "a23456789012345678901234567890123"}) {
     EXPECT_THROW(ring_directory(bad), std::invalid_argument) << bad;
   }
   EXPECT_NO_THROW(ring_directory("a2345678901234567890123456789012"));
@@ -58,16 +56,14 @@ TEST_F(RingDirectory, IsRefusedWhereItIsOpenToOthers) {
 TEST_F(RingDirectory, IsRefusedWhereItIsALink) {
   make_ring_directory("r");
   fs::create_directory_symlink("r", rings_directory() + "/s");
-  EXPECT_THAT(test::thrown<std::runtime_error>([] { make_ring_directory("s"); }),
-              HasSubstr("symbolic link"));
+  EXPECT_THAT(test::thrown<std::runtime_error>([] { make_ring_directory("s"); }), HasSubstr("symbolic link"));
 }
 
 TEST_F(RingDirectory, IsRefusedWhereItBelongsToAnotherUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can make another user's folder";
   const std::string made = make_ring_directory("r");
   ASSERT_EQ(chown(made.c_str(), 65534, 65534), 0);
-  EXPECT_THAT(test::thrown<std::runtime_error>([] { make_ring_directory("r"); }),
-              HasSubstr("belongs to user 65534"));
+  EXPECT_THAT(test::thrown<std::runtime_error>([] { make_ring_directory("r"); }), HasSubstr("belongs to user 65534"));
 }
 
 TEST_F(RingDirectory, NamesTheRuntimeFolderThatIsMissing) {

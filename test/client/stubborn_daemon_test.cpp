@@ -60,8 +60,7 @@ TEST_F(StubbornDaemon, BeingGoneCancelsLaterCallsToo) {
   daemon.hang_up();
   next<Disconnected>(port);
   EXPECT_EQ(port.wait(port.send(4, {1}), kGuard).outcome, Outcome::cancelled);
-  EXPECT_THAT(test::thrown<HostPortError>([&] { port.ask("{}", kGuard); }),
-              HasSubstr("closed the connection"));
+  EXPECT_THAT(test::thrown<HostPortError>([&] { port.ask("{}", kGuard); }), HasSubstr("closed the connection"));
 }
 
 TEST_F(StubbornDaemon, EndingWhileAskedEndsTheQuestion) {

@@ -6,8 +6,7 @@ namespace limb_ring::config {
 namespace {
 
 TEST(Names, OfRingsMayBecomeFolders) {
-  for (const char* name : {"humanoid16", "a", "left-arm_2.1", "16"})
-    EXPECT_TRUE(is_ring_name(name)) << name;
+  for (const char* name : {"humanoid16", "a", "left-arm_2.1", "16"}) EXPECT_TRUE(is_ring_name(name)) << name;
   for (const char* name : {"", ".", "..", ".ring", "a/b", "a b", "r\xC3\xB6hre"})
     EXPECT_FALSE(is_ring_name(name)) << name;
   EXPECT_TRUE(is_ring_name(std::string(32, 'r')));
@@ -21,8 +20,7 @@ TEST(Names, OfNodesCannotBeTakenForIds) {
 }
 
 TEST(Names, OfTopicsAreThoseOfRos) {
-  for (const char* name : {"wrench", "/camera/image", "~state", "a/b_c/d1"})
-    EXPECT_TRUE(is_topic_name(name)) << name;
+  for (const char* name : {"wrench", "/camera/image", "~state", "a/b_c/d1"}) EXPECT_TRUE(is_topic_name(name)) << name;
   for (const char* name : {"", "~", "/", "a//b", "a/", "1a", "a b", "a-b", "a~b"})
     EXPECT_FALSE(is_topic_name(name)) << name;
 }

@@ -93,8 +93,7 @@ TEST(NodeFile, PinsDriveWhatTheySay) {
 }
 
 TEST(NodeFile, InputsLeadToANodeOrToAll) {
-  const NodeConfig node =
-      node_of("    inputs: {0: {to: all, factor: 3}, 7: {to: knee, factor: 0}}\n");
+  const NodeConfig node = node_of("    inputs: {0: {to: all, factor: 3}, 7: {to: knee, factor: 0}}\n");
   ASSERT_TRUE(node.inputs[0]);
   EXPECT_TRUE(node.inputs[0]->broadcast);
   EXPECT_EQ(node.inputs[0]->factor, 3);

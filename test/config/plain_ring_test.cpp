@@ -33,8 +33,7 @@ TEST(PlainRing, HasTwoTo255Nodes) {
 TEST(PlainRing, TransportIsThatOfTheCommandLine) {
   RingConfig ring = plain_ring("r", 2);
   apply_transport(ring, "udp");
-  for (const NodeConfig& node : ring.nodes)
-    EXPECT_EQ(node.link.transport, LinkConfig::Transport::udp);
+  for (const NodeConfig& node : ring.nodes) EXPECT_EQ(node.link.transport, LinkConfig::Transport::udp);
   apply_transport(ring, "unix");
   EXPECT_EQ(ring.nodes[1].link.transport, LinkConfig::Transport::unix_stream);
   EXPECT_THROW(apply_transport(ring, "tcp"), ConfigError);

@@ -37,8 +37,8 @@ TEST(Time, IsWrittenInTheLargestWholeUnit) {
 }
 
 TEST(Time, IsNothingElse) {
-  for (const char* text : {"", "12", "12 parsec", "ms", "e3ms", "-5ms", "+5ms", "5  ms", "5ms ",
-                           ".", ".ms", "1.2.3s", "5 MS", "99999999999s", "1,5s", "1e99s"})
+  for (const char* text : {"", "12", "12 parsec", "ms", "e3ms", "-5ms", "+5ms", "5  ms", "5ms ", ".", ".ms", "1.2.3s",
+                           "5 MS", "99999999999s", "1,5s", "1e99s"})
     EXPECT_FALSE(parse_time(text)) << text;
 }
 
@@ -52,7 +52,8 @@ TEST(Rate, IsReadInEveryUnitAndAsAPlainNumber) {
 }
 
 TEST(Rate, IsReadAsPeopleWriteIt) {
-  for (const char* text : {"1e9", "1G", "1g", "1Gbps", "1Gbit", "1 Gb/s", "1000M", "1000Mbits/s", "1E+9", "1.0e9 bit/s"})
+  for (const char* text :
+       {"1e9", "1G", "1g", "1Gbps", "1Gbit", "1 Gb/s", "1000M", "1000Mbits/s", "1E+9", "1.0e9 bit/s"})
     EXPECT_EQ(parse_rate(text), 1000000000u) << text;
   EXPECT_EQ(parse_rate("10MBit/s"), 10000000u);
   EXPECT_EQ(parse_rate("10mbit/s"), 10000000u);
@@ -93,9 +94,8 @@ TEST(Integer, IsAPlainWholeNumber) {
   EXPECT_EQ(parse_integer("254"), 254);
   EXPECT_EQ(parse_integer("-3"), -3);
   EXPECT_EQ(parse_integer("+3"), 3);
-  for (const char* text :
-       {"", "+", "-", "+-3", "1.0", "0x10", "1e", "1e-3", "1.5", "1.0001k", "5m", "-1k", "12 ", "1 kB", "1e30",
-        "99999999999999999999"})
+  for (const char* text : {"", "+", "-", "+-3", "1.0", "0x10", "1e", "1e-3", "1.5", "1.0001k", "5m", "-1k", "12 ",
+                           "1 kB", "1e30", "99999999999999999999"})
     EXPECT_FALSE(parse_integer(text)) << text;
 }
 

@@ -21,12 +21,13 @@ TEST(RingFile, WithNothingButNodesHasTheDefaults) {
 }
 
 TEST(RingFile, SetsLimitsAndTimeouts) {
-  const RingConfig ring = read(two_nodes(
-      "limits: {insertion_buffer: 2, interrupt_buffer: 3, send_queue: 4, receive_buffers: 5, "
-      "clients: 6}\n"
-      "timeouts: {send: 1ms, refused: 2s, refused_backoff: 3ms, queue: 4ms, stall: 5ms, idle: "
-      "6ms,\n"
-      "           silence: 70ms, first_successor: 8ms, break_grace: 9ms, fold_permission: 12ms, beacon: 90ms, cpu_boot: 10s, command: 11ms}\n"));
+  const RingConfig ring =
+      read(two_nodes("limits: {insertion_buffer: 2, interrupt_buffer: 3, send_queue: 4, receive_buffers: 5, "
+                     "clients: 6}\n"
+                     "timeouts: {send: 1ms, refused: 2s, refused_backoff: 3ms, queue: 4ms, stall: 5ms, idle: "
+                     "6ms,\n"
+                     "           silence: 70ms, first_successor: 8ms, break_grace: 9ms, fold_permission: 12ms, beacon: "
+                     "90ms, cpu_boot: 10s, command: 11ms}\n"));
   EXPECT_EQ(ring.limits.insertion_buffer, 2u);
   EXPECT_EQ(ring.limits.interrupt_buffer, 3u);
   EXPECT_EQ(ring.limits.send_queue, 4u);
@@ -48,10 +49,10 @@ TEST(RingFile, SetsLimitsAndTimeouts) {
 }
 
 TEST(RingFile, SetsFirmwareBridgeAndRealtime) {
-  const RingConfig ring = read(two_nodes(
-      "firmware: {state_rate: 250, bandwidth: 12.5, damping: 1}\n"
-      "bridge: {rate: 25}\n"
-      "realtime: {cores: [0, 2], fifo: 40, lock_memory: true}\n"));
+  const RingConfig ring =
+      read(two_nodes("firmware: {state_rate: 250, bandwidth: 12.5, damping: 1}\n"
+                     "bridge: {rate: 25}\n"
+                     "realtime: {cores: [0, 2], fifo: 40, lock_memory: true}\n"));
   EXPECT_EQ(ring.firmware.state_rate, 250.0);
   EXPECT_EQ(ring.firmware.bandwidth, 12.5);
   EXPECT_EQ(ring.firmware.damping, 1.0);
@@ -82,8 +83,7 @@ TEST(RingFile, LinksAreTheDefaultOfEveryNodeWhereverTheyStand) {
 }
 
 TEST(RingFile, NodesKeepTheFilesOrder) {
-  const RingConfig ring =
-      read("ring: r\nnodes: [{id: 9, name: c}, {id: 0, name: a}, {id: 254, name: b}]\n");
+  const RingConfig ring = read("ring: r\nnodes: [{id: 9, name: c}, {id: 0, name: a}, {id: 254, name: b}]\n");
   ASSERT_EQ(ring.nodes.size(), 3u);
   EXPECT_EQ(ring.nodes[0].id, 9);
   EXPECT_EQ(ring.nodes[1].id, 0);

@@ -10,9 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-RingConfig shipped(const std::string& name) {
-  return load_ring(std::string(SHIPPED_CONFIG) + '/' + name);
-}
+RingConfig shipped(const std::string& name) { return load_ring(std::string(SHIPPED_CONFIG) + '/' + name); }
 
 std::size_t joints_of(const RingConfig& ring) {
   std::size_t joints = 0;
@@ -38,8 +36,7 @@ TEST(ShippedFiles, HumanoidHasItsNodesAndJoints) {
   EXPECT_EQ(ring.nodes[0].name, "body");
   EXPECT_EQ(ring.nodes[0].cpu.kind, CpuConfig::Kind::attached);
   EXPECT_EQ(joints_of(ring), 26u);
-  for (const char* name : {"head", "left_shoulder", "right_elbow", "left_hip", "left_knee",
-                           "right_ankle"})
+  for (const char* name : {"head", "left_shoulder", "right_elbow", "left_hip", "left_knee", "right_ankle"})
     EXPECT_NE(ring.find(name), nullptr) << name;
 }
 

@@ -60,16 +60,14 @@ TEST_F(UnreadableFile, ThatMayNotBeRead) {
 }
 
 TEST_F(UnreadableFile, ThatIsTooLarge) {
-  EXPECT_THAT(refusal_of_file(file(std::string((1 << 20) + 1, '#'))),
-              HasSubstr("is too large; allowed: up to 1 MiB"));
+  EXPECT_THAT(refusal_of_file(file(std::string((1 << 20) + 1, '#'))), HasSubstr("is too large; allowed: up to 1 MiB"));
 }
 
 TEST(NotYaml, IsRefusedWithItsPlace) {
   EXPECT_THAT(refusal_of("ring: pair\nnodes: [{id: 0\n"),
               AllOf(StartsWith("ring.yaml:3:1: is not YAML: "), HasSubstr("end of map")));
   EXPECT_THAT(refusal_of("ring: pair\n\tnodes: 1\n"), StartsWith("ring.yaml:2:"));
-  EXPECT_THAT(refusal_of("ring: *nobody\n"),
-              AllOf(StartsWith("ring.yaml:1:"), HasSubstr("anchor")));
+  EXPECT_THAT(refusal_of("ring: *nobody\n"), AllOf(StartsWith("ring.yaml:1:"), HasSubstr("anchor")));
 }
 
 TEST(NotYaml, EmptyOrSeveralDocumentsOrNoMap) {
@@ -82,7 +80,8 @@ TEST(NotYaml, EmptyOrSeveralDocumentsOrNoMap) {
 TEST(NotYaml, ACommaThatIsLeftOver) {
   EXPECT_THAT(refusal_of("{ring: r, nodes: [{id: 0}, {id: 1}]},\n"),
               StartsWith("ring.yaml:1:37: what begins here is not part of the YAML document; allowed: one document"));
-  for (const char* left_over : {",", ",\n", "a,", "[],", "{},", "],", "}", "{},,", "---\n,", "a: 1\n...\n,", "? ,", "\"a\","})
+  for (const char* left_over :
+       {",", ",\n", "a,", "[],", "{},", "],", "}", "{},,", "---\n,", "a: 1\n...\n,", "? ,", "\"a\","})
     EXPECT_THAT(refusal_of(left_over), StartsWith("ring.yaml")) << left_over;
 }
 
@@ -120,7 +119,8 @@ TEST(NotYaml, DeepByAliasesOnly) {
 }
 
 TEST(NotYaml, AnAliasOfWhatItIsIn) {
-  EXPECT_THAT(refusal_of("&a\nring: r\nnodes: [*a, *a]\n"), AllOf(StartsWith("ring.yaml:3:9: "), HasSubstr("holds itself")));
+  EXPECT_THAT(refusal_of("&a\nring: r\nnodes: [*a, *a]\n"),
+              AllOf(StartsWith("ring.yaml:3:9: "), HasSubstr("holds itself")));
   EXPECT_THAT(refusal_of("ring: &a [*a]\n"), HasSubstr("holds itself"));
   EXPECT_THAT(refusal_of("ring: &a {*a : 1}\n"), HasSubstr("holds itself"));
 }
@@ -137,7 +137,9 @@ TEST(NotYaml, AliasesThatStandForTooMuch) {
 
 TEST(NotYaml, AnAliasMayStandForWhatEndedBefore) {
   EXPECT_EQ(parse_ring("ring: r\nnodes: [{id: 0, link: &slow {rate: 1Mbit/s}}, {id: 1, link: *slow}]\n", "ring.yaml")
-                .nodes[1].link.rate, 1000000u);
+                .nodes[1]
+                .link.rate,
+            1000000u);
 }
 
 TEST(NotYaml, Garbage) {

@@ -17,11 +17,10 @@ TEST(WrongEntry, IsNamedWithFilePlaceValueAndWhatIsAllowed) {
 }
 
 TEST(WrongEntry, UnknownAtTheTop) {
-  EXPECT_THAT(
-      refusal_of(two_nodes("timeout: {}\n")),
-      AllOf(StartsWith("ring.yaml:6:1: entry 'timeout': is unknown, did you mean 'timeouts'?"),
-            HasSubstr("; allowed: ring, redundancy, limits, timeouts, links, firmware, realtime, nodes, "
-                      "supervisor, bridge, traffic")));
+  EXPECT_THAT(refusal_of(two_nodes("timeout: {}\n")),
+              AllOf(StartsWith("ring.yaml:6:1: entry 'timeout': is unknown, did you mean 'timeouts'?"),
+                    HasSubstr("; allowed: ring, redundancy, limits, timeouts, links, firmware, realtime, nodes, "
+                              "supervisor, bridge, traffic")));
 }
 
 TEST(WrongEntry, UnknownWithinASection) {
@@ -29,9 +28,8 @@ TEST(WrongEntry, UnknownWithinASection) {
               AllOf(StartsWith("ring.yaml:6:10: entry 'limits.send_que': is unknown, did you mean "
                                "'send_queue'?"),
                     HasSubstr("allowed: insertion_buffer, ")));
-  EXPECT_THAT(
-      refusal_of(two_nodes("firmware: {colour: red}\n")),
-      StartsWith("ring.yaml:6:12: entry 'firmware.colour': is unknown; allowed: state_rate"));
+  EXPECT_THAT(refusal_of(two_nodes("firmware: {colour: red}\n")),
+              StartsWith("ring.yaml:6:12: entry 'firmware.colour': is unknown; allowed: state_rate"));
 }
 
 TEST(WrongEntry, ThatHasBecomeThreeNamesThem) {
@@ -46,32 +44,28 @@ TEST(WrongEntry, GivenTwice) {
 }
 
 TEST(WrongEntry, AValueWhereAMapIsExpected) {
-  EXPECT_THAT(
-      refusal_of(two_nodes("limits: 7\n")),
-      StartsWith("ring.yaml:6:9: entry 'limits': '7' is no map (name: value); allowed: a map "
-                 "of insertion_buffer"));
+  EXPECT_THAT(refusal_of(two_nodes("limits: 7\n")),
+              StartsWith("ring.yaml:6:9: entry 'limits': '7' is no map (name: value); allowed: a map "
+                         "of insertion_buffer"));
   EXPECT_THAT(refusal_of(two_nodes("limits: [7]\n")), HasSubstr("'limits': a list is no map"));
   EXPECT_THAT(refusal_of(two_nodes("limits:\n")), HasSubstr("'limits': nothing is no map"));
 }
 
 TEST(WrongEntry, AMapOrAListWhereAValueIsExpected) {
-  EXPECT_THAT(
-      refusal_of(two_nodes("limits: {clients: [1]}\n")),
-      HasSubstr("'limits.clients': a list stands here; allowed: a whole number, 1 to 1024"));
+  EXPECT_THAT(refusal_of(two_nodes("limits: {clients: [1]}\n")),
+              HasSubstr("'limits.clients': a list stands here; allowed: a whole number, 1 to 1024"));
   EXPECT_THAT(refusal_of(two_nodes("limits: {clients: {a: 1}}\n")), HasSubstr("a map stands here"));
   EXPECT_THAT(refusal_of(two_nodes("limits: {clients: }\n")), HasSubstr("nothing stands here"));
 }
 
 TEST(WrongEntry, AListWithinTheNameOfAnEntry) {
-  EXPECT_THAT(refusal_of(two_nodes("limits: {[1]: 2}\n")),
-              HasSubstr("a list stands here; allowed: a plain name"));
+  EXPECT_THAT(refusal_of(two_nodes("limits: {[1]: 2}\n")), HasSubstr("a list stands here; allowed: a plain name"));
 }
 
 TEST(WrongEntry, TimeOutOfRangeOrWithoutUnitOrTooFine) {
   EXPECT_THAT(refusal_of(two_nodes("timeouts: {send: 61s}\n")),
               HasSubstr("'61s' is out of range; allowed: a time such as 100ms, 1ms to 60s"));
-  EXPECT_THAT(refusal_of(two_nodes("timeouts: {send: 100}\n")),
-              HasSubstr("'100' has no unit (ns, us, ms or s)"));
+  EXPECT_THAT(refusal_of(two_nodes("timeouts: {send: 100}\n")), HasSubstr("'100' has no unit (ns, us, ms or s)"));
   EXPECT_THAT(refusal_of(two_nodes("timeouts: {send: 1500us}\n")),
               AllOf(HasSubstr("'1500us' is too fine"), HasSubstr("in steps of 1ms")));
 }
@@ -79,8 +73,7 @@ TEST(WrongEntry, TimeOutOfRangeOrWithoutUnitOrTooFine) {
 TEST(WrongEntry, NumberOutOfRangeOrNone) {
   EXPECT_THAT(refusal_of(two_nodes("limits: {insertion_buffer: 1}\n")),
               HasSubstr("'1' is out of range; allowed: a whole number, 2 to 1024"));
-  EXPECT_THAT(refusal_of(two_nodes("limits: {clients: 2.5}\n")),
-              HasSubstr("'2.5' is not a whole number"));
+  EXPECT_THAT(refusal_of(two_nodes("limits: {clients: 2.5}\n")), HasSubstr("'2.5' is not a whole number"));
   EXPECT_THAT(refusal_of(two_nodes("firmware: {bandwidth: nan}\n")),
               HasSubstr("'nan' is not a number; allowed: a number, 0.1 to 100 Hz"));
   EXPECT_THAT(refusal_of(two_nodes("firmware: {bandwidth: 1000}\n")), HasSubstr("is out of range"));
@@ -91,12 +84,10 @@ TEST(WrongEntry, RateTransportAddressAndPort) {
               HasSubstr("'links.rate': 'fast' is not a rate; allowed: a rate such as 10Mbit/s"));
   EXPECT_THAT(refusal_of(two_nodes("links: {rate: 0}\n")),
               AllOf(HasSubstr("'0' is out of range"), HasSubstr("or unlimited")));
-  EXPECT_THAT(refusal_of(two_nodes("links: {transport: tcp}\n")),
-              HasSubstr("'tcp' is unknown; allowed: unix, udp"));
+  EXPECT_THAT(refusal_of(two_nodes("links: {transport: tcp}\n")), HasSubstr("'tcp' is unknown; allowed: unix, udp"));
   EXPECT_THAT(refusal_of(two_nodes("links: {address: localhost}\n")),
               HasSubstr("'localhost' is not an address in numbers"));
-  EXPECT_THAT(refusal_of(two_nodes("links: {address: 0.0.0.0}\n")),
-              HasSubstr("'0.0.0.0' is not one interface"));
+  EXPECT_THAT(refusal_of(two_nodes("links: {address: 0.0.0.0}\n")), HasSubstr("'0.0.0.0' is not one interface"));
   EXPECT_THAT(refusal_of(two_nodes("links: {port: 65500}\n")),
               HasSubstr("'65500' is out of range; allowed: a whole number, 1024 to 65281"));
 }
@@ -116,9 +107,9 @@ TEST(WrongEntry, CoresThatAreNone) {
 TEST(WrongEntry, RingNameMissingOrUnfit) {
   EXPECT_THAT(refusal_of("nodes: [{id: 0}, {id: 1}]\n"),
               StartsWith("ring.yaml:1:1: the file: 'ring' is missing; allowed: a map of ring"));
-  EXPECT_THAT(refusal_of("ring: a/b\nnodes: [{id: 0}, {id: 1}]\n"),
-              AllOf(StartsWith("ring.yaml:1:7: entry 'ring': 'a/b' is not a name"),
-                    HasSubstr("allowed: 1 to 32 letters")));
+  EXPECT_THAT(
+      refusal_of("ring: a/b\nnodes: [{id: 0}, {id: 1}]\n"),
+      AllOf(StartsWith("ring.yaml:1:7: entry 'ring': 'a/b' is not a name"), HasSubstr("allowed: 1 to 32 letters")));
 }
 
 TEST(WrongEntry, IdleThatIsNoSignOfLife) {
@@ -131,8 +122,7 @@ TEST(WrongEntry, IdleThatIsNoSignOfLife) {
 }
 
 TEST(WrongEntry, LongOrUnprintableValuesAreShownInOneShortLine) {
-  const std::string refusal =
-      refusal_of(two_nodes("timeouts: {send: \"a\\n\\x07" + std::string(500, 'x') + "\"}\n"));
+  const std::string refusal = refusal_of(two_nodes("timeouts: {send: \"a\\n\\x07" + std::string(500, 'x') + "\"}\n"));
   EXPECT_THAT(refusal, HasSubstr("'a??xxx"));
   EXPECT_THAT(refusal, HasSubstr("xxx...' is not a time"));
   EXPECT_EQ(refusal.find('\n'), std::string::npos);

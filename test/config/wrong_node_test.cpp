@@ -12,10 +12,9 @@ using ::testing::StartsWith;
 
 TEST(WrongNodes, NoneOrOneOrTooMany) {
   EXPECT_THAT(refusal_of("ring: r\n"), HasSubstr("'nodes' is missing"));
-  EXPECT_THAT(
-      refusal_of("ring: r\nnodes: []\n"),
-      StartsWith("ring.yaml:2:8: entry 'nodes': a list of 0 is too short; allowed: a list of "
-                 "2 to 255 nodes"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes: []\n"),
+              StartsWith("ring.yaml:2:8: entry 'nodes': a list of 0 is too short; allowed: a list of "
+                         "2 to 255 nodes"));
   EXPECT_THAT(refusal_of("ring: r\nnodes: [{id: 0}]\n"), HasSubstr("a list of 1 is too short"));
   std::string many = "ring: r\nnodes:\n";
   for (int i = 0; i < 256; ++i) many += "  - {id: 0}\n";
@@ -50,10 +49,9 @@ TEST(WrongNodes, NameUnfitOrTwice) {
 }
 
 TEST(WrongNodes, UnknownEntry) {
-  EXPECT_THAT(
-      refusal_of(node_with("    joint: []\n")),
-      StartsWith("ring.yaml:5:5: entry 'nodes[1].joint': is unknown, did you mean 'joints'?; "
-                 "allowed: id, name, cpu, joints"));
+  EXPECT_THAT(refusal_of(node_with("    joint: []\n")),
+              StartsWith("ring.yaml:5:5: entry 'nodes[1].joint': is unknown, did you mean 'joints'?; "
+                         "allowed: id, name, cpu, joints"));
 }
 
 TEST(WrongNodes, Cpu) {
@@ -61,8 +59,7 @@ TEST(WrongNodes, Cpu) {
               HasSubstr("'nodes[1].cpu': 'yes' is unknown; allowed: none, attached or {command:"));
   EXPECT_THAT(refusal_of(node_with("    cpu: [a]\n")), HasSubstr("a list stands here"));
   EXPECT_THAT(refusal_of(node_with("    cpu: {}\n")), HasSubstr("'command' is missing"));
-  EXPECT_THAT(refusal_of(node_with("    cpu: {command: []}\n")),
-              HasSubstr("'nodes[1].cpu.command': names no program"));
+  EXPECT_THAT(refusal_of(node_with("    cpu: {command: []}\n")), HasSubstr("'nodes[1].cpu.command': names no program"));
   EXPECT_THAT(refusal_of(node_with("    cpu: {command: limb_firmware}\n")),
               HasSubstr("'limb_firmware' is no list; allowed: a list of program and arguments"));
   EXPECT_THAT(refusal_of(node_with("    cpu: {command: [a], restart: true}\n")),
@@ -92,10 +89,9 @@ TEST(WrongNodes, Joints) {
 }
 
 TEST(WrongNodes, JointsOrSensorsOfOneName) {
-  EXPECT_THAT(
-      refusal_of("ring: r\nnodes:\n  - {id: 0, joints: [{name: a}]}\n"
-                 "  - {id: 1, joints: [{name: b}, {name: a}]}\n"),
-      StartsWith("ring.yaml:4:33: entry 'nodes[1].joints[1]': 'a' is the name of another one"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 0, joints: [{name: a}]}\n"
+                         "  - {id: 1, joints: [{name: b}, {name: a}]}\n"),
+              StartsWith("ring.yaml:4:33: entry 'nodes[1].joints[1]': 'a' is the name of another one"));
   EXPECT_THAT(refusal_of(node_with("    sensors: [{name: a}, {name: a}]\n")),
               HasSubstr("'nodes[1].sensors[1]': 'a' is the name of another one"));
 }
@@ -119,13 +115,10 @@ TEST(WrongNodes, Sensors) {
 }
 
 TEST(WrongNodes, Pins) {
-  EXPECT_THAT(refusal_of(node_with("    pins: {3: restart}\n")),
-              HasSubstr("'nodes[1].pins.3': 'restart' is unknown"));
-  EXPECT_THAT(refusal_of(node_with("    pins: {8: reset}\n")),
-              HasSubstr("'nodes[1].pins.8': is unknown"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: restart}\n")), HasSubstr("'nodes[1].pins.3': 'restart' is unknown"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {8: reset}\n")), HasSubstr("'nodes[1].pins.8': is unknown"));
   EXPECT_THAT(refusal_of(node_with("    pins: [reset]\n")), HasSubstr("a list is no map"));
-  EXPECT_THAT(refusal_of(node_with("    pins: {3: signal}\n")),
-              HasSubstr("'signal' says not which"));
+  EXPECT_THAT(refusal_of(node_with("    pins: {3: signal}\n")), HasSubstr("'signal' says not which"));
   EXPECT_THAT(refusal_of(node_with("    pins: {3: {}}\n")), HasSubstr("the map is empty"));
   EXPECT_THAT(refusal_of(node_with("    pins: {3: {signal: SEGV}}\n")),
               HasSubstr("'nodes[1].pins.3.signal': 'SEGV' is unknown; allowed: HUP, INT"));
@@ -135,12 +128,10 @@ TEST(WrongNodes, Pins) {
 }
 
 TEST(WrongNodes, Inputs) {
-  EXPECT_THAT(
-      refusal_of(node_with("    inputs: {0: {to: kne, factor: 1}}\n")),
-      AllOf(HasSubstr("'nodes[1].inputs.0.to': 'kne' is no node of it, did you mean 'knee'?"),
-            HasSubstr("allowed: id or name of a node of this ring (knee, node0), or all")));
-  EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: knee}}\n")),
-              HasSubstr("'factor' is missing"));
+  EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: kne, factor: 1}}\n")),
+              AllOf(HasSubstr("'nodes[1].inputs.0.to': 'kne' is no node of it, did you mean 'knee'?"),
+                    HasSubstr("allowed: id or name of a node of this ring (knee, node0), or all")));
+  EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: knee}}\n")), HasSubstr("'factor' is missing"));
   EXPECT_THAT(refusal_of(node_with("    inputs: {0: {to: knee, factor: 8}}\n")),
               HasSubstr("'8' is out of range; allowed: a whole number, 0 to 7"));
   EXPECT_THAT(refusal_of(node_with("    inputs: {9: {to: knee, factor: 1}}\n")),
@@ -154,11 +145,10 @@ TEST(WrongNodes, AnInputThatWouldResetAll) {
 }
 
 TEST(WrongNodes, TwoLinksAtOnePort) {
-  EXPECT_THAT(
-      refusal_of("ring: r\nnodes:\n  - {id: 0, name: a, link: {port: 5000}}\n"
-                 "  - {id: 1, name: b, link: {port: 5000}}\n"),
-      StartsWith("ring.yaml:4:5: entry 'nodes[1]': its link listens at 127.0.0.1 port 5000, "
-                 "as does node 'a'; allowed: a port of its own"));
+  EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 0, name: a, link: {port: 5000}}\n"
+                         "  - {id: 1, name: b, link: {port: 5000}}\n"),
+              StartsWith("ring.yaml:4:5: entry 'nodes[1]': its link listens at 127.0.0.1 port 5000, "
+                         "as does node 'a'; allowed: a port of its own"));
 }
 
 /// A ring with a bridge at body, and this as its only topics.
@@ -182,8 +172,7 @@ TEST(WrongTopics, NodesThatAreUnknownTheSameOrWithoutBridge) {
 }
 
 TEST(WrongTopics, NamesThatAreMissingUnfitOrTaken) {
-  EXPECT_THAT(refusal_of(with_topics("    - {from: body, to: head}\n")),
-              HasSubstr("'input' is missing"));
+  EXPECT_THAT(refusal_of(with_topics("    - {from: body, to: head}\n")), HasSubstr("'input' is missing"));
   EXPECT_THAT(refusal_of(with_topics("    - {input: a b, from: body, to: head}\n")),
               HasSubstr("'a b' is not a name that can be used here; allowed: a ROS topic name"));
   EXPECT_THAT(refusal_of(with_topics("    - {input: a, from: body, to: head}\n"

@@ -18,7 +18,8 @@ void feed(SoloNode& solo, const Bytes& packet, const std::vector<std::size_t>& p
   for (std::size_t place : places) {
     const std::size_t until = 4 + place;
     if (until > at)
-      solo.receive(SliceKind::more, {packet.begin() + static_cast<long>(at), packet.begin() + static_cast<long>(until)});
+      solo.receive(SliceKind::more,
+                   {packet.begin() + static_cast<long>(at), packet.begin() + static_cast<long>(until)});
     at = until;
     solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, sequence++ & 7));
   }
@@ -76,12 +77,17 @@ TEST(Embedding, SeveralInOneDatpKeepTheirOrder) {
 struct PacedEmbedding : testing::TestWithParam<std::size_t> {
   static constexpr unsigned kNodes = 4;
   VirtualRing ring{gigabit(kNodes)};
-  void SetUp() override { ASSERT_TRUE(ring.join()); ring.run_for(1ms); }
+  void SetUp() override {
+    ASSERT_TRUE(ring.join());
+    ring.run_for(1ms);
+  }
 
   /// @return how long the INTP took to reach its destination `hops` further, beyond the bare line
   Duration waited(NodeId from, unsigned hops, Duration at, const Bytes& payload) {
     Time pin{};
-    ring.on_event = [&](NodeId, const Event& e) { if (std::holds_alternative<PinPulled>(e.what)) pin = e.at; };
+    ring.on_event = [&](NodeId, const Event& e) {
+      if (std::holds_alternative<PinPulled>(e.what)) pin = e.at;
+    };
     const Time start = ring.now();
     const auto data = ring.send(0, 3, payload);
     std::uint32_t interrupt = 0;
@@ -140,7 +146,12 @@ TEST_P(PacedEmbedding, SeveralFromEveryNodeInOneDatp) {
   EXPECT_THAT(payloads(ring.log(3)), ElementsAre(payload));
   std::size_t pulled = 0;
   for (NodeId id = 0; id < kNodes; ++id) pulled += pins(ring.log(id)).size();
-  EXPECT_EQ(pulled, asked - [&] { std::uint64_t n = 0; for (NodeId id = 0; id < kNodes; ++id) n += ring.counters(id).ended_rejected; return n; }());
+  EXPECT_EQ(
+      pulled, asked - [&] {
+        std::uint64_t n = 0;
+        for (NodeId id = 0; id < kNodes; ++id) n += ring.counters(id).ended_rejected;
+        return n;
+      }());
 }
 
 INSTANTIATE_TEST_SUITE_P(Lengths, PacedEmbedding, testing::ValuesIn(kLengths));

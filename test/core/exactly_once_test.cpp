@@ -179,8 +179,8 @@ TEST_F(Incarnations, AHelloOfAnEarlierOneMakesNothingForgotten) {
   EXPECT_EQ(solo.counters().pins_pulled, 1u);
 }
 
-// While it was bypassed its source sent on, and the numbers wrapped: a retry of a packet whose first try it missed had the
-// verdict of an older one (seed 516208246994).
+// While it was bypassed its source sent on, and the numbers wrapped: a retry of a packet whose first try it missed had
+// the verdict of an older one (seed 516208246994).
 TEST_F(Incarnations, ANodeThatWasBypassedKnowsNoNumbersOfData) {
   beacon(7, 0);
   EXPECT_NE(data(7, "before"), 0);

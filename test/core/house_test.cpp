@@ -89,8 +89,8 @@ TEST(House, FaultsAreReadAndWrittenInOneFileAndElseKnowWireAndTimeAlone) {
 }
 
 TEST(House, CoreHasNoThreadsClocksOrStreams) {
-  const std::set<std::string> forbidden{"thread", "mutex",  "future",  "condition_variable", "iostream",
-                                        "fstream", "cstdio", "ctime", "random"};
+  const std::set<std::string> forbidden{"thread", "mutex", "future", "condition_variable", "iostream", "fstream",
+                                        "cstdio", "ctime", "random"};
   std::vector<std::string> wrong;
   for (const char* part : {"wire", "core"})
     for (const Include& i : includes_below(kSource / "daemon" / part))
@@ -120,8 +120,8 @@ const std::map<std::string, Parts> kMayInclude{
     {"firmware", {"wire", "payload", "config", "cli", "client", "limb_ring"}},
     {"process", {}},
     {"runtime",
-     {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "watchdog",
-      "process", "limb_ring"}},
+     {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "watchdog", "process",
+      "limb_ring"}},
     {"live", {"fault", "wire", "process", "limb_ring"}},
     {"ask", {"live", "payload", "process", "limb_ring"}},
     {"bench", {"wire", "capture", "config", "live", "process", "runtime", "limb_ring"}},

@@ -79,7 +79,9 @@ TEST(InterruptOnALine, IsEmbeddedIntoADatpThatIsBeingSent) {
   ring.run_for(1us);
   ring.interrupt(0, 1, 1);
   Time pin{}, packet{};
-  ring.on_event = [&](NodeId id, const Event& e) { if (id == 1 && std::holds_alternative<PinPulled>(e.what)) pin = e.at; };
+  ring.on_event = [&](NodeId id, const Event& e) {
+    if (id == 1 && std::holds_alternative<PinPulled>(e.what)) pin = e.at;
+  };
   ring.on_packet = [&](NodeId, const ReceivedPacket& p) { packet = p.at; };
   ring.run_for(100us);
   EXPECT_EQ(ring.counters(0).embedded_interrupts, 1u);

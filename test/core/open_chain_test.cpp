@@ -12,8 +12,14 @@ constexpr unsigned kNodes = 8;
 /// The line from node 2 to node 3 is cut.
 struct OpenChain : testing::Test {
   VirtualRing ring{with(quick(kNodes), [](Settings& s) { s.beacon = 100ms; })};
-  void SetUp() override { ASSERT_TRUE(ring.join()); ring.run_for(50ms); }
-  void cut() { ring.cut(2); ring.run_for(500ms); }
+  void SetUp() override {
+    ASSERT_TRUE(ring.join());
+    ring.run_for(50ms);
+  }
+  void cut() {
+    ring.cut(2);
+    ring.run_for(500ms);
+  }
   const Membership& membership(NodeId id) { return ring.node(id).membership(); }
   void expect_all(NodeState state) {
     for (NodeId id = 0; id < kNodes; ++id) EXPECT_EQ(membership(id).state(), state) << int{id};

@@ -64,12 +64,16 @@ TEST(Orphans, OfADeadSourceAreGoneAfterALap) {
   ring.tap(0, [&](const wire::Slice&, Time, wire::SliceWriter&) { ++slices; });
   ring.run_for(10s);
   EXPECT_EQ(slices, 0u);
-  for (NodeId id : {4, 5, 6, 7, 0, 1, 2}) EXPECT_THAT(payloads(ring.log(id)), ElementsAre(text("last words"))) << int{id};
+  for (NodeId id : {4, 5, 6, 7, 0, 1, 2})
+    EXPECT_THAT(payloads(ring.log(id)), ElementsAre(text("last words"))) << int{id};
 }
 
 // Nothing goes out, more comes in than there is room for.
 struct InsertionBufferFull : testing::Test {
-  SoloNode solo{Duration{0}, [](Settings& s) { s.insertion_buffer = 2; s.interrupt_buffer = 3; }};
+  SoloNode solo{Duration{0}, [](Settings& s) {
+                  s.insertion_buffer = 2;
+                  s.interrupt_buffer = 3;
+                }};
   void SetUp() override {
     solo.join();
     solo.node().set_output_ready(false);

@@ -31,8 +31,7 @@ TEST_F(Priority, CpuReadsHigherOnesFirst) {
   ring.cpu_reads[1] = true;
   ring.send(0, 1, Bytes(1, 3), 3);
   ring.run_for(1ms);
-  EXPECT_THAT(payloads(ring.log(1)),
-              ElementsAre(Bytes{0}, Bytes{1}, Bytes{2}, Bytes{2}, Bytes{3}, Bytes{3}));
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(Bytes{0}, Bytes{1}, Bytes{2}, Bytes{2}, Bytes{3}, Bytes{3}));
 }
 
 TEST_F(Priority, FullQueueRejectsItsOwnPriorityOnly) {

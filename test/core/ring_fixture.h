@@ -21,8 +21,8 @@ class VirtualRing : public sim::VirtualRing {
   explicit VirtualRing(const VirtualRingOptions& options) : sim::VirtualRing(options) {}
   ~VirtualRing() {
     if (const auto& broken = invariants_.violation())
-      ADD_FAILURE() << "promise broken: " << sim::to_string(broken->promise) << "\n" << broken->what << "\nat "
-                    << core::picoseconds(broken->at.time_since_epoch()) << " ps";
+      ADD_FAILURE() << "promise broken: " << sim::to_string(broken->promise) << "\n"
+                    << broken->what << "\nat " << core::picoseconds(broken->at.time_since_epoch()) << " ps";
   }
 
  private:

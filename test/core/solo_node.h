@@ -14,7 +14,8 @@ class SoloNode {
     Bytes bytes;
   };
 
-  explicit SoloNode(Duration byte_time = Duration{0}, std::function<void(Settings&)> adjust = [](Settings&) {})
+  explicit SoloNode(
+      Duration byte_time = Duration{0}, std::function<void(Settings&)> adjust = [](Settings&) {})
       : node_(settings(byte_time, adjust)) {
     node_.set_cpu_present(true);
     node_.input_up(0, now_);

@@ -10,7 +10,10 @@ const Duration d = 512ns;
 
 struct Gigabit : testing::Test {
   VirtualRing ring{gigabit(kNodes)};
-  void SetUp() override { ASSERT_TRUE(ring.join()); ring.run_for(1ms); }
+  void SetUp() override {
+    ASSERT_TRUE(ring.join());
+    ring.run_for(1ms);
+  }
 };
 
 TEST_F(Gigabit, AloneOnTheRing) {

@@ -90,15 +90,22 @@ class LineRig {
   static std::string word_of(const wire::Slice& slice) {
     const auto number = [&](std::size_t at) { return std::to_string(slice.bytes[at]); };
     switch (slice.kind) {
-      case SliceKind::whole: return number(wire::kHeaderSize) + (wire::PacketFields{slice.bytes}.crc_good() ? "" : "!");
+      case SliceKind::whole:
+        return number(wire::kHeaderSize) + (wire::PacketFields{slice.bytes}.crc_good() ? "" : "!");
       case SliceKind::interrupt:
         return "INTP " + number(7) + (wire::PacketFields{slice.bytes}.crc_good() ? "" : "!");
-      case SliceKind::start: return "start " + number(wire::kHeaderSize);
-      case SliceKind::more: return "more";
-      case SliceKind::end: return "end";
-      case SliceKind::abort: return "abort";
-      case SliceKind::idle: return "idle";
-      case SliceKind::fold: return "fold";
+      case SliceKind::start:
+        return "start " + number(wire::kHeaderSize);
+      case SliceKind::more:
+        return "more";
+      case SliceKind::end:
+        return "end";
+      case SliceKind::abort:
+        return "abort";
+      case SliceKind::idle:
+        return "idle";
+      case SliceKind::fold:
+        return "fold";
     }
     return "";
   }

@@ -50,10 +50,11 @@ TEST(FaultWords, SayNodesByNameNumberOrAll) {
 }
 
 TEST(FaultWords, ComeBackAsTheyWere) {
-  for (const char* text : {"cut hip -> knee after_packets=100 of=ankle", "heal ankle -> hip", "stall ankle -> knee", "kill knee ankle",
-                           "delay hip -> knee packets=7 delay=2ms jitter=500us after=1s", "hang knee for=1s",
-                           "rate hip -> knee rate=10Mbit/s", "flap hip -> knee every=40ms for=400ms",
-                           "drop hip -> knee packets=3 once_in=10 for=2s seed=4", "babble ankle"})
+  for (const char* text :
+       {"cut hip -> knee after_packets=100 of=ankle", "heal ankle -> hip", "stall ankle -> knee", "kill knee ankle",
+        "delay hip -> knee packets=7 delay=2ms jitter=500us after=1s", "hang knee for=1s",
+        "rate hip -> knee rate=10Mbit/s", "flap hip -> knee every=40ms for=400ms",
+        "drop hip -> knee packets=3 once_in=10 for=2s seed=4", "babble ankle"})
     EXPECT_EQ(to_words(from_words(text, kNodes), kNodes), text);
 }
 
@@ -68,14 +69,16 @@ TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
   EXPECT_THAT(refusal_of(""), StartsWith("no fault is named; allowed: cut"));
   EXPECT_THAT(refusal_of("kill nee"), StartsWith("'nee' is no node of the ring, did you mean 'knee'?; allowed: hip"));
   EXPECT_THAT(refusal_of("cut hip -> hip"), AllOf(HasSubstr("is no line of the ring"), HasSubstr("hip -> knee"),
-                                                   HasSubstr("its second line: hip -> ankle")));
+                                                  HasSubstr("its second line: hip -> ankle")));
   EXPECT_THAT(refusal_of("cut hip"), StartsWith("cut says no line"));
   EXPECT_THAT(refusal_of("kill"), StartsWith("kill says no node"));
   EXPECT_THAT(refusal_of("drop hip -> knee packet=3"), HasSubstr("did you mean 'packets'?"));
   EXPECT_THAT(refusal_of("stall hip -> knee packets=3"),
               StartsWith("'packets' is nothing that stall takes; allowed: for, after, after_packets, of"));
-  EXPECT_THAT(refusal_of("drop hip -> knee packets=0"), StartsWith("'0' is not allowed for 'packets'; allowed: a whole number"));
-  EXPECT_THAT(refusal_of("stall hip -> knee for=2"), StartsWith("'2' is not allowed for 'for'; allowed: a time such as 5ms"));
+  EXPECT_THAT(refusal_of("drop hip -> knee packets=0"),
+              StartsWith("'0' is not allowed for 'packets'; allowed: a whole number"));
+  EXPECT_THAT(refusal_of("stall hip -> knee for=2"),
+              StartsWith("'2' is not allowed for 'for'; allowed: a time such as 5ms"));
   EXPECT_THAT(refusal_of("rate hip -> knee rate=unlimited"), HasSubstr("allowed: a rate such as"));
 }
 

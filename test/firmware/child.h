@@ -1,10 +1,10 @@
 #pragma once
 
-#include <csignal>
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <fstream>
 #include <optional>
@@ -19,15 +19,13 @@ namespace limb_ring::test {
 /// A program started by a test; killed with it where it has not ended.
 class Child {
  public:
-  Child(std::vector<std::string> command, std::string stderr_file)
-      : stderr_file_(std::move(stderr_file)) {
+  Child(std::vector<std::string> command, std::string stderr_file) : stderr_file_(std::move(stderr_file)) {
     std::vector<char*> arguments;
     for (auto& word : command) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, stderr_file_.c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, stderr_file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     const int error = posix_spawn(&pid_, arguments[0], &files, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&files);
     if (error != 0) throw std::runtime_error("cannot start " + command[0]);
@@ -53,8 +51,7 @@ class Child {
   bool leaves_pending(int signal) const {
     std::istringstream status(content("/proc/" + std::to_string(pid_) + "/status"));
     for (std::string line; std::getline(status, line);)
-      if (line.rfind("ShdPnd:", 0) == 0)
-        return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
+      if (line.rfind("ShdPnd:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
     return false;
   }
 

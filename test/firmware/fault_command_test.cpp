@@ -20,8 +20,8 @@ TEST(Orders, KnowHangAndExit) {
 }
 
 TEST(Orders, AreNothingElse) {
-  for (const char* text : {"", " ", "hangs", "ha", "exit", "exit ", "exit x", "exit 256", "exit -1",
-                           "exit 3 4", "EXIT 3", "exit 99999999999999999999"})
+  for (const char* text : {"", " ", "hangs", "ha", "exit", "exit ", "exit x", "exit 256", "exit -1", "exit 3 4",
+                           "EXIT 3", "exit 99999999999999999999"})
     EXPECT_FALSE(order(text)) << "'" << text << "'";
 }
 

@@ -34,8 +34,7 @@ TEST_F(LimbTest, NumbersItsStates) {
 }
 
 TEST_F(LimbTest, MovesItsJointsWhereTheyAreTold) {
-  for (auto t = 0ms; t < 1s; t += 10ms)
-    ASSERT_EQ(give(positions(t, {0.5, -0.25}), t), Verdict::obey);
+  for (auto t = 0ms; t < 1s; t += 10ms) ASSERT_EQ(give(positions(t, {0.5, -0.25}), t), Verdict::obey);
   const auto state = limb.sample(at(1s));
   EXPECT_NEAR(state.joints[0].position, 0.5, 1e-6);
   EXPECT_NEAR(state.joints[1].position, -0.25, 1e-6);

@@ -54,9 +54,8 @@ class NodeCpuTest : public testing::Test {
 };
 
 std::size_t count(const std::vector<Outgoing>& all, payload::PacketType type) {
-  return static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [&](const auto& outgoing) {
-    return payload::is_type(view(outgoing.data), type);
-  }));
+  return static_cast<std::size_t>(std::count_if(
+      all.begin(), all.end(), [&](const auto& outgoing) { return payload::is_type(view(outgoing.data), type); }));
 }
 
 TEST_F(NodeCpuTest, SendsStatesAndReadingsAtTheirRates) {

@@ -42,8 +42,7 @@ class OptionsTest : public testing::Test {
 };
 
 TEST_F(OptionsTest, ComeFromTheCommandLine) {
-  const auto options =
-      parse({"--config", "a.yaml", "--node=left_knee", "--ring", "r", "--hang-after", "1.5"});
+  const auto options = parse({"--config", "a.yaml", "--node=left_knee", "--ring", "r", "--hang-after", "1.5"});
   EXPECT_EQ(options.config, "a.yaml");
   EXPECT_EQ(options.node, "left_knee");
   EXPECT_EQ(options.ring, "r");
@@ -125,8 +124,7 @@ TEST_F(SetupTest, NamesTheNodesThereAreForOneThatIsNot) {
 }
 
 TEST_F(SetupTest, PassesOnWhatIsWrongWithTheFile) {
-  EXPECT_THROW(make_setup(parse({"--config", "/nonexistent.yaml", "--node", "4"})),
-               config::ConfigError);
+  EXPECT_THROW(make_setup(parse({"--config", "/nonexistent.yaml", "--node", "4"})), config::ConfigError);
 }
 
 TEST_F(SetupTest, WithoutAFileHasNoJoints) {

@@ -12,17 +12,16 @@ namespace {
 
 using testing::HasSubstr;
 
-std::int64_t wall_ns() {
-  return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
-}
+std::int64_t wall_ns() { return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count(); }
 
 class ProgramTest : public HostTest {
  protected:
   ProgramTest() {
-    std::ofstream(config()) << "ring: r\n"
-                               "nodes:\n"
-                               "  - {id: 0, name: body, cpu: attached}\n"
-                               "  - {id: 3, name: left_knee, cpu: {command: [limb_firmware]}, joints: [{name: l_knee}]}\n";
+    std::ofstream(config())
+        << "ring: r\n"
+           "nodes:\n"
+           "  - {id: 0, name: body, cpu: attached}\n"
+           "  - {id: 3, name: left_knee, cpu: {command: [limb_firmware]}, joints: [{name: l_knee}]}\n";
     handler.when_sent = [this](const FakeHandler::Call& call) {
       Result delivered;
       delivered.token = call.token;
@@ -34,8 +33,7 @@ class ProgramTest : public HostTest {
 
   std::string config() const { return folder.path() + "/ring.yaml"; }
   void start(std::vector<std::string> arguments = {}) {
-    arguments.insert(arguments.begin(),
-                     {LIMB_FIRMWARE, "--node", "left_knee", "--config", config()});
+    arguments.insert(arguments.begin(), {LIMB_FIRMWARE, "--node", "left_knee", "--config", config()});
     child = std::make_unique<Child>(std::move(arguments), folder.path() + "/stderr");
     until([this] { return server->cpu_can_take(); });
   }
@@ -60,8 +58,8 @@ class ProgramTest : public HostTest {
     return command;
   }
   static std::optional<payload::JointState> decode(const FakeHandler::Call& call) {
-    const auto state = payload::decode_joint_state(
-        {reinterpret_cast<const std::uint8_t*>(call.data.data()), call.data.size()});
+    const auto state =
+        payload::decode_joint_state({reinterpret_cast<const std::uint8_t*>(call.data.data()), call.data.size()});
     return state ? std::optional(*state) : std::nullopt;
   }
 
@@ -105,10 +103,12 @@ TEST_F(ProgramTest, RefusesAStaleCommandAndSaysSoInItsState) {
   give(2, *encode(move_to(0.5, wall_ns() - kHour)));
   until([this] { return last && last->refused == 1; });
   EXPECT_EQ(last->joints[0].position, 0);
-  EXPECT_EQ(std::count_if(handler.sends.begin(), handler.sends.end(), [](const auto& sent) {
-    const auto state = decode(sent);
-    return state && state->mode.command_refused;
-  }), 1);
+  EXPECT_EQ(std::count_if(handler.sends.begin(), handler.sends.end(),
+                          [](const auto& sent) {
+                            const auto state = decode(sent);
+                            return state && state->mode.command_refused;
+                          }),
+            1);
 }
 
 TEST_F(ProgramTest, ShowsAStopInItsState) {

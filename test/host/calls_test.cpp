@@ -60,9 +60,7 @@ TEST_F(Calls, AskGetsTheReply) {
 
 TEST_F(Calls, AskThrowsWhatWentWrong) {
   HostPort port = tool();
-  handler.when_asked = [&](const auto& call) {
-    server->reply(call.client, call.token, "{\"error\":\"no node 99\"}");
-  };
+  handler.when_asked = [&](const auto& call) { server->reply(call.client, call.token, "{\"error\":\"no node 99\"}"); };
   const auto ask = [&] { return port.ask("{}", kGuard); };
   EXPECT_THROW(during(ask), HostPortError);
 }

@@ -101,10 +101,9 @@ TEST_F(Cpu, GetsInterruptsFirstAndPacketsByPriority) {
 
 TEST_F(Cpu, IsOnlyOne) {
   HostPort port = cpu();
-  const std::string reason =
-      test::thrown<HostPortError>([&] { connect(options_for(Role::cpu)); });
-  EXPECT_THAT(reason, AllOf(HasSubstr("node 3 (left_knee) has a CPU already"),
-                            HasSubstr("pid " + std::to_string(getpid()))));
+  const std::string reason = test::thrown<HostPortError>([&] { connect(options_for(Role::cpu)); });
+  EXPECT_THAT(reason,
+              AllOf(HasSubstr("node 3 (left_knee) has a CPU already"), HasSubstr("pid " + std::to_string(getpid()))));
   EXPECT_EQ(server->counters().refused, 1u);
   EXPECT_TRUE(server->cpu_can_take());
 }

@@ -30,8 +30,7 @@ class NodeLockTest : public testing::Test {
 
 TEST_F(NodeLockTest, SaysWhoHoldsTheNode) {
   const NodeLock held(directory, "r", 3, "left_knee");
-  EXPECT_EQ(refusal(), "node 3 (left_knee) of ring r is held by pid " + std::to_string(getpid()) +
-                           " (host_test)");
+  EXPECT_EQ(refusal(), "node 3 (left_knee) of ring r is held by pid " + std::to_string(getpid()) + " (host_test)");
 }
 
 TEST_F(NodeLockTest, SaysHowToStartTheHolderAgain) {

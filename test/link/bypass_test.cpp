@@ -116,8 +116,8 @@ TEST_P(Bypass, GoesAroundAKilledProcess) {
   ASSERT_GT(child, 0);
   for (const std::size_t i : {0u, 2u, 3u}) rig.start(i);
   const bool closed = rig.until([&] {
-    return rig.node(0).output->up() && rig.node(0).output->to() == 1 &&
-           rig.node(2).input->from() == 1 && rig.linked(2, 3) && rig.linked(3, 0);
+    return rig.node(0).output->up() && rig.node(0).output->to() == 1 && rig.node(2).input->from() == 1 &&
+           rig.linked(2, 3) && rig.linked(3, 0);
   });
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);

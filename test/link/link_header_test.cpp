@@ -19,9 +19,8 @@ LinkHeader example() {
 }
 
 TEST(LinkHeader, LooksOnTheWireAsDrawn) {
-  EXPECT_THAT(encode(example()),
-              testing::ElementsAre('L', 'R', 2, 3, 1, 2, 3, 4, 5, 6, 7, 8, 0x11, 0x12, 0x13, 0x14,
-                                   0x15, 0x16, 0x17, 0x18, 0x21, 0x22, 0x23, 0x24, 254, 1));
+  EXPECT_THAT(encode(example()), testing::ElementsAre('L', 'R', 2, 3, 1, 2, 3, 4, 5, 6, 7, 8, 0x11, 0x12, 0x13, 0x14,
+                                                      0x15, 0x16, 0x17, 0x18, 0x21, 0x22, 0x23, 0x24, 254, 1));
 }
 
 TEST(LinkHeader, ComesBackFromItsBytes) {

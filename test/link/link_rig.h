@@ -123,8 +123,8 @@ class LinkRig {
   }
 
   bool linked(std::size_t from, std::size_t to) {
-    return node(from).output && node(from).output->up() && node(from).output->to() == to &&
-           node(to).input && node(to).input->from() == from;
+    return node(from).output && node(from).output->up() && node(from).output->to() == to && node(to).input &&
+           node(to).input->from() == from;
   }
   bool whole() {
     for (std::size_t i = 0; i < size(); ++i) {
@@ -174,10 +174,8 @@ inline std::string transport_name(const testing::TestParamInfo<Endpoint::Transpo
   return info.param == Endpoint::Transport::udp ? "Udp" : "Unix";
 }
 
-#define LIMB_RING_ON_BOTH_TRANSPORTS(suite)                                     \
-  INSTANTIATE_TEST_SUITE_P(On, suite,                                           \
-                           testing::Values(Endpoint::Transport::unix_stream,    \
-                                           Endpoint::Transport::udp),           \
+#define LIMB_RING_ON_BOTH_TRANSPORTS(suite)                                                                        \
+  INSTANTIATE_TEST_SUITE_P(On, suite, testing::Values(Endpoint::Transport::unix_stream, Endpoint::Transport::udp), \
                            transport_name)
 
 }  // namespace limb_ring::link

@@ -14,8 +14,7 @@ using testing::ElementsAre;
 
 /// Long silence: what is tested here is the socket's limit, not the heartbeat.
 struct FullLine : testing::Test {
-  LinkRig rig{2, Endpoint::Transport::unix_stream,
-              Timing{milliseconds(10), milliseconds(20000), milliseconds(200)}};
+  LinkRig rig{2, Endpoint::Transport::unix_stream, Timing{milliseconds(10), milliseconds(20000), milliseconds(200)}};
   std::size_t sent = 0;
 
   void fill() {

@@ -21,9 +21,7 @@ struct RecordingInput : InputHandler {
   }
   void on_input_gap(std::uint32_t lost) override { log.push_back("gap " + std::to_string(lost)); }
   void on_input_up(std::uint8_t from) override { log.push_back("up " + std::to_string(from)); }
-  void on_input_lost(std::string_view reason) override {
-    log.push_back("lost: " + std::string(reason));
-  }
+  void on_input_lost(std::string_view reason) override { log.push_back("lost: " + std::string(reason)); }
   void on_unknown_peer(std::string_view reason) override { unknown_peers.emplace_back(reason); }
 
   std::vector<std::vector<std::uint8_t>> slices;
@@ -35,9 +33,7 @@ struct RecordingInput : InputHandler {
 
 struct RecordingOutput : OutputHandler {
   void on_output_up(std::uint8_t to) override { log.push_back("up " + std::to_string(to)); }
-  void on_output_lost(std::string_view reason) override {
-    log.push_back("lost: " + std::string(reason));
-  }
+  void on_output_lost(std::string_view reason) override { log.push_back("lost: " + std::string(reason)); }
   void on_output_refused(std::uint8_t by, std::string_view reason) override {
     refusals.push_back(std::to_string(by) + ": " + std::string(reason));
   }

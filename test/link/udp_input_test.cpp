@@ -39,8 +39,7 @@ struct UdpInputFromHand : testing::Test {
     std::vector<std::uint8_t> bytes(kLinkHeaderSize);
     store_header(bytes.data(), header);
     bytes.insert(bytes.end(), slices.begin(), slices.end());
-    ASSERT_EQ(send_now(line.native_handle(), {bytes.data(), bytes.size()}),
-              static_cast<ssize_t>(bytes.size()));
+    ASSERT_EQ(send_now(line.native_handle(), {bytes.data(), bytes.size()}), static_cast<ssize_t>(bytes.size()));
   }
   /// A datagram of the session with one slice holding `value`, or an idle one.
   void datagram(std::uint32_t sequence, std::optional<std::uint8_t> value) {
@@ -199,8 +198,7 @@ TEST(UdpInputAddress, ThatIsNoNumberIsRefused) {
 TEST(UdpInputAddress, ThatIsTakenIsRefused) {
   LinkRig rig(1, Endpoint::Transport::udp);
   rig.start_input(0);
-  EXPECT_THROW(Input(rig.node(0).io, rig.input_settings(0), rig.node(0).heard),
-               std::runtime_error);
+  EXPECT_THROW(Input(rig.node(0).io, rig.input_settings(0), rig.node(0).heard), std::runtime_error);
 }
 
 }  // namespace

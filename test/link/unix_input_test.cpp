@@ -126,8 +126,7 @@ std::string complaint_about(const Endpoint& endpoint) {
 }
 
 TEST(UnixInputPath, ThatIsTooLongIsRefused) {
-  EXPECT_THAT(complaint_about(Endpoint::unix_stream("/" + std::string(120, 'x'))),
-              HasSubstr("1 to 107 bytes"));
+  EXPECT_THAT(complaint_about(Endpoint::unix_stream("/" + std::string(120, 'x'))), HasSubstr("1 to 107 bytes"));
 }
 
 TEST(UnixInputPath, ThatHoldsAnOrdinaryFileIsLeftAlone) {
@@ -139,8 +138,7 @@ TEST(UnixInputPath, ThatHoldsAnOrdinaryFileIsLeftAlone) {
 }
 
 TEST(UnixInputPath, InAFolderThatIsNotThereIsNamed) {
-  EXPECT_THAT(complaint_about(Endpoint::unix_stream("/nowhere/at/all")),
-              HasSubstr("/nowhere/at/all"));
+  EXPECT_THAT(complaint_about(Endpoint::unix_stream("/nowhere/at/all")), HasSubstr("/nowhere/at/all"));
 }
 
 }  // namespace

@@ -46,8 +46,7 @@ struct UnknownPeer : testing::Test {
 TEST_F(UnknownPeer, ThatTalksGarbageIsClosedAndCounted) {
   UnixSocket socket = knock();
   const std::string garbage(100, 'x');
-  send_now(socket.native_handle(),
-           {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
+  send_now(socket.native_handle(), {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
   ASSERT_TRUE(rig.until([&] { return unknown_peers() == 1; }));
   EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("is not a limb_ring node"));
   EXPECT_THAT(rig.node(1).heard.unknown_peers, ElementsAre("peer is not a limb_ring node"));
@@ -132,8 +131,7 @@ TEST_F(UnknownPeer, WithADatagramSocketThatIsNotOursDoesNothing) {
   ASSERT_TRUE(udp.until([&] { return udp.whole(); }));
   UdpSocket socket = connect_udp(io, udp_address(udp.endpoint(1)));
   const std::string garbage(700, 'x');
-  send_now(socket.native_handle(),
-           {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
+  send_now(socket.native_handle(), {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
   LinkHeader other;
   other.type = LinkHeaderType::connect;
   other.ring = LinkRig::kRing + 1;

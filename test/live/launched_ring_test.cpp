@@ -13,9 +13,9 @@ namespace limb_ring::live {
 namespace {
 
 using namespace std::chrono_literals;
+using process::Lifetime;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using process::Lifetime;
 
 class Launched : public test::OwnFolder {
  protected:

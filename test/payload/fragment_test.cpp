@@ -20,13 +20,12 @@ TEST(FragmentFormat, HasTheseBytes) {
   const Bytes text{'f', 'o', 'o', 'b', 'a', 'r'};
   Fragmenter fragmenter(5);
   ASSERT_TRUE(fragmenter.start(Fragment::Kind::data, text));
-  EXPECT_THAT(fragmenter.next(), testing::ElementsAreArray(Bytes{
-                                     16,   1,    5,    1,      // type, version, topic, data
-                                     0,    0,    0,    0,      // message number
-                                     0,    0,    0,    1,      // index, count
-                                     0,    0,    0,    6,      // total
-                                     0xBF, 0x9C, 0xF9, 0x68,   // checksum
-                                     'f',  'o',  'o',  'b', 'a', 'r'}));
+  EXPECT_THAT(fragmenter.next(), testing::ElementsAreArray(Bytes{16,   1,    5,    1,     // type, version, topic, data
+                                                                 0,    0,    0,    0,     // message number
+                                                                 0,    0,    0,    1,     // index, count
+                                                                 0,    0,    0,    6,     // total
+                                                                 0xBF, 0x9C, 0xF9, 0x68,  // checksum
+                                                                 'f',  'o',  'o',  'b',  'a', 'r'}));
   EXPECT_TRUE(fragmenter.done());
 }
 
@@ -65,11 +64,11 @@ TEST(FragmentFormat, RefusesFieldsThatContradictEachOther) {
     return decode_fragment(view(bytes)).error();
   };
   ASSERT_TRUE(decode_fragment(view(good)));
-  EXPECT_EQ(error_with(3, 2), DecodeError::bad_field);         // kind
-  EXPECT_EQ(error_with(9, 3), DecodeError::bad_field);         // index 3 of 3
-  EXPECT_EQ(error_with(11, 4), DecodeError::bad_count);        // 4 pieces for 1000 bytes
-  EXPECT_EQ(error_with(12, 0xFF), DecodeError::bad_field);     // 4 GB
-  EXPECT_EQ(error_with(9, 2), DecodeError::trailing_bytes);    // the last piece is short
+  EXPECT_EQ(error_with(3, 2), DecodeError::bad_field);       // kind
+  EXPECT_EQ(error_with(9, 3), DecodeError::bad_field);       // index 3 of 3
+  EXPECT_EQ(error_with(11, 4), DecodeError::bad_count);      // 4 pieces for 1000 bytes
+  EXPECT_EQ(error_with(12, 0xFF), DecodeError::bad_field);   // 4 GB
+  EXPECT_EQ(error_with(9, 2), DecodeError::trailing_bytes);  // the last piece is short
 }
 
 TEST(FragmentFormat, SurvivesTruncationAndRandomBytes) {

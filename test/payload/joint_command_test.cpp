@@ -25,16 +25,15 @@ JointCommand three_joints() {
 TEST(JointCommandFormat, HasTheseBytes) {
   const auto packet = encode(three_joints());
   ASSERT_TRUE(packet);
-  EXPECT_THAT(*packet, testing::ElementsAreArray(Bytes{
-                           2, 1,                            // type, version
-                           0, 7,                            // sequence
-                           1, 2,    3,    4,    5, 6, 7, 8, // stamp
-                           0, 0x03, 0x0D, 0x40,             // 200,000 us
-                           1, 3,                            // resume; 3 joints
-                           1, 0x00, 0x16, 0xE3, 0x60,       // position 1,500,000
-                           0,                               // nothing for this one
-                           6, 0xFF, 0xF8, 0x5E, 0xE0,       // velocity -500,000
-                           0, 0,    0,    2}));             // and effort 2
+  EXPECT_THAT(*packet, testing::ElementsAreArray(Bytes{2, 1,                                // type, version
+                                                       0, 7,                                // sequence
+                                                       1, 2,    3,    4,    5,    6, 7, 8,  // stamp
+                                                       0, 0x03, 0x0D, 0x40,                 // 200,000 us
+                                                       1, 3,                                // resume; 3 joints
+                                                       1, 0x00, 0x16, 0xE3, 0x60,           // position 1,500,000
+                                                       0,                                   // nothing for this one
+                                                       6, 0xFF, 0xF8, 0x5E, 0xE0,           // velocity -500,000
+                                                       0, 0,    0,    2}));                 // and effort 2
 }
 
 TEST(JointCommandFormat, ReadsBackWhatWasWritten) {

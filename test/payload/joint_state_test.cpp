@@ -24,18 +24,17 @@ JointState two_joints() {
 TEST(JointStateFormat, HasTheseBytes) {
   const auto packet = encode(two_joints());
   ASSERT_TRUE(packet);
-  EXPECT_THAT(*packet, testing::ElementsAreArray(Bytes{
-                           1,    1,                          // type, version
-                           0x12, 0x34,                       // sequence
-                           1,    2,    3,    4, 5, 6, 7, 8,  // stamp
-                           0x21, 2,                          // commanded, command refused; 2 joints
-                           0,    3,                          // refused
-                           0x00, 0x16, 0xE3, 0x60,           // 1,500,000
-                           0xFF, 0xFF, 0xFF, 0xFF,           // -1
-                           0x00, 0x03, 0xD0, 0x90,           // 250,000
-                           0xFF, 0xE1, 0x7B, 0x80,           // -2,000,000
-                           0,    0,    0,    0,              //
-                           0x00, 0xBC, 0x61, 0x4E}));        // 12,345,678
+  EXPECT_THAT(*packet, testing::ElementsAreArray(Bytes{1,    1,                             // type, version
+                                                       0x12, 0x34,                          // sequence
+                                                       1,    2,    3,    4,    5, 6, 7, 8,  // stamp
+                                                       0x21, 2,                 // commanded, command refused; 2 joints
+                                                       0,    3,                 // refused
+                                                       0x00, 0x16, 0xE3, 0x60,  // 1,500,000
+                                                       0xFF, 0xFF, 0xFF, 0xFF,  // -1
+                                                       0x00, 0x03, 0xD0, 0x90,  // 250,000
+                                                       0xFF, 0xE1, 0x7B, 0x80,  // -2,000,000
+                                                       0,    0,    0,    0,     //
+                                                       0x00, 0xBC, 0x61, 0x4E}));  // 12,345,678
 }
 
 TEST(JointStateFormat, ReadsBackWhatWasWritten) {

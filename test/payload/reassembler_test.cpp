@@ -22,8 +22,7 @@ Packets cut(Fragmenter& fragmenter, Kind kind, const Bytes& message) {
 
 Bytes pattern(std::size_t size, unsigned salt = 0) {
   Bytes bytes(size);
-  for (std::size_t i = 0; i < size; ++i)
-    bytes[i] = static_cast<std::uint8_t>(i * 7 + i / 256 + salt);
+  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(i * 7 + i / 256 + salt);
   return bytes;
 }
 
@@ -66,8 +65,8 @@ TEST(Reassembler, GivesBackMessagesOfEverySizeAroundThePacketBoundary) {
 TEST(Reassembler, TellsWhatWasAnnouncedThoughItTookSeveralPackets) {
   Reassembler reassembler;
   Topic topic(reassembler, 1, 2);
-  const Announcement about{"camera", "sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743",
-                           std::string(5000, 'd'), true};
+  const Announcement about{"camera", "sensor_msgs/Image", "060021388200f6f0f447d0fcd9c64743", std::string(5000, 'd'),
+                           true};
   EXPECT_EQ(reassembler.announcement(1, 2), nullptr);
   topic.deliver(topic.announcement(about));
   ASSERT_NE(reassembler.announcement(1, 2), nullptr);
@@ -136,8 +135,7 @@ TEST(Reassembler, KeepsTwoSourcesAndTwoTopicsApart) {
   Reassembler reassembler;
   Topic a(reassembler, 1, 2), b(reassembler, 3, 2), c(reassembler, 1, 4);
   for (Topic* topic : {&a, &b, &c}) topic->announce();
-  const auto from_a = a.data(pattern(900, 1)), from_b = b.data(pattern(900, 2)),
-             from_c = c.data(pattern(900, 3));
+  const auto from_a = a.data(pattern(900, 1)), from_b = b.data(pattern(900, 2)), from_c = c.data(pattern(900, 3));
   for (Topic* topic : {&a, &b, &c}) {
     const auto& packets = topic == &a ? from_a : topic == &b ? from_b : from_c;
     EXPECT_TRUE(topic->deliver({packets[0]}).empty());

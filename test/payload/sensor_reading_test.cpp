@@ -22,16 +22,15 @@ SensorReading imu() {
 TEST(SensorReadingFormat, HasTheseBytes) {
   const auto packet = encode(imu());
   ASSERT_TRUE(packet);
-  EXPECT_THAT(*packet, testing::ElementsAreArray(Bytes{
-                           3,    1,    1,    2,                // imu, version, sequence
-                           0,    0,    0,    0,    0, 0, 0, 5, // stamp
-                           3,    0,    0,    0,                // sensor, flags, zero
-                           0,    0,    0,    0,                //
-                           0xFF, 0xF0, 0xBD, 0xC0,             // -1,000,000
-                           0x00, 0x95, 0xA3, 0x3A,             // 9,806,650
-                           0,    0,    0,    1,                //
-                           0,    0,    0,    0,                //
-                           0,    0,    0,    0}));
+  EXPECT_THAT(*packet, testing::ElementsAreArray(Bytes{3,    1,    1,    2,                 // imu, version, sequence
+                                                       0,    0,    0,    0,    0, 0, 0, 5,  // stamp
+                                                       3,    0,    0,    0,                 // sensor, flags, zero
+                                                       0,    0,    0,    0,                 //
+                                                       0xFF, 0xF0, 0xBD, 0xC0,              // -1,000,000
+                                                       0x00, 0x95, 0xA3, 0x3A,              // 9,806,650
+                                                       0,    0,    0,    1,                 //
+                                                       0,    0,    0,    0,                 //
+                                                       0,    0,    0,    0}));
 }
 
 TEST(SensorReadingFormat, ReadsBackBothKinds) {

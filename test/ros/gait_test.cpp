@@ -17,8 +17,7 @@ const config::RingConfig& humanoid() {
 
 std::vector<config::JointConfig> joints() {
   std::vector<config::JointConfig> all;
-  for (const auto& node : humanoid().nodes)
-    all.insert(all.end(), node.joints.begin(), node.joints.end());
+  for (const auto& node : humanoid().nodes) all.insert(all.end(), node.joints.begin(), node.joints.end());
   return all;
 }
 

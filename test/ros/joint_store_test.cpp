@@ -15,8 +15,7 @@ constexpr std::uint8_t kKnee = 7, kHip = 3;
 
 class Joints : public ::testing::Test {
  protected:
-  bool take(std::uint8_t node, std::uint16_t sequence, std::int64_t stamp,
-            std::vector<double> positions) {
+  bool take(std::uint8_t node, std::uint16_t sequence, std::int64_t stamp, std::vector<double> positions) {
     payload::JointState state;
     state.sequence = sequence;
     state.stamp_ns = stamp;

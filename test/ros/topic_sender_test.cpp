@@ -55,11 +55,10 @@ class Topic : public ::testing::Test {
 
   Counters counters;
   std::deque<std::pair<Outgoing, RingPort::OnResult>> under_way;
-  TopicSender sender{kNumber, frames(),
-                     [this](const Outgoing& packet, RingPort::OnResult done) {
-                       under_way.emplace_back(packet, std::move(done));
-                     },
-                     counters};
+  TopicSender sender{
+      kNumber, frames(),
+      [this](const Outgoing& packet, RingPort::OnResult done) { under_way.emplace_back(packet, std::move(done)); },
+      counters};
   payload::Reassembler far_side;
   std::vector<std::vector<std::uint8_t>> received;
 };

@@ -24,9 +24,7 @@ class WalkingRecording {
   }
 
   std::size_t size() const { return rows_.size(); }
-  std::int64_t stamp_ns(std::size_t row) const {
-    return std::llround(at(row, "stamp_unix_s") * 1e6) * 1000;
-  }
+  std::int64_t stamp_ns(std::size_t row) const { return std::llround(at(row, "stamp_unix_s") * 1e6) * 1000; }
   double position(std::size_t row, const std::string& joint) const { return at(row, "pos." + joint); }
   double velocity(std::size_t row, const std::string& joint) const { return at(row, "vel." + joint); }
 
@@ -46,9 +44,7 @@ class WalkingRecording {
     if (row.size() != columns_.size()) throw std::runtime_error("a row of another length: " + line);
     return row;
   }
-  double at(std::size_t row, const std::string& column) const {
-    return rows_.at(row).at(columns_.at(column));
-  }
+  double at(std::size_t row, const std::string& column) const { return rows_.at(row).at(columns_.at(column)); }
 
   std::map<std::string, std::size_t> columns_;
   std::vector<std::vector<double>> rows_;

@@ -33,11 +33,13 @@ class RecordedNode {
  public:
   RecordedNode(ros::NodeHandle& ros, const std::string& ring, const config::NodeConfig& config)
       : config_(config), port_(HostPort::connect(door(ring, config.name))) {
-    subscriber_ = ros.subscribe<sensor_msgs::JointState>(
-        "states/" + config.name, 0, [this](const sensor_msgs::JointState::ConstPtr& message) {
-          if (message->header.stamp.toNSec() == kWarmUpStamp) warm_ = true;
-          else received_.push_back(*message);
-        });
+    subscriber_ = ros.subscribe<sensor_msgs::JointState>("states/" + config.name, 0,
+                                                         [this](const sensor_msgs::JointState::ConstPtr& message) {
+                                                           if (message->header.stamp.toNSec() == kWarmUpStamp)
+                                                             warm_ = true;
+                                                           else
+                                                             received_.push_back(*message);
+                                                         });
   }
 
   bool is_warm() const { return warm_; }
@@ -105,7 +107,8 @@ class WalkingAcrossTheRing : public ::testing::Test {
       if (!node.joints.empty()) nodes_.emplace_back(ros_, ring, node);
   }
   template <typename Condition>
-  bool spin_until(Condition condition, const std::function<void()>& meanwhile = [] {}) {
+  bool spin_until(
+      Condition condition, const std::function<void()>& meanwhile = [] {}) {
     const auto deadline = steady_clock::now() + kGuard;
     while (!condition() && steady_clock::now() < deadline) {
       meanwhile();
@@ -118,10 +121,11 @@ class WalkingAcrossTheRing : public ::testing::Test {
   }
   // Until the bridge knows its listener, samples come out nowhere.
   void warm_up() {
-    ASSERT_TRUE(spin_until([&] { return all(&RecordedNode::is_warm); }, [&] {
-      for (auto& node : nodes_) node.send_warm_up();
-      for (auto& node : nodes_) node.outcome();
-    }));
+    ASSERT_TRUE(spin_until([&] { return all(&RecordedNode::is_warm); },
+                           [&] {
+                             for (auto& node : nodes_) node.send_warm_up();
+                             for (auto& node : nodes_) node.outcome();
+                           }));
   }
   // At the recorded pace; every send is answered before the next of that node.
   void play(const WalkingRecording& recording) {

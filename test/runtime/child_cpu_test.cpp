@@ -71,8 +71,7 @@ TEST_F(CpuProcessTest, ChildThatEndedBeforeItWasWatchedIsSeenWithoutPidfd) {
 TEST_F(CpuProcessTest, ResetEndsTheWholeGroupOfTheChild) {
   start(child({"sh", "-c", "sleep 1000 & echo $! >&2; wait"}));
   const pid_t shell = status().pid;
-  const std::string children =
-      "/proc/" + std::to_string(shell) + "/task/" + std::to_string(shell) + "/children";
+  const std::string children = "/proc/" + std::to_string(shell) + "/task/" + std::to_string(shell) + "/children";
   pid_t grandchild = 0;
   ASSERT_TRUE(until([&] { return bool(std::ifstream(children) >> grandchild); }));
   const process::ProcessHandle handle(grandchild);
@@ -137,7 +136,11 @@ TEST_F(CpuProcessTest, ProgramThatCannotBeExecutedFailsWithTheReason) {
   std::string path = ::testing::TempDir() + "limb_ring_XXXXXX";
   process::UniqueFd file(::mkstemp(path.data()));
   ASSERT_TRUE(file.valid());
-  ASSERT_EQ(::write(file.get(), "\x7f" "ELF", 4), 4);
+  ASSERT_EQ(::write(file.get(),
+                    "\x7f"
+                    "ELF",
+                    4),
+            4);
   ASSERT_EQ(::fchmod(file.get(), 0700), 0);
   file.reset();
   start(child({path}));

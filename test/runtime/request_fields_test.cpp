@@ -37,8 +37,9 @@ TEST(RequestFields, WhatIsNoObjectIsRefused) {
 TEST(ObserveFilter, NestedTooDeepIsRefused) {
   const config::RingConfig ring;
   for (const char* field : {"kinds", "packets"})
-    EXPECT_THAT(refusal_of([&] { read_observe_filter(ring, "{\"" + std::string(field) + "\":" + nested(32600) + "}"); }),
-                HasSubstr("nested too deep"));
+    EXPECT_THAT(
+        refusal_of([&] { read_observe_filter(ring, "{\"" + std::string(field) + "\":" + nested(32600) + "}"); }),
+        HasSubstr("nested too deep"));
 }
 
 }  // namespace

@@ -24,7 +24,8 @@ TEST(Expectation, IsMetInTimeAndNotANanosecondEarlier) {
 TEST(Expectation, OfLatency) {
   const std::string done = kSent + when("{results: x, are: delivered, at_least: 1}", "1ms");
   EXPECT_EQ(unmet_of(done + "always: [{latency: x, at_most: 6240ns}]\n"), "");
-  EXPECT_EQ(unmet_of(done + "always: [{latency: x, at_most: 6239ns}]\n"), "always {latency: x, at_most: 6239ns}; 6240ns");
+  EXPECT_EQ(unmet_of(done + "always: [{latency: x, at_most: 6239ns}]\n"),
+            "always {latency: x, at_most: 6239ns}; 6240ns");
 }
 
 TEST(Expectation, OfWhatWasTaken) {
@@ -51,13 +52,15 @@ TEST(Expectation, OfACpu) {
 }
 
 TEST(Expectation, OfALocatedBreak) {
-  EXPECT_EQ(unmet_of("steps:\n" + when("{located: node0 -> node1}", "300ms")),
-            "when {located: node0 -> node1} within 300ms; node0 does not know; node2 does not know; node3 does not know");
+  EXPECT_EQ(
+      unmet_of("steps:\n" + when("{located: node0 -> node1}", "300ms")),
+      "when {located: node0 -> node1} within 300ms; node0 does not know; node2 does not know; node3 does not know");
 }
 
 TEST(Expectation, AStepThatIsTooLateIsOne) {
-  EXPECT_THAT(unmet_of("steps:\n  - {at: 1ms, do: {cut: node0 -> node1}}\n" + when("{node: all, is: open_chain}", "1s") +
-                       "  - {at: 2ms}\n"), StartsWith("a step that is in time"));
+  EXPECT_THAT(unmet_of("steps:\n  - {at: 1ms, do: {cut: node0 -> node1}}\n" +
+                       when("{node: all, is: open_chain}", "1s") + "  - {at: 2ms}\n"),
+              StartsWith("a step that is in time"));
 }
 
 TEST(Expectation, NothingIsDoneAfterTheFirstThatIsUnmet) {
@@ -69,20 +72,22 @@ TEST(Expectation, NothingIsDoneAfterTheFirstThatIsUnmet) {
 }
 
 TEST(Expectation, TheSameSeedGivesTheSameRun) {
-  const std::string noise = "seed: 3\nsteps:\n  - {do: {corrupt: {line: node0 -> node1, once_in: 3}}}\n"
-                            "  - {do: {send: {name: x, from: all, to: all, size: 64, every: 50us, count: 50}}}\n" +
-                            when("{results: x, are: delivered, at_least: 200}", "100ms");
+  const std::string noise =
+      "seed: 3\nsteps:\n  - {do: {corrupt: {line: node0 -> node1, once_in: 3}}}\n"
+      "  - {do: {send: {name: x, from: all, to: all, size: 64, every: 50us, count: 50}}}\n" +
+      when("{results: x, are: delivered, at_least: 200}", "100ms");
   EXPECT_EQ(text_of(run_of(noise)), text_of(run_of(noise)));
 }
 
 TEST(Junit, HasACasePerScenarioWithWhatWasExpectedAndSeen) {
   const ScenarioRun good = run_of("steps: [{at: 2ms}]\n");
   const ScenarioRun bad = run_of("steps:\n" + when("{located: node0 -> node1}", "1ms"));
-  EXPECT_THAT(junit_of({good, bad}),
-              AllOf(StartsWith("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"),
-                    HasSubstr("tests=\"2\" failures=\"1\" errors=\"0\" time=\"0.003000000\""),
-                    HasSubstr("<testcase classname=\"scenarios\" name=\"test: a test\" time=\"0.002000000\">"),
-                    HasSubstr("<failure message=\"expected: when {located: node0 -&gt; node1} within 1ms; seen: node0 does")));
+  EXPECT_THAT(
+      junit_of({good, bad}),
+      AllOf(StartsWith("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n"),
+            HasSubstr("tests=\"2\" failures=\"1\" errors=\"0\" time=\"0.003000000\""),
+            HasSubstr("<testcase classname=\"scenarios\" name=\"test: a test\" time=\"0.002000000\">"),
+            HasSubstr("<failure message=\"expected: when {located: node0 -&gt; node1} within 1ms; seen: node0 does")));
 }
 
 }  // namespace

@@ -17,22 +17,25 @@ TEST(Faults, CutIsLocatedAfterTheGraceAndHealedAgain) {
                                    "  - {after: 199ms, when: {node: all, is: up}, within: 0s}\n"
                                    "  - {when: {located: node1 -> node2}, within: 2ms}\n"
                                    "  - {do: {heal: node1 -> node2}}\n"
-                                   "  - {when: {node: all, is: up}, within: 210ms}\n")), "");
+                                   "  - {when: {node: all, is: up}, within: 210ms}\n")),
+            "");
 }
 
 // T + N d = 4.192 + 2.048 us would be an undisturbed round trip; a lost try costs 100 ms.
 TEST(Faults, DropCostsATimeOut) {
-  EXPECT_EQ(unmet_of(after_joining("{drop: {line: node0 -> node1, packets: 1}}",
-                                   kSend + "  - {when: {results: x, are: delivered, at_least: 1}, within: 101ms}\n"
-                                           "  - {when: {counter: timeouts, of: node0, at_least: 1, at_most: 1}, within: 0s}\n")),
-              "");
+  EXPECT_EQ(unmet_of(after_joining(
+                "{drop: {line: node0 -> node1, packets: 1}}",
+                kSend + "  - {when: {results: x, are: delivered, at_least: 1}, within: 101ms}\n"
+                        "  - {when: {counter: timeouts, of: node0, at_least: 1, at_most: 1}, within: 0s}\n")),
+            "");
 }
 
 TEST(Faults, DropForATimeEndsByItself) {
   EXPECT_EQ(unmet_of(after_joining("{drop: {line: node0 -> node1, for: 1ms}}",
                                    "  - after: 1ms\n"
                                    "    do: {send: {name: x, from: node0, to: node2, size: 512}}\n"
-                                   "  - {when: {results: x, are: delivered, at_least: 1}, within: 7us}\n")), "");
+                                   "  - {when: {results: x, are: delivered, at_least: 1}, within: 7us}\n")),
+            "");
 }
 
 // Home damaged after 6.24 us, and once more: 12.48 us.
@@ -40,13 +43,15 @@ TEST(Faults, CorruptIsCountedBehindTheLineAndSentAgain) {
   EXPECT_EQ(unmet_of(after_joining("{corrupt: {line: node0 -> node1, packets: 1}}",
                                    kSend + "  - {when: {results: x, are: delivered, at_least: 1}, within: 12481ns}\n"
                                            "  - {when: {counter: crc_errors, of: node1, at_least: 1}, within: 0s}\n")),
-              "");
+            "");
 }
 
 TEST(Faults, TruncateIsAnAbortOnTheLine) {
-  EXPECT_EQ(unmet_of(after_joining("{truncate: {line: node0 -> node1, packets: 1}}",
-                                   kSend + "  - {when: {counter: aborts_received, of: node1, at_least: 1}, within: 6us}\n"
-                                           "  - {when: {taken: x, at_least: 1}, within: 101ms}\n")), "");
+  EXPECT_EQ(
+      unmet_of(after_joining("{truncate: {line: node0 -> node1, packets: 1}}",
+                             kSend + "  - {when: {counter: aborts_received, of: node1, at_least: 1}, within: 6us}\n"
+                                     "  - {when: {taken: x, at_least: 1}, within: 101ms}\n")),
+      "");
 }
 
 TEST(Faults, KillAndStart) {
@@ -54,44 +59,50 @@ TEST(Faults, KillAndStart) {
                                    "  - {when: {node: node3, is: down}, within: 0s}\n"
                                    "  - {when: {node: living, ring_size: 3}, within: 110ms}\n"
                                    "  - {do: {start: node3}}\n"
-                                   "  - {when: {node: all, is: up, ring_size: 4}, within: 110ms}\n")), "");
+                                   "  - {when: {node: all, is: up, ring_size: 4}, within: 110ms}\n")),
+            "");
 }
 
 TEST(Faults, FreezeAndThaw) {
   EXPECT_EQ(unmet_of(after_joining("{freeze: node3}",
                                    "  - {when: {node: node3, is: down}, within: 0s}\n"
                                    "  - {after: 1s, do: {thaw: node3}}\n"
-                                   "  - {when: {node: all, is: up, ring_size: 4}, within: 110ms}\n")), "");
+                                   "  - {when: {node: all, is: up, ring_size: 4}, within: 110ms}\n")),
+            "");
 }
 
 TEST(Faults, PowerCycleIsANewLife) {
   EXPECT_EQ(unmet_of(after_joining("{power_cycle: node3}",
                                    "  - {when: {counter: hellos, of: node3, at_least: 1, at_most: 1}, within: 1ms}\n"
-                                   "  - {when: {node: all, is: up, ring_size: 4}, within: 110ms}\n")), "");
+                                   "  - {when: {node: all, is: up, ring_size: 4}, within: 110ms}\n")),
+            "");
 }
 
 // A CPU that hangs sends nothing and takes nothing; its 32 buffers are there, so packets are delivered.
 TEST(Faults, HangAndResume) {
-  EXPECT_EQ(unmet_of(after_joining("{hang: node2}",
-                                   "  - {when: {cpu: node2, is: silent}, within: 601ms}\n" + kSend +
-                                       "  - {when: {results: x, are: delivered, at_least: 1}, within: 7us}\n"
-                                       "  - {when: {taken: x, at_most: 0}, within: 0s}\n"
-                                       "  - {do: {resume: node2}}\n"
-                                       "  - {when: {taken: x, at_least: 1}, within: 1us}\n")), "");
+  EXPECT_EQ(
+      unmet_of(after_joining("{hang: node2}", "  - {when: {cpu: node2, is: silent}, within: 601ms}\n" + kSend +
+                                                  "  - {when: {results: x, are: delivered, at_least: 1}, within: 7us}\n"
+                                                  "  - {when: {taken: x, at_most: 0}, within: 0s}\n"
+                                                  "  - {do: {resume: node2}}\n"
+                                                  "  - {when: {taken: x, at_least: 1}, within: 1us}\n")),
+      "");
 }
 
 TEST(Faults, ResetIsASecondBoot) {
   EXPECT_EQ(unmet_of(after_joining("{reset: node2}",
                                    "  - {when: {cpu: node2, is: booting, boots: 1}, within: 1ms}\n"
-                                   "  - {when: {cpu: node2, is: running, boots: 2}, within: 21ms}\n")), "");
+                                   "  - {when: {cpu: node2, is: running, boots: 2}, within: 21ms}\n")),
+            "");
 }
 
 TEST(Faults, NotReadingFillsTheBuffers) {
-  EXPECT_EQ(unmet_of(after_joining("{not_reading: node2}",
-                                   "  - {do: {send: {name: x, from: node0, to: node2, size: 8, count: 40}}}\n"
-                                   "  - {when: {results: x, are: refused, at_least: 1}, within: 1100ms}\n"
-                                   "  - {when: {results: x, are: delivered, at_least: 32, at_most: 32}, within: 0s}\n")),
-              "");
+  EXPECT_EQ(
+      unmet_of(after_joining("{not_reading: node2}",
+                             "  - {do: {send: {name: x, from: node0, to: node2, size: 8, count: 40}}}\n"
+                             "  - {when: {results: x, are: refused, at_least: 1}, within: 1100ms}\n"
+                             "  - {when: {results: x, are: delivered, at_least: 32, at_most: 32}, within: 0s}\n")),
+      "");
 }
 
 }  // namespace

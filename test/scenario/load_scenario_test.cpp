@@ -11,8 +11,9 @@ using testing::StartsWith;
 
 TEST(LoadScenario, ReadsStepsInTheirOrder) {
   const Scenario scenario = parse_scenario(
-      four_nodes("seed: 7\nsteps:\n  - {at: 1ms, do: {kill: [node1, 2]}}\n  - {when: {node: all, is: up}, within: 2us}\n"),
-              "t");
+      four_nodes(
+          "seed: 7\nsteps:\n  - {at: 1ms, do: {kill: [node1, 2]}}\n  - {when: {node: all, is: up}, within: 2us}\n"),
+      "t");
   EXPECT_EQ(scenario.seed, 7u);
   ASSERT_EQ(scenario.steps.size(), 2u);
   EXPECT_EQ(std::get<Fault>(scenario.steps[0].action).nodes, (std::vector<NodeId>{1, 2}));
@@ -20,8 +21,8 @@ TEST(LoadScenario, ReadsStepsInTheirOrder) {
 }
 
 TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLife) {
-  const Scenario scenario = parse_scenario(
-      four_nodes("steps: [{when: {node: all, is: up}, within: {sim: 200us, live: 2s}}]\n"), "t");
+  const Scenario scenario =
+      parse_scenario(four_nodes("steps: [{when: {node: all, is: up}, within: {sim: 200us, live: 2s}}]\n"), "t");
   EXPECT_EQ(scenario.steps[0].within.sim, std::chrono::microseconds(200));
 }
 
@@ -54,7 +55,8 @@ TEST(LoadScenario, AStoryExpectsSomethingWhereItWaitsOrWatches) {
 }
 
 TEST(LoadScenario, RefusesALineThatIsNone) {
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0 -> node2}}]\n")), HasSubstr("to the next: node0 -> node1"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0 -> node2}}]\n")),
+              HasSubstr("to the next: node0 -> node1"));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0}}]\n")), HasSubstr("cut says no line"));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node1 -> node0}}]\n")), HasSubstr("a ring that folds back"));
 }

@@ -18,7 +18,8 @@ const std::string kSend = "  - do: {send: {name: x, from: node0, to: node2, size
 
 TEST(OnlyVirtual, NothingInAnOrdinaryStory) {
   EXPECT_THAT(reasons("steps:\n  - {at: 10ms, do: {cut: node0 -> node1}}\n" + kSend +
-                      "  - {when: {results: x, are: delivered, at_least: 1}, within: 1ms}\n"), IsEmpty());
+                      "  - {when: {results: x, are: delivered, at_least: 1}, within: 1ms}\n"),
+              IsEmpty());
 }
 
 TEST(OnlyVirtual, StepsCloserThanAMillisecond) {

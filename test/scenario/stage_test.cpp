@@ -15,7 +15,7 @@ class PaperStage final : public Stage {
  public:
   std::map<NodeId, core::Duration> dies;  ///< when
   std::optional<Surprise> at_begin, at_action;
-  std::optional<core::Duration> breaks;   ///< when
+  std::optional<core::Duration> breaks;  ///< when
   std::vector<std::string> done;
   core::Duration per_action{0};
 
@@ -63,8 +63,9 @@ struct StageRun : testing::Test {
 };
 
 TEST_F(StageRun, DoesTheStepsInOrderAndAtTheirTimes) {
-  const ScenarioRun run = play("steps:\n  - {at: 50ms, do: {cut: node0 -> node1}}\n"
-                               "  - {after: 30ms, do: {send: {name: x, from: node0, to: node1, size: 8}}}\n");
+  const ScenarioRun run = play(
+      "steps:\n  - {at: 50ms, do: {cut: node0 -> node1}}\n"
+      "  - {after: 30ms, do: {send: {name: x, from: node0, to: node1, size: 8}}}\n");
   EXPECT_FALSE(run.unmet);
   EXPECT_THAT(stage.done, ElementsAre("cut", "send x"));
   EXPECT_EQ(run.log.at(1).at, 50ms);
@@ -102,8 +103,9 @@ TEST_F(StageRun, WhatHoldsAlwaysIsLookedAtOnTheWayToAStep) {
 
 TEST_F(StageRun, WhatHoldsNeverIsLookedAtWhileWaiting) {
   stage.dies[2] = 40ms;
-  const ScenarioRun run = play("steps: [{when: {node: node3, is: down}, within: 1s}]\n"
-                               "never: [{node: node2, is: down}]\n");
+  const ScenarioRun run = play(
+      "steps: [{when: {node: node3, is: down}, within: 1s}]\n"
+      "never: [{node: node2, is: down}]\n");
   ASSERT_TRUE(run.unmet);
   EXPECT_EQ(run.unmet->expected, "never {node: node2, is: down}");
 }

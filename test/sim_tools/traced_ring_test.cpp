@@ -15,8 +15,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using capture::Hop;
-using capture::TracedRing;
 using capture::PacketTrace;
+using capture::TracedRing;
 using capture::TripEnd;
 using std::chrono::nanoseconds;
 using testing::IsEmpty;

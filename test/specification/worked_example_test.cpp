@@ -63,7 +63,9 @@ Bytes datp(wire::NodeId destination, std::uint8_t sequence, std::uint8_t pri, co
   return out;
 }
 
-Bytes knee() { return datp(kDestination, 2, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}), {'k', 'n', 'e', 'e', '!'}); }
+Bytes knee() {
+  return datp(kDestination, 2, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}), {'k', 'n', 'e', 'e', '!'});
+}
 
 Bytes intp() {
   wire::InterruptPacket packet;

@@ -29,11 +29,10 @@ TEST(DataPacket, GoldenBytes) {
   packet.destination = 7;
   packet.pri = pri_byte(Priority{2}, ChannelId{4});
   packet.data = {data.data(), data.size()};
-  const Bytes golden{
-      0x4D, 0xFB, 0x03, 0x0C,        // incarnation 1, DATP, try 1, sequence 5 | SOP | HOP 3 | SID 12
-      'h',  'i',  0xFB, 0xFD, 0x00,  // any value is legal data
-      0xFD, 0xFF, 0x07, 0x12,        // EOP | FBC untaken | DID 7 | channel 4, priority 2
-      0xD2, 0x12, 0x9A, 0x12};
+  const Bytes golden{0x4D, 0xFB, 0x03, 0x0C,        // incarnation 1, DATP, try 1, sequence 5 | SOP | HOP 3 | SID 12
+                     'h',  'i',  0xFB, 0xFD, 0x00,  // any value is legal data
+                     0xFD, 0xFF, 0x07, 0x12,        // EOP | FBC untaken | DID 7 | channel 4, priority 2
+                     0xD2, 0x12, 0x9A, 0x12};
   EXPECT_THAT(encoded(packet), ElementsAreArray(golden));
   DataPacket back;
   ASSERT_EQ(decode({golden.data(), golden.size()}, back), PacketError::none);
@@ -55,8 +54,8 @@ TEST(InterruptPacket, GoldenBytes) {
   packet.fbc = 1;
   packet.destination = 12;
   packet.factor = Factor{6};
-  const Bytes golden{0x62, 0xFB, 0x0F, 0x00,   // incarnation 1, INTP, try 0, sequence 2 | SOP | HOP 15 | SID 0
-                     0xFD, 0x01, 0x0C, 0x06,   // EOP | FBC 1: pin pulled | DID 12 | factor 6
+  const Bytes golden{0x62, 0xFB, 0x0F, 0x00,  // incarnation 1, INTP, try 0, sequence 2 | SOP | HOP 15 | SID 0
+                     0xFD, 0x01, 0x0C, 0x06,  // EOP | FBC 1: pin pulled | DID 12 | factor 6
                      0x50, 0xDB, 0xEA, 0x2D};
   EXPECT_THAT(encode(packet), ElementsAreArray(golden));
   InterruptPacket back;

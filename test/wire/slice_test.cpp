@@ -54,10 +54,18 @@ TEST(Slice, SizesTheirKindCannotHaveAreMalformed) {
     store_u16(bytes.data() + 2, size);
     return parse_slice(view(bytes)).status;
   };
-  for (const auto& [kind, size] : std::vector<std::pair<SliceKind, std::uint16_t>>{
-           {SliceKind::start, 3}, {SliceKind::start, 5}, {SliceKind::start, 520}, {SliceKind::more, 0},
-           {SliceKind::more, 6}, {SliceKind::end, 7}, {SliceKind::end, 521}, {SliceKind::whole, 12},
-           {SliceKind::whole, 525}, {SliceKind::interrupt, 11}, {SliceKind::abort, 1}, {SliceKind::idle, 1}})
+  for (const auto& [kind, size] : std::vector<std::pair<SliceKind, std::uint16_t>>{{SliceKind::start, 3},
+                                                                                   {SliceKind::start, 5},
+                                                                                   {SliceKind::start, 520},
+                                                                                   {SliceKind::more, 0},
+                                                                                   {SliceKind::more, 6},
+                                                                                   {SliceKind::end, 7},
+                                                                                   {SliceKind::end, 521},
+                                                                                   {SliceKind::whole, 12},
+                                                                                   {SliceKind::whole, 525},
+                                                                                   {SliceKind::interrupt, 11},
+                                                                                   {SliceKind::abort, 1},
+                                                                                   {SliceKind::idle, 1}})
     EXPECT_EQ(status(kind, size), Status::malformed) << static_cast<int>(kind) << " " << size;
   EXPECT_EQ(status(SliceKind::whole, 13), Status::slice);
   EXPECT_EQ(status(SliceKind::whole, 524), Status::slice);

@@ -10,8 +10,8 @@ namespace limb_ring::app {
 bool colour_wanted(int file) {
   const char* no_colour = std::getenv("NO_COLOR");
   const char* terminal = std::getenv("TERM");
-  const bool refused = (no_colour != nullptr && *no_colour != '\0') ||
-                       (terminal != nullptr && std::strcmp(terminal, "dumb") == 0);
+  const bool refused =
+      (no_colour != nullptr && *no_colour != '\0') || (terminal != nullptr && std::strcmp(terminal, "dumb") == 0);
   return !refused && ::isatty(file) == 1;
 }
 

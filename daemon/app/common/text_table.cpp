@@ -16,13 +16,10 @@ std::size_t width_of(const Rows& rows, std::size_t column) {
   return width;
 }
 
-bool is_number(const std::string& cell) {
-  return cell.find_first_not_of("0123456789.-+") == std::string::npos;
-}
+bool is_number(const std::string& cell) { return cell.find_first_not_of("0123456789.-+") == std::string::npos; }
 
 bool right_aligned(const Rows& rows, std::size_t column) {
-  return std::all_of(rows.begin() + 1, rows.end(),
-                     [column](const auto& row) { return is_number(row[column]); });
+  return std::all_of(rows.begin() + 1, rows.end(), [column](const auto& row) { return is_number(row[column]); });
 }
 
 std::string aligned(const std::string& cell, std::size_t width, bool right) {

@@ -20,9 +20,10 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* description) 
 }
 
 void add_format(CLI::App& command, app::Format& format) {
-  auto* json =
-      command.add_flag_callback("--json", [&format] { format = app::Format::json; }, "Print JSON, for programs");
-  auto* csv = command.add_flag_callback("--csv", [&format] { format = app::Format::csv; }, "Print CSV, for programs");
+  auto* json = command.add_flag_callback(
+      "--json", [&format] { format = app::Format::json; }, "Print JSON, for programs");
+  auto* csv = command.add_flag_callback(
+      "--csv", [&format] { format = app::Format::csv; }, "Print CSV, for programs");
   json->excludes(csv);
 }
 
@@ -57,7 +58,9 @@ void add_medium(CLI::App& command, study::Medium& medium) {
 
 void add_lines(CLI::App& command, study::Medium& medium) {
   const auto add = [&command, &medium](const char* name, const char* type, const char* text, auto read) {
-    command.add_option_function<std::string>(name, [](const std::string&) {}, text)
+    command
+        .add_option_function<std::string>(
+            name, [](const std::string&) {}, text)
         ->check(CLI::Validator([&medium, read](const std::string& value) { return read(value, medium); }, type));
   };
   add("--rate", "RATE", "Data rate R of every line, bit/s or with a unit; default 1Gbit/s", read_rate);

@@ -38,17 +38,16 @@ int run(Options& options) {
 
 void add_compare(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(
-      app, "compare", "Measure the ring beside ARCNET, EtherCAT, SERCOS II, Responsive Link and CAN");
+  CLI::App* command =
+      add_command(app, "compare", "Measure the ring beside ARCNET, EtherCAT, SERCOS II, Responsive Link and CAN");
   add_medium(*command, options->comparison.medium);
   add_seed(*command, options->comparison.seed);
   add_format(*command, options->format);
-  command->add_option("--plots", options->plots,
-                      "Draw pictures into this folder too, as PNG and SVG, beside their data and gnuplot scripts")
+  command
+      ->add_option("--plots", options->plots,
+                   "Draw pictures into this folder too, as PNG and SVG, beside their data and gnuplot scripts")
       ->type_name("DIR");
-  command->callback([&context, options] {
-    context.action = [options] { return run(*options); };
-  });
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 
 }  // namespace limb_ring::ring_sim

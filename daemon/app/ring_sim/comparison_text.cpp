@@ -47,8 +47,10 @@ std::string latencies(const Comparison& comparison, bool own_rate) {
     put(row, figures.alone);
     put(row, figures.at_once_opposite);
     put(row, figures.at_once_random);
-    if (figures.random_load) put(row, *figures.random_load);
-    else row.insert(row.end(), {"-", "-"});
+    if (figures.random_load)
+      put(row, *figures.random_load);
+    else
+      row.insert(row.end(), {"-", "-"});
   }));
 }
 
@@ -91,11 +93,14 @@ std::string against_nodes(const Comparison& comparison, const ComparisonOptions&
 std::string group(const Comparison& comparison, const ComparisonOptions& options, bool own_rate) {
   std::string text = own_rate ? "==== Each at its own rate (the paper's Table I) ====\n"
                               : "==== All at " + megabits(options.medium.rate) + " Mbit/s ====\n";
-  text += "\nLatency of a message, us, worst seen and mean: alone; all nodes at once, to the node opposite and\n"
-          "to random ones; random load of " + percent(study::kRandomLoad) + " % of R ('-': saturated)\n";
+  text +=
+      "\nLatency of a message, us, worst seen and mean: alone; all nodes at once, to the node opposite and\n"
+      "to random ones; random load of " +
+      percent(study::kRandomLoad) + " % of R ('-': saturated)\n";
   text += latencies(comparison, own_rate);
-  text += "\nUnder full load: latency of an interrupt-like message, worst seen and mean; time until a new node\n"
-          "may send; payload delivered, % of R\n";
+  text +=
+      "\nUnder full load: latency of an interrupt-like message, worst seen and mean; time until a new node\n"
+      "may send; payload delivered, % of R\n";
   text += full_load(comparison, own_rate);
   text += "\nPayload delivered, % of R, against payload offered, % of R\n";
   text += against_load(comparison, options, own_rate);
@@ -129,8 +134,8 @@ std::string comparison_text(const Comparison& comparison, const ComparisonOption
   const study::Medium& medium = options.medium;
   return std::to_string(medium.nodes) + " nodes, " + std::to_string(medium.payload) +
          " bytes of payload, relay delay " + number(study::microseconds(medium.relay_delay), 3) + " us, seed " +
-         std::to_string(options.seed) + "\n\n" + group(comparison, options, false) +
-         group(comparison, options, true) + bound(medium) + kNotes;
+         std::to_string(options.seed) + "\n\n" + group(comparison, options, false) + group(comparison, options, true) +
+         bound(medium) + kNotes;
 }
 
 }  // namespace limb_ring::ring_sim

@@ -117,9 +117,7 @@ void add_plan(CLI::App& app, Context& context) {
       ->check(CLI::Validator(check_duration, ""));
   add_seed(*command, options->seed);
   add_format(*command, options->format);
-  command->callback([&context, options] {
-    context.action = [options] { return run(*options); };
-  });
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 
 }  // namespace limb_ring::ring_sim

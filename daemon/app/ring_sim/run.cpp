@@ -80,9 +80,7 @@ void add_run(CLI::App& app, Context& context) {
   command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
       ->needs(capture);
   add_format(*command, options->format);
-  command->callback([&context, options] {
-    context.action = [options] { return run(*options); };
-  });
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 
 }  // namespace limb_ring::ring_sim

@@ -77,8 +77,10 @@ int run(const Options& options) {
     progress.tell(std::to_string(tally.seeds) + " of " + std::to_string(options.seeds) + " seeds, no promise broken");
   }
   if (broken != 0) return kBroken;
-  if (options.format == app::Format::json) std::cout << tally.row(options).dump(2) << '\n';
-  else std::cout << app::format_rows({tally.row(options)}, options.format);
+  if (options.format == app::Format::json)
+    std::cout << tally.row(options).dump(2) << '\n';
+  else
+    std::cout << app::format_rows({tally.row(options)}, options.format);
   if (options.format == app::Format::text) std::cout << "No promise was broken.\n";
   return kDone;
 }
@@ -96,10 +98,10 @@ void add_soak(CLI::App& app, Context& context) {
       ->transform(cli::whole(1, std::numeric_limits<std::int64_t>::max()));
   command->add_option("--failures", options->failures, "Stop after so many broken seeds; default 1")
       ->transform(cli::whole(1, 100000000));
-  command->add_option_function<std::string>(
-             "--redundancy",
-             [options](const std::string& what) { options->all_fold_back = what == "foldback"; },
-             "mixed: a third of the rings folds back (default); foldback: all of them")
+  command
+      ->add_option_function<std::string>(
+          "--redundancy", [options](const std::string& what) { options->all_fold_back = what == "foldback"; },
+          "mixed: a third of the rings folds back (default); foldback: all of them")
       ->transform(cli::one_of({"mixed", "foldback"}));
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");
   add_format(*command, options->format);

@@ -29,8 +29,8 @@ class Table {
   }
   void add_nodes() {
     for (const unsigned nodes : {2u, 4u, 8u, 16u, 32u, 64u, 128u, 254u})
-      for (const Case which : {Case::alone, Case::simultaneous, Case::adversarial, Case::request, Case::interrupt,
-                               Case::saturated}) {
+      for (const Case which :
+           {Case::alone, Case::simultaneous, Case::adversarial, Case::request, Case::interrupt, Case::saturated}) {
         study::Medium medium = options_.medium;
         medium.nodes = nodes;
         add(which, medium);
@@ -61,8 +61,8 @@ std::string in_text(const std::vector<app::Row>& rows, const Options& options) {
   }
   const study::Medium& medium = options.medium;
   return app::format_rows(shown, app::Format::text) + "\nR = " + std::to_string(medium.rate) +
-         " bit/s, d = " + std::to_string(core::picoseconds(medium.relay_delay)) +
-         " ps, seed " + std::to_string(options.seed) +
+         " bit/s, d = " + std::to_string(core::picoseconds(medium.relay_delay)) + " ps, seed " +
+         std::to_string(options.seed) +
          ". T = (B + 12) bytes on the line, i = 12 bytes.\n"
          "measured_us is the worst of its case. Asked a picosecond after a packet of another began to pass,\n"
          "`request` stays that much below its formula; `interrupt_bound` and `random` are the worst that was\n"
@@ -77,7 +77,7 @@ int run(const Options& options) {
     table.add_payloads();
   }
   std::cout << (options.format == app::Format::text ? in_text(table.rows(), options)
-                                                     : app::format_rows(table.rows(), options.format));
+                                                    : app::format_rows(table.rows(), options.format));
   return kDone;
 }
 
@@ -92,9 +92,7 @@ void add_table(CLI::App& app, Context& context) {
   add_seed(*command, options->seed);
   command->add_flag("--only", options->alone, "Leave the other numbers of nodes and payloads out");
   add_format(*command, options->format);
-  command->callback([&context, options] {
-    context.action = [options] { return run(*options); };
-  });
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 
 }  // namespace limb_ring::ring_sim

@@ -24,15 +24,12 @@ constexpr std::size_t kAskers = 32;
 
 nlohmann::json checked(const HostPort& port, const std::string& text) {
   const nlohmann::json answer = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!answer.is_object())
-    throw HostPortError("node " + label({port.id(), port.name()}) + " answered no JSON object");
-  if (answer.contains("error") && answer["error"].is_string())
-    throw NotDone(answer["error"].get<std::string>());
+  if (!answer.is_object()) throw HostPortError("node " + label({port.id(), port.name()}) + " answered no JSON object");
+  if (answer.contains("error") && answer["error"].is_string()) throw NotDone(answer["error"].get<std::string>());
   return answer;
 }
 
-std::optional<nlohmann::json> ask_one(const std::string& ring, const NodeName& node,
-                                      const nlohmann::json& request) {
+std::optional<nlohmann::json> ask_one(const std::string& ring, const NodeName& node, const nlohmann::json& request) {
   try {
     HostPort port = connect_node(ring, std::to_string(node.id));
     return checked(port, port.ask(request.dump(), kAnswerTime));
@@ -49,7 +46,8 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds t
   Progress progress;
   while (steady_clock::now() < deadline) {
     const auto message = port.receive(kTick);
-    if (!message) progress.tell("waiting for node " + label({port.id(), port.name()}));
+    if (!message)
+      progress.tell("waiting for node " + label({port.id(), port.name()}));
     else if (const auto* reply = std::get_if<Reply>(&*message); reply && reply->token == token)
       return checked(port, reply->json);
     else if (const auto* end = std::get_if<Disconnected>(&*message))
@@ -58,14 +56,12 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds t
   no_answer(port, timeout);
 }
 
-std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring,
-                                                   const std::vector<NodeName>& nodes,
+std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring, const std::vector<NodeName>& nodes,
                                                    const nlohmann::json& request) {
   std::vector<std::optional<nlohmann::json>> answers(nodes.size());
   std::atomic<std::size_t> next{0};
   const auto ask_some = [&] {
-    for (std::size_t i = next++; i < nodes.size(); i = next++)
-      answers[i] = ask_one(ring, nodes[i], request);
+    for (std::size_t i = next++; i < nodes.size(); i = next++) answers[i] = ask_one(ring, nodes[i], request);
   };
   // In parallel: a daemon that is stopped takes its whole time-out.
   std::vector<std::thread> askers;

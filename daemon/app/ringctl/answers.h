@@ -14,12 +14,10 @@ constexpr std::chrono::milliseconds kAnswerTime{2000};
 
 /// Asks a daemon, with progress on standard error where it takes long.
 /// @throw NotDone with what the daemon says is wrong; HostPortError where it does not answer
-nlohmann::json ask(HostPort& port, const nlohmann::json& request,
-                   std::chrono::milliseconds timeout);
+nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout);
 
 /// Asks all of these nodes at the same time. Nothing for one that does not answer, or cannot.
-std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring,
-                                                   const std::vector<NodeName>& nodes,
+std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring, const std::vector<NodeName>& nodes,
                                                    const nlohmann::json& request);
 
 }  // namespace limb_ring::ringctl

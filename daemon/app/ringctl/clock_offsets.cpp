@@ -2,9 +2,8 @@
 
 namespace limb_ring::ringctl {
 
-std::vector<ClockOffset> clock_offsets(const std::vector<std::optional<std::int64_t>>& latches_ns,
-                                       std::size_t source, double round_trip_us,
-                                       unsigned ring_size) {
+std::vector<ClockOffset> clock_offsets(const std::vector<std::optional<std::int64_t>>& latches_ns, std::size_t source,
+                                       double round_trip_us, unsigned ring_size) {
   const double hop_us = ring_size > 0 ? round_trip_us / ring_size : 0.0;
   std::vector<ClockOffset> offsets(latches_ns.size());
   unsigned hops = 0;

@@ -18,8 +18,7 @@ struct ClockOffset {
 /// @param latches_ns clock of each node in ring order when its sync pin was pulled (of the source:
 ///        when it sent); empty where the node did not latch
 /// @param source index of the source; its latch is there
-std::vector<ClockOffset> clock_offsets(const std::vector<std::optional<std::int64_t>>& latches_ns,
-                                       std::size_t source, double round_trip_us,
-                                       unsigned ring_size);
+std::vector<ClockOffset> clock_offsets(const std::vector<std::optional<std::int64_t>>& latches_ns, std::size_t source,
+                                       double round_trip_us, unsigned ring_size);
 
 }  // namespace limb_ring::ringctl

@@ -22,7 +22,10 @@ std::string fault_table(const std::vector<LiveFault>& faults) {
   std::vector<std::vector<std::string>> table{{"id", "fault", "since s", "struck", "left"}};
   for (const LiveFault& fault : faults)
     table.push_back({fault.id, fault.words, app::number(fault.age_s),
-                     fault.waits ? "waits" : fault.hits == 0 ? "-" : std::to_string(fault.hits), left_of(fault)});
+                     fault.waits       ? "waits"
+                     : fault.hits == 0 ? "-"
+                                       : std::to_string(fault.hits),
+                     left_of(fault)});
   return app::text_table(table);
 }
 

@@ -16,8 +16,8 @@ std::string digits_of(const std::string& text) {
   for (std::size_t i = begin; i < text.size(); ++i) {
     if (passed_over(text[i])) continue;
     if (std::isxdigit(static_cast<unsigned char>(text[i])) == 0)
-      throw UsageError("--hex: '" + std::string(1, text[i]) + "' at position " +
-                       std::to_string(i + 1) + " is no hexadecimal digit (0-9, a-f)");
+      throw UsageError("--hex: '" + std::string(1, text[i]) + "' at position " + std::to_string(i + 1) +
+                       " is no hexadecimal digit (0-9, a-f)");
     digits += text[i];
   }
   return digits;

@@ -30,10 +30,12 @@ std::string broken_lines(const std::vector<json>& rows) {
     const json& line = row["broken_line"];
     const bool knows = row["id"] == line["behind"];
     if (!knows && lines.count(line["behind"]) != 0) continue;
-    lines[line["behind"]] = "broken line " + arrow(rows, line["before"], line["behind"]) + " since " +
-                            app::number(line["since_s"].get<double>()) + " s" +
-                            (line.contains("announced_ms") ? ", announced after " + app::number(line["announced_ms"].get<double>()) + " ms" : "") +
-                            '\n';
+    lines[line["behind"]] =
+        "broken line " + arrow(rows, line["before"], line["behind"]) + " since " +
+        app::number(line["since_s"].get<double>()) + " s" +
+        (line.contains("announced_ms") ? ", announced after " + app::number(line["announced_ms"].get<double>()) + " ms"
+                                       : "") +
+        '\n';
   }
   std::string text;
   for (const auto& [behind, line] : lines) text += line;
@@ -62,9 +64,7 @@ std::string broken_second_lines(const std::vector<json>& rows) {
 /// One in so many of the damaged packets that a node has seen counts as under way.
 constexpr std::int64_t kUnderWay = 8;
 
-std::int64_t counter(const json& row, const char* name) {
-  return row["counters"].value(name, std::int64_t{0});
-}
+std::int64_t counter(const json& row, const char* name) { return row["counters"].value(name, std::int64_t{0}); }
 
 /// Damaged packets that a node has passed on: all but its own, which end there.
 std::int64_t passed_on_damaged(const std::vector<json>& rows, const json& id) {
@@ -81,8 +81,8 @@ std::string noisy_line(const std::vector<json>& rows, const json& row) {
   const std::int64_t seen = counter(row, "crc_errors");
   const std::int64_t damaged = seen - passed_on_damaged(rows, from);
   if (damaged <= seen / kUnderWay) return {};
-  return "noisy line " + arrow(rows, from, row["id"]) + ": " + app::counted(static_cast<std::uint64_t>(damaged), "packet") +
-         " came in damaged\n";
+  return "noisy line " + arrow(rows, from, row["id"]) + ": " +
+         app::counted(static_cast<std::uint64_t>(damaged), "packet") + " came in damaged\n";
 }
 
 std::string faults_on_purpose(const json& row) {

@@ -17,7 +17,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kTick{50};        // how soon Ctrl-C is noticed
+constexpr milliseconds kTick{50};         // how soon Ctrl-C is noticed
 constexpr milliseconds kLastWords{1000};  // how long a daemon may take to count up
 /// Taken from one node before the next has its turn.
 constexpr int kAtOnce = 1000;
@@ -27,8 +27,7 @@ std::string event_words(const nlohmann::json& seen) {
   if (kind == "state")
     return seen.value("before", "") + " -> " + seen.value("after", "") + ", ring of " +
            std::to_string(seen.value("ring_size", 0));
-  if (kind == "cpu")
-    return "CPU " + seen.value("state", "") + ", boot " + std::to_string(seen.value("boots", 0));
+  if (kind == "cpu") return "CPU " + seen.value("state", "") + ", boot " + std::to_string(seen.value("boots", 0));
   return seen.value("what", seen.dump());
 }
 

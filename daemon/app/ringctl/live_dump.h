@@ -20,8 +20,7 @@ std::string summary(const DumpTotals& totals);
 class LiveDump {
  public:
   /// @param order for observe(). @throw HostPortError
-  LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order,
-           CaptureSink& sink);
+  LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order, CaptureSink& sink);
 
   /// Until `count` packets are shown (0: without end), somebody asks it to end, or nobody reads.
   /// @throw HostPortError where the last daemon has gone, UsageError for an order that is refused

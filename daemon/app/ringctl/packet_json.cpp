@@ -32,14 +32,22 @@ std::string packet_json(const CapturedPacket& packet, const RingNames& names) {
   const CaptureInfo& info = packet.info;
   const wire::PacketFields fields{bytes};
   const wire::Code code = fields.code();
-  json row{{"time_ns", packet.time_ns},   {"line", {names.of(info.from), names.of(info.to)}},
-           {"at", info.input ? "in" : "out"}, {"kind", code.interrupt ? "INTP" : "DATP"},
-           {"source", names.of(fields.source())}, {"sid", fields.source()},
-           {"hop", fields.hop()},         {"try", code.attempt},
-           {"sequence", +code.sequence},   {"size", packet.bytes.size()},
-           {"span_ns", info.span.count()}, {"crc_bad", info.crc_bad},
-           {"aborted", info.aborted},     {"truncated", info.truncated},
-           {"retry", info.retry},         {"own", info.own},
+  json row{{"time_ns", packet.time_ns},
+           {"line", {names.of(info.from), names.of(info.to)}},
+           {"at", info.input ? "in" : "out"},
+           {"kind", code.interrupt ? "INTP" : "DATP"},
+           {"source", names.of(fields.source())},
+           {"sid", fields.source()},
+           {"hop", fields.hop()},
+           {"try", code.attempt},
+           {"sequence", +code.sequence},
+           {"size", packet.bytes.size()},
+           {"span_ns", info.span.count()},
+           {"crc_bad", info.crc_bad},
+           {"aborted", info.aborted},
+           {"truncated", info.truncated},
+           {"retry", info.retry},
+           {"own", info.own},
            {"lost_before", packet.lost_before}};
   if (info.embedded) row["inside"] = {{"sid", info.carrier_source}, {"offset", info.carrier_offset}};
   if (capture::PacketView{{}, info, bytes}.whole()) add_trailer(row, fields, names);

@@ -36,10 +36,14 @@ std::string destination_name(const RingNames& names, wire::NodeId destination) {
 
 std::string channel_name(std::uint8_t channel) {
   switch (static_cast<wire::Channel>(channel)) {
-    case wire::Channel::user: return "user";
-    case wire::Channel::control: return "control";
-    case wire::Channel::joint: return "joint";
-    case wire::Channel::fragment: return "topic";
+    case wire::Channel::user:
+      return "user";
+    case wire::Channel::control:
+      return "control";
+    case wire::Channel::joint:
+      return "joint";
+    case wire::Channel::fragment:
+      return "topic";
   }
   return "ch " + to_string(channel);
 }
@@ -85,12 +89,13 @@ std::string PacketText::fields(const CapturedPacket& packet) const {
   const bool all = whole(packet);
   const wire::Code code = fields.code();
   std::string last = "?";
-  if (all && code.interrupt) last = "INT" + to_string(fields.last());
-  else if (all) last = "p" + to_string(wire::priority_of(fields.last())) + " " +
-                       channel_name(wire::channel_of(fields.last()));
+  if (all && code.interrupt)
+    last = "INT" + to_string(fields.last());
+  else if (all)
+    last = "p" + to_string(wire::priority_of(fields.last())) + " " + channel_name(wire::channel_of(fields.last()));
   const std::size_t size = all ? fields.data().size : packet.bytes.size();
-  return "hop " + right(fields.hop(), 3) + "  fbc " + (all ? right(fields.fbc(), 3) : "  ?") + "  " +
-         padded(last, 10) + "  " + to_string(code.attempt) + "/" + to_string(code.sequence) + "  [" +
+  return "hop " + right(fields.hop(), 3) + "  fbc " + (all ? right(fields.fbc(), 3) : "  ?") + "  " + padded(last, 10) +
+         "  " + to_string(code.attempt) + "/" + to_string(code.sequence) + "  [" +
          right(static_cast<unsigned>(size), 3) + "]";
 }
 
@@ -120,8 +125,7 @@ std::string PacketText::remarks(const CapturedPacket& packet) const {
   if (info.truncated) text += "  truncated";
   if (info.retry) text += "  retry";
   if (info.own && info.input) text += "  home";
-  if (info.embedded)
-    text += "  in DATP of " + names_.of(info.carrier_source) + " at " + to_string(info.carrier_offset);
+  if (info.embedded) text += "  in DATP of " + names_.of(info.carrier_source) + " at " + to_string(info.carrier_offset);
   if (packet.lost_before != 0) text += "  (" + to_string(packet.lost_before) + " lost before)";
   return text;
 }
@@ -136,7 +140,10 @@ std::string PacketText::line(const CapturedPacket& packet) {
   const std::string time = stamp(packet.time_ns) + "  ";
   if (!options_.colour) return time + text;
   const bool control = capture::kind_of({{}, packet.info, view(packet)}) == capture::Kind::control;
-  const char* colour = broken(packet.info) ? app::kRed : is_interrupt(packet) ? app::kMagenta : control ? app::kDim : "";
+  const char* colour = broken(packet.info)    ? app::kRed
+                       : is_interrupt(packet) ? app::kMagenta
+                       : control              ? app::kDim
+                                              : "";
   return time + colour + text + app::kPlain;
 }
 

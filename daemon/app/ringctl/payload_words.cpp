@@ -63,8 +63,8 @@ std::string words(const payload::JointState& state) {
 }
 
 std::string words(const payload::JointCommand& command) {
-  std::string text = "joint command " + to_string(command.sequence) + ", valid for " +
-                     to_string(command.valid_for_us) + " us" + (command.resume ? ", resume" : "");
+  std::string text = "joint command " + to_string(command.sequence) + ", valid for " + to_string(command.valid_for_us) +
+                     " us" + (command.resume ? ", resume" : "");
   for (std::size_t i = 0; i < command.joints.size(); ++i) {
     const auto& values = command.joints[i];
     std::string wanted;
@@ -112,12 +112,15 @@ std::string joint_words(ByteView data) {
 
 std::string payload_words(std::uint8_t channel, ByteView data, const RingNames& names) {
   switch (static_cast<wire::Channel>(channel)) {
-    case wire::Channel::control: return control_words(data, names);
-    case wire::Channel::joint: return joint_words(data);
+    case wire::Channel::control:
+      return control_words(data, names);
+    case wire::Channel::joint:
+      return joint_words(data);
     case wire::Channel::fragment:
       if (const auto fragment = payload::decode_fragment(data)) return words(*fragment);
       return {};
-    default: return {};
+    default:
+      return {};
   }
 }
 

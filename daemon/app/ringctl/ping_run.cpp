@@ -30,9 +30,8 @@ double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<
 }  // namespace
 
 std::uint64_t PingTotals::with(Outcome outcome) const {
-  return static_cast<std::uint64_t>(std::count_if(results.begin(), results.end(), [outcome](const Result& result) {
-    return result.outcome == outcome;
-  }));
+  return static_cast<std::uint64_t>(std::count_if(
+      results.begin(), results.end(), [outcome](const Result& result) { return result.outcome == outcome; }));
 }
 
 PingTotals PingRun::run() {
@@ -95,7 +94,8 @@ std::string ping_text(const PingOrder& order, const PingTotals& totals) {
   std::string text = "--- " + order.to.name + " ping statistics ---\n" + std::to_string(totals.sent) + " sent, " +
                      std::to_string(delivered) + " delivered";
   for (const Outcome outcome : kOutcomes)
-    if (const auto count = totals.with(outcome); count != 0) text += ", " + std::to_string(count) + ' ' + to_string(outcome);
+    if (const auto count = totals.with(outcome); count != 0)
+      text += ", " + std::to_string(count) + ' ' + to_string(outcome);
   if (totals.sent > totals.results.size())
     text += ", " + std::to_string(totals.sent - totals.results.size()) + " not ended";
   text += ", " + app::number(in_seconds(totals.took), 3) + " s\n";
@@ -108,7 +108,8 @@ std::string ping_text(const PingOrder& order, const PingTotals& totals) {
 json ping_json(const PingOrder& order, const PingTotals& totals) {
   json other = json::object();
   for (const Outcome outcome : kOutcomes)
-    if (const auto count = totals.with(outcome); outcome != Outcome::lost && count != 0) other[to_string(outcome)] = count;
+    if (const auto count = totals.with(outcome); outcome != Outcome::lost && count != 0)
+      other[to_string(outcome)] = count;
   const double seconds = in_seconds(totals.took);
   const auto delivered = totals.with(Outcome::delivered);
   return {{"to", order.to.id},

@@ -42,7 +42,8 @@ void RefusalCounters::explain(std::vector<Result>& results, const std::vector<as
     if (then == before_.end()) continue;
     for (const Counter& counter : kCounters) {
       if (count(row, counter.name) <= count(then->second, counter.name)) continue;
-      if (reasons.insert(refined(counter.reason, row)).second) where += (where.empty() ? "" : ", ") + name_of(nodes, id);
+      if (reasons.insert(refined(counter.reason, row)).second)
+        where += (where.empty() ? "" : ", ") + name_of(nodes, id);
     }
   }
   if (reasons.size() != 1) return;

@@ -73,8 +73,12 @@ class Planner {
   void add(const CapturedPacket& packet, const wire::PacketFields& fields) {
     if (plan_.sends.empty()) first_ns_ = packet.time_ns;
     const wire::ByteView data = fields.data();
-    plan_.sends.push_back({packet.time_ns - first_ns_, fields.source(), fields.destination(), fields.code().interrupt,
-                           fields.last(), {data.begin(), data.end()}});
+    plan_.sends.push_back({packet.time_ns - first_ns_,
+                           fields.source(),
+                           fields.destination(),
+                           fields.code().interrupt,
+                           fields.last(),
+                           {data.begin(), data.end()}});
   }
 
   std::vector<CapturedPacket> packets_;

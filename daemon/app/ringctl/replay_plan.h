@@ -13,17 +13,17 @@ struct ReplaySend {
   wire::NodeId source = 0;
   wire::NodeId destination = 0;
   bool interrupt = false;
-  std::uint8_t last = 0;               ///< factor, or priority and channel
-  std::vector<std::uint8_t> data;      ///< empty for an interrupt
+  std::uint8_t last = 0;           ///< factor, or priority and channel
+  std::vector<std::uint8_t> data;  ///< empty for an interrupt
 };
 
 /// What of a capture is sent again, in its order, and why the rest is not.
 struct ReplayPlan {
   std::vector<ReplaySend> sends;
-  std::uint64_t control = 0;     ///< hellos, beacons: the network controllers' own
-  std::uint64_t broken = 0;      ///< aborted, truncated, bad CRC
-  std::uint64_t repeated = 0;    ///< a retry of what was sent before it
-  std::uint64_t elsewhere = 0;   ///< seen on another line than the one its source is taken from
+  std::uint64_t control = 0;    ///< hellos, beacons: the network controllers' own
+  std::uint64_t broken = 0;     ///< aborted, truncated, bad CRC
+  std::uint64_t repeated = 0;   ///< a retry of what was sent before it
+  std::uint64_t elsewhere = 0;  ///< seen on another line than the one its source is taken from
 };
 
 /// A packet goes along many lines and may have been captured on several. Each source is taken from one:

@@ -56,8 +56,10 @@ void Respawn::consider(std::size_t index) {
   if (Clock::now() < node.due) return;
   const live::Holder holder = live::holder_of(folder_, name.id);
   if (holder.held) return;  // 'ringctl fault start'
-  if (holder.pid < 0) node.plan = Plan::stays_down;
-  else if (!live::is_killed(folder_, name.id)) start(index);
+  if (holder.pid < 0)
+    node.plan = Plan::stays_down;
+  else if (!live::is_killed(folder_, name.id))
+    start(index);
   else if (!std::exchange(node.told, true))
     tell("node " + label(name) + " was killed on purpose; 'ringctl fault start " + name.name + "' starts it again");
 }

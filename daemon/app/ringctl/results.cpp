@@ -19,11 +19,9 @@ namespace {
 constexpr std::chrono::milliseconds kTick{50};  // how soon Ctrl-C is noticed
 constexpr std::chrono::seconds kGuard{120};
 constexpr std::chrono::milliseconds kRowTime{300};  // a destination that is busy is not waited for
-constexpr unsigned kOutstanding = 16;  // well below a node's send queue
+constexpr unsigned kOutstanding = 16;               // well below a node's send queue
 
-double microseconds_of(const Result& result) {
-  return static_cast<double>(result.round_trip.count()) / 1000.0;
-}
+double microseconds_of(const Result& result) { return static_cast<double>(result.round_trip.count()) / 1000.0; }
 
 bool delivered(const Result& result) { return result.outcome == Outcome::delivered; }
 
@@ -127,10 +125,11 @@ int exit_code(const std::vector<Result>& results) {
 }
 
 int report(const std::vector<Result>& results, bool json) {
-  const auto good = static_cast<std::size_t>(
-      std::count_if(results.begin(), results.end(), delivered));
-  if (json) print_json(results, good);
-  else print_text(results);
+  const auto good = static_cast<std::size_t>(std::count_if(results.begin(), results.end(), delivered));
+  if (json)
+    print_json(results, good);
+  else
+    print_text(results);
   return exit_code(results);
 }
 

@@ -40,8 +40,7 @@ namespace {
 /// The id in "12.host"; nothing for another file, such as the link of the node's name.
 std::optional<std::uint8_t> socket_id(const fs::path& file) {
   const std::string stem = file.stem().string();
-  const bool number = !stem.empty() && stem.size() <= 3 &&
-                      stem.find_first_not_of("0123456789") == std::string::npos;
+  const bool number = !stem.empty() && stem.size() <= 3 && stem.find_first_not_of("0123456789") == std::string::npos;
   if (file.extension() != ".host" || !number || std::stoul(stem) >= kBroadcast) return {};
   return static_cast<std::uint8_t>(std::stoul(stem));
 }
@@ -54,10 +53,8 @@ std::vector<NodeName> names_of(const nlohmann::json& config) {
 }
 
 std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
-  const auto found = std::find_if(nodes.begin(), nodes.end(),
-                                  [id](const NodeName& node) { return node.id == id; });
-  if (found == nodes.end()) throw NoRing("a daemon that is not in its own ring: " +
-                                         std::to_string(id));
+  const auto found = std::find_if(nodes.begin(), nodes.end(), [id](const NodeName& node) { return node.id == id; });
+  if (found == nodes.end()) throw NoRing("a daemon that is not in its own ring: " + std::to_string(id));
   return static_cast<std::size_t>(found - nodes.begin());
 }
 
@@ -79,9 +76,7 @@ std::vector<std::string> whom_to_ask(const std::string& ring, const std::string&
 
 }  // namespace
 
-std::string label(const NodeName& node) {
-  return std::to_string(node.id) + " (" + node.name + ")";
-}
+std::string label(const NodeName& node) { return std::to_string(node.id) + " (" + node.name + ")"; }
 
 UsageError unknown_node(const std::string& word, const std::string& ring, const std::vector<NodeName>& nodes) {
   std::vector<std::string> labels, names;
@@ -136,7 +131,11 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
 
 RingAccess::RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,
                        std::vector<NodeName> nodes, std::size_t answered)
-    : ring_(std::move(ring)), path_(std::move(path)), folds_back_(folds_back), beacon_(beacon), nodes_(std::move(nodes)),
+    : ring_(std::move(ring)),
+      path_(std::move(path)),
+      folds_back_(folds_back),
+      beacon_(beacon),
+      nodes_(std::move(nodes)),
       answered_(answered) {}
 
 const NodeName& RingAccess::node(const std::string& id_or_name) const {
@@ -159,9 +158,7 @@ std::vector<ask::Node> RingAccess::ask_nodes() const {
   return nodes;
 }
 
-HostPort RingAccess::connect(const NodeName& node) const {
-  return connect_node(ring_, std::to_string(node.id));
-}
+HostPort RingAccess::connect(const NodeName& node) const { return connect_node(ring_, std::to_string(node.id)); }
 
 HostPort connect_node(const std::string& ring, const std::string& node) {
   ConnectOptions options;

@@ -39,9 +39,9 @@ class RingAccess {
              std::vector<NodeName> nodes, std::size_t answered);
 
   const std::string& ring() const { return ring_; }
-  const std::string& path() const { return path_; }  ///< of its YAML file; may be empty
-  bool folds_back() const { return folds_back_; }          ///< it has a second line
-  std::chrono::milliseconds beacon() const { return beacon_; }  ///< time between two beacons of a node
+  const std::string& path() const { return path_; }              ///< of its YAML file; may be empty
+  bool folds_back() const { return folds_back_; }                ///< it has a second line
+  std::chrono::milliseconds beacon() const { return beacon_; }   ///< time between two beacons of a node
   const std::vector<NodeName>& nodes() const { return nodes_; }  ///< in ring order
   std::vector<ask::Node> ask_nodes() const;                      ///< the same for daemon/ask
 

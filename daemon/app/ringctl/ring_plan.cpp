@@ -33,14 +33,14 @@ std::string ring_name(const UpRequest& request, const config::RingConfig& config
   return name;
 }
 
-std::vector<std::string> daemon_arguments(const UpRequest& request, const std::string& ring,
-                                          std::size_t nodes) {
+std::vector<std::string> daemon_arguments(const UpRequest& request, const std::string& ring, std::size_t nodes) {
   std::vector<std::string> arguments;
-  if (request.config.empty()) arguments = {"--nodes", std::to_string(nodes)};
-  else arguments = {"--config", std::filesystem::absolute(request.config).string()};
+  if (request.config.empty())
+    arguments = {"--nodes", std::to_string(nodes)};
+  else
+    arguments = {"--config", std::filesystem::absolute(request.config).string()};
   arguments.insert(arguments.end(), {"--ring", ring});
-  if (!request.transport.empty())
-    arguments.insert(arguments.end(), {"--transport", request.transport});
+  if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
   return arguments;
 }
 
@@ -70,8 +70,7 @@ RingPlan plan_ring(const UpRequest& request) {
   plan.ring = ring_name(request, config);
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   for (const auto& node : config.nodes)
-    plan.nodes.push_back(
-        {{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});
+    plan.nodes.push_back({{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});
   return plan;
 }
 

@@ -66,8 +66,8 @@ std::string lack_of_state(const std::vector<json>& rows, const std::string& node
 }
 
 std::vector<std::string> state_words() {
-  return {"up",   "joining", "open_chain", "folded", "alone",   "down",    "frozen", "starting",
-          "none", "absent",  "booting",    "running", "silent", "failed", "hung",    "stopped", "latched"};
+  return {"up",     "joining", "open_chain", "folded", "alone",  "down", "frozen",  "starting", "none",
+          "absent", "booting", "running",    "silent", "failed", "hung", "stopped", "latched"};
 }
 
 std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& lack) {

@@ -11,8 +11,8 @@ namespace {
 std::string cpu_missing(const json& cpu) {
   const std::string state = cpu.value("state", "unknown");
   if (state == "running") return {};
-  const std::string why = cpu.contains("last_exit") && cpu["last_exit"].is_string()
-                              ? cpu["last_exit"].get<std::string>() : "";
+  const std::string why =
+      cpu.contains("last_exit") && cpu["last_exit"].is_string() ? cpu["last_exit"].get<std::string>() : "";
   return "its CPU is " + state + (why.empty() ? "" : " (" + why + ")");
 }
 
@@ -22,8 +22,7 @@ std::string missing(const PlannedNode& planned, const json& status, std::size_t 
   const std::string state = status.value("state", "unknown");
   if (state != "up") return "it is " + state;
   const std::size_t size = status.value("ring_size", std::size_t{0});
-  if (size != nodes)
-    return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
+  if (size != nodes) return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
   return planned.has_child ? cpu_missing(status.value("cpu", json::object())) : "";
 }
 

@@ -13,7 +13,7 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-constexpr const char* kOpen = "\033[?1049h\033[?25l\033[?7l";   // another page, no cursor, what is too wide is cut
+constexpr const char* kOpen = "\033[?1049h\033[?25l\033[?7l";  // another page, no cursor, what is too wide is cut
 constexpr const char* kClose = "\033[?7h\033[?25h\033[?1049l";
 constexpr const char* kHome = "\033[H";
 constexpr const char* kRestOfLine = "\033[K";

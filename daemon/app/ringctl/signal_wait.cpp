@@ -14,8 +14,7 @@ SignalWait::~SignalWait() { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
 
 int SignalWait::next(std::chrono::milliseconds timeout) {
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
-  const timespec wait{static_cast<time_t>(seconds.count()),
-                      static_cast<long>((timeout - seconds).count() * 1000000)};
+  const timespec wait{static_cast<time_t>(seconds.count()), static_cast<long>((timeout - seconds).count() * 1000000)};
   return std::max(0, ::sigtimedwait(&ours_, nullptr, &wait));
 }
 

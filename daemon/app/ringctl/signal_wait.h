@@ -18,9 +18,7 @@ class SignalWait {
   int next(std::chrono::milliseconds timeout);
   /// Waits up to `timeout`. @return whether one came that asks to end
   bool asked_to_end(std::chrono::milliseconds timeout) { return asks_to_end(next(timeout)); }
-  static bool asks_to_end(int signal) {
-    return signal == SIGINT || signal == SIGTERM || signal == SIGHUP;
-  }
+  static bool asks_to_end(int signal) { return signal == SIGINT || signal == SIGTERM || signal == SIGHUP; }
 
  private:
   sigset_t ours_{}, before_{};

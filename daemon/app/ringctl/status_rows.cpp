@@ -68,7 +68,8 @@ json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& an
     for (const json& heard : answer ? answer->value("heard", json::array()) : json::array())
       if (heard.value("id", 0) == node && (newest.is_null() || heard.value("age_ms", 0) < newest.value("age_ms", 0)))
         newest = heard;
-  const bool fresh = !newest.is_null() && std::chrono::milliseconds(newest.value("age_ms", 0)) <= kMissed * ring.beacon();
+  const bool fresh =
+      !newest.is_null() && std::chrono::milliseconds(newest.value("age_ms", 0)) <= kMissed * ring.beacon();
   return fresh ? newest : json();
 }
 
@@ -118,8 +119,8 @@ std::uint64_t errors_of(const json& row) {
   const json counters = row.value("counters", json::object());
   std::uint64_t all = 0;
   for (const char* name : {"crc_errors", "malformed_packets", "oversize_packets", "stalled_packets",
-                           "broken_off_packets", "insertion_buffer_full", "interrupt_buffer_full",
-                           "dropped_no_output", "returns_damaged", "timeouts", "ended_lost"})
+                           "broken_off_packets", "insertion_buffer_full", "interrupt_buffer_full", "dropped_no_output",
+                           "returns_damaged", "timeouts", "ended_lost"})
     all += counters.value(name, std::uint64_t{0});
   return all;
 }
@@ -136,7 +137,8 @@ std::string headline(const std::string& ring, const std::vector<json>& rows) {
   }
   const char* fold = folded == 0 ? "" : part < up ? ", folded back in parts" : ", folded back around a break";
   const std::string working = std::to_string(up + open) + " of " + std::to_string(rows.size()) + " nodes ";
-  return "ring " + ring + ": " + working + (open != 0 ? "work, open chain" + broken_line(rows) : "up" + std::string(fold));
+  return "ring " + ring + ": " + working +
+         (open != 0 ? "work, open chain" + broken_line(rows) : "up" + std::string(fold));
 }
 
 std::string stop_report(const std::vector<json>& rows) {

@@ -77,7 +77,8 @@ std::string status_table(const std::vector<json>& rows, const StatusLook& look) 
   std::istringstream lines(text);
   std::string out, line;
   for (std::size_t i = 0; std::getline(lines, line); ++i) {
-    const std::string colour = i == 0 ? app::kDim : status_colour(rows[i - 1].value("state", ""), cpu_word(rows[i - 1]));
+    const std::string colour =
+        i == 0 ? app::kDim : status_colour(rows[i - 1].value("state", ""), cpu_word(rows[i - 1]));
     out += colour + line + (colour.empty() ? "" : app::kPlain) + '\n';
   }
   return out;

@@ -146,10 +146,16 @@ std::array<const char*, kColumns> colours_of(const json& row) {
 
 Cells cells_of(const json& row) {
   const json& trip = row["round_trip_us"];
-  return {row["name"].get<std::string>(), row["state"].get<std::string>(), row["cpu"].get<std::string>(),
-          row["to"].is_number() ? row["to"].dump() : "-", number(row["packets_per_second"]),
-          number(row["bytes_per_second"], 1000), percent(row["load"]), number(trip.value("p50", json())),
-          number(trip.value("p99", json())), row["errors"].dump()};
+  return {row["name"].get<std::string>(),
+          row["state"].get<std::string>(),
+          row["cpu"].get<std::string>(),
+          row["to"].is_number() ? row["to"].dump() : "-",
+          number(row["packets_per_second"]),
+          number(row["bytes_per_second"], 1000),
+          percent(row["load"]),
+          number(trip.value("p50", json())),
+          number(trip.value("p99", json())),
+          row["errors"].dump()};
 }
 
 /// Columns for the names: as many as they need, as long as all else fits too.

@@ -12,9 +12,13 @@ using nlohmann::json;
 
 json packet_row(const SeenPacket& packet, const RingNames& names) {
   const wire::Code code = wire::code_of(packet.code);
-  json row{{"kind", code.interrupt ? "INTP" : "DATP"}, {"source", names.of(packet.source)},
-           {"try", code.attempt}, {"sequence", +code.sequence}, {"own", packet.info.own},
-           {"began_ns", packet.began.count()}, {"last_ns", packet.last.count()}};
+  json row{{"kind", code.interrupt ? "INTP" : "DATP"},
+           {"source", names.of(packet.source)},
+           {"try", code.attempt},
+           {"sequence", +code.sequence},
+           {"own", packet.info.own},
+           {"began_ns", packet.began.count()},
+           {"last_ns", packet.last.count()}};
   if (packet.info.embedded) row["offset"] = packet.info.carrier_offset;
   return row;
 }
@@ -44,10 +48,17 @@ json hop_row(const capture::PacketTrace& trace, std::size_t place, const RingNam
 
 std::string trace_json(const capture::PacketTrace& trace, const RingNames& names) {
   const wire::Code code = wire::code_of(trace.code);
-  json row{{"packet", title_of(trace, names)}, {"source", names.of(trace.source)}, {"try", code.attempt},
-           {"sequence", +code.sequence}, {"end", to_string(trace.end)}, {"sent_ns", trace.sent().count()},
-           {"began_ns", trace.began.count()}, {"ended_ns", trace.ended.count()}, {"waited_ns", trace.waited().count()},
-           {"retries", retry_words(trace, names)}, {"hops", json::array()}};
+  json row{{"packet", title_of(trace, names)},
+           {"source", names.of(trace.source)},
+           {"try", code.attempt},
+           {"sequence", +code.sequence},
+           {"end", to_string(trace.end)},
+           {"sent_ns", trace.sent().count()},
+           {"began_ns", trace.began.count()},
+           {"ended_ns", trace.ended.count()},
+           {"waited_ns", trace.waited().count()},
+           {"retries", retry_words(trace, names)},
+           {"hops", json::array()}};
   for (std::size_t place = 0; place < trace.hops.size(); ++place) row["hops"].push_back(hop_row(trace, place, names));
   return row.dump();
 }

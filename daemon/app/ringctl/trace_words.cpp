@@ -8,9 +8,9 @@ namespace limb_ring::ringctl {
 namespace {
 
 using capture::Hop;
+using capture::PacketTrace;
 using capture::RingNames;
 using capture::SeenPacket;
-using capture::PacketTrace;
 using capture::TripEnd;
 using std::to_string;
 
@@ -88,9 +88,8 @@ std::string in_us(std::chrono::nanoseconds time) {
 }
 
 std::string packet_words(const SeenPacket& packet, const RingNames& names) {
-  const std::string size = packet.interrupt() || !packet.trailer
-                               ? ""
-                               : ", " + to_string(packet.size - wire::kOverhead) + " B";
+  const std::string size =
+      packet.interrupt() || !packet.trailer ? "" : ", " + to_string(packet.size - wire::kOverhead) + " B";
   return kind_of(packet.code, packet.trailer) + " of " + names.of(packet.source) + " to " +
          destination_of(packet.trailer, names) + size;
 }
@@ -118,8 +117,8 @@ std::vector<std::string> retry_words(const PacketTrace& trace, const RingNames& 
     const PacketTrace::Earlier& tried = trace.earlier[i];
     const auto next = i + 1 < trace.earlier.size() ? trace.earlier[i + 1].began : trace.began;
     words.push_back("try " + number_of(tried.code) + ", " + in_us(trace.began - tried.began) + " us before: " +
-                    why_again(tried.end, tried.end == TripEnd::not_home ? next - tried.began
-                                                                       : tried.last_seen.last - tried.began,
+                    why_again(tried.end,
+                              tried.end == TripEnd::not_home ? next - tried.began : tried.last_seen.last - tried.began,
                               tried.last_seen, names));
   }
   const std::uint8_t first = trace.earlier.empty() ? trace.code : trace.earlier.front().code;
@@ -130,7 +129,8 @@ std::vector<std::string> retry_words(const PacketTrace& trace, const RingNames& 
 std::string hop_words(const PacketTrace& trace, std::size_t place, const RingNames& names) {
   const Hop& hop = trace.hops[place];
   std::string words;
-  if (hop.unseen != 0) add(words, to_string(hop.unseen) + (hop.unseen == 1 ? " node" : " nodes") + " before it not in this capture");
+  if (hop.unseen != 0)
+    add(words, to_string(hop.unseen) + (hop.unseen == 1 ? " node" : " nodes") + " before it not in this capture");
   if (mostly_on_line(trace, place)) add(words, "most of the time on the line here, or until this node's process ran");
   const std::string damage = damage_of(hop.in ? *hop.in : *hop.out);
   if (!damage.empty()) add(words, damage);

@@ -58,10 +58,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
 config::RingConfig ring_of(const Options& options) {
   if (options.config.empty() && !options.nodes)
     throw UsageError("--config FILE, or --nodes N for a plain ring, is needed; see ringd --help");
-  config::RingConfig ring =
-      options.config.empty()
-          ? config::plain_ring(options.ring.empty() ? kPlainName : options.ring, *options.nodes)
-          : config::load_ring(options.config);
+  config::RingConfig ring = options.config.empty()
+                                ? config::plain_ring(options.ring.empty() ? kPlainName : options.ring, *options.nodes)
+                                : config::load_ring(options.config);
   check_node_count(options, ring);
   if (!options.ring.empty()) config::rename_ring(ring, options.ring);
   if (!options.transport.empty()) config::apply_transport(ring, options.transport);

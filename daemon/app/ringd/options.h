@@ -11,13 +11,13 @@ namespace limb_ring::ringd {
 
 /// What one ringd is to be, from its command line.
 struct Options {
-  std::string config;                 ///< YAML file; empty: a plain ring of `nodes`
-  std::string node;                   ///< id or name
-  std::optional<unsigned> index;      ///< or its place in ring order, from 0
-  std::optional<unsigned> nodes;      ///< must be the configuration's number
-  std::string ring;                   ///< another name for the ring
-  std::string transport;              ///< unix or udp for every link
-  bool list_options = false;          ///< print config/OPTIONS.md and end
+  std::string config;             ///< YAML file; empty: a plain ring of `nodes`
+  std::string node;               ///< id or name
+  std::optional<unsigned> index;  ///< or its place in ring order, from 0
+  std::optional<unsigned> nodes;  ///< must be the configuration's number
+  std::string ring;               ///< another name for the ring
+  std::string transport;          ///< unix or udp for every link
+  bool list_options = false;      ///< print config/OPTIONS.md and end
 };
 
 /// The command line is wrong; what() says what would be right.

@@ -25,9 +25,8 @@ TakenBoard::TakenBoard(const std::string& ring, std::uint8_t node) {
   const std::string file = make_ring_directory(ring) + "/" + std::to_string(node) + ".taken";
   const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (fd < 0) refuse(file);
-  void* memory = ::ftruncate(fd, kSize) == 0
-                     ? ::mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0)
-                     : MAP_FAILED;
+  void* memory =
+      ::ftruncate(fd, kSize) == 0 ? ::mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0) : MAP_FAILED;
   const int error = errno;
   ::close(fd);
   errno = error;

@@ -70,7 +70,7 @@ class FoldBack {
   /// leaving: the first line is back, and a packet is still going out on the second.
   enum class Out : std::uint8_t { first, second, leaving };
   enum class OutInput : std::uint8_t {
-    blocked,      ///< the first line is down, or the next node hears nothing on it
+    blocked,  ///< the first line is down, or the next node hears nothing on it
     free,
     packet_ended  ///< the one that was still going out on the second line
   };
@@ -139,7 +139,7 @@ class FoldBack {
 
   bool input_up_ = false, output_up_ = false;  ///< of the first line
   NodeId from_, to_;                           ///< neighbours on it, now or last
-  NodeId second_from_;  ///< who sends to this node on the second line, now or last
+  NodeId second_from_;                         ///< who sends to this node on the second line, now or last
   bool second_output_up_ = false;
 
   In in_ = In::second;

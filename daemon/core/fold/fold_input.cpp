@@ -20,6 +20,7 @@ constexpr int kHoldShare = 8;
 
 // What the node before has turned back is still on its way on the second line and must be taken first. That node says
 // on both lines when it has stopped sending on the second.
+// clang-format off
 const FoldBack::InRow FoldBack::kInputTable[] = {
     // input              from                                                to            first, then
     {InInput::first_up,   in(In::first) | in(In::second) | in(In::draining),  In::draining, &FoldBack::greet_first_line,
@@ -29,6 +30,7 @@ const FoldBack::InRow FoldBack::kInputTable[] = {
     {InInput::through,    in(In::draining),                                   In::first,    &FoldBack::leave_second_line,
                                                                                             &FoldBack::take_first_line},
 };
+// clang-format on
 
 void FoldBack::on(InInput input, Time now) {
   const InRow* row = find_row(kInputTable, input, in_);
@@ -54,8 +56,7 @@ void FoldBack::drain_or_take(Time now) {
 void FoldBack::drain_if_settled(Time now) {
   if (in_ != In::draining || !first_spoke_) return;
   if (!waits_for_last() && !coming_second_.is()) return on(InInput::through, now);
-  if (drain_due_ == kNever)
-    drain_due_ = now + std::min(settings().stall, settings().send_timeout() / kHoldShare);
+  if (drain_due_ == kNever) drain_due_ = now + std::min(settings().stall, settings().send_timeout() / kHoldShare);
 }
 
 void FoldBack::leave_second_line(Time now) {

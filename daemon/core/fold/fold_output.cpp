@@ -5,6 +5,7 @@ namespace limb_ring::core {
 
 using wire::FoldMark;
 
+// clang-format off
 const FoldBack::OutRow FoldBack::kOutputTable[] = {
     // input                 from              to            first    then
     {OutInput::blocked,      in(Out::first),   Out::second,  nullptr, &FoldBack::turn_back},
@@ -12,6 +13,7 @@ const FoldBack::OutRow FoldBack::kOutputTable[] = {
     {OutInput::free,         in(Out::second),  Out::leaving, nullptr, nullptr},
     {OutInput::packet_ended, in(Out::leaving), Out::first,   nullptr, &FoldBack::turn_forward},
 };
+// clang-format on
 
 void FoldBack::on(OutInput input, Time now) {
   const OutRow* row = find_row(kOutputTable, input, out_);

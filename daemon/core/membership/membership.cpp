@@ -16,6 +16,7 @@ constexpr unsigned kAny = kStarting | kJoining | kClosed | kOpenChain | kDoubled
 
 }  // namespace
 
+// clang-format off
 // The table of protocol.md section 8.1.
 const Membership::Row Membership::kTable[] = {
     // input                     from                   to                first                            then
@@ -35,6 +36,7 @@ const Membership::Row Membership::kTable[] = {
     {Input::drained,            kOpenChain,            Next::closed,     &Membership::confirm_again,      nullptr},
     {Input::duplicate_id,       kAny & ~(kStarting | kDoubled), Next::doubled_id, &Membership::begin_incarnation, &Membership::say_hello_if_lines_up},
 };
+// clang-format on
 
 Membership::Membership(const Settings& settings, Transmit& transmit, DuplicateMemory& memory, Counters& counters,
                        EventQueue& events)
@@ -53,12 +55,23 @@ void Membership::on(Input input, Time now) {
   if (row == nullptr) return;
   if (row->first) (this->*row->first)(now);
   switch (row->to) {
-    case Next::same: break;
-    case Next::starting: enter(NodeState::starting, now); break;
-    case Next::joining: enter(NodeState::joining, now); break;
-    case Next::closed: enter(closed_state(), now); break;
-    case Next::open_chain: enter(NodeState::open_chain, now); break;
-    case Next::doubled_id: enter(NodeState::doubled_id, now); break;
+    case Next::same:
+      break;
+    case Next::starting:
+      enter(NodeState::starting, now);
+      break;
+    case Next::joining:
+      enter(NodeState::joining, now);
+      break;
+    case Next::closed:
+      enter(closed_state(), now);
+      break;
+    case Next::open_chain:
+      enter(NodeState::open_chain, now);
+      break;
+    case Next::doubled_id:
+      enter(NodeState::doubled_id, now);
+      break;
   }
   if (row->then) (this->*row->then)(now);
 }

@@ -19,7 +19,7 @@ struct CpuReport {
   std::uint32_t boots = 0;
   wire::CpuState state = wire::CpuState::none;
   bool comes_back = true;  ///< somebody starts it again when a reset kills it
-  Time spoke_at{};  ///< when it last spoke; beacons say how long ago that was
+  Time spoke_at{};         ///< when it last spoke; beacons say how long ago that was
 };
 
 /// This node's place in the ring, as a state machine: hello and join, beacons and what they say of the others, ring
@@ -95,16 +95,16 @@ class Membership {
  private:
   /// What can change the state.
   enum class Input : std::uint8_t {
-    both_lines_up,      ///< one of them has just come up
-    both_lines_lost,    ///< since an own packet last came home: this node was bypassed, perhaps it was only frozen
+    both_lines_up,    ///< one of them has just come up
+    both_lines_lost,  ///< since an own packet last came home: this node was bypassed, perhaps it was only frozen
     hello_home,
-    hello_lost,         ///< both lines are up
+    hello_lost,  ///< both lines are up
     hello_lost_no_line,
     own_packet_home,
-    own_control_home,   ///< a hello or beacon with the present boot number
-    numbers_due,        ///< used up, or worth nothing since two parts of the ring have grown together
-    break_known,        ///< and nothing is folded around it
-    drained,            ///< the open chain is closed again, and nothing old is under way
+    own_control_home,  ///< a hello or beacon with the present boot number
+    numbers_due,       ///< used up, or worth nothing since two parts of the ring have grown together
+    break_known,       ///< and nothing is folded around it
+    drained,           ///< the open chain is closed again, and nothing old is under way
     duplicate_id
   };
   /// The next state; `closed` is up, alone or folded.
@@ -114,9 +114,7 @@ class Membership {
   void on(Input input, Time now);
   void enter(NodeState state, Time now);
   /// In a closed ring.
-  bool closed() const {
-    return state_ == NodeState::up || state_ == NodeState::alone || state_ == NodeState::folded;
-  }
+  bool closed() const { return state_ == NodeState::up || state_ == NodeState::alone || state_ == NodeState::folded; }
   NodeState closed_state() const;
   /// Ring size or folds may have changed.
   void update_closed_state(Time now) {
@@ -188,21 +186,21 @@ class Membership {
 
   bool joined_ = false;
   bool hello_out_ = false;
-  bool renumbering_ = false;      ///< that hello, out or to come, begins new numbers
-  bool merged_ = false;           ///< with another part of the ring: numbers begin anew
-  unsigned doubled_signs_ = 0;    ///< since an own packet last came home
+  bool renumbering_ = false;    ///< that hello, out or to come, begins new numbers
+  bool merged_ = false;         ///< with another part of the ring: numbers begin anew
+  unsigned doubled_signs_ = 0;  ///< since an own packet last came home
 
   struct {
     bool out = false;
-    bool wanted = false;          ///< something changed while one was out
+    bool wanted = false;  ///< something changed while one was out
     Time due = kNever;
   } beacon_;
 
   KnownBreak break_;
-  Time break_due_ = kNever;       ///< the input, lost or folded, counts as a broken line from then on
-  Time drained_at_ = kNever;      ///< an open chain ends then
-  bool folded_ = false;           ///< a fold is known, here or elsewhere in the ring
-  Time fold_over_{};              ///< until then a fold is known, or was a short time ago
+  Time break_due_ = kNever;   ///< the input, lost or folded, counts as a broken line from then on
+  Time drained_at_ = kNever;  ///< an open chain ends then
+  bool folded_ = false;       ///< a fold is known, here or elsewhere in the ring
+  Time fold_over_{};          ///< until then a fold is known, or was a short time ago
 };
 
 }  // namespace limb_ring::core

@@ -9,12 +9,12 @@ namespace limb_ring::core {
 
 /// What a node knows of another from its hello and beacons.
 struct Peer {
-  bool known = false;          ///< a hello or beacon of it was heard
+  bool known = false;  ///< a hello or beacon of it was heard
   bool beacon_heard = false;
   std::uint64_t boot = 0;
-  std::uint8_t hop = 0;        ///< relays between it and this node, of its last control packet
+  std::uint8_t hop = 0;  ///< relays between it and this node, of its last control packet
   Time heard_at{};
-  wire::Beacon beacon;         ///< its last one
+  wire::Beacon beacon;  ///< its last one
 };
 
 /// All others, by id.

@@ -13,9 +13,9 @@ namespace limb_ring::core {
 /// A DATP that Relay has handed to the Packet Manager, perhaps still coming in.
 struct RelayedPacket {
   enum class State : std::uint8_t { receiving, complete, aborted } state = State::receiving;
-  Time arrived{};             ///< its header came in: its place in the order
-  Time tail_at{};             ///< its end came in
-  std::uint16_t size = 0;     ///< bytes that have come in
+  Time arrived{};          ///< its header came in: its place in the order
+  Time tail_at{};          ///< its end came in
+  std::uint16_t size = 0;  ///< bytes that have come in
   std::array<std::uint8_t, wire::kMaxDataPacketSize> bytes;
 };
 

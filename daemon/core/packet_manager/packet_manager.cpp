@@ -7,8 +7,7 @@ namespace limb_ring::core {
 using wire::ByteView;
 using wire::SliceKind;
 
-PacketManager::PacketManager(const Settings& settings, Transmit& transmit, Counters& counters,
-                             wire::SliceWriter& line)
+PacketManager::PacketManager(const Settings& settings, Transmit& transmit, Counters& counters, wire::SliceWriter& line)
     : settings_(settings),
       transmit_(transmit),
       counters_(counters),
@@ -19,8 +18,8 @@ PacketManager::PacketManager(const Settings& settings, Transmit& transmit, Count
 
 // Nothing else is on it, or asks for it.
 bool PacketManager::line_is_free(Time now) const {
-  return !paced() && ready_ && !is_open_ && buffer_.empty() && interrupts_.empty() &&
-         transmit_.data.ready_at() > now && transmit_.interrupts.ready_at() > now;
+  return !paced() && ready_ && !is_open_ && buffer_.empty() && interrupts_.empty() && transmit_.data.ready_at() > now &&
+         transmit_.interrupts.ready_at() > now;
 }
 
 PacketManager::Place PacketManager::relay_whole(std::size_t size, Time now) {

@@ -115,7 +115,7 @@ class PacketManager {
   bool receiving_ = false;  ///< buffer_.back() is still coming in
   bool is_open_ = false;
   Open open_;
-  Time free_at_{};          ///< header, INTP or tail on the line is through
+  Time free_at_{};  ///< header, INTP or tail on the line is through
 };
 
 }  // namespace limb_ring::core

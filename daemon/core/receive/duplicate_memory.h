@@ -28,9 +28,12 @@ class DuplicateMemory {
   bool meet(wire::NodeId source, wire::Incarnation incarnation) {
     Source& s = sources_[source];
     switch (s.known ? (incarnation - s.incarnation) & 3 : 2) {
-      case 0: return true;
-      case 3: return false;
-      default: break;
+      case 0:
+        return true;
+      case 3:
+        return false;
+      default:
+        break;
     }
     s.entries = {};
     s.known = s.from_packet = true;
@@ -92,10 +95,10 @@ class DuplicateMemory {
   };
   struct Source {
     std::array<Entry, 4> entries{};
-    std::uint64_t boot = 0;         ///< of the last hello or beacon; 0: none was heard
+    std::uint64_t boot = 0;  ///< of the last hello or beacon; 0: none was heard
     wire::Incarnation incarnation{};
     bool known = false;
-    bool from_packet = false;       ///< the incarnation is known from a packet alone
+    bool from_packet = false;  ///< the incarnation is known from a packet alone
   };
   template <class Forget>
   bool meet_boot(wire::NodeId source, std::uint64_t boot, Forget forget) {

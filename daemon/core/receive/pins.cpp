@@ -11,7 +11,8 @@ bool Pins::addressed(const wire::PacketFields& packet) const {
 
 std::uint8_t Pins::offer(const wire::PacketFields& packet, Time at) {
   if (!addressed(packet)) return packet.fbc();
-  if (!memory_.meet(packet.source(), packet.code().incarnation)) return ++counters_.earlier_incarnation, std::uint8_t{0};
+  if (!memory_.meet(packet.source(), packet.code().incarnation))
+    return ++counters_.earlier_incarnation, std::uint8_t{0};
   const bool broadcast = packet.destination() == wire::kBroadcast;
   Verdict verdict = memory_.verdict(packet.source(), packet.code(), broadcast, at);
   if (verdict == Verdict::none) {

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/counters.h"
-#include "core/receive/duplicate_memory.h"
 #include "core/events.h"
 #include "core/membership/membership.h"
+#include "core/receive/duplicate_memory.h"
 #include "core/settings.h"
 
 namespace limb_ring::core {

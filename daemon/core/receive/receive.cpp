@@ -49,9 +49,12 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
     return least(free);
   }
   switch (memory_.verdict(packet.source(), packet.code(), broadcast, at)) {
-    case Verdict::taken: return ++counters_.duplicates, least(std::max<std::size_t>(1, free));
-    case Verdict::refused: return ++counters_.duplicates, std::uint8_t{0};
-    case Verdict::none: break;
+    case Verdict::taken:
+      return ++counters_.duplicates, least(std::max<std::size_t>(1, free));
+    case Verdict::refused:
+      return ++counters_.duplicates, std::uint8_t{0};
+    case Verdict::none:
+      break;
   }
   const bool taken = accepts(packet);
   memory_.remember(packet.source(), packet.code(), broadcast, taken ? Verdict::taken : Verdict::refused, at);

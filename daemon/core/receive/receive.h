@@ -13,12 +13,12 @@ namespace limb_ring::core {
 
 /// A DATP in a receive buffer, for the CPU.
 struct ReceivedPacket {
-  Time at{};                   ///< its last bit was in
+  Time at{};  ///< its last bit was in
   NodeId source = 0;
-  NodeId destination = 0;      ///< this node, or wire::kBroadcast
+  NodeId destination = 0;  ///< this node, or wire::kBroadcast
   wire::Priority priority{};
   wire::ChannelId channel{};
-  std::uint16_t size = 0;      ///< 1..512
+  std::uint16_t size = 0;  ///< 1..512
   std::array<std::uint8_t, wire::kMaxPayload> data;
 
   wire::ByteView bytes() const { return {data.data(), size}; }

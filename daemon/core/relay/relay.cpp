@@ -10,11 +10,20 @@ using wire::SliceKind;
 
 bool Relay::receive(const wire::Slice& slice, Time now) {
   switch (slice.kind) {
-    case SliceKind::whole: return on_whole(slice.bytes, now);
-    case SliceKind::start: on_start(slice.bytes, now); break;
-    case SliceKind::more: on_more(slice.bytes, now); break;
-    case SliceKind::end: on_end(slice.bytes, now); break;
-    case SliceKind::interrupt: on_interrupt(slice.bytes, now); break;
+    case SliceKind::whole:
+      return on_whole(slice.bytes, now);
+    case SliceKind::start:
+      on_start(slice.bytes, now);
+      break;
+    case SliceKind::more:
+      on_more(slice.bytes, now);
+      break;
+    case SliceKind::end:
+      on_end(slice.bytes, now);
+      break;
+    case SliceKind::interrupt:
+      on_interrupt(slice.bytes, now);
+      break;
     case SliceKind::abort:
       if (incoming_.open())
         break_off(counters_.aborts_received, now);
@@ -22,7 +31,8 @@ bool Relay::receive(const wire::Slice& slice, Time now) {
         ++counters_.stray_slices;
       break;
     case SliceKind::idle:
-    case SliceKind::fold: break;
+    case SliceKind::fold:
+      break;
   }
   return false;
 }

@@ -49,9 +49,7 @@ class Relay {
     if (deadline() <= now) break_off(counters_.stalled_packets, now);
   }
   /// The DATP that is coming in is given up then.
-  Time deadline() const {
-    return incoming_.open() ? incoming_.last_slice() + stall_ : kNever;
-  }
+  Time deadline() const { return incoming_.open() ? incoming_.last_slice() + stall_ : kNever; }
 
  private:
   enum class Fate : std::uint8_t {

@@ -124,8 +124,7 @@ void DataUnit::end_overdue(Time now) {
   if (!any_waits()) return;
   for (std::size_t q = 0; q < kQueues; ++q) {
     Queue& queue = queues_[q];
-    while (front_waits(q) && overdue_at(queue.front()) <= now)
-      end_waiting(queue, overdue_outcome(queue.front()), now);
+    while (front_waits(q) && overdue_at(queue.front()) <= now) end_waiting(queue, overdue_outcome(queue.front()), now);
   }
 }
 

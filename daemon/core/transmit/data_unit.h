@@ -54,8 +54,8 @@ class DataUnit final : public SendUnit {
  private:
   struct JobState : Send {
     std::uint8_t pri = 0;
-    Time not_before{};          ///< held back after a refusal
-    Duration backoff{};         ///< next hold
+    Time not_before{};   ///< held back after a refusal
+    Duration backoff{};  ///< next hold
     Time refused_until = kNever;
     std::uint16_t size = 0;
   };
@@ -75,9 +75,7 @@ class DataUnit final : public SendUnit {
   /// True where something waits for the line, or for its time.
   bool any_waits() const { return jobs_ > (flight_.phase() == Flight::Phase::out ? 1u : 0u); }
   /// Its front waits for the line, or for its time.
-  bool front_waits(std::size_t queue) const {
-    return !queues_[queue].empty() && (flight_.idle() || queue != current_);
-  }
+  bool front_waits(std::size_t queue) const { return !queues_[queue].empty() && (flight_.idle() || queue != current_); }
   Time next_ready() const;
   Time front_ready(std::size_t queue) const;
   std::size_t choose(Time now) const;

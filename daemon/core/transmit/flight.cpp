@@ -2,8 +2,8 @@
 
 namespace limb_ring::core {
 
-std::uint8_t* Flight::load(wire::Code code, wire::NodeId source, wire::NodeId destination,
-                           std::uint8_t last, std::size_t data_size) {
+std::uint8_t* Flight::load(wire::Code code, wire::NodeId source, wire::NodeId destination, std::uint8_t last,
+                           std::size_t data_size) {
   code_ = code;
   size_ = data_size + wire::kOverhead;
   bytes_[wire::field::kSop] = wire::kSop;
@@ -31,8 +31,7 @@ wire::ByteView Flight::launch(Time now, Duration timeout) {
 bool Flight::is_return(const wire::PacketFields& packet) const {
   const wire::PacketFields sent{image()};
   if (idle() || packet.bytes.size != size_ || packet.code_byte() != sent.code_byte()) return false;
-  const std::uint32_t as_sent = wire::carried_crc(packet.crc(), size_, packet.hop(),
-                                                  packet.fbc() ^ wire::kFbcUntaken);
+  const std::uint32_t as_sent = wire::carried_crc(packet.crc(), size_, packet.hop(), packet.fbc() ^ wire::kFbcUntaken);
   return packet.destination() == sent.destination() && packet.last() == sent.last() && as_sent == sent.crc();
 }
 

@@ -25,8 +25,8 @@ class Flight {
   wire::NodeId destination() const { return wire::PacketFields{image()}.destination(); }
 
   /// A new packet; the caller writes `data_size` bytes where the result points.
-  std::uint8_t* load(wire::Code code, wire::NodeId source, wire::NodeId destination,
-                     std::uint8_t last, std::size_t data_size);
+  std::uint8_t* load(wire::Code code, wire::NodeId source, wire::NodeId destination, std::uint8_t last,
+                     std::size_t data_size);
   /// Its next try goes onto the line now.
   wire::ByteView launch(Time now, Duration timeout);
   /// True where `packet` is what was sent last: Code, DID, last field, size, and the data through

@@ -5,13 +5,27 @@ namespace {
 
 void count_outcome(Counters& counters, Outcome outcome) {
   switch (outcome) {
-    case Outcome::delivered: ++counters.ended_delivered; break;
-    case Outcome::refused: ++counters.ended_refused; break;
-    case Outcome::no_such_node: ++counters.ended_no_such_node; break;
-    case Outcome::lost: ++counters.ended_lost; break;
-    case Outcome::unconfirmed: ++counters.ended_unconfirmed; break;
-    case Outcome::rejected: ++counters.ended_rejected; break;
-    case Outcome::cancelled: ++counters.ended_cancelled; break;
+    case Outcome::delivered:
+      ++counters.ended_delivered;
+      break;
+    case Outcome::refused:
+      ++counters.ended_refused;
+      break;
+    case Outcome::no_such_node:
+      ++counters.ended_no_such_node;
+      break;
+    case Outcome::lost:
+      ++counters.ended_lost;
+      break;
+    case Outcome::unconfirmed:
+      ++counters.ended_unconfirmed;
+      break;
+    case Outcome::rejected:
+      ++counters.ended_rejected;
+      break;
+    case Outcome::cancelled:
+      ++counters.ended_cancelled;
+      break;
   }
 }
 

@@ -51,7 +51,7 @@ class SendUnit {
  protected:
   /// A send on its way to its end.
   struct Send {
-    SendEnded end;           ///< who asked for it, where to, and at its end how it ended
+    SendEnded end;  ///< who asked for it, where to, and at its end how it ended
     Time asked{};
     bool repeated = false;   ///< some try had to be repeated: an earlier one may have been taken
     bool forgotten = false;  ///< its receiver restarted while it was out: not repeated

@@ -15,17 +15,17 @@ class AttachedCpu {
   using milliseconds = std::chrono::milliseconds;
 
   AttachedCpu(process::ProcessHandle process, bool restarted_by_owner, milliseconds alive_period, Time now)
-      : process_(std::move(process)), restarted_by_owner_(restarted_by_owner),
-        alive_period_(alive_period), spoke_(now) {}
+      : process_(std::move(process)),
+        restarted_by_owner_(restarted_by_owner),
+        alive_period_(alive_period),
+        spoke_(now) {}
 
   const process::ProcessHandle& process() const { return process_; }
   process::ProcessHandle release() { return std::move(process_); }
   pid_t pid() const { return process_.pid(); }
   bool restarted_by_owner() const { return restarted_by_owner_; }
   milliseconds alive_period() const { return alive_period_; }
-  milliseconds silent_for(Time now) const {
-    return std::chrono::duration_cast<milliseconds>(now - spoke_);
-  }
+  milliseconds silent_for(Time now) const { return std::chrono::duration_cast<milliseconds>(now - spoke_); }
   void spoke(Time now) { spoke_ = now; }
   /// It promised to speak, and has not for three periods.
   bool silent(Time now) const { return promises() && now >= silent_at(); }

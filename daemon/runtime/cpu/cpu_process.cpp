@@ -16,9 +16,16 @@ constexpr milliseconds kKilledTimeout{2000};
 }
 
 CpuProcess::CpuProcess(boost::asio::io_context& io, CpuOptions options, CpuEvents& events)
-    : io_(io), options_(std::move(options)), events_(events), child_(io, options_.by),
-      commands_(io, options_.command_timeout, options_.by), back_off_(options_.back_off),
-      boot_timer_(io), restart_timer_(io), silence_timer_(io), stop_timer_(io) {}
+    : io_(io),
+      options_(std::move(options)),
+      events_(events),
+      child_(io, options_.by),
+      commands_(io, options_.command_timeout, options_.by),
+      back_off_(options_.back_off),
+      boot_timer_(io),
+      restart_timer_(io),
+      silence_timer_(io),
+      stop_timer_(io) {}
 
 CpuProcess::~CpuProcess() = default;
 
@@ -61,7 +68,7 @@ void CpuProcess::start_child() {
   const std::string path = process::find_program(name, options_.program_folder);
   if (!path.empty()) return start_found(path);
   could_not_start(process::not_started("no program '" + name + "' that can be executed (looked in " +
-                              options_.program_folder + " and on PATH)"));
+                                       options_.program_folder + " and on PATH)"));
 }
 
 void CpuProcess::start_found(const std::string& path) {
@@ -92,10 +99,12 @@ void CpuProcess::child_ended(const process::ExitStatus& status) {
   if (attached_ && attached_->process().ended()) attached_.reset();
   if (stopping_) return stopped();
   if (child_killed_) return start_child();
-  if (boot_failed_) did_not_boot("did not attach to the host port within " +
-                                 std::to_string(options_.boot_timeout.count()) + " ms");
-  else if (!status.executed) did_not_boot(status.text);
-  else return ended_by_itself(status);
+  if (boot_failed_)
+    did_not_boot("did not attach to the host port within " + std::to_string(options_.boot_timeout.count()) + " ms");
+  else if (!status.executed)
+    did_not_boot(status.text);
+  else
+    return ended_by_itself(status);
   restart_later(child_.age());
 }
 
@@ -129,8 +138,8 @@ void CpuProcess::restart_due() {
 
 bool CpuProcess::attached(pid_t pid, bool restarted_by_owner, milliseconds alive_period) {
   process::ProcessHandle process(pid, options_.by);
-  const bool dying = (pid == killed_.pid() && !killed_.ended()) ||
-                     ((child_killed_ || boot_failed_) && child_.owns(pid));
+  const bool dying =
+      (pid == killed_.pid() && !killed_.ended()) || ((child_killed_ || boot_failed_) && child_.owns(pid));
   if (stopping_ || dying || process.ended()) return false;
   attached_.emplace(std::move(process), restarted_by_owner, alive_period, steady_clock::now());
   boot_timer_.cancel();
@@ -159,8 +168,7 @@ void CpuProcess::spoke(Time now) {
 }
 
 void CpuProcess::watch_silence() {
-  if (attached_->promises())
-    after(silence_timer_, attached_->silent_at(), &CpuProcess::silence_due);
+  if (attached_->promises()) after(silence_timer_, attached_->silent_at(), &CpuProcess::silence_due);
 }
 
 void CpuProcess::silence_due() {
@@ -179,8 +187,7 @@ void CpuProcess::silence_due() {
 CpuActionResult CpuProcess::reset(const std::string& reason) {
   if (stopping_) return {false, false, "the daemon is shutting down"};
   const bool child = options_.cpu.kind == config::CpuConfig::Kind::child;
-  if (!child && !attached_)
-    return {false, false, "no CPU is attached to this node, so there is nothing to reset"};
+  if (!child && !attached_) return {false, false, "no CPU is attached to this node, so there is nothing to reset"};
   ++counts_.resets;
   counts_.last_reset_reason = reason;
   const CpuActionResult killed = attached_ ? kill_attached() : CpuActionResult{};
@@ -189,14 +196,16 @@ CpuActionResult CpuProcess::reset(const std::string& reason) {
 }
 
 CpuActionResult CpuProcess::reset_child() {
-  const std::string was = child_.running() ? "killed pid " + std::to_string(child_.pid()) + ", "
-                                           : "it was not running, ";
+  const std::string was =
+      child_.running() ? "killed pid " + std::to_string(child_.pid()) + ", " : "it was not running, ";
   back_off_.reset();
   restart_timer_.cancel();
   failed_ = false;
   child_killed_ = child_.running();
-  if (child_killed_) child_.signal_group(SIGKILL);
-  else start_child();
+  if (child_killed_)
+    child_.signal_group(SIGKILL);
+  else
+    start_child();
   if (failed_) return {false, false, counts_.last_exit};
   return {true, true, was + "started again"};
 }
@@ -210,8 +219,10 @@ CpuActionResult CpuProcess::kill_attached() {
   silence_timer_.cancel();
   if (!killed) return {false, false, "cannot kill pid " + number + ": it is gone or not ours"};
   if (comes_back) return {true, true, "killed pid " + number + ", its owner starts it again"};
-  return {true, false, "killed pid " + number + ", and nobody starts it again: do so by hand, or "
-                       "have it connect with restarted_by_owner (roslaunch: respawn)"};
+  return {true, false,
+          "killed pid " + number +
+              ", and nobody starts it again: do so by hand, or "
+              "have it connect with restarted_by_owner (roslaunch: respawn)"};
 }
 
 CpuActionResult CpuProcess::signal(int number) {
@@ -264,9 +275,12 @@ void CpuProcess::stopped() {
 
 CpuKind CpuProcess::kind() const {
   switch (options_.cpu.kind) {
-    case config::CpuConfig::Kind::child: return CpuKind::child;
-    case config::CpuConfig::Kind::attached: return CpuKind::attached;
-    case config::CpuConfig::Kind::none: break;
+    case config::CpuConfig::Kind::child:
+      return CpuKind::child;
+    case config::CpuConfig::Kind::attached:
+      return CpuKind::attached;
+    case config::CpuConfig::Kind::none:
+      break;
   }
   return attached_ ? CpuKind::attached : CpuKind::none;
 }

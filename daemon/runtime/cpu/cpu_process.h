@@ -44,8 +44,8 @@ struct CpuOptions {
   std::vector<std::pair<std::string, std::string>> environment;
   std::string program_folder = process::own_folder();  ///< searched before PATH
   std::chrono::milliseconds boot_timeout{5000};
-  std::chrono::milliseconds stop_timeout{500};      ///< from SIGTERM to SIGKILL
-  std::chrono::milliseconds command_timeout{10000}; ///< of a pin's command
+  std::chrono::milliseconds stop_timeout{500};       ///< from SIGTERM to SIGKILL
+  std::chrono::milliseconds command_timeout{10000};  ///< of a pin's command
   process::BackOff::Limits back_off;
   /// Cores of the CPU's processes, where the daemon has pinned itself to one; empty: as ours.
   std::optional<cpu_set_t> affinity;
@@ -125,7 +125,7 @@ class CpuProcess {
   process::BackOff back_off_;
   boost::asio::steady_timer boot_timer_, restart_timer_, silence_timer_, stop_timer_;
   std::optional<AttachedCpu> attached_;
-  process::ProcessHandle killed_;           ///< an attached process on its way out
+  process::ProcessHandle killed_;  ///< an attached process on its way out
   bool child_killed_ = false;      ///< ... and the child: started again when it is gone
   bool boot_failed_ = false;       ///< the child is being killed because it did not attach
   bool failed_ = false;            ///< the last child ended badly
@@ -133,7 +133,7 @@ class CpuProcess {
   bool stopping_ = false;
   bool event_posted_ = false;
   std::function<void()> on_stopped_;
-  CpuStatus counts_;               ///< boots, resets, exits and their texts; the rest is derived
+  CpuStatus counts_;  ///< boots, resets, exits and their texts; the rest is derived
   std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by queued handlers
 };
 

@@ -15,9 +15,12 @@ enum class CpuKind { none, child, attached };
 
 inline const char* to_string(CpuKind kind) {
   switch (kind) {
-    case CpuKind::none: return "none";
-    case CpuKind::child: return "child";
-    case CpuKind::attached: return "attached";
+    case CpuKind::none:
+      return "none";
+    case CpuKind::child:
+      return "child";
+    case CpuKind::attached:
+      return "attached";
   }
   return "?";
 }
@@ -28,17 +31,17 @@ struct CpuStatus {
   /// process runs, but has not attached to the host port yet. running: attached. silent: attached, but without a word
   /// for three of its alive periods. failed: ended badly, did not attach in time, or cannot be executed; see last_exit.
   wire::CpuState state = wire::CpuState::none;
-  pid_t pid = -1;           ///< of the process attached, else of the child; -1: neither
-  std::uint32_t boots = 0;  ///< times a CPU attached to the host port: higher means it really runs
+  pid_t pid = -1;                             ///< of the process attached, else of the child; -1: neither
+  std::uint32_t boots = 0;                    ///< times a CPU attached to the host port: higher means it really runs
   std::chrono::milliseconds silent{0};        ///< since its last word; 0 where none is attached
   std::chrono::milliseconds alive_period{0};  ///< promised by it or for it (cpu: {alive_period}); 0: no promise
   bool restarted_by_owner = false;            ///< attached: somebody restarts it when it is killed
   std::uint64_t resets = 0;
   std::string last_reset_reason;
-  std::uint64_t exits = 0;         ///< ends of children by themselves
-  std::uint64_t failed_boots = 0;  ///< children that did not attach in time, or not at all
+  std::uint64_t exits = 0;                    ///< ends of children by themselves
+  std::uint64_t failed_boots = 0;             ///< children that did not attach in time, or not at all
   std::chrono::milliseconds restart_wait{0};  ///< last time that was waited before a new start
-  std::string last_exit;           ///< "exit 3", "signal 9 (Killed)", "cannot execute ..."
+  std::string last_exit;                      ///< "exit 3", "signal 9 (Killed)", "cannot execute ..."
 };
 
 }  // namespace limb_ring::runtime

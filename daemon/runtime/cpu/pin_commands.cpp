@@ -10,8 +10,7 @@
 
 namespace limb_ring::runtime {
 
-PinCommands::PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline,
-                         process::ProcessHandle::By by)
+PinCommands::PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline, process::ProcessHandle::By by)
     : deadline_(deadline), slots_{Slot{io, by}, Slot{io, by}, Slot{io, by}, Slot{io, by}} {
   static_assert(kAtOnce == 4);
 }
@@ -19,8 +18,7 @@ PinCommands::PinCommands(boost::asio::io_context& io, std::chrono::milliseconds 
 std::string PinCommands::run(const std::vector<std::string>& command, process::SpawnRequest request) {
   if (command.empty()) return refuse("the pin's command is empty");
   Slot* slot = free_slot();
-  if (slot == nullptr)
-    return refuse(std::to_string(kAtOnce) + " commands of pins are running already");
+  if (slot == nullptr) return refuse(std::to_string(kAtOnce) + " commands of pins are running already");
   request.path = process::find_program(command.front());
   if (request.path.empty()) return refuse("no program '" + command.front() + "'");
   request.arguments = command;
@@ -64,14 +62,13 @@ void PinCommands::stop() {
 }
 
 PinCommands::Slot* PinCommands::free_slot() {
-  const auto slot = std::find_if(slots_.begin(), slots_.end(),
-                                 [](const Slot& each) { return !each.child.running(); });
+  const auto slot = std::find_if(slots_.begin(), slots_.end(), [](const Slot& each) { return !each.child.running(); });
   return slot == slots_.end() ? nullptr : &*slot;
 }
 
 std::size_t PinCommands::running() const {
-  return static_cast<std::size_t>(std::count_if(
-      slots_.begin(), slots_.end(), [](const Slot& each) { return each.child.running(); }));
+  return static_cast<std::size_t>(
+      std::count_if(slots_.begin(), slots_.end(), [](const Slot& each) { return each.child.running(); }));
 }
 
 }  // namespace limb_ring::runtime

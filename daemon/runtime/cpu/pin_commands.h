@@ -24,8 +24,7 @@ class PinCommands {
     std::uint64_t timed_out = 0;  ///< killed at the deadline (also in `failed`)
   };
 
-  PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline,
-              process::ProcessHandle::By by);
+  PinCommands(boost::asio::io_context& io, std::chrono::milliseconds deadline, process::ProcessHandle::By by);
 
   /// Starts a command; its output goes to our standard error.
   /// @return why not; empty where it was started (its end is logged and counted).

@@ -33,8 +33,7 @@ struct Run {
   /// Node i's own packet starts in the instant in which one that left node 0 at `start` arrives there.
   void send_in_front(Time start) {
     for (unsigned id = 1; id < medium.nodes; ++id)
-      ring.at(start + d() * id + T() * (id - 1),
-              [this, id] { send(static_cast<NodeId>(id), 0); });
+      ring.at(start + d() * id + T() * (id - 1), [this, id] { send(static_cast<NodeId>(id), 0); });
   }
   /// Runs until that many sends have ended.
   void run_until_ended(unsigned count) {
@@ -152,8 +151,9 @@ void saturated(Run& run) {
   const Duration lap = simultaneous_time(run);
   run.result.has_share = true;
   run.result.formula_share = static_cast<double>((run.T() * run.n()).count()) / static_cast<double>(lap.count());
-  keep_sending(run, [] { return Duration{0}; },
-               [&run](NodeId, const SendEnded& end) { run.result.measured.add(end.round_trip); });
+  keep_sending(
+      run, [] { return Duration{0}; },
+      [&run](NodeId, const SendEnded& end) { run.result.measured.add(end.round_trip); });
   fill(run, true);
   run.ring.run_for(lap * static_cast<std::int64_t>(laps(run)) - Duration{1});
   run.ring.check();
@@ -161,8 +161,9 @@ void saturated(Run& run) {
 
 void saturated_at_random(Run& run) {
   run.result.formula = (run.T() + run.d()) * run.n();
-  keep_sending(run, [] { return Duration{0}; },
-               [&run](NodeId, const SendEnded& end) { run.result.measured.add(end.round_trip); });
+  keep_sending(
+      run, [] { return Duration{0}; },
+      [&run](NodeId, const SendEnded& end) { run.result.measured.add(end.round_trip); });
   fill(run, false);
   run.ring.run_for((run.T() * run.n() + run.d()) * static_cast<std::int64_t>(laps(run)));
   run.ring.check();
@@ -192,16 +193,26 @@ void payload_share(Run& run) {
 
 void dispatch(Case which, Run& run) {
   switch (which) {
-    case Case::alone: return alone(run);
-    case Case::simultaneous: return simultaneous(run);
-    case Case::adversarial: return adversarial(run);
-    case Case::request: return request(run);
-    case Case::delivery: return delivery(run);
-    case Case::interrupt: return interrupt(run);
-    case Case::interrupt_bound: return interrupts_under_load(run);
-    case Case::saturated: return saturated(run);
-    case Case::random: return saturated_at_random(run);
-    case Case::payload: return payload_share(run);
+    case Case::alone:
+      return alone(run);
+    case Case::simultaneous:
+      return simultaneous(run);
+    case Case::adversarial:
+      return adversarial(run);
+    case Case::request:
+      return request(run);
+    case Case::delivery:
+      return delivery(run);
+    case Case::interrupt:
+      return interrupt(run);
+    case Case::interrupt_bound:
+      return interrupts_under_load(run);
+    case Case::saturated:
+      return saturated(run);
+    case Case::random:
+      return saturated_at_random(run);
+    case Case::payload:
+      return payload_share(run);
   }
 }
 
@@ -209,16 +220,26 @@ void dispatch(Case which, Run& run) {
 
 const char* to_string(Case which) {
   switch (which) {
-    case Case::alone: return "alone";
-    case Case::simultaneous: return "simultaneous";
-    case Case::adversarial: return "adversarial";
-    case Case::request: return "request";
-    case Case::delivery: return "delivery";
-    case Case::interrupt: return "interrupt";
-    case Case::interrupt_bound: return "interrupt_bound";
-    case Case::saturated: return "saturated";
-    case Case::random: return "random";
-    case Case::payload: return "payload";
+    case Case::alone:
+      return "alone";
+    case Case::simultaneous:
+      return "simultaneous";
+    case Case::adversarial:
+      return "adversarial";
+    case Case::request:
+      return "request";
+    case Case::delivery:
+      return "delivery";
+    case Case::interrupt:
+      return "interrupt";
+    case Case::interrupt_bound:
+      return "interrupt_bound";
+    case Case::saturated:
+      return "saturated";
+    case Case::random:
+      return "random";
+    case Case::payload:
+      return "payload";
   }
   return "";
 }
@@ -227,22 +248,32 @@ std::string formula_words(Case which, const Medium& medium) {
   const Duration T = medium.byte_time() * static_cast<std::int64_t>(medium.payload + wire::kOverhead);
   const bool short_packets = T < medium.relay_delay;
   switch (which) {
-    case Case::alone: return "T + N d";
-    case Case::simultaneous: return short_packets ? "T + N d" : "N T + d";
-    case Case::adversarial: return "N (T + d)";
-    case Case::request: return "(N + 1) T + N d";
-    case Case::delivery: return "(N - 1) (T + d)";
-    case Case::interrupt: return "N (d + i)";
-    case Case::interrupt_bound: return "<= N (d + i + 8 bytes)";
-    case Case::saturated: return short_packets ? "N T / (T + N d)" : "N T / (N T + d)";
-    case Case::random: return "<= N (T + d)";
-    case Case::payload: return "B / (B + 12)";
+    case Case::alone:
+      return "T + N d";
+    case Case::simultaneous:
+      return short_packets ? "T + N d" : "N T + d";
+    case Case::adversarial:
+      return "N (T + d)";
+    case Case::request:
+      return "(N + 1) T + N d";
+    case Case::delivery:
+      return "(N - 1) (T + d)";
+    case Case::interrupt:
+      return "N (d + i)";
+    case Case::interrupt_bound:
+      return "<= N (d + i + 8 bytes)";
+    case Case::saturated:
+      return short_packets ? "N T / (T + N d)" : "N T / (N T + d)";
+    case Case::random:
+      return "<= N (T + d)";
+    case Case::payload:
+      return "B / (B + 12)";
   }
   return "";
 }
 
-CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace,
-                    std::ostream* capture, sim::CaptureAt at) {
+CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace, std::ostream* capture,
+                    sim::CaptureAt at) {
   CaseResult result;
   CaseRing ring(medium, trace);
   std::optional<sim::RingCapture> captured;

@@ -31,11 +31,11 @@ const char* to_string(Case which);
 std::string formula_words(Case which, const Medium& medium);
 
 struct CaseResult {
-  Duration formula{0};    ///< of the time; a bound in `interrupt_bound` and `random`
-  Latencies measured;     ///< of the packets in question, one or many
-  bool has_share = false; ///< saturated, payload: a share instead of a time
+  Duration formula{0};     ///< of the time; a bound in `interrupt_bound` and `random`
+  Latencies measured;      ///< of the packets in question, one or many
+  bool has_share = false;  ///< saturated, payload: a share instead of a time
   double formula_share = 0, measured_share = 0;
-  double occupancy = 0;   ///< of all lines, while it ran
+  double occupancy = 0;  ///< of all lines, while it ran
   std::uint64_t trace_hash = 0;
 };
 

@@ -14,10 +14,10 @@ using wire::NodeId;
 
 /// What a network is built of: the same figures for every method that is compared.
 struct Medium {
-  unsigned nodes = 16;                         ///< 2 to 254
-  std::uint64_t rate = sim::kUsualRate;             ///< R, bit/s
+  unsigned nodes = 16;                           ///< 2 to 254
+  std::uint64_t rate = sim::kUsualRate;          ///< R, bit/s
   Duration relay_delay = sim::kUsualRelayDelay;  ///< d: line and node, once per hop
-  unsigned payload = 512;                      ///< B, bytes of data in a message, 1 to 512
+  unsigned payload = 512;                        ///< B, bytes of data in a message, 1 to 512
 
   /// Time of one byte on the line, rounded to whole picoseconds.
   Duration byte_time() const { return bits(8); }

@@ -18,8 +18,8 @@ struct StreamPlan {
 };
 
 struct NodePlan {
-  double data = 0;        ///< share of time in which a DATP of it is under way in the worst case; below 1
-  double interrupts = 0;  ///< the same for its INTPs
+  double data = 0;          ///< share of time in which a DATP of it is under way in the worst case; below 1
+  double interrupts = 0;    ///< the same for its INTPs
   std::size_t waiting = 0;  ///< bytes in its insertion buffer at most
 };
 

@@ -26,10 +26,10 @@ struct Contender {
 
 /// Worst case of one message, and what it is made of.
 struct Response {
-  Duration wait{0};       ///< from the request until the message's last packet starts
-  std::size_t own = 0;    ///< packets of this stream, its last one too
-  std::size_t others = 0; ///< packets of higher and of the same priority that go first
-  bool lower = false;     ///< a packet of lower priority is under way; else one on the line is ahead
+  Duration wait{0};        ///< from the request until the message's last packet starts
+  std::size_t own = 0;     ///< packets of this stream, its last one too
+  std::size_t others = 0;  ///< packets of higher and of the same priority that go first
+  bool lower = false;      ///< a packet of lower priority is under way; else one on the line is ahead
 };
 
 /// Response-time analysis for fixed priorities without preemption, release jitter and messages of

@@ -105,8 +105,8 @@ Stream traffic(const RingConfig& ring, const config::TrafficConfig& config) {
 void add_beacons(const RingConfig& ring, std::vector<Stream>& streams) {
   const double rate = 1000.0 / static_cast<double>(ring.timeouts.beacon.count());
   for (const NodeConfig& node : ring.nodes) {
-    streams.push_back(message("beacon of " + node.name, place_of(ring, node.id), wire::kBroadcast, 0,
-                              wire::kBeaconSize, rate));
+    streams.push_back(
+        message("beacon of " + node.name, place_of(ring, node.id), wire::kBroadcast, 0, wire::kBeaconSize, rate));
     streams.back().beacon = true;
   }
 }

@@ -17,12 +17,12 @@ using wire::NodeId;
 /// Messages (or interrupts) that one node asks for again and again.
 struct Stream {
   std::string name;
-  NodeId source = 0;       ///< place in ring order, from 0; as is the destination
-  NodeId destination = 0;  ///< or wire::kBroadcast
-  std::uint8_t priority = 0;      ///< 0 (highest) to 3; means nothing for an interrupt
-  bool beacon = false;            ///< the NC's own: goes before priority 0
-  unsigned bytes = 0;             ///< of one message; 0 for an interrupt
-  std::vector<unsigned> packets;  ///< bytes of data of each DATP of a message; empty for an interrupt
+  NodeId source = 0;                      ///< place in ring order, from 0; as is the destination
+  NodeId destination = 0;                 ///< or wire::kBroadcast
+  std::uint8_t priority = 0;              ///< 0 (highest) to 3; means nothing for an interrupt
+  bool beacon = false;                    ///< the NC's own: goes before priority 0
+  unsigned bytes = 0;                     ///< of one message; 0 for an interrupt
+  std::vector<unsigned> packets;          ///< bytes of data of each DATP of a message; empty for an interrupt
   std::optional<std::uint8_t> interrupt;  ///< factor 0 to 7
   Duration period{0};
   Duration jitter{0};             ///< asked for up to so much later than the period says

@@ -13,8 +13,8 @@ namespace {
 
 using core::Time;
 
-constexpr unsigned kWindow = 4;   // as ring_bridge's TopicSender
-constexpr int kTold = 100;        // how often progress is told
+constexpr unsigned kWindow = 4;  // as ring_bridge's TopicSender
+constexpr int kTold = 100;       // how often progress is told
 constexpr Duration kInstant{1};
 
 struct Message {
@@ -30,7 +30,7 @@ struct Feed {
   std::size_t next_message = 0;             ///< ... of which the next packet is
   std::size_t next_packet = 0;
   unsigned in_nc = 0;
-  Duration next_nominal{0};                 ///< of the next message, from the start
+  Duration next_nominal{0};  ///< of the next message, from the start
 };
 
 struct Job {

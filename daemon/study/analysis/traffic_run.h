@@ -13,11 +13,11 @@ namespace limb_ring::study {
 
 /// What became of one stream's messages.
 struct StreamRun {
-  std::size_t asked = 0;    ///< messages
+  std::size_t asked = 0;  ///< messages
   /// From the CPU's request for a message. A beacon's request is the NC's own and not to be seen: its
   /// `confirmed` counts from its first byte on the line, and `delivered` is empty.
-  Latencies delivered;      ///< until its last packet's last bit is at the destination (a broadcast: the last one)
-  Latencies confirmed;      ///< ... is home again
+  Latencies delivered;  ///< until its last packet's last bit is at the destination (a broadcast: the last one)
+  Latencies confirmed;  ///< ... is home again
   std::array<std::size_t, 7> outcomes{};  ///< packets (or interrupts) by core::Outcome
 
   std::size_t failed() const;  ///< packets that were not delivered

@@ -20,9 +20,7 @@ unsigned crc_bits(unsigned data) {
   return counted + 1 + counted / 4;
 }
 
-unsigned identifier(const Message& message) {
-  return static_cast<unsigned>(class_of(message)) << 8 | message.source;
-}
+unsigned identifier(const Message& message) { return static_cast<unsigned>(class_of(message)) << 8 | message.source; }
 
 /// Index of the message whose frame wins at `now`, or kNone.
 std::size_t arbitrate(const Medium& medium, const std::vector<Message>& messages, SendQueues& queues, Time now) {

@@ -82,8 +82,10 @@ void PointToPoint::carry(bool interrupts) {
     for (; skip() == now; ++next) ask(next);
     for (; !events_.empty() && events_.top().at == now; events_.pop()) {
       const Event& event = events_.top();
-      if (event.arrival) arrive(event);
-      else touched_.push_back(event.packet.line);
+      if (event.arrival)
+        arrive(event);
+      else
+        touched_.push_back(event.packet.line);
     }
     for (const unsigned line : touched_) start(line, now);
     touched_.clear();

@@ -40,7 +40,7 @@ class PointToPoint {
   struct Event {
     Time at;
     std::uint64_t order;
-    bool arrival;   ///< of `packet` at the next node; else `packet.line` is free
+    bool arrival;  ///< of `packet` at the next node; else `packet.line` is free
     Packet packet;
     bool operator>(const Event& other) const { return at != other.at ? at > other.at : order > other.order; }
   };

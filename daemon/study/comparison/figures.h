@@ -16,13 +16,13 @@ struct Spread {
 
 /// What is measured of one method on one medium. (ours)
 struct Figures {
-  Spread alone;             ///< one message in an idle network, to the node opposite
-  Spread at_once_opposite;  ///< every node one message at the same instant, to the node opposite
-  Spread at_once_random;    ///< the same, to random destinations
+  Spread alone;                       ///< one message in an idle network, to the node opposite
+  Spread at_once_opposite;            ///< every node one message at the same instant, to the node opposite
+  Spread at_once_random;              ///< the same, to random destinations
   std::optional<Spread> random_load;  ///< random arrivals that offer kRandomLoad; none: more than it can carry
-  Spread interrupt;         ///< interrupt-like messages, while every node has always data to send
-  Duration join{0};         ///< Network::time_to_join
-  double efficiency = 0;    ///< payload delivered in a second / R, every node always having data to send
+  Spread interrupt;                   ///< interrupt-like messages, while every node has always data to send
+  Duration join{0};                   ///< Network::time_to_join
+  double efficiency = 0;              ///< payload delivered in a second / R, every node always having data to send
 };
 
 /// Share of R offered in Figures::random_load: below the saturation of every method compared at

@@ -26,7 +26,7 @@ class Recorder : public sim::Observer {
     note(going_[node], node, slice, now, &Passing::leaves);
   }
 
-  Time start{};  ///< what all times count from
+  Time start{};                             ///< what all times count from
   using Key = std::pair<NodeId, unsigned>;  ///< source, hop
   std::map<Key, Passing> passings;
 

@@ -39,8 +39,8 @@ std::string RandomFaults::describe() const {
     return times == 0 ? "" : std::string(", ") + what + " once in " + std::to_string(times);
   };
   return std::to_string(nodes_) + " nodes, lines " + (paced_ ? "of 1 Gbit/s" : "without a rate") +
-         (fold_back_ ? ", folding back" : "") +
-         rate("a slice lost", drop_) + rate("damaged", damage_) + rate("a fault in a step", trouble_);
+         (fold_back_ ? ", folding back" : "") + rate("a slice lost", drop_) + rate("damaged", damage_) +
+         rate("a fault in a step", trouble_);
 }
 
 void RandomFaults::make_ring() {
@@ -149,22 +149,32 @@ void RandomFaults::interrupt() {
 void RandomFaults::fault() {
   const NodeId node = random_node();
   switch (random(13)) {
-    case 0: return kill_or_start(node);
+    case 0:
+      return kill_or_start(node);
     case 1:
       if (ring_->alive(node)) ring_->kill(node);
       killed_[node] = true;
       return ring_->start(node);
-    case 2: return freeze_or_thaw(node);
-    case 3: return ring_->alive(node) ? cut(node) : kill_or_start(node);
+    case 2:
+      return freeze_or_thaw(node);
+    case 3:
+      return ring_->alive(node) ? cut(node) : kill_or_start(node);
     case 4:
-    case 5: return heal(node);
-    case 6: ring_->cpu_reads[node] = !ring_->cpu_reads[node]; return;  // its CPU hangs, or goes on
-    case 7: return ring_->alive(node) ? ring_->cancel(node) : void();
-    case 8: return ring_->alive(node) ? ring_->reset_cpu(node) : void();
-    case 9: return ring_->alive(node) ? freeze_or_thaw(node) : kill_or_start(node);
+    case 5:
+      return heal(node);
+    case 6:
+      ring_->cpu_reads[node] = !ring_->cpu_reads[node];
+      return;  // its CPU hangs, or goes on
+    case 7:
+      return ring_->alive(node) ? ring_->cancel(node) : void();
+    case 8:
+      return ring_->alive(node) ? ring_->reset_cpu(node) : void();
+    case 9:
+      return ring_->alive(node) ? freeze_or_thaw(node) : kill_or_start(node);
     case 10:
     case 11:
-    case 12: return line_fault(node);
+    case 12:
+      return line_fault(node);
   }
 }
 

@@ -69,7 +69,7 @@ class RandomFaults {
   bool doubles_ = false;                          ///< lines duplicate packets, and hold back only briefly
   bool quiet_ = false;
   std::uint64_t slices_when_quiet_ = 0;
-  std::vector<bool> killed_;                      ///< if not alive: killed (true) or frozen
+  std::vector<bool> killed_;  ///< if not alive: killed (true) or frozen
   std::array<unsigned, 7> ended_{};
   std::unique_ptr<sim::VirtualRing> ring_;
   std::unique_ptr<sim::VirtualLineFaults> lines_;

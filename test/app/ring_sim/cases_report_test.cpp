@@ -46,8 +46,8 @@ TEST(Run, GivesTheDistributionAndTheSeed) {
 }
 
 TEST(Run, RefusesWhatCannotBeNamingTheOptionAndWhatIsAllowed) {
-  const std::vector<std::vector<std::string>> wrong{{"--rate", "0"},      {"--rate", "fast"},     {"--nodes", "300"},
-                                                    {"--nodes", "1"},     {"--payload", "0"},     {"--payload", "513"},
+  const std::vector<std::vector<std::string>> wrong{{"--rate", "0"},          {"--rate", "fast"},  {"--nodes", "300"},
+                                                    {"--nodes", "1"},         {"--payload", "0"},  {"--payload", "513"},
                                                     {"--relay-delay", "512"}, {"--case", "quick"}, {"--seed", "x"}};
   for (const auto& arguments : wrong) {
     std::vector<std::string> all{"run"};

@@ -25,8 +25,10 @@ class PlanCommand : public ringctl::OwnFolder {
 
   /// Two nodes, and a stream of this size and rate from the first to the second.
   std::string two_nodes(const std::string& size_and_rate) {
-    return write("two.yaml", "ring: two\nnodes: [{id: 9, name: head}, {id: 4, name: body}]\n"
-                             "traffic: [{name: camera, from: head, to: body, " + size_and_rate + "}]\n");
+    return write("two.yaml",
+                 "ring: two\nnodes: [{id: 9, name: head}, {id: 4, name: body}]\n"
+                 "traffic: [{name: camera, from: head, to: body, " +
+                     size_and_rate + "}]\n");
   }
 };
 

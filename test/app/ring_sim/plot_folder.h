@@ -28,7 +28,9 @@ class PlotTest : public ::testing::Test {
   }
   void SetUp() override { ASSERT_FALSE(folder.empty()); }
 
-  static bool gnuplot_missing() { return !test::thrown<std::runtime_error>([] { find_gnuplot(); }).empty(); }
+  static bool gnuplot_missing() {
+    return !test::thrown<std::runtime_error>([] { find_gnuplot(); }).empty();
+  }
 
   static std::string read(const std::string& path) {
     std::ostringstream text;

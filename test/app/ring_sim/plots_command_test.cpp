@@ -12,8 +12,8 @@ namespace {
 
 using testing::HasSubstr;
 
-const char* const kPictures[] = {"latency_nodes",  "latency_nodes_own_rates", "efficiency",    "round_trips",
-                                 "embedding",      "timeline_alone",          "timeline_worst"};
+const char* const kPictures[] = {"latency_nodes", "latency_nodes_own_rates", "efficiency",    "round_trips",
+                                 "embedding",     "timeline_alone",          "timeline_worst"};
 
 struct Plots : PlotTest {
   /// compare on a small ring, so that it does not take long.

@@ -1,6 +1,6 @@
 // The lines of `ringctl dump`.
-#include "app/ringctl/live_dump.h"
 #include "app/ringctl/packet_text.h"
+#include "app/ringctl/live_dump.h"
 
 #include <gmock/gmock.h>
 
@@ -33,12 +33,15 @@ std::string line_of(const CapturedPacket& packet, PacketTextOptions options = {}
 }
 
 TEST(PacketLine, SaysAllOfADataPacket) {
-  EXPECT_EQ(line_of(captured(test::data_packet(0, 2, 3, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}), {false, 2, wire::Sequence{5}, {}}), 1'500'000'042)),
+  EXPECT_EQ(line_of(captured(test::data_packet(0, 2, 3, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}),
+                                               {false, 2, wire::Sequence{5}, {}}),
+                             1'500'000'042)),
             "(001.500000042)  hip -> knee   DATP  body -> knee  hop   0  fbc 255  p1 user     2/5  [  3]  00 01 02");
 }
 
 TEST(PacketLine, ShowsBytesAsCharactersTooWhereAskedTo) {
-  CapturedPacket packet = captured(test::data_packet(0, 2, 3, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}), {false, 2, wire::Sequence{5}, {}}));
+  CapturedPacket packet = captured(test::data_packet(0, 2, 3, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}),
+                                                     {false, 2, wire::Sequence{5}, {}}));
   PacketTextOptions options;
   options.ascii = true;
   EXPECT_THAT(line_of(packet, options), EndsWith("00 01 02  '...'"));

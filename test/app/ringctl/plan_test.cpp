@@ -26,8 +26,7 @@ TEST_F(Plan, PlainRingNeedsNoFile) {
   const RingPlan plan = plan_ring(plain(3));
   EXPECT_EQ(plan.ring, "plain");
   ASSERT_EQ(plan.nodes.size(), 3u);
-  EXPECT_THAT(plan.arguments_of(plan.nodes[2].node),
-              ElementsAre("--nodes", "3", "--ring", "plain", "--node", "2"));
+  EXPECT_THAT(plan.arguments_of(plan.nodes[2].node), ElementsAre("--nodes", "3", "--ring", "plain", "--node", "2"));
 }
 
 TEST_F(Plan, FileIsGivenToEveryDaemonByItsFullPath) {
@@ -42,8 +41,7 @@ TEST_F(Plan, FileIsGivenToEveryDaemonByItsFullPath) {
   EXPECT_TRUE(plan.nodes[0].has_child);
   EXPECT_FALSE(plan.nodes[1].has_child);
   EXPECT_THAT(plan.arguments_of(plan.nodes[0].node),
-              ElementsAre("--config", request.config, "--ring", "other", "--transport", "udp",
-                          "--node", "4"));
+              ElementsAre("--config", request.config, "--ring", "other", "--transport", "udp", "--node", "4"));
 }
 
 TEST_F(Plan, FolderTooLongForASocketIsRefusedBeforeAnythingStarts) {

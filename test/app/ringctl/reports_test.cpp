@@ -40,9 +40,8 @@ TEST(Hex, TakesDigitsWithAndWithoutSeparators) {
 TEST(StatusTable, ShowsADaemonThatDoesNotAnswerAsDown) {
   const json row = down_row({12, "left_knee"});
   EXPECT_EQ(row["state"], "down");
-  for (const char* member : {"/id", "/name", "/pid", "/cpu/pid", "/cpu/boots", "/cpu/state",
-                             "/ring_size", "/round_trip_us/p50", "/round_trip_us/p99",
-                             "/round_trip_us/max", "/counters"})
+  for (const char* member : {"/id", "/name", "/pid", "/cpu/pid", "/cpu/boots", "/cpu/state", "/ring_size",
+                             "/round_trip_us/p50", "/round_trip_us/p99", "/round_trip_us/max", "/counters"})
     EXPECT_TRUE(row.contains(json::json_pointer(member))) << member;
   EXPECT_THAT(status_table({row}), HasSubstr("12  left_knee  down"));
 }
@@ -66,8 +65,12 @@ std::vector<json> wide_rows() {
   const json trip{{"p50", 123456.7}, {"p99", 999999.9}, {"max", 1234567.8}};
   std::vector<json> rows;
   for (int id = 240; id < 255; ++id)
-    rows.push_back({{"id", id}, {"name", "joint_" + std::string(23, 'x') + std::to_string(id)}, {"state", "open_chain"},
-                    {"ring_size", 255}, {"cpu", {{"boots", 12}, {"state", "running"}}}, {"round_trip_us", trip}});
+    rows.push_back({{"id", id},
+                    {"name", "joint_" + std::string(23, 'x') + std::to_string(id)},
+                    {"state", "open_chain"},
+                    {"ring_size", 255},
+                    {"cpu", {{"boots", 12}, {"state", "running"}}},
+                    {"round_trip_us", trip}});
   return rows;
 }
 
@@ -119,9 +122,17 @@ TEST(Wrapped, BreaksLinesBetweenWords) {
 
 /// The body, which is the supervisor, and the knee it has found hung.
 std::vector<json> rows_of_a_hang() {
-  const json knee{{"id", 10},      {"name", "left_knee"}, {"verdict", "hung"}, {"for_ms", 1240},
-                  {"hangs", 1},    {"resets", 1},         {"confirmed", 0},    {"tries", 1},
-                  {"given_up", false}, {"last", "reset 1 of 3 ordered"}, {"reset_reason", "silent for 640 ms"}};
+  const json knee{{"id", 10},
+                  {"name", "left_knee"},
+                  {"verdict", "hung"},
+                  {"for_ms", 1240},
+                  {"hangs", 1},
+                  {"resets", 1},
+                  {"confirmed", 0},
+                  {"tries", 1},
+                  {"given_up", false},
+                  {"last", "reset 1 of 3 ordered"},
+                  {"reset_reason", "silent for 640 ms"}};
   json head = knee;
   head.update({{"id", 2}, {"name", "head"}, {"verdict", "alive"}, {"hangs", 0}, {"resets", 0}});
   json body = down_row({0, "body"});
@@ -232,19 +243,23 @@ TEST(RefusalCounters, SayWhyWhereTheSourceOnlyInfers) {
 
 TEST(RefusalCounters, SayNothingWhereNothingOrTwoThingsWereCounted) {
   const std::vector<ask::Node> nodes{{1, "knee"}, {2, "foot"}};
-  const RefusalCounters before(ask::Rows{{1, counted("refused_cpu_absent", 3, "absent")},
-                                         {2, counted("refused_no_buffer", 0, "running")}});
+  const RefusalCounters before(
+      ask::Rows{{1, counted("refused_cpu_absent", 3, "absent")}, {2, counted("refused_no_buffer", 0, "running")}});
   std::vector<Result> results{result(Outcome::refused, "probably")};
   before.explain(results, nodes, {{1, counted("refused_cpu_absent", 3, "absent")}});
   EXPECT_EQ(results[0].reason, "probably");
-  before.explain(results, nodes, {{1, counted("refused_cpu_absent", 4, "absent")},
-                                  {2, counted("refused_no_buffer", 1, "running")}});
+  before.explain(results, nodes,
+                 {{1, counted("refused_cpu_absent", 4, "absent")}, {2, counted("refused_no_buffer", 1, "running")}});
   EXPECT_EQ(results[0].reason, "probably");
 }
 
 json node(int id, const char* state, bool latched = false) {
-  return {{"id", id}, {"name", "n" + std::to_string(id)}, {"state", state}, {"ring_size", 3},
-          {"broken_line", nullptr}, {"cpu", {{"state", "running"}, {"stop", {{"latched", latched}}}}}};
+  return {{"id", id},
+          {"name", "n" + std::to_string(id)},
+          {"state", state},
+          {"ring_size", 3},
+          {"broken_line", nullptr},
+          {"cpu", {{"state", "running"}, {"stop", {{"latched", latched}}}}}};
 }
 
 TEST(Headline, CountsTheNodesThatWork) {

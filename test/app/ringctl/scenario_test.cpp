@@ -21,8 +21,7 @@ CliRun run_scenarios(std::vector<std::string> arguments) {
   return ringctl(std::move(arguments));
 }
 
-const char* const kGood =
-    "scenario: nothing happens\nnodes: 4\nsteps: [{at: 1ms}]\nalways: [{node: all, is: up}]\n";
+const char* const kGood = "scenario: nothing happens\nnodes: 4\nsteps: [{at: 1ms}]\nalways: [{node: all, is: up}]\n";
 const char* const kUnmet = "scenario: a surprise\nnodes: 4\nsteps: [{when: {node: 0, is: down}, within: 1ms}]\n";
 
 using ScenarioCommand = test::OwnFolder;
@@ -46,7 +45,8 @@ TEST_F(ScenarioCommand, SumsUpWhereThereAreSeveral) {
 }
 
 TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
-  const CliRun said = run_scenarios({write("good.yaml", kGood), write("bad.yaml", "scenario: x\nnodes: 4\nstep: []\n")});
+  const CliRun said =
+      run_scenarios({write("good.yaml", kGood), write("bad.yaml", "scenario: x\nnodes: 4\nstep: []\n")});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_EQ(said.out, "");
   EXPECT_THAT(said.errors, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));

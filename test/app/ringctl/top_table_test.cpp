@@ -11,15 +11,15 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 json row(int id, int to, std::uint64_t relayed, std::uint64_t bytes, std::uint64_t slices) {
-  return {{"id", id},
-          {"name", "a_node_with_a_long_name" + std::to_string(id)},
-          {"state", "up"},
-          {"pid", 100 + id},
-          {"cpu", {{"state", "running"}}},
-          {"output", {{"to", to}, {"rate_bit_s", 1000000}}},
-          {"round_trip_us", {{"p50", 123.4}, {"p99", 1234.5}}},
-          {"counters",
-           {{"relayed_data", relayed}, {"input_bytes", bytes}, {"input_slices", slices}, {"crc_errors", 2}}}};
+  return {
+      {"id", id},
+      {"name", "a_node_with_a_long_name" + std::to_string(id)},
+      {"state", "up"},
+      {"pid", 100 + id},
+      {"cpu", {{"state", "running"}}},
+      {"output", {{"to", to}, {"rate_bit_s", 1000000}}},
+      {"round_trip_us", {{"p50", 123.4}, {"p99", 1234.5}}},
+      {"counters", {{"relayed_data", relayed}, {"input_bytes", bytes}, {"input_slices", slices}, {"crc_errors", 2}}}};
 }
 
 const StatusSample kBefore{{row(0, 1, 100, 0, 0), row(1, 0, 100, 1000, 10)}, 10.0};

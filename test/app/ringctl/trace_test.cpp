@@ -15,8 +15,8 @@
 namespace limb_ring::ringctl {
 namespace {
 
-using study::Case;
 using sim::CaptureAt;
+using study::Case;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;

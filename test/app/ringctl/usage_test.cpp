@@ -17,8 +17,8 @@ using ::testing::HasSubstr;
 using Usage = test::OwnFolder;
 
 TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
-  for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop",
-                              "reset", "ping", "observe", "dump", "trace", "replay", "top", "wait"}) {
+  for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop", "reset", "ping",
+                              "observe", "dump", "trace", "replay", "top", "wait"}) {
     const CliRun said = ringctl({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
@@ -49,8 +49,7 @@ TEST_F(Usage, SizesOutsideAPacketAreRefusedWithTheRange) {
 }
 
 TEST_F(Usage, BadPriorityIsRefusedWithTheRange) {
-  const CliRun said =
-      ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--priority", "4"});
+  const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--priority", "4"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("--priority"), HasSubstr("4"), HasSubstr("3")));
 }
@@ -63,8 +62,7 @@ TEST_F(Usage, ChannelOfTheNetworkControllersIsRefused) {
 
 TEST_F(Usage, SendNeedsExactlyOneKindOfData) {
   EXPECT_EQ(ringctl({"send", "--from", "0", "--to", "1"}).code, kUsage);
-  EXPECT_EQ(ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--data", "x"}).code,
-            kUsage);
+  EXPECT_EQ(ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--data", "x"}).code, kUsage);
 }
 
 TEST_F(Usage, TooLongATextIsRefusedWithTheRange) {

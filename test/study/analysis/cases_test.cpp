@@ -54,7 +54,8 @@ TEST_P(Sizes, BoundsAreNotExceeded) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Some, Sizes, testing::Combine(testing::Values(2u, 5u, 16u, 33u), testing::Values(4u, 64u, 512u)));
+INSTANTIATE_TEST_SUITE_P(Some, Sizes,
+                         testing::Combine(testing::Values(2u, 5u, 16u, 33u), testing::Values(4u, 64u, 512u)));
 
 TEST(Cases, RandomPhasesFillTheLinesAsSectionSevenSays) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

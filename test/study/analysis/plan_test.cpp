@@ -66,8 +66,8 @@ std::vector<Stream> with_others(std::vector<Stream> of_a) {
 // high: one lower is under way, 5.4; then its own lap: 10.8. At c, two hops: 5.4 + 0.8 + 2 + b's 0.8 = 9.0.
 // low:  one ahead, high, 0.8 + 5.4 = 6.2; then its own lap: 11.6. At c: 6.2 + 3.6 = 9.8.
 TEST(Plan, ThreeNodesAndTwoPriorities) {
-  const Plan made = plan(small_ring(3), with_others({stream_from(0, 2, {kHundred}, 1ms, 1),
-                                                     stream_from(0, 2, {kHundred}, 1ms, 3)}));
+  const Plan made =
+      plan(small_ring(3), with_others({stream_from(0, 2, {kHundred}, 1ms, 1), stream_from(0, 2, {kHundred}, 1ms, 3)}));
   EXPECT_EQ(made.streams[0].confirmed, ns(10800));
   EXPECT_EQ(made.streams[0].delivered, ns(9000));
   EXPECT_EQ(made.streams[1].confirmed, ns(11600));
@@ -92,9 +92,9 @@ TEST(Plan, APacketToItsOwnNodeIsDeliveredWhenItIsHome) {
 // 0.8 + 4 * 5.4 = 22.4, and a higher one for one of them: 5.4 + 5.4.
 TEST(Plan, AMessageOfThreePacketsIsABurst) {
   const std::vector<unsigned> burst(3, kHundred);
-  const Plan made = plan(small_ring(3), with_others({stream_from(0, 1, burst, 1ms, 3),
-                                                     stream_from(0, 1, {kHundred}, 1ms, 3),
-                                                     stream_from(0, 1, {kHundred}, 1ms, 0)}));
+  const Plan made =
+      plan(small_ring(3), with_others({stream_from(0, 1, burst, 1ms, 3), stream_from(0, 1, {kHundred}, 1ms, 3),
+                                       stream_from(0, 1, {kHundred}, 1ms, 0)}));
   const Plan alone = plan(small_ring(3), with_others({stream_from(0, 1, burst, 1ms)}));
   EXPECT_EQ(alone.streams[0].confirmed, ns(17000));
   EXPECT_EQ(alone.streams[0].why, "own 3 + 1 ahead (0.800 us), laps of up to 5.400 us");
@@ -105,8 +105,8 @@ TEST(Plan, AMessageOfThreePacketsIsABurst) {
 
 // The NC's beacon goes before priority 0 and waits for one packet at most.
 TEST(Plan, BeaconsGoBeforePriorityZero) {
-  std::vector<Stream> streams = with_others({stream_from(0, 1, {kHundred}, 1ms),
-                                             stream_from(0, wire::kBroadcast, {kHundred}, 1ms)});
+  std::vector<Stream> streams =
+      with_others({stream_from(0, 1, {kHundred}, 1ms), stream_from(0, wire::kBroadcast, {kHundred}, 1ms)});
   streams[1].beacon = true;
   const Plan made = plan(small_ring(3), streams);
   EXPECT_EQ(made.streams[0].confirmed, ns(800 + 2 * 5400));
@@ -127,8 +127,8 @@ TEST(Plan, InterruptsWaitForInterruptsOnly) {
 
 // A lap of 5.4 us every 5 us: 108 % of the time. Priority 0 alone, 5.4 in 100 us, keeps its bound.
 TEST(Plan, AnOverloadedNodeIsNamedWithWhatIsMissing) {
-  const Plan made = plan(small_ring(3), with_others({stream_from(0, 1, {kHundred}, 100us, 0),
-                                                     stream_from(0, 1, {kHundred}, 5us, 3)}));
+  const Plan made = plan(small_ring(3),
+                         with_others({stream_from(0, 1, {kHundred}, 100us, 0), stream_from(0, 1, {kHundred}, 5us, 3)}));
   EXPECT_FALSE(made.carried());
   EXPECT_EQ(made.streams[0].confirmed, ns(10800));
   EXPECT_FALSE(made.streams[1].confirmed);

@@ -23,16 +23,16 @@ TEST(Response, ALonelyMessageWaitsForWhatIsOnTheLine) {
 }
 
 TEST(Response, ALowerPriorityUnderWayIsWaitedForOnce) {
-  const auto high = worst_response({contender(0, 10us, 1ms), contender(1, 20us, 1ms), contender(2, 15us, 1ms)}, 0, 3us,
-                                   kLimit);
+  const auto high =
+      worst_response({contender(0, 10us, 1ms), contender(1, 20us, 1ms), contender(2, 15us, 1ms)}, 0, 3us, kLimit);
   ASSERT_TRUE(high);
   EXPECT_EQ(high->wait, 20us);  // the longer of the two
   EXPECT_TRUE(high->lower);
 }
 
 TEST(Response, HigherAndSamePrioritiesGoFirst) {
-  const auto low = worst_response({contender(0, 10us, 1ms), contender(1, 20us, 1ms), contender(1, 15us, 1ms)}, 2, 3us,
-                                  kLimit);
+  const auto low =
+      worst_response({contender(0, 10us, 1ms), contender(1, 20us, 1ms), contender(1, 15us, 1ms)}, 2, 3us, kLimit);
   ASSERT_TRUE(low);
   EXPECT_EQ(low->wait, 33us);
   EXPECT_EQ(low->others, 2u);

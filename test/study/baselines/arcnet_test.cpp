@@ -9,8 +9,8 @@ namespace {
 using testing::ElementsAre;
 
 constexpr Duration kTurnaround{31500};
-constexpr Duration kPass = 39ns + kTurnaround;                                    // of the token
-constexpr Duration kAsk = 39ns + kTurnaround + 17ns + kTurnaround;                // enquiry and answer
+constexpr Duration kPass = 39ns + kTurnaround;                                        // of the token
+constexpr Duration kAsk = 39ns + kTurnaround + 17ns + kTurnaround;                    // enquiry and answer
 constexpr Duration kTurn = kAsk + 1183ns + kTurnaround + 17ns + kTurnaround + kPass;  // with 100 bytes
 
 TEST(Arcnet, PacketsAreAsLongAsTheStandardSays) {
@@ -56,8 +56,8 @@ TEST(Arcnet, InterruptGoesBeforeItsOwnNodesDataButNeedsTheToken) {
 }
 
 TEST(Arcnet, PriorityCountsWithinANodeOnly) {
-  const auto at = deliveries(
-      Arcnet(), gigabit(4), {data(0ns, 0, 2, 100, 3), data(0ns, 0, 2, 100, 1), data(0ns, 1, 2, 100, 0)});
+  const auto at =
+      deliveries(Arcnet(), gigabit(4), {data(0ns, 0, 2, 100, 3), data(0ns, 0, 2, 100, 1), data(0ns, 1, 2, 100, 0)});
   EXPECT_LT(at[1], at[2]);
   EXPECT_LT(at[2], at[0]);
 }

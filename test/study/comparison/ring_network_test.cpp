@@ -37,8 +37,8 @@ TEST(RingNetwork, InterruptIsEmbedded) {
 }
 
 TEST(RingNetwork, HigherPriorityOvertakesInItsNode) {
-  const auto at = deliveries(
-      RingNetwork(), kMedium, {data(0ns, 0, 1, 512, 3), data(1ns, 0, 1, 512, 3), data(2ns, 0, 1, 512, 0)});
+  const auto at =
+      deliveries(RingNetwork(), kMedium, {data(0ns, 0, 1, 512, 3), data(1ns, 0, 1, 512, 3), data(2ns, 0, 1, 512, 0)});
   EXPECT_LT(at[0], at[2]);
   EXPECT_LT(at[2], at[1]);
 }

@@ -68,7 +68,7 @@ void run_gnuplot(const std::string& gnuplot, const std::string& folder, const st
   const std::string where = "gnuplot failed on " + folder + "/" + script + ": ";
   if (!status) throw std::runtime_error(where + "no end after " + std::to_string(limit.count()) + " ms");
   if (const int error = exec_error(child)) throw std::runtime_error(where + std::strerror(error));
-  if (*status != 0) throw std::runtime_error(where + last_words(output.get()) );
+  if (*status != 0) throw std::runtime_error(where + last_words(output.get()));
 }
 
 }  // namespace limb_ring::ring_sim

@@ -33,8 +33,8 @@ set linetype 9 linecolor rgb '#BBBBBB' linewidth 1 dashtype 1
 std::string script_of(const Picture& picture) {
   const auto terminal = [&picture](const char* name, const char* extension) {
     return std::string("set terminal ") + name +
-           " size 900,600 noenhanced font 'sans-serif,13' background rgb 'white'\n" +
-           "set output '" + picture.name + "." + extension + "'\n";
+           " size 900,600 noenhanced font 'sans-serif,13' background rgb 'white'\n" + "set output '" + picture.name +
+           "." + extension + "'\n";
   };
   return "# Draws " + picture.name + ".png and .svg: gnuplot " + picture.name + ".gp, in this folder.\n" + kStyle +
          terminal("pngcairo", "png") + picture.script + terminal("svg", "svg") + "replot\n";

@@ -53,8 +53,8 @@ Picture plot_round_trips(const PlotInput& input) {
   const std::string what = "Round trips of " + std::to_string(all.count()) + " packets under random load of " +
                            app::number(100 * load, 1) + " % of R, worst " +
                            app::number(study::microseconds(all.max()), 3) + " us";
-  out.script = title(what, figures_of(input.options)) + "bound = " + us(bound) + "\n" +
-               "one = " + percent(1, all) + "\n" + kPlot;
+  out.script = title(what, figures_of(input.options)) + "bound = " + us(bound) + "\n" + "one = " + percent(1, all) +
+               "\n" + kPlot;
   return out;
 }
 

@@ -62,8 +62,8 @@ void put(std::vector<Column>& columns, const char* kind, unsigned row, const Pas
 
 std::string csv(const study::Timeline& timeline, const study::Medium& medium) {
   std::vector<Column> columns;
-  for (const char* name : {"packet", "row", "source", "hop", "header_arrives_us", "tail_arrives_us",
-                           "header_leaves_us", "tail_leaves_us"})
+  for (const char* name :
+       {"packet", "row", "source", "hop", "header_arrives_us", "tail_arrives_us", "header_leaves_us", "tail_leaves_us"})
     columns.push_back({name, {}});
   for (const Passing& passing : timeline.ours) put(columns, "ours", passing.hop, passing);
   for (const Passing& passing : timeline.in_front)

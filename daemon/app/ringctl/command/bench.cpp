@@ -41,8 +41,10 @@ int run(Options& options) {
   };
   const live::PrivateFolder folder;
   const bench::Report report = bench::run_suite(options.setup, folder);
-  if (options.json) std::cout << bench::to_json(report).dump(2) << '\n';
-  else std::cout << bench::to_text(report);
+  if (options.json)
+    std::cout << bench::to_json(report).dump(2) << '\n';
+  else
+    std::cout << bench::to_text(report);
   return kDone;
 }
 
@@ -51,22 +53,18 @@ int run(Options& options) {
 void add_bench(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   bench::Setup& setup = options->setup;
-  CLI::App* command = add_command(
-      app, "bench", "Measure rings of our own beside a bare reference ring; takes about a minute");
-  command->add_option("--nodes", setup.nodes, "Nodes in each ring, 2 to 64; default 16")
-      ->transform(cli::whole(2, 64));
+  CLI::App* command =
+      add_command(app, "bench", "Measure rings of our own beside a bare reference ring; takes about a minute");
+  command->add_option("--nodes", setup.nodes, "Nodes in each ring, 2 to 64; default 16")->transform(cli::whole(2, 64));
   command->add_option("--payload", setup.payload, "Bytes of data in a packet, 4 to 512; default 512")
       ->transform(cli::whole(4, 512));
   command->add_option("--seconds", setup.seconds, "Seconds per case, 0.1 to 60; default 2")
       ->transform(cli::seconds(0.1, 60.0));
-  command->add_option("--rounds", setup.rounds,
-                      "Reference and rings take turns so many times, 1 to 100; default 3")
+  command->add_option("--rounds", setup.rounds, "Reference and rings take turns so many times, 1 to 100; default 3")
       ->transform(cli::whole(1, 100));
   command->add_flag("--no-ros", options->no_ros, "Leave the chain of topic_tools/relay out");
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [options] { return run(*options); };
-  });
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 
 }  // namespace limb_ring::ringctl

@@ -19,9 +19,7 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* description) 
   return command;
 }
 
-void add_json(CLI::App& command, bool& json) {
-  command.add_flag("--json", json, "Print JSON, for programs");
-}
+void add_json(CLI::App& command, bool& json) { command.add_flag("--json", json, "Print JSON, for programs"); }
 
 namespace {
 

@@ -51,8 +51,8 @@ void signal_holders(const std::string& folder, int number) {
 /// @return true where every daemon has a socket and has said yes
 bool ask_to_end(const std::string& ring, std::size_t daemons) {
   const auto answers = ask_all(ring, nodes_with_sockets(ring), {{"do", "shutdown"}});
-  const auto agreed = std::count_if(answers.begin(), answers.end(),
-                                    [](const auto& answer) { return answer.has_value(); });
+  const auto agreed =
+      std::count_if(answers.begin(), answers.end(), [](const auto& answer) { return answer.has_value(); });
   return static_cast<std::size_t>(agreed) == daemons;
 }
 
@@ -91,12 +91,11 @@ int run(const std::string& name) {
 
 void add_down(CLI::App& app, Context& context) {
   auto ring = std::make_shared<std::string>();
-  CLI::App* command = add_command(
-      app, "down", "End a ring: ask its daemons to, then SIGTERM, then SIGKILL; tidy its folder");
+  CLI::App* command =
+      add_command(app, "down", "End a ring: ask its daemons to, then SIGTERM, then SIGKILL; tidy its folder");
   command->add_option("RING", *ring, "Its name; default: the only one running");
-  command->callback([&context, ring] {
-    context.action = [&context, ring] { return run(ring->empty() ? context.ring : *ring); };
-  });
+  command->callback(
+      [&context, ring] { context.action = [&context, ring] { return run(ring->empty() ? context.ring : *ring); }; });
 }
 
 }  // namespace limb_ring::ringctl

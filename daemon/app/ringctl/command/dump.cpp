@@ -141,8 +141,7 @@ void add_filter(CLI::App& command, FilterWords& words) {
 
 void add_options(CLI::App& command, Options& options) {
   command.add_option("NODE", options.nodes, "Nodes to look at, id or name, or all; default: the supervisor");
-  const std::map<std::string, Stamps> stamps{
-      {"a", Stamps::absolute}, {"d", Stamps::delta}, {"z", Stamps::zero}};
+  const std::map<std::string, Stamps> stamps{{"a", Stamps::absolute}, {"d", Stamps::delta}, {"z", Stamps::zero}};
   command.add_option("-t,--time", options.text.stamps, "Times: a absolute, d since the one before, z since the first")
       ->transform(cli::word_of(stamps));
   command.add_flag("-d,--decode", options.text.decode, "Hellos, beacons, joints, sensors and topics in words");

@@ -78,9 +78,12 @@ int list(const Context& context, const Options& options) {
   const auto faults = LiveFaults(ring.ring(), nodes_of(ring)).list();
   json all = json::array();
   for (const live::LiveFault& fault : faults) all.push_back(to_json(fault));
-  if (options.json) std::cout << json{{"ring", ring.ring()}, {"faults", all}}.dump(2) << '\n';
-  else if (faults.empty()) std::cout << "ring " << ring.ring() << " has no faults on purpose\n";
-  else std::cout << fault_table(faults);
+  if (options.json)
+    std::cout << json{{"ring", ring.ring()}, {"faults", all}}.dump(2) << '\n';
+  else if (faults.empty())
+    std::cout << "ring " << ring.ring() << " has no faults on purpose\n";
+  else
+    std::cout << fault_table(faults);
   return kDone;
 }
 
@@ -134,7 +137,8 @@ void add_keeping(CLI::App& faults, Context& context) {
   CLI::App* one = add_command(faults, "remove", "End one fault; answered when all is as before");
   one->add_option("ID", options->id, "Its id, as 'list' shows it")->required();
   one->callback([&context, options] { context.action = [&context, options] { return remove(context, *options); }; });
-  CLI::App* every = add_command(faults, "clear", "End all faults: heal, thaw, resume, start what was killed; return when the ring is whole");
+  CLI::App* every = add_command(
+      faults, "clear", "End all faults: heal, thaw, resume, start what was killed; return when the ring is whole");
   every->add_option("--timeout", options->timeout_s, "How long it may take until it is whole, 0 to 600 s; default 20s")
       ->transform(cli::seconds(0, 600));
   every->callback([&context, options] { context.action = [&context, options] { return clear(context, *options); }; });

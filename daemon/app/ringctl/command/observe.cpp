@@ -59,14 +59,13 @@ void add_observe(CLI::App& app, Context& context) {
   CLI::App* command = add_command(
       app, "observe", "Print the events of a node, a line of JSON each, until interrupted; packets: 'ringctl dump'");
   command->add_option("NODE", options->node, "Node, id or name")->required();
-  command->add_option("--kinds", options->kinds, "Only these kinds of events, of: " + config::join(runtime::event_kinds()))
+  command
+      ->add_option("--kinds", options->kinds, "Only these kinds of events, of: " + config::join(runtime::event_kinds()))
       ->delimiter(',')
       ->transform(cli::one_of(runtime::event_kinds()));
   command->add_option("-n,--count", options->count, "End after so many lines; default 0: never")
       ->transform(cli::whole(0, 1000000000));
-  command->callback([&context, options] {
-    context.action = [&context, options] { return run(context, *options); };
-  });
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

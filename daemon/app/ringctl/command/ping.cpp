@@ -23,9 +23,7 @@ struct Options {
   bool flood = false, quiet = false, json = false;
 };
 
-std::chrono::nanoseconds nanoseconds(double seconds) {
-  return std::chrono::nanoseconds(std::llround(seconds * 1e9));
-}
+std::chrono::nanoseconds nanoseconds(double seconds) { return std::chrono::nanoseconds(std::llround(seconds * 1e9)); }
 
 PingOrder order_of(const RingAccess& ring, const Options& options) {
   PingOrder order;
@@ -51,8 +49,10 @@ int run(const Context& context, const Options& options) {
   const PingTotals totals = PingRun(port, order, [&](std::uint64_t sequence, const Result& result) {
                               if (lines) std::cout << ping_line(order, sequence, result) << std::endl;
                             }).run();
-  if (options.json) std::cout << ping_json(order, totals).dump(2) << '\n';
-  else std::cout << (lines ? "\n" : "") << ping_text(order, totals);
+  if (options.json)
+    std::cout << ping_json(order, totals).dump(2) << '\n';
+  else
+    std::cout << (lines ? "\n" : "") << ping_text(order, totals);
   const bool all = order.count == 0 || totals.sent == order.count;
   return all && totals.with(Outcome::delivered) == totals.results.size() && !totals.results.empty() ? kDone : kNotDone;
 }
@@ -62,9 +62,10 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--from", options.from, "Node that sends, id or name; default: the first that answers");
   command.add_option("-c,--count", options.count, "End after so many, 1 to 1000000; default: at Ctrl-C (--json: 10)")
       ->transform(cli::whole(1, 1000000));
-  CLI::Option* interval =
-      command.add_option("-i,--interval", options.interval_s, "Time between two, 0 to 3600 s, as 5ms or 0.2; default 1s, with --json 0")
-          ->transform(cli::seconds(0, 3600));
+  CLI::Option* interval = command
+                              .add_option("-i,--interval", options.interval_s,
+                                          "Time between two, 0 to 3600 s, as 5ms or 0.2; default 1s, with --json 0")
+                              ->transform(cli::seconds(0, 3600));
   command.add_flag("-f,--flood", options.flood, "No time between: as one returns, the next")->excludes(interval);
   command.add_flag("-q,--quiet", options.quiet, "Only the statistics at the end");
   command.add_option("-s,--size", options.size, "Bytes in each, 1 to 512; default 512")->transform(cli::whole(1, 512));
@@ -78,12 +79,11 @@ void add_options(CLI::App& command, Options& options) {
 void add_ping(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(
-      app, "ping", "Send packets, a line for each, until Ctrl-C; times are the daemon's: first byte out to matched return");
+      app, "ping",
+      "Send packets, a line for each, until Ctrl-C; times are the daemon's: first byte out to matched return");
   add_options(*command, *options);
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [&context, options] { return run(context, *options); };
-  });
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

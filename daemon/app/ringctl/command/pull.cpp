@@ -27,16 +27,14 @@ int run(const Context& context, const Options& options) {
 
 void add_pull(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(
-      app, "pull", "Pull an interrupt input of a node, as a button or watchdog wired to it would");
+  CLI::App* command =
+      add_command(app, "pull", "Pull an interrupt input of a node, as a button or watchdog wired to it would");
   command->add_option("NODE", options->node, "Node, id or name")->required();
   command->add_option("INPUT", options->input, "0 to 7; where it leads, the configuration says")
       ->required()
       ->transform(cli::whole(0, 7));
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [&context, options] { return run(context, *options); };
-  });
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

@@ -82,8 +82,10 @@ class Replay {
   void put(const ReplaySend& send) {
     HostPort& port = ports_.at(send.source);
     ++sent_;
-    if (send.interrupt) port.interrupt(send.destination, send.last);
-    else port.send(send.destination, send.data, wire::priority_of(send.last), wire::channel_of(send.last));
+    if (send.interrupt)
+      port.interrupt(send.destination, send.last);
+    else
+      port.send(send.destination, send.data, wire::priority_of(send.last), wire::channel_of(send.last));
   }
 
   void take_results(milliseconds patience) {
@@ -136,8 +138,8 @@ void print_text(const nlohmann::json& report) {
   for (const auto& [outcome, count] : report["outcomes"].items()) std::cout << ", " << outcome << ' ' << count;
   if (report["unanswered"] != 0) std::cout << ", without a result " << report["unanswered"];
   const nlohmann::json& left = report["left_out"];
-  std::cout << "\nleft out of the file: " << left["control"] << " hellos and beacons, " << left["broken"]
-            << " broken, " << left["repeated"] << " repeated, " << left["on_other_lines"] << " seen on other lines\n";
+  std::cout << "\nleft out of the file: " << left["control"] << " hellos and beacons, " << left["broken"] << " broken, "
+            << left["repeated"] << " repeated, " << left["on_other_lines"] << " seen on other lines\n";
 }
 
 int run(const Context& context, const Options& options) {
@@ -149,8 +151,10 @@ int run(const Context& context, const Options& options) {
   for (unsigned i = 0; i < options.loop && go_on; ++i) go_on = replay.run(options.speed, signals);
   replay.wait_for_results(signals);
   const nlohmann::json report = report_of(replay, plan);
-  if (options.json) std::cout << report.dump(2) << '\n';
-  else print_text(report);
+  if (options.json)
+    std::cout << report.dump(2) << '\n';
+  else
+    print_text(report);
   const bool all = report["outcomes"].value("delivered", std::uint64_t{0}) == plan.sends.size() * options.loop;
   return all ? kDone : kNotDone;
 }
@@ -159,12 +163,14 @@ int run(const Context& context, const Options& options) {
 
 void add_replay(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(app, "replay", "Send the data packets and interrupts of a capture again, each from "
-                                                 "its source, in their time");
+  CLI::App* command = add_command(app, "replay",
+                                  "Send the data packets and interrupts of a capture again, each from "
+                                  "its source, in their time");
   command->add_option("FILE", options->file, "pcapng, of 'ringctl dump -w' or 'ring_sim run --capture'")->required();
   command->add_option("--speed", options->speed, "So many times as fast, 0.001 to 1000; default 1")
       ->transform(cli::real(0.001, 1000.0));
-  command->add_option("--loop", options->loop, "So many times, 1 to 1000000; default 1")->transform(cli::whole(1, 1000000));
+  command->add_option("--loop", options->loop, "So many times, 1 to 1000000; default 1")
+      ->transform(cli::whole(1, 1000000));
   command->add_flag("--no-interrupts", options->no_interrupts, "Data packets alone: interrupts may reset CPUs again");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });

@@ -40,8 +40,10 @@ int run(const Context& context, const Options& options) {
     if (ring.connect(ring.source(options.from)).connected()) throw NotDone(problem.what());
     throw;
   }
-  if (options.json) std::cout << answer.dump(2) << '\n';
-  else std::cout << answer.value("message", "") << '\n';
+  if (options.json)
+    std::cout << answer.dump(2) << '\n';
+  else
+    std::cout << answer.value("message", "") << '\n';
   return code_of(answer);
 }
 
@@ -49,17 +51,15 @@ int run(const Context& context, const Options& options) {
 
 void add_reset(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(
-      app, "reset",
-      "Reset the CPU of a node by an interrupt, and wait until it has booted again");
+  CLI::App* command =
+      add_command(app, "reset", "Reset the CPU of a node by an interrupt, and wait until it has booted again");
   command->add_option("NODE", options->node, "Node, id or name")->required();
-  command->add_option("--from", options->from, "Node that sends; default: the first that answers, in an open ring the one that reaches all");
+  command->add_option("--from", options->from,
+                      "Node that sends; default: the first that answers, in an open ring the one that reaches all");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait, 0.1 to 600; default 3")
       ->transform(cli::seconds(0.1, 600.0));
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [&context, options] { return run(context, *options); };
-  });
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

@@ -21,7 +21,8 @@ struct Options {
   bool json = false;
 };
 
-/// Those that have joints, here and on other hosts, and all that say that a stop is latched; as the ROS service `resume`.
+/// Those that have joints, here and on other hosts, and all that say that a stop is latched; as the ROS service
+/// `resume`.
 std::vector<NodeName> meant(const RingAccess& ring, HostPort& port, const std::string& which) {
   if (which != "all") return {ring.node(which)};
   std::set<std::uint8_t> ids;
@@ -51,10 +52,12 @@ int run(const Context& context, const Options& options) {
       std::cout << node.name << ": " << to_text(results.back()) << '\n';
   }
   const int code = exit_code(results);
-  if (options.json) std::cout << nlohmann::json{{"nodes", list}}.dump(2) << '\n';
-  else if (code == kDone) std::cout << "resumed " << (results.size() == 1 ? list[0]["name"].get<std::string>()
-                                                                         : std::to_string(results.size()) + " nodes")
-                                    << '\n';
+  if (options.json)
+    std::cout << nlohmann::json{{"nodes", list}}.dump(2) << '\n';
+  else if (code == kDone)
+    std::cout << "resumed "
+              << (results.size() == 1 ? list[0]["name"].get<std::string>() : std::to_string(results.size()) + " nodes")
+              << '\n';
   return code;
 }
 
@@ -66,9 +69,7 @@ void add_resume(CLI::App& app, Context& context) {
   command->add_option("NODE", options->node, "Node, id or name, or all (default): those with joints or a latched stop");
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [&context, options] { return run(context, *options); };
-  });
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

@@ -31,8 +31,12 @@ struct Options {
 };
 
 app::Row row_of(const ScenarioRun& run) {
-  app::Row row{{"file", run.path}, {"scenario", run.name}, {"seed", run.seed}, {"met", !run.unmet.has_value()},
-               {"clock", run.live ? "live" : "virtual"}, {"lasted_ns", run.lasted.count()}};
+  app::Row row{{"file", run.path},
+               {"scenario", run.name},
+               {"seed", run.seed},
+               {"met", !run.unmet.has_value()},
+               {"clock", run.live ? "live" : "virtual"},
+               {"lasted_ns", run.lasted.count()}};
   row["expected"] = run.unmet ? app::Row(run.unmet->expected) : app::Row();
   row["seen"] = run.unmet ? app::Row(run.unmet->seen) : app::Row();
   for (const auto& line : run.log) row["log"].push_back({{"at_ns", line.at.count()}, {"what", line.words}});
@@ -65,7 +69,8 @@ void require_live(const Scenario& scenario, const std::string& transport) {
 
 void require_expectation(const Scenario& scenario) {
   if (expects_something(scenario)) return;
-  throw UsageError(scenario.path + ": nothing is expected, so nothing would be tested; add what has to be seen: a step " +
+  throw UsageError(scenario.path +
+                   ": nothing is expected, so nothing would be tested; add what has to be seen: a step " +
                    "with when and within, or always, or never (docs/scenarios.md)");
 }
 

@@ -62,8 +62,10 @@ int run(const Options& options) {
   std::vector<app::Row> rows;
   std::vector<NoScenario> others;
   for (const std::string& place : options.places) {
-    if (fs::is_directory(place)) add_folder(place, options.json, rows, others);
-    else rows.push_back(row_of(place, options.json));
+    if (fs::is_directory(place))
+      add_folder(place, options.json, rows, others);
+    else
+      rows.push_back(row_of(place, options.json));
   }
   std::cout << app::format_rows(rows, options.json ? app::Format::json : app::Format::text);
   if (options.json) std::cout << '\n';
@@ -78,9 +80,7 @@ void add_scenario_list(CLI::App& scenario, Context& context) {
   CLI::App* command = add_command(scenario, "list", "What scenarios are about, and where they can be run");
   command->add_option("PLACE", options->places, "Scenarios, or folders of them")->required();
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [options] { return run(*options); };
-  });
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 
 }  // namespace limb_ring::ringctl

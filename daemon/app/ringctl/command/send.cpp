@@ -37,8 +37,7 @@ std::vector<std::uint8_t> data_of(const Options& options) {
 std::vector<std::uint8_t> checked_data(const Options& options) {
   const std::vector<std::uint8_t> data = data_of(options);
   if (!data.empty() && data.size() <= kMaxPayload) return data;
-  throw UsageError(std::to_string(data.size()) + " bytes of data; a packet holds 1 to " +
-                   std::to_string(kMaxPayload));
+  throw UsageError(std::to_string(data.size()) + " bytes of data; a packet holds 1 to " + std::to_string(kMaxPayload));
 }
 
 int run(const Context& context, const Options& options) {
@@ -47,8 +46,7 @@ int run(const Context& context, const Options& options) {
   const std::uint8_t to = ring.destination(options.to);
   HostPort port = ring.connect(ring.node(options.from));
   const auto send = [&] {
-    return port.send(to, data, static_cast<std::uint8_t>(options.priority),
-                     static_cast<std::uint8_t>(options.channel));
+    return port.send(to, data, static_cast<std::uint8_t>(options.priority), static_cast<std::uint8_t>(options.channel));
   };
   const std::chrono::nanoseconds interval(std::llround(options.interval_s * 1e9));
   const auto results = send_and_explain(port, ring, to, options.count, send, interval);
@@ -58,8 +56,7 @@ int run(const Context& context, const Options& options) {
 
 void add_data_options(CLI::App& command, Options& options) {
   CLI::App& data = *command.add_option_group("data", "What to send, one of:");
-  data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")
-      ->transform(cli::whole(1, 512));
+  data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")->transform(cli::whole(1, 512));
   data.add_option("--data", options.text, "This text, 1 to 512 bytes");
   data.add_option("--hex", options.hex, "These bytes, two hexadecimal digits each");
   data.require_option(1);
@@ -72,20 +69,18 @@ void add_send(CLI::App& app, Context& context) {
   CLI::App* command = add_command(app, "send", "Send data packets, and say how they ended");
   command->add_option("--from", options->from, "Node that sends, id or name")->required();
   command->add_option("--to", options->to, "Node to send to, id or name, or all")->required();
-  command->add_option("--priority", options->priority, "0 (highest) to 3; default 2")
-      ->transform(cli::whole(0, 3));
+  command->add_option("--priority", options->priority, "0 (highest) to 3; default 2")->transform(cli::whole(0, 3));
   command->add_option("--channel", options->channel, "0 (user, default), 2 to 63; joint is 2, topic is 3")
       ->transform(channel(/*control=*/false));
   command->add_option("-c,--count", options->count, "How many, 1 to 1000000; default 1")
       ->transform(cli::whole(1, 1000000));
-  command->add_option("-i,--interval", options->interval_s,
-                      "Time between two, 0 to 3600 s, as 5ms or 0.2; default 0: as fast as they end")
+  command
+      ->add_option("-i,--interval", options->interval_s,
+                   "Time between two, 0 to 3600 s, as 5ms or 0.2; default 0: as fast as they end")
       ->transform(cli::seconds(0, 3600));
   add_data_options(*command, *options);
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [&context, options] { return run(context, *options); };
-  });
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

@@ -41,8 +41,10 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
 int run(const Context& context, const Options& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   const auto rows = status_rows(ring);
-  if (options.json) print_json(ring, rows);
-  else print_text(ring, rows, options.pids);
+  if (options.json)
+    print_json(ring, rows);
+  else
+    print_text(ring, rows, options.pids);
   return kDone;
 }
 

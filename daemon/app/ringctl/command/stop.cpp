@@ -50,8 +50,10 @@ int run(const Context& context, const Options& options) {
   nlohmann::json answer = ask(port, request, std::chrono::seconds(10));
   const auto stops = ask::wait_for_stops(ring.ring(), nodes, sent);
   answer["nodes"] = to_json(stops);
-  if (options.json) std::cout << answer.dump(2) << '\n';
-  else std::cout << text_of(answer, stops);
+  if (options.json)
+    std::cout << answer.dump(2) << '\n';
+  else
+    std::cout << text_of(answer, stops);
   return code_of(answer.at("outcome").get<std::string>(), stops);
 }
 
@@ -64,9 +66,7 @@ void add_stop(CLI::App& app, Context& context) {
   command->add_option("NODE", options->node, "Node, id or name, or all (default)");
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [&context, options] { return run(context, *options); };
-  });
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

@@ -35,8 +35,8 @@ std::size_t index_of(const RingAccess& ring, std::uint8_t id) {
 }
 
 /// What this node latched since `before`, on a sync of `source`.
-std::optional<std::int64_t> new_latch(const std::optional<json>& before,
-                                      const std::optional<json>& after, std::uint8_t source) {
+std::optional<std::int64_t> new_latch(const std::optional<json>& before, const std::optional<json>& after,
+                                      std::uint8_t source) {
   const auto count = [](const std::optional<json>& answer) {
     return answer ? answer->value("count", std::uint64_t{0}) : 0;
   };
@@ -56,8 +56,7 @@ Sync synchronize(const RingAccess& ring, const NodeName& from) {
   sync.round_trip_us = answer.value("round_trip_us", 0.0);
   sync.ring_size = answer.value("ring_size", 0u);
   std::vector<std::optional<std::int64_t>> latches;
-  for (std::size_t i = 0; i < after.size(); ++i)
-    latches.push_back(new_latch(before[i], after[i], from.id));
+  for (std::size_t i = 0; i < after.size(); ++i) latches.push_back(new_latch(before[i], after[i], from.id));
   latches[sync.source] = answer.at("clock_ns").get<std::int64_t>();
   sync.offsets = clock_offsets(latches, sync.source, sync.round_trip_us, sync.ring_size);
   return sync;
@@ -72,11 +71,10 @@ json row_json(const NodeName& node, const ClockOffset& offset) {
 
 void print_json(const RingAccess& ring, const Sync& sync) {
   json rows = json::array();
-  for (std::size_t i = 0; i < sync.offsets.size(); ++i)
-    rows.push_back(row_json(ring.nodes()[i], sync.offsets[i]));
-  const json all{{"ring", ring.ring()},           {"from", ring.nodes()[sync.source].id},
-                 {"outcome", sync.outcome},       {"round_trip_us", sync.round_trip_us},
-                 {"ring_size", sync.ring_size},   {"nodes", rows}};
+  for (std::size_t i = 0; i < sync.offsets.size(); ++i) rows.push_back(row_json(ring.nodes()[i], sync.offsets[i]));
+  const json all{{"ring", ring.ring()},         {"from", ring.nodes()[sync.source].id},
+                 {"outcome", sync.outcome},     {"round_trip_us", sync.round_trip_us},
+                 {"ring_size", sync.ring_size}, {"nodes", rows}};
   std::cout << all.dump(2) << '\n';
 }
 
@@ -84,8 +82,8 @@ void print_text(const RingAccess& ring, const Sync& sync) {
   std::vector<std::vector<std::string>> table{{"id", "name", "hops", "offset us"}};
   for (std::size_t i = 0; i < sync.offsets.size(); ++i) {
     const auto& [hops, offset] = sync.offsets[i];
-    table.push_back({std::to_string(ring.nodes()[i].id), ring.nodes()[i].name,
-                     offset ? std::to_string(hops) : "-", offset ? app::number(*offset) : "-"});
+    table.push_back({std::to_string(ring.nodes()[i].id), ring.nodes()[i].name, offset ? std::to_string(hops) : "-",
+                     offset ? app::number(*offset) : "-"});
   }
   std::cout << "sync " << sync.outcome << ", round trip " << app::number(sync.round_trip_us) << " us\n"
             << app::text_table(table);
@@ -100,8 +98,10 @@ bool all_latched(const Sync& sync) {
 int run(const Context& context, const Options& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const Sync sync = synchronize(ring, ring.source(options.from));
-  if (options.json) print_json(ring, sync);
-  else print_text(ring, sync);
+  if (options.json)
+    print_json(ring, sync);
+  else
+    print_text(ring, sync);
   return all_latched(sync) ? kDone : kNotDone;
 }
 
@@ -109,18 +109,16 @@ int run(const Context& context, const Options& options) {
 
 void add_sync(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(
-      app, "sync",
-      "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off.\n"
-      "The offset of a node h hops downstream of the source is its latch time, less the\n"
-      "source's, less h * round trip / ring size. Nodes on one host share a clock: what is\n"
-      "printed for them is how unevenly the interrupt travelled. Not done (exit code 1) where a\n"
-      "node did not latch: it is down, or has no pin wired to sync.");
+  CLI::App* command =
+      add_command(app, "sync",
+                  "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off.\n"
+                  "The offset of a node h hops downstream of the source is its latch time, less the\n"
+                  "source's, less h * round trip / ring size. Nodes on one host share a clock: what is\n"
+                  "printed for them is how unevenly the interrupt travelled. Not done (exit code 1) where a\n"
+                  "node did not latch: it is down, or has no pin wired to sync.");
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);
-  command->callback([&context, options] {
-    context.action = [&context, options] { return run(context, *options); };
-  });
+  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
 
 }  // namespace limb_ring::ringctl

@@ -101,7 +101,8 @@ TopLook look() {
 
 std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
                   const TopLook& look) {
-  return top_table(headline(ring.ring(), now.rows), rows, look, line_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
+  return top_table(headline(ring.ring(), now.rows), rows, look,
+                   line_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
 }
 
 int once(const RingAccess& ring, const Options& options) {
@@ -111,8 +112,10 @@ int once(const RingAccess& ring, const Options& options) {
   if (!wait(options, nullptr, signals)) return kNotDone;
   const StatusSample now = poll.sample();
   const auto rows = top_rows(before, now);
-  if (options.json) std::cout << nlohmann::json{{"ring", ring.ring()}, {"nodes", rows}}.dump(2) << '\n';
-  else std::cout << shown(ring, now, rows, look());
+  if (options.json)
+    std::cout << nlohmann::json{{"ring", ring.ring()}, {"nodes", rows}}.dump(2) << '\n';
+  else
+    std::cout << shown(ring, now, rows, look());
   return kDone;
 }
 

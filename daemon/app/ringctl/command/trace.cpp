@@ -45,7 +45,8 @@ nanoseconds instant_of(const std::string& text, nanoseconds first) {
   const auto whole = config::parse_integer(text.substr(0, point));
   const auto parts = config::parse_integer(decimals);
   if (!whole || !parts || *whole < 0 || *whole > kLatest || *parts < 0 || decimals.size() != kDecimals)
-    throw UsageError("--at " + text + ": not a time; one is 12.5ms since the first packet, or 1763757352.123456789 as "
+    throw UsageError("--at " + text +
+                     ": not a time; one is 12.5ms since the first packet, or 1763757352.123456789 as "
                      "'ringctl dump' prints it");
   return std::chrono::seconds(*whole) + nanoseconds(*parts);
 }
@@ -89,8 +90,10 @@ void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips
   for (std::size_t i = 0; i < trips.size(); ++i) {
     const capture::PacketTrace trace = ring.trace(trips[i]);
     if (i == 0 && !options.svg.empty()) write_picture(options, trace, seen.names);
-    if (options.json) std::cout << trace_json(trace, seen.names) << '\n';
-    else std::cout << (i == 0 ? "" : "\n") << trace_text(trace, seen.names);
+    if (options.json)
+      std::cout << trace_json(trace, seen.names) << '\n';
+    else
+      std::cout << (i == 0 ? "" : "\n") << trace_text(trace, seen.names);
   }
   std::cout << std::flush;
 }
@@ -104,7 +107,8 @@ int run(const Context& context, const Options& options) {
   const bool any = !seen.packets.empty();
   const capture::TracedRing ring(std::move(seen.packets));
   if (any && !ring.outputs_seen())
-    throw UsageError(options.file + ": what packets waited for shows only where they go out too; 'ringctl dump all "
+    throw UsageError(options.file +
+                     ": what packets waited for shows only where they go out too; 'ringctl dump all "
                      "--at in,out -w FILE' captures that, or --capture FILE --outputs under the virtual clock");
   std::vector<std::size_t> trips = choose_trips(ring, choice);
   if (trips.empty()) throw NotDone("no such packet among " + std::to_string(ring.trips()) + " that were seen");
@@ -122,8 +126,10 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--for", options.how_long, "With --live: how long; default 5s");
   command.add_option("--over", options.over, "Only round trips above that, as 200us; all, unless -n is given");
   command.add_option("--source", options.source, "Only packets of that node, id or name");
-  command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")->transform(cli::whole(0, 7));
-  command.add_option("--at", options.at, "Only those on their way then: 12.5ms since the first packet, or as dump -t a");
+  command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")
+      ->transform(cli::whole(0, 7));
+  command.add_option("--at", options.at,
+                     "Only those on their way then: 12.5ms since the first packet, or as dump -t a");
   command.add_option("-n,--count", options.count, "At most so many, the slowest first; default 1; 0: all");
   command.add_option("--svg", options.svg, "Draw the first of them there");
   add_json(command, options.json);
@@ -133,8 +139,8 @@ void add_options(CLI::App& command, Options& options) {
 
 void add_trace(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(
-      app, "trace", "Why was it late: the path of the slowest packet, hop by hop, and what it waited for");
+  CLI::App* command =
+      add_command(app, "trace", "Why was it late: the path of the slowest packet, hop by hop, and what it waited for");
   add_options(*command, *options);
   command->callback([&context, command, options] {
     if (!options->over.empty() && command->count("--count") == 0) options->count = 0;

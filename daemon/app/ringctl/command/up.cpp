@@ -31,7 +31,6 @@ struct Options {
   bool detach = false;
   bool respawn = false;
   double timeout_s = 10;
-
 };
 
 void require_not_running(const std::string& ring) {
@@ -58,8 +57,7 @@ std::string wait_until_closed(const RingPlan& plan, live::LaunchedRing& daemons,
 }
 
 void announce(const RingPlan& plan) {
-  std::cout << "ring " << plan.ring << " is closed: " << plan.nodes.size() << " nodes up"
-            << std::endl;
+  std::cout << "ring " << plan.ring << " is closed: " << plan.nodes.size() << " nodes up" << std::endl;
 }
 
 void tell_ended(live::LaunchedRing& daemons) {
@@ -170,23 +168,24 @@ int run(const Options& options) {
 void add_up(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   UpRequest& request = options->request;
-  CLI::App* command = add_command(
-      app, "up", "Start a ring, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
+  CLI::App* command =
+      add_command(app, "up", "Start a ring, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
   command->add_option("CONFIG", request.config, "YAML file of the ring");
-  command->add_option("--nodes", request.nodes,
-                      "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
+  command
+      ->add_option("--nodes", request.nodes,
+                   "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
       ->transform(cli::whole(2, 255));
   command->add_option("--transport", request.transport, "unix or udp, whatever CONFIG says")
       ->transform(cli::one_of({"unix", "udp"}));
   command->add_flag("--detach", options->detach,
                     "Return when the ring is closed; its daemons go on, each with a log file "
                     "NODE.log in the ring's folder");
-  command->add_flag("--respawn", options->respawn,
-                    "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
-                    "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files")
+  command
+      ->add_flag("--respawn", options->respawn,
+                 "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
+                 "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files")
       ->excludes("--detach");
-  command->add_option("--timeout", options->timeout_s,
-                      "Seconds until the ring must be closed, 0.1 to 600; default 10")
+  command->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
       ->transform(cli::seconds(0.1, 600.0));
   command->callback([&context, options] {
     options->request.ring = context.ring;

@@ -22,8 +22,10 @@ Lack lack_of(const Options& options) {
   if (!options.state.empty())
     return [options](const auto& rows) { return lack_of_state(rows, options.what, options.state); };
   if (options.what != "up")
-    throw UsageError("'ringctl wait up' waits for the whole ring, 'ringctl wait NODE STATE' for one node: for which "
-                     "state of " + options.what + "? " + config::join(state_words()));
+    throw UsageError(
+        "'ringctl wait up' waits for the whole ring, 'ringctl wait NODE STATE' for one node: for which "
+        "state of " +
+        options.what + "? " + config::join(state_words()));
   return lack_of_whole;
 }
 
@@ -38,11 +40,16 @@ int run(const Context& context, const Options& options) {
 
 void add_wait(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_command(app, "wait", "Return when the ring is whole (wait up), or a node is so (wait NODE STATE)");
-  command->add_option("WHAT", options->what, "up: all nodes are, and the CPUs that ringd starts run; or a node, id or name")
+  CLI::App* command =
+      add_command(app, "wait", "Return when the ring is whole (wait up), or a node is so (wait NODE STATE)");
+  command
+      ->add_option("WHAT", options->what,
+                   "up: all nodes are, and the CPUs that ringd starts run; or a node, id or name")
       ->required();
-  command->add_option("STATE", options->state, "Of that node or its CPU, in the words of 'ringctl status': up, down, "
-                                               "open_chain ...; running, hung, stopped, failed ...")
+  command
+      ->add_option("STATE", options->state,
+                   "Of that node or its CPU, in the words of 'ringctl status': up, down, "
+                   "open_chain ...; running, hung, stopped, failed ...")
       ->transform(cli::one_of(state_words()));
   command->add_option("--timeout", options->timeout_s, "Exit code 1 after that time, 0 to 3600 s; default 10s")
       ->transform(cli::seconds(0, 3600));

@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 namespace {
 
 constexpr milliseconds kGrace{3000};
-constexpr milliseconds kTick{20};       ///< signals are looked at so often
+constexpr milliseconds kTick{20};         ///< signals are looked at so often
 constexpr milliseconds kPatience{10000};  ///< with a daemon that runs; machines are busy
 
 /// Waits until the process is so; what it ended with is left to whoever reaps it.
@@ -40,8 +40,7 @@ void LiveNodes::start(std::size_t place) {
   if (nodes_[place].daemons) return;
   RingPlan one = plan_;
   one.nodes = {plan_.nodes[place]};
-  nodes_[place].daemons =
-      std::make_unique<live::LaunchedRing>(launch_request(one, process::Lifetime::killed, true));
+  nodes_[place].daemons = std::make_unique<live::LaunchedRing>(launch_request(one, process::Lifetime::killed, true));
 }
 
 void LiveNodes::kill(std::size_t place) {
@@ -100,8 +99,10 @@ bool LiveNodes::ask_for_rows() {
   for (std::size_t place = 0; place < nodes_.size(); ++place) {
     Node& node = nodes_[place];
     if (!node.port && running(place)) connect(place);
-    if (!running(place) || !node.port) node.row.reset();
-    else node.asked = node.port->request(json{{"do", "status"}}.dump());
+    if (!running(place) || !node.port)
+      node.row.reset();
+    else
+      node.asked = node.port->request(json{{"do", "status"}}.dump());
   }
   return std::any_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.asked.has_value(); });
 }

@@ -54,7 +54,8 @@ class LiveNodes {
   HostPort* port(std::size_t place) { return nodes_[place].port ? &*nodes_[place].port : nullptr; }
 
   /// Passes messages on until then, or until `done`. @return whether it was done. @throw Interrupted
-  bool pump(Clock::time_point until, const std::function<bool()>& done = [] { return false; });
+  bool pump(
+      Clock::time_point until, const std::function<bool()>& done = [] { return false; });
   /// Its answer, while all else goes on. @throw NotDone with what it says is wrong, or where it does not answer
   nlohmann::json ask(std::size_t place, const nlohmann::json& request);
   /// Does not wait for the answer; where that is an error, a later poll() says so. @throw NotDone as ask()

@@ -35,8 +35,10 @@ void LiveSenders::begin(const Send& send) {
   const std::uint64_t count = send.count != 0 ? send.count : stream ? kNoEnd : 1;
   for (const auto from : send.from) {
     Job& job = jobs_.emplace_back(Job{send, from, mark_of(send.name), count, Clock::now()});
-    if (stream) job.due += send.every * (random_() % 1000) / 1000;
-    else while (job.left != 0) ask(job);
+    if (stream)
+      job.due += send.every * (random_() % 1000) / 1000;
+    else
+      while (job.left != 0) ask(job);
   }
 }
 

@@ -63,9 +63,9 @@ class LiveSenders {
   std::vector<bool> hung_;
   std::vector<std::string> names_;
   std::vector<scenario::Tally> tallies_;
-  std::deque<Job> jobs_;  ///< they stay where they are
-  std::map<std::pair<std::size_t, std::uint32_t>, Asked> asked_;                 ///< by source and token
-  std::map<std::pair<std::uint8_t, std::uint8_t>, std::uint8_t> of_interrupt_;   ///< by source's id and factor
+  std::deque<Job> jobs_;                                                        ///< they stay where they are
+  std::map<std::pair<std::size_t, std::uint32_t>, Asked> asked_;                ///< by source and token
+  std::map<std::pair<std::uint8_t, std::uint8_t>, std::uint8_t> of_interrupt_;  ///< by source's id and factor
 };
 
 }  // namespace limb_ring::ringctl

@@ -9,10 +9,10 @@
 namespace limb_ring::ringctl {
 
 using nlohmann::json;
-using std::chrono::milliseconds;
 using scenario::Fault;
 using scenario::Scenario;
 using scenario::Tally;
+using std::chrono::milliseconds;
 using wire::NodeId;
 
 namespace {
@@ -38,7 +38,11 @@ fault::RingNodes ring_nodes(const config::RingConfig& ring) {
 }  // namespace
 
 LiveStage::LiveStage(const Scenario& scenario, std::uint64_t seed, const RingPlan& plan, SignalWait& signals)
-    : scenario_(scenario), plan_(plan), nodes_(plan, signals), senders_(scenario, nodes_, seed), random_(seed),
+    : scenario_(scenario),
+      plan_(plan),
+      nodes_(plan, signals),
+      senders_(scenario, nodes_, seed),
+      random_(seed),
       first_rows_(plan.nodes.size()) {
   for (const PlannedNode& planned : plan.nodes)
     boards_.push_back(std::make_unique<scenario_cpu::TakenBoard>(plan.ring, planned.node.id));
@@ -151,8 +155,10 @@ LiveStage::Clock::time_point LiveStage::turn() {
       continue;
     }
     for (const NodeId id : std::exchange(fault.nodes, {})) {
-      if (fault.name == fault::Name::freeze) nodes_.thaw(id);
-      else senders_.set_hung(id, false);
+      if (fault.name == fault::Name::freeze)
+        nodes_.thaw(id);
+      else
+        senders_.set_hung(id, false);
     }
   }
   return next;
@@ -175,8 +181,10 @@ void LiveStage::do_it(const Fault& fault) {
   if (fault.name == fault::Name::power_cycle)
     for (const NodeId id : fault.nodes) nodes_.kill(id);
   for (const NodeId id : fault.nodes) {
-    if (of == fault::Of::node) apply_to_node(fault.name, id);
-    else apply_at_daemon(fault, id);
+    if (of == fault::Of::node)
+      apply_to_node(fault.name, id);
+    else
+      apply_at_daemon(fault, id);
   }
   const bool ours = fault.name == fault::Name::freeze || fault.name == fault::Name::hang;
   if (ours && fault.lasts.count() != 0) endings_.emplace_back(Clock::now() + fault.lasts, fault);
@@ -184,10 +192,15 @@ void LiveStage::do_it(const Fault& fault) {
 
 void LiveStage::apply_to_node(fault::Name name, std::size_t place) {
   switch (name) {
-    case fault::Name::freeze: return nodes_.freeze(place);
-    case fault::Name::thaw: return nodes_.thaw(place);
-    case fault::Name::kill: nodes_.kill(place); break;
-    default: nodes_.start(place);  // start, power_cycle
+    case fault::Name::freeze:
+      return nodes_.freeze(place);
+    case fault::Name::thaw:
+      return nodes_.thaw(place);
+    case fault::Name::kill:
+      nodes_.kill(place);
+      break;
+    default:
+      nodes_.start(place);  // start, power_cycle
   }
   senders_.set_hung(place, false);
 }
@@ -199,8 +212,10 @@ void LiveStage::apply_at_daemon(Fault fault, std::size_t place) {
   if (fault.name == Name::hang) senders_.set_hung(place, true);
   const json request{{"do", "fault"}, {"fault", fault::to_words(fault, ring_nodes(scenario_.ring))}};
   // Under the virtual clock too the scenario goes on while the CPU boots.
-  if (fault.name == Name::reset) nodes_.order(place, request);
-  else nodes_.ask(place, request);
+  if (fault.name == Name::reset)
+    nodes_.order(place, request);
+  else
+    nodes_.ask(place, request);
   if (fault.name == Name::resume || fault.name == Name::reset || fault.name == Name::crash)
     senders_.set_hung(place, false);
 }

@@ -58,10 +58,11 @@ class LiveStage final : public scenario::Stage {
   std::mt19937_64 random_;
   Clock::time_point start_{};
   std::vector<std::unique_ptr<scenario_cpu::TakenBoard>> boards_;
-  std::vector<std::optional<nlohmann::json>> first_rows_;  ///< at the start: what joining counted is not part of the scenario
+  std::vector<std::optional<nlohmann::json>>
+      first_rows_;  ///< at the start: what joining counted is not part of the scenario
   std::optional<Surprise> broken_;
   std::vector<std::pair<Clock::time_point, scenario::Fault>> endings_;  ///< of faults that last for a time
-  mutable scenario::Tally with_taken_;  ///< what tally() said last
+  mutable scenario::Tally with_taken_;                                  ///< what tally() said last
 };
 
 }  // namespace limb_ring::ringctl

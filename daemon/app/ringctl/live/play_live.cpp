@@ -51,7 +51,7 @@ void write(const YAML::Node& file, const std::string& path) {
 /// @param folder where its file is written
 /// @throw NotDone where scenario_cpu is not installed, or the file cannot be written
 RingPlan plan_scenario_ring(const scenario::Scenario& scenario, const std::string& folder,
-                         const std::string& transport) {
+                            const std::string& transport) {
   const config::RingConfig& ring = scenario.ring;
   YAML::Node file = ring.path.empty() ? plain_file(ring) : config::parse_yaml(config::read_file(ring.path), ring.path);
   for (auto node : file["nodes"]) node["cpu"] = story_cpu();
