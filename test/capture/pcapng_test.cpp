@@ -140,7 +140,7 @@ std::int64_t time_of_one(const std::string& file) { return std::get<CapturedPack
 TEST(Pcapng, TimesComeInAnyPowerOfTen) {
   EXPECT_EQ(time_of_one(file_of_time(1'763'757'352, 0)), 1'763'757'352'000'000'000);
   EXPECT_EQ(time_of_one(file_of_time(1'763'757'352'123'456, 6)), 1'763'757'352'123'456'000);
-  EXPECT_EQ(time_of_one(file_of_time(1'763'757'352'123'456'789'5, 10)), 1'763'757'352'123'456'789);
+  EXPECT_EQ(time_of_one(file_of_time(1'763'757'352'123'456'789'5u, 10)), 1'763'757'352'123'456'789);
 }
 
 TEST(Pcapng, ATimeBeyondNanosecondsOf64BitsIsRefused) {

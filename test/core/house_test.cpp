@@ -147,21 +147,23 @@ TEST(House, EveryFolderHasItsArrows) {
   for (const char* folder : {"daemon", "daemon/app"})
     for (const auto& entry : fs::directory_iterator(kSource / folder)) {
       const std::string part = entry.path().lexically_relative(kSource / "daemon");
-      if (entry.is_directory() && part != "app") EXPECT_EQ(kMayInclude.count(part), 1u) << part;
+      if (!entry.is_directory() || part == "app") continue;
+      EXPECT_EQ(kMayInclude.count(part), 1u) << part;
     }
 }
 
 TEST(House, EveryFolderHasItsTests) {
   for (const auto& entry : fs::directory_iterator(kSource / "daemon"))
-    if (entry.is_directory()) EXPECT_TRUE(fs::exists(kSource / "test" / entry.path().filename())) << entry.path();
+    EXPECT_TRUE(!entry.is_directory() || fs::exists(kSource / "test" / entry.path().filename())) << entry.path();
 }
 
 TEST(House, EveryFolderIsInContributing) {
   std::ifstream file(kSource / "CONTRIBUTING.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  for (const auto& entry : fs::directory_iterator(kSource / "daemon"))
-    if (entry.is_directory())
-      EXPECT_THAT(text, testing::HasSubstr("\n  " + entry.path().filename().string() + "/ ")) << entry.path();
+  for (const auto& entry : fs::directory_iterator(kSource / "daemon")) {
+    if (!entry.is_directory()) continue;
+    EXPECT_THAT(text, testing::HasSubstr("\n  " + entry.path().filename().string() + "/ ")) << entry.path();
+  }
 }
 
 TEST(House, MicroBenchmarksDriveTheCoreAndTheSimulationAlone) {

@@ -27,7 +27,7 @@ CapturedPacket seen(std::vector<std::uint8_t> bytes) {
 std::vector<std::uint8_t> data_packet(wire::Channel channel) {
   const std::uint8_t data[]{10, 20, 30};
   wire::DataPacket packet;
-  packet.code = {false, 1, 5};
+  packet.code = {false, 1, wire::Sequence{5}, {}};
   packet.hop = 2;
   packet.source = 3;
   packet.fbc = 9;

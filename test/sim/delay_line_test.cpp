@@ -40,7 +40,8 @@ TEST(DelayLine, KeepsTheOrderHoweverMuchIsUnderWay) {
   for (unsigned i = 0; i < 1000; ++i) {
     wire::SliceWriter slices = slice_of(0);
     line.put(Time(i * 1ns), 0, 1, i, false, slices);
-    if (i % 3 == 0) EXPECT_EQ(line.pop().epoch, given_out++);
+    if (i % 3 != 0) continue;
+    EXPECT_EQ(line.pop().epoch, given_out++);
   }
   while (!line.empty()) EXPECT_EQ(line.pop().epoch, given_out++);
   EXPECT_EQ(given_out, 1000u);

@@ -16,7 +16,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-class PlanCommand : public ringctl::OwnFolder {
+class PlanCommand : public test::OwnFolder {
  protected:
   static CliRun plan(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "plan");

@@ -56,14 +56,14 @@ TEST_F(Plan, TakesEachSourceFromTheLineOutOfItOrElseFromOne) {
 }
 
 TEST_F(Plan, LeavesControlBrokenAndRepeatedPacketsOut) {
-  const test::Bytes good = test::data_packet(0, 2, 8, 2, {false, 0, 5});
+  const test::Bytes good = test::data_packet(0, 2, 8, 2, {false, 0, wire::Sequence{5}, {}});
   test::Bytes bad = good;
   bad[5] ^= 1;
   seen(0, 0, 1, test::data_packet(0, wire::kBroadcast, 9, wire::pri_byte(wire::Priority{0}, wire::ChannelId{1})));
   seen(1, 0, 1, good);
-  seen(2, 0, 1, test::data_packet(0, 2, 8, 2, {false, 1, 5}));
+  seen(2, 0, 1, test::data_packet(0, 2, 8, 2, {false, 1, wire::Sequence{5}, {}}));
   seen(3, 0, 1, bad);
-  seen(4, 0, 1, test::data_packet(0, 2, 8, 2, {false, 1, 6}));  // its first try was not captured
+  seen(4, 0, 1, test::data_packet(0, 2, 8, 2, {false, 1, wire::Sequence{6}, {}}));  // its first try was not captured
   const ReplayPlan made = plan();
   EXPECT_EQ(made.sends.size(), 2u);
   EXPECT_EQ(made.control, 1u);

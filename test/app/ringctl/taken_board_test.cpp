@@ -5,7 +5,7 @@
 namespace limb_ring::scenario_cpu {
 namespace {
 
-using Board = ringctl::OwnFolder;
+using Board = test::OwnFolder;
 
 TEST_F(Board, ShowsEverybodyWhatACpuHasCounted) {
   TakenBoard cpu("r", 3), scenario("r", 3);
