@@ -12,7 +12,7 @@ namespace limb_ring::capture {
 /// has the same sequence and the next try number, and follows before its source sends another packet of its
 /// kind. What was refused is sent again for a second as a new packet: the same data to the same destination,
 /// with the next sequence. (ours) Where a ring's `timeouts.refused` is longer, what comes after that second
-/// counts as sent anew.
+/// counts as a new send.
 class EarlierTries {
  public:
   /// One try of a packet.

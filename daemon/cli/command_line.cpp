@@ -100,12 +100,16 @@ std::string name_in(const std::string& message) { return message.substr(0, messa
   throw WrongCommandLine(message + "; " + see_help(app));
 }
 
-/// As the usage line names it: "TO", not "--to", of an option that may stand alone.
+/// As the usage line names it: "TO", not "--to", of an option that may stand alone. A group of options is named as
+/// CLI11 does.
 [[noreturn]] void one_is_missing(const CLI::App& app, const std::string& message) {
-  std::string name = message.substr(0, message.find(' '));
-  for (const CLI::Option* option : options_of(app))
-    if (option->check_name(name) && !option->get_name(/*positional=*/true).empty()) name = option->get_name(true);
-  throw WrongCommandLine(name + " is required; " + see_help(app));
+  const std::string first = message.substr(0, message.find(' '));
+  for (const CLI::Option* option : options_of(app)) {
+    if (!option->check_name(first)) continue;
+    const std::string alone = option->get_name(/*positional=*/true);
+    throw WrongCommandLine((alone.empty() ? first : alone) + " is required; " + see_help(app));
+  }
+  throw WrongCommandLine(message + "; " + see_help(app));
 }
 
 [[noreturn]] void explain(const CLI::App& root, const CLI::ParseError& error) {

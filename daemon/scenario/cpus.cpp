@@ -42,7 +42,7 @@ void Cpus::hang(NodeId id) {
 void Cpus::resume(NodeId id) {
   cpus_[id].running = true;
   ++cpus_[id].epoch;
-  ++cpus_[id].life;
+  ++cpus_[id].generation;
   read(id, true);
   tell(id, wire::CpuState::running);
 }
@@ -66,7 +66,7 @@ void Cpus::read_one_and_wait(NodeId id, core::Duration period) {
 
 void Cpus::reset(NodeId id) {
   Cpu& cpu = cpus_[id];
-  ++cpu.life;
+  ++cpu.generation;
   cpu.running = false;
   read(id, true);
   ring_.reset_cpu(id);
@@ -86,7 +86,7 @@ void Cpus::boot(NodeId id) {
 
 void Cpus::crash(NodeId id) {
   Cpu& cpu = cpus_[id];
-  ++cpu.life;
+  ++cpu.generation;
   cpu.running = false;
   read(id, true);
   ring_.reset_cpu(id);

@@ -32,8 +32,8 @@ class Cpus {
   void took_packet(NodeId id) {
     if (cpus_[id].slow) ring_.cpu_reads[id] = false;
   }
-  /// It begins to babble and goes on while life() stays the same: until it is cured or restarted.
-  std::uint64_t life(NodeId id) const { return cpus_[id].life; }
+  /// It begins to babble and goes on while generation() stays the same: until it is cured or restarted.
+  std::uint64_t generation(NodeId id) const { return cpus_[id].generation; }
   /// As its reset pin does: everything for and from it is thrown away, and it boots.
   void reset(NodeId id);
   /// It has crashed, and all packets for and from it are gone. It is started again after the daemon's first back-off.
@@ -50,9 +50,9 @@ class Cpus {
     core::Time spoke_at{};  ///< last; of one that runs, when that began
     bool running = true;
     bool slow = false;
-    std::uint64_t epoch = 0;    ///< counts boots: the end of an earlier one does not count
-    std::uint64_t life = 0;     ///< a new one with each start and each cure
-    std::uint64_t reading = 0;  ///< counts changes of how it reads: steps of an earlier slowness do not count
+    std::uint64_t epoch = 0;       ///< counts boots: the end of an earlier one does not count
+    std::uint64_t generation = 0;  ///< a new one with each start and each cure
+    std::uint64_t reading = 0;     ///< counts changes of how it reads: steps of an earlier slowness do not count
   };
   void tell(NodeId id, wire::CpuState state);
   void boot(NodeId id);

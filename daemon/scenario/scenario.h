@@ -72,7 +72,7 @@ struct CpuIs {
 struct Located {
   NodeId before = 0, behind = 0;
 };
-/// A counter of core/counters.h, of one node's present life or of all nodes together.
+/// A counter of core/counters.h, of one node since its last start, or of all nodes together.
 struct Counted {
   std::string counter;
   Who of;  ///< one or all

@@ -48,7 +48,7 @@ void Senders::babble(NodeId from, core::Duration every) {
   send.to = wire::kBroadcast;
   send.size = wire::kMaxPayload;
   send.every = every.count() == 0 ? kBabblePeriod : std::chrono::duration_cast<nanoseconds>(every);
-  ask_and_go_on(jobs_.emplace_back(Job{send, from, index_of(send.name), UINT64_MAX, cpus_.life(from)}));
+  ask_and_go_on(jobs_.emplace_back(Job{send, from, index_of(send.name), UINT64_MAX, cpus_.generation(from)}));
 }
 
 void Senders::ask_and_go_on(Job& job) {

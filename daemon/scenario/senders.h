@@ -41,10 +41,10 @@ class Senders {
     NodeId from;
     std::size_t tally;
     std::uint64_t left;
-    std::optional<std::uint64_t> life{};  ///< of a babble: it ends with it
+    std::optional<std::uint64_t> generation{};  ///< of a babble: it ends with it
   };
 
-  bool over(const Job& job) const { return job.life && *job.life != cpus_.life(job.from); }
+  bool over(const Job& job) const { return job.generation && *job.generation != cpus_.generation(job.from); }
   std::size_t index_of(const std::string& name);
   void ask_and_go_on(Job& job);
   void ask(const Job& job);

@@ -25,7 +25,7 @@ class Sight {
   /// The last beacon of `of` that `by` has heard, its nodes as places; nothing where none. Of it no more is used
   /// than the CPU's state and boots, and the break.
   virtual std::optional<wire::Beacon> heard(NodeId by, NodeId of) const = 0;
-  /// By name, of core/counters.h; of the node's present life. 0 where it is dead.
+  /// By name, of core/counters.h; of the node since its last start. 0 where it is dead.
   virtual std::uint64_t counter(NodeId id, const std::string& name) const = 0;
   /// All zero where nothing of that name was sent yet.
   virtual const Tally& tally(const std::string& send) const = 0;

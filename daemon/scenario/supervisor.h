@@ -49,7 +49,7 @@ class Supervisor {
   const Cpus& cpus_;
   core::Duration beacon_;
   NodeId node_;
-  const core::Membership* membership_;  ///< of that node's present life, read without waking the node
+  const core::Membership* membership_;  ///< of that node since its last start, read without waking the node
   watchdog::Watchdog watchdog_;
   std::list<Reset> resets_;
 };

@@ -53,7 +53,7 @@ Ledger::Ledger(unsigned nodes, Complain complain)
       sources_(nodes),
       unread_(nodes),
       newest_(std::size_t{nodes} * nodes * 5),
-      interrupt_lives_(nodes) {}
+      interrupt_incarnations_(nodes) {}
 
 // ---- asked ----------------------------------------------------------------------------------
 
@@ -71,7 +71,7 @@ Sent& Ledger::add(NodeId source, std::uint32_t token, Time now) {
   Sent& sent = s.sent.back();
   sent.token = token;
   sent.source = source;
-  sent.source_life = s.life;
+  sent.source_incarnation = s.incarnation;
   sent.asked = now;
   return sent;
 }
@@ -180,11 +180,11 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
   }
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
     complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
-  const std::uint32_t life = sources_[node].life + (queue == 4 ? interrupt_lives_[node] : 0);
+  const std::uint32_t incarnation = sources_[node].incarnation + (queue == 4 ? interrupt_incarnations_[node] : 0);
   for (const Sent::Verdict& verdict : sent->verdicts)
-    if (verdict.taken && verdict.node == node && verdict.life == life)
+    if (verdict.taken && verdict.node == node && verdict.incarnation == incarnation)
       complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
-  sent->verdicts.push_back({node, life, true});
+  sent->verdicts.push_back({node, incarnation, true});
   check_order(*sent, node);
   if (queue == 4) return;
   ++sent->unread;
@@ -240,7 +240,7 @@ void Ledger::check_result(const Sent& sent) {
 void Ledger::finish(const std::vector<bool>& alive) {
   for (std::size_t node = 0; node < sources_.size(); ++node)
     for (const Sent& sent : sources_[node].sent)
-      if (alive[node] && sent.source_life == sources_[node].life && !sent.ended)
+      if (alive[node] && sent.source_incarnation == sources_[node].incarnation && !sent.ended)
         complain_(Promise::one_result, sent.name() + " never ended");
 }
 
@@ -271,7 +271,7 @@ void Ledger::flush(NodeId node) {
 }
 
 void Ledger::start(NodeId node) {
-  ++sources_[node].life;
+  ++sources_[node].incarnation;
   flush(node);
   const auto row = newest_.begin() + static_cast<std::ptrdiff_t>(std::size_t{node} * sources_.size() * 5);
   std::fill(row, row + static_cast<std::ptrdiff_t>(sources_.size() * 5), 0u);

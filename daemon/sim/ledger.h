@@ -17,7 +17,7 @@ struct Sent {
   /// What a node it was sent to has decided.
   struct Verdict {
     NodeId node;
-    std::uint32_t life;
+    std::uint32_t incarnation;
     bool taken;  ///< or refused
   };
   std::uint32_t token = 0;
@@ -26,7 +26,7 @@ struct Sent {
   std::uint8_t channel = 0;  ///< of an INTP its factor
   std::uint16_t size = 0;
   std::uint32_t checksum = 0;  ///< of the data
-  std::uint32_t source_life = 0;
+  std::uint32_t source_incarnation = 0;
   Time asked{};
   bool left = false;                 ///< it was on the line
   bool final = false;                ///< a matching return is in, which may not be told yet
@@ -89,7 +89,7 @@ class Ledger {
   /// `node` has restarted, with an empty memory.
   void start(NodeId node);
   /// The frozen node goes on, and may pull a pin for an INTP that was under way before.
-  void forgets_interrupts(NodeId node) { ++interrupt_lives_[node]; }
+  void forgets_interrupts(NodeId node) { ++interrupt_incarnations_[node]; }
   /// A line has released what it held back: of earlier sends a second copy may be under way.
   void line_let_go(Time now) { let_go_ = now; }
   /// Everything that living nodes were asked for must have ended.
@@ -117,7 +117,7 @@ class Ledger {
     std::array<std::deque<std::uint32_t>, 5> waiting;  ///< by queue, in the order of asking
     std::vector<Slot> on_line;                         ///< by kind, DID, sequence
     bool others_send = false;                          ///< packets left that were not asked for through the ring
-    std::uint32_t life = 0;
+    std::uint32_t incarnation = 0;
   };
 
   Sent* find(NodeId source, std::uint32_t token);
@@ -131,7 +131,7 @@ class Ledger {
   std::vector<Source> sources_;
   std::vector<std::array<std::deque<Unread>, 4>> unread_;  ///< by node and priority
   std::vector<std::uint32_t> newest_;                      ///< token, by node, source, queue
-  std::vector<std::uint32_t> interrupt_lives_;
+  std::vector<std::uint32_t> interrupt_incarnations_;
   Time let_go_{core::Duration{-1}};  ///< when a line last did
 };
 

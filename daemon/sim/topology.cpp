@@ -113,7 +113,7 @@ void VirtualRing::kill(NodeId id) {
 void VirtualRing::start(NodeId id) {
   if (alive(id)) return;
   Node& n = nodes_[id];
-  ++n.lives;
+  ++n.starts;
   make_node(id);
   n.controller->set_cpu_present(true);
   tell(id, Incident::started);

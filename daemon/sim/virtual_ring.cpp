@@ -47,7 +47,7 @@ core::Settings VirtualRing::settings_of(NodeId id) const {
   settings.order.clear();
   for (unsigned other = 0; other < options_.nodes; ++other) settings.order.push_back(static_cast<NodeId>(other));
   const std::uint64_t former = nodes_[id].controller ? nodes_[id].controller->membership().boot() : 3;
-  settings.boot = (nodes_[id].lives + 1) << 32 | std::uint64_t{id} << 24 | wire::incarnation_of(former + 1);
+  settings.boot = (nodes_[id].starts + 1) << 32 | std::uint64_t{id} << 24 | wire::incarnation_of(former + 1);
   settings.byte_time_in = settings.byte_time_out = options_.byte_time;
   settings.relay_delay = options_.relay_delay;
   settings.wired = {true, true, true, false, false, false, false, false};

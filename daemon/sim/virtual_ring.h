@@ -136,7 +136,7 @@ class VirtualRing {
     std::unique_ptr<Eye> eye;
     bool alive = false;
     std::array<Wire, 2> lines;
-    std::uint64_t lives = 0;
+    std::uint64_t starts = 0;
     std::uint32_t next_token = 1;
     std::size_t delay_line = 0;  ///< of the line into it
     NodeLog log;

@@ -9,12 +9,12 @@
 /// and 3.9)
 namespace limb_ring::wire {
 
-/// A node's first words after a start, or before its numbers begin anew: "forget what you remember of me".
+/// A node's first words after a start, or before its numbers start again at 0: "forget what you remember of me".
 ///
 ///   | type 1 | boot number 64 | remembers 8 |      10 bytes
 struct Hello {
   std::uint64_t boot = 0;  ///< never repeats for one node id
-  /// It begins its numbers anew and has forgotten nothing of the others, as they believe after a start.
+  /// Its numbers start again at 0, and it has forgotten nothing of the others, as they believe after a start.
   bool remembers = false;
 };
 constexpr std::size_t kHelloSize = 10;

@@ -36,7 +36,7 @@ class PowerCycle(Fault):
     kind = 'power cycle'
 
     def begin(self):
-        self.live.ring.lives[self.node] += 1
+        self.live.ring.starts[self.node] += 1
         self.live.watch.ask(self.node, {'do': 'fault', 'fault': 'power_cycle ' + self.live.ring.name_of(self.node)})
 
     def mend(self):

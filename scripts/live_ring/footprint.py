@@ -19,16 +19,16 @@ class Footprint:
 
     def __init__(self, ring, memory_margin_mb):
         self.ring, self.memory_margin_mb = ring, memory_margin_mb
-        self.first = {}      # (node, life): (fds, kB)
+        self.first = {}      # (node, incarnation): (fds, kB)
         self.grown_fds = self.grown_kb = 0
 
     def measure(self):
         """Measures new processes for the first time; says what has grown too much in the others."""
         problems = []
-        for node, life in self.ring.lives.items():
+        for node, incarnation in self.ring.starts.items():
             pid = self.ring.daemons[node].pid
             now = (descriptors(pid), memory_kb(pid))
-            fds, memory = self.first.setdefault((node, life), now)
+            fds, memory = self.first.setdefault((node, incarnation), now)
             self.grown_fds = max(self.grown_fds, now[0] - fds)
             self.grown_kb = max(self.grown_kb, now[1] - memory)
             if now[0] > fds + FD_MARGIN:

@@ -31,7 +31,7 @@ class LiveRing:
         self.name = 'live%d_%d' % (told.seed, os.getpid())
         self.config = self._write(child_command)
         self.daemons, self.ordered, self.frozen = {}, set(), set()
-        self.lives = {node: 0 for node in self.nodes}
+        self.starts = {node: 0 for node in self.nodes}
 
     def _write(self, child_command):
         nodes = plain_nodes(NODES)
@@ -67,7 +67,7 @@ class LiveRing:
         # In a session of its own: Ctrl-C is for the caller, who ends the ring.
         self.daemons[node] = self.launcher.ringd(self.config, node, start_new_session=True)
         self.ordered.discard(node)
-        self.lives[node] += 1
+        self.starts[node] += 1
 
     def kill(self, node):
         self.ordered.add(node)

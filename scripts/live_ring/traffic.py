@@ -14,18 +14,18 @@ INTERRUPTS_ONE_IN = 20
 
 
 class Send:
-    __slots__ = ('source', 'number', 'to', 'interrupt', 'asked_ns', 'life', 'outcome')
+    __slots__ = ('source', 'number', 'to', 'interrupt', 'asked_ns', 'incarnation', 'outcome')
 
-    def __init__(self, source, number, to, interrupt, life):
+    def __init__(self, source, number, to, interrupt, incarnation):
         self.source, self.number, self.to, self.interrupt = source, number, to, interrupt
-        self.asked_ns, self.life, self.outcome = time.time_ns(), life, None
+        self.asked_ns, self.incarnation, self.outcome = time.time_ns(), incarnation, None
 
 
 class Station:
     """The program at one node; where the CPU is ringd's child, a tool beside it."""
 
     def __init__(self, node, seed):
-        self.node, self.port, self.life, self.number = node, None, 0, 0
+        self.node, self.port, self.incarnation, self.number = node, None, 0, 0
         self.under_way, self.due = {}, 0.0
         self.chance = random.Random('%d %d' % (seed, node))
 
@@ -64,11 +64,11 @@ class Traffic:
         station.port = Port.open(self.loop, self.ring.socket_of(station.node), self.ring.name,
                                  lambda _, kind, value: self.handle(station, kind, value),
                                  lambda _: self.gone(station), role)
-        station.life += station.port is not None
+        station.incarnation += station.port is not None
 
     def gone(self, station):
         station.port = None
-        station.life += 1
+        station.incarnation += 1
         self.promises.connection_lost(station.node)
         for send in list(station.under_way.values()):
             self.end(send, 'cancelled')   # as the client library says by itself
@@ -87,8 +87,8 @@ class Traffic:
 
     def order(self, station, to, interrupt, say, *arguments):
         station.number += not interrupt
-        life = 0 if to == host_port.BROADCAST else self.stations[to].life
-        send = Send(station.node, station.number, to, interrupt, life)
+        incarnation = 0 if to == host_port.BROADCAST else self.stations[to].incarnation
+        send = Send(station.node, station.number, to, interrupt, incarnation)
         token = station.port.order(say, *arguments)
         if token:   # else it has not gone out: the daemon had ended
             station.under_way[token] = send
@@ -112,7 +112,7 @@ class Traffic:
         send.outcome = outcome
         self.results[outcome] += 1
         there = not send.interrupt and send.to != host_port.BROADCAST and self.is_cpu(send.to)
-        connected = there and self.stations[send.to].port and self.stations[send.to].life == send.life
+        connected = there and self.stations[send.to].port and self.stations[send.to].incarnation == send.incarnation
         self.promises.ended(send, outcome, connected)
 
     def read_files(self):

@@ -149,7 +149,7 @@ void Membership::begin_incarnation(Time now) {
   next_boot();
 }
 
-// Its packets say of which incarnation they are, and its sequence numbers begin anew.
+// Its packets say of which incarnation they are, and its sequence numbers start again at 0.
 void Membership::next_boot() {
   ++boot_;
   transmit_.restart_numbers(boot_);

@@ -187,7 +187,7 @@ class Membership {
   bool joined_ = false;
   bool hello_out_ = false;
   bool renumbering_ = false;    ///< that hello, out or to come, begins new numbers
-  bool merged_ = false;         ///< with another part of the ring: numbers begin anew
+  bool merged_ = false;         ///< with another part of the ring: numbers start again at 0
   unsigned doubled_signs_ = 0;  ///< since an own packet last came home
 
   struct {

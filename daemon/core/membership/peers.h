@@ -25,9 +25,9 @@ class Peers {
   /// @return true where the boot number is another than the one known (or the first)
   bool heard_hello(wire::NodeId node, std::uint8_t hop, const wire::Hello& hello, Time now) {
     Peer& peer = peers_[node];
-    const bool anew = !peer.known || peer.boot != hello.boot;
+    const bool is_new = !peer.known || peer.boot != hello.boot;
     hear(peer, hop, hello.boot, now);
-    return anew;
+    return is_new;
   }
 
   /// @return true where it says something new of CPU, links or break, or is the first

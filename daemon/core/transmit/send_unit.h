@@ -44,7 +44,7 @@ class SendUnit {
   /// twice. (ours, protocol.md section 4.10)
   void forgotten_by(NodeId peer, Time now);
 
-  /// Its sequence numbers begin anew, in the incarnation of that boot number.
+  /// Its sequence numbers start again at 0, in the incarnation of that boot number.
   void restart_numbers(std::uint64_t boot) { numbers_.restart(boot); }
   bool numbers_exhausted() const { return numbers_.exhausted(); }
 

@@ -129,7 +129,7 @@ bool Laps::set_interrupts(const std::vector<Interrupts>& interrupts) {
   for (Duration before{-1}; interrupts_ != before && interrupts_ < kNoRoom;) {
     before = interrupts_;
     std::int64_t count = 0;
-    for (const Interrupts& each : interrupts) count += (lap + before + each.life) / each.period + 1;
+    for (const Interrupts& each : interrupts) count += (lap + before + each.under_way) / each.period + 1;
     interrupts_ = slowest_line(kInterrupt) * count;
   }
   return interrupts_ < kNoRoom;

@@ -34,9 +34,9 @@ class Laps {
   Duration interrupt(NodeId source, NodeId to) const;
   Duration interrupt_ahead() const;
 
-  /// INTPs that come once in a period, and are on the ring or waiting for it for up to `life`.
+  /// INTPs that come once in a period, and are on the ring or waiting for it for up to `under_way`.
   struct Interrupts {
-    Duration period{0}, life{0};
+    Duration period{0}, under_way{0};
   };
   /// What the ring's INTPs take from its DATPs: without it, nothing.
   /// @return false where they leave no room for a DATP

@@ -24,7 +24,7 @@ class LiveStage final : public scenario::Stage {
   core::NodeState state(wire::NodeId id) const override;
   unsigned ring_size(wire::NodeId id) const override;
   std::optional<wire::Beacon> heard(wire::NodeId by, wire::NodeId of) const override;
-  /// Of its present life, from the start on.
+  /// Since its last start.
   std::uint64_t counter(wire::NodeId id, const std::string& name) const override;
   const scenario::Tally& tally(const std::string& send) const override;
   std::chrono::nanoseconds allowed(const scenario::Limit& limit) const override { return limit.live; }

@@ -8,8 +8,8 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using wire::SliceKind;
 
-/// A source whose try was repeated, and whose receiver has begun a new life in between.
-struct NewLifeOfTheReceiver : testing::Test {
+/// A source whose try was repeated, and whose receiver has begun a new incarnation in between.
+struct NewIncarnationOfTheReceiver : testing::Test {
   SoloNode solo;
   Bytes sent() { return solo.line().at(0).bytes; }
   void hello_of_2(std::uint64_t boot, std::uint8_t sequence) {
@@ -27,14 +27,14 @@ struct NewLifeOfTheReceiver : testing::Test {
   }
 };
 
-TEST_F(NewLifeOfTheReceiver, RepeatsNothingTheFormerMayHaveTaken) {
+TEST_F(NewIncarnationOfTheReceiver, RepeatsNothingTheFormerMayHaveTaken) {
   hello_of_2(8, 0);
   solo.run_for(1s);
   EXPECT_THAT(solo.line(), IsEmpty());
   EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::lost)));
 }
 
-TEST_F(NewLifeOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) {
+TEST_F(NewIncarnationOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) {
   solo.node().send(send_of(1, 2, 3, text("y")), solo.now());
   solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2, 0, 1}.with(text("x")), 0));
   EXPECT_EQ(solo.counters().refusals, 1u);
@@ -45,7 +45,7 @@ TEST_F(NewLifeOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) {
   EXPECT_EQ(solo.counters().sent_data, 1u + 2u + 1u) << "hello, two tries, and the next in the queue";
 }
 
-TEST_F(NewLifeOfTheReceiver, DeliversWhatComesHomeTaken) {
+TEST_F(NewIncarnationOfTheReceiver, DeliversWhatComesHomeTaken) {
   hello_of_2(8, 0);
   solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2, 0, 1}.with(text("x")), 5));
   EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::delivered)));
@@ -83,8 +83,8 @@ TEST_F(ExactlyOnceRing, PinIsPulledOnceUnderRetries) {
 }
 
 TEST_F(ExactlyOnceRing, SourceThatRestartsIsHeardAnew) {
-  for (int life = 0; life < 3; ++life) {
-    ring.send(0, 1, text("word " + std::to_string(life)));
+  for (int start = 0; start < 3; ++start) {
+    ring.send(0, 1, text("word " + std::to_string(start)));
     ring.run_for(1500ns);  // taken, not home yet
     ring.kill(0);
     ring.start(0);
@@ -100,7 +100,8 @@ TEST_F(ExactlyOnceRing, ReceiverThatRestartsDuringATryEndsItOneWay) {
   ring.kill(1);
   ring.start(1);
   EXPECT_EQ(outcome_of(ring, 0, token).outcome, Outcome::lost);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a"))) << "what a former life may have taken is not repeated";
+  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a")))
+      << "what a former incarnation may have taken is not repeated";
 }
 
 // Its neighbours restarted or it was frozen; its CPU is the one that took the first try.
