@@ -30,6 +30,23 @@ struct Retry : testing::Test {
   std::uint32_t token_ = 0;
 };
 
+TEST_F(Retry, OfACancelledSendDoesNotLeaveThoughItWaitsForTheLineAlready) {
+  send();
+  solo.node().interrupt({1, 9, 2, wire::Factor{1}}, solo.now());
+  solo.run();
+  EXPECT_THAT(solo.line(), SizeIs(2));
+  solo.node().set_output_ready(false);
+  solo.run_for(100ms);  // both are overdue, and wait
+  solo.node().cancel(1, solo.now());
+  solo.node().set_output_ready(true);
+  solo.run_for(1ms);
+  EXPECT_THAT(solo.line(), IsEmpty());
+  EXPECT_EQ(solo.counters().retries, 0u);
+  EXPECT_EQ(solo.counters().ended_cancelled, 2u);
+  send();
+  EXPECT_EQ(code(sent()).attempt, 0) << "the next send goes on";
+}
+
 TEST_F(Retry, TimeOutSendsTheSameSequenceWithTheNextTryNumber) {
   send();
   const Bytes first = sent();

@@ -154,6 +154,7 @@ void DataUnit::cancel(Owner owner, Time now) {
     queue.erase_if(!flight_.idle() && q == current_ ? 1 : 0, [](const Job& job) { return job.told; });
     jobs_ += queue.size();
   }
+  give_up_told_retry(now);
 }
 
 void DataUnit::restart(Time now) {

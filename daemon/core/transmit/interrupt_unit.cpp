@@ -37,6 +37,7 @@ void InterruptUnit::cancel(Owner owner, Time now) {
     if (send.end.owner == owner) tell(send, Outcome::cancelled, now);
   const auto keep = queue_.begin() + (flight_.idle() ? 0 : 1);
   queue_.erase(std::remove_if(keep, queue_.end(), [](const Send& send) { return send.told; }), queue_.end());
+  give_up_told_retry(now);
 }
 
 void InterruptUnit::restart(Time now) {

@@ -85,6 +85,10 @@ class SendUnit {
   }
   Time overdue_at(const Send& send) const { return send.asked + settings_.queue_timeout; }
   void give_up(Time at);
+  /// What has had its result is not sent again, also where its retry waits for the line already.
+  void give_up_told_retry(Time now) {
+    if (flight_.phase() == Flight::Phase::waiting && outstanding().told) give_up(now);
+  }
 
   const Settings& settings_;
   Counters& counters_;
