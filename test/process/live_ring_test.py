@@ -41,7 +41,7 @@ class BrokenPromises(unittest.TestCase):
                                      'data': packet or data(source, number)})
 
     def end(self, number, outcome, interrupt=False):
-        self.promises.ended(Send(0, number, 1, interrupt, life=1), outcome, can_be_owed=True)
+        self.promises.ended(Send(0, number, 1, interrupt, incarnation=1), outcome, can_be_owed=True)
 
     def assert_told(self, words):
         self.promises.settle()
@@ -133,7 +133,7 @@ class Accounts(unittest.TestCase):
         traffic = Traffic(Loop(), ring, seed=1, rate=1, targets=ring.nodes)
         dead = faults.Dead(None, 3)
         for number, (to, outcome) in enumerate([(1, 'lost'), (1, 'delivered'), (1, 'unconfirmed'), (3, 'lost')]):
-            send = Send(0, number, to, False, life=1)
+            send = Send(0, number, to, False, incarnation=1)
             send.outcome = outcome
             traffic.recent.append(send)
         lost = traffic.lost(dead.concerns, 0, time.time_ns())
