@@ -1,7 +1,6 @@
 #include "host/node_lock.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,12 +24,13 @@ int open_lock_file(const std::string& path) {
   return fd;
 }
 
+/// A lock of the open file, and of a kind that others can ask about without taking it (live/lock_files.cpp): nobody who
+/// asks is taken for a holder.
 bool try_lock(int fd) {
-  int result = 0;
-  do {
-    result = flock(fd, LOCK_EX | LOCK_NB);
-  } while (result != 0 && errno == EINTR);
-  return result == 0;
+  struct flock whole_file {};
+  whole_file.l_type = F_WRLCK;
+  whole_file.l_whence = SEEK_SET;
+  return fcntl(fd, F_OFD_SETLK, &whole_file) == 0;
 }
 
 /// "pid 4711 (ringd)", as far as can be known.
@@ -87,7 +87,7 @@ NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::u
       fd_ = open_lock_file(path_);
     }
     if (!try_lock(fd_)) {
-      if (errno != EWOULDBLOCK) fail("cannot lock " + path_);
+      if (errno != EAGAIN && errno != EACCES) fail("cannot lock " + path_);
       throw NodeHeld("node " + std::to_string(id) + " (" + name + ") of ring " + ring + " is held by " +
                      holder_of(path_));
     }

@@ -1,7 +1,6 @@
 #include "live/lock_files.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 
 #include <algorithm>
 #include <array>
@@ -24,11 +23,14 @@ std::vector<fs::path> files_in(const std::string& folder) {
   return files;
 }
 
-/// The kernel frees a lock with its holder, so one that cannot be had has a holder that lives. Shared, so that two who
-/// ask at once do not take each other for it.
+/// The kernel frees a lock with its holder, so one that cannot be had has a holder that lives. Asks, and takes nothing:
+/// a daemon that starts at this moment gets its lock (host/node_lock.cpp).
 bool is_held(const fs::path& lock) {
   const process::UniqueFd file(::open(lock.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  return file.valid() && ::flock(file.get(), LOCK_SH | LOCK_NB) != 0;
+  struct flock whole_file {};
+  whole_file.l_type = F_WRLCK;
+  whole_file.l_whence = SEEK_SET;
+  return file.valid() && ::fcntl(file.get(), F_OFD_GETLK, &whole_file) == 0 && whole_file.l_type != F_UNLCK;
 }
 
 pid_t pid_in(const fs::path& lock) {

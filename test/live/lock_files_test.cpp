@@ -1,14 +1,16 @@
 // What is known of daemons by the files in their ring's folder.
 #include "live/lock_files.h"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
-#include <sys/file.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <thread>
+
+#include "host/node_lock.h"
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
 #include "live/running_daemons.h"
-#include "process/unique_fd.h"
 #include "support/own_folder.h"
 
 namespace limb_ring::live {
@@ -18,30 +20,30 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-/// As a daemon does: holds DIRECTORY/ID.lock, with its pid in it.
-class HeldLock {
- public:
-  HeldLock(const std::string& path, pid_t pid) {
-    std::ofstream(path) << pid << '\n';
-    file_.reset(::open(path.c_str(), O_RDWR | O_CLOEXEC));
-    ::flock(file_.get(), LOCK_EX | LOCK_NB);
-  }
-
- private:
-  process::UniqueFd file_;
-};
-
 class RingFolder : public test::OwnFolder {
  protected:
+  /// As a daemon does: holds a node, with our pid in its file.
+  host::NodeLock lock_of(std::uint8_t node) const { return {ring, "legs", node, "left_knee"}; }
+
   const std::string ring = make_ring_directory("legs");
 };
 
 TEST_F(RingFolder, HeldNodesAreThoseWhoseHolderLives) {
   std::ofstream(ring + "/3.lock") << 4711 << '\n';
-  const HeldLock held(ring + "/7.lock", 12);
+  const auto held = lock_of(7);
   const auto nodes = held_nodes(ring);
   ASSERT_THAT(nodes, SizeIs(1));
-  EXPECT_EQ(nodes[0].pid, 12);
+  EXPECT_EQ(nodes[0].pid, ::getpid());
+}
+
+TEST_F(RingFolder, ADaemonThatStartsGetsItsNodeWhileOthersAskWhoHoldsIt) {
+  std::atomic<bool> done{false};
+  std::thread others([&] {
+    while (!done) holder_of(ring, 3);
+  });
+  for (int start = 0; start < 3000; ++start) EXPECT_NO_THROW(lock_of(3)) << "start " << start;
+  done = true;
+  others.join();
 }
 
 TEST_F(RingFolder, LeftoversGoWithTheirFolder) {
@@ -106,8 +108,8 @@ TEST_F(RingFolder, ADaemonThatNeverRanCannotBeStartedAgain) {
 
 TEST_F(RingFolder, ADaemonThatRunsIsNotStartedAgain) {
   const RunningDaemons daemons("legs", {fault::NamedNode{"left_knee", "3", 3}});
-  const HeldLock held(ring + "/3.lock", 12);
-  EXPECT_THAT(refusal([&] { daemons.start(3); }), HasSubstr("runs already, pid 12"));
+  const auto held = lock_of(3);
+  EXPECT_THAT(refusal([&] { daemons.start(3); }), HasSubstr("runs already, pid " + std::to_string(::getpid())));
 }
 
 }  // namespace
