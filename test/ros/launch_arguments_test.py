@@ -101,9 +101,10 @@ class LaunchArguments(unittest.TestCase):
         self.addCleanup(shutil.rmtree, folder)
         config, bag = os.path.join(folder, 'my ring.yaml'), os.path.join(folder, 'no such.bag')
         shutil.copy(os.path.join(HERE, 'config', 'plain4.yaml'), config)
-        launch = self.launch('config:=' + config, 'bag:=' + bag, 'bridge:=false', 'ring:=' + own_ring())
+        launch = self.launch('config:=' + config, 'bridge:=false', 'ring:=' + own_ring())
         launch.wait_for('is closed: 4 nodes up')
-        launch.wait_for('play_bag: %s: No such file or directory' % bag)
+        self.assertIn('play_bag: %s: No such file or directory' % bag,
+                      roslaunch('nodes:=2', 'ring:=' + own_ring(), 'bag:=' + bag))
 
     def test_what_keeps_the_bridge_from_starting_is_said_and_ends_the_launch(self):
         for argument, said in (('bridge_node:=nobody', "no node 'nobody'"),

@@ -13,7 +13,7 @@ import rostest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from ring_testing import Newest
+from ring_testing import Newest, wait_for
 
 CONFIG = os.path.join(rospkg.RosPack().get_path('limb_ring'), 'config', 'two_bridges.yaml')
 
@@ -65,6 +65,25 @@ class PlayBag(unittest.TestCase):
         self.addCleanup(os.environ.pop, 'ROS_NAMESPACE')
         self.play(self.bag, '--loop', '/joint_states:=/other/joint_commands')
         self.assertEqual(commands.wait(lambda _: True, 'a command').name, ['a'])
+
+    def test_plays_a_topic_without_a_slash_under_another_name(self):
+        commands = Newest('joint_commands', JointState)
+        with rosbag.Bag(self.bag, 'w') as bag:
+            bag.write('joint_states', JointState(name=['a']), rospy.Time(1))
+        self.play(self.bag, '--loop', '--rename', 'joint_states', 'joint_commands')
+        self.assertEqual(commands.wait(lambda _: True, 'a command').name, ['a'])
+
+    def test_ends_when_it_has_played_unless_it_is_to_stay(self):
+        with rosbag.Bag(self.bag, 'w') as bag:
+            bag.write('/joint_commands', JointState(name=['b']), rospy.Time(1))
+        played = self.play(self.bag)
+        played.communicate(timeout=60)
+        self.assertEqual(played.returncode, 0)
+        commands = Newest('joint_commands', JointState)
+        staying = self.play(self.bag, '--stay', '--delay', '2')
+        commands.wait(lambda _: True, 'a command')
+        wait_for(lambda: not self.played(), 'the end of the bag')
+        self.assertIsNone(staying.poll())
 
     def test_a_bag_with_nothing_for_the_ring_is_an_error_that_names_both(self):
         with rosbag.Bag(self.bag, 'w') as bag:
