@@ -25,11 +25,7 @@ bool swallowed(std::optional<Name> damage) {
 Duration half_period(const Fault& fault) { return std::max<Duration>(Duration(fault.every) / 2, Duration{1}); }
 
 void append(const wire::SliceWriter& slices, wire::SliceWriter& out) {
-  for (wire::ByteView rest = slices.view(); !rest.empty();) {
-    const wire::SliceParse parse = wire::parse_slice(rest);
-    out.put(parse.slice.kind, parse.slice.bytes);
-    rest = rest.from(parse.consumed);
-  }
+  wire::each_slice(slices.view(), [&](const wire::Slice& slice) { out.put(slice.kind, slice.bytes); });
 }
 
 }  // namespace

@@ -51,11 +51,7 @@ void PacketObservers::on_input(const wire::Slice& slice, wire::NodeId from, Inst
 void PacketObservers::on_output(wire::ByteView framed_slices, wire::NodeId to, Instant at) {
   if (!watch_output_) return;
   output_.set_line(false, self_, to);
-  while (!framed_slices.empty()) {
-    const wire::SliceParse parse = wire::parse_slice(framed_slices);
-    output_.put(parse.slice, at.time_since_epoch());
-    framed_slices = framed_slices.from(parse.consumed);
-  }
+  wire::each_slice(framed_slices, [&](const wire::Slice& slice) { output_.put(slice, at.time_since_epoch()); });
 }
 
 void PacketObservers::on_input_gap(Instant at) { input_.gap(at.time_since_epoch()); }

@@ -165,12 +165,7 @@ void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
   Node& to = nodes_[arrival.to];
   const Line line = arrival.second ? Line::second : Line::first;
   if (!to.alive || wire_of(arrival.from, line).epoch != arrival.epoch) return;
-  wire::ByteView rest = arrival.slices.view();
-  while (!rest.empty()) {
-    const wire::SliceParse parse = wire::parse_slice(rest);
-    to.controller->receive(line, parse.slice, now_);
-    rest = rest.from(parse.consumed);
-  }
+  wire::each_slice(arrival.slices.view(), [&](const Slice& slice) { to.controller->receive(line, slice, now_); });
   // Where the line takes time, most of what comes in has to wait for its turn: then there is nothing
   // to be done but to say when.
   NetworkController& controller = *to.controller;
@@ -224,23 +219,18 @@ void VirtualRing::put_late(NodeId id, SliceWriter& slices, Line line) {
   carry_off(id, line, slices);
 }
 
-void VirtualRing::tell_leaving(NodeId id, wire::ByteView rest) {
-  while (!rest.empty()) {
-    const wire::SliceParse parse = wire::parse_slice(rest);
-    for (Observer* observer : observers_) observer->leaves(id, parse.slice, now_);
-    rest = rest.from(parse.consumed);
-  }
+void VirtualRing::tell_leaving(NodeId id, wire::ByteView slices) {
+  wire::each_slice(slices, [&](const Slice& slice) {
+    for (Observer* observer : observers_) observer->leaves(id, slice, now_);
+  });
 }
 
 void VirtualRing::pass_through_tap(NodeId id, Line line, SliceWriter& slices) {
-  wire::ByteView rest = slices.view();
-  while (!rest.empty()) {
-    const wire::SliceParse parse = wire::parse_slice(rest);
+  wire::each_slice(slices.view(), [&](const Slice& slice) {
     const std::size_t before = tapped_.view().size;
-    wire_of(id, line).tap(parse.slice, now_, tapped_);
-    if (!observers_.empty()) tell_tapped(id, line, parse.slice, before);
-    rest = rest.from(parse.consumed);
-  }
+    wire_of(id, line).tap(slice, now_, tapped_);
+    if (!observers_.empty()) tell_tapped(id, line, slice, before);
+  });
 }
 
 void VirtualRing::tell_tapped(NodeId id, Line line, const wire::Slice& slice, std::size_t before) {

@@ -46,6 +46,16 @@ struct SliceParse {
 };
 SliceParse parse_slice(ByteView bytes);
 
+/// Calls visit(slice) for each slice, in order. @pre `framed` is what a SliceWriter has put together
+template <class Visit>
+void each_slice(ByteView framed, Visit visit) {
+  while (!framed.empty()) {
+    const SliceParse parse = parse_slice(framed);
+    framed = framed.from(parse.consumed);
+    visit(parse.slice);
+  }
+}
+
 /// Slices in the order in which they go onto one line, framed, ready to be written.
 class SliceWriter {
  public:
