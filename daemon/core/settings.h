@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
+#include "core/ring_order.h"
 #include "core/time.h"
 #include "wire/data_packet.h"
 #include "wire/interrupt_packet.h"
@@ -25,8 +25,8 @@ struct InterruptInput {
 /// What one network controller is told at its start.
 struct Settings {
   NodeId id = 0;
-  std::vector<NodeId> order{0};  ///< all configured nodes in ring order, this one among them
-  std::uint64_t boot = 1;        ///< first boot number; must be higher than any used before
+  RingOrder order{0};      ///< all configured nodes in ring order, this one among them
+  std::uint64_t boot = 1;  ///< first boot number; must be higher than any used before
 
   Duration byte_time_out{0};  ///< of the output line; 0: as fast as it takes them
   Duration byte_time_in{0};   ///< of the input line

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "core/membership/membership.h"
 
@@ -17,7 +16,7 @@ struct Reach {
 /// From node `from` to node `to`.
 /// @param order ids in ring order. @pre all nodes named are in it
 /// @param broken the broken line; none: the ring is closed, and everything reaches everybody
-Reach reach_of(const std::vector<wire::NodeId>& order, const std::optional<core::BrokenLine>& broken, wire::NodeId from,
+Reach reach_of(const core::RingOrder& order, const std::optional<core::BrokenLine>& broken, wire::NodeId from,
                wire::NodeId to);
 
 }  // namespace limb_ring::watchdog

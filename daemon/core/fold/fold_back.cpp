@@ -1,35 +1,16 @@
 #include "core/fold/fold_back.h"
 
 namespace limb_ring::core {
-namespace {
-
-std::size_t place_of(const Settings& settings, NodeId node) {
-  return static_cast<std::size_t>(std::find(settings.order.begin(), settings.order.end(), node) -
-                                  settings.order.begin());
-}
-
-NodeId neighbour(const Settings& settings, std::size_t steps) {
-  return settings.order[(place_of(settings, settings.id) + steps) % settings.order.size()];
-}
-
-}  // namespace
 
 FoldBack::FoldBack(Blocks& blocks, wire::SliceWriter& first, wire::SliceWriter& second, Time now)
     : blocks_(blocks),
       counters_(blocks.counters()),
       first_(first),
       second_(second),
-      from_(neighbour(blocks.settings(), blocks.settings().order.size() - 1)),
-      to_(neighbour(blocks.settings(), 1)),
+      from_(neighbour(blocks.settings().order.size() - 1)),
+      to_(neighbour(1)),
       second_from_(to_),
       may_fold_at_(now + blocks.settings().fold_permission) {}
-
-std::size_t FoldBack::distance(NodeId from, NodeId to) const {
-  const std::size_t nodes = settings().order.size();
-  return (place_of(settings(), to) + nodes - place_of(settings(), from)) % nodes;
-}
-
-bool FoldBack::in_ring(NodeId node) const { return place_of(settings(), node) < settings().order.size(); }
 
 // ---- the lines ------------------------------------------------------------------------------
 
@@ -93,12 +74,7 @@ void FoldBack::carry(wire::SliceWriter& given_out, Time now) {
   if (out_ == Out::first && first_.empty()) {
     first_.swap(given_out);
   } else {
-    wire::ByteView rest = given_out.view();
-    while (!rest.empty()) {
-      const wire::SliceParse parse = wire::parse_slice(rest);
-      put_out(parse.slice, now);
-      rest = rest.from(parse.consumed);
-    }
+    wire::each_slice(given_out.view(), [&](const wire::Slice& slice) { put_out(slice, now); });
   }
   given_out.clear();
   tell_folded(now);

@@ -86,7 +86,6 @@ class FoldBack {
   void greet_first_line(Time now);
   void drain_or_take(Time now);
   void leave_first_line(Time now);
-  void say_own_words(Time now) { say_words(now); }
   void leave_second_line(Time now);
   void take_first_line(Time now);
   void settle_input(Time now);
@@ -126,9 +125,8 @@ class FoldBack {
   const Settings& settings() const { return blocks_.settings(); }
   NodeId id() const { return settings().id; }
   Duration repeat_period() const;
-  /// How many lines lie between a node and another, in ring order.
-  std::size_t distance(NodeId from, NodeId to) const;
-  bool in_ring(NodeId node) const;
+  NodeId neighbour(std::size_t lines) const { return node_after(settings().order, id(), lines); }
+  std::size_t lines_between(NodeId from, NodeId to) const { return distance(settings().order, from, to); }
   void tell_turned_back() { blocks_.set_turned_back_at(takes_second() ? fold_node_ : std::nullopt); }
   void tell_folded(Time now) { blocks_.set_folded(takes_second(), turned_back() && told_output_, now); }
 

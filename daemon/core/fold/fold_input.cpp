@@ -26,7 +26,7 @@ const FoldBack::InRow FoldBack::kInputTable[] = {
     {InInput::first_up,   in(In::first) | in(In::second) | in(In::draining),  In::draining, &FoldBack::greet_first_line,
                                                                                             &FoldBack::drain_or_take},
     {InInput::first_lost, in(In::first) | in(In::second) | in(In::draining),  In::second,   &FoldBack::leave_first_line,
-                                                                                            &FoldBack::say_own_words},
+                                                                                            &FoldBack::say_words},
     {InInput::through,    in(In::draining),                                   In::first,    &FoldBack::leave_second_line,
                                                                                             &FoldBack::take_first_line},
 };
@@ -48,20 +48,20 @@ void FoldBack::greet_first_line(Time) {
 }
 
 void FoldBack::drain_or_take(Time now) {
-  const bool dead = fold_node_ && distance(*fold_node_, id()) < distance(from_, id());  // it is bypassed now
+  const bool dead = fold_node_ && lines_between(*fold_node_, id()) < lines_between(from_, id());  // it is bypassed now
   if (dead) return forget_fold_node(now);
   if (!fold_node_) on(InInput::through, now);
 }
 
 void FoldBack::drain_if_settled(Time now) {
   if (in_ != In::draining || !first_spoke_) return;
-  if (!waits_for_last() && !coming_second_.is()) return on(InInput::through, now);
+  if (!waits_for_last() && !coming_second_.is_open()) return on(InInput::through, now);
   if (drain_due_ == kNever) drain_due_ = now + std::min(settings().stall, settings().send_timeout() / kHoldShare);
 }
 
 void FoldBack::leave_second_line(Time now) {
   drain_due_ = kNever;
-  if (coming_second_.is()) blocks_.input_gap(now);
+  if (coming_second_.is_open()) blocks_.input_gap(now);
   coming_second_.close();
   if (waits_for_last()) {
     fold_node_.reset();
@@ -118,14 +118,14 @@ void FoldBack::release(Time now) {
   while (held_.next(slice)) {
     const bool begins = slice.kind == SliceKind::start || slice.kind == SliceKind::whole;
     if (begins && !blocks_.has_room()) return;
-    held_.pop();
+    held_.pop(slice);
     blocks_.enter(slice, now);
   }
 }
 
 void FoldBack::drop_held() {
   Slice slice{};
-  for (; held_.next(slice); held_.pop()) ++counters_.fold_held_dropped;
+  for (; held_.next(slice); held_.pop(slice)) ++counters_.fold_held_dropped;
 }
 
 void FoldBack::settle_input(Time now) {

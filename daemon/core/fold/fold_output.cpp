@@ -29,7 +29,7 @@ void FoldBack::settle_output(Time now) {
     blocks_.output_replaced(now);
     sent_back_.close();
   }
-  if (!sent_back_.is()) on(OutInput::packet_ended, now);
+  if (!sent_back_.is_open()) on(OutInput::packet_ended, now);
   const bool up = out_ == Out::first ? output_up_ : second_output_up_ && told_input_;
   if (up == told_output_) return;
   told_output_ = up;
@@ -61,17 +61,12 @@ void FoldBack::greet_next_node() {
 }
 
 // While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.
-void FoldBack::tell_neighbours() {
-  const auto& order = settings().order;
-  const auto own = std::find(order.begin(), order.end(), id());
-  const NodeId configured = own + 1 == order.end() ? order.front() : *(own + 1);
-  blocks_.set_neighbours(from_, to_, out_ == Out::first ? to_ : configured);
-}
+void FoldBack::tell_neighbours() { blocks_.set_neighbours(from_, to_, out_ == Out::first ? to_ : neighbour(1)); }
 
 void FoldBack::put_out(const wire::Slice& slice, Time now) {
   (out_ == Out::first ? first_ : second_).put(slice.kind, slice.bytes);
   sent_back_.see(slice);
-  if (!sent_back_.is()) on(OutInput::packet_ended, now);
+  if (!sent_back_.is_open()) on(OutInput::packet_ended, now);
 }
 
 }  // namespace limb_ring::core

@@ -18,7 +18,8 @@ constexpr std::size_t kMostRepeated = 256 * 1024;
 }  // namespace
 
 void FoldBack::receive_second(const Slice& slice, Time now) {
-  if (const auto word = wire::fold_word(slice); word && in_ring(word->node)) return hear(*word, slice, now);
+  if (const auto word = wire::fold_word(slice); word && is_in(settings().order, word->node))
+    return hear(*word, slice, now);
   const bool takes = in_ != In::first;
   const bool repeated = repeats() && fold_node_ && second_.view().size < kMostRepeated;
   const bool wanted = slice.kind != SliceKind::fold && (takes || repeated);
@@ -34,7 +35,7 @@ void FoldBack::receive_second(const Slice& slice, Time now) {
 
 // What was coming in on the second line will never be whole.
 void FoldBack::break_off_second(Time now) {
-  if (!coming_second_.is()) return;
+  if (!coming_second_.is_open()) return;
   coming_second_.close();
   if (in_ != In::first)
     blocks_.input_gap(now);
@@ -54,8 +55,8 @@ void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
 // The node of the word lies between this node and the one that sends to it on the second line: it is bypassed there, so
 // its word has gone all the way round, and nobody else takes it off.
 bool FoldBack::has_come_round(FoldWord word) const {
-  const std::size_t ahead = distance(id(), word.node);
-  return ahead != 0 && ahead < distance(id(), second_from_);
+  const std::size_t ahead = lines_between(id(), word.node);
+  return ahead != 0 && ahead < lines_between(id(), second_from_);
 }
 
 void FoldBack::hear_of_fold_node(FoldWord word, const Slice& slice, Time now) {

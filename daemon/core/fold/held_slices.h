@@ -18,24 +18,21 @@ class HeldSlices {
       taken_ = 0;
       return false;
     }
-    const wire::SliceParse parse = wire::parse_slice(slices_.view().from(taken_));
-    out = parse.slice;
-    size_of_next_ = parse.consumed;
+    out = wire::parse_slice(slices_.view().from(taken_)).slice;
     return true;
   }
-  /// The one that next() gave is out.
-  void pop() { taken_ += size_of_next_; }
+  /// That one, which next() gave, is out.
+  void pop(const wire::Slice& slice) { taken_ += wire::kSliceHeaderSize + slice.bytes.size; }
 
  private:
   wire::SliceWriter slices_;
   std::size_t taken_ = 0;  ///< bytes
-  std::size_t size_of_next_ = 0;
 };
 
 /// Whether a DATP is under way on a line, from the slices that pass.
 class OpenPacket {
  public:
-  bool is() const { return open_; }
+  bool is_open() const { return open_; }
   void see(const wire::Slice& slice) {
     const bool inside = slice.kind == wire::SliceKind::more || slice.kind == wire::SliceKind::interrupt;
     open_ = slice.kind == wire::SliceKind::start || (open_ && inside);

@@ -65,11 +65,10 @@ bool Relay::check(const PacketFields& packet) {
 /// The nodes that come after `before` and before `behind` in ring order.
 std::bitset<256> Relay::between(NodeId before, NodeId behind) const {
   std::bitset<256> nodes;
-  const auto& order = settings_.order;
-  std::size_t at = 0;
-  while (order[at] != before) ++at;
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    const NodeId next = order[(at + i) % order.size()];
+  const RingOrder& order = settings_.order;
+  const std::size_t at = place_of(order, before);
+  for (std::size_t lines = 1; lines < order.size(); ++lines) {
+    const NodeId next = order[(at + lines) % order.size()];
     if (next == behind) break;
     nodes.set(next);
   }
