@@ -23,4 +23,22 @@ struct InterruptRequest {
   wire::Factor factor{};
 };
 
+/// What is known of its end when it is asked for. Its outcome is `rejected` until it has another.
+inline SendEnded end_of(const SendRequest& request) {
+  SendEnded end;
+  end.owner = request.owner;
+  end.token = request.token;
+  end.destination = request.destination;
+  return end;
+}
+inline SendEnded end_of(const InterruptRequest& request) {
+  SendEnded end;
+  end.owner = request.owner;
+  end.token = request.token;
+  end.interrupt = true;
+  end.destination = request.destination;
+  end.factor = request.factor;
+  return end;
+}
+
 }  // namespace limb_ring::core

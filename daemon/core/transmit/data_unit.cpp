@@ -10,9 +10,7 @@ void DataUnit::push(Queue& queue, const SendRequest& request, Time now) {
   Job& job = queue.push();
   ++jobs_;
   static_cast<JobState&>(job) = {};
-  job.end.owner = request.owner;
-  job.end.token = request.token;
-  job.end.destination = request.destination;
+  job.end = end_of(request);
   job.pri = wire::pri_byte(request.priority, request.channel);
   job.asked = job.not_before = now;
   job.backoff = settings_.refused_backoff;

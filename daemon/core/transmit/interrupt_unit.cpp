@@ -5,11 +5,7 @@ namespace limb_ring::core {
 Reject InterruptUnit::enqueue(const InterruptRequest& request, Time now) {
   if (queue_.size() >= settings_.send_queue) return Reject::queue_full;
   Send& send = queue_.emplace_back();
-  send.end.owner = request.owner;
-  send.end.token = request.token;
-  send.end.interrupt = true;
-  send.end.destination = request.destination;
-  send.end.factor = request.factor;
+  send.end = end_of(request);
   send.asked = now;
   return Reject::none;
 }

@@ -5,23 +5,20 @@ namespace limb_ring::core {
 using wire::PacketFields;
 
 void Returns::data(const PacketFields& packet, bool good, Time at) {
-  if (!good) return broken_off(at);
+  if (!good) return damaged(transmit_.data, at);
   const std::uint8_t fbc = fbc_of(packet, transmit_.data, receive_, at);
   const bool matched = match(transmit_.data, packet, fbc, at);
   membership_.own_seen(packet, matched, at);
 }
 
 void Returns::interrupt(const PacketFields& packet, bool good, Time at) {
-  if (!good) {
-    ++counters_.returns_damaged;
-    return transmit_.interrupts.returned_damaged(at);
-  }
+  if (!good) return damaged(transmit_.interrupts, at);
   match(transmit_.interrupts, packet, fbc_of(packet, transmit_.interrupts, pins_, at), at);
 }
 
-void Returns::broken_off(Time now) {
+void Returns::damaged(SendUnit& unit, Time at) {
   ++counters_.returns_damaged;
-  transmit_.data.returned_damaged(now);
+  unit.returned_damaged(at);
 }
 
 // A packet to oneself is taken when it returns. Before the own hello is home it is only taken off the ring, as is a

@@ -24,9 +24,10 @@ class Returns {
   void data(const wire::PacketFields& packet, bool good, Time at);
   void interrupt(const wire::PacketFields& packet, bool good, Time at);
   /// A DATP came home, but not as a whole.
-  void broken_off(Time now);
+  void broken_off(Time now) { damaged(transmit_.data, now); }
 
  private:
+  void damaged(SendUnit& unit, Time at);
   template <class Block>
   std::uint8_t fbc_of(const wire::PacketFields& packet, const SendUnit& unit, Block& block, Time at);
   bool match(SendUnit& unit, const wire::PacketFields& packet, std::uint8_t fbc, Time at);

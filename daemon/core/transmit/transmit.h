@@ -61,10 +61,13 @@ class Transmit {
   Time deadline() const { return std::min(data.deadline(), interrupts.deadline()); }
 
  private:
-  bool exists(NodeId destination) const;
+  bool exists(NodeId destination) const {
+    return destination == wire::kBroadcast || is_in(settings_.order, destination);
+  }
   Reject check(const SendRequest& request) const;
   Reject check(const InterruptRequest& request) const;
-  void reject(SendEnded ended, Reject reason, Time now);
+  template <class Request>
+  void reject(const Request& request, Reject reason, Time now);
 
   const Settings& settings_;
   Counters& counters_;
