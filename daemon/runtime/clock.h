@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 
 #include "core/time.h"
 
@@ -28,5 +29,10 @@ class Clock {
  private:
   Steady::time_point start_;
 };
+
+/// CLOCK_MONOTONIC in ns, as pins latch it and `sync` tells it.
+inline std::int64_t monotonic_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::Steady::now().time_since_epoch()).count();
+}
 
 }  // namespace limb_ring::runtime

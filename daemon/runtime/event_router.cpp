@@ -2,17 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include "runtime/clock.h"
 #include "runtime/send_owner.h"
 
 namespace limb_ring::runtime {
-namespace {
-
-std::int64_t clock_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-}  // namespace
 
 // ---- from the network controller ----------------------------------------------------------
 
@@ -62,7 +55,7 @@ void EventRouter::tell_client(host::ClientId client, const core::SendEnded& ende
 }
 
 void EventRouter::handle(const core::PinPulled& pin) {
-  const std::string done = to_.pins.pull(pin.factor, pin.source, clock_ns());
+  const std::string done = to_.pins.pull(pin.factor, pin.source, monotonic_ns());
   spdlog::info("{}", done);
   to_.observers.tell("pin", {{"factor", std::uint8_t{pin.factor}}, {"source", pin.source}, {"what", done}});
 }

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "limb_ring/host_port.h"
+#include "runtime/clock.h"
 #include "runtime/request_fields.h"
 
 namespace limb_ring::runtime {
@@ -127,13 +128,12 @@ void Requests::stop(const Json& request, const Answer& answer) {
 
 void Requests::sync(const Json&, const Answer& answer) {
   const std::uint8_t factor = factor_of(to_.node, Action::sync, "sync");
-  const auto clock =
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch());
-  to_.pins.latch(to_.node.id, clock.count());
+  const std::int64_t clock = monotonic_ns();
+  to_.pins.latch(to_.node.id, clock);
   to_.interrupts.interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
     Json json = end_of(ended);
     json["ring_size"] = to_.engine.controller().membership().ring_size();
-    json["clock_ns"] = clock.count();
+    json["clock_ns"] = clock;
     answer(json);
   });
 }

@@ -28,7 +28,7 @@ watchdog::Watchdog Supervisor::fresh() const {
   std::vector<wire::NodeId> watched;
   for (std::size_t place = 0; place < config_.nodes.size(); ++place)
     if (config::reset_pin(config_.nodes[place])) watched.push_back(static_cast<NodeId>(place));
-  return {config_.supervisor, watchdog::kMissedBeacons * beacon_, watched};
+  return {config_.supervisor, core::kMissedBeacons * beacon_, watched};
 }
 
 void Supervisor::start() {
@@ -87,17 +87,13 @@ void Supervisor::finish(std::list<Reset>::iterator reset, const watchdog::ResetO
 
 watchdog::CpuSighting Supervisor::sighting_of(NodeId id) const {
   if (id == node_) return cpus_.sighting_of(id);
-  const core::Peer& peer = membership_->peers()[id];
-  const wire::Beacon& beacon = peer.beacon;
-  return {peer.beacon_heard ? std::make_optional(peer.heard_at) : std::nullopt, beacon.cpu_boots, beacon.cpu_state,
-          std::chrono::milliseconds(beacon.cpu_silent_ms), beacon.cpu_comes_back};
+  return watchdog::sighting_of(membership_->peers()[id]);
 }
 
 watchdog::CpuKnown Supervisor::cpu_of(NodeId id) const {
   const watchdog::CpuSighting cpu = sighting_of(id);
-  const bool heard = cpu.heard_at && ring_.now() - *cpu.heard_at < watchdog::kMissedBeacons * beacon_;
-  return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent, heard,
-          watchdog::reach_of(ring_.settings(node_).order, membership_->broken_line(), node_, id)};
+  return watchdog::known_of(cpu, watchdog::is_heard(cpu, ring_.now(), beacon_),
+                            watchdog::reach_of(ring_.settings(node_).order, membership_->broken_line(), node_, id));
 }
 
 }  // namespace limb_ring::scenario

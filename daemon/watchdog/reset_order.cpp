@@ -4,6 +4,10 @@ namespace limb_ring::watchdog {
 
 using core::Outcome;
 
+CpuKnown known_of(const CpuSighting& cpu, bool heard, const Reach& reach) {
+  return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent, heard, reach};
+}
+
 const char* to_string(Effect effect) {
   switch (effect) {
     case Effect::none:

@@ -7,6 +7,7 @@
 
 #include "core/events.h"
 #include "watchdog/reach.h"
+#include "watchdog/watchdog.h"
 
 namespace limb_ring::watchdog {
 
@@ -18,6 +19,7 @@ struct CpuKnown {
   bool heard = true;       ///< beacons of its node have come lately
   Reach reach;
 };
+CpuKnown known_of(const CpuSighting& cpu, bool heard, const Reach& reach);
 
 /// What is known of what a reset has done.
 enum class Effect : std::uint8_t {

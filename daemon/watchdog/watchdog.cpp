@@ -14,6 +14,12 @@ std::string text_of(core::Duration time) {
 
 }  // namespace
 
+CpuSighting sighting_of(const core::Peer& peer) {
+  const wire::Beacon& beacon = peer.beacon;
+  return {peer.beacon_heard ? std::make_optional(peer.heard_at) : std::nullopt, beacon.cpu_boots, beacon.cpu_state,
+          milliseconds(beacon.cpu_silent_ms), beacon.cpu_comes_back};
+}
+
 const char* to_string(CpuVerdict verdict) {
   switch (verdict) {
     case CpuVerdict::unheard:

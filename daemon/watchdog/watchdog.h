@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "core/time.h"
-#include "wire/control_message.h"
+#include "core/membership/peers.h"
+#include "core/settings.h"
 
 namespace limb_ring::watchdog {
 
@@ -23,9 +23,13 @@ struct CpuSighting {
   bool comes_back = true;               ///< somebody starts it again when a reset kills it
 };
 
-/// Beacons in a row that were not heard, before the node behind them counts as unreachable: one or
-/// two may be late on a busy machine, or lost. (ours)
-constexpr int kMissedBeacons = 5;
+/// Of another node's CPU, by the beacons of its node.
+CpuSighting sighting_of(const core::Peer& peer);
+
+/// Beacons of its node have come lately: one or two may be late on a busy machine, or lost. (ours)
+inline bool is_heard(const CpuSighting& cpu, core::Time now, core::Duration beacon) {
+  return cpu.heard_at && now - *cpu.heard_at < core::kMissedBeacons * beacon;
+}
 
 /// The CPUs that have promised to speak, by node id, in ring order.
 std::vector<wire::NodeId> watched_in(const config::RingConfig& ring);
