@@ -64,37 +64,29 @@ void Cpus::read_one_and_wait(NodeId id, core::Duration period) {
   });
 }
 
-void Cpus::reset(NodeId id) {
+// Its process is gone. The next step comes later, unless something else happens to it first.
+void Cpus::end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus::*next)(NodeId)) {
   Cpu& cpu = cpus_[id];
   ++cpu.generation;
   cpu.running = false;
   read(id, true);
   ring_.reset_cpu(id);
   ring_.node(id).set_cpu_present(false);
-  tell(id, wire::CpuState::booting);
-  ring_.at(ring_.now() + boot_time_, [this, id, epoch = ++cpu.epoch] {
-    if (cpus_[id].epoch == epoch) boot(id);
+  tell(id, state);
+  ring_.at(ring_.now() + later, [this, id, next, epoch = ++cpu.epoch] {
+    if (cpus_[id].epoch == epoch) (this->*next)(id);
   });
 }
+
+void Cpus::reset(NodeId id) { end(id, wire::CpuState::booting, boot_time_, &Cpus::boot); }
+
+void Cpus::crash(NodeId id) { end(id, wire::CpuState::failed, kBackOff, &Cpus::reset); }
 
 // As in the daemon, a boot counts from the CPU's first message.
 void Cpus::boot(NodeId id) {
   ++cpus_[id].boots;
   ring_.node(id).set_cpu_present(true);
   resume(id);
-}
-
-void Cpus::crash(NodeId id) {
-  Cpu& cpu = cpus_[id];
-  ++cpu.generation;
-  cpu.running = false;
-  read(id, true);
-  ring_.reset_cpu(id);
-  ring_.node(id).set_cpu_present(false);
-  tell(id, wire::CpuState::failed);
-  ring_.at(ring_.now() + kBackOff, [this, id, epoch = ++cpu.epoch] {
-    if (cpus_[id].epoch == epoch) reset(id);
-  });
 }
 
 void Cpus::started(NodeId id) {

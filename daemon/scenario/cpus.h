@@ -44,6 +44,7 @@ class Cpus {
   watchdog::CpuSighting sighting_of(NodeId id) const;
 
  private:
+  void end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus::*next)(NodeId));
   struct Cpu {
     std::uint32_t boots = 1;
     wire::CpuState state = wire::CpuState::running;
