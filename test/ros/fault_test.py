@@ -6,17 +6,12 @@ import rospy
 import rostest
 from limb_ring.srv import ClearFaults, InjectFault, ListFaults
 
-from ring_testing import Ring, is_alive, wait_for
+from ring_testing import Ring, is_alive, process_state, wait_for
 
 
 def service(name, kind):
     rospy.wait_for_service(name, 30)
     return rospy.ServiceProxy(name, kind)
-
-
-def process_state(pid):
-    with open('/proc/%d/stat' % pid) as stat:
-        return stat.read().rsplit(')', 1)[1].split()[0]
 
 
 class Faults(unittest.TestCase):

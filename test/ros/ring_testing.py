@@ -1,12 +1,16 @@
 """What the rostests share: waiting for conditions, the newest message of a topic, the ring's status."""
 import os
 import signal
+import sys
 import threading
 import time
 
 import rospy
 
 from limb_ring.msg import RingStatus
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
+from live_ring.processes import is_gone, process_state  # noqa: E402,F401
 
 GUARD = 60.0  # s; generous, since a ring shares few cores with other tests
 
@@ -92,8 +96,4 @@ def kill_process(pid):
 
 
 def is_alive(pid):
-    try:
-        with open('/proc/%d/stat' % pid) as stat:
-            return stat.read().rsplit(')', 1)[1].split()[0] != 'Z'
-    except OSError:
-        return False
+    return not is_gone(pid)
