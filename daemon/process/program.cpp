@@ -25,10 +25,23 @@ using std::chrono::steady_clock;
 constexpr milliseconds kGrace{2000};
 constexpr milliseconds kTick{10};
 constexpr std::size_t kLastLines = 5;
+constexpr off_t kLastWords = 4096;  // bytes
+
+[[noreturn]] void cannot_write(const std::string& path) {
+  throw std::runtime_error("cannot write " + path + ": " + std::strerror(errno));
+}
+
+/// Reserves room on the disk without writing: where the disk gets full, the program can still say why it ends.
+/// Not all file systems can; on those the program has what is left.
+void reserve_last_words(int log, const std::string& path) {
+  if (::fallocate(log, FALLOC_FL_KEEP_SIZE, 0, kLastWords) != 0 && (errno == ENOSPC || errno == EDQUOT))
+    cannot_write(path);
+}
 
 UniqueFd open_log(const std::string& path) {
   UniqueFd file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.valid()) throw std::runtime_error("cannot write " + path + ": " + std::strerror(errno));
+  if (!file.valid()) cannot_write(path);
+  reserve_last_words(file.get(), path);
   return file;
 }
 
@@ -66,13 +79,6 @@ Spawned start(const ProgramRequest& request) {
     what.output = output.get();
   }
   return spawn(what);
-}
-
-/// Why a log has nothing in it: "; LOG: No space left on device"; empty where it can be written.
-std::string why_empty(const std::string& log) {
-  const UniqueFd file(::open(log.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW));
-  if (file.valid() && ::write(file.get(), "\n", 1) == 1) return "";
-  return "; " + log + ": " + std::strerror(errno);
 }
 
 }  // namespace
@@ -124,7 +130,7 @@ std::string Program::last_lines() const {
   }
   std::string text;
   for (const std::string& line : lines) text += "\n  " + line;
-  return text.empty() ? why_empty(log_) : text;
+  return text.empty() ? "; " + log_ + " is empty" : text;
 }
 
 }  // namespace limb_ring::process

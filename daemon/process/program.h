@@ -31,7 +31,7 @@ struct ProgramRequest {
 /// A program that this process has started and waits for. It goes on when this object is gone.
 class Program {
  public:
-  /// @throw std::runtime_error where there is no such program, or its log cannot be written
+  /// @throw std::runtime_error where there is no such program, or its log cannot be written (disk full)
   explicit Program(const ProgramRequest& request);
 
   pid_t pid() const { return process_.pid; }
@@ -45,7 +45,7 @@ class Program {
   void end();
   /// All that it has written into its log.
   std::string output() const;
-  /// The last five lines of its log, each behind a line break and two blanks, or why it could write none; empty where
+  /// The last five lines of its log, each behind a line break and two blanks, or that the log is empty; nothing where
   /// it has no log.
   std::string last_lines() const;
 

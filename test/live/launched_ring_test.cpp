@@ -74,6 +74,15 @@ TEST_F(Launched, EachDaemonHasItsOwnArgumentsAndLog) {
   EXPECT_EQ(ring.all()[1].last_lines(), "\n  arguments: --node 7");
 }
 
+TEST_F(Launched, ADaemonThatSaidNothingHasItsEmptyLogNamedAndNothingWrittenThere) {
+  ringd_is("exit 1");
+  request.nodes.resize(1);
+  LaunchedRing ring(request);
+  ASSERT_TRUE(until([&] { return ring.reap(), !ring.any_running(); }));
+  EXPECT_THAT(ring.all()[0].exit_reason(), HasSubstr(".log is empty"));
+  EXPECT_EQ(ring.all()[0].program.output(), "");
+}
+
 TEST_F(Launched, DaemonsThatIgnoreSigtermAreKilled) {
   ringd_is("trap '' TERM; kill -STOP $$; while :; do sleep 1; done");
   LaunchedRing ring(request);

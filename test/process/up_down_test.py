@@ -1,8 +1,9 @@
 """ringctl up and down."""
 
 import os
-import resource
 import signal
+import subprocess
+import tempfile
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -57,13 +58,35 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('--ring', self.ring, 'status').returncode, 3)
         self.assertEqual(list(self.launcher.daemons_left()), [])
 
-    def test_a_full_disk_is_named_where_no_daemon_can_say_so(self):
-        def write_nothing():
-            resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # restore_signals=False: SIGXFSZ stays ignored
-        up = self.ctl('--ring', self.ring, 'up', '--nodes', 3, '--detach', preexec_fn=write_nothing,
-                      restore_signals=False)
+    def up_on_a_disk_of(self, size):
+        """What 'ringctl up' of three nodes says where the runtime folder has so little room."""
+        folder = tempfile.mkdtemp(prefix='small_disk_')
+        self.addCleanup(os.rmdir, folder)
+        script = 'mount -t tmpfs -o mode=700,size="$1" tmpfs "$2" || exit 77; shift 2; exec "$@"'
+        up = subprocess.run(['unshare', '--mount', '--map-root-user', 'sh', '-c', script, 'sh', size, folder,
+                             ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3', '--detach'],
+                            env=dict(os.environ, XDG_RUNTIME_DIR=folder), text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, timeout=60)
+        if up.returncode not in (0, 1):
+            self.skipTest('no disk of our own can be mounted here: ' + up.stderr)
         self.assertEqual(up.returncode, 1)
-        self.assertRegex(up.stderr, r'/\d.log: File too large')
+        return up.stderr
+
+    def test_a_disk_that_is_too_full_for_the_logs_is_named(self):
+        self.assertRegex(self.up_on_a_disk_of('8k'), r'cannot write .*/2\.log: No space left on device')
+
+    def test_a_daemon_can_say_that_the_disk_is_full(self):
+        self.assertRegex(self.up_on_a_disk_of('16k'), r'cannot write .*/[012]\.lock: No space left on device')
+
+    def test_what_could_not_be_printed_is_an_error(self):
+        for command in (('ringctl', 'fault', '--help'), ('ringctl', 'help'), ('ringd', '--options'), ('ringd', '--help'),
+                        ('ring_sim', 'run', '--nodes', '2')):
+            with self.subTest(command), open('/dev/full', 'w') as full:
+                done = subprocess.run([ring_process.program(command[0]), *command[1:]], stdout=full, text=True,
+                                      stderr=subprocess.PIPE, timeout=60)
+                self.assertEqual(done.returncode, 1)
+                self.assertEqual(done.stderr, command[0] + ': standard output: not all could be written: '
+                                 'No space left on device\n')
 
     def test_two_rings_at_once_have_to_be_named(self):
         first, second = self.ring, self.ring + 'b'

@@ -1,9 +1,11 @@
 #include <algorithm>
 
 #include "app/common/from_roslaunch.h"
+#include "app/common/out_file.h"
 #include "app/ringctl/command/command_line.h"
 
 int main(int argc, char** argv) {
   char** const end = std::remove_if(argv + 1, argv + argc, limb_ring::app::from_roslaunch);
-  return limb_ring::ringctl::run_command_line(static_cast<int>(end - argv), argv);
+  const int code = limb_ring::ringctl::run_command_line(static_cast<int>(end - argv), argv);
+  return limb_ring::app::code_with_output("ringctl", code);
 }

@@ -3,11 +3,11 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <memory>
 
+#include "app/common/out_file.h"
 #include "app/ringd/options.h"
 #include "app/ringd/stderr_sink.h"
 #include "config/config_error.h"
@@ -59,8 +59,11 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   try {
     const auto options = ringd::parse_options(argc, argv);
-    if (!options) return 0;
-    if (options->list_options) return std::fputs(config::options_markdown().c_str(), stdout) < 0 ? 1 : 0;
+    if (!options) return app::code_with_output("ringd", 0);
+    if (options->list_options) {
+      std::cout << config::options_markdown();
+      return app::code_with_output("ringd", 0);
+    }
     const config::RingConfig ring = ringd::ring_of(*options);
     const config::NodeConfig& node = ringd::node_of(*options, ring);
     set_up_log(ring, node);
