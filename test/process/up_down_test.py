@@ -158,6 +158,16 @@ class UpDown(RingTest):
         self.assertTrue(self.is_closed(range(3)))
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
 
+    def test_a_node_started_again_by_hand_is_taken_down_with_the_rest(self):
+        up = self.up_respawning('--nodes', 3)
+        for act in ('kill', 'start'):
+            self.assertEqual(self.ctl('--ring', self.ring, 'fault', act, 'node2').returncode, 0)
+        self.wait_closed(range(3))
+        os.kill(self.row(1)['pid'], signal.SIGSTOP)  # takes its time to end
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        self.wait('said so', lambda: 'was taken down' in self.log_of(up))
+        self.assertNotIn('is started again', self.log_of(up))
+
     def test_respawning_ends_where_a_daemon_cannot_start(self):
         up = [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--respawn', '--nodes', '3']
         os.makedirs(self.ring_folder(), 0o700)

@@ -15,6 +15,9 @@ using std::chrono::milliseconds;
 namespace {
 
 constexpr process::BackOff::Limits kPauses{milliseconds(500), milliseconds(10000), milliseconds(10000)};
+/// Longer than 'ringctl down' may take. Until then a daemon that was no child of ours may have been ended by it: we
+/// know only that it is gone.
+constexpr milliseconds kDownTakes{8000};
 
 void tell(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }
 
@@ -48,16 +51,18 @@ void Respawn::ended(std::size_t index) {
   if (!daemon.ended()->clean) tell(daemon.exit_reason());
 }
 
-/// 'ringctl down' removes the lock file of a daemon that it had to kill; nothing else does.
+/// 'ringctl down' removes the lock files in the end; nothing else does.
 void Respawn::consider(std::size_t index) {
   Node& node = nodes_[index];
   const live::LaunchedDaemon& daemon = daemons_.all()[index];
   const NodeName name{daemon.id, daemon.name};
-  if (Clock::now() < node.due) return;
   const live::Holder holder = live::holder_of(folder_, name.id);
-  if (holder.held) return;  // 'ringctl fault start'
-  if (holder.pid < 0)
+  if (holder.held)  // 'ringctl fault start'
+    node.due = Clock::now() + kDownTakes;
+  else if (holder.pid < 0)
     node.plan = Plan::stays_down;
+  else if (Clock::now() < node.due)
+    return;
   else if (!live::is_killed(folder_, name.id))
     start(index);
   else if (!std::exchange(node.told, true))

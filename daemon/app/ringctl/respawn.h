@@ -11,7 +11,8 @@ namespace limb_ring::ringctl {
 
 /// Starts the daemons of a ring again that end by themselves, each after a pause that grows while it goes on
 /// ending. What somebody has ended on purpose stays so: by 'ringctl down', by 'ringctl fault kill' (until 'fault
-/// start' or 'fault clear', whose daemon is no child of ours), by SIGTERM.
+/// start' or 'fault clear', whose daemon is no child of ours: should it die, it is started again after 8 s), by
+/// SIGTERM.
 class Respawn {
  public:
   explicit Respawn(live::LaunchedRing& daemons);
