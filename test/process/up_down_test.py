@@ -58,25 +58,33 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('--ring', self.ring, 'status').returncode, 3)
         self.assertEqual(list(self.launcher.daemons_left()), [])
 
-    def up_on_a_disk_of(self, size):
-        """What 'ringctl up' of three nodes says where the runtime folder has so little room."""
+    def refusal_on_a_disk_of(self, size, *arguments):
+        """What ringctl says that cannot do it, where the folders of rings and temporary files have so little room."""
         folder = tempfile.mkdtemp(prefix='small_disk_')
         self.addCleanup(os.rmdir, folder)
         script = 'mount -t tmpfs -o mode=700,size="$1" tmpfs "$2" || exit 77; shift 2; exec "$@"'
-        up = subprocess.run(['unshare', '--mount', '--map-root-user', 'sh', '-c', script, 'sh', size, folder,
-                             ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3', '--detach'],
-                            env=dict(os.environ, XDG_RUNTIME_DIR=folder), text=True, stdout=subprocess.PIPE,
-                            stderr=subprocess.PIPE, timeout=60)
-        if up.returncode not in (0, 1):
-            self.skipTest('no disk of our own can be mounted here: ' + up.stderr)
-        self.assertEqual(up.returncode, 1)
-        return up.stderr
+        done = subprocess.run(['unshare', '--mount', '--map-root-user', 'sh', '-c', script, 'sh', size, folder,
+                               ring_process.program('ringctl'), *arguments],
+                              env=dict(os.environ, XDG_RUNTIME_DIR=folder, TMPDIR=folder), text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+        if done.returncode not in (0, 1):
+            self.skipTest('no disk of our own can be mounted here: ' + done.stderr)
+        self.assertEqual(done.returncode, 1)
+        return done.stderr
+
+    def up_on_a_disk_of(self, size):
+        return self.refusal_on_a_disk_of(size, '--ring', self.ring, 'up', '--nodes', '3', '--detach')
 
     def test_a_disk_that_is_too_full_for_the_logs_is_named(self):
         self.assertRegex(self.up_on_a_disk_of('8k'), r'cannot write .*/2\.log: No space left on device')
 
     def test_a_daemon_can_say_that_the_disk_is_full(self):
         self.assertRegex(self.up_on_a_disk_of('16k'), r'cannot write .*/[012]\.lock: No space left on device')
+
+    def test_a_live_scenario_names_the_full_disk(self):
+        scenario = os.path.join(os.path.dirname(ring_process.__file__), '../scenarios/03-two-nodes-dead.yaml')
+        said = self.refusal_on_a_disk_of('4k', 'scenario', 'run', '--live', scenario)
+        self.assertRegex(said, r'/ring.yaml: not all could be written: No space left on device')
 
     def test_what_could_not_be_printed_is_an_error(self):
         for command in (('ringctl', 'fault', '--help'), ('ringctl', 'help'), ('ringd', '--options'), ('ringd', '--help'),

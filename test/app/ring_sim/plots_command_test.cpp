@@ -1,6 +1,7 @@
 // ring_sim compare --plots, as a user runs it.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <vector>
 
 #include "app/ring_sim/plot_folder.h"
@@ -57,6 +58,14 @@ TEST_F(Plots, WithoutGnuplotEndBeforeAnythingIsMeasured) {
   EXPECT_EQ(said.code, kBroken);
   EXPECT_THAT(said.errors, HasSubstr("gnuplot-nox"));
   EXPECT_EQ(said.out, "");
+}
+
+TEST_F(Plots, NameTheFileThatAFullDiskHasNoRoomFor) {
+  LIMB_RING_NEEDS_GNUPLOT();
+  std::filesystem::create_symlink("/dev/full", folder + "/latency_nodes.csv");
+  const CliRun said = compare(folder);
+  EXPECT_EQ(said.code, kBroken);
+  EXPECT_THAT(said.errors, HasSubstr(folder + "/latency_nodes.csv: not all could be written: No space left on device"));
 }
 
 TEST_F(Plots, IntoAFolderThatCannotBeMadeIsAUsageError) {

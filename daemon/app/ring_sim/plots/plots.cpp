@@ -53,10 +53,11 @@ PlotFolder::PlotFolder(const std::string& path) : path_(path) {
 void PlotFolder::write(const std::string& name, const std::string& text) const {
   const std::string path = path_ + "/" + name;
   std::ofstream file;
-  std::string problem = app::open_for_writing(file, path);
+  const std::string wrong_place = app::open_for_writing(file, path);
+  if (!wrong_place.empty()) throw UsageError(wrong_place);
   file << text;
-  if (problem.empty()) problem = app::finish_writing(file, path);
-  if (!problem.empty()) throw UsageError(problem);
+  const std::string not_written = app::finish_writing(file, path);
+  if (!not_written.empty()) throw std::runtime_error(not_written);
 }
 
 void PlotFolder::draw(const Picture& picture) const {

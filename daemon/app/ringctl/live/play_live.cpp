@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "app/common/out_file.h"
 #include "app/ringctl/live/live_stage.h"
 #include "app/ringctl/problems.h"
 #include "config/quantity.h"
@@ -41,9 +42,11 @@ YAML::Node story_cpu() {
 void write(const YAML::Node& file, const std::string& path) {
   YAML::Emitter text;
   text << file;
-  std::ofstream out(path);
-  out << text.c_str() << std::endl;
-  if (!out) throw NotDone("cannot write " + path);
+  std::ofstream out;
+  std::string problem = app::open_for_writing(out, path);
+  out << text.c_str() << '\n';
+  if (problem.empty()) problem = app::finish_writing(out, path);
+  if (!problem.empty()) throw NotDone(problem);
 }
 
 /// The scenario's own ring, but the CPU of every node is scenario_cpu, which counts what it takes, and the ring has a
