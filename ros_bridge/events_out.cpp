@@ -3,7 +3,7 @@
 namespace limb_ring::bridge {
 namespace {
 
-constexpr std::uint32_t kQueue = 1000;  // a restart of the ring is some ten events of every node
+constexpr std::uint32_t kEventsQueue = 1000;  // a restart of the ring is some ten events of every node
 constexpr const char* kOrder = R"({"kinds": ["state", "link", "pin", "cpu"]})";
 
 }  // namespace
@@ -18,7 +18,7 @@ EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, con
                      Counters& counters)
     : counters_(counters),
       conversion_(ring),
-      publisher_(nodes.advertise<RingEvent>("ring_events", kQueue)),
+      publisher_(nodes.advertise<RingEvent>("ring_events", kEventsQueue)),
       listener_(all_nodes(ring), door, kOrder,
                 [this](const config::NodeConfig& node, const Message& message) { take(node, message); }) {}
 

@@ -5,7 +5,7 @@
 namespace limb_ring::bridge {
 namespace {
 
-constexpr std::uint32_t kQueue = 1000;  // a second of them, by default
+constexpr std::uint32_t kFramesQueue = 1000;  // a second of them, by default
 
 }  // namespace
 
@@ -14,7 +14,7 @@ FramesOut::FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, con
     : ring_(ring), door_(door), filter_(std::move(filter)), counters_(counters) {
   // Called by the spinner, as topics are: never while this is being made.
   const auto changed = [this](const ros::SingleSubscriberPublisher&) { on_subscribers(); };
-  publisher_ = nodes.advertise<Frame>("ring_frames", kQueue, changed, changed);
+  publisher_ = nodes.advertise<Frame>("ring_frames", kFramesQueue, changed, changed);
   counters_.set("frames_watched_nodes", 0);
 }
 

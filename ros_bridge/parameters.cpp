@@ -9,7 +9,7 @@
 namespace limb_ring::bridge {
 namespace {
 
-using Kind = config::CpuConfig::Kind;
+using CpuKind = config::CpuConfig::Kind;
 
 // The spinner's timer calls alive() ten times in this.
 constexpr auto kAlivePeriod = std::chrono::seconds(1);
@@ -26,7 +26,7 @@ std::string text_parameter(const ros::NodeHandle& own, const std::string& name) 
 std::string candidates(const config::RingConfig& ring) {
   std::string names;
   for (const auto& node : ring.nodes)
-    if (node.cpu.kind == Kind::attached) names += (names.empty() ? "" : ", ") + node.name;
+    if (node.cpu.kind == CpuKind::attached) names += (names.empty() ? "" : ", ") + node.name;
   return names.empty() ? "none; give one of them 'cpu: attached'" : names;
 }
 
@@ -47,10 +47,10 @@ const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std:
   if (!chosen)
     throw std::invalid_argument("parameter ~node: no node '" + named + "' in " + ring.path +
                                 "; nodes for a bridge: " + candidates(ring));
-  if (chosen->cpu.kind == Kind::child)
+  if (chosen->cpu.kind == CpuKind::child)
     throw std::invalid_argument("parameter ~node: node '" + named + "' has a CPU of its own in " + ring.path +
                                 "; nodes for a bridge: " + candidates(ring));
-  if (chosen->cpu.kind == Kind::none)
+  if (chosen->cpu.kind == CpuKind::none)
     throw std::invalid_argument("parameter ~node: node '" + named + "' has 'cpu: none' in " + ring.path +
                                 "; nodes for a bridge: " + candidates(ring));
   return *chosen;
@@ -72,7 +72,7 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   parameters.door.ring = parameters.ring.ring;
   const config::NodeConfig& node = bridge_node(parameters.ring, text_parameter(own, "node"));
   parameters.door.node = node.name;
-  parameters.door.role = node.cpu.kind == Kind::attached ? Role::cpu : Role::tool;
+  parameters.door.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
   parameters.door.alive_period = kAlivePeriod;
   parameters.door.restarted_by_owner = own.param("respawn", false);
   parameters.door.timeout = std::chrono::milliseconds(0);

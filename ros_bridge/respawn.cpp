@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr int kWrongParameters = 2;
-constexpr milliseconds kFirstWait{100}, kLongestWait{5000};
+constexpr milliseconds kFirstWait{100}, kLongestPause{5000};
 constexpr milliseconds kSteady{10000};  // after so long a child was no failure
 
 /// The signals that the parent waits for, held back as long as this lives.
@@ -81,7 +81,7 @@ bool wait_before_next(milliseconds wait, const HeldSignals& signals) {
 int respawned(const std::function<int()>& program) {
   const HeldSignals signals;
   const pid_t parent = ::getpid();
-  for (milliseconds wait = kFirstWait;; wait = std::min(wait * 2, kLongestWait)) {
+  for (milliseconds wait = kFirstWait;; wait = std::min(wait * 2, kLongestPause)) {
     const auto start = steady_clock::now();
     const pid_t child = ::fork();
     if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot fork");

@@ -7,9 +7,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kRetry = 1s;           // a node on another host is not looked for in vain all the time
-constexpr int kTickMs = 50;           // how soon the end is noticed
-constexpr int kMessagesAtOnce = 256;  // then the other nodes have their turn
+constexpr auto kListenRetry = 1s;      // a node on another host is not looked for in vain all the time
+constexpr int kTickMs = 50;            // how soon the end is noticed
+constexpr int kMessagesOfANode = 256;  // then the other nodes have their turn
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void RingListener::run() {
 
 void RingListener::connect(Ear& ear) {
   if (Clock::now() < ear.next_try) return;
-  ear.next_try = Clock::now() + kRetry;
+  ear.next_try = Clock::now() + kListenRetry;
   try {
     door_.node = ear.node->name;
     ear.port.emplace(HostPort::connect(door_));
@@ -61,7 +61,7 @@ void RingListener::wait() const {
 }
 
 bool RingListener::drain(Ear& ear) {
-  for (int i = 0; i < kMessagesAtOnce; ++i) {
+  for (int i = 0; i < kMessagesOfANode; ++i) {
     const auto message = ear.port->receive(0ms);
     if (!message) return false;
     on_message_(*ear.node, *message);

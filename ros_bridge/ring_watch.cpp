@@ -8,9 +8,9 @@ namespace {
 using namespace std::chrono_literals;
 using nlohmann::json;
 
-constexpr auto kConnect = 100ms;
-constexpr auto kAnswer = 500ms;
-constexpr auto kRetry = 1s;  // a node that is not there, or on another host, is not asked in vain all the time
+constexpr auto kStatusConnect = 100ms;
+constexpr auto kStatusAnswer = 500ms;
+constexpr auto kStatusRetry = 1s;  // a node that is not there, or on another host, is not asked in vain all the time
 
 const json& heard_in(const json& row) {
   static const json nobody = json::array();
@@ -30,7 +30,7 @@ json essence(const json& object, std::initializer_list<const char*> members) {
 RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& door) : ring_(ring), door_(door) {
   door_.role = Role::tool;
   door_.alive_period = 0ms;
-  door_.timeout = kConnect;
+  door_.timeout = kStatusConnect;
 }
 
 std::optional<json> RingWatch::ask(const std::string& node) {
@@ -42,11 +42,11 @@ std::optional<json> RingWatch::ask(const std::string& node) {
       door.node = node;
       peer.port.emplace(HostPort::connect(door));
     }
-    return json::parse(peer.port->ask(R"({"do":"status"})", kAnswer));
+    return json::parse(peer.port->ask(R"({"do":"status"})", kStatusAnswer));
   } catch (const std::exception&) {
     // A node that does not answer shows as such in the status; there is no one to tell.
     peer.port.reset();
-    peer.next_try = Clock::now() + kRetry;
+    peer.next_try = Clock::now() + kStatusRetry;
     return std::nullopt;
   }
 }

@@ -18,8 +18,8 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 
 constexpr int kThreads = 3;
-constexpr auto kConnect = 1s;
-constexpr auto kAnswer = 10s;           // a send ends after timeouts.queue and its tries
+constexpr auto kServiceConnect = 1s;
+constexpr auto kServiceAnswer = 10s;    // a send ends after timeouts.queue and its tries
 constexpr double kDefaultReset = 3.0;   // s
 constexpr double kLongestReset = 60.0;  // s
 
@@ -69,7 +69,7 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
     : ring_(ring), door_(std::move(door)), commands_(commands), nodes_(nodes), threads_(kThreads, &queue_) {
   door_.role = Role::tool;
   door_.alive_period = 0ms;
-  door_.timeout = kConnect;
+  door_.timeout = kServiceConnect;
   nodes_.setCallbackQueue(&queue_);
   servers_ = {nodes_.advertiseService("reset_node", &Services::reset_node, this),
               nodes_.advertiseService("send_interrupt", &Services::send_interrupt, this),
@@ -116,7 +116,7 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
       throw std::invalid_argument("factor " + std::to_string(request.factor) + "; it must be 0 to 7");
     const auto to = destination(request.node);
     auto port = HostPort::connect(door_);
-    const auto result = port.wait(port.interrupt(to, request.factor, request.force), kAnswer);
+    const auto result = port.wait(port.interrupt(to, request.factor, request.force), kServiceAnswer);
     fill(response, to_string(result.outcome), in_seconds(result.round_trip), result.reason);
   });
 }
@@ -127,7 +127,7 @@ bool Services::stop(Stop::Request& request, Stop::Response& response) {
     if (!request.node.empty() && request.node != "all") ask_stop["node"] = std::to_string(one_node(request.node));
     auto port = HostPort::connect(door_);
     const auto sent = std::chrono::steady_clock::now();
-    const auto reply = answer_to(port, ask_stop, kAnswer);
+    const auto reply = answer_to(port, ask_stop, kServiceAnswer);
     fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,
          reply.value("reason", ""));
     const auto stops = ask::wait_for_stops(ring_.ring, nodes_to_ask(request.node), sent);
@@ -157,7 +157,7 @@ Result Services::resume_one(std::uint8_t node) {
   const auto done = std::make_shared<std::promise<Result>>();
   auto result = done->get_future();
   const bool asked = commands_.resume(node, [done](const Result& r) { done->set_value(r); });
-  if (!asked || result.wait_for(kAnswer) != std::future_status::ready)
+  if (!asked || result.wait_for(kServiceAnswer) != std::future_status::ready)
     throw std::runtime_error("node " + std::to_string(node) + ": no result in time");
   return result.get();
 }

@@ -10,7 +10,7 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kPollPeriod{20};
+constexpr milliseconds kStopsPollPeriod{20};
 constexpr milliseconds kToSaySo{1000};
 constexpr milliseconds kUnderWay{200};
 
@@ -76,7 +76,7 @@ std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector
              (stop.state == StopState::not_reached && waited < kUnderWay);
     };
     if (std::none_of(stops.begin(), stops.end(), pending)) return stops;
-    std::this_thread::sleep_for(kPollPeriod);
+    std::this_thread::sleep_for(kStopsPollPeriod);
   }
 }
 

@@ -11,7 +11,7 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kPollPeriod{50};
+constexpr milliseconds kResetPollPeriod{50};
 constexpr milliseconds kMargin{2000};  ///< for the answer, beside the time that the reset is given
 constexpr int kLately = 1000;          ///< ms; an older beacon tells nothing
 
@@ -83,7 +83,7 @@ json reset_node(ResetQuery query) {
     const json known = judged(answer, query, before, status_rows(query.ring, query.nodes, kRowTimeout));
     const bool over = known.value("effect", "") != "unknown" || steady_clock::now() >= deadline;
     if (over) return known;
-    std::this_thread::sleep_for(kPollPeriod);
+    std::this_thread::sleep_for(kResetPollPeriod);
   }
 }
 

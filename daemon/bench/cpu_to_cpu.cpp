@@ -9,6 +9,7 @@
 #include "bench/cores.h"
 #include "bench/samples.h"
 #include "bench/shared.h"
+#include "bench/waits.h"
 #include "bench/worker.h"
 
 namespace limb_ring::bench {
@@ -17,10 +18,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kLongestLap{1000};
-constexpr milliseconds kTick{5};
-constexpr milliseconds kPatience{10'000};
 
-struct Outcome {
+struct EchoOutcome {
   std::atomic<bool> echo_ready{false}, done{false};
   Measurement measured;
 };
@@ -44,7 +43,7 @@ void echo(HostPort port, std::atomic<bool>& ready) {
     if (const auto packet = next_packet(port)) port.send(packet->source, packet->data);
 }
 
-void measure(HostPort port, std::uint8_t to, const Setup& setup, Outcome& outcome) {
+void measure(HostPort port, std::uint8_t to, const Setup& setup, EchoOutcome& outcome) {
   const std::vector<std::uint8_t> data(setup.payload);
   Samples samples(setup.round_seconds());
   std::uint64_t failed = 0;
@@ -86,7 +85,7 @@ std::string write_two_cpus(const Setup& setup, const live::PrivateFolder& folder
 
 Measurement measure_cpu_to_cpu(const Setup& setup, const PrivateRing& ring, Pinning pinning) {
   const auto cores = cores_for(pinning);
-  Shared<Outcome> outcome(1);
+  Shared<EchoOutcome> outcome(1);
   Worker echoes([&] {
     stay_on(cores);
     echo(ring.connect(across(ring), Role::cpu), outcome[0].echo_ready);

@@ -7,13 +7,14 @@
 #include <stdexcept>
 #include <thread>
 
+#include "bench/waits.h"
+
 namespace limb_ring::bench {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kSlice{50};
 constexpr milliseconds kSettling{500};
 
 double cpu_seconds(pid_t process) {

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "bench/cores.h"
+#include "bench/waits.h"
 #include "capture/pcapng_writer.h"
 
 namespace limb_ring::bench {
@@ -13,9 +14,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
-
-constexpr milliseconds kTick{5};
-constexpr milliseconds kPatience{10'000};
 
 void observe(HostPort port, std::atomic<bool>& ready) {
   std::ofstream nowhere("/dev/null");

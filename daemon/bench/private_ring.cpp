@@ -18,7 +18,7 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kAnswerTime{5000};
 constexpr milliseconds kClosingTime{20'000};
-constexpr milliseconds kTick{20};
+constexpr milliseconds kRingTick{20};
 constexpr milliseconds kGrace{2000};
 
 /// Never the same twice: UDP ports come from it, and an old ring's may still be taken.
@@ -106,7 +106,7 @@ void PrivateRing::wait_until_closed(const Setup& setup) {
     if (steady_clock::now() > deadline)
       throw std::runtime_error("a ring of " + std::to_string(config_.nodes.size()) + " nodes did not close within " +
                                std::to_string(kClosingTime.count() / 1000) + " s" + daemons_.all()[0].last_lines());
-    std::this_thread::sleep_for(kTick);
+    std::this_thread::sleep_for(kRingTick);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "bench/cores.h"
 #include "bench/samples.h"
 #include "bench/shared.h"
+#include "bench/waits.h"
 #include "bench/worker.h"
 #include "process/unique_fd.h"
 #include "wire/packet.h"
@@ -24,10 +25,8 @@ using process::UniqueFd;
 using std::chrono::milliseconds;
 
 constexpr std::size_t kReadSize = 64 * 1024;
-constexpr milliseconds kTick{5};
-constexpr milliseconds kPatience{10'000};
 
-struct Outcome {
+struct ReferenceOutcome {
   std::atomic<bool> done{false};
   Measurement measured;
 };
@@ -66,7 +65,7 @@ void meet(std::atomic<unsigned>& started, unsigned all) {
 /// One process of the ring.
 class ReferenceNode {
  public:
-  ReferenceNode(unsigned id, const Setup& setup, Outcome& outcome)
+  ReferenceNode(unsigned id, const Setup& setup, ReferenceOutcome& outcome)
       : id_(static_cast<std::uint8_t>(id)),
         packet_size_(setup.payload + wire::kOverhead),
         samples_(setup.round_seconds()),
@@ -106,11 +105,11 @@ class ReferenceNode {
   std::size_t packet_size_;
   std::size_t to_next_packet_ = 0;
   Samples samples_;
-  Outcome& outcome_;
+  ReferenceOutcome& outcome_;
   std::array<std::uint8_t, kReadSize> buffer_;
 };
 
-std::vector<Worker> start(const Setup& setup, Pinning pinning, unsigned senders, Shared<Outcome>& outcomes,
+std::vector<Worker> start(const Setup& setup, Pinning pinning, unsigned senders, Shared<ReferenceOutcome>& outcomes,
                           std::atomic<unsigned>& started) {
   const auto cores = cores_for(pinning);
   const std::vector<Line> lines = make_lines(setup.nodes);
@@ -127,7 +126,7 @@ std::vector<Worker> start(const Setup& setup, Pinning pinning, unsigned senders,
   return workers;
 }
 
-void wait_until_done(const Setup& setup, Outcome& outcome, Samples::Clock::time_point deadline) {
+void wait_until_done(const Setup& setup, ReferenceOutcome& outcome, Samples::Clock::time_point deadline) {
   while (!outcome.done) {
     setup.poll();
     if (Samples::Clock::now() > deadline)
@@ -140,7 +139,7 @@ void wait_until_done(const Setup& setup, Outcome& outcome, Samples::Clock::time_
 
 Measurement measure_reference(const Setup& setup, Pinning pinning, Sending sending) {
   const unsigned senders = sending == Sending::one ? 1 : setup.nodes;
-  Shared<Outcome> outcomes(setup.nodes);
+  Shared<ReferenceOutcome> outcomes(setup.nodes);
   Shared<std::atomic<unsigned>> started(1);
   const std::vector<Worker> workers = start(setup, pinning, senders, outcomes, started[0]);
   const auto deadline = Samples::Clock::now() + kPatience + milliseconds(static_cast<int>(setup.seconds * 1000));

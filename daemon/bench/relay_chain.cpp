@@ -22,8 +22,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kTick{50};
-constexpr milliseconds kPatience{60'000};
+constexpr milliseconds kChainTick{50};
+constexpr milliseconds kChainPatience{60'000};
 
 /// topic_tools' relay: below one of the ROS prefixes, else below /usr (Debian's own ROS).
 std::string find_relay() {
@@ -89,11 +89,11 @@ class Chain {
   }
 
   void wait_for_end(process::Program& ends) {
-    const auto deadline = steady_clock::now() + kPatience;
+    const auto deadline = steady_clock::now() + kChainPatience;
     while (ends.reap(), !ends.ended()) {
       setup_.poll();
       if (steady_clock::now() > deadline) throw std::runtime_error("it did not get going within a minute");
-      std::this_thread::sleep_for(kTick);
+      std::this_thread::sleep_for(kChainTick);
     }
   }
 

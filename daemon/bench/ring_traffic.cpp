@@ -3,14 +3,13 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "bench/waits.h"
+
 namespace limb_ring::bench {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
-
-constexpr milliseconds kSlice{50};
-constexpr milliseconds kPatience{10'000};
 
 nlohmann::json request_of(const Setup& setup, const config::RingConfig& ring, std::size_t sender) {
   const std::size_t across = (sender + ring.nodes.size() / 2) % ring.nodes.size();

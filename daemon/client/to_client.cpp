@@ -9,7 +9,7 @@ namespace limb_ring::client {
 
 namespace {
 
-enum Type : std::uint8_t {
+enum ToClientType : std::uint8_t {
   kWelcome = 0x81,
   kRefused,
   kPacket,

@@ -4,7 +4,16 @@ namespace limb_ring::client {
 
 namespace {
 
-enum Type : std::uint8_t { kGreeting = 1, kSend, kInterrupt, kPull, kRequest, kObserve, kAlive, kCredit };
+enum ToDaemonType : std::uint8_t {
+  kGreeting = 1,
+  kSend,
+  kInterruptRequest,
+  kPull,
+  kRequest,
+  kObserve,
+  kAlive,
+  kCredit
+};
 
 constexpr std::uint8_t kRestartedByOwner = 1;
 
@@ -36,7 +45,7 @@ std::optional<ToDaemon> read_send(FieldReader reader) {
   return message;
 }
 
-std::optional<ToDaemon> read_interrupt(FieldReader reader) {
+std::optional<ToDaemon> read_interrupt_request(FieldReader reader) {
   InterruptRequest message;
   message.token = reader.u32();
   message.destination = reader.u8();
@@ -97,7 +106,11 @@ void append(Bytes& out, const SendRequest& message) {
 }
 
 void append(Bytes& out, const InterruptRequest& message) {
-  FrameWriter(out, kInterrupt).u32(message.token).u8(message.destination).u8(message.factor).u8(message.force ? 1 : 0);
+  FrameWriter(out, kInterruptRequest)
+      .u32(message.token)
+      .u8(message.destination)
+      .u8(message.factor)
+      .u8(message.force ? 1 : 0);
 }
 
 void append(Bytes& out, const PullRequest& message) { FrameWriter(out, kPull).u32(message.token).u8(message.input); }
@@ -119,8 +132,8 @@ std::optional<ToDaemon> decode_to_daemon(const Frame& frame) {
       return read_greeting(reader);
     case kSend:
       return read_send(reader);
-    case kInterrupt:
-      return read_interrupt(reader);
+    case kInterruptRequest:
+      return read_interrupt_request(reader);
     case kPull:
       return read_pull(reader);
     case kRequest:

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <numeric>
 
+#include "config/characters.h"
+
 namespace limb_ring::config {
 namespace {
-
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// Letters, digits and `others` alone, 1 to `most` characters.
 bool consists_of(const std::string& name, const std::string& others, std::size_t most) {

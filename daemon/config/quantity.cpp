@@ -7,6 +7,8 @@
 #include <locale>
 #include <sstream>
 
+#include "config/characters.h"
+
 namespace limb_ring::config {
 namespace {
 
@@ -23,8 +25,6 @@ struct Scaled {
   long double number = 0;
   std::string unit;  ///< what stands behind it, without the blank between
 };
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// End of an exponent that begins at `at`; `at` where there is none, since a unit may begin with an e.
 std::size_t end_of_exponent(const std::string& text, std::size_t at) {

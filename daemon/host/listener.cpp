@@ -5,8 +5,8 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <system_error>
 
+#include "host/throw_errno.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::host {
@@ -16,8 +16,6 @@ namespace {
 constexpr int kBacklog = 64;
 constexpr mode_t kOwnerOnly = 0600;
 
-[[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
-
 /// Removes what a dead daemon left behind, and nothing else.
 void remove_leftover(const std::string& path) {
   struct stat status {};
@@ -25,7 +23,7 @@ void remove_leftover(const std::string& path) {
   if (!S_ISSOCK(status.st_mode) && !S_ISLNK(status.st_mode)) {
     throw std::runtime_error(path + " is in the way: it is no socket; remove it");
   }
-  if (unlink(path.c_str()) != 0 && errno != ENOENT) fail("cannot remove " + path);
+  if (unlink(path.c_str()) != 0 && errno != ENOENT) throw_errno("cannot remove " + path);
 }
 
 }  // namespace
@@ -44,7 +42,7 @@ void Listener::listen() {
   try {
     acceptor_.open(endpoint.protocol());
     acceptor_.bind(endpoint);
-    if (chmod(path_.c_str(), kOwnerOnly) != 0) fail("cannot restrict " + path_);
+    if (chmod(path_.c_str(), kOwnerOnly) != 0) throw_errno("cannot restrict " + path_);
     acceptor_.listen(kBacklog);
     acceptor_.non_blocking(true);
   } catch (const boost::system::system_error& problem) {
@@ -67,7 +65,7 @@ void Listener::listen_again() {
 void Listener::link_name() const {
   remove_leftover(link_);
   const std::string target = path_.substr(path_.rfind('/') + 1);
-  if (symlink(target.c_str(), link_.c_str()) != 0) fail("cannot make the link " + link_);
+  if (symlink(target.c_str(), link_.c_str()) != 0) throw_errno("cannot make the link " + link_);
 }
 
 void Listener::close() {

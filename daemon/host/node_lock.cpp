@@ -12,15 +12,15 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "host/throw_errno.h"
+
 namespace limb_ring::host {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
-
 int open_lock_file(const std::string& path) {
   const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (fd < 0) fail("cannot open " + path);
+  if (fd < 0) throw_errno("cannot open " + path);
   return fd;
 }
 
@@ -65,7 +65,7 @@ void write_holder(int fd, const std::string& path) {
   const std::string text = own_description();
   const bool written =
       ftruncate(fd, 0) == 0 && pwrite(fd, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
-  if (!written) fail("cannot write " + path);
+  if (!written) throw_errno("cannot write " + path);
 }
 
 /// 'ringctl down' removes the lock files of a ring that has ended, perhaps just after we opened ours.
@@ -87,7 +87,7 @@ NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::u
       fd_ = open_lock_file(path_);
     }
     if (!try_lock(fd_)) {
-      if (errno != EAGAIN && errno != EACCES) fail("cannot lock " + path_);
+      if (errno != EAGAIN && errno != EACCES) throw_errno("cannot lock " + path_);
       throw NodeHeld("node " + std::to_string(id) + " (" + name + ") of ring " + ring + " is held by " +
                      holder_of(path_));
     }

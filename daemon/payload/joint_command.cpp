@@ -10,9 +10,9 @@ namespace limb_ring::payload {
 namespace {
 
 using Joint = JointCommand::Joint;
-constexpr std::size_t kFlagsAt = 16;
+constexpr std::size_t kCommandFlagsAt = 16;
 constexpr std::uint8_t kResume = 1 << 0;
-constexpr std::uint8_t kSaturated = 1 << 1;
+constexpr std::uint8_t kCommandSaturated = 1 << 1;
 constexpr std::array<std::optional<double> Joint::*, 3> kFields{&Joint::position, &Joint::velocity, &Joint::effort};
 
 std::uint8_t mask_of(const Joint& joint) {
@@ -33,7 +33,7 @@ void put(ByteWriter& writer, const Joint& joint) {
     if (!(joint.*field)) continue;
     const auto fixed = to_fixed(*(joint.*field), kMicro);
     writer.i32(fixed.steps);
-    if (fixed.saturated) writer.at(kFlagsAt) |= kSaturated;
+    if (fixed.saturated) writer.at(kCommandFlagsAt) |= kCommandSaturated;
   }
 }
 
@@ -83,9 +83,9 @@ Decoded<JointCommand> decode_joint_command(wire::ByteView packet) {
   const auto flags = reader.u8();
   const std::size_t count = reader.u8();
   if (reader.ended_early()) return DecodeError::truncated;
-  if ((flags & ~(kResume | kSaturated)) != 0 || command.stamp_ns < 0) return DecodeError::bad_field;
+  if ((flags & ~(kResume | kCommandSaturated)) != 0 || command.stamp_ns < 0) return DecodeError::bad_field;
   command.resume = (flags & kResume) != 0;
-  command.saturated = (flags & kSaturated) != 0;
+  command.saturated = (flags & kCommandSaturated) != 0;
   if (const auto wrong = get_joints(reader, count, command)) return *wrong;
   return command;
 }

@@ -9,8 +9,8 @@ namespace limb_ring::payload {
 namespace {
 
 using Kind = SensorReading::Kind;
-constexpr std::size_t kFlagsAt = 13;
-constexpr std::uint8_t kSaturated = 1;
+constexpr std::size_t kSensorFlagsAt = 13;
+constexpr std::uint8_t kSensorSaturated = 1;
 
 double resolution(Kind kind) { return kind == Kind::imu ? kMicro : kTenMicro; }
 
@@ -25,7 +25,7 @@ void put(ByteWriter& writer, const std::array<double, 3>& axes, Kind kind) {
   for (double value : axes) {
     const auto fixed = to_fixed(value, resolution(kind));
     writer.i32(fixed.steps);
-    if (fixed.saturated) writer.at(kFlagsAt) |= kSaturated;
+    if (fixed.saturated) writer.at(kSensorFlagsAt) |= kSensorSaturated;
   }
 }
 
@@ -63,7 +63,7 @@ Decoded<SensorReading> decode_sensor_reading(wire::ByteView packet) {
   get(reader, reading.linear, reading.kind);
   get(reader, reading.angular, reading.kind);
   if (const auto wrong = reader.finish()) return *wrong;
-  const bool unknown = (flags & ~kSaturated) != 0 || zero != 0;
+  const bool unknown = (flags & ~kSensorSaturated) != 0 || zero != 0;
   if (unknown || reading.stamp_ns < 0) return DecodeError::bad_field;
   reading.saturated = flags != 0;
   return reading;

@@ -7,7 +7,7 @@
 namespace limb_ring::runtime {
 namespace {
 
-constexpr core::Owner kOwner = SendOwner::of(SendOwner::Kind::babbling_cpu).to_core();
+constexpr core::Owner kBabblingOwner = SendOwner::of(SendOwner::Kind::babbling_cpu).to_core();
 /// After a rejection, which comes at once: sending again at once would keep the event loop from all else.
 constexpr std::chrono::nanoseconds kRejectedPause = std::chrono::milliseconds(1);
 
@@ -29,14 +29,14 @@ void BabblingCpu::stop() {
   if (!on_) return;
   on_ = false;
   next_.cancel();
-  engine_.controller().cancel(kOwner, engine_.now());
+  engine_.controller().cancel(kBabblingOwner, engine_.now());
   engine_.pump();
 }
 
 void BabblingCpu::send() {
   wire::store_u32(data_.data(), static_cast<std::uint32_t>(asked_++));  // no two alike
   core::SendRequest request;                                            // of the highest priority, to all
-  request.owner = kOwner;
+  request.owner = kBabblingOwner;
   request.token = run_;
   request.destination = wire::kBroadcast;
   request.data = {data_.data(), data_.size()};

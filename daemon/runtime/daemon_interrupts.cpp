@@ -5,14 +5,14 @@
 namespace limb_ring::runtime {
 namespace {
 
-constexpr core::Owner kOwner = SendOwner::of(SendOwner::Kind::daemon_interrupts).to_core();
+constexpr core::Owner kInterruptsOwner = SendOwner::of(SendOwner::Kind::daemon_interrupts).to_core();
 
 }  // namespace
 
 void DaemonInterrupts::interrupt(wire::NodeId to, std::uint8_t factor, Ended done) {
   const std::uint32_t token = ++last_token_;
   interrupts_.emplace(token, std::move(done));
-  engine_.controller().interrupt({kOwner, token, to, wire::Factor{factor}}, engine_.now());
+  engine_.controller().interrupt({kInterruptsOwner, token, to, wire::Factor{factor}}, engine_.now());
   engine_.pump();
 }
 

@@ -8,13 +8,12 @@
 #include "limb_ring/host_port.h"
 #include "runtime/clock.h"
 #include "runtime/request_fields.h"
+#include "runtime/round_trips.h"
 
 namespace limb_ring::runtime {
 namespace {
 
 using Action = config::PinConfig::Action;
-
-double microseconds(core::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }
 
 /// The first pin of a node wired to `action`. @throw RequestError where there is none
 std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std::string& name) {

@@ -3,9 +3,10 @@
 #include <algorithm>
 
 namespace limb_ring::runtime {
-namespace {
 
 double microseconds(core::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }
+
+namespace {
 
 /// Nearest rank: the smallest sample that `share` of all do not exceed.
 double rank(std::vector<core::Duration>& samples, double share) {

@@ -9,6 +9,8 @@
 
 namespace limb_ring::runtime {
 
+double microseconds(core::Duration duration);
+
 /// Exact percentiles of some durations, in microseconds.
 struct Percentiles {
   double min = 0, p50 = 0, p99 = 0, max = 0;

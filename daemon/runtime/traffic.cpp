@@ -7,7 +7,7 @@
 namespace limb_ring::runtime {
 namespace {
 
-constexpr core::Owner kOwner = SendOwner::of(SendOwner::Kind::traffic).to_core();
+constexpr core::Owner kTrafficOwner = SendOwner::of(SendOwner::Kind::traffic).to_core();
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void Traffic::send(std::uint32_t id, Run& run) {
   ++run.sent;
   run.out = true;
   core::SendRequest request;
-  request.owner = kOwner;
+  request.owner = kTrafficOwner;
   request.token = id;
   request.destination = run.request.to;
   request.priority = wire::Priority{run.request.priority};

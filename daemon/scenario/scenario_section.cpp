@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::size_t kMostSteps = 10000;
-constexpr const char* kNameRule = "a line of 1 to 100 characters";
+constexpr const char* kTitleRule = "a line of 1 to 100 characters";
 constexpr const char* kLineRule = "two nodes of the ring, such as left_hip -> left_knee";
 constexpr config::TimeRange kTimes{0s, 3600s, 1ns};
 constexpr config::TimeRange kDelays{0s, 1s, 1ns};
@@ -23,9 +23,9 @@ Option<Scenario> read_already(const char* name, const char* allowed, const char*
 }
 
 std::string read_title(const Entry& entry) {
-  const std::string title = entry.text(kNameRule);
+  const std::string title = entry.text(kTitleRule);
   if (title.empty() || title.size() > 100 || title.find('\n') != std::string::npos)
-    entry.refuse_value("is not one", kNameRule);
+    entry.refuse_value("is not one", kTitleRule);
   return title;
 }
 
@@ -89,7 +89,7 @@ Located read_line(const Entry& entry) {
 
 const Section<Scenario>& scenario_section() {
   static const Section<Scenario> section{
-      {"scenario", config::kRequired, kNameRule, "What it is about.",
+      {"scenario", config::kRequired, kTitleRule, "What it is about.",
        [](const Entry& entry, Scenario& scenario) { scenario.name = read_title(entry); }},
       read_already("ring", "a file", "The YAML file of the ring, looked for beside this file."),
       read_already("nodes", "2 to 255", "Instead of `ring`: so many plain nodes, node0 and so on."),

@@ -9,10 +9,10 @@ using ::testing::IsEmpty;
 using ::testing::StartsWith;
 using Policy = SupervisorConfig::Policy;
 
-RingConfig read(const std::string& more) { return parse_ring(two_nodes(more), "ring.yaml"); }
+RingConfig read_with(const std::string& more) { return parse_ring(two_nodes(more), "ring.yaml"); }
 
 TEST(Supervisor, ReportsByDefault) {
-  const SupervisorConfig supervisor = read("").supervisor;
+  const SupervisorConfig supervisor = read_with("").supervisor;
   EXPECT_EQ(supervisor.policy, Policy::report);
   EXPECT_EQ(supervisor.grace, 5s);
   EXPECT_EQ(supervisor.tries, 3u);
@@ -21,17 +21,17 @@ TEST(Supervisor, ReportsByDefault) {
 
 TEST(Supervisor, IsWhatTheFileSays) {
   const SupervisorConfig supervisor =
-      read("supervisor: {node: knee, policy: auto, grace: 300ms, tries: 5, backoff: 2s}\n").supervisor;
+      read_with("supervisor: {node: knee, policy: auto, grace: 300ms, tries: 5, backoff: 2s}\n").supervisor;
   EXPECT_EQ(supervisor.node, 1);
   EXPECT_EQ(supervisor.policy, Policy::automatic);
   EXPECT_EQ(supervisor.grace, 300ms);
   EXPECT_EQ(supervisor.tries, 5u);
   EXPECT_EQ(supervisor.backoff, 2s);
-  EXPECT_EQ(read("supervisor: {policy: off}\n").supervisor.policy, Policy::off);
+  EXPECT_EQ(read_with("supervisor: {policy: off}\n").supervisor.policy, Policy::off);
 }
 
 TEST(Supervisor, IsTheBodyWhereNoNodeIsNamed) {
-  RingConfig ring = read("");
+  RingConfig ring = read_with("");
   EXPECT_EQ(supervisor_of(ring).name, "body");  // the first, for want of an attached CPU
   ring.nodes[1].cpu.kind = CpuConfig::Kind::attached;
   EXPECT_EQ(supervisor_of(ring).name, "knee");

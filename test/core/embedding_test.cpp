@@ -27,10 +27,10 @@ void feed(SoloNode& solo, const Bytes& packet, const std::vector<std::size_t>& p
 }
 
 /// Takes what a line carries apart again, as the next node does.
-struct Line {
+struct CarriedLine {
   Bytes data;
   std::vector<Bytes> interrupts;
-  explicit Line(const std::vector<SoloNode::Out>& slices) {
+  explicit CarriedLine(const std::vector<SoloNode::Out>& slices) {
     for (const auto& slice : slices)
       if (slice.kind == SliceKind::interrupt)
         interrupts.push_back(slice.bytes);
@@ -52,7 +52,7 @@ TEST(Embedding, AtEveryWordOfDatpsOfEveryLengthBothAreTakenAndPassedOn) {
       feed(solo, Foreign{0, 1, static_cast<std::uint8_t>(data_sequence++ & 7)}.with(payload), {place}, sequence);
       ASSERT_THAT(solo.packets(), ElementsAre(payload)) << length << " at " << place;
       ASSERT_EQ(solo.counters().pins_pulled, ++pulled);
-      const Line line(solo.line());
+      const CarriedLine line(solo.line());
       ASSERT_TRUE(good(line.data)) << length << " at " << place;
       ASSERT_EQ(line.data.size(), length + 12);
       ASSERT_EQ(line.interrupts.size(), 1u);
@@ -66,7 +66,7 @@ TEST(Embedding, SeveralInOneDatpKeepTheirOrder) {
   solo.join();
   std::uint8_t sequence = 0;
   feed(solo, Foreign{0, 1}.with(pattern(33)), {0, 0, 4, 16, 32, 32}, sequence);
-  const Line line(solo.line());
+  const CarriedLine line(solo.line());
   ASSERT_EQ(line.interrupts.size(), 6u);
   for (std::uint8_t i = 0; i < 6; ++i) EXPECT_EQ(wire::code_of(line.interrupts[i][0]).sequence, i);
   EXPECT_TRUE(good(line.data));

@@ -7,11 +7,11 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr unsigned kNodes = 8;
+constexpr unsigned kChainNodes = 8;
 
 /// The line from node 2 to node 3 is cut.
 struct OpenChain : testing::Test {
-  VirtualRing ring{with(quick(kNodes), [](Settings& s) { s.beacon = 100ms; })};
+  VirtualRing ring{with(quick(kChainNodes), [](Settings& s) { s.beacon = 100ms; })};
   void SetUp() override {
     ASSERT_TRUE(ring.join());
     ring.run_for(50ms);
@@ -22,14 +22,14 @@ struct OpenChain : testing::Test {
   }
   const Membership& membership(NodeId id) { return ring.node(id).membership(); }
   void expect_all(NodeState state) {
-    for (NodeId id = 0; id < kNodes; ++id) EXPECT_EQ(membership(id).state(), state) << int{id};
+    for (NodeId id = 0; id < kChainNodes; ++id) EXPECT_EQ(membership(id).state(), state) << int{id};
   }
 };
 
 TEST_F(OpenChain, IsKnownToAllWithTheBrokenLine) {
   cut();
   expect_all(NodeState::open_chain);
-  for (NodeId id = 0; id < kNodes; ++id) {
+  for (NodeId id = 0; id < kChainNodes; ++id) {
     if (id == 3) continue;
     const wire::Beacon& beacon = membership(id).peers()[3].beacon;
     EXPECT_TRUE(beacon.break_known);
@@ -91,8 +91,8 @@ TEST_F(OpenChain, HealsByItself) {
   ring.run_for(1s);
   expect_all(NodeState::up);
   EXPECT_EQ(outcome_of(ring, 1, ring.send(1, 4, text("a"))).outcome, Outcome::delivered);
-  for (NodeId id = 0; id < kNodes; ++id) {
-    EXPECT_EQ(membership(id).ring_size(), kNodes);
+  for (NodeId id = 0; id < kChainNodes; ++id) {
+    EXPECT_EQ(membership(id).ring_size(), kChainNodes);
     EXPECT_FALSE(membership(id).peers()[3].beacon.break_known) << "no echo of the old break";
   }
   ring.run_for(2s);

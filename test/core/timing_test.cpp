@@ -4,12 +4,12 @@
 namespace limb_ring::core {
 namespace {
 
-constexpr unsigned kNodes = 16;
+constexpr unsigned kTimedNodes = 16;
 const Duration T = 8ns * (512 + 12);
 const Duration d = 512ns;
 
 struct Gigabit : testing::Test {
-  VirtualRing ring{gigabit(kNodes)};
+  VirtualRing ring{gigabit(kTimedNodes)};
   void SetUp() override {
     ASSERT_TRUE(ring.join());
     ring.run_for(1ms);
@@ -18,53 +18,53 @@ struct Gigabit : testing::Test {
 
 TEST_F(Gigabit, AloneOnTheRing) {
   const auto token = ring.send(0, 8, Bytes(512));
-  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, T + kNodes * d);
-  EXPECT_EQ(T + kNodes * d, 12384ns);
+  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, T + kTimedNodes * d);
+  EXPECT_EQ(T + kTimedNodes * d, 12384ns);
 }
 
 TEST_F(Gigabit, AllStartAtTheSameInstant) {
   std::vector<std::uint32_t> tokens;
-  for (NodeId id = 0; id < kNodes; ++id) tokens.push_back(ring.send(id, (id + 5) % kNodes, Bytes(512)));
-  for (NodeId id = 0; id < kNodes; ++id) {
+  for (NodeId id = 0; id < kTimedNodes; ++id) tokens.push_back(ring.send(id, (id + 5) % kTimedNodes, Bytes(512)));
+  for (NodeId id = 0; id < kTimedNodes; ++id) {
     const SendEnded end = outcome_of(ring, id, tokens[id]);
     EXPECT_EQ(end.outcome, Outcome::delivered);
-    EXPECT_EQ(end.round_trip, kNodes * T + d);
+    EXPECT_EQ(end.round_trip, kTimedNodes * T + d);
   }
-  EXPECT_EQ(kNodes * T + d, 67584ns);
+  EXPECT_EQ(kTimedNodes * T + d, 67584ns);
 }
 
 // Every node starts its own packet just before ours arrives.
 TEST_F(Gigabit, WorstCaseIsReached) {
   const Time start = ring.now();
   const auto token = ring.send(0, 8, Bytes(512));
-  for (unsigned id = 1; id < kNodes; ++id)
+  for (unsigned id = 1; id < kTimedNodes; ++id)
     ring.at(start + id * d + (id - 1) * T, [&, id] { ring.send(static_cast<NodeId>(id), 0, Bytes(512)); });
-  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, kNodes * (T + d));
-  EXPECT_EQ(kNodes * (T + d), 75264ns);
+  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, kTimedNodes * (T + d));
+  EXPECT_EQ(kTimedNodes * (T + d), 75264ns);
 }
 
 TEST_F(Gigabit, InterruptAlone) {
   const auto token = ring.interrupt(3, 9, 1);
-  EXPECT_EQ(outcome_of(ring, 3, token).round_trip, kNodes * d + 96ns);
+  EXPECT_EQ(outcome_of(ring, 3, token).round_trip, kTimedNodes * d + 96ns);
 }
 
 // Every node starts an interrupt of its own in the instant in which ours arrives.
 TEST_F(Gigabit, InterruptBehindAnotherAtEveryNode) {
   const Time start = ring.now();
   const auto token = ring.interrupt(0, 8, 1);
-  for (unsigned id = 1; id < kNodes; ++id)
+  for (unsigned id = 1; id < kTimedNodes; ++id)
     ring.at(start + id * d + (id - 1) * 96ns, [&, id] { ring.interrupt(static_cast<NodeId>(id), 0, 1); });
-  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, kNodes * (d + 96ns));
-  EXPECT_EQ(kNodes * (d + 96ns), 9728ns);
+  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, kTimedNodes * (d + 96ns));
+  EXPECT_EQ(kTimedNodes * (d + 96ns), 9728ns);
 }
 
 TEST_F(Gigabit, DeliveryDownstreamWithinItsBound) {
-  std::vector<Time> arrived(kNodes);
+  std::vector<Time> arrived(kTimedNodes);
   ring.on_packet = [&](NodeId id, const ReceivedPacket& p) { arrived[id] = p.at; };
   const Time start = ring.now();
   const auto token = ring.send(0, wire::kBroadcast, Bytes(512));
   outcome_of(ring, 0, token);
-  for (unsigned h = 1; h < kNodes; ++h) EXPECT_EQ(arrived[h] - start, T + h * d) << h;
+  for (unsigned h = 1; h < kTimedNodes; ++h) EXPECT_EQ(arrived[h] - start, T + h * d) << h;
 }
 
 // All nodes always have something to send: line occupancy N*T/(N*T + d).
@@ -73,13 +73,13 @@ TEST_F(Gigabit, SaturatedAndAligned) {
   ring.on_event = [&](NodeId id, const Event& event) {
     if (!std::holds_alternative<SendEnded>(event.what)) return;
     if (id == 0) ++laps;
-    ring.send(id, (id + 1) % kNodes, Bytes(512));
+    ring.send(id, (id + 1) % kTimedNodes, Bytes(512));
   };
-  for (NodeId id = 0; id < kNodes; ++id) ring.send(id, (id + 1) % kNodes, Bytes(512));
+  for (NodeId id = 0; id < kTimedNodes; ++id) ring.send(id, (id + 1) % kTimedNodes, Bytes(512));
   const Time start = ring.now();
-  ring.run_for(1000 * (kNodes * T + d));
+  ring.run_for(1000 * (kTimedNodes * T + d));
   EXPECT_EQ(laps, 1000u);
-  const double occupancy = static_cast<double>(laps) * (kNodes * T).count() / (ring.now() - start).count();
+  const double occupancy = static_cast<double>(laps) * (kTimedNodes * T).count() / (ring.now() - start).count();
   EXPECT_NEAR(occupancy, 0.9924, 0.00005);
 }
 

@@ -14,10 +14,10 @@ std::vector<std::string> reasons(const std::string& more, const std::string& tra
   return only_virtual(parse_scenario(four_nodes(more), "test.yaml"), transport);
 }
 
-const std::string kSend = "  - do: {send: {name: x, from: node0, to: node2, size: 8}}\n";
+const std::string kSmallSend = "  - do: {send: {name: x, from: node0, to: node2, size: 8}}\n";
 
 TEST(OnlyVirtual, NothingInAnOrdinaryStory) {
-  EXPECT_THAT(reasons("steps:\n  - {at: 10ms, do: {cut: node0 -> node1}}\n" + kSend +
+  EXPECT_THAT(reasons("steps:\n  - {at: 10ms, do: {cut: node0 -> node1}}\n" + kSmallSend +
                       "  - {when: {results: x, are: delivered, at_least: 1}, within: 1ms}\n"),
               IsEmpty());
 }
@@ -29,7 +29,7 @@ TEST(OnlyVirtual, StepsCloserThanAMillisecond) {
 
 TEST(OnlyVirtual, SendsThatAResetCancels) {
   const std::string cancelled = "[{results: x, are: cancelled, at_least: 1}]\n";
-  EXPECT_THAT(reasons("steps:\n" + kSend + "never: " + cancelled), ElementsAre(HasSubstr("outlive a reset")));
+  EXPECT_THAT(reasons("steps:\n" + kSmallSend + "never: " + cancelled), ElementsAre(HasSubstr("outlive a reset")));
 }
 
 TEST(OnlyVirtual, EmbeddingWhereLinesTakeNoTime) {

@@ -12,6 +12,8 @@ namespace limb_ring::study {
 
 using namespace std::chrono_literals;
 
+constexpr Duration d = 512ns;  ///< how long each node of gigabit() holds what it passes on
+
 /// 1 Gbit/s, so that a bit is 1 ns and a byte 8 ns; d = 512 ns.
 inline Medium gigabit(unsigned nodes, unsigned payload = 512) {
   Medium medium;

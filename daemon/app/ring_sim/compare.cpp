@@ -13,13 +13,13 @@ namespace limb_ring::ring_sim {
 
 namespace {
 
-struct Options {
+struct CompareOptions {
   study::ComparisonOptions comparison;
   app::Format format = app::Format::text;
   std::optional<std::string> plots;  ///< folder
 };
 
-int run(Options& options) {
+int run(CompareOptions& options) {
   study::ComparisonOptions& comparison = options.comparison;
   if (!comparable(comparison.medium))
     throw UsageError("--relay-delay is more than 100 times as long as the payload takes on the line");
@@ -37,7 +37,7 @@ int run(Options& options) {
 }  // namespace
 
 void add_compare(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       add_command(app, "compare", "Measure the ring beside ARCNET, EtherCAT, SERCOS II, Responsive Link and CAN");
   add_medium(*command, options->comparison.medium);

@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kSimulated = "1s";
 constexpr std::chrono::seconds kLongest{3600};
 
-struct Options {
+struct PlanOptions {
   std::string config;
   study::Medium medium;
   bool simulate = false;
@@ -35,7 +35,7 @@ std::string check_duration(const std::string& text) {
   return "'" + text + "' is no time above 0s up to 3600s, with its unit: 500ms, 10s";
 }
 
-PlanReport make_report(const Options& options) {
+PlanReport make_report(const PlanOptions& options) {
   PlanReport report;
   const config::RingConfig ring = config::load_ring(options.config);
   report.assumed = sim::assumes_lines(ring);
@@ -76,7 +76,7 @@ std::string assumed_words(const study::Medium& medium) {
          config::format_time(delay) + ".\n";
 }
 
-std::string text_of(const PlanReport& report, const Options& options) {
+std::string text_of(const PlanReport& report, const PlanOptions& options) {
   std::string text = app::format_rows(stream_rows(report, false), app::Format::text);
   text += "\n" + app::format_rows(node_rows(report), app::Format::text) + "\n";
   text += "Worst cases in us, from the CPU's request for a message until all of it is delivered, and confirmed.\n";
@@ -85,7 +85,7 @@ std::string text_of(const PlanReport& report, const Options& options) {
   return text + study::verdict(report.ring, report.plan);
 }
 
-int run(const Options& options) {
+int run(const PlanOptions& options) {
   const PlanReport report = make_report(options);
   if (options.format == app::Format::text) std::cout << text_of(report, options);
   if (options.format == app::Format::json) std::cout << plan_object(report).dump(2) << '\n';
@@ -96,7 +96,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_plan(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlanOptions>();
   CLI::App* command = add_command(
       app, "plan",
       "Worst latency of everything that a ring's file makes its nodes send, and whether the ring carries it. "

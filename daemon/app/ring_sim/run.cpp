@@ -14,7 +14,7 @@ namespace {
 
 using study::Case;
 
-struct Options {
+struct RunOptions {
   Case which = Case::alone;
   study::Medium medium;
   std::uint64_t seed = 1;
@@ -42,7 +42,7 @@ void finish(std::ofstream& file, const std::string& path) {
   if (!problem.empty()) throw std::runtime_error(problem);
 }
 
-int run(const Options& options) {
+int run(const RunOptions& options) {
   std::ofstream trace, capture;
   open(trace, "--trace ", options.trace);
   open(capture, "--capture ", options.capture);
@@ -62,7 +62,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_run(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunOptions>();
   CLI::App* command = add_command(app, "run", "One case, with its distribution, line occupancy and trace hash");
   std::map<std::string, Case> cases;
   for (const Case which : study::kCases) cases[to_string(which)] = which;

@@ -16,7 +16,7 @@ namespace limb_ring::ring_sim {
 
 namespace {
 
-struct Options {
+struct SoakOptions {
   std::uint64_t seeds = 1000;
   std::uint64_t first = 0;  ///< drawn where it is not given: ranges that were run before find less
   bool all_fold_back = false;
@@ -35,7 +35,7 @@ struct Tally {
     hops += run.hops();
     for (std::size_t i = 0; i < ended.size(); ++i) ended[i] += run.ended()[i];
   }
-  app::Row row(const Options& options) const {
+  app::Row row(const SoakOptions& options) const {
     app::Row out{{"first_seed", options.first}, {"seeds", seeds}, {"packet_hops", hops}};
     for (std::size_t i = 0; i < ended.size(); ++i) out[to_string(static_cast<core::Outcome>(i))] = ended[i];
     return out;
@@ -56,7 +56,7 @@ std::uint64_t fresh_range() {
   return std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(device);
 }
 
-int run(const Options& options) {
+int run(const SoakOptions& options) {
   using FoldBack = study::RandomFaults::FoldBack;
   Progress progress;
   Tally tally;
@@ -88,7 +88,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_soak(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SoakOptions>();
   CLI::App* command = add_command(app, "soak",
                                   "Rings under random traffic and random faults, by seed, every promise of the ring "
                                   "checked at every event; stops at the first that is broken");

@@ -12,7 +12,7 @@ namespace {
 
 using study::Case;
 
-struct Options {
+struct TableOptions {
   study::Medium medium;
   std::uint64_t seed = 1;
   bool alone = false;
@@ -21,7 +21,7 @@ struct Options {
 
 class Table {
  public:
-  explicit Table(const Options& options) : options_(options) {}
+  explicit Table(const TableOptions& options) : options_(options) {}
 
   void add(Case which, const study::Medium& medium) {
     progress_.tell(std::string(to_string(which)) + ", " + std::to_string(medium.nodes) + " nodes");
@@ -47,13 +47,13 @@ class Table {
   const std::vector<app::Row>& rows() const { return rows_; }
 
  private:
-  const Options& options_;
+  const TableOptions& options_;
   Progress progress_;
   std::vector<app::Row> rows_;
 };
 
 // In text, what all rows have in common is said once.
-std::string in_text(const std::vector<app::Row>& rows, const Options& options) {
+std::string in_text(const std::vector<app::Row>& rows, const TableOptions& options) {
   std::vector<app::Row> shown;
   for (const app::Row& row : rows) {
     shown.push_back(row);
@@ -69,7 +69,7 @@ std::string in_text(const std::vector<app::Row>& rows, const Options& options) {
          "seen, their formulas bounds. d is our inference: the paper does not state it.\n";
 }
 
-int run(const Options& options) {
+int run(const TableOptions& options) {
   Table table(options);
   for (const Case which : study::kCases) table.add(which, options.medium);
   if (!options.alone) {
@@ -84,7 +84,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_table(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TableOptions>();
   CLI::App* command = add_command(app, "table",
                                   "Every case of the paper's figures, formula beside measurement; then for 2 to 254 "
                                   "nodes, and other payloads");

@@ -14,7 +14,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kTick{200};
+constexpr milliseconds kAnswerTick{200};
 constexpr std::size_t kAskers = 32;
 
 [[noreturn]] void no_answer(const HostPort& port, milliseconds timeout) {
@@ -45,7 +45,7 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds t
   const std::uint32_t token = port.request(request.dump());
   Progress progress;
   while (steady_clock::now() < deadline) {
-    const auto message = port.receive(kTick);
+    const auto message = port.receive(kAnswerTick);
     if (!message)
       progress.tell("waiting for node " + label({port.id(), port.name()}));
     else if (const auto* reply = std::get_if<Reply>(&*message); reply && reply->token == token)

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "app/common/out_file.h"
+#include "app/ringctl/packet_bytes.h"
 #include "app/ringctl/problems.h"
 
 namespace limb_ring::ringctl {
@@ -38,7 +39,7 @@ class FileSink final : public CaptureSink {
   FileSink(const capture::RingNames& names, const std::string& path)
       : path_(path == "-" ? kStandardOutput : path), out_(open(path) ? file_ : std::cout), writer_(out_, names) {}
   void packet(const CapturedPacket& packet) override {
-    writer_.packet(packet.time_ns, packet.info, {packet.bytes.data(), packet.bytes.size()}, packet.lost_before);
+    writer_.packet(packet.time_ns, packet.info, bytes_of(packet), packet.lost_before);
   }
   void event(const capture::CapturedEvent& event) override { writer_.event(event.time_ns, event.node, event.what); }
   bool flush() override { return flush_to(out_, path_); }

@@ -17,7 +17,6 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kTick{50};         // how soon Ctrl-C is noticed
 constexpr milliseconds kLastWords{1000};  // how long a daemon may take to count up
 /// Taken from one node before the next has its turn.
 constexpr int kAtOnce = 1000;
@@ -85,7 +84,7 @@ void LiveDump::wait() {
   std::vector<pollfd> ports;
   for (const Source& source : sources_)
     if (!source.gone) ports.push_back({source.port.fd(), POLLIN, 0});
-  ::poll(ports.data(), ports.size(), static_cast<int>(kTick.count()));
+  ::poll(ports.data(), ports.size(), static_cast<int>(SignalWait::kTick.count()));
 }
 
 /// Asks for the last counts; what was under way is counted and not shown.
@@ -96,7 +95,7 @@ void LiveDump::end() {
     if (!source.gone) source.port.observe(R"({"packets": null})");
     const std::uint32_t token = source.gone ? 0 : source.port.request(R"({"do": "latch"})");
     while (!source.gone && !source.ended && steady_clock::now() < deadline) {
-      const auto message = source.port.receive(kTick);
+      const auto message = source.port.receive(SignalWait::kTick);
       const Reply* reply = message ? std::get_if<Reply>(&*message) : nullptr;
       source.ended = reply != nullptr && reply->token == token;
       if (message) take(source, *message);

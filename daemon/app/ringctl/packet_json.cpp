@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "app/ringctl/packet_bytes.h"
 #include "app/ringctl/packet_text.h"
 #include "app/ringctl/payload_words.h"
 #include "wire/data_packet.h"
@@ -28,7 +29,7 @@ void add_trailer(json& row, const wire::PacketFields& fields, const RingNames& n
 }  // namespace
 
 std::string packet_json(const CapturedPacket& packet, const RingNames& names) {
-  const wire::ByteView bytes{packet.bytes.data(), packet.bytes.size()};
+  const wire::ByteView bytes = bytes_of(packet);
   const CaptureInfo& info = packet.info;
   const wire::PacketFields fields{bytes};
   const wire::Code code = fields.code();

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "app/common/colour.h"
+#include "app/ringctl/packet_bytes.h"
 #include "app/ringctl/payload_words.h"
 #include "capture/filter.h"
 #include "wire/data_packet.h"
@@ -15,10 +16,7 @@ namespace {
 using capture::RingNames;
 using std::to_string;
 
-wire::ByteView view(const CapturedPacket& packet) { return {packet.bytes.data(), packet.bytes.size()}; }
-wire::PacketFields fields_of(const CapturedPacket& packet) { return {view(packet)}; }
-
-bool whole(const CapturedPacket& packet) { return capture::PacketView{{}, packet.info, view(packet)}.whole(); }
+bool whole(const CapturedPacket& packet) { return capture::PacketView{{}, packet.info, bytes_of(packet)}.whole(); }
 bool is_interrupt(const CapturedPacket& packet) { return fields_of(packet).code().interrupt; }
 bool broken(const CaptureInfo& info) { return info.crc_bad || info.aborted || info.truncated; }
 
@@ -100,7 +98,7 @@ std::string PacketText::fields(const CapturedPacket& packet) const {
 }
 
 std::string PacketText::payload(const CapturedPacket& packet) const {
-  if (!whole(packet)) return bytes(view(packet));
+  if (!whole(packet)) return bytes(bytes_of(packet));
   const wire::PacketFields fields = fields_of(packet);
   if (is_interrupt(packet)) return {};
   const bool decode = options_.decode && !packet.info.crc_bad;
@@ -139,7 +137,7 @@ std::string PacketText::line(const CapturedPacket& packet) {
   text += remarks(packet);
   const std::string time = stamp(packet.time_ns) + "  ";
   if (!options_.colour) return time + text;
-  const bool control = capture::kind_of({{}, packet.info, view(packet)}) == capture::Kind::control;
+  const bool control = capture::kind_of({{}, packet.info, bytes_of(packet)}) == capture::Kind::control;
   const char* colour = broken(packet.info)    ? app::kRed
                        : is_interrupt(packet) ? app::kMagenta
                        : control              ? app::kDim

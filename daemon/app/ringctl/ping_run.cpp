@@ -14,7 +14,6 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kTick{50};  // how soon Ctrl-C is noticed
 constexpr auto kOutcomes = {Outcome::refused,     Outcome::no_such_node, Outcome::lost,
                             Outcome::unconfirmed, Outcome::rejected,     Outcome::cancelled};
 
@@ -59,7 +58,7 @@ void PingRun::send_one() {
 
 void PingRun::wait_for_result(std::uint32_t token) {
   while (!asked_to_end_) {
-    const auto message = port_.receive(kTick);
+    const auto message = port_.receive(SignalWait::kTick);
     if (message) {
       if (const auto* result = std::get_if<Result>(&*message); result != nullptr && result->token == token) {
         totals_.results.push_back(*result);
@@ -75,7 +74,7 @@ void PingRun::wait_for_turn(std::uint64_t number) {
   const auto turn = begun_ + order_.interval * static_cast<std::int64_t>(number);
   while (!over()) {
     const auto left = std::chrono::ceil<milliseconds>(turn - steady_clock::now());
-    asked_to_end_ = SignalWait::asks_to_end(signals_.next(std::clamp(left, milliseconds(0), kTick)));
+    asked_to_end_ = SignalWait::asks_to_end(signals_.next(std::clamp(left, milliseconds(0), SignalWait::kTick)));
     if (left <= milliseconds(0)) return;
   }
 }

@@ -3,6 +3,7 @@
 #include <map>
 #include <tuple>
 
+#include "app/ringctl/packet_bytes.h"
 #include "capture/filter.h"
 #include "wire/data_packet.h"
 
@@ -17,7 +18,6 @@ using Place = std::tuple<bool, wire::NodeId, wire::NodeId>;
 /// What a retry has in common with the try before: destination and sequence number.
 using Mark = std::pair<wire::NodeId, std::uint8_t>;
 
-wire::PacketFields fields_of(const CapturedPacket& packet) { return {{packet.bytes.data(), packet.bytes.size()}}; }
 Place place_of(const CapturedPacket& packet) { return {packet.info.input, packet.info.from, packet.info.to}; }
 
 class Planner {
@@ -34,7 +34,7 @@ class Planner {
 
  private:
   void sort(CapturedPacket packet) {
-    const PacketView view{{}, packet.info, fields_of(packet).bytes};
+    const PacketView view{{}, packet.info, bytes_of(packet)};
     if (!view.whole() || packet.info.crc_bad) {
       ++plan_.broken;
       return;

@@ -16,7 +16,6 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr std::chrono::milliseconds kTick{50};  // how soon Ctrl-C is noticed
 constexpr std::chrono::seconds kGuard{120};
 constexpr std::chrono::milliseconds kRowTime{300};  // a destination that is busy is not waited for
 constexpr unsigned kOutstanding = 16;               // well below a node's send queue
@@ -38,7 +37,7 @@ namespace {
 /// @return false where nothing came
 bool take_one(HostPort& port, std::vector<Result>& results, std::chrono::nanoseconds until_next) {
   const auto wait = std::chrono::ceil<std::chrono::milliseconds>(until_next);
-  const auto message = port.receive(std::clamp(wait, std::chrono::milliseconds(0), kTick));
+  const auto message = port.receive(std::clamp(wait, std::chrono::milliseconds(0), SignalWait::kTick));
   if (!message) return false;
   if (const auto* result = std::get_if<Result>(&*message)) results.push_back(*result);
   if (const auto* end = std::get_if<Disconnected>(&*message)) throw HostPortError(end->reason);
@@ -58,7 +57,8 @@ std::vector<Result> send_all(HostPort& port, unsigned count, const std::function
     const auto turn = [&] { return begun + interval * static_cast<std::int64_t>(sent); };
     for (; sent < count && sent - results.size() < kOutstanding && turn() <= steady_clock::now(); ++sent) send();
     const bool waits_for_turn = sent < count && turn() > steady_clock::now();
-    if (take_one(port, results, waits_for_turn ? turn() - steady_clock::now() : kTick) || sent == results.size())
+    if (take_one(port, results, waits_for_turn ? turn() - steady_clock::now() : SignalWait::kTick) ||
+        sent == results.size())
       deadline = steady_clock::now() + kGuard;
     if (SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) break;
     if (steady_clock::now() > deadline)

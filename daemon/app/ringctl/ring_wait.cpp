@@ -16,8 +16,6 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kTick{50};
-
 std::string label_of(const json& row) {
   return "node " + label({row.at("id").get<std::uint8_t>(), row.at("name").get<std::string>()});
 }
@@ -79,7 +77,7 @@ std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& 
     const auto rows = rows_of(ring, lacking);
     if (lacking.empty()) lacking = lack(rows);
     if (lacking.empty() || steady_clock::now() >= deadline) return lacking;
-    if (SignalWait::asks_to_end(signals.next(kTick))) return "interrupted; " + lacking;
+    if (SignalWait::asks_to_end(signals.next(SignalWait::kTick))) return "interrupted; " + lacking;
     progress.tell("waiting, " + lacking);
   }
 }

@@ -9,6 +9,8 @@ namespace limb_ring::ringctl {
 /// by one, so that nothing happens between two instructions.
 class SignalWait {
  public:
+  static constexpr std::chrono::milliseconds kTick{50};  ///< how soon Ctrl-C is noticed
+
   SignalWait();
   ~SignalWait();
   SignalWait(const SignalWait&) = delete;

@@ -44,9 +44,9 @@ struct Source {
   Time interrupt_delivered{};
 };
 
-class Run {
+class TrafficRun {
  public:
-  Run(const config::RingConfig& config, const std::vector<Stream>& streams, const TrafficOptions& options)
+  TrafficRun(const config::RingConfig& config, const std::vector<Stream>& streams, const TrafficOptions& options)
       : streams_(streams),
         options_(options),
         random_(options.seed),
@@ -191,7 +191,7 @@ std::size_t StreamRun::failed() const {
 
 std::vector<StreamRun> run_traffic(const config::RingConfig& ring, const std::vector<Stream>& streams,
                                    const TrafficOptions& options) {
-  return Run(ring, streams, options).run();
+  return TrafficRun(ring, streams, options).run();
 }
 
 bool kept(const StreamPlan& plan, const StreamRun& run) {

@@ -7,7 +7,7 @@ namespace limb_ring::study {
 
 namespace {
 
-constexpr NodeId kMaster = 0;
+constexpr NodeId kSercosMaster = 0;
 constexpr unsigned kFraming = 1 + 1 + 2 + 1;
 constexpr unsigned kMst = kFraming + 1;
 constexpr unsigned kRecordHead = 2 + 2;
@@ -35,7 +35,7 @@ class Traffic {
     const std::size_t head = queues_.head(node, now);
     if (head == SendQueues::kNone || !queues_.take(head, medium_.payload)) return;
     const NodeId destination = messages_[head].destination;
-    deliveries.put(head, destination == kMaster ? at_home : mdt_end + destination * medium_.relay_delay);
+    deliveries.put(head, destination == kSercosMaster ? at_home : mdt_end + destination * medium_.relay_delay);
   }
 
  private:
@@ -51,7 +51,7 @@ Time run_cycle(const Medium& medium, const Lengths& lengths, Time start, Traffic
   for (unsigned id = 1; id < medium.nodes; ++id)
     traffic.send(static_cast<NodeId>(id), slots + (id - 1) * lengths.at + id * medium.relay_delay,
                  slots + id * lengths.at + lengths.lap, mdt + lengths.mdt, deliveries);
-  traffic.send(kMaster, mdt, mdt, mdt + lengths.mdt, deliveries);
+  traffic.send(kSercosMaster, mdt, mdt, mdt + lengths.mdt, deliveries);
   return mdt + lengths.mdt;
 }
 

@@ -3,12 +3,12 @@
 namespace limb_ring::study {
 
 namespace {
-constexpr NodeId kMaster = 0;
+constexpr NodeId kSlotMaster = 0;
 }
 
 // The master is before all others and, once the frame is home, behind them.
 Duration Slots::to(NodeId destination) const {
-  return (destination == kMaster ? medium_.nodes : destination) * medium_.relay_delay;
+  return (destination == kSlotMaster ? medium_.nodes : destination) * medium_.relay_delay;
 }
 
 void Slots::begin(NodeId node, Time at_master) {
@@ -28,10 +28,10 @@ void Slots::end(NodeId node, Time at_master, Deliveries& deliveries) {
   if (n.repeated.whole) deliveries.put(n.repeated.message, at_master + to(messages_[n.repeated.message].destination));
   if (!n.own.whole) return;  // the parts before the last one take the same way, ahead of it
   const NodeId destination = messages_[n.own.message].destination;
-  if (destination == kMaster || destination > node)
+  if (destination == kSlotMaster || destination > node)
     deliveries.put(n.own.message, at_master + to(destination));
   else
-    n.at_master.push_back({n.own.message, true, at_master + to(kMaster)});
+    n.at_master.push_back({n.own.message, true, at_master + to(kSlotMaster)});
 }
 
 }  // namespace limb_ring::study

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "study/analysis/latency.h"
+#include "study/analysis/ring_bounds.h"
 #include "wire/packet.h"
 
 namespace limb_ring::study {
@@ -64,8 +65,6 @@ Spread measure_alone(const Network& network, const Medium& medium, std::uint64_t
     return std::vector<Message>{message(medium, asked, source, Destination::opposite, random)};
   });
 }
-
-Duration packet_time(const Medium& medium) { return medium.byte_time() * (medium.payload + wire::kOverhead); }
 
 Spread measure_random_load(const Network& network, const Medium& medium, std::uint64_t seed) {
   Random random(seed);

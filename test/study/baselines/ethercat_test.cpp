@@ -8,14 +8,13 @@
 namespace limb_ring::study {
 namespace {
 
-const Medium kMedium = gigabit(4);
-constexpr Duration d = 512ns;
+const Medium kEthercat = gigabit(4);
 constexpr Duration kFrame = 8ns * 1080;
 constexpr Duration kPitch = 8ns * 1092;
-constexpr Duration kCycle = 2 * kPitch;
+constexpr Duration kFrameCycle = 2 * kPitch;
 
 TEST(EtherCat, ImageIsSharedByAsFewFramesAsHoldIt) {
-  const ProcessImage image(kMedium);
+  const ProcessImage image(kEthercat);
   EXPECT_EQ(image.frames(), 2u);
   EXPECT_EQ(image.length(0), 1080u);
   EXPECT_EQ(image.pitch(1), 1092u);
@@ -35,39 +34,39 @@ TEST(EtherCat, SlotMayLieInTwoFrames) {
 TEST(EtherCat, SmallFrameIsPadded) { EXPECT_EQ(ProcessImage(gigabit(2, 1)).length(0), 72u); }
 
 TEST(EtherCat, NodeBehindReadsFromTheSameFrame) {
-  EXPECT_EQ(delivery(EtherCat(), kMedium, data(0ns, 1, 3, 512)), kFrame + 3 * d);
+  EXPECT_EQ(delivery(EtherCat(), kEthercat, data(0ns, 1, 3, 512)), kFrame + 3 * d);
 }
 
 TEST(EtherCat, MasterHasItWhenTheFrameIsHome) {
-  EXPECT_EQ(delivery(EtherCat(), kMedium, data(0ns, 3, 0, 512)), kPitch + kFrame + 4 * d);
+  EXPECT_EQ(delivery(EtherCat(), kEthercat, data(0ns, 3, 0, 512)), kPitch + kFrame + 4 * d);
 }
 
 // Home in the middle of the next cycle's first frame, so it goes in that cycle's second.
 TEST(EtherCat, NodeBeforeNeedsASecondFrame) {
-  EXPECT_EQ(delivery(EtherCat(), kMedium, data(0ns, 3, 1, 512)), kCycle + kPitch + kFrame + d);
+  EXPECT_EQ(delivery(EtherCat(), kEthercat, data(0ns, 3, 1, 512)), kFrameCycle + kPitch + kFrame + d);
 }
 
 TEST(EtherCat, AllAtOnceEndWithTheLastThatNeedsTwoFrames) {
-  EXPECT_EQ(worst(deliveries(EtherCat(), kMedium, all_to(kMedium, 2))), kCycle + kPitch + kFrame + d);
+  EXPECT_EQ(worst(deliveries(EtherCat(), kEthercat, all_to(kEthercat, 2))), kFrameCycle + kPitch + kFrame + d);
 }
 
 TEST(EtherCat, MessageCatchesItsSlotUntilItPasses) {
   const Duration passes = 8ns * (50 + 512) + d;  // at node 1
-  EXPECT_EQ(delivery(EtherCat(), kMedium, data(passes, 1, 3, 512)), kFrame + 3 * d);
-  EXPECT_EQ(delivery(EtherCat(), kMedium, data(passes + 1ns, 1, 3, 512)), kCycle + kFrame + 3 * d);
+  EXPECT_EQ(delivery(EtherCat(), kEthercat, data(passes, 1, 3, 512)), kFrame + 3 * d);
+  EXPECT_EQ(delivery(EtherCat(), kEthercat, data(passes + 1ns, 1, 3, 512)), kFrameCycle + kFrame + 3 * d);
 }
 
 TEST(EtherCat, OneMessagePerNodeAndCycleByPriority) {
-  const auto at = deliveries(EtherCat(), kMedium, {data(0ns, 1, 3, 512, 2), data(0ns, 1, 3, 512, 0)});
+  const auto at = deliveries(EtherCat(), kEthercat, {data(0ns, 1, 3, 512, 2), data(0ns, 1, 3, 512, 0)});
   EXPECT_EQ(at[1], kFrame + 3 * d);
-  EXPECT_EQ(at[0], kCycle + kFrame + 3 * d);
+  EXPECT_EQ(at[0], kFrameCycle + kFrame + 3 * d);
 }
 
 TEST(EtherCat, InterruptRidesInTheNextFrameWhateverWaits) {
-  auto messages = all_to(kMedium, 1);
+  auto messages = all_to(kEthercat, 1);
   messages.push_back(interrupt(0ns, 3, 1));
   messages.push_back(interrupt(0ns, 1, 2));
-  const auto at = deliveries(EtherCat(), kMedium, messages);
+  const auto at = deliveries(EtherCat(), kEthercat, messages);
   EXPECT_EQ(at[5], kFrame + 2 * d);
   // Home at 1080 * 8 + 2048 = 10688 ns; the second frame began at 8736, so it is the third.
   EXPECT_EQ(at[4], 2 * kPitch + kFrame + d);
@@ -78,7 +77,7 @@ TEST(EtherCat, InterruptRidesInTheNextFrameWhateverWaits) {
 // Switched on behind the first, seen by the second; after five returns it is the second's turn again,
 // with the newcomer's slot at 24 + 17 + 10 + (2048 - 1280) = 819 bytes.
 TEST(EtherCat, NewNodeIsSeenConfiguredAndTakenIn) {
-  EXPECT_EQ(EtherCat().time_to_join(kMedium), 10792ns + 5 * 21584ns + 819 * 8ns);
+  EXPECT_EQ(EtherCat().time_to_join(kEthercat), 10792ns + 5 * 21584ns + 819 * 8ns);
 }
 
 }  // namespace

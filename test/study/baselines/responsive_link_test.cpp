@@ -8,7 +8,6 @@ namespace {
 
 using testing::ElementsAre;
 
-constexpr Duration d = 512ns;
 constexpr Duration kPacket = 512ns, kEvent = 128ns;
 
 TEST(ResponsiveLink, PacketsFollowEachOtherAndCutThrough) {

@@ -4,7 +4,7 @@
 namespace limb_ring::study {
 namespace {
 
-const Medium kMedium = gigabit(16);
+const Medium kLoaded = gigabit(16);
 
 bool in_order(const std::vector<Message>& messages) {
   return std::is_sorted(messages.begin(), messages.end(),
@@ -13,7 +13,7 @@ bool in_order(const std::vector<Message>& messages) {
 
 TEST(OfferedLoad, SameSeedGivesTheSameMessages) {
   Random one(7), other(7);
-  const auto a = random_load(kMedium, 0.5, Time{}, 1ms, one), b = random_load(kMedium, 0.5, Time{}, 1ms, other);
+  const auto a = random_load(kLoaded, 0.5, Time{}, 1ms, one), b = random_load(kLoaded, 0.5, Time{}, 1ms, other);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].asked, b[i].asked);
@@ -25,7 +25,7 @@ TEST(OfferedLoad, SameSeedGivesTheSameMessages) {
 // Half of 1 Gbit/s for 4.096 ms is 2.048 Mbit: 500 messages of 4096 bit.
 TEST(OfferedLoad, RandomLoadOffersItsShareOfTheRate) {
   Random random(1);
-  const auto messages = random_load(kMedium, 0.5, Time{}, 4096us, random);
+  const auto messages = random_load(kLoaded, 0.5, Time{}, 4096us, random);
   EXPECT_EQ(messages.size(), 500u);
   EXPECT_TRUE(in_order(messages));
 }
@@ -37,7 +37,7 @@ TEST(OfferedLoad, NobodySendsToItself) {
 
 TEST(OfferedLoad, AllAtOnceIsOneMessagePerNodeAndTurn) {
   Random random(1);
-  const auto messages = all_at_once(kMedium, Time{} + 3us, 2, Destination::opposite, random);
+  const auto messages = all_at_once(kLoaded, Time{} + 3us, 2, Destination::opposite, random);
   ASSERT_EQ(messages.size(), 32u);
   for (unsigned i = 0; i < 32; ++i) {
     EXPECT_EQ(messages[i].asked, Time{} + 3us);
@@ -48,7 +48,7 @@ TEST(OfferedLoad, AllAtOnceIsOneMessagePerNodeAndTurn) {
 
 TEST(OfferedLoad, InterruptsComeInTheFirstHalfOfTheirGaps) {
   Random random(1);
-  const auto messages = with_interrupts({}, kMedium, 100, 10us, random);
+  const auto messages = with_interrupts({}, kLoaded, 100, 10us, random);
   ASSERT_EQ(messages.size(), 100u);
   for (unsigned i = 0; i < 100; ++i) {
     EXPECT_TRUE(messages[i].interrupt);

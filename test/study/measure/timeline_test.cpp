@@ -6,13 +6,12 @@ namespace limb_ring::study {
 namespace {
 
 constexpr unsigned kNodes = 16;
-const Medium kMedium = gigabit(kNodes);
-constexpr Duration d = 512ns;
+const Medium kTimedRing = gigabit(kNodes);
 constexpr Duration T = 8ns * (512 + 12);
 
 // The header is passed on in the instant in which it arrives, d after it left; the tail T behind it.
 TEST(Timeline, AloneThePacketIsPassedOnWhileItArrives) {
-  const Timeline timeline = timeline_alone(kMedium);
+  const Timeline timeline = timeline_alone(kTimedRing);
   ASSERT_EQ(timeline.ours.size(), kNodes + 1u);
   for (unsigned h = 0; h <= kNodes; ++h) {
     const Passing& at = timeline.ours[h];
@@ -38,7 +37,7 @@ TEST(Timeline, OddBytesAndOtherRatesCountToo) {
 
 // At every node it waits for a whole packet: after h hops it is in after h (T + d), and goes on T later.
 TEST(Timeline, AtWorstThePacketWaitsForAnotherAtEveryNode) {
-  const Timeline timeline = timeline_worst(kMedium);
+  const Timeline timeline = timeline_worst(kTimedRing);
   for (unsigned h = 1; h <= kNodes; ++h) {
     EXPECT_EQ(timeline.ours[h].arrives->header, h * (T + d) - T) << h;
     EXPECT_EQ(timeline.ours[h].arrives->tail, h * (T + d)) << h;
@@ -49,10 +48,10 @@ TEST(Timeline, AtWorstThePacketWaitsForAnotherAtEveryNode) {
 // Node k starts its own as our header arrives, at k (T + d) - T. In front of ours pass it and those of the
 // k - 1 nodes before it: 1 + 2 + ... + 15 = 120 in all.
 TEST(Timeline, AtWorstWhatGoesInFrontIsTheNodesOwnAndWhatItRelays) {
-  const Timeline timeline = timeline_worst(kMedium);
+  const Timeline timeline = timeline_worst(kTimedRing);
   EXPECT_EQ(timeline.in_front.size(), 120u);
   for (const Passing& passing : timeline.in_front) {
-    const unsigned node = passing.node(kMedium);
+    const unsigned node = passing.node(kTimedRing);
     EXPECT_EQ(node, passing.source + passing.hop) << "none of them has passed node 0";
     EXPECT_LE(passing.leaves->tail, timeline.ours[node].leaves->header);
     if (passing.hop != 0) continue;

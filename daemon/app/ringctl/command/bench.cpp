@@ -15,7 +15,7 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct BenchOptions {
   bench::Setup setup;
   bool json = false;
   bool no_ros = false;
@@ -31,7 +31,7 @@ std::string find_humanoid() {
   return {};
 }
 
-int run(Options& options) {
+int run(BenchOptions& options) {
   SignalWait signals;
   options.setup.ros = !options.no_ros;
   options.setup.humanoid = find_humanoid();
@@ -51,7 +51,7 @@ int run(Options& options) {
 }  // namespace
 
 void add_bench(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   bench::Setup& setup = options->setup;
   CLI::App* command =
       add_command(app, "bench", "Measure rings of our own beside a bare reference ring; takes about a minute");

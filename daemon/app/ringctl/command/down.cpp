@@ -21,7 +21,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kTick{20};
+constexpr milliseconds kDownTick{20};
 constexpr milliseconds kPatience{3000};  // a daemon ends its CPU first
 
 std::vector<NodeName> nodes_with_sockets(const std::string& ring) {
@@ -38,7 +38,7 @@ bool wait_until_gone(const std::string& folder, Progress& progress) {
     if (held.empty()) return true;
     if (steady_clock::now() >= deadline) return false;
     progress.tell("waiting for " + app::counted(held.size(), "daemon") + " to end");
-    std::this_thread::sleep_for(kTick);
+    std::this_thread::sleep_for(kDownTick);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
+#include "app/ringctl/packet_bytes.h"
 #include "app/ringctl/problems.h"
 #include "cli/values.h"
 
@@ -20,7 +21,7 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct DumpOptions {
   std::vector<std::string> nodes;
   FilterWords filter;
   PacketTextOptions text;
@@ -29,7 +30,7 @@ struct Options {
   bool events = false, json = false, log = false;
 };
 
-std::unique_ptr<CaptureSink> sink_of(const Options& options, const capture::RingNames& names) {
+std::unique_ptr<CaptureSink> sink_of(const DumpOptions& options, const capture::RingNames& names) {
   if (!options.write.empty()) return file_sink(names, options.write);
   if (options.json) return json_sink(names);
   PacketTextOptions text = options.text;
@@ -49,7 +50,7 @@ std::vector<NodeName> nodes_of(const RingAccess& ring, const std::vector<std::st
   return nodes;
 }
 
-int dump_live(const Context& context, const Options& options) {
+int dump_live(const Context& context, const DumpOptions& options) {
   const std::string first = options.nodes.empty() ? "" : options.nodes.front();
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), first);
   const capture::RingNames names = names_of(ring);
@@ -64,13 +65,13 @@ int dump_live(const Context& context, const Options& options) {
 }
 
 /// Of a file all lines are shown where the command line does not choose.
-capture::Wish file_wish(const Options& options, const capture::RingNames& names) {
+capture::Wish file_wish(const DumpOptions& options, const capture::RingNames& names) {
   capture::Wish wish = wish_of(options.filter, names);
   if (options.filter.at.empty()) wish.filter.output = true;
   return wish;
 }
 
-DumpTotals show_records(capture::PcapngReader& reader, const Options& options, CaptureSink& sink) {
+DumpTotals show_records(capture::PcapngReader& reader, const DumpOptions& options, CaptureSink& sink) {
   capture::Selection selection(file_wish(options, reader.names()));
   DumpTotals totals;
   while (const auto record = reader.next()) {
@@ -79,7 +80,7 @@ DumpTotals show_records(capture::PcapngReader& reader, const Options& options, C
       continue;
     }
     const auto& packet = std::get<CapturedPacket>(*record);
-    const wire::ByteView bytes{packet.bytes.data(), packet.bytes.size()};
+    const wire::ByteView bytes = bytes_of(packet);
     if (!selection.takes({std::chrono::nanoseconds(packet.time_ns), packet.info, bytes})) continue;
     sink.packet(packet);
     if (++totals.shown == options.count) break;
@@ -88,7 +89,7 @@ DumpTotals show_records(capture::PcapngReader& reader, const Options& options, C
   return totals;
 }
 
-int dump_file(const Options& options) {
+int dump_file(const DumpOptions& options) {
   if (!options.nodes.empty()) throw UsageError("-r reads a file, which has its own nodes: leave NODE out");
   std::ifstream file(options.read, std::ios::binary);
   if (!file) throw UsageError(options.read + ": cannot be read: " + std::strerror(errno));
@@ -112,7 +113,7 @@ std::string named_by_date() {
   return text;
 }
 
-int run(const Context& context, Options options) {
+int run(const Context& context, DumpOptions options) {
   if (options.log && !options.write.empty()) throw UsageError("-l and -w: choose one of them");
   if (options.log) std::cerr << "ringctl: writing " << (options.write = named_by_date()) << std::endl;
   if (options.json && !options.write.empty()) throw UsageError("--json and -w: choose one of them");
@@ -139,7 +140,7 @@ void add_filter(CLI::App& command, FilterWords& words) {
       ->transform(cli::whole(0, 1000000000));
 }
 
-void add_options(CLI::App& command, Options& options) {
+void add_options(CLI::App& command, DumpOptions& options) {
   command.add_option("NODE", options.nodes, "Nodes to look at, id or name, or all; default: the supervisor");
   const std::map<std::string, Stamps> stamps{{"a", Stamps::absolute}, {"d", Stamps::delta}, {"z", Stamps::zero}};
   command.add_option("-t,--time", options.text.stamps, "Times: a absolute, d since the one before, z since the first")
@@ -159,7 +160,7 @@ void add_options(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_dump(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DumpOptions>();
   CLI::App* command =
       add_command(app, "dump", "Print the packets on nodes' lines, a line each, until interrupted; or a capture file");
   add_options(*command, *options);

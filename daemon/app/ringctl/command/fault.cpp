@@ -25,7 +25,7 @@ constexpr const char* kFaultHelp =
     "A line is A:B or 'A -> B' (quoted: '>' is the shell's), from a node to the next. Answers come when a fault has "
     "taken effect. The same words are taken by the ROS service inject_fault and by scenarios.\n";
 
-struct Options {
+struct FaultOptions {
   std::vector<std::string> where;
   std::map<std::string, std::string> told;  ///< key of fault/parse.h -> value
   std::string id;
@@ -39,7 +39,7 @@ fault::RingNodes nodes_of(const RingAccess& ring) {
   return nodes;
 }
 
-std::string words_of(const fault::Word& word, const Options& options) {
+std::string words_of(const fault::Word& word, const FaultOptions& options) {
   std::string words = word.word;
   for (const std::string& part : options.where) words += ' ' + part;
   for (const auto& [key, value] : options.told)
@@ -57,7 +57,7 @@ fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes, boo
   }
 }
 
-int begin(const Context& context, const fault::Word& word, const Options& options) {
+int begin(const Context& context, const fault::Word& word, const FaultOptions& options) {
   // 'A -> B' without quotes: the shell has taken "> B" for a file.
   if (!options.where.empty() && options.where.back() == "-")
     throw UsageError(std::string(word.word) + ": the shell has taken '>' for itself: write A:B, or quote 'A -> B'");
@@ -73,7 +73,7 @@ int begin(const Context& context, const fault::Word& word, const Options& option
   return kDone;
 }
 
-int list(const Context& context, const Options& options) {
+int list(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   const auto faults = LiveFaults(ring.ring(), nodes_of(ring)).list();
   json all = json::array();
@@ -87,14 +87,14 @@ int list(const Context& context, const Options& options) {
   return kDone;
 }
 
-int remove(const Context& context, const Options& options) {
+int remove(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   LiveFaults(ring.ring(), nodes_of(ring)).remove(options.id);
   std::cout << "removed " << options.id << std::endl;
   return kDone;
 }
 
-int clear(const Context& context, const Options& options) {
+int clear(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   const auto problems = LiveFaults(ring.ring(), nodes_of(ring)).clear();
   for (const std::string& problem : problems) std::cerr << "ringctl: " << problem << '\n';
@@ -115,7 +115,7 @@ std::string option_name(const std::string& key) {
 }
 
 void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FaultOptions>();
   CLI::App* command = add_command(faults, word.word, word.meaning);
   const bool line = word.of == fault::Of::line;
   command->add_option("WHERE", options->where, line ? "The line, A:B" : "Nodes, ids or names, or all")
@@ -130,7 +130,7 @@ void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
 }
 
 void add_keeping(CLI::App& faults, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FaultOptions>();
   CLI::App* all = add_command(faults, "list", "All faults that last: what, where, since when, how often they struck");
   add_json(*all, options->json);
   all->callback([&context, options] { context.action = [&context, options] { return list(context, *options); }; });

@@ -10,13 +10,13 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct InterruptOptions {
   std::string from, to;
   unsigned factor = 0;
   bool force = false, json = false;
 };
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const InterruptOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const std::uint8_t to = ring.destination(options.to);
   HostPort port = ring.connect(ring.node(options.from));
@@ -27,7 +27,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_interrupt(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InterruptOptions>();
   CLI::App* command =
       add_command(app, "interrupt", "Send an interrupt packet: pulls the pin of that number at its destination");
   command->add_option("--from", options->from, "Node that sends, id or name")->required();

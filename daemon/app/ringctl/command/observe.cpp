@@ -14,7 +14,7 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct ObserveOptions {
   std::string node;
   std::vector<std::string> kinds;
   std::uint64_t count = 0;
@@ -43,7 +43,7 @@ int print_lines(HostPort& port, std::uint64_t count) {
   return kDone;
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const ObserveOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.node);
   HostPort port = ring.connect(ring.node(options.node));
   nlohmann::json filter = nlohmann::json::object();
@@ -55,7 +55,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_observe(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ObserveOptions>();
   CLI::App* command = add_command(
       app, "observe", "Print the events of a node, a line of JSON each, until interrupted; packets: 'ringctl dump'");
   command->add_option("NODE", options->node, "Node, id or name")->required();

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kCountOfAReport = 10;  // of --json, which has to end
 constexpr double kUnset = -1;
 
-struct Options {
+struct PingOptions {
   std::string from, to;
   std::uint64_t count = 0;
   unsigned size = 512, priority = 2;
@@ -23,21 +23,23 @@ struct Options {
   bool flood = false, quiet = false, json = false;
 };
 
-std::chrono::nanoseconds nanoseconds(double seconds) { return std::chrono::nanoseconds(std::llround(seconds * 1e9)); }
+std::chrono::nanoseconds to_nanoseconds(double seconds) {
+  return std::chrono::nanoseconds(std::llround(seconds * 1e9));
+}
 
-PingOrder order_of(const RingAccess& ring, const Options& options) {
+PingOrder order_of(const RingAccess& ring, const PingOptions& options) {
   PingOrder order;
   order.to = ring.node(options.to);
   order.count = options.count == 0 && options.json ? kCountOfAReport : options.count;
   const bool flood = options.flood || (options.json && options.interval_s == kUnset);
-  order.interval = nanoseconds(flood ? 0 : options.interval_s == kUnset ? 1 : options.interval_s);
-  if (options.timeout_s > 0) order.deadline = nanoseconds(options.timeout_s);
+  order.interval = to_nanoseconds(flood ? 0 : options.interval_s == kUnset ? 1 : options.interval_s);
+  if (options.timeout_s > 0) order.deadline = to_nanoseconds(options.timeout_s);
   order.size = options.size;
   order.priority = static_cast<std::uint8_t>(options.priority);
   return order;
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const PingOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const PingOrder order = order_of(ring, options);
   const NodeName& from = ring.source(options.from);
@@ -57,7 +59,7 @@ int run(const Context& context, const Options& options) {
   return all && totals.with(Outcome::delivered) == totals.results.size() && !totals.results.empty() ? kDone : kNotDone;
 }
 
-void add_options(CLI::App& command, Options& options) {
+void add_options(CLI::App& command, PingOptions& options) {
   command.add_option("TO,--to", options.to, "Node to send to, id or name")->required();
   command.add_option("--from", options.from, "Node that sends, id or name; default: the first that answers");
   command.add_option("-c,--count", options.count, "End after so many, 1 to 1000000; default: at Ctrl-C (--json: 10)")
@@ -77,7 +79,7 @@ void add_options(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_ping(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PingOptions>();
   CLI::App* command = add_command(
       app, "ping",
       "Send packets, a line for each, until Ctrl-C; times are the daemon's: first byte out to matched return");

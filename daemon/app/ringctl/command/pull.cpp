@@ -10,13 +10,13 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct PullOptions {
   std::string node;
   unsigned input = 0;
   bool json = false;
 };
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const PullOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.node);
   HostPort port = ring.connect(ring.node(options.node));
   const auto pull = [&] { return port.pull(static_cast<std::uint8_t>(options.input)); };
@@ -26,7 +26,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_pull(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PullOptions>();
   CLI::App* command =
       add_command(app, "pull", "Pull an interrupt input of a node, as a button or watchdog wired to it would");
   command->add_option("NODE", options->node, "Node, id or name")->required();

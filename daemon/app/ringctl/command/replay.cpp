@@ -21,16 +21,15 @@
 namespace limb_ring::ringctl {
 
 using std::chrono::milliseconds;
-using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kTick{20};
+constexpr milliseconds kReplayTick{20};
 /// Above all time-outs a send may have by default.
 constexpr milliseconds kLastResults{30'000};
 
-struct Options {
+struct ReplayOptions {
   std::string file;
   double speed = 1;
   unsigned loop = 1;
@@ -51,7 +50,7 @@ class Replay {
   bool run(double speed, SignalWait& signals) {
     const auto begin = steady_clock::now();
     for (const ReplaySend& send : plan_.sends) {
-      const nanoseconds after(static_cast<std::int64_t>(static_cast<double>(send.after_ns) / speed));
+      const std::chrono::nanoseconds after(static_cast<std::int64_t>(static_cast<double>(send.after_ns) / speed));
       if (!wait_until(begin + after, signals)) return false;
       put(send);
     }
@@ -60,7 +59,7 @@ class Replay {
 
   void wait_for_results(SignalWait& signals) {
     const auto deadline = steady_clock::now() + kLastResults;
-    while (ended_ < sent_ && steady_clock::now() < deadline && !asked_to_end(signals)) take_results(kTick);
+    while (ended_ < sent_ && steady_clock::now() < deadline && !asked_to_end(signals)) take_results(kReplayTick);
   }
 
   std::uint64_t sent() const { return sent_; }
@@ -74,7 +73,7 @@ class Replay {
     for (;;) {
       if (asked_to_end(signals)) return false;
       const auto left = std::chrono::ceil<milliseconds>(due - steady_clock::now());
-      take_results(std::clamp(left, milliseconds(0), kTick));
+      take_results(std::clamp(left, milliseconds(0), kReplayTick));
       if (left <= milliseconds(0)) return true;
     }
   }
@@ -109,7 +108,7 @@ class Replay {
   std::uint64_t sent_ = 0, ended_ = 0;
 };
 
-ReplayPlan read_plan(const Options& options) {
+ReplayPlan read_plan(const ReplayOptions& options) {
   std::ifstream file(options.file, std::ios::binary);
   if (!file) throw UsageError(options.file + ": cannot be read: " + std::strerror(errno));
   capture::PcapngReader reader(file, options.file);
@@ -142,7 +141,7 @@ void print_text(const nlohmann::json& report) {
             << left["repeated"] << " repeated, " << left["on_other_lines"] << " seen on other lines\n";
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const ReplayOptions& options) {
   const ReplayPlan plan = read_plan(options);
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   SignalWait signals;
@@ -162,7 +161,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_replay(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_command(app, "replay",
                                   "Send the data packets and interrupts of a capture again, each from "
                                   "its source, in their time");

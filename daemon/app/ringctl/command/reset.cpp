@@ -12,7 +12,7 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct ResetOptions {
   std::string node, from;
   double timeout_s = 3.0;
   bool json = false;
@@ -23,7 +23,7 @@ int code_of(const nlohmann::json& answer) {
   return answer.value("effect", "") == "unknown" ? kUnknown : kNotDone;
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const ResetOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   ask::ResetQuery query;
   query.ring = ring.ring();
@@ -50,7 +50,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_reset(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ResetOptions>();
   CLI::App* command =
       add_command(app, "reset", "Reset the CPU of a node by an interrupt, and wait until it has booted again");
   command->add_option("NODE", options->node, "Node, id or name")->required();

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::chrono::seconds kAnswer{10};  // a send ends after timeouts.queue and its tries
 
-struct Options {
+struct ResumeOptions {
   std::string node = "all", from;
   bool json = false;
 };
@@ -37,7 +37,7 @@ std::vector<NodeName> meant(const RingAccess& ring, HostPort& port, const std::s
   return nodes;
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const ResumeOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   HostPort port = ring.connect(ring.source(options.from));
   std::vector<Result> results;
@@ -64,7 +64,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_resume(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ResumeOptions>();
   CLI::App* command = add_command(app, "resume", "End a latched stop: the joints obey the next command again");
   command->add_option("NODE", options->node, "Node, id or name, or all (default): those with joints or a latched stop");
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");

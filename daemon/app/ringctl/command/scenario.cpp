@@ -22,7 +22,7 @@ namespace {
 using scenario::Scenario;
 using scenario::ScenarioRun;
 
-struct Options {
+struct ScenarioOptions {
   std::vector<std::string> files;
   std::string junit, capture;
   std::optional<std::uint64_t> seed;
@@ -51,7 +51,7 @@ void write_junit(const std::string& path, const std::vector<ScenarioRun>& runs) 
   if (!problem.empty()) throw NotDone(problem);
 }
 
-std::ofstream open_capture(const Options& options) {
+std::ofstream open_capture(const ScenarioOptions& options) {
   std::ofstream capture;
   if (options.capture.empty()) return capture;
   if (options.live) throw UsageError("--capture: under the virtual clock alone; beside --live there is 'ringctl dump'");
@@ -75,7 +75,7 @@ void require_expectation(const Scenario& scenario) {
 }
 
 // All files are read before the first is run: a bad one is known at once.
-std::vector<Scenario> load(const Options& options) {
+std::vector<Scenario> load(const ScenarioOptions& options) {
   std::vector<Scenario> scenarios;
   for (const std::string& file : options.files) {
     scenarios.push_back(scenario::load_scenario(file));
@@ -98,7 +98,7 @@ std::string verdict_of(const std::vector<ScenarioRun>& runs) {
   return all + (count == 0 ? "all as expected" : std::to_string(count) + " not as expected:" + unmet);
 }
 
-int run(const Options& options) {
+int run(const ScenarioOptions& options) {
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options);
   const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
@@ -124,7 +124,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_scenario(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ScenarioOptions>();
   CLI::App* scenario = add_command(app, "scenario", "Faults by script, and whether the ring copes");
   scenario->require_subcommand(1);
   add_scenario_list(*scenario, context);

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ScenarioListOptions {
   std::vector<std::string> places;
   bool json = false;
 };
@@ -58,7 +58,7 @@ void add_folder(const std::string& folder, bool json, std::vector<app::Row>& row
   if (rows.size() == before && others.empty()) throw UsageError(folder + ": no scenario there (*.yaml)");
 }
 
-int run(const Options& options) {
+int run(const ScenarioListOptions& options) {
   std::vector<app::Row> rows;
   std::vector<NoScenario> others;
   for (const std::string& place : options.places) {
@@ -76,7 +76,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_scenario_list(CLI::App& scenario, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ScenarioListOptions>();
   CLI::App* command = add_command(scenario, "list", "What scenarios are about, and where they can be run");
   command->add_option("PLACE", options->places, "Scenarios, or folders of them")->required();
   add_json(*command, options->json);

@@ -14,7 +14,7 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct SendOptions {
   std::string from, to, text, hex;
   unsigned priority = 2, channel = 0, size = 0, count = 1;
   double interval_s = 0;
@@ -28,19 +28,19 @@ std::vector<std::uint8_t> pattern(unsigned size) {
   return bytes;
 }
 
-std::vector<std::uint8_t> data_of(const Options& options) {
+std::vector<std::uint8_t> data_of(const SendOptions& options) {
   if (options.size > 0) return pattern(options.size);
   if (!options.hex.empty()) return parse_hex(options.hex);
   return {options.text.begin(), options.text.end()};
 }
 
-std::vector<std::uint8_t> checked_data(const Options& options) {
+std::vector<std::uint8_t> checked_data(const SendOptions& options) {
   const std::vector<std::uint8_t> data = data_of(options);
   if (!data.empty() && data.size() <= kMaxPayload) return data;
   throw UsageError(std::to_string(data.size()) + " bytes of data; a packet holds 1 to " + std::to_string(kMaxPayload));
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const SendOptions& options) {
   const std::vector<std::uint8_t> data = checked_data(options);
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const std::uint8_t to = ring.destination(options.to);
@@ -54,7 +54,7 @@ int run(const Context& context, const Options& options) {
   return results.size() == options.count ? code : kNotDone;  // Ctrl-C came before
 }
 
-void add_data_options(CLI::App& command, Options& options) {
+void add_data_options(CLI::App& command, SendOptions& options) {
   CLI::App& data = *command.add_option_group("data", "What to send, one of:");
   data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")->transform(cli::whole(1, 512));
   data.add_option("--data", options.text, "This text, 1 to 512 bytes");
@@ -65,7 +65,7 @@ void add_data_options(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_send(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SendOptions>();
   CLI::App* command = add_command(app, "send", "Send data packets, and say how they ended");
   command->add_option("--from", options->from, "Node that sends, id or name")->required();
   command->add_option("--to", options->to, "Node to send to, id or name, or all")->required();

@@ -18,7 +18,7 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct StatusOptions {
   bool json = false, pids = false;
 };
 
@@ -38,7 +38,7 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
             << app::wrapped(line_report(rows) + stop_report(rows) + supervision_text(rows), look.width);
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const StatusOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   const auto rows = status_rows(ring);
   if (options.json)
@@ -51,7 +51,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_status(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StatusOptions>();
   CLI::App* command =
       add_command(app, "status", "Show all nodes; one whose daemon does not answer is 'down', or, stopped, 'frozen'");
   command->add_flag("-p,--pids", options->pids, "Process numbers of daemons and CPUs too");

@@ -12,7 +12,7 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct StopOptions {
   std::string node = "all", from;
   bool json = false;
 };
@@ -39,7 +39,7 @@ int code_of(const std::string& outcome, const std::vector<ask::KnownStop>& stops
 }
 
 // The stop goes first; what is known of it is asked for afterwards.
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const StopOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const bool all = options.node == "all";
   std::vector<ask::Node> nodes = ring.ask_nodes();
@@ -60,7 +60,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_stop(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StopOptions>();
   CLI::App* command = add_command(
       app, "stop", "Stop joints: an interrupt that sends CPUs into their safe state, until 'ringctl resume'");
   command->add_option("NODE", options->node, "Node, id or name, or all (default)");

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 namespace {
 
-struct Options {
+struct SyncOptions {
   std::string from;
   bool json = false;
 };
@@ -95,7 +95,7 @@ bool all_latched(const Sync& sync) {
   return sync.outcome == to_string(Outcome::delivered);
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const SyncOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   const Sync sync = synchronize(ring, ring.source(options.from));
   if (options.json)
@@ -108,7 +108,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_sync(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SyncOptions>();
   CLI::App* command =
       add_command(app, "sync",
                   "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off.\n"

@@ -27,9 +27,8 @@ namespace {
 
 /// How long one that does not answer may hold up the picture.
 constexpr milliseconds kAnswerWait{500};
-constexpr milliseconds kTick{50};
 
-struct Options {
+struct TopOptions {
   double interval_s = 1;
   bool once = false, json = false;
 };
@@ -81,10 +80,10 @@ class StatusPoll {
 };
 
 /// @return false where somebody has asked it to end
-bool wait(const Options& options, const Screen* screen, SignalWait& signals) {
+bool wait(const TopOptions& options, const Screen* screen, SignalWait& signals) {
   const auto until = steady_clock::now() + duration<double>(options.interval_s);
   while (steady_clock::now() < until) {
-    if (SignalWait::asks_to_end(signals.next(kTick))) return false;
+    if (SignalWait::asks_to_end(signals.next(SignalWait::kTick))) return false;
     if (screen == nullptr) continue;
     const char key = screen->key();
     if (key == 'q' || key == 'Q') return false;
@@ -105,7 +104,7 @@ std::string shown(const RingAccess& ring, const StatusSample& now, const std::ve
                    line_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
 }
 
-int once(const RingAccess& ring, const Options& options) {
+int once(const RingAccess& ring, const TopOptions& options) {
   SignalWait signals;
   StatusPoll poll(ring);
   const StatusSample before = poll.sample();
@@ -119,7 +118,7 @@ int once(const RingAccess& ring, const Options& options) {
   return kDone;
 }
 
-int redraw(const RingAccess& ring, const Options& options) {
+int redraw(const RingAccess& ring, const TopOptions& options) {
   SignalWait signals;
   const Screen screen;
   StatusPoll poll(ring);
@@ -134,7 +133,7 @@ int redraw(const RingAccess& ring, const Options& options) {
   return kDone;
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const TopOptions& options) {
   if (options.json && !options.once) throw UsageError("--json goes with --once");
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   return options.once ? once(ring, options) : redraw(ring, options);
@@ -143,7 +142,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_top(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TopOptions>();
   CLI::App* command = add_command(app, "top", "Watch all nodes: states, traffic, load, round trips, errors");
   command->add_option("--interval", options->interval_s, "Seconds between two looks, 0.1 to 3600; default 1")
       ->transform(cli::seconds(0.1, 3600.0));

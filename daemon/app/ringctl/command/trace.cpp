@@ -21,7 +21,7 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-struct Options {
+struct TraceOptions {
   std::string file, source, at, over, how_long, svg;
   std::optional<unsigned> sequence;
   std::size_t count = 1;
@@ -51,7 +51,7 @@ nanoseconds instant_of(const std::string& text, nanoseconds first) {
   return std::chrono::seconds(*whole) + nanoseconds(*parts);
 }
 
-capture::TripChoice choice_of(const Options& options, const SeenPackets& seen) {
+capture::TripChoice choice_of(const TraceOptions& options, const SeenPackets& seen) {
   capture::TripChoice choice;
   if (!options.source.empty()) choice.source = node_of(options.source, seen.names);
   if (options.sequence) choice.sequence = static_cast<std::uint8_t>(*options.sequence);
@@ -63,7 +63,7 @@ capture::TripChoice choice_of(const Options& options, const SeenPackets& seen) {
   return choice;
 }
 
-void check(const Options& options) {
+void check(const TraceOptions& options) {
   if (options.live != options.file.empty())
     throw UsageError("trace: either FILE, a capture, or --live: choose one of them");
   if (!options.how_long.empty() && !options.live) throw UsageError("--for: how long to look, with --live");
@@ -71,12 +71,12 @@ void check(const Options& options) {
   if (!options.at.empty()) throw UsageError("--at: of a capture; what is to come with --live has no time yet");
 }
 
-SeenPackets look(const Context& context, const Options& options) {
+SeenPackets look(const Context& context, const TraceOptions& options) {
   if (!options.live) return packets_of_file(options.file);
   return packets_of_ring(context.ring, time_of("--for", options.how_long.empty() ? "5s" : options.how_long));
 }
 
-void write_picture(const Options& options, const capture::PacketTrace& trace, const capture::RingNames& names) {
+void write_picture(const TraceOptions& options, const capture::PacketTrace& trace, const capture::RingNames& names) {
   std::ofstream out;
   std::string problem = app::open_for_writing(out, options.svg);
   if (!problem.empty()) throw UsageError(problem);
@@ -85,7 +85,7 @@ void write_picture(const Options& options, const capture::PacketTrace& trace, co
   if (!problem.empty()) throw NotDone(problem);
 }
 
-void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips, const Options& options,
+void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips, const TraceOptions& options,
           const SeenPackets& seen) {
   for (std::size_t i = 0; i < trips.size(); ++i) {
     const capture::PacketTrace trace = ring.trace(trips[i]);
@@ -98,7 +98,7 @@ void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips
   std::cout << std::flush;
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const TraceOptions& options) {
   check(options);
   SeenPackets seen = look(context, options);
   const capture::TripChoice choice = choice_of(options, seen);
@@ -120,7 +120,7 @@ int run(const Context& context, const Options& options) {
   return kDone;
 }
 
-void add_options(CLI::App& command, Options& options) {
+void add_options(CLI::App& command, TraceOptions& options) {
   command.add_option("FILE", options.file, "A capture, pcapng, of inputs and outputs");
   command.add_flag("--live", options.live, "Look at all lines of the running ring instead");
   command.add_option("--for", options.how_long, "With --live: how long; default 5s");
@@ -138,7 +138,7 @@ void add_options(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_trace(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TraceOptions>();
   CLI::App* command =
       add_command(app, "trace", "Why was it late: the path of the slowest packet, hop by hop, and what it waited for");
   add_options(*command, *options);

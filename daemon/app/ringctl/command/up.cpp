@@ -23,10 +23,9 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kTick{50};
 constexpr milliseconds kGrace{3000};
 
-struct Options {
+struct UpOptions {
   UpRequest request;
   bool detach = false;
   bool respawn = false;
@@ -51,7 +50,7 @@ std::string wait_until_closed(const RingPlan& plan, live::LaunchedRing& daemons,
     if (!waiting) return {};
     if (steady_clock::now() >= deadline)
       return "not closed in time; " + waiting->lack + daemons.all()[waiting->index].last_lines();
-    if (signals.asked_to_end(kTick)) return "interrupted";
+    if (signals.asked_to_end(SignalWait::kTick)) return "interrupted";
     progress.tell("waiting for " + waiting->lack);
   }
 }
@@ -144,7 +143,7 @@ int respawn(const RingPlan& plan) {
   return kDone;
 }
 
-int run(const Options& options) {
+int run(const UpOptions& options) {
   const RingPlan plan = plan_ring(options.request);
   require_not_running(plan.ring);
   if (options.respawn) return respawn(plan);
@@ -166,7 +165,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_up(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<UpOptions>();
   UpRequest& request = options->request;
   CLI::App* command =
       add_command(app, "up", "Start a ring, one ringd per node, and stay until Ctrl-C or 'ringctl down'");

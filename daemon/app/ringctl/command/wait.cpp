@@ -13,12 +13,12 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-struct Options {
+struct WaitOptions {
   std::string what, state;
   double timeout_s = 10;
 };
 
-Lack lack_of(const Options& options) {
+Lack lack_of(const WaitOptions& options) {
   if (!options.state.empty())
     return [options](const auto& rows) { return lack_of_state(rows, options.what, options.state); };
   if (options.what != "up")
@@ -29,7 +29,7 @@ Lack lack_of(const Options& options) {
   return lack_of_whole;
 }
 
-int run(const Context& context, const Options& options) {
+int run(const Context& context, const WaitOptions& options) {
   const std::chrono::milliseconds timeout(std::llround(options.timeout_s * 1000));
   const std::string lacking = wait_for(context.ring, timeout, lack_of(options));
   if (!lacking.empty()) throw NotDone(lacking);
@@ -39,7 +39,7 @@ int run(const Context& context, const Options& options) {
 }  // namespace
 
 void add_wait(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WaitOptions>();
   CLI::App* command =
       add_command(app, "wait", "Return when the ring is whole (wait up), or a node is so (wait NODE STATE)");
   command

@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 namespace {
 
 constexpr milliseconds kGrace{3000};
-constexpr milliseconds kTick{20};         ///< signals are looked at so often
+constexpr milliseconds kNodesTick{20};    ///< signals are looked at so often
 constexpr milliseconds kPatience{10000};  ///< with a daemon that runs; machines are busy
 
 /// Waits until the process is so; what it ended with is left to whoever reaps it.
@@ -126,7 +126,7 @@ bool LiveNodes::pump(Clock::time_point until, const std::function<bool()>& done)
     if (done()) return true;
     const auto now = Clock::now();
     if (now >= until) return false;
-    wait_for_messages(std::min({until, next, now + kTick}));
+    wait_for_messages(std::min({until, next, now + kNodesTick}));
   }
 }
 

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <chrono>
+
+namespace limb_ring::bench {
+
+constexpr std::chrono::milliseconds kTick{5};           ///< how often is looked whether another process is done
+constexpr std::chrono::milliseconds kSlice{50};         ///< how long a client waits for one message
+constexpr std::chrono::milliseconds kPatience{10'000};  ///< how much longer than asked for something may take
+
+}  // namespace limb_ring::bench
