@@ -25,7 +25,21 @@ function(limb_ring_whole_program target)
   endif()
 endfunction()
 
-# Most of a build's time goes into reading other people's headers: read them once per target.
+# What is not in the way of a packet: a third less to compile. Release builds alone; elsewhere the build type says it.
+function(limb_ring_cold target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
+# Most of a build's time goes into reading other people's headers. A release reads them once per target: its files are
+# compiled together (a unity build). Else (CMAKE_UNITY_BUILD=OFF, for who changes single files) they are precompiled.
+if(NOT DEFINED CMAKE_UNITY_BUILD AND CMAKE_BUILD_TYPE STREQUAL Release)
+  set(CMAKE_UNITY_BUILD ON)
+endif()
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 24)
+set(CMAKE_OPTIMIZE_DEPENDENCIES ON)  # libraries wait for none but generated files (CMake 3.19; before: for each other)
 function(limb_ring_precompile target)
-  target_precompile_headers(${target} PRIVATE ${ARGN})
+  get_target_property(unity ${target} UNITY_BUILD)
+  if(NOT unity)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
 endfunction()
