@@ -8,7 +8,7 @@ namespace limb_ring::bridge {
 namespace {
 
 constexpr std::uint64_t kSliceHeader = 4;  // the framing of the link: no bytes of the ring
-constexpr double kShortest = 0.5;          // s between looks: a status at every change tells no rate
+constexpr double kShortest = 0.5;          // s between readings: a status at every change tells no rate
 
 std::uint64_t bytes_in(const NodeStatus& node) {
   const std::uint64_t slices = counter_of(node, "input_slices") + counter_of(node, "input_idle_slices");

@@ -8,7 +8,7 @@ Condition condition_of(const config::NodeConfig& node, const RingStatus& ring) {
   const auto status =
       std::find_if(ring.nodes.begin(), ring.nodes.end(), [&](const auto& other) { return other.id == node.id; });
   if (status == ring.nodes.end() || status->state == "down" || status->state == "alone" ||
-      status->state == "doubled_id")
+      status->state == "duplicate_id")
     return Condition::down;
   const bool silent = std::any_of(node.joints.begin(), node.joints.end(), [&](const auto& joint) {
     return std::count(ring.silent_joints.begin(), ring.silent_joints.end(), joint.name) != 0;

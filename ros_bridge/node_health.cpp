@@ -19,7 +19,7 @@ const std::vector<std::string> kLosses{"ended_lost",
                                        "interrupt_buffer_full",
                                        "flushed_on_reset",
                                        "orphans_hop",
-                                       "doubled_id_signs",
+                                       "duplicate_id_signs",
                                        "host_slow_clients",
                                        "host_interrupts_lost"};
 // As many in a row make a CPU unreachable for the supervisor.
@@ -33,7 +33,7 @@ std::string seconds_ago(std::chrono::steady_clock::duration time) {
 
 int level_of(const std::string& state) {
   if (state == "up") return Level::OK;
-  return state == "alone" || state == "doubled_id" ? Level::ERROR : Level::WARN;
+  return state == "alone" || state == "duplicate_id" ? Level::ERROR : Level::WARN;
 }
 
 }  // namespace

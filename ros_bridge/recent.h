@@ -6,8 +6,8 @@
 
 namespace limb_ring::bridge {
 
-/// What happened lately, each told for a while: a diagnostics reader that looks once a second would
-/// miss what came and went between two looks.
+/// What happened lately, each told for a while: a diagnostics reader that reads once a second would
+/// miss what came and went between two readings.
 class Recent {
  public:
   using Clock = std::chrono::steady_clock;

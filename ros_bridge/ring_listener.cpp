@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kListenRetry = 1s;      // a node on another host is not looked for in vain all the time
-constexpr int kTickMs = 50;            // how soon the end is noticed
+constexpr int kTickMs = 50;            // how soon the end is seen
 constexpr int kMessagesOfANode = 256;  // then the other nodes have their turn
 
 }  // namespace

@@ -60,7 +60,7 @@ std::string RingWatch::digest() {
   return digest.dump();
 }
 
-std::vector<NodeStatus> RingWatch::look() {
+std::vector<NodeStatus> RingWatch::poll() {
   const auto own = ask(door_.node);
   std::vector<NodeStatus> all;
   for (const auto& node : ring_.nodes) {

@@ -22,10 +22,10 @@ class RingWatch {
   RingWatch(const config::RingConfig& ring, const ConnectOptions& door);
 
   /// What own node and the beacons it hears say about states, CPUs and boots, as text: where it
-  /// differs from the last, look() is worth its cost. Empty where the own daemon is silent.
+  /// differs from the last, poll() is worth its cost. Empty where the own daemon is silent.
   std::string digest();
   /// All configured nodes, in ring order.
-  std::vector<NodeStatus> look();
+  std::vector<NodeStatus> poll();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kGlance = 100ms;  // between looks for a change
+constexpr auto kPollPeriod = 100ms;  // between polls for a change
 constexpr auto kPeriod = 1s;
 
 }  // namespace
@@ -48,7 +48,7 @@ void StatusOut::run() {
     lock.unlock();
     if (is_due()) publish();
     lock.lock();
-    if (!stopping_) wake_.wait_for(lock, kGlance);
+    if (!stopping_) wake_.wait_for(lock, kPollPeriod);
   }
 }
 
@@ -72,7 +72,7 @@ void StatusOut::publish() {
   last_time_ = Clock::now();
   RingStatus status;
   fill_header(status);
-  status.nodes = watch_.look();
+  status.nodes = watch_.poll();
   for (auto& node : status.nodes) fill_joints(node);
   const auto own = std::find_if(status.nodes.begin(), status.nodes.end(),
                                 [this](const auto& node) { return node.name == own_node_; });

@@ -31,7 +31,7 @@ json percent(const std::optional<double>& value) { return value ? json(rounded(*
 std::string label(const Row& row) {
   if (row.what == "reference") return "bare reference ring (UNIX)";
   if (row.what == "unix") return "limb_ring over UNIX stream";
-  if (row.what == "watched") return "  while one dump looks on";
+  if (row.what == "watched") return "  while one dump reads along";
   if (row.what == "udp") return "limb_ring over UDP";
   if (row.what == "cpu_to_cpu") return "limb_ring, CPU to CPU and back";
   return "chain of topic_tools/relay";

@@ -25,7 +25,7 @@ std::string words(Sending sending) { return sending == Sending::one ? "one sende
 struct Case {
   std::vector<Measurement> rounds;
   std::vector<double> ratios;
-  std::vector<double> unwatched;  ///< ratios by the ring's that nobody looked at
+  std::vector<double> unwatched;  ///< ratios by the ring's without a reader
 };
 
 /// Measures everything at one pinning, round by round.
@@ -63,7 +63,7 @@ class Rounds {
     }
   }
 
-  /// The same again while somebody looks at all that one node sees: what looking costs.
+  /// The same again while a dump reads all that one node sees: what that costs.
   void watched(const PrivateRing& ring, Sending sending, const Measurement& unwatched, double reference) {
     tell("watched", sending);
     const PacketObserver observer(setup_, ring, 0, pinning_);

@@ -17,7 +17,7 @@ struct Row {
   Sending sending = Sending::one;
   Measurement measured;
   double reference_ratio = 1;  ///< p50 by the reference's, pinned and sending alike: median of rounds
-  double unwatched_ratio = 0;  ///< watched: the same by the ring's that nobody looks at, just before; else 0
+  double unwatched_ratio = 0;  ///< watched: the same by the ring's without a reader, just before; else 0
 };
 
 struct Report {

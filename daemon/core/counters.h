@@ -54,7 +54,7 @@ namespace limb_ring::core {
   X(folds, "input or output taken over by the second line")                                                     \
   X(fold_discarded, "slice on the second line that nobody was to have")                                         \
   X(fold_held_dropped, "slice dropped while the first line came back")                                          \
-  X(doubled_id_signs, "sign that another node has this node's id")
+  X(duplicate_id_signs, "sign that another node has this node's id")
 
 struct Counters {
 #define LIMB_RING_COUNTER_MEMBER(name, meaning) std::uint64_t name = 0;

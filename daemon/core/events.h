@@ -21,10 +21,10 @@ enum class NodeState : std::uint8_t {
   starting,  ///< its links are not there yet
   joining,   ///< its hello is not home yet
   up,
-  open_chain,  ///< the ring is broken: everything goes on, unconfirmed
-  folded,      ///< fold-back around a break
-  alone,       ///< the only living node
-  doubled_id   ///< another node has this node's id
+  open_chain,   ///< the ring is broken: everything goes on, unconfirmed
+  folded,       ///< fold-back around a break
+  alone,        ///< the only living node
+  duplicate_id  ///< another node has this node's id
 };
 const char* to_string(NodeState state);
 

@@ -16,8 +16,8 @@ const char* to_string(NodeState state) {
       return "folded";
     case NodeState::alone:
       return "alone";
-    case NodeState::doubled_id:
-      return "doubled_id";
+    case NodeState::duplicate_id:
+      return "duplicate_id";
   }
   return "unknown";
 }

@@ -85,7 +85,7 @@ constexpr Word kWords[] = {
     {Name::thaw, "thaw", Of::node, 0, true, true, "a frozen node goes on where it stood"},
     {Name::hang, "hang", Of::cpu, kFor, true, true, "the CPU neither reads nor sends"},
     {Name::resume, "resume", Of::cpu, 0, true, true, "a CPU that hangs, is slow, babbles or does not read is well"},
-    {Name::reset, "reset", Of::cpu, 0, true, true, "the CPU starts anew, as by its reset pin"},
+    {Name::reset, "reset", Of::cpu, 0, true, true, "the CPU restarts, as by its reset pin"},
     {Name::crash, "crash", Of::cpu, 0, true, true, "the CPU dies by itself; whoever keeps it starts it again"},
     {Name::slow, "slow", Of::cpu, kFor | kEvery, true, true, "the CPU takes one packet in each period"},
     {Name::not_reading, "not_reading", Of::cpu, kFor, true, true, "the CPU sends, but takes no packet"},

@@ -7,13 +7,13 @@ namespace limb_ring::link {
 /// What happened at the receiving end of a link since the start.
 struct InputCounters {
   std::uint64_t reads = 0, bytes = 0, slices = 0, idle_slices = 0;
-  std::uint64_t connects = 0;   ///< upstream neighbours that came
-  std::uint64_t losses = 0;     ///< upstream neighbours that went, for whatever reason
-  std::uint64_t silences = 0;   ///< of those: silent for too long
-  std::uint64_t replaced = 0;   ///< of those: a nearer or newer one came
-  std::uint64_t refused = 0;    ///< connects of our ring that we refused
-  std::uint64_t strangers = 0;  ///< unknown peers: garbage, other rings, other users, half-open connections
-  std::uint64_t malformed = 0;  ///< streams or datagrams that held no slice
+  std::uint64_t connects = 0;       ///< upstream neighbours that came
+  std::uint64_t losses = 0;         ///< upstream neighbours that went, for whatever reason
+  std::uint64_t silences = 0;       ///< of those: silent for too long
+  std::uint64_t replaced = 0;       ///< of those: a nearer or newer one came
+  std::uint64_t refused = 0;        ///< connects of our ring that we refused
+  std::uint64_t unknown_peers = 0;  ///< garbage, other rings, other users, half-open connections
+  std::uint64_t malformed = 0;      ///< streams or datagrams that held no slice
   std::uint64_t datagrams = 0;
   std::uint64_t datagrams_duplicate = 0;  ///< lower or equal sequence: doubled or overtaken
   std::uint64_t datagrams_lost = 0;       ///< missing from the sequence
@@ -47,7 +47,7 @@ void for_each_counter(const InputCounters& c, Visit&& visit) {
   visit("silences", c.silences);
   visit("replaced", c.replaced);
   visit("refused", c.refused);
-  visit("strangers", c.strangers);
+  visit("unknown_peers", c.unknown_peers);
   visit("malformed", c.malformed);
   visit("datagrams", c.datagrams);
   visit("datagrams_duplicate", c.datagrams_duplicate);

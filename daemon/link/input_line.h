@@ -25,7 +25,7 @@ struct InputReport {
   std::string last_unknown_peer;  ///< why the last unknown peer was turned away; for people
   ReportOnce report_once;         ///< of such a reason, since the input came up
   void unknown_peer(std::string why) {
-    ++counters.strangers;
+    ++counters.unknown_peers;
     last_unknown_peer = std::move(why);
   }
 };

@@ -62,7 +62,7 @@ Option<T> send_option(const char* name) {
 // ---- a section for each kind ----------------------------------------------------------------
 
 void read_state(const Entry& entry, NodeIs& node) {
-  std::vector<std::string> words = words_up_to(core::NodeState::doubled_id);
+  std::vector<std::string> words = words_up_to(core::NodeState::duplicate_id);
   words.emplace_back("down");
   const std::size_t word = read_choice(entry, words);
   node.down = word + 1 == words.size();

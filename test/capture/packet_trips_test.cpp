@@ -55,7 +55,7 @@ std::vector<std::size_t> earlier_of(const TracedRing& ring) {
   return counts;
 }
 
-TEST(PacketTrips, ASightingOfAnotherPacketOfThatNumberBeginsAnew) {
+TEST(PacketTrips, ASightingOfAnotherPacketOfThatNumberBeginsANewTrip) {
   std::vector<SeenPacket> packets;
   pass(packets, {3, 0, 'a'}, 0s, {3, 4, 5});
   pass(packets, {3, 0, 'b'}, 1ms, {0, 1, 2});
@@ -64,7 +64,7 @@ TEST(PacketTrips, ASightingOfAnotherPacketOfThatNumberBeginsAnew) {
   EXPECT_FALSE(ring.round_trip(1)) << "it was not seen from its source";
 }
 
-TEST(PacketTrips, ANumberThatComesAgainBeginsAnewWhateverIsMissing) {
+TEST(PacketTrips, ANumberThatComesAgainBeginsANewTripWhateverIsMissing) {
   std::vector<SeenPacket> packets;
   for (unsigned i = 0; i < 9; ++i)
     pass(packets, {static_cast<std::uint8_t>(i % 8)}, i * 1ms,
@@ -73,7 +73,7 @@ TEST(PacketTrips, ANumberThatComesAgainBeginsAnewWhateverIsMissing) {
   EXPECT_EQ(ring.trips(), 9u);
 }
 
-TEST(PacketTrips, ANumberThatComesAgainAfterSecondsWithoutACaptureBeginsAnew) {
+TEST(PacketTrips, ANumberThatComesAgainAfterSecondsWithoutACaptureBeginsANewTrip) {
   std::vector<SeenPacket> packets;
   pass(packets, {3}, 0s, {4, 5});
   pass(packets, {4}, 1ms);

@@ -99,7 +99,7 @@ TEST(CaptureSelection, CountsEveryPacketUnderOneName) {
   EXPECT_EQ(counts.limited, 3u);
 }
 
-TEST(CaptureSelection, LimitsEverySecondAnew) {
+TEST(CaptureSelection, LimitsEachSecondByItself) {
   Wish wish;
   wish.limit_per_s = 1;
   Selection selection(wish);

@@ -42,7 +42,7 @@ TEST_F(ExactlyOnce, RefusedStaysRefusedThoughABufferHasBecomeFree) {
   EXPECT_EQ(solo.packets().size(), 2u);
   EXPECT_EQ(pass({0, 1, 2, 1}), 0);
   EXPECT_THAT(solo.packets(), IsEmpty());
-  EXPECT_EQ(pass({0, 1, 3}), 2) << "a new number is decided anew";
+  EXPECT_EQ(pass({0, 1, 3}), 2) << "a new number is decided afresh";
 }
 
 TEST_F(ExactlyOnce, UnicastAndBroadcastAreRememberedApart) {
@@ -193,7 +193,7 @@ TEST_F(Incarnations, ANodeThatWasBypassedKnowsNoNumbersOfData) {
   EXPECT_EQ(data(7, "another packet", 0, 1), 0) << "refused: its own hello is not home yet";
 }
 
-// A process that was started anew may have the same two bits by chance: its hello tells.
+// A process that was restarted may have the same two bits by chance: its hello tells.
 TEST_F(Incarnations, AHelloBeginsNewNumbersAlsoWhereTheTwoBitsAreTheSame) {
   data(4, "four");
   hello(4 + 4);
@@ -232,7 +232,7 @@ TEST(ExactlyOnceJoining, OwnPacketsAreOnlyStripped) {
   SoloNode solo;
   solo.run();
   solo.line();
-  solo.receive(SliceKind::whole, Foreign{1, 1, 0, 0, 3}.with(text("of a former life")));
+  solo.receive(SliceKind::whole, Foreign{1, 1, 0, 0, 3}.with(text("of a former process")));
   EXPECT_THAT(solo.line(), IsEmpty());
   EXPECT_THAT(solo.packets(), IsEmpty());
 }

@@ -239,7 +239,7 @@ TEST_F(FoldBackTest, AHearsThatIsLostIsSaidAgain) {
   bool lost = false;
   const auto lose_one = [&lost](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
     const auto word = wire::fold_word(slice);
-    if (word && word->mark == wire::FoldMark::hears && !lost) return void(lost = true);
+    if (word && word->kind == wire::FoldWordKind::hears && !lost) return void(lost = true);
     arriving.put(slice.kind, slice.bytes);
   };
   ring.tap(4, lose_one, core::Line::second);
@@ -263,13 +263,13 @@ TEST_F(FoldBackTest, ADamagedWordIsNotRepeated) {
     if (slice.kind == wire::SliceKind::fold) bytes[1] ^= 4, ++damaged;
     arriving.put(slice.kind, {bytes.data(), bytes.size()});
   };
-  const auto look = [&repeated](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+  const auto count = [&repeated](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
     if (slice.kind == wire::SliceKind::fold && !wire::fold_word(slice)) ++repeated;
     arriving.put(slice.kind, slice.bytes);
   };
   const auto discarded = ring.counters(1).fold_discarded;
   ring.tap(2, damage, core::Line::second);
-  ring.tap(1, look, core::Line::second);
+  ring.tap(1, count, core::Line::second);
   ring.run_for(30ms);
   EXPECT_GE(damaged, 2u);
   EXPECT_EQ(repeated, 0u);
@@ -299,9 +299,9 @@ struct LoneFold : testing::Test {
     second().clear();
   }
   wire::SliceWriter& second() { return node.output(Line::second); }
-  void hear(wire::FoldMark mark, NodeId from) {
+  void hear(wire::FoldWordKind kind, NodeId from) {
     wire::SliceWriter word;
-    wire::put(word, {mark, from});
+    wire::put(word, {kind, from});
     node.receive(Line::second, wire::parse_slice(word.view()).slice, Time{});
   }
   void receive_interrupt(Line line, std::uint8_t sequence, std::uint8_t hop) {
@@ -318,16 +318,16 @@ struct LoneFold : testing::Test {
 // Its own node would take it off; that one is dead, and bypassed by this one's input.
 TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
   node.input_up(Line::second, 7, Time{});
-  hear(wire::FoldMark::begin, 6);
+  hear(wire::FoldWordKind::begin, 6);
   EXPECT_TRUE(second().empty());
   receive_interrupt(Line::second, 0, 2);
   EXPECT_TRUE(second().empty()) << "nor does what follows it go round";
-  hear(wire::FoldMark::begin, 0);
+  hear(wire::FoldWordKind::begin, 0);
   EXPECT_FALSE(second().empty());
 }
 
 TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
-  hear(wire::FoldMark::begin, 200);
+  hear(wire::FoldWordKind::begin, 200);
   EXPECT_TRUE(second().empty());
   EXPECT_EQ(node.counters().fold_discarded, 1u);
 }
@@ -335,7 +335,7 @@ TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
 // It passed here before the line behind it broke, was turned back at node 6, and is on its way back when the line
 // before this node breaks too.
 TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
-  hear(wire::FoldMark::begin, 6);
+  hear(wire::FoldWordKind::begin, 6);
   receive_interrupt(Line::first, 0, 2);
   receive_interrupt(Line::first, 1, 2);
   EXPECT_EQ(node.counters().pins_pulled, 2u);
@@ -348,7 +348,7 @@ TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
 // A `hears` was lost, and the words on the second line stop at another node that has turned back: two such nodes stayed
 // folded for ever. So a node asks the next one on the first line, each beacon period.
 TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) {
-  hear(wire::FoldMark::deaf, 5);
+  hear(wire::FoldWordKind::deaf, 5);
   EXPECT_EQ(node.output_line(), Line::second);
   node.output(Line::first).clear();
   Time now{};
@@ -363,24 +363,24 @@ TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) 
   ASSERT_FALSE(node.output(Line::first).empty());
   const auto word = wire::fold_word(wire::parse_slice(node.output(Line::first).view()).slice);
   ASSERT_TRUE(word);
-  EXPECT_EQ(word->mark, wire::FoldMark::begin);
+  EXPECT_EQ(word->kind, wire::FoldWordKind::begin);
   EXPECT_EQ(word->node, 4);
 }
 
 TEST_F(LoneFold, ANodeThatHearsAnswersTheOneBefore) {
   wire::SliceWriter question;
-  wire::put(question, {wire::FoldMark::begin, 3});
+  wire::put(question, {wire::FoldWordKind::begin, 3});
   node.receive(Line::first, wire::parse_slice(question.view()).slice, Time{});
   ASSERT_FALSE(second().empty());
   const auto word = wire::fold_word(wire::parse_slice(second().view()).slice);
   ASSERT_TRUE(word);
-  EXPECT_EQ(word->mark, wire::FoldMark::hears);
+  EXPECT_EQ(word->kind, wire::FoldWordKind::hears);
   EXPECT_EQ(word->node, 4);
 }
 
 // As much as 254 nodes have under way, and no more, should packets ever go round where nobody strips.
 TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
-  hear(wire::FoldMark::begin, 6);
+  hear(wire::FoldWordKind::begin, 6);
   const std::vector<std::uint8_t> packet(wire::kMaxDataPacketSize, 0x55);
   const wire::Slice slice{wire::SliceKind::whole, {packet.data(), packet.size()}};
   constexpr std::size_t kLap = 254 * wire::kMaxDataPacketSize;

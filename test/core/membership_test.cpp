@@ -201,26 +201,26 @@ TEST_F(Membership16, BeaconWaitingForTheLineDoesNotGoAheadOfANewHello) {
   EXPECT_EQ(beacon->cpu_boots, 9u);
 }
 
-// ---- a doubled id -----------------------------------------------------------------------------
+// ---- a duplicate id ---------------------------------------------------------------------------
 
 /// A ring of six in which the node at place 4 believes to be node 3; unwatched, since the promises
 /// of a ring suppose that ids differ.
-struct DoubledId : testing::Test {
+struct DuplicateId : testing::Test {
   sim::VirtualRing ring{with(talking(6), [](Settings& s) { s.id = s.id == 4 ? 3 : s.id; })};
   NodeState state(NodeId place) { return ring.node(place).membership().state(); }
 };
 
-TEST_F(DoubledId, BothNodesSaySoAndTheOthersWork) {
+TEST_F(DuplicateId, BothNodesSaySoAndTheOthersWork) {
   ring.run_for(2s);
-  EXPECT_EQ(state(3), NodeState::doubled_id);
-  EXPECT_EQ(state(4), NodeState::doubled_id);
+  EXPECT_EQ(state(3), NodeState::duplicate_id);
+  EXPECT_EQ(state(4), NodeState::duplicate_id);
   EXPECT_EQ(state(0), NodeState::up);
-  EXPECT_GT(ring.counters(3).doubled_id_signs, 0u);
+  EXPECT_GT(ring.counters(3).duplicate_id_signs, 0u);
   EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 5, text("a"))).outcome, Outcome::delivered);
   EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 5, text("a"))).reject, Reject::not_in_ring);
 }
 
-TEST_F(DoubledId, EndsWhenTheOtherIsGone) {
+TEST_F(DuplicateId, EndsWhenTheOtherIsGone) {
   ring.run_for(2s);
   ring.kill(4);
   ring.run_for(2s);
@@ -229,14 +229,14 @@ TEST_F(DoubledId, EndsWhenTheOtherIsGone) {
   EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 3, text("a"))).outcome, Outcome::delivered);
 }
 
-TEST_F(DoubledId, IsFoundAndLeftByANodeThatWasUpBefore) {
+TEST_F(DuplicateId, IsFoundAndLeftByANodeThatWasUpBefore) {
   ring.kill(4);
   ring.run_for(2s);
   ASSERT_EQ(state(3), NodeState::up);
   const auto waiting = ring.send(3, 0, text("waiting"), 3);
   ring.start(4);
   ring.run_for(2s);
-  EXPECT_EQ(state(3), NodeState::doubled_id);
+  EXPECT_EQ(state(3), NodeState::duplicate_id);
   EXPECT_NE(ring.ended(3, waiting), nullptr);
   ring.kill(4);
   ring.run_for(2s);
@@ -244,7 +244,7 @@ TEST_F(DoubledId, IsFoundAndLeftByANodeThatWasUpBefore) {
   EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 0, text("a"))).outcome, Outcome::delivered);
 }
 
-TEST_F(DoubledId, EndsAlsoWhenItsLinksWereLostMeanwhile) {
+TEST_F(DuplicateId, EndsAlsoWhenItsLinksWereLostMeanwhile) {
   ring.run_for(2s);
   ring.kill(5);
   ring.kill(4);

@@ -82,7 +82,7 @@ TEST_F(ExactlyOnceRing, PinIsPulledOnceUnderRetries) {
   EXPECT_THAT(pins(ring.log(1)), ElementsAre(2));
 }
 
-TEST_F(ExactlyOnceRing, SourceThatRestartsIsHeardAnew) {
+TEST_F(ExactlyOnceRing, SourceThatRestartsIsHeardAgain) {
   for (int start = 0; start < 3; ++start) {
     ring.send(0, 1, text("word " + std::to_string(start)));
     ring.run_for(1500ns);  // taken, not home yet
@@ -141,7 +141,7 @@ TEST_F(ExactlyOnceRing, SixSendsWithoutAVerdictAreFollowedByANewHello) {
   EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 1, text("b"))).outcome, Outcome::delivered);
 }
 
-TEST_F(ExactlyOnceRing, VerdictInBetweenStartsTheCountAnew) {
+TEST_F(ExactlyOnceRing, VerdictInBetweenResetsTheCount) {
   const auto hellos = ring.counters(0).hellos;
   for (int round = 0; round < 3; ++round) {
     ring.kill(2);

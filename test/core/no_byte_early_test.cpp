@@ -42,8 +42,8 @@ TEST_F(SlowLineIntoAFastOne, ADataPacketsLastByteLeavesNoEarlierThanItCameIn) {
   EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::end));
 }
 
-// What waits while numbers begin anew was dated back to when it was asked for, and the packet after it began before the
-// line was free.
+// What waits while new numbers are agreed on was dated back to when it was asked for, and the packet after it began
+// before the line was free.
 struct ClosedGate : testing::Test {
   Settings settings;
   Counters counters;

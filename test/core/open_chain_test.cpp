@@ -187,7 +187,7 @@ TEST_F(OpenChain, NodeThatLostBothLinksAndGotOneBackIsInTheChain) {
   EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 5, text("a"))).outcome, Outcome::unconfirmed);
   ring.run_for(10ms);
   EXPECT_THAT(payloads(ring.log(5)), ElementsAre(text("a")));
-  EXPECT_GT(ring.counters(3).hellos, 1u) << "its first word of the new life";
+  EXPECT_GT(ring.counters(3).hellos, 1u) << "the first hello of the new process";
 }
 
 }  // namespace

@@ -44,15 +44,15 @@ class LineRig {
   }
   void put(const wire::Slice& slice) {
     faults.pass(slice, now);
-    look();
+    poll();
   }
 
-  /// Looks when the line says so, and no more often.
+  /// Polls when the line says so, and no more often.
   void run_for(Duration duration) {
     const Time until = now + duration;
     while (faults.next_deadline() <= until) {
       now = std::max(now, faults.next_deadline());
-      look();
+      poll();
     }
     now = until;
   }
@@ -76,7 +76,7 @@ class LineRig {
     return bytes;
   }
 
-  void look() {
+  void poll() {
     cut = faults.cut(now);
     wire::SliceWriter out;
     faults.take(now, out);

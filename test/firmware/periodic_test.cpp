@@ -19,7 +19,7 @@ TEST(Periodic, DoesNotDriftWhenItIsServedLate) {
   Periodic periodic(100, 0s);
   int taken = 0;
   for (auto t = 0ms; t <= 10s; t += 3ms) taken += periodic.take(t) ? 1 : 0;
-  EXPECT_EQ(taken, 999);  // 1000 deadlines; the last one is at 10 s, past the last look
+  EXPECT_EQ(taken, 999);  // 1000 deadlines; the last one is at 10 s, past the last poll
   EXPECT_EQ(periodic.missed(), 0U);
 }
 

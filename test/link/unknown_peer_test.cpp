@@ -29,7 +29,7 @@ struct UnknownPeer : testing::Test {
     const auto bytes = encode(header);
     send_now(socket.native_handle(), {bytes.data(), bytes.size()});
   }
-  std::uint64_t unknown_peers() { return rig.node(1).input->counters().strangers; }
+  std::uint64_t unknown_peers() { return rig.node(1).input->counters().unknown_peers; }
   /// The header that comes back; nothing where the line is closed without a word.
   std::optional<LinkHeader> answer(UnixSocket& socket) {
     std::array<std::uint8_t, kLinkHeaderSize> bytes;
@@ -137,7 +137,7 @@ TEST_F(UnknownPeer, WithADatagramSocketThatIsNotOursDoesNothing) {
   other.ring = LinkRig::kRing + 1;
   const auto bytes = encode(other);
   send_now(socket.native_handle(), {bytes.data(), bytes.size()});
-  EXPECT_TRUE(udp.until([&] { return udp.node(1).input->counters().strangers == 2; }));
+  EXPECT_TRUE(udp.until([&] { return udp.node(1).input->counters().unknown_peers == 2; }));
   EXPECT_TRUE(udp.whole());
   EXPECT_THAT(udp.node(1).heard.slices, IsEmpty());
   EXPECT_THAT(udp.node(1).heard.unknown_peers,

@@ -32,8 +32,8 @@ class Lines(FaultTest):
         self.cut_and_heal(plain_nodes(4))
 
     def test_a_cut_udp_line_is_silent_located_and_whole_again_when_removed(self):
-        noticed = self.cut_and_heal(self.udp_nodes(4))
-        self.assertGreaterEqual(noticed, 300, 'the silence counts')
+        detected = self.cut_and_heal(self.udp_nodes(4))
+        self.assertGreaterEqual(detected, 300, 'the silence counts')
 
     def test_dropped_packets_are_sent_again_and_the_fault_ends_by_itself(self):
         self.start_ring(plain_nodes(3), timeouts={'send': '100ms'})

@@ -1,4 +1,4 @@
-"""Strangers at the host port and at the links: the ring is not disturbed, and they are counted."""
+"""Unknown peers at the host port and at the links: the ring is not disturbed, and they are counted."""
 
 import random
 import socket
@@ -22,7 +22,7 @@ def garbage(size):
         random.Random(size).getrandbits(8) for _ in range(size))
 
 
-class Stranger(RingTest):
+class UnknownPeer(RingTest):
     def connect(self, path):
         stranger = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         stranger.settimeout(ring_process.GUARD)
@@ -138,12 +138,12 @@ class Stranger(RingTest):
 
     def test_garbage_on_a_unix_link(self):
         self.quiet_ring()
-        before = self.counters(1)['input_strangers']
+        before = self.counters(1)['input_unknown_peers']
         pieces = [b'GET / HTTP/1.1\r\n\r\n' * 10, b'\0' * 64, garbage(9000),
                   head(CONNECT, ring=12345), head(ALIVE), head(BYE, sender=0)]
         for piece in pieces:
             self.say(self.socket_of(1, 'link'), piece)
-        self.wait('counted', lambda: self.counters(1)['input_strangers'] == before + len(pieces))
+        self.wait('counted', lambda: self.counters(1)['input_unknown_peers'] == before + len(pieces))
         self.assert_undisturbed()
 
     def test_a_node_of_the_old_protocol_is_named_in_the_log(self):
@@ -158,20 +158,20 @@ class Stranger(RingTest):
         self.quiet_ring()
         for stranger in [self.connect(self.socket_of(1, 'link')) for _ in range(40)]:
             self.read_to_end(stranger)
-        self.assertGreaterEqual(self.counters(1)['input_strangers'], 40)
+        self.assertGreaterEqual(self.counters(1)['input_unknown_peers'], 40)
         self.assert_undisturbed()
 
     def test_garbage_on_a_udp_link(self):
         ports = free_udp_ports(3)
         self.quiet_ring(links={'transport': 'udp', 'port': ports})
-        before = self.counters(1)['input_strangers']
+        before = self.counters(1)['input_unknown_peers']
         stranger = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.addCleanup(stranger.close)
         pieces = [b'', b'x', b'GET / HTTP/1.1', b'\0' * 64, garbage(1400), garbage(60000),
                   head(CONNECT, ring=12345), head(SLICES, ring=99) + b'\xa7\1\0\4abcd']
         for piece in pieces * 25:
             stranger.sendto(piece, ('127.0.0.1', ports + 1))
-        self.wait('counted', lambda: self.counters(1)['input_strangers'] > before)
+        self.wait('counted', lambda: self.counters(1)['input_unknown_peers'] > before)
         self.assert_undisturbed()
 
 

@@ -52,10 +52,10 @@ class Newest:
 
     def wait(self, condition, what):
         """The newest message, once condition(message) is true."""
-        def look():
+        def poll():
             message = self.get()
             return message if message is not None and condition(message) else None
-        return wait_for(look, what)
+        return wait_for(poll, what)
 
     def wait_for_more(self, number, what):
         before = self.count()

@@ -172,11 +172,11 @@ class Fold:
     # ---- the second line --------------------------------------------------------------------
 
     @staticmethod
-    def word(mark, node):
-        return slice_of(FOLD, bytes([mark, node, 0xFF ^ mark ^ node]))
+    def word(kind, node):
+        return slice_of(FOLD, bytes([kind, node, 0xFF ^ kind ^ node]))
 
-    def say(self, mark, node):
-        self.second.output.write(self.word(mark, node))
+    def say(self, kind, node):
+        self.second.output.write(self.word(kind, node))
 
     def say_again(self):
         self.say_due = None
@@ -212,22 +212,22 @@ class Fold:
         self.second_open = False
 
     def hear(self, data):
-        mark, node, check = data
-        if check != 0xFF ^ mark ^ node or not BEGIN <= mark <= HEARS or node not in self.first.order:
+        kind, node, check = data
+        if check != 0xFF ^ kind ^ node or not BEGIN <= kind <= HEARS or node not in self.first.order:
             return
-        if mark in (DEAF, HEARS):
+        if kind in (DEAF, HEARS):
             if node == self.first.successor:
-                self.next_is_deaf = mark == DEAF
-                if mark == HEARS:
+                self.next_is_deaf = kind == DEAF
+                if kind == HEARS:
                     self.greet()
                 self.choose_output()
             return
         if node == self.id:
-            if mark == LOST and self.fold_node is not None:
+            if kind == LOST and self.fold_node is not None:
                 self.lose_fold_node()
             return
         if self.ahead(node) >= self.ahead(self.second.sender):  # else it has come all the way round
-            self.hear_of_fold_node(mark, node)
+            self.hear_of_fold_node(kind, node)
 
     def ahead(self, node):
         order = self.first.order
@@ -238,16 +238,16 @@ class Fold:
         return (self.input != FIRST and self.fold_node is not None and source in self.first.order and
                 self.ahead(source) > self.ahead(self.fold_node))
 
-    def hear_of_fold_node(self, mark, node):
-        if mark == BEGIN and node == self.first.sender and self.input == FIRST:
+    def hear_of_fold_node(self, kind, node):
+        if kind == BEGIN and node == self.first.sender and self.input == FIRST:
             self.say(HEARS, self.id)
-        if mark == BEGIN and node == self.fold_node and self.heard_due - self.now > 4.5 * PERIOD:
+        if kind == BEGIN and node == self.fold_node and self.heard_due - self.now > 4.5 * PERIOD:
             return
         if self.input == FIRST and self.output == FIRST:
-            self.say(mark, node)
-        if mark == BEGIN:
+            self.say(kind, node)
+        if kind == BEGIN:
             self.fold_node, self.heard_due = node, self.now + 5 * PERIOD
-        elif mark == LOST or node == self.fold_node:
+        elif kind == LOST or node == self.fold_node:
             self.break_off_second()
             self.forget_fold_node()
 

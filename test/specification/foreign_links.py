@@ -72,21 +72,21 @@ class UnixInput:
         else:
             self.greet(which)
 
-    def greet(self, guest):
-        self.pending.remove(guest)
-        data = received(guest, LINK_HEADER.size, socket.MSG_WAITALL)
+    def greet(self, connection):
+        self.pending.remove(connection)
+        data = received(connection, LINK_HEADER.size, socket.MSG_WAITALL)
         if len(data) != LINK_HEADER.size:
-            return guest.close()
+            return connection.close()
         connect = LinkHeader._make(LINK_HEADER.unpack(data))
         refusal = self.line.judge(connect)
         if refusal != NO_REFUSAL:
-            tell(guest, self.line.header(REFUSE, refusal=refusal))
-            return guest.close()
+            tell(connection, self.line.header(REFUSE, refusal=refusal))
+            return connection.close()
         if self.stream:
             tell(self.stream, self.line.header(REFUSE, refusal=REPLACED))
             self.stream.close()
-        tell(guest, self.line.header(ACCEPT, connect.session))
-        self.stream, self.buffer, self.line.sender = guest, b'', connect.sender
+        tell(connection, self.line.header(ACCEPT, connect.session))
+        self.stream, self.buffer, self.line.sender = connection, b'', connect.sender
 
     def lose(self):
         self.stream.close()

@@ -56,7 +56,7 @@ class WithAForeignNode(RingTest):
             for _ in range(10):  # more than sequence numbers there are
                 self.assertEqual(self.outcome(self.node.send(destination, b'abc')), 'delivered')
         for node in (0, 1):
-            for bad in ('crc_errors', 'malformed_packets', 'doubled_id_signs'):
+            for bad in ('crc_errors', 'malformed_packets', 'duplicate_id_signs'):
                 self.assertEqual(self.counters(node)[bad], 0, bad)
 
 
@@ -78,7 +78,7 @@ class ForeignNode(WithAForeignNode):
         self.start_node(Line(self.ring, FOREIGN, [0, 1, 2], ('127.0.0.1', ports + FOREIGN), ('127.0.0.1', ports)))
         self.assert_all_reach_all()
         self.assertEqual(self.counters(0)['input_datagrams_lost'], 0)
-        self.assertEqual(self.counters(0)['input_strangers'], 0)
+        self.assertEqual(self.counters(0)['input_unknown_peers'], 0)
 
     def test_it_may_leave_and_come_back(self):
         self.close_unix_ring()

@@ -150,7 +150,7 @@ class Contents(unittest.TestCase):
 
     def test_every_state_reason_and_code_is_listed(self):
         for name, where in [("NodeState", "8.1"), ("Reject", "4.6"), ("SliceKind", "6.2"), ("LinkHeaderType", "6.5"),
-                            ("Refusal", "6.5"), ("FoldMark", "8.8")]:
+                            ("Refusal", "6.5"), ("FoldWordKind", "8.8")]:
             for word in enumerators(name):
                 if (name, word) != ("Reject", "none"):
                     self.assertIn("`%s`" % word, section(self.page, where), name)

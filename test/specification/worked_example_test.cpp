@@ -12,7 +12,7 @@
 #include "link/link_header.h"
 #include "wire/control_message.h"
 #include "wire/data_packet.h"
-#include "wire/fold_mark.h"
+#include "wire/fold_word.h"
 #include "wire/interrupt_packet.h"
 #include "wire/slice.h"
 
@@ -151,7 +151,7 @@ TEST(WorkedExample, FirstDatagramOfASession) {
 
 TEST(WorkedExample, FoldWord) {
   wire::SliceWriter line;
-  wire::put(line, {wire::FoldMark::begin, 2});
+  wire::put(line, {wire::FoldWordKind::begin, 2});
   EXPECT_THAT(example("11.10"), ElementsAreArray(bytes_of(line.view())));
 }
 

@@ -75,7 +75,7 @@ TEST(DataPacket, EveryLengthComesBack) {
   }
 }
 
-TEST(DataPacket, AnyFlippedBitIsNoticed) {
+TEST(DataPacket, AnyFlippedBitIsDetected) {
   const Bytes data{1, 2, 3, 4, 5};
   Bytes bytes = encoded({{}, 0, 1, kFbcUntaken, 2, 0, {data.data(), data.size()}});
   for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {
@@ -86,7 +86,7 @@ TEST(DataPacket, AnyFlippedBitIsNoticed) {
   }
 }
 
-TEST(DataPacket, AnyCutIsNoticed) {
+TEST(DataPacket, AnyCutIsDetected) {
   const Bytes data(100, 0xFD);
   const Bytes bytes = encoded({{}, 0, 1, kFbcUntaken, 2, 0, {data.data(), data.size()}});
   for (std::size_t size = 0; size < bytes.size(); ++size) {

@@ -18,7 +18,7 @@ using std::to_string;
 using wire::ByteView;
 
 std::string words(const wire::Hello& hello) {
-  return "hello, boot " + to_string(hello.boot) + (hello.remembers ? ", numbers begin anew" : "");
+  return "hello, boot " + to_string(hello.boot) + (hello.remembers ? ", new numbers follow" : "");
 }
 
 std::string link_words(wire::LinkState state, const std::string& neighbour) {

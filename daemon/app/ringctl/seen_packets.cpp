@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// Of a live look the latest so many are kept: about 70 bytes each.
+/// Of a live capture the latest so many are kept: about 70 bytes each.
 constexpr std::size_t kWindow = 1000000;
 
 /// Keeps the latest packets until its time is over.

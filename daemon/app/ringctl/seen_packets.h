@@ -8,11 +8,11 @@
 
 namespace limb_ring::ringctl {
 
-/// What `trace` looks at.
+/// What `trace` reads.
 struct SeenPackets {
   capture::RingNames names;
   std::vector<capture::SeenPacket> packets;
-  std::uint64_t lost = 0;  ///< missing: read too slowly, or more than the window of a live look holds
+  std::uint64_t lost = 0;  ///< missing: read too slowly, or more than the window of a live capture holds
 };
 
 /// All packets of a capture file. @throw UsageError, capture::CaptureFileError

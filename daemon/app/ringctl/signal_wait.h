@@ -5,11 +5,11 @@
 
 namespace limb_ring::ringctl {
 
-/// Holds back the signals `up` lives by (SIGINT, SIGTERM, SIGHUP, SIGCHLD) and hands them out one
+/// Holds back the signals `up` waits for (SIGINT, SIGTERM, SIGHUP, SIGCHLD) and hands them out one
 /// by one, so that nothing happens between two instructions.
 class SignalWait {
  public:
-  static constexpr std::chrono::milliseconds kTick{50};  ///< how soon Ctrl-C is noticed
+  static constexpr std::chrono::milliseconds kTick{50};  ///< how soon Ctrl-C is seen
 
   SignalWait();
   ~SignalWait();

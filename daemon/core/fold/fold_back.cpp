@@ -43,7 +43,7 @@ void FoldBack::input_gap(Line line, Time now) {
 void FoldBack::output_up(Line line, NodeId to, Time now) {
   if (line == Line::second) {
     second_output_up_ = true;
-    if (fold_node_ && repeats()) say(wire::FoldMark::begin, *fold_node_);
+    if (fold_node_ && repeats()) say(wire::FoldWordKind::begin, *fold_node_);
     say_words(now);
   } else {
     if (output_up_) output_lost(line, now);
@@ -93,13 +93,13 @@ void FoldBack::settle(Time now) {
 
 // Words can be lost with the link, so a node that has folded repeats them.
 void FoldBack::say_words(Time now) {
-  using wire::FoldMark;
+  using wire::FoldWordKind;
   repeat_words_at_ = kNever;
   if (!may_fold_) return;
-  if (in_ == In::second) say(FoldMark::deaf, id());
-  if (in_ == In::draining) say(FoldMark::hears, id());
-  if (out_ != Out::first) say(FoldMark::begin, id());
-  if (next_is_deaf_ && output_up_) wire::put(first_, {FoldMark::begin, id()});
+  if (in_ == In::second) say(FoldWordKind::deaf, id());
+  if (in_ == In::draining) say(FoldWordKind::hears, id());
+  if (out_ != Out::first) say(FoldWordKind::begin, id());
+  if (next_is_deaf_ && output_up_) wire::put(first_, {FoldWordKind::begin, id()});
   if (in_ == In::first && out_ == Out::first) return;
   repeat_words_at_ = now + repeat_period();
 }

@@ -7,7 +7,7 @@
 #include "core/fold/held_slices.h"
 #include "core/line.h"
 #include "core/state_table.h"
-#include "wire/fold_mark.h"
+#include "wire/fold_word.h"
 
 namespace limb_ring::core {
 
@@ -118,7 +118,7 @@ class FoldBack {
   void hear_of_fold_node(wire::FoldWord word, const wire::Slice& slice, Time now);
   void forget_fold_node(Time now);
   void lose_second_input(Time now);
-  void say(wire::FoldMark mark, NodeId node) { wire::put(second_, {mark, node}); }
+  void say(wire::FoldWordKind kind, NodeId node) { wire::put(second_, {kind, node}); }
   void say_words(Time now);
   ///@}
 

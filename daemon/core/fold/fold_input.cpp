@@ -4,8 +4,8 @@
 
 namespace limb_ring::core {
 
-using wire::FoldMark;
 using wire::FoldWord;
+using wire::FoldWordKind;
 using wire::Slice;
 using wire::SliceKind;
 
@@ -44,7 +44,7 @@ void FoldBack::on(InInput input, Time now) {
 
 void FoldBack::greet_first_line(Time) {
   first_spoke_ = false;
-  if (may_fold_) say(FoldMark::hears, id());
+  if (may_fold_) say(FoldWordKind::hears, id());
 }
 
 void FoldBack::drain_or_take(Time now) {
@@ -71,7 +71,7 @@ void FoldBack::leave_second_line(Time now) {
 
 // If another fold still sends on the second line, this node repeats that from now on.
 void FoldBack::take_first_line(Time now) {
-  if (fold_node_) say(FoldMark::begin, *fold_node_);
+  if (fold_node_) say(FoldWordKind::begin, *fold_node_);
   tell_turned_back();
   release(now);
 }
@@ -89,7 +89,7 @@ void FoldBack::leave_first_line(Time now) {
 // ---- what comes in on it ------------------------------------------------------------------------
 
 void FoldBack::receive_first(const Slice& slice, Time now) {
-  if (const auto word = wire::fold_word(slice); word && word->mark == FoldMark::begin) return answer(*word);
+  if (const auto word = wire::fold_word(slice); word && word->kind == FoldWordKind::begin) return answer(*word);
   if (in_ == In::first && held_.empty() && slice.kind != SliceKind::fold) return blocks_.enter(slice, now);
   first_spoke_ = true;
   if (slice.kind != SliceKind::fold) hold(slice, now);
@@ -99,7 +99,7 @@ void FoldBack::receive_first(const Slice& slice, Time now) {
 // The node before has turned back because it believes that this one hears nothing on the first line. Its word has come
 // on that line: a `hears` was lost.
 void FoldBack::answer(FoldWord word) {
-  if (word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
+  if (word.node == from_ && in_ == In::first) say(FoldWordKind::hears, id());
 }
 
 void FoldBack::hold(const Slice& slice, Time now) {

@@ -3,7 +3,7 @@
 
 namespace limb_ring::core {
 
-using wire::FoldMark;
+using wire::FoldWordKind;
 
 // clang-format off
 const FoldBack::OutRow FoldBack::kOutputTable[] = {
@@ -50,14 +50,14 @@ void FoldBack::turn_back(Time now) {
 // Between two packets, so that none is lost.
 void FoldBack::turn_forward(Time) {
   tell_neighbours();
-  say(FoldMark::last, id());
+  say(FoldWordKind::last, id());
   greet_next_node();
-  if (fold_node_ && in_ == In::first) say(FoldMark::begin, *fold_node_);
+  if (fold_node_ && in_ == In::first) say(FoldWordKind::begin, *fold_node_);
 }
 
 // The next node waits for this before it takes the first line for its input.
 void FoldBack::greet_next_node() {
-  if (out_ == Out::first) wire::put(first_, {FoldMark::last, id()});
+  if (out_ == Out::first) wire::put(first_, {FoldWordKind::last, id()});
 }
 
 // While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.

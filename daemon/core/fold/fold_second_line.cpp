@@ -4,8 +4,8 @@
 
 namespace limb_ring::core {
 
-using wire::FoldMark;
 using wire::FoldWord;
+using wire::FoldWordKind;
 using wire::Slice;
 using wire::SliceKind;
 
@@ -44,10 +44,10 @@ void FoldBack::break_off_second(Time now) {
 }
 
 void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
-  const bool of_neighbour = word.mark == FoldMark::deaf || word.mark == FoldMark::hears;
+  const bool of_neighbour = word.kind == FoldWordKind::deaf || word.kind == FoldWordKind::hears;
   if (!of_neighbour) return hear_of_fold_node(word, slice, now);
   if (word.node != to_) return;  // of a node that is bypassed
-  next_is_deaf_ = word.mark == FoldMark::deaf;
+  next_is_deaf_ = word.kind == FoldWordKind::deaf;
   if (!next_is_deaf_) greet_next_node();
   settle(now);
 }
@@ -63,22 +63,22 @@ void FoldBack::hear_of_fold_node(FoldWord word, const Slice& slice, Time now) {
   // An own word was repeated by all the others, so no node is behind a break. If this node has said `begin` since its
   // `lost`, it says `lost` once more: otherwise nobody would take what is on the second line.
   if (word.node == id()) {
-    if (word.mark == FoldMark::lost && fold_node_) lose_second_input(now);
+    if (word.kind == FoldWordKind::lost && fold_node_) lose_second_input(now);
     return;
   }
   if (has_come_round(word)) return;
   // The node before still sends back what this one would hear: a `hears` was lost.
-  if (word.mark == FoldMark::begin && word.node == from_ && in_ == In::first) say(FoldMark::hears, id());
-  const bool said_just_now = word.mark == FoldMark::begin && fold_node_ == word.node &&
+  if (word.kind == FoldWordKind::begin && word.node == from_ && in_ == In::first) say(FoldWordKind::hears, id());
+  const bool said_just_now = word.kind == FoldWordKind::begin && fold_node_ == word.node &&
                              fold_node_due_ - now > kMissedBeacons * repeat_period() - repeat_period() / 2;
   if (said_just_now) return;  // it has come round: no node is behind a break
   if (repeats()) second_.put(slice.kind, slice.bytes);
-  if (word.mark == FoldMark::begin) {
+  if (word.kind == FoldWordKind::begin) {
     fold_node_ = word.node;
     fold_node_due_ = now + kMissedBeacons * repeat_period();
     return settle(now);
   }
-  if (word.mark == FoldMark::last && fold_node_ != word.node) return;
+  if (word.kind == FoldWordKind::last && fold_node_ != word.node) return;
   break_off_second(now);
   forget_fold_node(now);
 }
@@ -93,7 +93,7 @@ void FoldBack::forget_fold_node(Time now) {
 // Nothing more comes on the second line.
 void FoldBack::lose_second_input(Time now) {
   break_off_second(now);
-  if (fold_node_ && repeats()) say(FoldMark::lost, id());
+  if (fold_node_ && repeats()) say(FoldWordKind::lost, id());
   forget_fold_node(now);
 }
 

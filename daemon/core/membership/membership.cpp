@@ -7,12 +7,12 @@ constexpr std::uint32_t kHelloToken = 1;
 constexpr std::uint32_t kBeaconToken = 2;
 /// So many hellos and beacons with the own id, but not of this node, mean a duplicate id. Leftovers of the time before
 /// a restart pass only once; a living double goes on sending.
-constexpr unsigned kDoubledSigns = 3;
+constexpr unsigned kDuplicateSigns = 3;
 
 constexpr unsigned kStarting = in(NodeState::starting), kJoining = in(NodeState::joining),
                    kClosed = in(NodeState::up) | in(NodeState::alone) | in(NodeState::folded),
-                   kOpenChain = in(NodeState::open_chain), kDoubled = in(NodeState::doubled_id);
-constexpr unsigned kAny = kStarting | kJoining | kClosed | kOpenChain | kDoubled;
+                   kOpenChain = in(NodeState::open_chain), kDuplicate = in(NodeState::duplicate_id);
+constexpr unsigned kAny = kStarting | kJoining | kClosed | kOpenChain | kDuplicate;
 
 }  // namespace
 
@@ -20,10 +20,10 @@ constexpr unsigned kAny = kStarting | kJoining | kClosed | kOpenChain | kDoubled
 // The table of protocol.md section 8.1.
 const Membership::Row Membership::kTable[] = {
     // input                     from                   to                first                            then
-    {Input::own_packet_home,    kDoubled,              Next::joining,    nullptr,                         nullptr},
+    {Input::own_packet_home,    kDuplicate,            Next::joining,    nullptr,                         nullptr},
     {Input::own_control_home,   kOpenChain,            Next::same,       nullptr,                         &Membership::start_drain},
     {Input::both_lines_up,      kStarting,             Next::joining,    nullptr,                         &Membership::say_hello},
-    {Input::both_lines_up,      kJoining | kDoubled,   Next::same,       nullptr,                         &Membership::say_hello},
+    {Input::both_lines_up,      kJoining | kDuplicate, Next::same,       nullptr,                         &Membership::say_hello},
     {Input::hello_home,         kOpenChain,            Next::same,       &Membership::join,               &Membership::beacon_changed},
     {Input::hello_home,         kAny & ~kOpenChain,    Next::closed,     &Membership::join,               &Membership::beacon_changed},
     {Input::hello_lost,         kAny & ~kOpenChain,    Next::same,       nullptr,                         &Membership::say_hello},
@@ -34,7 +34,7 @@ const Membership::Row Membership::kTable[] = {
     {Input::break_known,        kStarting | kJoining,  Next::open_chain, nullptr,                         &Membership::say_hello_into_chain},
     {Input::break_known,        kOpenChain,            Next::same,       nullptr,                         &Membership::stop_drain},
     {Input::drained,            kOpenChain,            Next::closed,     &Membership::confirm_again,      nullptr},
-    {Input::duplicate_id,       kAny & ~(kStarting | kDoubled), Next::doubled_id, &Membership::begin_incarnation, &Membership::say_hello_if_lines_up},
+    {Input::duplicate_id,       kAny & ~(kStarting | kDuplicate), Next::duplicate_id, &Membership::begin_incarnation, &Membership::say_hello_if_lines_up},
 };
 // clang-format on
 
@@ -69,8 +69,8 @@ void Membership::on(Input input, Time now) {
     case Next::open_chain:
       enter(NodeState::open_chain, now);
       break;
-    case Next::doubled_id:
-      enter(NodeState::doubled_id, now);
+    case Next::duplicate_id:
+      enter(NodeState::duplicate_id, now);
       break;
   }
   if (row->then) (this->*row->then)(now);
@@ -217,7 +217,7 @@ void Membership::control_ended(Time now) {
 void Membership::came_home(std::uint8_t hop, Time now) {
   input_.was_lost = !input_.up();
   output_.was_lost = !output_.up();
-  doubled_signs_ = 0;
+  duplicate_signs_ = 0;
   if (!hello_out_ && has_merged(hop, now)) merged_ = true;
   ring_size_ = hop + 1u;
   if (closed()) return update_closed_state(now);
@@ -225,7 +225,7 @@ void Membership::came_home(std::uint8_t hop, Time now) {
 }
 
 void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time now) {
-  if (!matched && ring_size_ != 0 && packet.hop() + 1u != ring_size_) ++counters_.doubled_id_signs;
+  if (!matched && ring_size_ != 0 && packet.hop() + 1u != ring_size_) ++counters_.duplicate_id_signs;
   if (!wire::is_control(packet)) return;
   if (const auto hello = wire::decode_hello(packet.data())) own_control_seen(hello->boot, packet.hop(), now);
   if (const auto beacon = wire::decode_beacon(packet.data())) own_control_seen(beacon->boot, packet.hop(), now);
@@ -237,10 +237,10 @@ void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now
     return on(Input::own_control_home, now);
   }
   if (boot >= settings_.boot && boot < boot_) return;  // of this process, before its last new hello
-  ++counters_.doubled_id_signs;
+  ++counters_.duplicate_id_signs;
   // The two nodes take each other's packets off the ring, so nothing is confirmed. This one goes on saying hello; when
   // one comes home, the other node is gone. (ours, protocol.md section 8.6)
-  if (++doubled_signs_ >= kDoubledSigns) on(Input::duplicate_id, now);
+  if (++duplicate_signs_ >= kDuplicateSigns) on(Input::duplicate_id, now);
 }
 
 // ---- the others ---------------------------------------------------------------------------

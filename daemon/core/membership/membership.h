@@ -108,7 +108,7 @@ class Membership {
     duplicate_id
   };
   /// The next state; `closed` is up, alone or folded.
-  enum class Next : std::uint8_t { same, starting, joining, closed, open_chain, doubled_id };
+  enum class Next : std::uint8_t { same, starting, joining, closed, open_chain, duplicate_id };
   using Row = Transition<Membership, Input, Next>;
   static const Row kTable[];
   void on(Input input, Time now);
@@ -186,9 +186,9 @@ class Membership {
 
   bool joined_ = false;
   bool hello_out_ = false;
-  bool renumbering_ = false;    ///< that hello, out or to come, begins new numbers
-  bool merged_ = false;         ///< with another part of the ring: numbers start again at 0
-  unsigned doubled_signs_ = 0;  ///< since an own packet last came home
+  bool renumbering_ = false;      ///< that hello, out or to come, begins new numbers
+  bool merged_ = false;           ///< with another part of the ring: numbers start again at 0
+  unsigned duplicate_signs_ = 0;  ///< since an own packet last came home
 
   struct {
     bool out = false;

@@ -12,7 +12,7 @@ namespace limb_ring::study {
 
 namespace {
 
-constexpr int kMoments = 32;               // that a burst, or a message alone, is tried at
+constexpr int kInstants = 32;              // that a burst, or a message alone, is tried at
 constexpr unsigned kCyclesSpread = 4;      // they are spread over; more than a cycle of any method
 constexpr unsigned kSaturatedEach = 100;   // messages per node
 constexpr unsigned kLeastScale = 64;       // bytes: with less payload the others' own overhead is what takes time
@@ -50,7 +50,7 @@ Spread at_many_moments(const Network& network, const Medium& medium, Random& ran
                        const std::function<std::vector<Message>(Time)>& list) {
   const auto span = static_cast<std::uint64_t>((kCyclesSpread * lap(medium)).count());
   Latencies all;
-  for (int i = 0; i < kMoments; ++i) {
+  for (int i = 0; i < kInstants; ++i) {
     const Time asked{Duration{static_cast<std::int64_t>(draw(random, span))}};
     const Latencies burst = latencies(network, medium, list(asked));
     for (const Duration latency : burst.values()) all.add(latency);

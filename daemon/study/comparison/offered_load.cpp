@@ -7,7 +7,7 @@ namespace limb_ring::study {
 
 namespace {
 
-Time moment(Time from, Duration span, Random& random) {
+Time random_time(Time from, Duration span, Random& random) {
   return from + Duration{static_cast<std::int64_t>(draw(random, static_cast<std::uint64_t>(span.count())))};
 }
 
@@ -52,7 +52,7 @@ std::vector<Message> random_load(const Medium& medium, double load, Time from, D
   const auto count = static_cast<std::size_t>(std::llround(bits / (8.0 * medium.payload)));
   std::vector<Message> messages;
   while (messages.size() < count) {
-    const Time asked = moment(from, span, random);
+    const Time asked = random_time(from, span, random);
     messages.push_back(message(medium, asked, any_node(medium, random), Destination::random, random));
   }
   sort_by_time(messages);
@@ -62,7 +62,7 @@ std::vector<Message> random_load(const Medium& medium, double load, Time from, D
 std::vector<Message> with_interrupts(std::vector<Message> load, const Medium& medium, unsigned count, Duration gap,
                                      Random& random) {
   for (unsigned i = 0; i < count; ++i) {
-    const Time asked = moment(Time{} + i * gap, gap / 2, random);
+    const Time asked = random_time(Time{} + i * gap, gap / 2, random);
     const NodeId source = any_node(medium, random);
     load.push_back({asked, source, other_node(medium, source, random), 0, 0, true});
   }

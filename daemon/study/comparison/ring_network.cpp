@@ -57,11 +57,11 @@ std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Mes
 }
 
 Duration RingNetwork::time_to_join(const Medium& medium) const {
-  constexpr int kMoments = 8, kLapsBefore = 4;
+  constexpr int kInstants = 8, kLapsBefore = 4;
   const Duration lap = data_bound(medium, medium.nodes);
   Duration longest{0};
-  for (int i = 0; i < kMoments; ++i)
-    longest = std::max(longest, time_to_join_after(medium, kLapsBefore * lap + i * lap / kMoments));
+  for (int i = 0; i < kInstants; ++i)
+    longest = std::max(longest, time_to_join_after(medium, kLapsBefore * lap + i * lap / kInstants));
   return longest;
 }
 

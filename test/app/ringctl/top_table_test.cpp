@@ -37,7 +37,7 @@ TEST(TopRows, CountBytesOfALineWhereTheyComeInWithoutTheLinksFraming) {
   EXPECT_EQ(rows[0]["load"], 25000 * 8 / 1e6);
 }
 
-TEST(TopRows, SayNothingOfANodeThatHasStartedAnew) {
+TEST(TopRows, SayNothingOfANodeThatHasRestarted) {
   StatusSample now = kNow;
   now.rows[0]["pid"] = 999;
   EXPECT_TRUE(top_rows(kBefore, now)[0]["packets_per_second"].is_null());

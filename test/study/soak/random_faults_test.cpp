@@ -1,4 +1,4 @@
-// Whatever happens, every promise of the ring is kept, and it heals: on seeds drawn anew each time, since those that
+// Whatever happens, every promise of the ring is kept, and it heals: on new seeds each time, since those that
 // were run until they passed find nothing. LIMB_RING_SEED=n runs that one only, LIMB_RING_SEEDS=n runs so many;
 // `ring_sim soak` does the same.
 #include <gmock/gmock.h>

@@ -66,12 +66,12 @@ capture::TripChoice choice_of(const TraceOptions& options, const SeenPackets& se
 void check(const TraceOptions& options) {
   if (options.live != options.file.empty())
     throw UsageError("trace: either FILE, a capture, or --live: choose one of them");
-  if (!options.how_long.empty() && !options.live) throw UsageError("--for: how long to look, with --live");
+  if (!options.how_long.empty() && !options.live) throw UsageError("--for: how long to capture, with --live");
   if (!options.live) return;
   if (!options.at.empty()) throw UsageError("--at: of a capture; what is to come with --live has no time yet");
 }
 
-SeenPackets look(const Context& context, const TraceOptions& options) {
+SeenPackets seen_packets(const Context& context, const TraceOptions& options) {
   if (!options.live) return packets_of_file(options.file);
   return packets_of_ring(context.ring, time_of("--for", options.how_long.empty() ? "5s" : options.how_long));
 }
@@ -100,7 +100,7 @@ void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips
 
 int run(const Context& context, const TraceOptions& options) {
   check(options);
-  SeenPackets seen = look(context, options);
+  SeenPackets seen = seen_packets(context, options);
   const capture::TripChoice choice = choice_of(options, seen);
   if (seen.lost != 0)
     std::cerr << "ringctl: " << seen.lost << " packets are missing in this capture; paths have gaps" << std::endl;

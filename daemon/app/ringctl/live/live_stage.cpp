@@ -53,7 +53,7 @@ LiveStage::LiveStage(const Scenario& scenario, std::uint64_t seed, const RingPla
 // ---- sight ----------------------------------------------------------------------------------
 
 core::NodeState LiveStage::state(NodeId id) const {
-  return from_word(nodes_.row(id)->value("state", ""), core::NodeState::doubled_id);
+  return from_word(nodes_.row(id)->value("state", ""), core::NodeState::duplicate_id);
 }
 
 unsigned LiveStage::ring_size(NodeId id) const { return nodes_.row(id)->value("ring_size", 0u); }

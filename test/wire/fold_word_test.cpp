@@ -1,4 +1,4 @@
-#include "wire/fold_mark.h"
+#include "wire/fold_word.h"
 
 #include <gtest/gtest.h>
 
@@ -19,16 +19,17 @@ std::optional<FoldWord> read(const std::vector<std::uint8_t>& bytes) {
 }
 
 TEST(FoldWord, ComesBackAsItWasSaid) {
-  for (const FoldMark mark : {FoldMark::begin, FoldMark::last, FoldMark::lost, FoldMark::deaf, FoldMark::hears}) {
-    const auto word = read(bytes_of({mark, 200}));
+  for (const FoldWordKind kind :
+       {FoldWordKind::begin, FoldWordKind::last, FoldWordKind::lost, FoldWordKind::deaf, FoldWordKind::hears}) {
+    const auto word = read(bytes_of({kind, 200}));
     ASSERT_TRUE(word);
-    EXPECT_EQ(word->mark, mark);
+    EXPECT_EQ(word->kind, kind);
     EXPECT_EQ(word->node, 200);
   }
 }
 
 TEST(FoldWord, WithAnyByteWrongIsNone) {
-  const auto good = bytes_of({FoldMark::hears, 7});
+  const auto good = bytes_of({FoldWordKind::hears, 7});
   for (std::size_t at = 0; at < good.size(); ++at)
     for (unsigned wrong = 1; wrong < 256; ++wrong) {
       auto bytes = good;
@@ -38,7 +39,7 @@ TEST(FoldWord, WithAnyByteWrongIsNone) {
 }
 
 TEST(FoldWord, ThatNobodyKnowsIsNone) {
-  for (const std::uint8_t mark : {0, 6, 255}) EXPECT_FALSE(read({mark, 7, fold_check(mark, 7)})) << int{mark};
+  for (const std::uint8_t kind : {0, 6, 255}) EXPECT_FALSE(read({kind, 7, fold_check(kind, 7)})) << int{kind};
   EXPECT_FALSE(read({1, 7}));
 }
 
