@@ -22,8 +22,9 @@ std::vector<std::vector<std::uint8_t>> make_packets() {
   const std::vector<std::uint8_t> data(wire::kMaxPayload, 0x5A);
   for (unsigned i = 0; i < kPackets; ++i) {
     packets.emplace_back(wire::kMaxDataPacketSize);
-    const wire::Code code{false, 0, static_cast<std::uint8_t>(i & 7)};
-    wire::encode({code, 3, 0, wire::kFbcUntaken, 9, 0, {data.data(), data.size()}}, packets.back().data());
+    const wire::Code code{false, 0, wire::Sequence{static_cast<std::uint8_t>(i & 7)}};
+    wire::encode({code, 3, wire::NodeId{0}, wire::kFbcUntaken, wire::NodeId{9}, 0, {data.data(), data.size()}},
+                 packets.back().data());
   }
   return packets;
 }
@@ -43,12 +44,12 @@ double measure(Batch batch) {
 
 double hop(const std::vector<std::vector<std::uint8_t>>& packets) {
   core::Settings settings;
-  settings.id = 5;
+  settings.id = wire::NodeId{5};
   settings.order.clear();
-  for (unsigned id = 0; id < 16; ++id) settings.order.push_back(static_cast<std::uint8_t>(id));
+  for (unsigned id = 0; id < 16; ++id) settings.order.push_back(static_cast<wire::NodeId>(id));
   core::Blocks node(settings);
-  node.input_up(4, core::Time{});
-  node.output_up(6, core::Time{});
+  node.input_up(wire::NodeId{4}, core::Time{});
+  node.output_up(wire::NodeId{6}, core::Time{});
   core::Time now{};
   return measure([&] {
     now += core::Duration{1000};

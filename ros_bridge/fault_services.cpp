@@ -10,7 +10,7 @@ using fault::Name;
 
 fault::RingNodes nodes_of(const config::RingConfig& ring) {
   fault::RingNodes nodes;
-  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), node.id});
+  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
   return nodes;
 }
 

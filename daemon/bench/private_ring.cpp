@@ -43,7 +43,7 @@ live::LaunchRequest launch_of(const config::RingConfig& ring, const RingRequest&
   launch.ring = ring.ring;
   launch.cores = cores_for(request.pinning);
   for (const config::NodeConfig& node : ring.nodes) {
-    launch.nodes.push_back({node.id, node.name, arguments});
+    launch.nodes.push_back({wire::NodeId{node.id}, node.name, arguments});
     launch.nodes.back().arguments.insert(launch.nodes.back().arguments.end(), {"--node", std::to_string(node.id)});
   }
   return launch;

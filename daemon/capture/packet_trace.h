@@ -9,7 +9,7 @@ namespace limb_ring::capture {
 
 /// What happened to a packet at one node: its source first, and where it came home its source again.
 struct Hop {
-  wire::NodeId node = 0;
+  wire::NodeId node{0};
   unsigned unseen = 0;  ///< nodes between the one before (or the source) and this one that the capture does not show
   std::optional<SeenPacket> in, out;  ///< nothing where it was not seen there
   /// On the node's line out between its coming in and its going out, in the order of that line.
@@ -33,7 +33,7 @@ const char* to_string(TripEnd end);
 
 /// The path of one try of a packet, hop by hop, and the tries before it.
 struct PacketTrace {
-  wire::NodeId source = 0;
+  wire::NodeId source{0};
   std::uint8_t code = 0;
   std::optional<SeenPacket::Trailer> trailer;
   std::uint16_t size = 0;

@@ -15,7 +15,7 @@ struct PacketView {
 
   bool whole() const { return !info.aborted && !info.truncated && bytes.size >= wire::kOverhead; }
   bool interrupt() const { return wire::code_of(bytes[0]).interrupt; }
-  wire::NodeId source() const { return bytes[3]; }
+  wire::NodeId source() const { return wire::NodeId{bytes[3]}; }
 };
 
 }  // namespace limb_ring::capture

@@ -147,7 +147,8 @@ std::optional<PcapngReader::Record> PcapngReader::packet() const {
     if (code == pcapng::kComment) comment.assign(block_.begin() + at, block_.begin() + at + length);
     if (code == pcapng::kDropCount && length == 8) packet.lost_before = u32(at + (big_endian_ ? 4 : 0));
   });
-  if ((bytes[1] & kEventFlag) != 0) return CapturedEvent{packet.time_ns, packet.info.from, printable(comment)};
+  if ((bytes[1] & kEventFlag) != 0)
+    return CapturedEvent{packet.time_ns, wire::NodeId{packet.info.from}, printable(comment)};
   if (size < kPseudoHeaderSize + wire::kHeaderSize) fail("a packet without a header");
   packet.bytes.assign(bytes.begin() + kPseudoHeaderSize, bytes.end());
   return packet;

@@ -19,7 +19,7 @@ struct CaptureFileError : std::runtime_error {
 /// Something that happened at a node and is no packet.
 struct CapturedEvent {
   std::int64_t time_ns = 0;
-  wire::NodeId node = 0;
+  wire::NodeId node{0};
   std::string what;
 };
 

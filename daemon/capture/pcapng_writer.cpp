@@ -73,8 +73,8 @@ void put_packet(BlockWriter& block, std::uint32_t interface, std::int64_t time_n
 
 }  // namespace
 
-std::string RingNames::of(wire::NodeId node) const {
-  const auto found = nodes.find(node);
+std::string RingNames::of(std::uint8_t node) const {
+  const auto found = nodes.find(wire::NodeId{node});
   return found == nodes.end() ? std::to_string(node) : found->second;
 }
 
@@ -98,7 +98,8 @@ std::uint32_t PcapngWriter::interface_of(const Line& line, const std::string& na
 
 void PcapngWriter::packet(std::int64_t time_ns, const CaptureInfo& info, wire::ByteView bytes,
                           std::uint32_t lost_before) {
-  const std::uint32_t interface = interface_of({false, info.from, info.to}, names_.line(info.from, info.to));
+  const std::uint32_t interface =
+      interface_of({false, wire::NodeId{info.from}, wire::NodeId{info.to}}, names_.line(info.from, info.to));
   BlockWriter block(out_, pcapng::kEnhancedPacket);
   put_packet(block, interface, time_ns, encode(info), bytes);
   const std::uint32_t direction = info.input ? pcapng::kInbound : pcapng::kOutbound;

@@ -15,9 +15,9 @@ struct RingNames {
   std::map<wire::NodeId, std::string> nodes;
 
   /// Its name, or its number where it has none.
-  std::string of(wire::NodeId node) const;
+  std::string of(std::uint8_t node) const;
   /// "left_hip -> left_knee"
-  std::string line(wire::NodeId from, wire::NodeId to) const { return of(from) + " -> " + of(to); }
+  std::string line(std::uint8_t from, std::uint8_t to) const { return of(from) + " -> " + of(to); }
 };
 
 /// Writes packets as pcapng, which Wireshark reads: every line of the ring an interface, times in ns.

@@ -15,12 +15,12 @@ struct SeenPacket {
   CaptureInfo info;
   std::uint8_t code = 0;  ///< incarnation, kind, try and sequence
   std::uint8_t hop = 0;
-  wire::NodeId source = 0;
+  wire::NodeId source{0};
   std::uint16_t size = 0;  ///< bytes, header to CRC
   /// The trailer's; nothing where the packet broke off before it.
   struct Trailer {
     std::uint8_t fbc = 0;
-    wire::NodeId destination = 0;
+    wire::NodeId destination{0};
     std::uint8_t last = 0;   ///< PRI or INT
     std::uint32_t data = 0;  ///< CRC-32 of the data, which tells it from other data of that size
   };
@@ -29,7 +29,7 @@ struct SeenPacket {
   /// Whether both may be sightings or tries of one packet: what both have shown of it is the same.
   bool may_be(const SeenPacket& other) const;
   bool interrupt() const { return wire::code_of(code).interrupt; }
-  wire::NodeId seen_by() const { return info.input ? info.to : info.from; }
+  wire::NodeId seen_by() const { return wire::NodeId{info.input ? info.to : info.from}; }
   /// How far on its way: 0 out of its source, 1 into the next node, 2 out of that ...
   unsigned stage() const { return 2u * hop + (info.input ? 1 : 0); }
   bool home() const { return info.input && info.to == source; }

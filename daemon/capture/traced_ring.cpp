@@ -20,7 +20,7 @@ std::vector<SeenPacket> in_order(std::vector<SeenPacket> packets) {
 TracedRing::TracedRing(std::vector<SeenPacket> packets)
     : packets_(in_order(std::move(packets))), trips_(sort_into_trips(packets_)) {
   for (const SeenPacket& packet : packets_)
-    if (!packet.info.input) outputs_[packet.info.from].add(packet);
+    if (!packet.info.input) outputs_[wire::NodeId{packet.info.from}].add(packet);
   EarlierTries tries;
   for (std::size_t trip = 0; trip < trips_.size(); ++trip)
     before_.push_back(tries.before({clearest(trip), first(trip).began, last(trip).last, end_of(trip)}));

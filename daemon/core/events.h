@@ -37,14 +37,14 @@ struct SendEnded {
   Duration round_trip{0};  ///< of the try that came home; 0 where none did
   unsigned tries = 0;
   bool interrupt = false;
-  NodeId destination = 0;
+  NodeId destination{0};
   wire::Factor factor{};  ///< of an interrupt
 };
 
 /// The pin of that number was pulled by an INTP with a good CRC; once per INTP.
 struct PinPulled {
   wire::Factor factor{};
-  NodeId source = 0;
+  NodeId source{0};
 };
 
 struct StateChanged {
@@ -53,7 +53,7 @@ struct StateChanged {
 
 /// A beacon says something new of its node (state of CPU, links or boots), or is the first.
 struct PeerChanged {
-  NodeId node = 0;
+  NodeId node{0};
 };
 
 /// The own beacon came home: the ring is closed, and this is how long it takes.

@@ -9,7 +9,7 @@ namespace limb_ring::core {
 struct SendRequest {
   Owner owner = kController;
   std::uint32_t token = 0;  ///< given back in SendEnded
-  NodeId destination = 0;   ///< 0..254, or wire::kBroadcast
+  NodeId destination{0};    ///< 0..254, or wire::kBroadcast
   wire::Priority priority{};
   wire::ChannelId channel{};  ///< 1 is the network controllers' own
   wire::ByteView data;        ///< 1..512 bytes; copied
@@ -19,7 +19,7 @@ struct SendRequest {
 struct InterruptRequest {
   Owner owner = kController;
   std::uint32_t token = 0;
-  NodeId destination = 0;  ///< 0..254, or wire::kBroadcast
+  NodeId destination{0};  ///< 0..254, or wire::kBroadcast
   wire::Factor factor{};
 };
 

@@ -18,15 +18,15 @@ constexpr int kMissedBeacons = 5;
 
 /// An interrupt input of the NC: pulling it sends this INTP, without the CPU. (paper)
 struct InterruptInput {
-  NodeId destination = 0;
+  NodeId destination{0};
   wire::Factor factor{};
 };
 
 /// What one network controller is told at its start.
 struct Settings {
-  NodeId id = 0;
-  RingOrder order{0};      ///< all configured nodes in ring order, this one among them
-  std::uint64_t boot = 1;  ///< first boot number; must be higher than any used before
+  NodeId id{0};
+  RingOrder order{NodeId{0}};  ///< all configured nodes in ring order, this one among them
+  std::uint64_t boot = 1;      ///< first boot number; must be higher than any used before
 
   Duration byte_time_out{0};  ///< of the output line; 0: as fast as it takes them
   Duration byte_time_in{0};   ///< of the input line

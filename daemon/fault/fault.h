@@ -24,7 +24,7 @@ struct Fault {
 
   nanoseconds after{0};             ///< starts so much later
   std::uint64_t after_packets = 0;  ///< ... and not before so many data packets of `of` have passed the line, no
-  NodeId of = 0;                    ///< hellos or beacons, but retries as well
+  NodeId of{0};                     ///< hellos or beacons, but retries as well
 
   nanoseconds delay{0};
   nanoseconds jitter{0};   ///< at random from 0 to this, on top of `delay`

@@ -210,7 +210,7 @@ void LineFaults::swallow(const Slice& slice) {
 void LineFaults::pass_data(const Slice& slice, Time now) {
   if (begins(slice)) {
     on_data_ = decide(false, now);
-    data_source_ = slice.bytes[3];
+    data_source_ = wire::NodeId{slice.bytes[3]};
     copy_.clear();
   }
   const Verdict verdict = on_data_.value_or(Verdict{});

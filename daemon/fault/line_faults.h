@@ -106,7 +106,7 @@ class LineFaults {
   Time now_{};                      ///< of the last call
   bool told_cut_ = false;           ///< by cut(), the last time
   std::optional<Verdict> on_data_;  ///< of the DATP that is passing
-  NodeId data_source_ = 0;          ///< of that one
+  NodeId data_source_{0};           ///< of that one
   std::vector<std::uint8_t> copy_;  ///< of that one, where it will follow itself
   HeldSlices held_;
   wire::SliceWriter ready_;  ///< due at once

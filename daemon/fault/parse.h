@@ -12,7 +12,7 @@ namespace limb_ring::fault {
 struct NamedNode {
   std::string name;
   std::string number;  ///< its id in digits
-  NodeId id = 0;
+  NodeId id{0};
 };
 /// All nodes of a ring, in ring order.
 using RingNodes = std::vector<NamedNode>;

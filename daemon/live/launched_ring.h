@@ -14,7 +14,7 @@ namespace limb_ring::live {
 /// The daemons of a ring that is to be started.
 struct LaunchRequest {
   struct Node {
-    wire::NodeId id = 0;
+    wire::NodeId id{0};
     std::string name;
     std::vector<std::string> arguments;  ///< of its ringd, without the program
   };
@@ -27,7 +27,7 @@ struct LaunchRequest {
 
 /// A ringd that this process has started.
 struct LaunchedDaemon {
-  wire::NodeId id = 0;
+  wire::NodeId id{0};
   std::string name;  ///< of its node
   process::Program program;
 

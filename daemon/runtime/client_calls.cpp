@@ -21,7 +21,7 @@ void ClientCalls::on_send(host::ClientId client, const client::SendRequest& requ
   core::SendRequest send;
   send.owner = SendOwner::of(client).to_core();
   send.token = request.token;
-  send.destination = request.destination;
+  send.destination = wire::NodeId{request.destination};
   send.priority = wire::Priority{request.priority};
   send.channel = wire::ChannelId{request.channel};
   send.data = request.data;
@@ -39,7 +39,7 @@ void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptReq
     return to_.host.result(client, result);
   }
   to_.engine.controller().interrupt(
-      {SendOwner::of(client).to_core(), request.token, request.destination, wire::Factor{request.factor}},
+      {SendOwner::of(client).to_core(), request.token, wire::NodeId{request.destination}, wire::Factor{request.factor}},
       to_.engine.now());
   to_.engine.pump();
 }

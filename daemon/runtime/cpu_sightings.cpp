@@ -14,9 +14,9 @@ watchdog::CpuSighting CpuSightings::of(wire::NodeId node) const {
 watchdog::CpuKnown CpuSightings::known(wire::NodeId node) const {
   const watchdog::CpuSighting cpu = of(node);
   const core::NetworkController& controller = engine_.controller();
-  return watchdog::known_of(
-      cpu, watchdog::is_heard(cpu, engine_.now(), ring_.timeouts.beacon),
-      watchdog::reach_of(controller.settings().order, controller.membership().broken_line(), self_.id, node));
+  return watchdog::known_of(cpu, watchdog::is_heard(cpu, engine_.now(), ring_.timeouts.beacon),
+                            watchdog::reach_of(controller.settings().order, controller.membership().broken_line(),
+                                               wire::NodeId{self_.id}, node));
 }
 
 }  // namespace limb_ring::runtime

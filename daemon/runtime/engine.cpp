@@ -93,12 +93,12 @@ void Engine::on_output_refused(core::Line line, wire::NodeId by, std::string_vie
 // ---- what a tap sees ----------------------------------------------------------------------
 
 void Engine::arrives(const wire::Slice& slice, core::Line on, core::Time now) {
-  tap_->on_input(slice, line(on).input().from().value_or(wire::kBroadcast), clock_.steady(now));
+  tap_->on_input(slice, wire::NodeId{line(on).input().from().value_or(wire::kBroadcast)}, clock_.steady(now));
 }
 
 void Engine::leaves(wire::ByteView framed_slices, core::Line on, core::Time now) {
   const link::Output& output = line(on).output();
-  if (output.up()) tap_->on_output(framed_slices, output.to(), clock_.steady(now));
+  if (output.up()) tap_->on_output(framed_slices, wire::NodeId{output.to()}, clock_.steady(now));
 }
 
 // ---- rounds -------------------------------------------------------------------------------

@@ -57,7 +57,8 @@ void EventRouter::tell_client(host::ClientId client, const core::SendEnded& ende
 void EventRouter::handle(const core::PinPulled& pin) {
   const std::string done = to_.pins.pull(pin.factor, pin.source, monotonic_ns());
   spdlog::info("{}", done);
-  to_.observers.tell("pin", {{"factor", std::uint8_t{pin.factor}}, {"source", pin.source}, {"what", done}});
+  to_.observers.tell("pin",
+                     {{"factor", std::uint8_t{pin.factor}}, {"source", std::uint8_t{pin.source}}, {"what", done}});
 }
 
 void EventRouter::handle(const core::StateChanged& change) {
@@ -65,7 +66,7 @@ void EventRouter::handle(const core::StateChanged& change) {
   spdlog::info("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size());
   const auto line = membership.broken_line();
   nlohmann::json broken;
-  if (line) broken = {{"before", line->before}, {"behind", line->behind}};
+  if (line) broken = {{"before", std::uint8_t{line->before}}, {"behind", std::uint8_t{line->behind}}};
   to_.observers.tell("state", {{"before", to_string(change.before)},
                                {"after", to_string(change.after)},
                                {"broken_line", broken},
@@ -81,13 +82,14 @@ void EventRouter::on_cpu_changed() {
   else
     spdlog::info("CPU {}", to_string(status.state));
   to_.observers.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
-  to_.interrupts.on_cpu_changed(to_.node.id);
+  to_.interrupts.on_cpu_changed(wire::NodeId{to_.node.id});
   if (status.boots != std::exchange(cpu_boots_, status.boots)) to_.faults.cpu_booted();
 }
 
 void EventRouter::on_finding(const watchdog::Watchdog::Finding& finding) {
-  to_.observers.tell("watchdog",
-                     {{"id", finding.node}, {"verdict", to_string(finding.verdict)}, {"what", finding.what}});
+  to_.observers.tell(
+      "watchdog",
+      {{"id", std::uint8_t{finding.node}}, {"verdict", to_string(finding.verdict)}, {"what", finding.what}});
 }
 
 }  // namespace limb_ring::runtime

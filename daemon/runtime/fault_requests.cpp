@@ -36,7 +36,7 @@ const config::NodeConfig& next_of(const FaultTargets& to) {
 
 void require_own(const Fault& fault, const FaultTargets& to) {
   const auto& word = fault::word_of(fault.name);
-  if (fault.nodes != std::vector<wire::NodeId>{to.node.id})
+  if (fault.nodes != std::vector<wire::NodeId>{wire::NodeId{to.node.id}})
     throw RequestError("this is node " + to.node.name +
                        "; a fault of a line is begun at the node where the "
                        "line begins, one of a node or CPU at that node");

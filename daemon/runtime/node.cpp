@@ -28,7 +28,7 @@ CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig&
 
 fault::RingNodes fault_nodes(const config::RingConfig& ring) {
   fault::RingNodes nodes;
-  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), node.id});
+  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
   return nodes;
 }
 
@@ -49,7 +49,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
               setup::link_settings(ring, config, folder_.path()), router_),
       host_(io, host_options(ring, config, folder_.path()), calls_),
       observers_(host_),
-      packet_observers_(config.id, engine_, host_),
+      packet_observers_(wire::NodeId{config.id}, engine_, host_),
       cpu_(io, cpu_options(ring, config, cores_), engine_, host_, [this] { router_.on_cpu_changed(); }),
       pins_(config.pins, cpu_),
       traffic_(io, engine_),

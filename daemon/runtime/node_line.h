@@ -46,14 +46,14 @@ class NodeLine final : private link::InputHandler, private link::OutputHandler {
   void on_slice(const wire::Slice& slice) override { handler_.on_slice(line_, slice); }
   void on_batch_end() override { handler_.on_batch_end(); }
   void on_input_gap(std::uint32_t) override { handler_.on_input_gap(line_); }
-  void on_input_up(std::uint8_t from) override { handler_.on_input_up(line_, from); }
+  void on_input_up(std::uint8_t from) override { handler_.on_input_up(line_, wire::NodeId{from}); }
   void on_input_lost(std::string_view reason) override { handler_.on_input_lost(line_, reason); }
-  void on_output_up(std::uint8_t to) override { handler_.on_output_up(line_, to); }
+  void on_output_up(std::uint8_t to) override { handler_.on_output_up(line_, wire::NodeId{to}); }
   void on_output_lost(std::string_view reason) override;
   void on_output_ready() override { handler_.on_output_ready(line_); }
   void on_unknown_peer(std::string_view reason) override { handler_.on_unknown_peer(line_, reason); }
   void on_output_refused(std::uint8_t by, std::string_view reason) override {
-    handler_.on_output_refused(line_, by, reason);
+    handler_.on_output_refused(line_, wire::NodeId{by}, reason);
   }
 
   core::Line line_;

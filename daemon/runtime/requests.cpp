@@ -85,7 +85,7 @@ void Requests::latch(const Json&, const Answer& answer) {
 
 void Requests::ping(const Json& request, const Answer& answer) {
   TrafficRequest traffic;
-  traffic.to = node_in(to_.ring, request, "to").id;
+  traffic.to = wire::NodeId{node_in(to_.ring, request, "to").id};
   traffic.duration = std::chrono::milliseconds(number_in(request, "duration_ms", 0, 0, 600'000));
   const std::uint64_t count = traffic.duration.count() == 0 ? 10 : Traffic::kMostPackets;
   traffic.count = number_in(request, "count", count, 1, Traffic::kMostPackets);
@@ -101,7 +101,7 @@ void Requests::reset(const Json& request, const Answer& answer) {
   const auto& target = node_in(to_.ring, request, "node");
   const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
   const std::uint8_t factor = factor_of(target, Action::reset, "reset");
-  to_.interrupts.reset(target.id, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
+  to_.interrupts.reset(wire::NodeId{target.id}, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
     const SendReason reason = to_.reasons.of(report.ended);
     const bool explained = report.ended.outcome != core::Outcome::delivered && !report.success();
     answer({{"success", report.success()},
@@ -122,7 +122,8 @@ void Requests::stop(const Json& request, const Answer& answer) {
   const config::NodeConfig& target = to == wire::kBroadcast ? to_.node : *to_.ring.find(to);
   const std::uint8_t factor = factor_of(target, Action::stop, "stop");
   if (to == wire::kBroadcast) to_.pins.pull(factor, to_.node.id, 0);
-  to_.interrupts.interrupt(to, factor, [this, answer](const core::SendEnded& ended) { answer(end_of(ended)); });
+  to_.interrupts.interrupt(wire::NodeId{to}, factor,
+                           [this, answer](const core::SendEnded& ended) { answer(end_of(ended)); });
 }
 
 void Requests::sync(const Json&, const Answer& answer) {

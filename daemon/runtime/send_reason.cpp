@@ -76,7 +76,7 @@ SendReason SendReasons::refused_data(const core::SendEnded& ended) const {
 /// One node that does not take it is enough: the first whose beacon shows a reason, else some node's buffers.
 SendReason SendReasons::refused_by_some() const {
   for (const config::NodeConfig& node : ring_.nodes) {
-    const core::Peer& peer = membership().peers()[node.id];
+    const core::Peer& peer = membership().peers()[wire::NodeId{node.id}];
     if (node.id == self_.id || !peer.known) continue;
     if (const Reason reason = by_beacon(peer); reason != Reason::no_buffer)
       return probably(reason, "at " + node.name + ": ");
@@ -98,8 +98,9 @@ SendReason SendReasons::unconfirmed(const core::SendEnded& ended) const {
   const auto broken = membership().broken_line();
   if (!broken) return plain(Reason::open_chain);
   const std::string line = " (line " + name_of(broken->before) + " -> " + name_of(broken->behind) + " is broken)";
-  const bool reaches = ended.destination == wire::kBroadcast ||
-                       watchdog::reach_of(setup::order_of(ring_), broken, self_.id, ended.destination).sends;
+  const bool reaches =
+      ended.destination == wire::kBroadcast ||
+      watchdog::reach_of(setup::order_of(ring_), broken, wire::NodeId{self_.id}, ended.destination).sends;
   const Reason reason = reaches ? Reason::open_chain : Reason::out_of_reach;
   return {reason, sentence(reason) + line};
 }

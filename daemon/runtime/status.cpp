@@ -81,8 +81,8 @@ json broken_line_json(const StatusSources& from) {
   const Engine& engine = from.engine;
   const bool behind = line->behind == from.node.id;
   const core::Time since = behind ? engine.input_lost_at() : engine.broken_since();
-  json broken{{"before", line->before},
-              {"behind", line->behind},
+  json broken{{"before", std::uint8_t{line->before}},
+              {"behind", std::uint8_t{line->behind}},
               {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
   // A node that was folded already, around another break, does not change its state for this one.
   if (behind && engine.broken_since() >= since)
@@ -102,7 +102,7 @@ json heard_json(const StatusSources& from) {
   json heard = json::array();
   const core::Peers& peers = from.engine.controller().membership().peers();
   for (const auto& config : from.ring.nodes) {
-    const core::Peer& peer = peers[config.id];
+    const core::Peer& peer = peers[wire::NodeId{config.id}];
     if (!peer.known) continue;
     const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.engine.now() - peer.heard_at);
     heard.push_back({{"id", config.id},
@@ -123,7 +123,7 @@ json supervisor_json(const StatusSources& from) {
   json watched = json::array();
   for (const WatchedCpu& cpu : watcher.watched()) {
     const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.engine.now() - cpu.since);
-    watched.push_back({{"id", cpu.node},
+    watched.push_back({{"id", std::uint8_t{cpu.node}},
                        {"name", from.ring.find(cpu.node)->name},
                        {"verdict", to_string(cpu.verdict)},
                        {"for_ms", age.count()},

@@ -15,7 +15,7 @@ namespace limb_ring::runtime {
 
 /// One run of packets, each sent as the last one ends.
 struct TrafficRequest {
-  wire::NodeId to = 0;
+  wire::NodeId to{0};
   std::uint64_t count = 10;               ///< packets, 1 to kMostPackets
   std::chrono::milliseconds duration{0};  ///< no new packet after it; 0: `count` alone decides
   std::size_t size = 512;                 ///< bytes of data, 1 to 512

@@ -19,7 +19,7 @@ fault::RingNodes ring_nodes(const Entry& entry) {
     if (nodes.size() <= place) nodes.resize(place + 1u);
     const bool number = name.find_first_not_of("0123456789") == std::string::npos;
     (number ? nodes[place].number : nodes[place].name) = name;
-    nodes[place].id = place;
+    nodes[place].id = NodeId{place};
   }
   return nodes;
 }
@@ -84,7 +84,7 @@ Fault read_fault(const Entry& entry, const fault::Word& word) {
 
 void read_target(const Entry& entry, Send& send) {
   const bool all = entry.is_scalar() && entry.text("") == "all";
-  send.to = all ? wire::kBroadcast : read_node(entry, ", or all");
+  send.to = all ? wire::kBroadcast : read_place(entry, ", or all");
 }
 
 Option<Send> factor_option(const char* name, std::optional<std::uint8_t> Send::*member, const char* meaning) {

@@ -34,9 +34,9 @@ E read_word(const Entry& entry, E last) {
 Who read_who(const Entry& entry, bool living) {
   const std::string also = living ? ", all, or living" : ", or all";
   const std::string text = entry.is_scalar() ? entry.text("") : "";
-  if (text == "all") return {Who::Kind::all, 0};
-  if (living && text == "living") return {Who::Kind::living, 0};
-  return {Who::Kind::one, read_node(entry, also)};
+  if (text == "all") return {Who::Kind::all, {}};
+  if (living && text == "living") return {Who::Kind::living, {}};
+  return {Who::Kind::one, read_place(entry, also)};
 }
 
 template <class T>
@@ -80,7 +80,7 @@ Section<NodeIs> node_section() {
 
 Section<CpuIs> cpu_section() {
   return {{"cpu", config::kRequired, "a node", "Of whom.",
-           [](const Entry& entry, CpuIs& cpu) { cpu.node = read_node(entry); }},
+           [](const Entry& entry, CpuIs& cpu) { cpu.node = read_place(entry); }},
           {"is", "none", "a state", "Its state.",
            [](const Entry& entry, CpuIs& cpu) { cpu.state = read_word(entry, wire::CpuState::failed); }},
           {"boots", "none", config::allowed(kAmounts), "How often it was started.", [](const Entry& entry, CpuIs& cpu) {

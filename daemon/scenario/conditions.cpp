@@ -60,7 +60,7 @@ std::string describe(const NodeIs& node, const Sight& sight) {
 
 std::vector<NodeId> living_others(NodeId not_this, const Sight& sight) {
   std::vector<NodeId> nodes;
-  for (const NodeId id : those({Who::Kind::living, 0}, sight))
+  for (const NodeId id : those({Who::Kind::living, {}}, sight))
     if (id != not_this) nodes.push_back(id);
   return nodes;
 }

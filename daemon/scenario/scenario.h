@@ -26,7 +26,7 @@ using fault::Fault;
 struct Send {
   std::string name;
   std::vector<NodeId> from;               ///< each of them sends
-  NodeId to = 0;                          ///< or wire::kBroadcast
+  NodeId to{0};                           ///< or wire::kBroadcast
   unsigned size = 0;                      ///< bytes of data, 1 to 512, or one of these two:
   std::optional<std::uint8_t> interrupt;  ///< an INTP with this factor
   std::optional<std::uint8_t> input;      ///< what pulling this interrupt input sends, CPU or not
@@ -52,7 +52,7 @@ struct Range {
 /// Who has to be in a state.
 struct Who {
   enum class Kind { one, all, living } kind = Kind::all;
-  NodeId node = 0;  ///< Kind::one
+  NodeId node{0};  ///< Kind::one
 };
 
 /// The state of network controllers.
@@ -64,13 +64,13 @@ struct NodeIs {
 };
 /// What every other living node has been told, by beacons, of a CPU.
 struct CpuIs {
-  NodeId node = 0;
+  NodeId node{0};
   std::optional<wire::CpuState> state;
   std::optional<std::uint32_t> boots;
 };
 /// Every living node but the one behind it has been told of that broken line.
 struct Located {
-  NodeId before = 0, behind = 0;
+  NodeId before{0}, behind{0};
 };
 /// A counter of core/counters.h, of one node since its last start, or of all nodes together.
 struct Counted {

@@ -67,13 +67,13 @@ Limit read_limit(const Entry& entry) {
 std::vector<NodeId> read_nodes(const Entry& entry) {
   std::vector<NodeId> nodes;
   if (entry.is_scalar() && entry.text("") == "all") {
-    for (const auto& [name, place] : entry.document().nodes) nodes.push_back(place);
+    for (const auto& [name, place] : entry.document().nodes) nodes.emplace_back(place);
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     return nodes;
   }
-  if (entry.is_scalar()) return {read_node(entry, ", a list of them, or all")};
-  for (const Entry& item : entry.items("a node, a list of nodes, or all", 255)) nodes.push_back(read_node(item));
+  if (entry.is_scalar()) return {read_place(entry, ", a list of them, or all")};
+  for (const Entry& item : entry.items("a node, a list of nodes, or all", 255)) nodes.push_back(read_place(item));
   return nodes;
 }
 
@@ -84,7 +84,7 @@ Located read_line(const Entry& entry) {
   const auto before = nodes.find(text.substr(0, arrow));
   const auto behind = arrow == std::string::npos ? nodes.end() : nodes.find(text.substr(arrow + 4));
   if (before == nodes.end() || behind == nodes.end()) entry.refuse_value("is no line", kLineRule);
-  return {before->second, behind->second};
+  return {NodeId{before->second}, NodeId{behind->second}};
 }
 
 const Section<Scenario>& scenario_section() {

@@ -20,6 +20,10 @@ nanoseconds read_relay_delay(const config::Entry& entry);
 
 /// A node, a list of nodes, or `all`. @throw config::ConfigError
 std::vector<NodeId> read_nodes(const config::Entry& entry);
+/// One node, by its place in ring order. @throw config::ConfigError
+inline NodeId read_place(const config::Entry& entry, const std::string& also = "") {
+  return NodeId{config::read_node(entry, also)};
+}
 /// `{sim: TIME, live: TIME}`, or a time: live it is kLiveGuard longer. @throw config::ConfigError
 Limit read_limit(const config::Entry& entry);
 /// `A -> B`, two nodes that follow each other in the ring. @throw config::ConfigError

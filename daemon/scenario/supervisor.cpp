@@ -9,7 +9,7 @@ namespace limb_ring::scenario {
 namespace {
 
 NodeId supervisor_place(const config::RingConfig& config) {
-  if (!config.supervisor.node) return 0;
+  if (!config.supervisor.node) return NodeId{0};
   return static_cast<NodeId>(setup::index_of(config, *config.find(*config.supervisor.node)));
 }
 

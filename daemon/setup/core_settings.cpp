@@ -14,9 +14,9 @@ std::size_t index_of(const RingConfig& ring, const NodeConfig& node) {
   return i;
 }
 
-std::vector<std::uint8_t> order_of(const RingConfig& ring) {
-  std::vector<std::uint8_t> order;
-  for (const NodeConfig& node : ring.nodes) order.push_back(node.id);
+core::RingOrder order_of(const RingConfig& ring) {
+  core::RingOrder order;
+  for (const NodeConfig& node : ring.nodes) order.emplace_back(node.id);
   return order;
 }
 
@@ -49,7 +49,7 @@ core::Duration worst_lap(const RingConfig& ring) {
 
 core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std::uint64_t boot) {
   core::Settings s;
-  s.id = node.id;
+  s.id = wire::NodeId{node.id};
   s.order = order_of(ring);
   s.boot = boot;
   s.byte_time_in = byte_time(node.link);
@@ -73,8 +73,8 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   for (unsigned factor = 0; factor < 8; ++factor) {
     s.wired[factor] = node.pins[factor].action != config::PinConfig::Action::none;
     if (const auto& input = node.inputs[factor])
-      s.inputs[factor] =
-          core::InterruptInput{input->broadcast ? wire::kBroadcast : input->node, wire::Factor{input->factor}};
+      s.inputs[factor] = core::InterruptInput{wire::NodeId{input->broadcast ? wire::kBroadcast : input->node},
+                                              wire::Factor{input->factor}};
   }
   return s;
 }

@@ -12,7 +12,7 @@ namespace limb_ring::setup {
 core::Settings core_settings(const config::RingConfig& ring, const config::NodeConfig& node, std::uint64_t boot);
 
 /// Ids in ring order.
-std::vector<std::uint8_t> order_of(const config::RingConfig& ring);
+core::RingOrder order_of(const config::RingConfig& ring);
 /// The node's place in ring order, from 0. @pre it is one of the ring's
 std::size_t index_of(const config::RingConfig& ring, const config::NodeConfig& node);
 /// Of one byte on that line; 0 where it is as fast as the host.

@@ -24,7 +24,8 @@ link::Endpoint endpoint_of(const NodeConfig& node, const std::string& directory,
 
 /// Ids in the order in which the line runs.
 std::vector<std::uint8_t> order_on(const RingConfig& ring, Line line) {
-  std::vector<std::uint8_t> order = order_of(ring);
+  const core::RingOrder ids = order_of(ring);
+  std::vector<std::uint8_t> order(ids.begin(), ids.end());
   if (line == Line::second) std::reverse(order.begin(), order.end());
   return order;
 }

@@ -19,7 +19,7 @@ class DelayLine {
  public:
   struct Arrival {
     Time at{};
-    NodeId from = 0, to = 0;
+    NodeId from{0}, to{0};
     std::uint64_t epoch = 0;  ///< of the line it left on
     bool second = false;      ///< on the second line
     wire::SliceWriter slices;

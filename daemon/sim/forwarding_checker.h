@@ -17,21 +17,23 @@ using wire::NodeId;
 struct PacketHeader {
   wire::Code code;
   std::uint8_t code_byte = 0, hop = 0;
-  NodeId source = 0;
+  NodeId source{0};
 
-  static PacketHeader of(wire::ByteView bytes) { return {wire::code_of(bytes[0]), bytes[0], bytes[2], bytes[3]}; }
+  static PacketHeader of(wire::ByteView bytes) {
+    return {wire::code_of(bytes[0]), bytes[0], bytes[2], wire::NodeId{bytes[3]}};
+  }
 };
 
 /// Its trailer.
 struct PacketTrailer {
   std::uint8_t fbc = 0;
-  NodeId destination = 0;
+  NodeId destination{0};
   std::uint8_t last = 0;
   std::uint32_t crc = 0;
 
   static PacketTrailer of(wire::ByteView bytes) {
     const std::uint8_t* trailer = bytes.data + bytes.size - wire::kCrcSize - wire::kTrailerSize;
-    return {trailer[1], trailer[2], trailer[3], wire::load_u32(trailer + wire::kTrailerSize)};
+    return {trailer[1], wire::NodeId{trailer[2]}, trailer[3], wire::load_u32(trailer + wire::kTrailerSize)};
   }
   /// The CRC of a packet of `size` bytes as it was at its source: it tells packets apart.
   std::uint32_t crc_at_source(const PacketHeader& head, std::size_t size) const {

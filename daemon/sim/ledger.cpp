@@ -175,7 +175,7 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
     if (!sources_[source].others_send)
       complain_(Promise::undamaged, "node " + std::to_string(node) + " took a packet that node " +
                                         std::to_string(source) + " did not send");
-    if (queue < 4) unread_[node][queue].push_back({0, 0});
+    if (queue < 4) unread_[node][queue].push_back({});
     return;
   }
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))

@@ -21,7 +21,7 @@ struct Sent {
     bool taken;  ///< or refused
   };
   std::uint32_t token = 0;
-  NodeId source = 0, destination = 0;
+  NodeId source{0}, destination{0};
   std::uint8_t queue = 0;    ///< priority 0..3; 4: an INTP
   std::uint8_t channel = 0;  ///< of an INTP its factor
   std::uint16_t size = 0;

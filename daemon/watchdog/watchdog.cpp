@@ -53,7 +53,7 @@ const char* to_string(config::SupervisorConfig::Policy policy) {
 std::vector<wire::NodeId> watched_in(const config::RingConfig& ring) {
   std::vector<wire::NodeId> watched;
   for (const auto& node : ring.nodes)
-    if (node.cpu.alive_period.count() != 0) watched.push_back(node.id);
+    if (node.cpu.alive_period.count() != 0) watched.emplace_back(node.id);
   return watched;
 }
 

@@ -47,7 +47,7 @@ const char* to_string(config::SupervisorConfig::Policy policy);
 
 /// What the supervisor keeps of one CPU.
 struct WatchedCpu {
-  wire::NodeId node = 0;
+  wire::NodeId node{0};
   CpuVerdict verdict = CpuVerdict::unheard;
   core::Time since{};           ///< of the verdict
   std::uint64_t hangs = 0;      ///< times it was found hung
@@ -71,7 +71,7 @@ class Watchdog {
 
   /// A change of what is known of one CPU.
   struct Finding {
-    wire::NodeId node = 0;
+    wire::NodeId node{0};
     CpuVerdict verdict = CpuVerdict::unheard;
     std::string what;
   };

@@ -100,12 +100,12 @@ std::optional<Beacon> decode_beacon(ByteView data) {
   b.cpu_state = static_cast<CpuState>(data[kCpuState]);
   b.cpu_silent_ms = load_u32(data.data + kCpuSilent);
   b.input = static_cast<LinkState>(data[kInput]);
-  b.input_from = data[kInputFrom];
+  b.input_from = NodeId{data[kInputFrom]};
   b.output = static_cast<LinkState>(data[kOutput]);
-  b.output_to = data[kOutputTo];
+  b.output_to = NodeId{data[kOutputTo]};
   b.break_known = data[kBreakKnown] == 1;
-  b.break_before = data[kBreakBefore];
-  b.break_behind = data[kBreakBehind];
+  b.break_before = NodeId{data[kBreakBefore]};
+  b.break_behind = NodeId{data[kBreakBehind]};
   b.cpu_comes_back = data[kCpuComesBack] == 1;
   return b;
 }

@@ -36,12 +36,12 @@ struct Beacon {
   CpuState cpu_state = CpuState::none;
   std::uint32_t cpu_silent_ms = 0;  ///< since the CPU last spoke
   LinkState input = LinkState::down;
-  NodeId input_from = 0;  ///< meaningful where input is not down
+  NodeId input_from{0};  ///< meaningful where input is not down
   LinkState output = LinkState::down;
-  NodeId output_to = 0;
+  NodeId output_to{0};
   bool break_known = false;  ///< the line between the next two is broken
-  NodeId break_before = 0;
-  NodeId break_behind = 0;
+  NodeId break_before{0};
+  NodeId break_behind{0};
   bool cpu_comes_back = true;  ///< somebody starts the CPU again when a reset kills it
 };
 constexpr std::size_t kBeaconSize = 26;

@@ -31,9 +31,9 @@ inline bool is_control(const PacketFields& packet) { return channel_of(packet.la
 struct DataPacket {
   Code code;
   std::uint8_t hop = 0;
-  NodeId source = 0;
+  NodeId source{0};
   std::uint8_t fbc = kFbcUntaken;
-  NodeId destination = 0;
+  NodeId destination{0};
   std::uint8_t pri = 0;
   ByteView data;  ///< 1..512 bytes, owned by someone else
 };

@@ -41,10 +41,10 @@ inline void put(SliceWriter& line, FoldWord word) {
 inline std::optional<FoldWord> fold_word(const Slice& slice) {
   if (slice.kind != SliceKind::fold || slice.bytes.size != kFoldWordSize) return std::nullopt;
   const std::uint8_t kind = slice.bytes[0];
-  if (slice.bytes[2] != fold_check(kind, slice.bytes[1])) return std::nullopt;
+  if (slice.bytes[2] != fold_check(kind, NodeId{slice.bytes[1]})) return std::nullopt;
   if (kind < static_cast<std::uint8_t>(FoldWordKind::begin) || kind > static_cast<std::uint8_t>(FoldWordKind::hears))
     return std::nullopt;
-  return FoldWord{static_cast<FoldWordKind>(kind), slice.bytes[1]};
+  return FoldWord{static_cast<FoldWordKind>(kind), NodeId{slice.bytes[1]}};
 }
 
 }  // namespace limb_ring::wire

@@ -20,9 +20,9 @@ inline Factor factor_of(std::uint8_t last) { return Factor{static_cast<std::uint
 struct InterruptPacket {
   Code code{true};
   std::uint8_t hop = 0;
-  NodeId source = 0;
+  NodeId source{0};
   std::uint8_t fbc = kFbcUntaken;
-  NodeId destination = 0;
+  NodeId destination{0};
   Factor factor{};
 };
 

@@ -13,8 +13,26 @@
 ///   CRC     32 bits, big-endian           over everything before it, as it is on that line
 namespace limb_ring::wire {
 
-using NodeId = std::uint8_t;         ///< SID, DID: 0..254
-constexpr NodeId kBroadcast = 0xFF;  ///< as DID: every node but the source
+/// A number of one byte that is a type of its own, so that it is not taken for another one.
+template <class What>
+class Number {
+ public:
+  constexpr Number() = default;
+  explicit constexpr Number(std::uint8_t value) : value_(value) {}
+  constexpr operator std::uint8_t() const { return value_; }
+  constexpr Number& operator++() { return ++value_, *this; }
+
+ private:
+  std::uint8_t value_ = 0;
+};
+using NodeId = Number<struct NodeNumber>;              ///< SID, DID: 0..254
+using Sequence = Number<struct SequenceNumber>;        ///< 0..7
+using Incarnation = Number<struct IncarnationNumber>;  ///< 0..3
+using Priority = Number<struct PriorityNumber>;        ///< 0 (highest) to 3
+using ChannelId = Number<struct ChannelNumber>;        ///< 0..63
+using Factor = Number<struct FactorNumber>;            ///< 0..7, which pin an INTP pulls
+
+constexpr NodeId kBroadcast{0xFF};  ///< as DID: every node but the source
 constexpr std::uint8_t kSop = 0xFB;
 constexpr std::uint8_t kEop = 0xFD;
 constexpr std::uint8_t kFbcUntaken = 0xFF;  ///< FBC as the source sends it: nobody took it yet
@@ -30,23 +48,6 @@ namespace field {
 constexpr std::size_t kCode = 0, kSop = 1, kHop = 2, kSource = 3;
 constexpr std::size_t kEopFromEnd = 8, kFbcFromEnd = 7, kDestinationFromEnd = 6, kLastFromEnd = 5;
 }  // namespace field
-
-/// A number of one byte that is a type of its own, so that it is not taken for another one, nor for a node's id.
-template <class What>
-class Number {
- public:
-  constexpr Number() = default;
-  explicit constexpr Number(std::uint8_t value) : value_(value) {}
-  constexpr operator std::uint8_t() const { return value_; }
-
- private:
-  std::uint8_t value_ = 0;
-};
-using Sequence = Number<struct SequenceNumber>;        ///< 0..7
-using Incarnation = Number<struct IncarnationNumber>;  ///< 0..3
-using Priority = Number<struct PriorityNumber>;        ///< 0 (highest) to 3
-using ChannelId = Number<struct ChannelNumber>;        ///< 0..63
-using Factor = Number<struct FactorNumber>;            ///< 0..7, which pin an INTP pulls
 
 /// Code: bits 7..6 incarnation of the source, 5 kind (0 DATP, 1 INTP), 4..3 try, 2..0 sequence. (ours)
 struct Code {
@@ -75,10 +76,10 @@ struct PacketFields {
   std::uint8_t code_byte() const { return bytes[field::kCode]; }
   Code code() const { return code_of(code_byte()); }
   std::uint8_t hop() const { return bytes[field::kHop]; }
-  NodeId source() const { return bytes[field::kSource]; }
+  NodeId source() const { return NodeId{bytes[field::kSource]}; }
   ByteView data() const { return {bytes.data + kHeaderSize, bytes.size - kOverhead}; }
   std::uint8_t fbc() const { return bytes[bytes.size - field::kFbcFromEnd]; }
-  NodeId destination() const { return bytes[bytes.size - field::kDestinationFromEnd]; }
+  NodeId destination() const { return NodeId{bytes[bytes.size - field::kDestinationFromEnd]}; }
   std::uint8_t last() const { return bytes[bytes.size - field::kLastFromEnd]; }
   std::uint32_t crc() const { return load_u32(bytes.data + bytes.size - kCrcSize); }
   bool crc_good() const { return crc32(bytes.first(bytes.size - kCrcSize)) == crc(); }

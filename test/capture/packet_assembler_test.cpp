@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/packets.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::capture {
 namespace {
@@ -21,7 +22,7 @@ struct Seen {
 /// The line from node 1 into node 2, and what was seen on it.
 class Assembler : public testing::Test {
  protected:
-  Assembler() { assembler.set_line(true, 1, 2); }
+  Assembler() { assembler.set_line(true, 1_id, 2_id); }
 
   void put(SliceKind kind, wire::ByteView bytes, int at) { assembler.put({kind, bytes}, nanoseconds(at)); }
   /// As far as its last word before the trailer.
@@ -146,7 +147,7 @@ TEST_F(Assembler, MarksARetry) {
 
 TEST_F(Assembler, MarksAnOwnPacketAtTheInputAndAtTheOutput) {
   put(SliceKind::whole, view(test::data_packet(2, 9)), 1);
-  assembler.set_line(false, 2, 3);
+  assembler.set_line(false, 2_id, 3_id);
   put(SliceKind::whole, view(test::data_packet(2, 9)), 2);
   put(SliceKind::whole, view(test::data_packet(3, 9)), 3);
   ASSERT_EQ(seen.size(), 3u);

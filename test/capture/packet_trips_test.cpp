@@ -6,6 +6,7 @@
 #include <set>
 
 #include "capture/packets.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::capture {
 namespace {
@@ -28,7 +29,7 @@ SeenPacket sighting(const Sent& sent, unsigned stage, nanoseconds at) {
   wire::DataPacket packet;
   packet.code = {false, sent.attempt, wire::Sequence{sent.sequence}, {}};
   packet.hop = static_cast<std::uint8_t>(stage / 2);
-  packet.destination = 2;
+  packet.destination = 2_id;
   packet.fbc = sent.fbc;
   packet.data = test::view(data);
   wire::encode(packet, bytes.data());

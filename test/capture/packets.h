@@ -13,14 +13,14 @@ using Bytes = std::vector<std::uint8_t>;
 inline wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
 
 /// A DATP with a good CRC; its payload counts up from 0.
-inline Bytes data_packet(wire::NodeId source, wire::NodeId destination, std::size_t size = 8, std::uint8_t pri = 2,
+inline Bytes data_packet(std::uint8_t source, std::uint8_t destination, std::size_t size = 8, std::uint8_t pri = 2,
                          wire::Code code = {}) {
   Bytes payload(size);
   for (std::size_t i = 0; i < size; ++i) payload[i] = static_cast<std::uint8_t>(i);
   wire::DataPacket packet;
   packet.code = code;
-  packet.source = source;
-  packet.destination = destination;
+  packet.source = wire::NodeId{source};
+  packet.destination = wire::NodeId{destination};
   packet.pri = pri;
   packet.data = view(payload);
   Bytes bytes(size + wire::kOverhead);
@@ -28,10 +28,10 @@ inline Bytes data_packet(wire::NodeId source, wire::NodeId destination, std::siz
   return bytes;
 }
 
-inline Bytes interrupt_packet(wire::NodeId source, wire::NodeId destination, std::uint8_t factor) {
+inline Bytes interrupt_packet(std::uint8_t source, std::uint8_t destination, std::uint8_t factor) {
   wire::InterruptPacket packet;
-  packet.source = source;
-  packet.destination = destination;
+  packet.source = wire::NodeId{source};
+  packet.destination = wire::NodeId{destination};
   packet.factor = wire::Factor{factor};
   const wire::InterruptBytes bytes = encode(packet);
   return {bytes.begin(), bytes.end()};

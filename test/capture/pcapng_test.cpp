@@ -4,6 +4,7 @@
 
 #include "capture/packets.h"
 #include "capture/pcapng_reader.h"
+#include "support/node_literal.h"
 #include "support/thrown.h"
 
 namespace limb_ring::capture {
@@ -13,7 +14,7 @@ using test::Bytes;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const RingNames kNames{"robot", {{1, "hip"}, {2, "knee"}, {3, "foot"}}};
+const RingNames kNames{"robot", {{1_id, "hip"}, {2_id, "knee"}, {3_id, "foot"}}};
 const Bytes kPacket = test::data_packet(1, 3, 5);  // 17 bytes: padding is needed
 
 CaptureInfo some_info() {
@@ -69,7 +70,7 @@ TEST(Pcapng, PacketsComeBackAsTheyWereWritten) {
 TEST(Pcapng, EventsAndNamesComeBack) {
   std::ostringstream out;
   PcapngWriter writer(out, kNames);
-  writer.event(7, 2, "up -> open_chain");
+  writer.event(7, 2_id, "up -> open_chain");
   std::istringstream in(out.str());
   PcapngReader reader(in, "file");
   const auto event = std::get<CapturedEvent>(reader.next().value());
@@ -112,8 +113,8 @@ TEST(Pcapng, AnotherFileIsRefusedWithItsName) {
 
 TEST(Pcapng, NamesAndEventsAreFitForATerminalAndJson) {
   std::ostringstream out;
-  PcapngWriter writer(out, {"robot", {{1, "h\xFE\x1B[2Jp"}}});
-  writer.event(5, 1, "its \xFF name\n");
+  PcapngWriter writer(out, {"robot", {{1_id, "h\xFE\x1B[2Jp"}}});
+  writer.event(5, 1_id, "its \xFF name\n");
   const std::string file = out.str();
   std::istringstream in(file);
   PcapngReader reader(in, "file");

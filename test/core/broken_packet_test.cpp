@@ -1,5 +1,6 @@
 // What cannot be finished is aborted, what is no packet is discarded, and all of it is counted.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -114,7 +115,7 @@ TEST_F(BrokenPacket, LostInputBreaksItOff) {
 
 TEST_F(BrokenPacket, ReplacedInputBreaksItOff) {
   solo.receive(SliceKind::start, head_of(packet));
-  solo.node().input_up(3, solo.now());
+  solo.node().input_up(3_id, solo.now());
   solo.run();
   EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
 }

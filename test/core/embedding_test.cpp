@@ -1,5 +1,6 @@
 // An INTP inside a DATP: at every permitted place, through every relay, both arrive intact.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -89,14 +90,14 @@ struct PacedEmbedding : testing::TestWithParam<std::size_t> {
       if (std::holds_alternative<PinPulled>(e.what)) pin = e.at;
     };
     const Time start = ring.now();
-    const auto data = ring.send(0, 3, payload);
+    const auto data = ring.send(0_id, 3_id, payload);
     std::uint32_t interrupt = 0;
     const auto destination = static_cast<NodeId>((from + hops) % kNodes);
     ring.at(start + at, [&] { interrupt = ring.interrupt(from, destination, 1); });
     ring.run_for(20us);
-    EXPECT_EQ(outcome_of(ring, 0, data).outcome, Outcome::delivered);
+    EXPECT_EQ(outcome_of(ring, 0_id, data).outcome, Outcome::delivered);
     EXPECT_EQ(outcome_of(ring, from, interrupt).outcome, Outcome::delivered);
-    EXPECT_EQ(payloads(ring.log(3)).back(), payload);
+    EXPECT_EQ(payloads(ring.log(3_id)).back(), payload);
     return pin - (start + at) - hops * Duration{512ns} - 96ns;
   }
   Duration time_of(std::size_t bytes) { return Duration{8ns} * static_cast<int>(bytes); }
@@ -109,7 +110,7 @@ TEST_P(PacedEmbedding, AtEveryInstantBothArriveAndTheInterruptWaitsNoLongerThanI
   const Duration packet = time_of(GetParam() + 12);
   Duration longest{0};
   for (Duration at{0}; at <= packet + 96ns; at += GetParam() > 64 ? Duration{52ns} : Duration{4ns}) {
-    const Duration wait = waited(0, 1, at, payload);
+    const Duration wait = waited(0_id, 1, at, payload);
     ASSERT_GE(wait, Duration{0});
     ASSERT_LE(wait, most) << picoseconds(at);
     longest = std::max(longest, wait);
@@ -121,35 +122,36 @@ TEST_P(PacedEmbedding, InARelayedDatpToo) {
   const Bytes payload = pattern(GetParam(), 7);
   const Duration packet = time_of(GetParam() + 12);
   for (Duration at = 512ns; at <= 512ns + packet; at += GetParam() > 64 ? Duration{52ns} : Duration{4ns})
-    ASSERT_LE(waited(1, 1, at, payload), std::max(time_of(GetParam() % 4 + 8), time_of(4))) << picoseconds(at);
+    ASSERT_LE(waited(1_id, 1, at, payload), std::max(time_of(GetParam() % 4 + 8), time_of(4))) << picoseconds(at);
 }
 
 // It is taken out midway, at its own node, and the DATP around it goes on.
 TEST_P(PacedEmbedding, AndIsTakenOutOnItsWayRoundWhileTheDatpGoesOn) {
   const Bytes payload = pattern(GetParam(), 7);
   for (Duration at{0}; at <= time_of(GetParam() + 12); at += time_of(4) * (GetParam() > 64 ? 8 : 1)) {
-    waited(0, 2, at, payload);
-    waited(3, 3, at, payload);
+    waited(0_id, 2, at, payload);
+    waited(3_id, 3, at, payload);
   }
 }
 
 TEST_P(PacedEmbedding, SeveralFromEveryNodeInOneDatp) {
   const Bytes payload = pattern(GetParam(), 7);
   const Time start = ring.now();
-  const auto data = ring.send(0, 3, payload);
+  const auto data = ring.send(0_id, 3_id, payload);
   unsigned asked = 0;
   for (Duration at{0}; at < time_of(GetParam() + 12); at += 120ns)
-    for (NodeId id = 0; id < kNodes; ++id)
-      ring.at(start + at, [&, id] { asked += ring.interrupt(id, (id + 1 + asked % 3) % kNodes, 2) != 0; });
+    for (NodeId id{0}; id < kNodes; ++id)
+      ring.at(start + at,
+              [&, id] { asked += ring.interrupt(id, static_cast<NodeId>((id + 1 + asked % 3) % kNodes), 2) != 0; });
   ring.run_for(2ms);
-  EXPECT_EQ(outcome_of(ring, 0, data).outcome, Outcome::delivered);
-  EXPECT_THAT(payloads(ring.log(3)), ElementsAre(payload));
+  EXPECT_EQ(outcome_of(ring, 0_id, data).outcome, Outcome::delivered);
+  EXPECT_THAT(payloads(ring.log(3_id)), ElementsAre(payload));
   std::size_t pulled = 0;
-  for (NodeId id = 0; id < kNodes; ++id) pulled += pins(ring.log(id)).size();
+  for (NodeId id{0}; id < kNodes; ++id) pulled += pins(ring.log(id)).size();
   EXPECT_EQ(
       pulled, asked - [&] {
         std::uint64_t n = 0;
-        for (NodeId id = 0; id < kNodes; ++id) n += ring.counters(id).ended_rejected;
+        for (NodeId id{0}; id < kNodes; ++id) n += ring.counters(id).ended_rejected;
         return n;
       }());
 }

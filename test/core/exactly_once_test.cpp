@@ -1,5 +1,6 @@
 // Nothing is delivered twice, and what was decided once stays decided.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -155,7 +156,7 @@ TEST_F(Incarnations, AHelloOrBeaconOfAnEarlierOneSaysNothing) {
   data(8, "eight");
   hello(7);
   beacon(6, 0);
-  EXPECT_EQ(solo.node().membership().peers()[0].boot, 8u);
+  EXPECT_EQ(solo.node().membership().peers()[0_id].boot, 8u);
   EXPECT_EQ(data(8, "eight", 0, 1), 1) << "taken before";
   EXPECT_THAT(solo.packets(), ElementsAre(text("eight")));
 }
@@ -186,8 +187,8 @@ TEST_F(Incarnations, ANodeThatWasBypassedKnowsNoNumbersOfData) {
   EXPECT_NE(data(7, "before"), 0);
   solo.node().input_lost(solo.now());
   solo.node().output_lost(solo.now());
-  solo.node().input_up(0, solo.now());
-  solo.node().output_up(2, solo.now());
+  solo.node().input_up(0_id, solo.now());
+  solo.node().output_up(2_id, solo.now());
   solo.run();
   solo.line();
   EXPECT_EQ(data(7, "another packet", 0, 1), 0) << "refused: its own hello is not home yet";
@@ -214,14 +215,14 @@ TEST(ExactlyOnceJoining, RefusesUsersDataAndTakesTheRest) {
   EXPECT_EQ(solo.counters().refused_joining, 1u);
   EXPECT_EQ(solo.counters().received_control, 1u);
   EXPECT_EQ(solo.counters().pins_pulled, 1u);
-  EXPECT_TRUE(solo.node().membership().peers()[0].beacon_heard);
+  EXPECT_TRUE(solo.node().membership().peers()[0_id].beacon_heard);
 }
 
 TEST(ExactlyOnceJoining, WhatItRefusedThenStaysRefused) {
   SoloNode solo;
   solo.receive(SliceKind::whole, Foreign{0, 1, 3, 0}.with(text("x")));
   solo.line();
-  solo.node().input_up(0, solo.now());  // the hello is said again
+  solo.node().input_up(0_id, solo.now());  // the hello is said again
   solo.join();
   solo.receive(SliceKind::whole, Foreign{0, 1, 3, 1}.with(text("x")));
   EXPECT_EQ(solo.line().at(0).bytes[6], 0) << "FBC";

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "core/ring_fixture.h"
+#include "support/node_literal.h"
 #include "wire/interrupt_packet.h"
 
 namespace limb_ring::core {
@@ -30,7 +31,7 @@ void keep_sending(VirtualRing& ring, std::map<Outcome, unsigned>& ends) {
     ++ends[end->outcome];
     send(id);
   };
-  for (NodeId id = 0; id < kNodes; ++id) send(id);
+  for (NodeId id{0}; id < kNodes; ++id) send(id);
 }
 
 struct FoldBackTest : testing::Test {
@@ -41,15 +42,15 @@ struct FoldBackTest : testing::Test {
   }
   const Membership& membership(NodeId id) { return ring.node(id).membership(); }
   void expect_all(NodeState state, unsigned size = kNodes) {
-    for (NodeId id = 0; id < kNodes; ++id) {
+    for (NodeId id{0}; id < kNodes; ++id) {
       EXPECT_EQ(membership(id).state(), state) << int{id};
       EXPECT_EQ(membership(id).ring_size(), size) << int{id};
     }
   }
   /// Every node sends to every other one and all; each is confirmed.
   void expect_all_reach_all() {
-    for (NodeId from = 0; from < kNodes; ++from) {
-      for (NodeId to = 0; to < kNodes; ++to)
+    for (NodeId from{0}; from < kNodes; ++from) {
+      for (NodeId to{0}; to < kNodes; ++to)
         EXPECT_EQ(outcome_of(ring, from, ring.send(from, to, text("x"))).outcome, Outcome::delivered)
             << int{from} << " to " << int{to};
       EXPECT_EQ(outcome_of(ring, from, ring.interrupt(from, wire::kBroadcast, 0)).outcome, Outcome::delivered);
@@ -57,7 +58,7 @@ struct FoldBackTest : testing::Test {
   }
   std::uint64_t all(std::uint64_t Counters::*counter) const {
     std::uint64_t sum = 0;
-    for (NodeId id = 0; id < kNodes; ++id) sum += ring.counters(id).*counter;
+    for (NodeId id{0}; id < kNodes; ++id) sum += ring.counters(id).*counter;
     return sum;
   }
 };
@@ -92,7 +93,7 @@ TEST_P(AnyPlace, ABreakOneWayIsToldToTheNodeBeforeItOverTheSecondLine) {
 TEST_P(AnyPlace, TheBrokenLineIsLocatedByAll) {
   ring.cut(before);
   ring.run_for(30ms);
-  for (NodeId id = 0; id < kNodes; ++id) {
+  for (NodeId id{0}; id < kNodes; ++id) {
     if (id == behind) continue;
     const wire::Beacon& beacon = membership(id).peers()[behind].beacon;
     EXPECT_TRUE(beacon.break_known);
@@ -127,7 +128,7 @@ TEST_P(AnyPlace, HealsOneWayToo) {
   ring.run_for(30ms);
   expect_all(NodeState::up);
   expect_all_reach_all();
-  for (NodeId id = 0; id < kNodes; ++id) EXPECT_FALSE(membership(id).peers()[behind].beacon.break_known);
+  for (NodeId id{0}; id < kNodes; ++id) EXPECT_FALSE(membership(id).peers()[behind].beacon.break_known);
 }
 
 // What is confirmed is neither lost nor doubled: the fixture's invariants check every packet.
@@ -135,7 +136,7 @@ TEST_F(FoldBackTest, ABreakInFullTrafficLosesNothingThatCanBeSentAgain) {
   std::map<Outcome, unsigned> ends;
   keep_sending(ring, ends);
   ring.run_for(5ms);
-  ring.cut_cable(4);
+  ring.cut_cable(4_id);
   ring.run_for(50ms);
   expect_all(NodeState::folded);
   EXPECT_GT(ends[Outcome::delivered], 0u);
@@ -144,34 +145,34 @@ TEST_F(FoldBackTest, ABreakInFullTrafficLosesNothingThatCanBeSentAgain) {
 
 TEST_F(FoldBackTest, ServiceIsBackWithinALapOfTheSecondLine) {
   const Time cut = ring.now();
-  ring.cut_cable(2);
-  const bool back = ring.run_until([&] { return ring.node(3).membership().state() == NodeState::folded; }, 1s);
+  ring.cut_cable(2_id);
+  const bool back = ring.run_until([&] { return ring.node(3_id).membership().state() == NodeState::folded; }, 1s);
   ASSERT_TRUE(back);
   // Node 2 knows at once; its word goes over seven lines of 1 us, and the controller behind is told.
   EXPECT_LE(ring.now() - cut, Duration{7us});
 }
 
 TEST_F(FoldBackTest, ASecondBreakLeavesTwoWorkingParts) {
-  ring.cut_cable(1);  // 2 3 4 5 | 6 7 0 1
+  ring.cut_cable(1_id);  // 2 3 4 5 | 6 7 0 1
   ring.run_for(30ms);
-  ring.cut_cable(5);
+  ring.cut_cable(5_id);
   ring.run_for(100ms);
   expect_all(NodeState::folded, 4);
-  EXPECT_EQ(outcome_of(ring, 2, ring.send(2, 5, text("a"))).outcome, Outcome::delivered);
-  EXPECT_EQ(outcome_of(ring, 5, ring.send(5, 2, text("a"))).outcome, Outcome::delivered);
-  EXPECT_EQ(outcome_of(ring, 7, ring.send(7, 0, text("a"))).outcome, Outcome::delivered);
-  EXPECT_EQ(outcome_of(ring, 7, ring.send(7, 3, text("a"))).outcome, Outcome::no_such_node);
+  EXPECT_EQ(outcome_of(ring, 2_id, ring.send(2_id, 5_id, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 5_id, ring.send(5_id, 2_id, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 7_id, ring.send(7_id, 0_id, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 7_id, ring.send(7_id, 3_id, text("a"))).outcome, Outcome::no_such_node);
 }
 
 TEST_F(FoldBackTest, TwoPartsGrowTogetherAgain) {
-  ring.cut_cable(1);
-  ring.cut_cable(5);
+  ring.cut_cable(1_id);
+  ring.cut_cable(5_id);
   ring.run_for(100ms);
-  ring.heal_cable(1);
+  ring.heal_cable(1_id);
   ring.run_for(100ms);
   expect_all(NodeState::folded);
   expect_all_reach_all();
-  ring.heal_cable(5);
+  ring.heal_cable(5_id);
   ring.run_for(100ms);
   expect_all(NodeState::up);
   expect_all_reach_all();
@@ -179,10 +180,10 @@ TEST_F(FoldBackTest, TwoPartsGrowTogetherAgain) {
 
 TEST_F(FoldBackTest, NothingCirclesOnTheSecondLineOnceTheRingIsWhole) {
   for (int round = 0; round < 10; ++round) {
-    ring.cut_cable(3);
-    for (NodeId id = 0; id < kNodes; ++id) ring.send(id, wire::kBroadcast, pattern(100));
+    ring.cut_cable(3_id);
+    for (NodeId id{0}; id < kNodes; ++id) ring.send(id, wire::kBroadcast, pattern(100));
     ring.run_for(Duration{500ns} * round);
-    ring.heal_cable(3);
+    ring.heal_cable(3_id);
     ring.run_for(Duration{700ns} * round);
   }
   ring.run_for(200ms);
@@ -193,9 +194,9 @@ TEST_F(FoldBackTest, NothingCirclesOnTheSecondLineOnceTheRingIsWhole) {
 }
 
 TEST_F(FoldBackTest, ADeadNodeIsLeftAsideNotFoldedAround) {
-  ring.kill(4);
+  ring.kill(4_id);
   ring.run_for(100ms);
-  for (NodeId id = 0; id < kNodes; ++id) {
+  for (NodeId id{0}; id < kNodes; ++id) {
     if (id == 4) continue;
     EXPECT_EQ(membership(id).state(), NodeState::up) << int{id};
     EXPECT_EQ(membership(id).ring_size(), kNodes - 1) << int{id};
@@ -214,9 +215,9 @@ TEST_F(FoldBackTest, ANodeThatDiesAndReturnsCostsOthersNothing) {
   };
   for (int times = 0; times < 10; ++times) {
     ring.run_for(3ms);
-    ring.kill(4);
+    ring.kill(4_id);
     ring.run_for(3ms);
-    ring.start(4);
+    ring.start(4_id);
   }
   EXPECT_GT(ends[Outcome::delivered], 1000u);
   EXPECT_GT(ends[Outcome::no_such_node], 0u) << "node 7 sends to node 4";
@@ -224,11 +225,11 @@ TEST_F(FoldBackTest, ANodeThatDiesAndReturnsCostsOthersNothing) {
 }
 
 TEST_F(FoldBackTest, ANodeStartedBehindABreakJoins) {
-  ring.kill(4);
+  ring.kill(4_id);
   ring.run_for(10ms);
-  ring.cut_cable(3);
+  ring.cut_cable(3_id);
   ring.run_for(100ms);
-  ring.start(4);
+  ring.start(4_id);
   ring.run_for(100ms);
   expect_all(NodeState::folded);
   expect_all_reach_all();
@@ -242,10 +243,10 @@ TEST_F(FoldBackTest, AHearsThatIsLostIsSaidAgain) {
     if (word && word->kind == wire::FoldWordKind::hears && !lost) return void(lost = true);
     arriving.put(slice.kind, slice.bytes);
   };
-  ring.tap(4, lose_one, core::Line::second);
-  ring.cut(3);
+  ring.tap(4_id, lose_one, core::Line::second);
+  ring.cut(3_id);
   ring.run_for(1us);
-  ring.heal(3);
+  ring.heal(3_id);
   ring.run_for(300ms);
   EXPECT_TRUE(lost);
   expect_all(NodeState::up);
@@ -254,7 +255,7 @@ TEST_F(FoldBackTest, AHearsThatIsLostIsSaidAgain) {
 
 // Where nobody strips, what nobody understands would go on and on.
 TEST_F(FoldBackTest, ADamagedWordIsNotRepeated) {
-  ring.cut(3);
+  ring.cut(3_id);
   ring.run_for(30ms);
   expect_all(NodeState::folded);
   unsigned damaged = 0, repeated = 0;
@@ -267,14 +268,14 @@ TEST_F(FoldBackTest, ADamagedWordIsNotRepeated) {
     if (slice.kind == wire::SliceKind::fold && !wire::fold_word(slice)) ++repeated;
     arriving.put(slice.kind, slice.bytes);
   };
-  const auto discarded = ring.counters(1).fold_discarded;
-  ring.tap(2, damage, core::Line::second);
-  ring.tap(1, count, core::Line::second);
+  const auto discarded = ring.counters(1_id).fold_discarded;
+  ring.tap(2_id, damage, core::Line::second);
+  ring.tap(1_id, count, core::Line::second);
   ring.run_for(30ms);
   EXPECT_GE(damaged, 2u);
   EXPECT_EQ(repeated, 0u);
-  EXPECT_EQ(ring.counters(1).fold_discarded, discarded + damaged);
-  ring.tap(2, nullptr, core::Line::second);
+  EXPECT_EQ(ring.counters(1_id).fold_discarded, discarded + damaged);
+  ring.tap(2_id, nullptr, core::Line::second);
   ring.run_for(100ms);
   expect_all(NodeState::folded);
   expect_all_reach_all();
@@ -285,17 +286,17 @@ struct LoneFold : testing::Test {
   NetworkController node{settings(), Time{}};
   static Settings settings() {
     Settings s;
-    s.id = 4;
-    for (NodeId id = 1; id < kNodes; ++id) s.order.push_back(id);
+    s.id = 4_id;
+    for (NodeId id{1}; id < kNodes; ++id) s.order.push_back(id);
     s.fold_back = true;
     s.wired.fill(true);
     return s;
   }
   void SetUp() override {
-    node.input_up(Line::first, 3, Time{});
-    node.output_up(Line::first, 5, Time{});
-    node.input_up(Line::second, 5, Time{});
-    node.output_up(Line::second, 3, Time{});
+    node.input_up(Line::first, 3_id, Time{});
+    node.output_up(Line::first, 5_id, Time{});
+    node.input_up(Line::second, 5_id, Time{});
+    node.output_up(Line::second, 3_id, Time{});
     second().clear();
   }
   wire::SliceWriter& second() { return node.output(Line::second); }
@@ -308,7 +309,7 @@ struct LoneFold : testing::Test {
     wire::InterruptPacket packet;
     packet.code.sequence = wire::Sequence{sequence};
     packet.hop = hop;
-    packet.source = 1;
+    packet.source = 1_id;
     packet.destination = wire::kBroadcast;
     const auto bytes = wire::encode(packet);
     node.receive(line, {wire::SliceKind::interrupt, {bytes.data(), bytes.size()}}, Time{});
@@ -317,17 +318,17 @@ struct LoneFold : testing::Test {
 
 // Its own node would take it off; that one is dead, and bypassed by this one's input.
 TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
-  node.input_up(Line::second, 7, Time{});
-  hear(wire::FoldWordKind::begin, 6);
+  node.input_up(Line::second, 7_id, Time{});
+  hear(wire::FoldWordKind::begin, 6_id);
   EXPECT_TRUE(second().empty());
   receive_interrupt(Line::second, 0, 2);
   EXPECT_TRUE(second().empty()) << "nor does what follows it go round";
-  hear(wire::FoldWordKind::begin, 0);
+  hear(wire::FoldWordKind::begin, 0_id);
   EXPECT_FALSE(second().empty());
 }
 
 TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
-  hear(wire::FoldWordKind::begin, 200);
+  hear(wire::FoldWordKind::begin, 200_id);
   EXPECT_TRUE(second().empty());
   EXPECT_EQ(node.counters().fold_discarded, 1u);
 }
@@ -335,7 +336,7 @@ TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
 // It passed here before the line behind it broke, was turned back at node 6, and is on its way back when the line
 // before this node breaks too.
 TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
-  hear(wire::FoldWordKind::begin, 6);
+  hear(wire::FoldWordKind::begin, 6_id);
   receive_interrupt(Line::first, 0, 2);
   receive_interrupt(Line::first, 1, 2);
   EXPECT_EQ(node.counters().pins_pulled, 2u);
@@ -348,7 +349,7 @@ TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
 // A `hears` was lost, and the words on the second line stop at another node that has turned back: two such nodes stayed
 // folded for ever. So a node asks the next one on the first line, each beacon period.
 TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) {
-  hear(wire::FoldWordKind::deaf, 5);
+  hear(wire::FoldWordKind::deaf, 5_id);
   EXPECT_EQ(node.output_line(), Line::second);
   node.output(Line::first).clear();
   Time now{};
@@ -369,7 +370,7 @@ TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) 
 
 TEST_F(LoneFold, ANodeThatHearsAnswersTheOneBefore) {
   wire::SliceWriter question;
-  wire::put(question, {wire::FoldWordKind::begin, 3});
+  wire::put(question, {wire::FoldWordKind::begin, 3_id});
   node.receive(Line::first, wire::parse_slice(question.view()).slice, Time{});
   ASSERT_FALSE(second().empty());
   const auto word = wire::fold_word(wire::parse_slice(second().view()).slice);
@@ -380,7 +381,7 @@ TEST_F(LoneFold, ANodeThatHearsAnswersTheOneBefore) {
 
 // As much as 254 nodes have under way, and no more, should packets ever go round where nobody strips.
 TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
-  hear(wire::FoldWordKind::begin, 6);
+  hear(wire::FoldWordKind::begin, 6_id);
   const std::vector<std::uint8_t> packet(wire::kMaxDataPacketSize, 0x55);
   const wire::Slice slice{wire::SliceKind::whole, {packet.data(), packet.size()}};
   constexpr std::size_t kLap = 254 * wire::kMaxDataPacketSize;
@@ -394,16 +395,16 @@ TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
 
 // Both lines broken on one side, the first on another: nothing leads back, as without a second line.
 TEST_F(FoldBackTest, WithTheSecondLineBrokenElsewhereTheRingIsAnOpenChain) {
-  ring.cut(7, core::Line::second);
+  ring.cut(7_id, core::Line::second);
   ring.run_for(30ms);
   expect_all(NodeState::up);
-  ring.cut(2);
+  ring.cut(2_id);
   ring.run_for(100ms);
-  EXPECT_EQ(membership(3).state(), NodeState::open_chain);
-  ring.heal(7, core::Line::second);
+  EXPECT_EQ(membership(3_id).state(), NodeState::open_chain);
+  ring.heal(7_id, core::Line::second);
   ring.run_for(100ms);
   expect_all(NodeState::folded);
-  ring.heal(2);
+  ring.heal(2_id);
   ring.run_for(100ms);
   expect_all(NodeState::up);
 }
@@ -413,9 +414,9 @@ TEST(FoldBackTiming, APacketGoesRoundWithTheSecondLinesDelaysAdded) {
   VirtualRing ring{folding(gigabit(kNodes))};
   ASSERT_TRUE(ring.join());
   ring.run_for(20ms);
-  ring.cut_cable(2);
+  ring.cut_cable(2_id);
   ring.run_for(25ms);
-  const SendEnded end = outcome_of(ring, 0, ring.send(0, 1, pattern(512)));
+  const SendEnded end = outcome_of(ring, 0_id, ring.send(0_id, 1_id, pattern(512)));
   EXPECT_EQ(end.outcome, Outcome::delivered);
   // T = 524 * 8 ns; seven lines of the first ring, seven of the second, one delay d each.
   EXPECT_EQ(end.round_trip, Duration{524 * 8ns} + 14 * Duration{512ns});
@@ -424,19 +425,19 @@ TEST(FoldBackTiming, APacketGoesRoundWithTheSecondLinesDelaysAdded) {
 TEST(FoldBackTiming, HealsUnderFullLoadAtARateWithoutLoss) {
   VirtualRing ring{folding(gigabit(kNodes))};
   ASSERT_TRUE(ring.join());
-  ring.cut_cable(2);
+  ring.cut_cable(2_id);
   ring.run_for(25ms);
   std::map<Outcome, unsigned> ends;
   keep_sending(ring, ends);
   ring.run_for(5ms);
   std::uint64_t before = 0, after = 0;
-  for (NodeId id = 0; id < kNodes; ++id) before += ring.counters(id).timeouts;
-  ring.heal_cable(2);
+  for (NodeId id{0}; id < kNodes; ++id) before += ring.counters(id).timeouts;
+  ring.heal_cable(2_id);
   ring.run_for(5ms);
-  for (NodeId id = 0; id < kNodes; ++id) after += ring.counters(id).timeouts;
+  for (NodeId id{0}; id < kNodes; ++id) after += ring.counters(id).timeouts;
   EXPECT_EQ(after, before);
   EXPECT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ring.node(3).membership().state(), NodeState::up);
+  EXPECT_EQ(ring.node(3_id).membership().state(), NodeState::up);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Interrupts: pins, inputs, and what overtakes what.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -10,81 +11,81 @@ using wire::SliceKind;
 
 struct Interrupts : testing::Test {
   VirtualRing ring{with(quick(4), [](Settings& s) {
-    s.inputs[2] = InterruptInput{3, wire::Factor{1}};
+    s.inputs[2] = InterruptInput{3_id, wire::Factor{1}};
     s.inputs[5] = InterruptInput{wire::kBroadcast, wire::Factor{2}};
   })};
   void SetUp() override { ASSERT_TRUE(ring.join()); }
 };
 
 TEST_F(Interrupts, PullThePinOfTheirNumberAtTheirDestination) {
-  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 2, 1)).outcome, Outcome::delivered);
-  EXPECT_THAT(pins(ring.log(2)), ElementsAre(1));
-  for (NodeId other : {0, 1, 3}) EXPECT_THAT(pins(ring.log(other)), IsEmpty());
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.interrupt(0_id, 2_id, 1)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(2_id)), ElementsAre(1));
+  for (NodeId other : {0_id, 1_id, 3_id}) EXPECT_THAT(pins(ring.log(other)), IsEmpty());
 }
 
 TEST_F(Interrupts, PinSaysWhoPulledIt) {
-  outcome_of(ring, 3, ring.interrupt(3, 2, 1));
-  EXPECT_EQ(std::get<PinPulled>(ring.log(2).events.back().what).source, 3);
+  outcome_of(ring, 3_id, ring.interrupt(3_id, 2_id, 1));
+  EXPECT_EQ(std::get<PinPulled>(ring.log(2_id).events.back().what).source, 3);
 }
 
 TEST_F(Interrupts, BroadcastPullsThePinOfAllOthers) {
-  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, wire::kBroadcast, 2)).outcome, Outcome::delivered);
-  for (NodeId other : {1, 2, 3}) EXPECT_THAT(pins(ring.log(other)), ElementsAre(2));
-  EXPECT_THAT(pins(ring.log(0)), IsEmpty());
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.interrupt(0_id, wire::kBroadcast, 2)).outcome, Outcome::delivered);
+  for (NodeId other : {1_id, 2_id, 3_id}) EXPECT_THAT(pins(ring.log(other)), ElementsAre(2));
+  EXPECT_THAT(pins(ring.log(0_id)), IsEmpty());
 }
 
 TEST_F(Interrupts, MayGoToTheirOwnNode) {
-  EXPECT_EQ(outcome_of(ring, 1, ring.interrupt(1, 1, 0)).outcome, Outcome::delivered);
-  EXPECT_THAT(pins(ring.log(1)), ElementsAre(0));
+  EXPECT_EQ(outcome_of(ring, 1_id, ring.interrupt(1_id, 1_id, 0)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(1_id)), ElementsAre(0));
 }
 
 TEST_F(Interrupts, UnwiredPinRefusesAndIsNotTriedAgain) {
-  const SendEnded end = outcome_of(ring, 0, ring.interrupt(0, 2, 7));
+  const SendEnded end = outcome_of(ring, 0_id, ring.interrupt(0_id, 2_id, 7));
   EXPECT_EQ(end.outcome, Outcome::refused);
   EXPECT_EQ(end.tries, 1u);
-  EXPECT_EQ(ring.counters(2).refused_unwired, 1u);
-  EXPECT_THAT(pins(ring.log(2)), IsEmpty());
+  EXPECT_EQ(ring.counters(2_id).refused_unwired, 1u);
+  EXPECT_THAT(pins(ring.log(2_id)), IsEmpty());
 }
 
 TEST_F(Interrupts, ToADeadNodeFindNobody) {
-  ring.kill(2);
+  ring.kill(2_id);
   ring.run_for(1ms);
-  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 2, 1)).outcome, Outcome::no_such_node);
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.interrupt(0_id, 2_id, 1)).outcome, Outcome::no_such_node);
 }
 
 TEST_F(Interrupts, InputsSendWithoutTheCpu) {
-  ring.node(1).set_cpu_present(false);
+  ring.node(1_id).set_cpu_present(false);
   ring.cpu_reads[1] = false;
-  EXPECT_EQ(outcome_of(ring, 1, ring.pull(1, 2)).outcome, Outcome::delivered);
-  EXPECT_THAT(pins(ring.log(3)), ElementsAre(1));
-  outcome_of(ring, 1, ring.pull(1, 5));
-  EXPECT_THAT(pins(ring.log(0)), ElementsAre(2));
+  EXPECT_EQ(outcome_of(ring, 1_id, ring.pull(1_id, 2)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(3_id)), ElementsAre(1));
+  outcome_of(ring, 1_id, ring.pull(1_id, 5));
+  EXPECT_THAT(pins(ring.log(0_id)), ElementsAre(2));
 }
 
 TEST_F(Interrupts, PinsArePulledAtANodeWhoseCpuIsGone) {
-  ring.node(2).set_cpu_present(false);
-  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 2, 0)).outcome, Outcome::delivered);
-  EXPECT_THAT(pins(ring.log(2)), ElementsAre(0));
+  ring.node(2_id).set_cpu_present(false);
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.interrupt(0_id, 2_id, 0)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(2_id)), ElementsAre(0));
 }
 
 TEST_F(Interrupts, EverySecondOneToTheSamePinPullsItAgain) {
-  for (int i = 0; i < 20; ++i) outcome_of(ring, 0, ring.interrupt(0, 2, 1));
-  EXPECT_EQ(pins(ring.log(2)).size(), 20u);
+  for (int i = 0; i < 20; ++i) outcome_of(ring, 0_id, ring.interrupt(0_id, 2_id, 1));
+  EXPECT_EQ(pins(ring.log(2_id)).size(), 20u);
 }
 
 TEST(InterruptOnALine, IsEmbeddedIntoADatpThatIsBeingSent) {
   VirtualRing ring(gigabit(4));
   ASSERT_TRUE(ring.join());
-  ring.send(0, 1, Bytes(512));
+  ring.send(0_id, 1_id, Bytes(512));
   ring.run_for(1us);
-  ring.interrupt(0, 1, 1);
+  ring.interrupt(0_id, 1_id, 1);
   Time pin{}, packet{};
   ring.on_event = [&](NodeId id, const Event& e) {
     if (id == 1 && std::holds_alternative<PinPulled>(e.what)) pin = e.at;
   };
   ring.on_packet = [&](NodeId, const ReceivedPacket& p) { packet = p.at; };
   ring.run_for(100us);
-  EXPECT_EQ(ring.counters(0).embedded_interrupts, 1u);
+  EXPECT_EQ(ring.counters(0_id).embedded_interrupts, 1u);
   EXPECT_LT(pin, packet);
   EXPECT_NE(pin, Time{});
 }
@@ -92,12 +93,12 @@ TEST(InterruptOnALine, IsEmbeddedIntoADatpThatIsBeingSent) {
 TEST(InterruptOnALine, DelayTheDatpAroundThemByTheirOwnLength) {
   VirtualRing ring(gigabit(4));
   ASSERT_TRUE(ring.join());
-  const auto data = ring.send(0, 1, Bytes(512));
+  const auto data = ring.send(0_id, 1_id, Bytes(512));
   ring.run_for(1us);
-  ring.interrupt(0, 1, 1);
+  ring.interrupt(0_id, 1_id, 1);
   ring.run_for(1us);
-  ring.interrupt(0, 1, 1);  // goes when the first is home, still inside the DATP
-  EXPECT_EQ(outcome_of(ring, 0, data).round_trip, 8ns * 524 + 4 * 512ns + 2 * 96ns);
+  ring.interrupt(0_id, 1_id, 1);  // goes when the first is home, still inside the DATP
+  EXPECT_EQ(outcome_of(ring, 0_id, data).round_trip, 8ns * 524 + 4 * 512ns + 2 * 96ns);
 }
 
 // protocol.md section 7.2: behind another INTP, trailer and CRC at every node.
@@ -110,16 +111,17 @@ TEST(InterruptOnALine, RoundTripStaysWithinItsBoundUnderFullLoad) {
     const auto* end = std::get_if<SendEnded>(&event.what);
     if (!end) return;
     if (!end->interrupt) {
-      ring.send(id, (id + 3) % 16, Bytes(512));
+      ring.send(id, static_cast<NodeId>((id + 3) % 16), Bytes(512));
     } else {
       ++ends;
       most = std::max(most, end->round_trip);
-      ring.at(event.at + Duration{1ns} * ((ends * 7919u) % 5000u), [&, id] { ring.interrupt(id, (id + 5) % 16, 1); });
+      ring.at(event.at + Duration{1ns} * ((ends * 7919u) % 5000u),
+              [&, id] { ring.interrupt(id, static_cast<NodeId>((id + 5) % 16), 1); });
     }
   };
-  for (NodeId id = 0; id < 16; ++id) {
-    ring.send(id, (id + 3) % 16, Bytes(512));
-    ring.interrupt(id, (id + 5) % 16, 1);
+  for (NodeId id{0}; id < 16; ++id) {
+    ring.send(id, static_cast<NodeId>((id + 3) % 16), Bytes(512));
+    ring.interrupt(id, static_cast<NodeId>((id + 5) % 16), 1);
   }
   ring.run_for(5ms);
   EXPECT_GT(ends, 4000u);

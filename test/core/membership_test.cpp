@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include "core/ring_fixture.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -41,7 +42,7 @@ TEST_F(Membership16, HelloIsTheFirstPacketOfEveryNode) {
   options.start = false;
   VirtualRing three(options);
   std::vector<Bytes> first;
-  for (NodeId id : {0, 1, 2}) {
+  for (NodeId id : {0_id, 1_id, 2_id}) {
     three.tap(id, [&first, id, seen = false](const wire::Slice& slice, Time, wire::SliceWriter& arriving) mutable {
       const wire::PacketFields packet{slice.bytes};
       if (!seen && packet.source() == id) first.emplace_back(packet.data().begin(), packet.data().end());
@@ -75,65 +76,65 @@ TEST_F(Membership16, OneByOneInAnyOrderTheSizeFollows) {
 
 TEST_F(Membership16, EachNodeMayDieAndComeBack) {
   ASSERT_TRUE(ring.join());
-  for (NodeId id = 0; id < 16; ++id) {
+  for (NodeId id{0}; id < 16; ++id) {
     ring.kill(id);
     ring.run_for(250ms);
     expect_ring_of(15);
-    expect_delivery((id + 15) % 16, (id + 1) % 16);
+    expect_delivery(static_cast<NodeId>((id + 15) % 16), static_cast<NodeId>((id + 1) % 16));
     ring.start(id);
     ASSERT_TRUE(ring.join());
     ring.run_for(250ms);
     expect_ring_of(16);
-    expect_delivery((id + 8) % 16, id);
-    expect_delivery(id, (id + 8) % 16);
+    expect_delivery(static_cast<NodeId>((id + 8) % 16), id);
+    expect_delivery(id, static_cast<NodeId>((id + 8) % 16));
   }
 }
 
 TEST_F(Membership16, DownToTwoThenAloneAndBack) {
   ASSERT_TRUE(ring.join());
-  for (NodeId id = 2; id < 16; ++id) ring.kill(id);
+  for (NodeId id{2}; id < 16; ++id) ring.kill(id);
   ring.run_for(1s);
   expect_ring_of(2);
-  expect_delivery(0, 1);
-  expect_delivery(1, 0);
-  ring.kill(1);
+  expect_delivery(0_id, 1_id);
+  expect_delivery(1_id, 0_id);
+  ring.kill(1_id);
   ring.run_for(1s);
   expect_ring_of(1);
-  expect_delivery(0, 0);
-  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 1, text("a"))).outcome, Outcome::no_such_node);
-  for (NodeId id = 15; id >= 1; --id) ring.start(id);
+  expect_delivery(0_id, 0_id);
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 1_id, text("a"))).outcome, Outcome::no_such_node);
+  for (unsigned id = 15; id >= 1; --id) ring.start(static_cast<NodeId>(id));
   ASSERT_TRUE(ring.join());
   ring.run_for(250ms);
   expect_ring_of(16);
-  expect_delivery(0, 15);
+  expect_delivery(0_id, 15_id);
 }
 
 TEST_F(Membership16, AllMayRestartAtOnce) {
   ASSERT_TRUE(ring.join());
-  for (NodeId id = 0; id < 16; ++id) ring.kill(id);
+  for (NodeId id{0}; id < 16; ++id) ring.kill(id);
   ring.run_for(1s);
-  for (NodeId id = 0; id < 16; ++id) ring.start(id);
+  for (NodeId id{0}; id < 16; ++id) ring.start(id);
   ASSERT_TRUE(ring.join());
   ring.run_for(250ms);
   expect_ring_of(16);
-  expect_delivery(3, 2);
+  expect_delivery(3_id, 2_id);
 }
 
 TEST_F(Membership16, HelloThatIsLostIsSaidAgain) {
-  ring.tap(4, lose(4 * 16, is_data));
+  ring.tap(4_id, lose(4 * 16, is_data));
   ASSERT_TRUE(ring.join());
-  EXPECT_GT(ring.counters(9).hellos, 1u);
+  EXPECT_GT(ring.counters(9_id).hellos, 1u);
   expect_ring_of(16);
 }
 
 TEST_F(Membership16, BeaconsCarryTheCpuToAllOthersAtOnce) {
   ASSERT_TRUE(ring.join());
   ring.run_for(10ms);
-  ring.node(5).set_cpu({3, wire::CpuState::running, true, ring.now()}, ring.now());
+  ring.node(5_id).set_cpu({3, wire::CpuState::running, true, ring.now()}, ring.now());
   ring.run_for(20us);
-  for (NodeId id = 0; id < 16; ++id) {
+  for (NodeId id{0}; id < 16; ++id) {
     if (id == 5) continue;
-    const Peer& peer = ring.node(id).membership().peers()[5];
+    const Peer& peer = ring.node(id).membership().peers()[5_id];
     ASSERT_TRUE(peer.beacon_heard);
     EXPECT_EQ(peer.beacon.cpu_boots, 3u);
     EXPECT_EQ(peer.beacon.cpu_state, wire::CpuState::running);
@@ -145,26 +146,26 @@ TEST_F(Membership16, BeaconsCarryTheCpuToAllOthersAtOnce) {
 
 TEST_F(Membership16, BeaconsSayHowLongTheCpuHasBeenSilent) {
   ASSERT_TRUE(ring.join());
-  ring.node(5).set_cpu({1, wire::CpuState::running, true, ring.now()}, ring.now());
+  ring.node(5_id).set_cpu({1, wire::CpuState::running, true, ring.now()}, ring.now());
   ring.run_for(1s);
-  EXPECT_NEAR(ring.node(0).membership().peers()[5].beacon.cpu_silent_ms, 950, 60);
+  EXPECT_NEAR(ring.node(0_id).membership().peers()[5_id].beacon.cpu_silent_ms, 950, 60);
 }
 
 TEST_F(Membership16, BeaconsComeEveryPeriodAndStopWithTheirNode) {
   ASSERT_TRUE(ring.join());
   ring.run_for(1s);
-  ring.kill(5);
+  ring.kill(5_id);
   ring.run_for(1s);
-  const Membership& m = ring.node(0).membership();
-  EXPECT_GE(ring.now() - m.peers()[5].heard_at, 990ms);
-  EXPECT_LE(ring.now() - m.peers()[6].heard_at, 101ms);
+  const Membership& m = ring.node(0_id).membership();
+  EXPECT_GE(ring.now() - m.peers()[5_id].heard_at, 990ms);
+  EXPECT_LE(ring.now() - m.peers()[6_id].heard_at, 101ms);
 }
 
 TEST_F(Membership16, NewsIsAnEventRepetitionIsNone) {
   ASSERT_TRUE(ring.join());
   ring.run_for(500ms);
   const auto news = [&] {
-    const auto& events = ring.log(0).events;
+    const auto& events = ring.log(0_id).events;
     return std::count_if(events.begin(), events.end(), [](const Event& e) {
       const auto* change = std::get_if<PeerChanged>(&e.what);
       return change && change->node == 5;
@@ -173,7 +174,7 @@ TEST_F(Membership16, NewsIsAnEventRepetitionIsNone) {
   const auto before = news();
   ring.run_for(500ms);
   EXPECT_EQ(news(), before);
-  ring.node(5).set_cpu({2, wire::CpuState::booting, true, ring.now()}, ring.now());
+  ring.node(5_id).set_cpu({2, wire::CpuState::booting, true, ring.now()}, ring.now());
   ring.run_for(200ms);
   EXPECT_EQ(news(), before + 1);
 }
@@ -181,14 +182,14 @@ TEST_F(Membership16, NewsIsAnEventRepetitionIsNone) {
 TEST_F(Membership16, BeaconWaitingForTheLineDoesNotGoAheadOfANewHello) {
   ASSERT_TRUE(ring.join());
   ring.run_for(20ms);
-  ring.kill(9);
+  ring.kill(9_id);
   ring.run_for(5ms);
-  for (int i = 0; i < 5; ++i) outcome_of(ring, 0, ring.send(0, 9, text("a")));
-  ring.send(0, 9, text("the sixth"));
+  for (int i = 0; i < 5; ++i) outcome_of(ring, 0_id, ring.send(0_id, 9_id, text("a")));
+  ring.send(0_id, 9_id, text("the sixth"));
   ring.run_for(2us);
-  ring.node(0).set_cpu({9, wire::CpuState::running, true, ring.now()}, ring.now());  // a beacon waits
+  ring.node(0_id).set_cpu({9, wire::CpuState::running, true, ring.now()}, ring.now());  // a beacon waits
   std::vector<Bytes> sent;
-  ring.tap(0, [&](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+  ring.tap(0_id, [&](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
     const wire::PacketFields packet{slice.bytes};
     if (packet.source() == 0) sent.emplace_back(packet.data().begin(), packet.data().end());
     arriving.put(slice.kind, slice.bytes);
@@ -206,51 +207,53 @@ TEST_F(Membership16, BeaconWaitingForTheLineDoesNotGoAheadOfANewHello) {
 /// A ring of six in which the node at place 4 believes to be node 3; unwatched, since the promises
 /// of a ring suppose that ids differ.
 struct DuplicateId : testing::Test {
-  sim::VirtualRing ring{with(talking(6), [](Settings& s) { s.id = s.id == 4 ? 3 : s.id; })};
+  sim::VirtualRing ring{with(talking(6), [](Settings& s) {
+    if (s.id == 4) s.id = 3_id;
+  })};
   NodeState state(NodeId place) { return ring.node(place).membership().state(); }
 };
 
 TEST_F(DuplicateId, BothNodesSaySoAndTheOthersWork) {
   ring.run_for(2s);
-  EXPECT_EQ(state(3), NodeState::duplicate_id);
-  EXPECT_EQ(state(4), NodeState::duplicate_id);
-  EXPECT_EQ(state(0), NodeState::up);
-  EXPECT_GT(ring.counters(3).duplicate_id_signs, 0u);
-  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 5, text("a"))).outcome, Outcome::delivered);
-  EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 5, text("a"))).reject, Reject::not_in_ring);
+  EXPECT_EQ(state(3_id), NodeState::duplicate_id);
+  EXPECT_EQ(state(4_id), NodeState::duplicate_id);
+  EXPECT_EQ(state(0_id), NodeState::up);
+  EXPECT_GT(ring.counters(3_id).duplicate_id_signs, 0u);
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 5_id, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 3_id, ring.send(3_id, 5_id, text("a"))).reject, Reject::not_in_ring);
 }
 
 TEST_F(DuplicateId, EndsWhenTheOtherIsGone) {
   ring.run_for(2s);
-  ring.kill(4);
+  ring.kill(4_id);
   ring.run_for(2s);
-  EXPECT_EQ(state(3), NodeState::up);
-  EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 0, text("a"))).outcome, Outcome::delivered);
-  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 3, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(state(3_id), NodeState::up);
+  EXPECT_EQ(outcome_of(ring, 3_id, ring.send(3_id, 0_id, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 3_id, text("a"))).outcome, Outcome::delivered);
 }
 
 TEST_F(DuplicateId, IsFoundAndLeftByANodeThatWasUpBefore) {
-  ring.kill(4);
+  ring.kill(4_id);
   ring.run_for(2s);
-  ASSERT_EQ(state(3), NodeState::up);
-  const auto waiting = ring.send(3, 0, text("waiting"), 3);
-  ring.start(4);
+  ASSERT_EQ(state(3_id), NodeState::up);
+  const auto waiting = ring.send(3_id, 0_id, text("waiting"), 3);
+  ring.start(4_id);
   ring.run_for(2s);
-  EXPECT_EQ(state(3), NodeState::duplicate_id);
-  EXPECT_NE(ring.ended(3, waiting), nullptr);
-  ring.kill(4);
+  EXPECT_EQ(state(3_id), NodeState::duplicate_id);
+  EXPECT_NE(ring.ended(3_id, waiting), nullptr);
+  ring.kill(4_id);
   ring.run_for(2s);
-  EXPECT_EQ(state(3), NodeState::up);
-  EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 0, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(state(3_id), NodeState::up);
+  EXPECT_EQ(outcome_of(ring, 3_id, ring.send(3_id, 0_id, text("a"))).outcome, Outcome::delivered);
 }
 
 TEST_F(DuplicateId, EndsAlsoWhenItsLinksWereLostMeanwhile) {
   ring.run_for(2s);
-  ring.kill(5);
-  ring.kill(4);
-  ring.kill(2);
+  ring.kill(5_id);
+  ring.kill(4_id);
+  ring.kill(2_id);
   ring.run_for(2s);
-  EXPECT_EQ(state(3), NodeState::up);
+  EXPECT_EQ(state(3_id), NodeState::up);
 }
 
 }  // namespace

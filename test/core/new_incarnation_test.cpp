@@ -1,5 +1,6 @@
 // Exactly once while nodes restart, are bypassed, and run out of sequence numbers.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -21,7 +22,7 @@ struct NewIncarnationOfTheReceiver : testing::Test {
   void SetUp() override {
     solo.join();
     hello_of_2(7, 0);
-    solo.node().send(send_of(1, 1, 2, text("x")), solo.now());
+    solo.node().send(send_of(1, 1, 2_id, text("x")), solo.now());
     solo.run_for(100ms);
     ASSERT_EQ(solo.line().size(), 2u) << "the first try, and the second as it is overdue";
   }
@@ -35,7 +36,7 @@ TEST_F(NewIncarnationOfTheReceiver, RepeatsNothingTheFormerMayHaveTaken) {
 }
 
 TEST_F(NewIncarnationOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) {
-  solo.node().send(send_of(1, 2, 3, text("y")), solo.now());
+  solo.node().send(send_of(1, 2, 3_id, text("y")), solo.now());
   solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2, 0, 1}.with(text("x")), 0));
   EXPECT_EQ(solo.counters().refusals, 1u);
   hello_of_2(8, 0);
@@ -59,132 +60,133 @@ struct ExactlyOnceRing : testing::Test {
 };
 
 TEST_F(ExactlyOnceRing, LostReturnsDoNotDeliverTwice) {
-  ring.tap(3, lose(3, is_data));
-  const SendEnded end = outcome_of(ring, 0, ring.send(0, 1, text("a")));
+  ring.tap(3_id, lose(3, is_data));
+  const SendEnded end = outcome_of(ring, 0_id, ring.send(0_id, 1_id, text("a")));
   EXPECT_EQ(end.outcome, Outcome::delivered);
   EXPECT_EQ(end.tries, 4u);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a")));
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("a")));
 }
 
 TEST_F(ExactlyOnceRing, DamageOnAnyLineDoesNotDeliverTwiceOrWrong) {
-  for (NodeId line : {0, 1, 2, 3}) {
+  for (NodeId line : {0_id, 1_id, 2_id, 3_id}) {
     ring.tap(line, damage(2, 4, is_data));
-    const SendEnded end = outcome_of(ring, 0, ring.send(0, 2, text("a")));
+    const SendEnded end = outcome_of(ring, 0_id, ring.send(0_id, 2_id, text("a")));
     EXPECT_EQ(end.outcome, Outcome::delivered) << int{line};
     EXPECT_EQ(end.tries, 3u);
   }
-  EXPECT_THAT(payloads(ring.log(2)), ElementsAre(text("a"), text("a"), text("a"), text("a")));
+  EXPECT_THAT(payloads(ring.log(2_id)), ElementsAre(text("a"), text("a"), text("a"), text("a")));
 }
 
 TEST_F(ExactlyOnceRing, PinIsPulledOnceUnderRetries) {
-  ring.tap(2, lose(2, is_interrupt));
-  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 1, 2)).outcome, Outcome::delivered);
-  EXPECT_THAT(pins(ring.log(1)), ElementsAre(2));
+  ring.tap(2_id, lose(2, is_interrupt));
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.interrupt(0_id, 1_id, 2)).outcome, Outcome::delivered);
+  EXPECT_THAT(pins(ring.log(1_id)), ElementsAre(2));
 }
 
 TEST_F(ExactlyOnceRing, SourceThatRestartsIsHeardAgain) {
   for (int start = 0; start < 3; ++start) {
-    ring.send(0, 1, text("word " + std::to_string(start)));
+    ring.send(0_id, 1_id, text("word " + std::to_string(start)));
     ring.run_for(1500ns);  // taken, not home yet
-    ring.kill(0);
-    ring.start(0);
+    ring.kill(0_id);
+    ring.start(0_id);
     ASSERT_TRUE(ring.join());
   }
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("word 0"), text("word 1"), text("word 2")));
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("word 0"), text("word 1"), text("word 2")));
 }
 
 TEST_F(ExactlyOnceRing, ReceiverThatRestartsDuringATryEndsItOneWay) {
-  ring.tap(3, lose(1, is_data));
-  const auto token = ring.send(0, 1, text("a"));
+  ring.tap(3_id, lose(1, is_data));
+  const auto token = ring.send(0_id, 1_id, text("a"));
   ring.run_for(10us);
-  ring.kill(1);
-  ring.start(1);
-  EXPECT_EQ(outcome_of(ring, 0, token).outcome, Outcome::lost);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a")))
+  ring.kill(1_id);
+  ring.start(1_id);
+  EXPECT_EQ(outcome_of(ring, 0_id, token).outcome, Outcome::lost);
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("a")))
       << "what a former incarnation may have taken is not repeated";
 }
 
 // Its neighbours restarted or it was frozen; its CPU is the one that took the first try.
 TEST_F(ExactlyOnceRing, ReceiverThatWasBypassedDuringATryTakesItOnce) {
-  ring.tap(3, lose(1, is_data));
-  const auto token = ring.send(0, 1, text("a"));
+  ring.tap(3_id, lose(1, is_data));
+  const auto token = ring.send(0_id, 1_id, text("a"));
   ring.run_for(10us);
-  ring.freeze(1);
-  ring.thaw(1);
-  EXPECT_EQ(outcome_of(ring, 0, token).outcome, Outcome::lost);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a")));
-  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 1, text("b"))).outcome, Outcome::delivered);
+  ring.freeze(1_id);
+  ring.thaw(1_id);
+  EXPECT_EQ(outcome_of(ring, 0_id, token).outcome, Outcome::lost);
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("a")));
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 1_id, text("b"))).outcome, Outcome::delivered);
 }
 
 TEST_F(ExactlyOnceRing, InterruptOfABypassedReceiverPullsOnce) {
-  ring.tap(3, lose(1, is_interrupt));
-  const auto token = ring.interrupt(0, 1, 2);
+  ring.tap(3_id, lose(1, is_interrupt));
+  const auto token = ring.interrupt(0_id, 1_id, 2);
   ring.run_for(10us);
-  ring.freeze(1);
-  ring.thaw(1);
-  outcome_of(ring, 0, token);
-  EXPECT_EQ(ring.counters(1).pins_pulled, 1u);
+  ring.freeze(1_id);
+  ring.thaw(1_id);
+  outcome_of(ring, 0_id, token);
+  EXPECT_EQ(ring.counters(1_id).pins_pulled, 1u);
 }
 
 TEST_F(ExactlyOnceRing, SixSendsWithoutAVerdictAreFollowedByANewHello) {
-  ring.kill(2);
+  ring.kill(2_id);
   ring.run_for(1ms);
-  const std::uint64_t boot = ring.node(0).membership().boot();
-  const auto hellos = ring.counters(0).hellos;
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 2, text("a"))).outcome, Outcome::no_such_node);
-  EXPECT_EQ(ring.counters(0).hellos, hellos);
-  outcome_of(ring, 0, ring.send(0, 2, text("a")));
+  const std::uint64_t boot = ring.node(0_id).membership().boot();
+  const auto hellos = ring.counters(0_id).hellos;
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 2_id, text("a"))).outcome, Outcome::no_such_node);
+  EXPECT_EQ(ring.counters(0_id).hellos, hellos);
+  outcome_of(ring, 0_id, ring.send(0_id, 2_id, text("a")));
   ring.run_for(1ms);
-  EXPECT_EQ(ring.counters(0).hellos, hellos + 1);
-  EXPECT_GT(ring.node(0).membership().boot(), boot);
-  EXPECT_EQ(ring.node(1).membership().peers()[0].boot, ring.node(0).membership().boot());
-  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 1, text("b"))).outcome, Outcome::delivered);
+  EXPECT_EQ(ring.counters(0_id).hellos, hellos + 1);
+  EXPECT_GT(ring.node(0_id).membership().boot(), boot);
+  EXPECT_EQ(ring.node(1_id).membership().peers()[0_id].boot, ring.node(0_id).membership().boot());
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 1_id, text("b"))).outcome, Outcome::delivered);
 }
 
 TEST_F(ExactlyOnceRing, VerdictInBetweenResetsTheCount) {
-  const auto hellos = ring.counters(0).hellos;
+  const auto hellos = ring.counters(0_id).hellos;
   for (int round = 0; round < 3; ++round) {
-    ring.kill(2);
+    ring.kill(2_id);
     ring.run_for(1ms);
-    for (int i = 0; i < 5; ++i) outcome_of(ring, 0, ring.send(0, 2, text("a")));
-    ring.start(2);
+    for (int i = 0; i < 5; ++i) outcome_of(ring, 0_id, ring.send(0_id, 2_id, text("a")));
+    ring.start(2_id);
     ASSERT_TRUE(ring.join());
-    EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 2, text("b"))).outcome, Outcome::delivered);
+    EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 2_id, text("b"))).outcome, Outcome::delivered);
   }
-  EXPECT_EQ(ring.counters(0).hellos, hellos);
+  EXPECT_EQ(ring.counters(0_id).hellos, hellos);
 }
 
 TEST_F(ExactlyOnceRing, NewHelloWaitsForTheInterruptSlot) {
-  ring.kill(2);
+  ring.kill(2_id);
   ring.run_for(1ms);
-  for (int i = 0; i < 5; ++i) outcome_of(ring, 0, ring.send(0, 2, text("a")));
-  const auto hellos = ring.counters(0).hellos;
-  ring.tap(3, lose(1, is_interrupt));
-  const auto interrupt = ring.interrupt(0, 1, 1);
-  outcome_of(ring, 0, ring.send(0, 2, text("a")));
+  for (int i = 0; i < 5; ++i) outcome_of(ring, 0_id, ring.send(0_id, 2_id, text("a")));
+  const auto hellos = ring.counters(0_id).hellos;
+  ring.tap(3_id, lose(1, is_interrupt));
+  const auto interrupt = ring.interrupt(0_id, 1_id, 1);
+  outcome_of(ring, 0_id, ring.send(0_id, 2_id, text("a")));
   ring.run_for(50ms);
-  EXPECT_EQ(ring.counters(0).hellos, hellos);
-  EXPECT_EQ(outcome_of(ring, 0, interrupt).outcome, Outcome::delivered);
+  EXPECT_EQ(ring.counters(0_id).hellos, hellos);
+  EXPECT_EQ(outcome_of(ring, 0_id, interrupt).outcome, Outcome::delivered);
   ring.run_for(1ms);
-  EXPECT_EQ(ring.counters(0).hellos, hellos + 1);
+  EXPECT_EQ(ring.counters(0_id).hellos, hellos + 1);
 }
 
 TEST_F(ExactlyOnceRing, NodeThatWasBypassedCancelsItsSendsAndStartsOver) {
-  ring.tap(0, lose(99, is_data));
-  const auto out = ring.send(0, 2, text("old"));
-  const auto queued = ring.send(0, 2, text("older"), 3);
+  ring.tap(0_id, lose(99, is_data));
+  const auto out = ring.send(0_id, 2_id, text("old"));
+  const auto queued = ring.send(0_id, 2_id, text("older"), 3);
   ring.run_for(10us);
-  const std::uint64_t boot = ring.node(0).membership().boot();
-  ring.freeze(0);
+  const std::uint64_t boot = ring.node(0_id).membership().boot();
+  ring.freeze(0_id);
   ring.run_for(1s);
-  ring.tap(0, nullptr);
-  ring.thaw(0);
+  ring.tap(0_id, nullptr);
+  ring.thaw(0_id);
   ASSERT_TRUE(ring.join());
-  EXPECT_EQ(outcome_of(ring, 0, out).outcome, Outcome::cancelled);
-  EXPECT_EQ(outcome_of(ring, 0, queued).outcome, Outcome::cancelled);
-  EXPECT_GT(ring.node(0).membership().boot(), boot);
-  EXPECT_EQ(ring.node(2).membership().peers()[0].boot, ring.node(0).membership().boot());
-  EXPECT_THAT(ring.log(2).packets, IsEmpty());
+  EXPECT_EQ(outcome_of(ring, 0_id, out).outcome, Outcome::cancelled);
+  EXPECT_EQ(outcome_of(ring, 0_id, queued).outcome, Outcome::cancelled);
+  EXPECT_GT(ring.node(0_id).membership().boot(), boot);
+  EXPECT_EQ(ring.node(2_id).membership().peers()[0_id].boot, ring.node(0_id).membership().boot());
+  EXPECT_THAT(ring.log(2_id).packets, IsEmpty());
 }
 
 }  // namespace

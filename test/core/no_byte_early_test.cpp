@@ -1,5 +1,6 @@
 // Nothing leaves before it can: not before it has come in, not before it was allowed to.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -53,7 +54,7 @@ struct ClosedGate : testing::Test {
 
 TEST_F(ClosedGate, AnInterruptThatWaitedAsksForTheLineWhenItIsOpened) {
   InterruptUnit unit(settings, counters, events);
-  ASSERT_EQ(unit.enqueue({1, 1, 2, wire::Factor{0}}, asked), Reject::none);
+  ASSERT_EQ(unit.enqueue({1, 1, 2_id, wire::Factor{0}}, asked), Reject::none);
   EXPECT_EQ(unit.ready_at(), kNever);
   unit.set_gate(Gate::open, opened);
   EXPECT_EQ(unit.ready_at(), opened);
@@ -62,7 +63,7 @@ TEST_F(ClosedGate, AnInterruptThatWaitedAsksForTheLineWhenItIsOpened) {
 TEST_F(ClosedGate, DataThatWaitedAsksForTheLineWhenItIsOpened) {
   DataUnit unit(settings, counters, events);
   const Bytes data = text("x");
-  ASSERT_EQ(unit.enqueue(send_of(1, 1, 2, data), asked), Reject::none);
+  ASSERT_EQ(unit.enqueue(send_of(1, 1, 2_id, data), asked), Reject::none);
   unit.set_gate(Gate::control, asked);
   EXPECT_EQ(unit.ready_at(), kNever);
   unit.set_gate(Gate::open, opened);

@@ -1,5 +1,6 @@
 // A cut line: what is left is an open chain, located by all, unconfirmed, and healing by itself.
 #include "core/ring_fixture.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -17,21 +18,21 @@ struct OpenChain : testing::Test {
     ring.run_for(50ms);
   }
   void cut() {
-    ring.cut(2);
+    ring.cut(2_id);
     ring.run_for(500ms);
   }
   const Membership& membership(NodeId id) { return ring.node(id).membership(); }
   void expect_all(NodeState state) {
-    for (NodeId id = 0; id < kChainNodes; ++id) EXPECT_EQ(membership(id).state(), state) << int{id};
+    for (NodeId id{0}; id < kChainNodes; ++id) EXPECT_EQ(membership(id).state(), state) << int{id};
   }
 };
 
 TEST_F(OpenChain, IsKnownToAllWithTheBrokenLine) {
   cut();
   expect_all(NodeState::open_chain);
-  for (NodeId id = 0; id < kChainNodes; ++id) {
+  for (NodeId id{0}; id < kChainNodes; ++id) {
     if (id == 3) continue;
-    const wire::Beacon& beacon = membership(id).peers()[3].beacon;
+    const wire::Beacon& beacon = membership(id).peers()[3_id].beacon;
     EXPECT_TRUE(beacon.break_known);
     EXPECT_EQ(beacon.break_before, 2);
     EXPECT_EQ(beacon.break_behind, 3);
@@ -39,43 +40,43 @@ TEST_F(OpenChain, IsKnownToAllWithTheBrokenLine) {
 }
 
 TEST_F(OpenChain, IsNotDeclaredWithinTheGrace) {
-  ring.cut(2);
+  ring.cut(2_id);
   ring.run_for(190ms);
-  EXPECT_EQ(membership(3).state(), NodeState::up);
-  ring.heal(2);
+  EXPECT_EQ(membership(3_id).state(), NodeState::up);
+  ring.heal(2_id);
   ring.run_for(1s);
   expect_all(NodeState::up);
-  EXPECT_EQ(ring.counters(5).ended_unconfirmed, 0u);
+  EXPECT_EQ(ring.counters(5_id).ended_unconfirmed, 0u);
 }
 
 TEST_F(OpenChain, SendsArriveWhereAWayIsLeftAndAllEndUnconfirmed) {
   cut();
-  EXPECT_EQ(outcome_of(ring, 4, ring.send(4, 1, text("down the chain"))).outcome, Outcome::unconfirmed);
-  EXPECT_EQ(outcome_of(ring, 1, ring.send(1, 4, text("no way"))).outcome, Outcome::unconfirmed);
-  EXPECT_EQ(outcome_of(ring, 4, ring.interrupt(4, 1, 2)).outcome, Outcome::unconfirmed);
+  EXPECT_EQ(outcome_of(ring, 4_id, ring.send(4_id, 1_id, text("down the chain"))).outcome, Outcome::unconfirmed);
+  EXPECT_EQ(outcome_of(ring, 1_id, ring.send(1_id, 4_id, text("no way"))).outcome, Outcome::unconfirmed);
+  EXPECT_EQ(outcome_of(ring, 4_id, ring.interrupt(4_id, 1_id, 2)).outcome, Outcome::unconfirmed);
   ring.run_for(10ms);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("down the chain")));
-  EXPECT_THAT(pins(ring.log(1)), ElementsAre(2));
-  EXPECT_THAT(ring.log(4).packets, IsEmpty());
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("down the chain")));
+  EXPECT_THAT(pins(ring.log(1_id)), ElementsAre(2));
+  EXPECT_THAT(ring.log(4_id).packets, IsEmpty());
 }
 
 TEST_F(OpenChain, WhatIsOutstandingEndsUnconfirmedWhenTheBreakIsKnown) {
-  ring.cut(2);
-  const auto token = ring.send(5, 1, text("a"));
-  EXPECT_EQ(outcome_of(ring, 5, token, 300ms).outcome, Outcome::unconfirmed);
+  ring.cut(2_id);
+  const auto token = ring.send(5_id, 1_id, text("a"));
+  EXPECT_EQ(outcome_of(ring, 5_id, token, 300ms).outcome, Outcome::unconfirmed);
 }
 
 TEST_F(OpenChain, SendsArePaced) {
   cut();
   std::vector<Time> data, interrupts;
-  ring.tap(4, [&](const wire::Slice& slice, Time now, wire::SliceWriter& arriving) {
+  ring.tap(4_id, [&](const wire::Slice& slice, Time now, wire::SliceWriter& arriving) {
     const wire::PacketFields packet{slice.bytes};
     if (packet.source() == 4 && is_interrupt(slice)) interrupts.push_back(now);
     if (packet.source() == 4 && is_data(slice) && !is_control(packet)) data.push_back(now);
     arriving.put(slice.kind, slice.bytes);
   });
-  for (int i = 0; i < 5; ++i) ring.send(4, 1, Bytes(8));
-  for (int i = 0; i < 5; ++i) ring.interrupt(4, 1, 2);
+  for (int i = 0; i < 5; ++i) ring.send(4_id, 1_id, Bytes(8));
+  for (int i = 0; i < 5; ++i) ring.interrupt(4_id, 1_id, 2);
   ring.run_for(2ms);
   ASSERT_EQ(data.size(), 5u);
   ASSERT_EQ(interrupts.size(), 5u);
@@ -87,13 +88,13 @@ TEST_F(OpenChain, SendsArePaced) {
 
 TEST_F(OpenChain, HealsByItself) {
   cut();
-  ring.heal(2);
+  ring.heal(2_id);
   ring.run_for(1s);
   expect_all(NodeState::up);
-  EXPECT_EQ(outcome_of(ring, 1, ring.send(1, 4, text("a"))).outcome, Outcome::delivered);
-  for (NodeId id = 0; id < kChainNodes; ++id) {
+  EXPECT_EQ(outcome_of(ring, 1_id, ring.send(1_id, 4_id, text("a"))).outcome, Outcome::delivered);
+  for (NodeId id{0}; id < kChainNodes; ++id) {
     EXPECT_EQ(membership(id).ring_size(), kChainNodes);
-    EXPECT_FALSE(membership(id).peers()[3].beacon.break_known) << "no echo of the old break";
+    EXPECT_FALSE(membership(id).peers()[3_id].beacon.break_known) << "no echo of the old break";
   }
   ring.run_for(2s);
   expect_all(NodeState::up);
@@ -101,93 +102,93 @@ TEST_F(OpenChain, HealsByItself) {
 
 TEST_F(OpenChain, NumbersAreNewAfterIt) {
   cut();
-  for (int i = 0; i < 8; ++i) outcome_of(ring, 1, ring.send(1, 4, text("lost at the cut")));
-  const std::uint64_t boot = membership(1).boot();
+  for (int i = 0; i < 8; ++i) outcome_of(ring, 1_id, ring.send(1_id, 4_id, text("lost at the cut")));
+  const std::uint64_t boot = membership(1_id).boot();
   ring.run_for(1ms);
-  ring.heal(2);
+  ring.heal(2_id);
   ring.run_for(1s);
-  EXPECT_GT(membership(1).boot(), boot);
-  EXPECT_EQ(outcome_of(ring, 1, ring.send(1, 4, text("a"))).outcome, Outcome::delivered);
-  EXPECT_THAT(payloads(ring.log(4)), ElementsAre(text("a")));
+  EXPECT_GT(membership(1_id).boot(), boot);
+  EXPECT_EQ(outcome_of(ring, 1_id, ring.send(1_id, 4_id, text("a"))).outcome, Outcome::delivered);
+  EXPECT_THAT(payloads(ring.log(4_id)), ElementsAre(text("a")));
 }
 
 TEST_F(OpenChain, ComesAgainForASecondBreakElsewhere) {
   cut();
-  ring.heal(2);
+  ring.heal(2_id);
   ring.run_for(1s);
-  ring.cut(6);
+  ring.cut(6_id);
   ring.run_for(500ms);
   expect_all(NodeState::open_chain);
-  EXPECT_EQ(membership(0).peers()[7].beacon.break_before, 6);
-  ring.heal(6);
+  EXPECT_EQ(membership(0_id).peers()[7_id].beacon.break_before, 6);
+  ring.heal(6_id);
   ring.run_for(1s);
   expect_all(NodeState::up);
 }
 
 TEST_F(OpenChain, TwoBreaksLeaveTwoChains) {
-  ring.cut(2);
-  ring.cut(5);
+  ring.cut(2_id);
+  ring.cut(5_id);
   ring.run_for(500ms);
   expect_all(NodeState::open_chain);
-  ring.send(3, 5, text("first part"));
-  ring.send(6, 2, text("second part"));
+  ring.send(3_id, 5_id, text("first part"));
+  ring.send(6_id, 2_id, text("second part"));
   ring.run_for(10ms);
-  EXPECT_THAT(payloads(ring.log(5)), ElementsAre(text("first part")));
-  EXPECT_THAT(payloads(ring.log(2)), ElementsAre(text("second part")));
-  ring.heal(2);
+  EXPECT_THAT(payloads(ring.log(5_id)), ElementsAre(text("first part")));
+  EXPECT_THAT(payloads(ring.log(2_id)), ElementsAre(text("second part")));
+  ring.heal(2_id);
   ring.run_for(500ms);
   expect_all(NodeState::open_chain);
-  ring.heal(5);
+  ring.heal(5_id);
   ring.run_for(1s);
   expect_all(NodeState::up);
 }
 
 TEST_F(OpenChain, NodeThatStartsInItJoinsAndTakesPackets) {
-  ring.kill(5);
+  ring.kill(5_id);
   cut();
-  ring.start(5);
+  ring.start(5_id);
   ring.run_for(500ms);
-  EXPECT_EQ(membership(5).state(), NodeState::open_chain);
-  ring.send(4, 5, text("welcome"));
-  ring.send(5, 1, text("thanks"));
+  EXPECT_EQ(membership(5_id).state(), NodeState::open_chain);
+  ring.send(4_id, 5_id, text("welcome"));
+  ring.send(5_id, 1_id, text("thanks"));
   ring.run_for(10ms);
-  EXPECT_THAT(payloads(ring.log(5)), ElementsAre(text("welcome")));
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("thanks")));
+  EXPECT_THAT(payloads(ring.log(5_id)), ElementsAre(text("welcome")));
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("thanks")));
 }
 
 TEST_F(OpenChain, NodeBehindTheBreakMayRestart) {
   cut();
-  ring.kill(3);
-  ring.start(3);
+  ring.kill(3_id);
+  ring.start(3_id);
   ring.run_for(500ms);
-  ring.heal(2);
+  ring.heal(2_id);
   ring.run_for(1s);
   expect_all(NodeState::up);
-  EXPECT_EQ(outcome_of(ring, 1, ring.send(1, 3, text("a"))).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 1_id, ring.send(1_id, 3_id, text("a"))).outcome, Outcome::delivered);
 }
 
 TEST_F(OpenChain, NodeBeforeABreakItNoticesIsInTheChainToo) {
   cut();
-  ring.node(2).output_lost(Line::first, ring.now());
+  ring.node(2_id).output_lost(Line::first, ring.now());
   ring.run_for(300ms);
-  EXPECT_EQ(membership(2).state(), NodeState::open_chain);
-  EXPECT_EQ(outcome_of(ring, 2, ring.send(2, 4, text("a"))).reject, Reject::no_way_out);
+  EXPECT_EQ(membership(2_id).state(), NodeState::open_chain);
+  EXPECT_EQ(outcome_of(ring, 2_id, ring.send(2_id, 4_id, text("a"))).reject, Reject::no_way_out);
 }
 
 // The output is back, the input is not: what is lost is not this node's place but the line to it.
 TEST_F(OpenChain, NodeThatLostBothLinksAndGotOneBackIsInTheChain) {
-  ring.cut(2);
-  ring.node(3).output_lost(Line::first, ring.now());
-  ASSERT_EQ(membership(3).state(), NodeState::starting);
+  ring.cut(2_id);
+  ring.node(3_id).output_lost(Line::first, ring.now());
+  ASSERT_EQ(membership(3_id).state(), NodeState::starting);
   ring.run_for(1s);
-  EXPECT_EQ(membership(3).state(), NodeState::starting) << "no break is known while no line is there";
-  ring.node(3).output_up(Line::first, 4, ring.now());
+  EXPECT_EQ(membership(3_id).state(), NodeState::starting) << "no break is known while no line is there";
+  ring.node(3_id).output_up(Line::first, 4_id, ring.now());
   ring.run_for(300ms);
-  EXPECT_EQ(membership(3).state(), NodeState::open_chain);
-  EXPECT_EQ(outcome_of(ring, 3, ring.send(3, 5, text("a"))).outcome, Outcome::unconfirmed);
+  EXPECT_EQ(membership(3_id).state(), NodeState::open_chain);
+  EXPECT_EQ(outcome_of(ring, 3_id, ring.send(3_id, 5_id, text("a"))).outcome, Outcome::unconfirmed);
   ring.run_for(10ms);
-  EXPECT_THAT(payloads(ring.log(5)), ElementsAre(text("a")));
-  EXPECT_GT(ring.counters(3).hellos, 1u) << "the first hello of the new process";
+  EXPECT_THAT(payloads(ring.log(5_id)), ElementsAre(text("a")));
+  EXPECT_GT(ring.counters(3_id).hellos, 1u) << "the first hello of the new process";
 }
 
 }  // namespace

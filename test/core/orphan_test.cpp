@@ -1,5 +1,6 @@
 // Packets that nobody else would ever take off the ring, and the bounds of what waits for the line.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -37,7 +38,7 @@ TEST_F(Orphan, InterruptsAreJudgedAlike) {
 }
 
 TEST_F(Orphan, PacketOfABypassedNodeIsReceivedThenDiscarded) {
-  solo.node().output_up(3, solo.now());  // past node 2
+  solo.node().output_up(3_id, solo.now());  // past node 2
   solo.receive(SliceKind::whole, Foreign{2, 1}.with(pattern(8)));
   solo.receive(SliceKind::interrupt, foreign_interrupt(2, 1, 1));
   EXPECT_THAT(solo.packets(), ElementsAre(pattern(8)));
@@ -47,8 +48,8 @@ TEST_F(Orphan, PacketOfABypassedNodeIsReceivedThenDiscarded) {
 }
 
 TEST_F(Orphan, NodeThatIsBackIsBypassedNoLonger) {
-  solo.node().output_up(3, solo.now());
-  solo.node().output_up(2, solo.now());
+  solo.node().output_up(3_id, solo.now());
+  solo.node().output_up(2_id, solo.now());
   solo.receive(SliceKind::whole, Foreign{2, 3}.with(pattern(8)));
   EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::whole));
 }
@@ -56,15 +57,15 @@ TEST_F(Orphan, NodeThatIsBackIsBypassedNoLonger) {
 TEST(Orphans, OfADeadSourceAreGoneAfterALap) {
   VirtualRing ring(quick(8));
   ASSERT_TRUE(ring.join());
-  ring.send(3, wire::kBroadcast, text("last words"));
+  ring.send(3_id, wire::kBroadcast, text("last words"));
   ring.run_for(2us);
-  ring.kill(3);
+  ring.kill(3_id);
   ring.run_for(1ms);
   std::uint64_t slices = 0;
-  ring.tap(0, [&](const wire::Slice&, Time, wire::SliceWriter&) { ++slices; });
+  ring.tap(0_id, [&](const wire::Slice&, Time, wire::SliceWriter&) { ++slices; });
   ring.run_for(10s);
   EXPECT_EQ(slices, 0u);
-  for (NodeId id : {4, 5, 6, 7, 0, 1, 2})
+  for (NodeId id : {4_id, 5_id, 6_id, 7_id, 0_id, 1_id, 2_id})
     EXPECT_THAT(payloads(ring.log(id)), ElementsAre(text("last words"))) << int{id};
 }
 
@@ -127,10 +128,10 @@ TEST(InsertionBufferSize, IsAtLeastTwo) {
 TEST(InsertionBufferSize, HoldsAsManySmallPacketsAsItHasBytes) {
   VirtualRing ring{gigabit(64)};
   ASSERT_TRUE(ring.join());
-  std::vector<std::uint32_t> tokens{ring.send(0, 1, Bytes(512))};
-  for (NodeId id = 1; id < 64; ++id) tokens.push_back(ring.send(id, 0, Bytes(1)));
-  for (NodeId id = 0; id < 64; ++id) EXPECT_EQ(outcome_of(ring, id, tokens[id]).tries, 1u);
-  for (NodeId id = 0; id < 64; ++id) EXPECT_EQ(ring.counters(id).insertion_buffer_full, 0u);
+  std::vector<std::uint32_t> tokens{ring.send(0_id, 1_id, Bytes(512))};
+  for (NodeId id{1}; id < 64; ++id) tokens.push_back(ring.send(id, 0_id, Bytes(1)));
+  for (NodeId id{0}; id < 64; ++id) EXPECT_EQ(outcome_of(ring, id, tokens[id]).tries, 1u);
+  for (NodeId id{0}; id < 64; ++id) EXPECT_EQ(ring.counters(id).insertion_buffer_full, 0u);
 }
 
 TEST(LostOutput, WhatWaitedIsDroppedAndCountedNotReplayed) {
@@ -142,7 +143,7 @@ TEST(LostOutput, WhatWaitedIsDroppedAndCountedNotReplayed) {
   solo.node().output_lost(solo.now());
   solo.receive(SliceKind::whole, Foreign{0, 2, 1}.with(pattern(8)));
   EXPECT_EQ(solo.counters().dropped_no_output, 3u);
-  solo.node().output_up(2, solo.now());
+  solo.node().output_up(2_id, solo.now());
   solo.run();
   EXPECT_THAT(solo.line(), IsEmpty());
 }
@@ -152,7 +153,7 @@ TEST(LostOutput, PacketStillComingInIsNotContinuedOnTheNewOne) {
   solo.join();
   const Bytes packet = Foreign{0, 2}.with(pattern(8));
   solo.receive(SliceKind::start, head_of(packet));
-  solo.node().output_up(3, solo.now());
+  solo.node().output_up(3_id, solo.now());
   solo.line();
   solo.receive(SliceKind::end, tail_of(packet));
   EXPECT_THAT(solo.line(), IsEmpty());

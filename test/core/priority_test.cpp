@@ -1,5 +1,6 @@
 // Priorities on both sides, queues and their limits.
 #include "core/ring_fixture.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -12,68 +13,69 @@ struct Priority : testing::Test {
 };
 
 TEST_F(Priority, HigherOnesAreSentFirstAndOrderIsKeptWithinOne) {
-  const auto first = ring.send(0, 1, text("on its way"), 3);
+  const auto first = ring.send(0_id, 1_id, text("on its way"), 3);
   ring.run_for(1us);
-  const auto low = ring.send(0, 1, text("low"), 3);
-  const auto middle = ring.send(0, 1, text("middle"), 1);
-  const auto high = ring.send(0, 1, text("high"), 0);
-  const auto high_too = ring.send(0, 1, text("high too"), 0);
+  const auto low = ring.send(0_id, 1_id, text("low"), 3);
+  const auto middle = ring.send(0_id, 1_id, text("middle"), 1);
+  const auto high = ring.send(0_id, 1_id, text("high"), 0);
+  const auto high_too = ring.send(0_id, 1_id, text("high too"), 0);
   ring.run_for(1ms);
-  EXPECT_THAT(ended_tokens(ring.log(0)), ElementsAre(first, high, high_too, middle, low));
+  EXPECT_THAT(ended_tokens(ring.log(0_id)), ElementsAre(first, high, high_too, middle, low));
 }
 
 TEST_F(Priority, CpuReadsHigherOnesFirst) {
   ring.cpu_reads[1] = false;
   for (std::uint8_t priority : {2, 3, 0, 2, 1}) {
     const Bytes data(1, static_cast<std::uint8_t>(priority));
-    outcome_of(ring, 0, ring.send(0, 1, data, priority));
+    outcome_of(ring, 0_id, ring.send(0_id, 1_id, data, priority));
   }
   ring.cpu_reads[1] = true;
-  ring.send(0, 1, Bytes(1, 3), 3);
+  ring.send(0_id, 1_id, Bytes(1, 3), 3);
   ring.run_for(1ms);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(Bytes{0}, Bytes{1}, Bytes{2}, Bytes{2}, Bytes{3}, Bytes{3}));
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(Bytes{0}, Bytes{1}, Bytes{2}, Bytes{2}, Bytes{3}, Bytes{3}));
 }
 
 TEST_F(Priority, FullQueueRejectsItsOwnPriorityOnly) {
-  for (int i = 0; i < 3; ++i) ring.send(0, 1, Bytes(1), 2);
-  const auto fourth = ring.send(0, 1, Bytes(1), 2);
-  const auto other = ring.send(0, 1, Bytes(1), 1);
-  EXPECT_EQ(outcome_of(ring, 0, fourth).reject, Reject::queue_full);
-  EXPECT_EQ(outcome_of(ring, 0, other).outcome, Outcome::delivered);
+  for (int i = 0; i < 3; ++i) ring.send(0_id, 1_id, Bytes(1), 2);
+  const auto fourth = ring.send(0_id, 1_id, Bytes(1), 2);
+  const auto other = ring.send(0_id, 1_id, Bytes(1), 1);
+  EXPECT_EQ(outcome_of(ring, 0_id, fourth).reject, Reject::queue_full);
+  EXPECT_EQ(outcome_of(ring, 0_id, other).outcome, Outcome::delivered);
 }
 
 TEST_F(Priority, InterruptQueueIsBoundedToo) {
-  for (int i = 0; i < 3; ++i) ring.interrupt(0, 1, 1);
-  EXPECT_EQ(outcome_of(ring, 0, ring.interrupt(0, 1, 1)).reject, Reject::queue_full);
+  for (int i = 0; i < 3; ++i) ring.interrupt(0_id, 1_id, 1);
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.interrupt(0_id, 1_id, 1)).reject, Reject::queue_full);
   ring.run_for(1ms);
-  EXPECT_EQ(pins(ring.log(1)).size(), 3u);
+  EXPECT_EQ(pins(ring.log(1_id)).size(), 3u);
 }
 
 TEST_F(Priority, OneDataPacketAndOneInterruptAreOutstanding) {
   std::uint64_t data = 0, interrupts = 0, most = 0;
-  ring.tap(0, [&](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+  ring.tap(0_id, [&](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
     ++(is_interrupt(slice) ? interrupts : data);
-    most = std::max({most, data - ring.counters(0).returned_data, interrupts - ring.counters(0).returned_interrupts});
+    most = std::max(
+        {most, data - ring.counters(0_id).returned_data, interrupts - ring.counters(0_id).returned_interrupts});
     arriving.put(slice.kind, slice.bytes);
   });
-  data = ring.counters(0).returned_data;
-  for (int i = 0; i < 3; ++i) ring.send(0, 1, Bytes(10));
-  for (int i = 0; i < 3; ++i) ring.interrupt(0, 2, 2);
+  data = ring.counters(0_id).returned_data;
+  for (int i = 0; i < 3; ++i) ring.send(0_id, 1_id, Bytes(10));
+  for (int i = 0; i < 3; ++i) ring.interrupt(0_id, 2_id, 2);
   ring.run_for(3us);
-  EXPECT_EQ(ring.counters(0).sent_data - ring.counters(0).returned_data, 1u);
-  EXPECT_EQ(ring.counters(0).sent_interrupts - ring.counters(0).returned_interrupts, 1u);
+  EXPECT_EQ(ring.counters(0_id).sent_data - ring.counters(0_id).returned_data, 1u);
+  EXPECT_EQ(ring.counters(0_id).sent_interrupts - ring.counters(0_id).returned_interrupts, 1u);
   ring.run_for(1ms);
   EXPECT_EQ(most, 1u);
-  EXPECT_EQ(pins(ring.log(2)).size(), 3u);
-  EXPECT_EQ(ring.log(1).packets.size(), 3u);
+  EXPECT_EQ(pins(ring.log(2_id)).size(), 3u);
+  EXPECT_EQ(ring.log(1_id).packets.size(), 3u);
 }
 
 TEST_F(Priority, InterruptOvertakesDataStillQueued) {
-  const auto first = ring.send(0, 2, text("first"));
-  const auto second = ring.send(0, 2, text("second"));
-  const auto interrupt = ring.interrupt(0, 2, 1);
+  const auto first = ring.send(0_id, 2_id, text("first"));
+  const auto second = ring.send(0_id, 2_id, text("second"));
+  const auto interrupt = ring.interrupt(0_id, 2_id, 1);
   ring.run_for(1ms);
-  EXPECT_THAT(ended_tokens(ring.log(0)), ElementsAre(interrupt, first, second));
+  EXPECT_THAT(ended_tokens(ring.log(0_id)), ElementsAre(interrupt, first, second));
 }
 
 // A continuous stream from upstream, and own packets beside it: the tie is the node's own.
@@ -81,14 +83,14 @@ TEST(Fairness, OwnPacketsAreNotStarvedByAStreamFromUpstream) {
   VirtualRing ring(gigabit(4));
   ASSERT_TRUE(ring.join());
   ring.on_event = [&](NodeId id, const Event& event) {
-    if (std::holds_alternative<SendEnded>(event.what) && id != 2) ring.send(id, 3, Bytes(512));
+    if (std::holds_alternative<SendEnded>(event.what) && id != 2) ring.send(id, 3_id, Bytes(512));
   };
-  for (NodeId id : {0, 1, 3}) ring.send(id, 3, Bytes(512));
+  for (NodeId id : {0_id, 1_id, 3_id}) ring.send(id, 3_id, Bytes(512));
   ring.run_for(100us);
   const Duration bound = 4 * (8ns * 524 + 512ns);
   for (int i = 0; i < 50; ++i) {
     const Time asked = ring.now();
-    outcome_of(ring, 2, ring.send(2, 3, Bytes(512)));
+    outcome_of(ring, 2_id, ring.send(2_id, 3_id, Bytes(512)));
     EXPECT_LE(ring.now() - asked, bound + 8ns * 524) << "worst case, from the request on";
   }
 }

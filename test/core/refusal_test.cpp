@@ -1,5 +1,6 @@
 // FBC, and what a receiver without a buffer does to a send.
 #include "core/ring_fixture.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -15,7 +16,7 @@ struct Refusal : testing::Test {
   })};
   void SetUp() override {
     ASSERT_TRUE(ring.join());
-    for (NodeId id : {1, 2, 3}) ring.cpu_reads[id] = false;
+    for (NodeId id : {1_id, 2_id, 3_id}) ring.cpu_reads[id] = false;
   }
   SendEnded send(NodeId from, NodeId to, const Bytes& data, std::uint8_t priority = 0) {
     return outcome_of(ring, from, ring.send(from, to, data, priority));
@@ -23,40 +24,40 @@ struct Refusal : testing::Test {
 };
 
 TEST_F(Refusal, UnicastIsRefusedAfterItsDeadline) {
-  EXPECT_EQ(send(0, 1, text("first")).outcome, Outcome::delivered);
+  EXPECT_EQ(send(0_id, 1_id, text("first")).outcome, Outcome::delivered);
   const Time asked = ring.now();
-  const SendEnded end = send(0, 1, text("second"));
+  const SendEnded end = send(0_id, 1_id, text("second"));
   EXPECT_EQ(end.outcome, Outcome::refused);
   EXPECT_GE(ring.now() - asked, 20ms);
   EXPECT_LE(ring.now() - asked, 21ms);
   EXPECT_GT(end.tries, 3u) << "each one a new packet";
-  EXPECT_EQ(ring.counters(1).refused_no_buffer, end.tries);
-  EXPECT_EQ(ring.counters(0).retries, 0u);
+  EXPECT_EQ(ring.counters(1_id).refused_no_buffer, end.tries);
+  EXPECT_EQ(ring.counters(0_id).retries, 0u);
   ring.cpu_reads[1] = true;
-  ring.send(3, 1, text("third"));
+  ring.send(3_id, 1_id, text("third"));
   ring.run_for(5ms);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("first"), text("third")));
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("first"), text("third")));
 }
 
 TEST_F(Refusal, UnicastGoesAgainUntilABufferIsFree) {
-  send(0, 1, text("first"));
-  const auto second = ring.send(0, 1, text("second"));
+  send(0_id, 1_id, text("first"));
+  const auto second = ring.send(0_id, 1_id, text("second"));
   ring.run_for(5ms);
-  EXPECT_EQ(ring.ended(0, second), nullptr);
+  EXPECT_EQ(ring.ended(0_id, second), nullptr);
   ring.cpu_reads[1] = true;
-  ring.send(2, 1, text("other"), 3);  // wakes the reader
-  EXPECT_EQ(outcome_of(ring, 0, second).outcome, Outcome::delivered);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("first"), text("other"), text("second")));
+  ring.send(2_id, 1_id, text("other"), 3);  // wakes the reader
+  EXPECT_EQ(outcome_of(ring, 0_id, second).outcome, Outcome::delivered);
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("first"), text("other"), text("second")));
 }
 
 TEST_F(Refusal, WaitDoublesUpToItsLimit) {
-  send(0, 1, text("first"));
+  send(0_id, 1_id, text("first"));
   std::vector<Time> sent;
-  ring.tap(0, [&](const wire::Slice& slice, Time now, wire::SliceWriter& arriving) {
+  ring.tap(0_id, [&](const wire::Slice& slice, Time now, wire::SliceWriter& arriving) {
     sent.push_back(now);
     arriving.put(slice.kind, slice.bytes);
   });
-  send(0, 1, text("second"));
+  send(0_id, 1_id, text("second"));
   std::vector<Duration> waits;
   for (std::size_t i = 1; i < sent.size(); ++i) waits.push_back(sent[i] - sent[i - 1] - 4us);
   ASSERT_GE(waits.size(), 5u);
@@ -64,46 +65,46 @@ TEST_F(Refusal, WaitDoublesUpToItsLimit) {
 }
 
 TEST_F(Refusal, HoldsOnlyItsOwnPriorityBack) {
-  send(0, 1, text("first"), 1);
-  const auto refused = ring.send(0, 1, text("refused"), 1);
-  const auto behind = ring.send(0, 2, text("behind"), 1);
-  const auto urgent = ring.send(0, 2, text("urgent"), 0);
-  const auto slow = ring.send(0, 2, text("slow"), 3);
-  EXPECT_EQ(outcome_of(ring, 0, refused).outcome, Outcome::refused);
-  EXPECT_EQ(outcome_of(ring, 0, behind).outcome, Outcome::delivered);
-  EXPECT_THAT(ended_tokens(ring.log(0)), ElementsAre(1, urgent, slow, refused, behind));
+  send(0_id, 1_id, text("first"), 1);
+  const auto refused = ring.send(0_id, 1_id, text("refused"), 1);
+  const auto behind = ring.send(0_id, 2_id, text("behind"), 1);
+  const auto urgent = ring.send(0_id, 2_id, text("urgent"), 0);
+  const auto slow = ring.send(0_id, 2_id, text("slow"), 3);
+  EXPECT_EQ(outcome_of(ring, 0_id, refused).outcome, Outcome::refused);
+  EXPECT_EQ(outcome_of(ring, 0_id, behind).outcome, Outcome::delivered);
+  EXPECT_THAT(ended_tokens(ring.log(0_id)), ElementsAre(1, urgent, slow, refused, behind));
 }
 
 TEST_F(Refusal, BroadcastIsNotSentAgain) {
-  send(0, 2, text("full"));
-  const SendEnded end = send(0, wire::kBroadcast, text("all"));
+  send(0_id, 2_id, text("full"));
+  const SendEnded end = send(0_id, wire::kBroadcast, text("all"));
   EXPECT_EQ(end.outcome, Outcome::refused) << "FBC is the least any receiver wrote";
   EXPECT_EQ(end.tries, 1u);
-  EXPECT_EQ(ring.node(1).received_waiting(), 1u);
-  EXPECT_EQ(ring.node(2).received_waiting(), 1u);
-  EXPECT_EQ(ring.node(3).received_waiting(), 1u);
+  EXPECT_EQ(ring.node(1_id).received_waiting(), 1u);
+  EXPECT_EQ(ring.node(2_id).received_waiting(), 1u);
+  EXPECT_EQ(ring.node(3_id).received_waiting(), 1u);
 }
 
 TEST_F(Refusal, BuffersAreCountedPerPriority) {
   for (std::uint8_t priority = 0; priority < 4; ++priority)
-    EXPECT_EQ(send(0, 1, text("one"), priority).outcome, Outcome::delivered);
-  EXPECT_EQ(send(0, 1, text("two"), 2).outcome, Outcome::refused);
+    EXPECT_EQ(send(0_id, 1_id, text("one"), priority).outcome, Outcome::delivered);
+  EXPECT_EQ(send(0_id, 1_id, text("two"), 2).outcome, Outcome::refused);
 }
 
 TEST_F(Refusal, AbsentCpuRefuses) {
-  ring.node(3).set_cpu_present(false);
-  EXPECT_EQ(send(0, 3, text("a")).outcome, Outcome::refused);
-  EXPECT_GT(ring.counters(3).refused_cpu_absent, 0u);
-  ring.node(3).set_cpu_present(true);
-  EXPECT_EQ(send(0, 3, text("b")).outcome, Outcome::delivered);
+  ring.node(3_id).set_cpu_present(false);
+  EXPECT_EQ(send(0_id, 3_id, text("a")).outcome, Outcome::refused);
+  EXPECT_GT(ring.counters(3_id).refused_cpu_absent, 0u);
+  ring.node(3_id).set_cpu_present(true);
+  EXPECT_EQ(send(0_id, 3_id, text("b")).outcome, Outcome::delivered);
 }
 
 TEST_F(Refusal, CpuOutcomeIsNeverDelivered) {
-  ring.node(3).set_cpu_present(false);
-  send(0, 3, text("a"));
+  ring.node(3_id).set_cpu_present(false);
+  send(0_id, 3_id, text("a"));
   ring.cpu_reads[3] = true;
   ring.run_for(10ms);
-  EXPECT_THAT(ring.log(3).packets, IsEmpty());
+  EXPECT_THAT(ring.log(3_id).packets, IsEmpty());
 }
 
 TEST_F(Refusal, OverdueInTheQueueAfterOnlyRefusalsEndsRefused) {
@@ -113,9 +114,9 @@ TEST_F(Refusal, OverdueInTheQueueAfterOnlyRefusalsEndsRefused) {
   }));
   ASSERT_TRUE(impatient.join());
   impatient.cpu_reads[1] = false;
-  impatient.send(0, 1, text("first"));
-  const auto second = impatient.send(0, 1, text("second"));
-  EXPECT_EQ(outcome_of(impatient, 0, second).outcome, Outcome::refused);
+  impatient.send(0_id, 1_id, text("first"));
+  const auto second = impatient.send(0_id, 1_id, text("second"));
+  EXPECT_EQ(outcome_of(impatient, 0_id, second).outcome, Outcome::refused);
 }
 
 /// FBC as it leaves node 3, on its way home to node 0.
@@ -124,27 +125,27 @@ struct FreeBuffers : testing::Test {
   std::uint8_t fbc = 0;
   void SetUp() override {
     ASSERT_TRUE(ring.join());
-    for (NodeId id : {1, 2, 3}) ring.cpu_reads[id] = false;
-    ring.tap(3, [this](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+    for (NodeId id : {1_id, 2_id, 3_id}) ring.cpu_reads[id] = false;
+    ring.tap(3_id, [this](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
       fbc = wire::PacketFields{slice.bytes}.fbc();
       arriving.put(slice.kind, slice.bytes);
     });
   }
   std::uint8_t fbc_after(NodeId to, std::uint8_t priority = 0) {
-    outcome_of(ring, 0, ring.send(0, to, text("a"), priority));
+    outcome_of(ring, 0_id, ring.send(0_id, to, text("a"), priority));
     return fbc;
   }
 };
 
 TEST_F(FreeBuffers, ReceiverWritesItsFreeBuffersBeforeTakingThisOne) {
-  EXPECT_EQ(fbc_after(1), 5);
-  EXPECT_EQ(fbc_after(1), 4);
-  EXPECT_EQ(fbc_after(1, 2), 5) << "of that priority";
+  EXPECT_EQ(fbc_after(1_id), 5);
+  EXPECT_EQ(fbc_after(1_id), 4);
+  EXPECT_EQ(fbc_after(1_id, 2), 5) << "of that priority";
 }
 
 TEST_F(FreeBuffers, BroadcastCarriesTheMinimumOfAllReceivers) { EXPECT_EQ(fbc_after(wire::kBroadcast), 3); }
-TEST_F(FreeBuffers, AtMost254IsWritten) { EXPECT_EQ(fbc_after(3), 254); }
-TEST_F(FreeBuffers, NobodyWritesWhereNobodyIsAddressed) { EXPECT_EQ(fbc_after(0), wire::kFbcUntaken); }
+TEST_F(FreeBuffers, AtMost254IsWritten) { EXPECT_EQ(fbc_after(3_id), 254); }
+TEST_F(FreeBuffers, NobodyWritesWhereNobodyIsAddressed) { EXPECT_EQ(fbc_after(0_id), wire::kFbcUntaken); }
 
 }  // namespace
 }  // namespace limb_ring::core

@@ -1,5 +1,6 @@
 // Time-outs, retries, damaged, late and unmatched returns.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -13,7 +14,7 @@ using wire::SliceKind;
 struct Retry : testing::Test {
   SoloNode solo;
   void SetUp() override { solo.join(); }
-  void send(NodeId to = 2) {
+  void send(NodeId to = 2_id) {
     const Bytes data = text("payload");
     solo.node().send(send_of(1, ++token_, to, data), solo.now());
     solo.run();
@@ -32,7 +33,7 @@ struct Retry : testing::Test {
 
 TEST_F(Retry, OfACancelledSendDoesNotLeaveThoughItWaitsForTheLineAlready) {
   send();
-  solo.node().interrupt({1, 9, 2, wire::Factor{1}}, solo.now());
+  solo.node().interrupt({1, 9, 2_id, wire::Factor{1}}, solo.now());
   solo.run();
   EXPECT_THAT(solo.line(), SizeIs(2));
   solo.node().set_output_ready(false);
@@ -67,7 +68,7 @@ TEST_F(Retry, TimeOutSendsTheSameSequenceWithTheNextTryNumber) {
 }
 
 TEST_F(Retry, InterruptsAreTriedAgainAsDataIs) {
-  solo.node().interrupt({1, 1, 2, wire::Factor{1}}, solo.now());
+  solo.node().interrupt({1, 1, 2_id, wire::Factor{1}}, solo.now());
   solo.run_for(350ms);
   const auto out = solo.line();
   ASSERT_THAT(out, SizeIs(4));
@@ -99,7 +100,7 @@ TEST_F(Retry, DamagedReturnIsSentAgainAtOnce) {
 }
 
 TEST_F(Retry, DamagedInterruptIsSentAgainAtOnce) {
-  solo.node().interrupt({1, 1, 2, wire::Factor{1}}, solo.now());
+  solo.node().interrupt({1, 1, 2_id, wire::Factor{1}}, solo.now());
   solo.run();
   Bytes back = SoloNode::home(sent(), 1);
   back[7] ^= 1;
@@ -178,7 +179,7 @@ TEST_F(Retry, RefusalAfterARepeatIsNotSure) {
 }
 
 TEST_F(Retry, NobodyTookItAfterARepeatIsNotSure) {
-  send(3);
+  send(3_id);
   sent();
   solo.run_for(100ms);
   home(sent(), wire::kFbcUntaken);

@@ -1,5 +1,6 @@
 // How a send ends, and why.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -22,15 +23,15 @@ struct Sending : testing::Test {
 };
 
 TEST_F(Sending, TakenByItsDestinationIsDelivered) {
-  EXPECT_EQ(send(0, 2, text("knee")).outcome, Outcome::delivered);
-  EXPECT_THAT(payloads(ring.log(2)), ElementsAre(text("knee")));
-  for (NodeId other : {0, 1, 3}) EXPECT_THAT(ring.log(other).packets, IsEmpty());
+  EXPECT_EQ(send(0_id, 2_id, text("knee")).outcome, Outcome::delivered);
+  EXPECT_THAT(payloads(ring.log(2_id)), ElementsAre(text("knee")));
+  for (NodeId other : {0_id, 1_id, 3_id}) EXPECT_THAT(ring.log(other).packets, IsEmpty());
 }
 
 TEST_F(Sending, ReceiverIsToldWhoSentWhatHow) {
-  send(1, 3, text("x"), 2, 17);
-  ASSERT_EQ(ring.log(3).packets.size(), 1u);
-  const ReceivedPacket& packet = ring.log(3).packets[0];
+  send(1_id, 3_id, text("x"), 2, 17);
+  ASSERT_EQ(ring.log(3_id).packets.size(), 1u);
+  const ReceivedPacket& packet = ring.log(3_id).packets[0];
   EXPECT_EQ(packet.source, 1);
   EXPECT_EQ(packet.destination, 3);
   EXPECT_EQ(packet.priority, 2);
@@ -38,111 +39,111 @@ TEST_F(Sending, ReceiverIsToldWhoSentWhatHow) {
 }
 
 TEST_F(Sending, RoundTripIsTheTimeFromFirstByteToReturn) {
-  EXPECT_EQ(send(0, 2, text("a")).round_trip, 4us);
-  EXPECT_EQ(send(0, 1, text("a")).round_trip, 4us);
+  EXPECT_EQ(send(0_id, 2_id, text("a")).round_trip, 4us);
+  EXPECT_EQ(send(0_id, 1_id, text("a")).round_trip, 4us);
 }
 
-TEST_F(Sending, FirstTryIsTheOnlyOneWhereNothingFails) { EXPECT_EQ(send(0, 2, text("a")).tries, 1u); }
+TEST_F(Sending, FirstTryIsTheOnlyOneWhereNothingFails) { EXPECT_EQ(send(0_id, 2_id, text("a")).tries, 1u); }
 
 TEST_F(Sending, ToItselfGoesRoundAndIsTakenAsItReturns) {
-  EXPECT_EQ(send(1, 1, text("me")).outcome, Outcome::delivered);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("me")));
-  EXPECT_EQ(ring.log(1).packets[0].source, 1);
-  EXPECT_EQ(ring.counters(2).relayed_data, ring.counters(3).relayed_data);
+  EXPECT_EQ(send(1_id, 1_id, text("me")).outcome, Outcome::delivered);
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("me")));
+  EXPECT_EQ(ring.log(1_id).packets[0].source, 1);
+  EXPECT_EQ(ring.counters(2_id).relayed_data, ring.counters(3_id).relayed_data);
 }
 
 TEST_F(Sending, BroadcastIsTakenByAllButItsSource) {
-  EXPECT_EQ(send(2, wire::kBroadcast, text("all")).outcome, Outcome::delivered);
-  for (NodeId other : {0, 1, 3}) EXPECT_THAT(payloads(ring.log(other)), ElementsAre(text("all")));
-  EXPECT_THAT(ring.log(2).packets, IsEmpty());
+  EXPECT_EQ(send(2_id, wire::kBroadcast, text("all")).outcome, Outcome::delivered);
+  for (NodeId other : {0_id, 1_id, 3_id}) EXPECT_THAT(payloads(ring.log(other)), ElementsAre(text("all")));
+  EXPECT_THAT(ring.log(2_id).packets, IsEmpty());
 }
 
 TEST_F(Sending, NobodyTakesAPacketToADeadNode) {
-  ring.kill(2);
+  ring.kill(2_id);
   ring.run_for(1ms);
-  const SendEnded end = send(0, 2, text("a"));
+  const SendEnded end = send(0_id, 2_id, text("a"));
   EXPECT_EQ(end.outcome, Outcome::no_such_node);
   EXPECT_EQ(end.round_trip, 3us);
 }
 
 TEST_F(Sending, SizesOf1And512AreSentOthersRejected) {
-  EXPECT_EQ(send(0, 1, Bytes(1)).outcome, Outcome::delivered);
-  EXPECT_EQ(send(0, 1, pattern(512)).outcome, Outcome::delivered);
-  EXPECT_EQ(payloads(ring.log(1)).back(), pattern(512));
-  EXPECT_THAT(send(0, 1, {}), rejected(Reject::bad_size));
-  EXPECT_THAT(send(0, 1, Bytes(513)), rejected(Reject::bad_size));
+  EXPECT_EQ(send(0_id, 1_id, Bytes(1)).outcome, Outcome::delivered);
+  EXPECT_EQ(send(0_id, 1_id, pattern(512)).outcome, Outcome::delivered);
+  EXPECT_EQ(payloads(ring.log(1_id)).back(), pattern(512));
+  EXPECT_THAT(send(0_id, 1_id, {}), rejected(Reject::bad_size));
+  EXPECT_THAT(send(0_id, 1_id, Bytes(513)), rejected(Reject::bad_size));
 }
 
 TEST_F(Sending, WrongArgumentsAreRejectedWithTheirReason) {
-  EXPECT_THAT(send(0, 4, Bytes(1)), rejected(Reject::bad_destination));
-  EXPECT_THAT(send(0, 1, Bytes(1), 4), rejected(Reject::bad_priority));
-  EXPECT_THAT(send(0, 1, Bytes(1), 0, 64), rejected(Reject::bad_channel));
-  EXPECT_THAT(send(0, 1, Bytes(1), 0, 1), rejected(Reject::bad_channel));
-  EXPECT_THAT(outcome_of(ring, 0, ring.interrupt(0, 1, 8)), rejected(Reject::bad_factor));
-  EXPECT_THAT(outcome_of(ring, 0, ring.interrupt(0, 4, 1)), rejected(Reject::bad_destination));
-  EXPECT_THAT(outcome_of(ring, 0, ring.pull(0, 3)), rejected(Reject::input_unwired));
-  EXPECT_THAT(outcome_of(ring, 0, ring.pull(0, 8)), rejected(Reject::input_unwired));
-  EXPECT_EQ(ring.counters(0).ended_rejected, 8u);
+  EXPECT_THAT(send(0_id, 4_id, Bytes(1)), rejected(Reject::bad_destination));
+  EXPECT_THAT(send(0_id, 1_id, Bytes(1), 4), rejected(Reject::bad_priority));
+  EXPECT_THAT(send(0_id, 1_id, Bytes(1), 0, 64), rejected(Reject::bad_channel));
+  EXPECT_THAT(send(0_id, 1_id, Bytes(1), 0, 1), rejected(Reject::bad_channel));
+  EXPECT_THAT(outcome_of(ring, 0_id, ring.interrupt(0_id, 1_id, 8)), rejected(Reject::bad_factor));
+  EXPECT_THAT(outcome_of(ring, 0_id, ring.interrupt(0_id, 4_id, 1)), rejected(Reject::bad_destination));
+  EXPECT_THAT(outcome_of(ring, 0_id, ring.pull(0_id, 3)), rejected(Reject::input_unwired));
+  EXPECT_THAT(outcome_of(ring, 0_id, ring.pull(0_id, 8)), rejected(Reject::input_unwired));
+  EXPECT_EQ(ring.counters(0_id).ended_rejected, 8u);
 }
 
 TEST(SendingElsewhere, BeforeTheHelloIsHomeIsRejected) {
   SoloNode solo;
-  solo.node().send(send_of(1, 1, 2, text("a")), solo.now());
-  solo.node().interrupt({1, 2, 2, wire::Factor{0}}, solo.now());
+  solo.node().send(send_of(1, 1, 2_id, text("a")), solo.now());
+  solo.node().interrupt({1, 2, 2_id, wire::Factor{0}}, solo.now());
   solo.run();
   EXPECT_THAT(solo.ends(), ElementsAre(rejected(Reject::not_in_ring), rejected(Reject::not_in_ring)));
 }
 
 TEST_F(Sending, EveryTryLostEndsLost) {
-  ring.tap(1, lose(99, is_data));
-  const SendEnded end = send(0, 1, text("a"));
+  ring.tap(1_id, lose(99, is_data));
+  const SendEnded end = send(0_id, 1_id, text("a"));
   EXPECT_EQ(end.outcome, Outcome::lost);
   EXPECT_EQ(end.tries, 4u);
   EXPECT_EQ(end.round_trip, Duration{0});
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("a"))) << "it may have arrived, never twice";
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("a"))) << "it may have arrived, never twice";
 }
 
 TEST_F(Sending, ThatCannotGetOntoTheLineIsRejectedInTime) {
-  ring.node(0).set_output_ready(Line::first, false);
-  EXPECT_THAT(send(0, 1, text("a")), rejected(Reject::no_way_out));
-  ring.node(0).set_output_ready(Line::first, true);
-  EXPECT_EQ(send(0, 1, text("b")).outcome, Outcome::delivered);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("b")));
+  ring.node(0_id).set_output_ready(Line::first, false);
+  EXPECT_THAT(send(0_id, 1_id, text("a")), rejected(Reject::no_way_out));
+  ring.node(0_id).set_output_ready(Line::first, true);
+  EXPECT_EQ(send(0_id, 1_id, text("b")).outcome, Outcome::delivered);
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("b")));
 }
 
 TEST_F(Sending, CancelledEndsAtOnceAndIsNotRepeated) {
-  ring.tap(3, lose(1, is_data));
-  const auto out = ring.send(0, 1, text("out"));
-  const auto queued = ring.send(0, 1, text("queued"));
+  ring.tap(3_id, lose(1, is_data));
+  const auto out = ring.send(0_id, 1_id, text("out"));
+  const auto queued = ring.send(0_id, 1_id, text("queued"));
   ring.run_for(10us);
-  ring.node(0).cancel(1, ring.now());
-  EXPECT_EQ(outcome_of(ring, 0, out).outcome, Outcome::cancelled);
-  EXPECT_EQ(outcome_of(ring, 0, queued).outcome, Outcome::cancelled);
+  ring.node(0_id).cancel(1, ring.now());
+  EXPECT_EQ(outcome_of(ring, 0_id, out).outcome, Outcome::cancelled);
+  EXPECT_EQ(outcome_of(ring, 0_id, queued).outcome, Outcome::cancelled);
   ring.run_for(1s);
-  EXPECT_THAT(payloads(ring.log(1)), ElementsAre(text("out")));
-  EXPECT_EQ(ring.counters(0).retries, 0u);
-  EXPECT_EQ(ring.log(0).events.size(), 4u) << "joining, up, and one end each";
+  EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("out")));
+  EXPECT_EQ(ring.counters(0_id).retries, 0u);
+  EXPECT_EQ(ring.log(0_id).events.size(), 4u) << "joining, up, and one end each";
 }
 
 TEST_F(Sending, CpuResetCancelsItsSendsAndEmptiesItsBuffers) {
   ring.cpu_reads[0] = false;
-  send(3, 0, text("stale command"));
-  ring.node(0).send(send_of(7, 99, 1, text("t")), ring.now());
-  const auto own = ring.send(0, 1, text("own"));
-  ring.node(0).cpu_reset(1, ring.now());
-  EXPECT_EQ(outcome_of(ring, 0, own).outcome, Outcome::cancelled);
-  EXPECT_EQ(outcome_of(ring, 0, 99).outcome, Outcome::delivered) << "a tool's send goes on";
-  EXPECT_EQ(ring.node(0).received_waiting(), 0u);
-  EXPECT_EQ(ring.counters(0).flushed_on_reset, 1u);
+  send(3_id, 0_id, text("stale command"));
+  ring.node(0_id).send(send_of(7, 99, 1_id, text("t")), ring.now());
+  const auto own = ring.send(0_id, 1_id, text("own"));
+  ring.node(0_id).cpu_reset(1, ring.now());
+  EXPECT_EQ(outcome_of(ring, 0_id, own).outcome, Outcome::cancelled);
+  EXPECT_EQ(outcome_of(ring, 0_id, 99).outcome, Outcome::delivered) << "a tool's send goes on";
+  EXPECT_EQ(ring.node(0_id).received_waiting(), 0u);
+  EXPECT_EQ(ring.counters(0_id).flushed_on_reset, 1u);
 }
 
 TEST_F(Sending, EveryEndIsCountedUnderItsName) {
-  send(0, 1, Bytes(1));
-  send(0, 4, Bytes(1));
-  outcome_of(ring, 0, ring.interrupt(0, 1, 7));
-  EXPECT_EQ(ring.counters(0).ended_delivered, 1u);
-  EXPECT_EQ(ring.counters(0).ended_rejected, 1u);
-  EXPECT_EQ(ring.counters(0).ended_refused, 1u);
+  send(0_id, 1_id, Bytes(1));
+  send(0_id, 4_id, Bytes(1));
+  outcome_of(ring, 0_id, ring.interrupt(0_id, 1_id, 7));
+  EXPECT_EQ(ring.counters(0_id).ended_delivered, 1u);
+  EXPECT_EQ(ring.counters(0_id).ended_rejected, 1u);
+  EXPECT_EQ(ring.counters(0_id).ended_refused, 1u);
 }
 
 }  // namespace

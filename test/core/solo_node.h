@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/ring_fixture.h"
+#include "support/node_literal.h"
 #include "wire/interrupt_packet.h"
 
 namespace limb_ring::core {
@@ -18,8 +19,8 @@ class SoloNode {
       Duration byte_time = Duration{0}, std::function<void(Settings&)> adjust = [](Settings&) {})
       : node_(settings(byte_time, adjust)) {
     node_.set_cpu_present(true);
-    node_.input_up(0, now_);
-    node_.output_up(2, now_);
+    node_.input_up(0_id, now_);
+    node_.output_up(2_id, now_);
   }
 
   Blocks& node() { return node_; }
@@ -86,8 +87,8 @@ class SoloNode {
  private:
   static Settings settings(Duration byte_time, const std::function<void(Settings&)>& adjust) {
     Settings s;
-    s.id = 1;
-    s.order = {0, 1, 2, 3};
+    s.id = 1_id;
+    s.order = {0_id, 1_id, 2_id, 3_id};
     s.boot = 100;
     s.byte_time_in = s.byte_time_out = byte_time;
     s.beacon = Duration{0};
@@ -118,7 +119,7 @@ const std::uint8_t kControlPri = wire::pri_byte(wire::Priority{0}, wire::id_of(w
 
 /// A DATP as another node has sent it.
 struct Foreign {
-  NodeId source = 0, destination = 1;
+  std::uint8_t source = 0, destination = 1;
   std::uint8_t sequence = 0, attempt = 0, hop = 0, pri = 0, fbc = wire::kFbcUntaken;
   wire::Incarnation incarnation{};
 
@@ -127,9 +128,9 @@ struct Foreign {
     wire::DataPacket packet;
     packet.code = {false, attempt, wire::Sequence{sequence}, incarnation};
     packet.hop = hop;
-    packet.source = source;
+    packet.source = NodeId{source};
     packet.fbc = fbc;
-    packet.destination = destination;
+    packet.destination = NodeId{destination};
     packet.pri = pri;
     packet.data = {data.data(), data.size()};
     wire::encode(packet, out.data());
@@ -137,12 +138,13 @@ struct Foreign {
   }
 };
 
-inline Bytes foreign_interrupt(NodeId source, NodeId destination, std::uint8_t factor, std::uint8_t sequence = 0,
-                               std::uint8_t attempt = 0, wire::Incarnation incarnation = {}) {
+inline Bytes foreign_interrupt(std::uint8_t source, std::uint8_t destination, std::uint8_t factor,
+                               std::uint8_t sequence = 0, std::uint8_t attempt = 0,
+                               wire::Incarnation incarnation = {}) {
   wire::InterruptPacket packet;
   packet.code = {true, attempt, wire::Sequence{sequence}, incarnation};
-  packet.source = source;
-  packet.destination = destination;
+  packet.source = NodeId{source};
+  packet.destination = NodeId{destination};
   packet.factor = wire::Factor{factor};
   const auto bytes = wire::encode(packet);
   return {bytes.begin(), bytes.end()};

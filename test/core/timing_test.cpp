@@ -1,5 +1,6 @@
 // The figures of protocol.md section 7.2, each case under its own name.
 #include "core/ring_fixture.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -17,15 +18,16 @@ struct Gigabit : testing::Test {
 };
 
 TEST_F(Gigabit, AloneOnTheRing) {
-  const auto token = ring.send(0, 8, Bytes(512));
-  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, T + kTimedNodes * d);
+  const auto token = ring.send(0_id, 8_id, Bytes(512));
+  EXPECT_EQ(outcome_of(ring, 0_id, token).round_trip, T + kTimedNodes * d);
   EXPECT_EQ(T + kTimedNodes * d, 12384ns);
 }
 
 TEST_F(Gigabit, AllStartAtTheSameInstant) {
   std::vector<std::uint32_t> tokens;
-  for (NodeId id = 0; id < kTimedNodes; ++id) tokens.push_back(ring.send(id, (id + 5) % kTimedNodes, Bytes(512)));
-  for (NodeId id = 0; id < kTimedNodes; ++id) {
+  for (NodeId id{0}; id < kTimedNodes; ++id)
+    tokens.push_back(ring.send(id, static_cast<NodeId>((id + 5) % kTimedNodes), Bytes(512)));
+  for (NodeId id{0}; id < kTimedNodes; ++id) {
     const SendEnded end = outcome_of(ring, id, tokens[id]);
     EXPECT_EQ(end.outcome, Outcome::delivered);
     EXPECT_EQ(end.round_trip, kTimedNodes * T + d);
@@ -36,25 +38,25 @@ TEST_F(Gigabit, AllStartAtTheSameInstant) {
 // Every node starts its own packet just before ours arrives.
 TEST_F(Gigabit, WorstCaseIsReached) {
   const Time start = ring.now();
-  const auto token = ring.send(0, 8, Bytes(512));
+  const auto token = ring.send(0_id, 8_id, Bytes(512));
   for (unsigned id = 1; id < kTimedNodes; ++id)
-    ring.at(start + id * d + (id - 1) * T, [&, id] { ring.send(static_cast<NodeId>(id), 0, Bytes(512)); });
-  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, kTimedNodes * (T + d));
+    ring.at(start + id * d + (id - 1) * T, [&, id] { ring.send(static_cast<NodeId>(id), 0_id, Bytes(512)); });
+  EXPECT_EQ(outcome_of(ring, 0_id, token).round_trip, kTimedNodes * (T + d));
   EXPECT_EQ(kTimedNodes * (T + d), 75264ns);
 }
 
 TEST_F(Gigabit, InterruptAlone) {
-  const auto token = ring.interrupt(3, 9, 1);
-  EXPECT_EQ(outcome_of(ring, 3, token).round_trip, kTimedNodes * d + 96ns);
+  const auto token = ring.interrupt(3_id, 9_id, 1);
+  EXPECT_EQ(outcome_of(ring, 3_id, token).round_trip, kTimedNodes * d + 96ns);
 }
 
 // Every node starts an interrupt of its own in the instant in which ours arrives.
 TEST_F(Gigabit, InterruptBehindAnotherAtEveryNode) {
   const Time start = ring.now();
-  const auto token = ring.interrupt(0, 8, 1);
+  const auto token = ring.interrupt(0_id, 8_id, 1);
   for (unsigned id = 1; id < kTimedNodes; ++id)
-    ring.at(start + id * d + (id - 1) * 96ns, [&, id] { ring.interrupt(static_cast<NodeId>(id), 0, 1); });
-  EXPECT_EQ(outcome_of(ring, 0, token).round_trip, kTimedNodes * (d + 96ns));
+    ring.at(start + id * d + (id - 1) * 96ns, [&, id] { ring.interrupt(static_cast<NodeId>(id), 0_id, 1); });
+  EXPECT_EQ(outcome_of(ring, 0_id, token).round_trip, kTimedNodes * (d + 96ns));
   EXPECT_EQ(kTimedNodes * (d + 96ns), 9728ns);
 }
 
@@ -62,8 +64,8 @@ TEST_F(Gigabit, DeliveryDownstreamWithinItsBound) {
   std::vector<Time> arrived(kTimedNodes);
   ring.on_packet = [&](NodeId id, const ReceivedPacket& p) { arrived[id] = p.at; };
   const Time start = ring.now();
-  const auto token = ring.send(0, wire::kBroadcast, Bytes(512));
-  outcome_of(ring, 0, token);
+  const auto token = ring.send(0_id, wire::kBroadcast, Bytes(512));
+  outcome_of(ring, 0_id, token);
   for (unsigned h = 1; h < kTimedNodes; ++h) EXPECT_EQ(arrived[h] - start, T + h * d) << h;
 }
 
@@ -73,9 +75,9 @@ TEST_F(Gigabit, SaturatedAndAligned) {
   ring.on_event = [&](NodeId id, const Event& event) {
     if (!std::holds_alternative<SendEnded>(event.what)) return;
     if (id == 0) ++laps;
-    ring.send(id, (id + 1) % kTimedNodes, Bytes(512));
+    ring.send(id, static_cast<NodeId>((id + 1) % kTimedNodes), Bytes(512));
   };
-  for (NodeId id = 0; id < kTimedNodes; ++id) ring.send(id, (id + 1) % kTimedNodes, Bytes(512));
+  for (NodeId id{0}; id < kTimedNodes; ++id) ring.send(id, static_cast<NodeId>((id + 1) % kTimedNodes), Bytes(512));
   const Time start = ring.now();
   ring.run_for(1000 * (kTimedNodes * T + d));
   EXPECT_EQ(laps, 1000u);

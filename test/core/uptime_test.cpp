@@ -1,5 +1,6 @@
 // A robot stays on: the core a century after its start.
 #include "core/solo_node.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
@@ -22,15 +23,15 @@ TEST(Uptime, ARingDeliversRetriesAndRefusesAsOnItsFirstDay) {
   VirtualRing ring(quick(4));
   ASSERT_TRUE(ring.join());
   ring.run_for(kCentury);
-  EXPECT_EQ(outcome_of(ring, 0, ring.send(0, 2, {1, 2, 3})).outcome, Outcome::delivered);
-  EXPECT_EQ(outcome_of(ring, 1, ring.interrupt(1, 3, 2)).outcome, Outcome::delivered);
-  ring.tap(2, lose(1, is_data));
-  const SendEnded again = outcome_of(ring, 0, ring.send(0, 2, {4}));
+  EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 2_id, {1, 2, 3})).outcome, Outcome::delivered);
+  EXPECT_EQ(outcome_of(ring, 1_id, ring.interrupt(1_id, 3_id, 2)).outcome, Outcome::delivered);
+  ring.tap(2_id, lose(1, is_data));
+  const SendEnded again = outcome_of(ring, 0_id, ring.send(0_id, 2_id, {4}));
   EXPECT_EQ(again.outcome, Outcome::delivered);
   EXPECT_EQ(again.tries, 2);
   ring.cpu_reads[2] = false;
   SendEnded last;
-  for (unsigned i = 0; i < 40; ++i) last = outcome_of(ring, 0, ring.send(0, 2, {5}));
+  for (unsigned i = 0; i < 40; ++i) last = outcome_of(ring, 0_id, ring.send(0_id, 2_id, {5}));
   EXPECT_EQ(last.outcome, Outcome::refused);
 }
 

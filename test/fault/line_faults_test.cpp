@@ -155,7 +155,7 @@ TEST(LineFaults, BeginAfterADelayAndEndAfterATime) {
 
 TEST(LineFaults, BeginWhenANodeHasDeliveredSoMany) {
   LineRig line;
-  const NodeId ankle = 2;
+  const NodeId ankle{2};
   line.begin("cut hip -> knee after_packets=2 of=ankle");
   line.whole(1, ankle);
   line.whole(2);

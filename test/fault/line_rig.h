@@ -7,6 +7,7 @@
 
 #include "fault/line_faults.h"
 #include "fault/parse.h"
+#include "support/node_literal.h"
 #include "wire/data_packet.h"
 #include "wire/interrupt_packet.h"
 
@@ -15,7 +16,7 @@ namespace limb_ring::fault {
 using wire::SliceKind;
 using namespace std::chrono_literals;
 
-inline const RingNodes kNodes{{"hip", "10", 0}, {"knee", "11", 1}, {"ankle", "12", 2}};
+inline const RingNodes kNodes{{"hip", "10", 0_id}, {"knee", "11", 1_id}, {"ankle", "12", 2_id}};
 
 /// The line hip -> knee: packets go in at the present, and come out as words: "3" is a whole DATP whose data are 3,
 /// "start 3", "more", "end", "abort", "INTP 5" (factor 5), with a '!' where the CRC is wrong.
@@ -25,7 +26,7 @@ class LineRig {
 
   LineFaults::Id begin(const std::string& words) { return faults.begin(from_words(words, kNodes), now); }
 
-  void whole(unsigned number, NodeId source = 0, std::uint8_t channel = 0) {
+  void whole(unsigned number, std::uint8_t source = 0, std::uint8_t channel = 0) {
     const std::vector<std::uint8_t> bytes = packet(number, source, channel);
     put({SliceKind::whole, {bytes.data(), bytes.size()}});
   }
@@ -64,11 +65,11 @@ class LineRig {
   bool cut = false;
 
  private:
-  static std::vector<std::uint8_t> packet(unsigned number, NodeId source, std::uint8_t channel) {
+  static std::vector<std::uint8_t> packet(unsigned number, std::uint8_t source, std::uint8_t channel) {
     const std::vector<std::uint8_t> data(16, static_cast<std::uint8_t>(number));
     wire::DataPacket datp;
-    datp.source = source;
-    datp.destination = 1;
+    datp.source = NodeId{source};
+    datp.destination = 1_id;
     datp.pri = wire::pri_byte(wire::Priority{0}, wire::ChannelId{channel});
     datp.data = {data.data(), data.size()};
     std::vector<std::uint8_t> bytes(wire::kMaxDataPacketSize);

@@ -7,6 +7,7 @@
 #include <functional>
 #include <thread>
 
+#include "support/node_literal.h"
 #include "support/own_folder.h"
 
 namespace limb_ring::live {
@@ -22,7 +23,7 @@ class Launched : public test::OwnFolder {
   Launched() : path_(std::getenv("PATH")) {
     ::setenv("PATH", (folder + ":" + path_).c_str(), 1);
     request.ring = "legs";
-    request.nodes = {{0, "body", {}}, {7, "left_knee", {}}};
+    request.nodes = {{0_id, "body", {}}, {7_id, "left_knee", {}}};
   }
   ~Launched() override { ::setenv("PATH", path_.c_str(), 1); }
 
@@ -67,7 +68,7 @@ TEST_F(Launched, DaemonThatEndedIsReportedOnceAndStartedAgainAsBefore) {
 
 TEST_F(Launched, EachDaemonHasItsOwnArgumentsAndLog) {
   ringd_is("echo arguments: $*");
-  request.nodes = {{0, "body", {"--node", "0"}}, {7, "left_knee", {"--node", "7"}}};
+  request.nodes = {{0_id, "body", {"--node", "0"}}, {7_id, "left_knee", {"--node", "7"}}};
   LaunchedRing ring(request);
   ASSERT_TRUE(until([&] { return ring.reap(), !ring.any_running(); }));
   EXPECT_EQ(ring.all()[0].program.output(), "arguments: --node 0\n");

@@ -11,6 +11,7 @@
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
 #include "live/running_daemons.h"
+#include "support/node_literal.h"
 #include "support/own_folder.h"
 
 namespace limb_ring::live {
@@ -62,25 +63,25 @@ TEST_F(RingFolder, LeftoversOfOthersStay) {
 TEST_F(RingFolder, RingThatIsNotThereHoldsNothing) { EXPECT_THAT(held_nodes(ring_directory("nowhere")), IsEmpty()); }
 
 TEST_F(RingFolder, ANoteSaysWhatWasDoneToANodeUntilItIsRemoved) {
-  EXPECT_FALSE(is_killed(ring, 3));
-  write_note(ring, 3, "kill left_knee");
-  ASSERT_TRUE(note_of(ring, 3));
-  EXPECT_EQ(note_of(ring, 3)->words, "kill left_knee");
-  EXPECT_EQ(note_of(ring, 3)->name(), "kill");
-  EXPECT_TRUE(is_killed(ring, 3));
-  EXPECT_FALSE(is_killed(ring, 4));
-  remove_note(ring, 3);
-  EXPECT_FALSE(note_of(ring, 3));
+  EXPECT_FALSE(is_killed(ring, 3_id));
+  write_note(ring, 3_id, "kill left_knee");
+  ASSERT_TRUE(note_of(ring, 3_id));
+  EXPECT_EQ(note_of(ring, 3_id)->words, "kill left_knee");
+  EXPECT_EQ(note_of(ring, 3_id)->name(), "kill");
+  EXPECT_TRUE(is_killed(ring, 3_id));
+  EXPECT_FALSE(is_killed(ring, 4_id));
+  remove_note(ring, 3_id);
+  EXPECT_FALSE(note_of(ring, 3_id));
 }
 
 TEST_F(RingFolder, ANodeThatIsFrozenWasNotKilled) {
-  write_note(ring, 3, "freeze left_knee");
-  EXPECT_FALSE(is_killed(ring, 3));
+  write_note(ring, 3_id, "freeze left_knee");
+  EXPECT_FALSE(is_killed(ring, 3_id));
 }
 
 TEST_F(RingFolder, AFileThatIsNoNoteIsNone) {
   std::ofstream(ring + "/3.fault") << "nonsense\n";
-  EXPECT_FALSE(note_of(ring, 3));
+  EXPECT_FALSE(note_of(ring, 3_id));
 }
 
 /// @return why `act` could not be done
@@ -95,21 +96,22 @@ std::string refusal(Act act) {
 }
 
 TEST_F(RingFolder, ADaemonThatDoesNotRunCannotBeKilledOrFrozen) {
-  const RunningDaemons daemons("legs", {fault::NamedNode{"left_knee", "3", 3}});
+  const RunningDaemons daemons("legs", {fault::NamedNode{"left_knee", "3", 3_id}});
   std::ofstream(ring + "/3.lock") << ::getpid() << '\n';  // nobody holds it: that pid is another's by now
-  EXPECT_THAT(refusal([&] { daemons.kill(3); }), HasSubstr("node left_knee of ring legs has no daemon on this host"));
-  EXPECT_THAT(refusal([&] { daemons.freeze(3); }), HasSubstr("has no daemon on this host"));
+  EXPECT_THAT(refusal([&] { daemons.kill(3_id); }),
+              HasSubstr("node left_knee of ring legs has no daemon on this host"));
+  EXPECT_THAT(refusal([&] { daemons.freeze(3_id); }), HasSubstr("has no daemon on this host"));
 }
 
 TEST_F(RingFolder, ADaemonThatNeverRanCannotBeStartedAgain) {
-  const RunningDaemons daemons("legs", {fault::NamedNode{"left_knee", "3", 3}});
-  EXPECT_THAT(refusal([&] { daemons.start(3); }), HasSubstr("has never run on this host"));
+  const RunningDaemons daemons("legs", {fault::NamedNode{"left_knee", "3", 3_id}});
+  EXPECT_THAT(refusal([&] { daemons.start(3_id); }), HasSubstr("has never run on this host"));
 }
 
 TEST_F(RingFolder, ADaemonThatRunsIsNotStartedAgain) {
-  const RunningDaemons daemons("legs", {fault::NamedNode{"left_knee", "3", 3}});
+  const RunningDaemons daemons("legs", {fault::NamedNode{"left_knee", "3", 3_id}});
   const auto held = lock_of(3);
-  EXPECT_THAT(refusal([&] { daemons.start(3); }), HasSubstr("runs already, pid " + std::to_string(::getpid())));
+  EXPECT_THAT(refusal([&] { daemons.start(3_id); }), HasSubstr("runs already, pid " + std::to_string(::getpid())));
 }
 
 }  // namespace

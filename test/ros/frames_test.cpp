@@ -5,6 +5,7 @@
 #include "ros/small_robot.h"
 #include "ros_bridge/frame_conversion.h"
 #include "ros_bridge/frame_filter.h"
+#include "support/node_literal.h"
 #include "wire/data_packet.h"
 
 namespace limb_ring::bridge {
@@ -29,9 +30,9 @@ std::vector<std::uint8_t> data_packet(wire::Channel channel) {
   wire::DataPacket packet;
   packet.code = {false, 1, wire::Sequence{5}, {}};
   packet.hop = 2;
-  packet.source = 3;
+  packet.source = 3_id;
   packet.fbc = 9;
-  packet.destination = 7;
+  packet.destination = 7_id;
   packet.pri = wire::pri_byte(wire::Priority{1}, wire::id_of(channel));
   packet.data = {data, sizeof data};
   std::vector<std::uint8_t> bytes(sizeof data + wire::kOverhead);

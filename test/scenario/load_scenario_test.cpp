@@ -1,4 +1,5 @@
 #include "scenario/scenario_text.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::scenario {
 namespace {
@@ -16,7 +17,7 @@ TEST(LoadScenario, ReadsStepsInTheirOrder) {
       "t");
   EXPECT_EQ(scenario.seed, 7u);
   ASSERT_EQ(scenario.steps.size(), 2u);
-  EXPECT_EQ(std::get<Fault>(scenario.steps[0].action).nodes, (std::vector<NodeId>{1, 2}));
+  EXPECT_EQ(std::get<Fault>(scenario.steps[0].action).nodes, (std::vector<NodeId>{1_id, 2_id}));
   EXPECT_EQ(scenario.steps[1].within.sim, std::chrono::microseconds(2));
 }
 

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "scenario/scenario_text.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::scenario {
 namespace {
@@ -74,7 +75,7 @@ TEST_F(StageRun, DoesTheStepsInOrderAndAtTheirTimes) {
 }
 
 TEST_F(StageRun, ALimitOfItsOwnCountsOnALiveStage) {
-  stage.dies[3] = 300ms;
+  stage.dies[3_id] = 300ms;
   EXPECT_FALSE(play("steps: [{when: {node: node3, is: down}, within: {sim: 1us, live: 400ms}}]\n").unmet);
 }
 
@@ -94,7 +95,7 @@ TEST_F(StageRun, AStepThatIsLateIsDoneAtOnceWhereTimeIsNotExact) {
 }
 
 TEST_F(StageRun, WhatHoldsAlwaysIsLookedAtOnTheWayToAStep) {
-  stage.dies[2] = 40ms;
+  stage.dies[2_id] = 40ms;
   const ScenarioRun run = play("steps: [{at: 1s, do: {kill: node3}}]\nalways: [{node: all, is: up}]\n");
   ASSERT_TRUE(run.unmet);
   EXPECT_EQ(run.unmet->at, 40ms);
@@ -102,7 +103,7 @@ TEST_F(StageRun, WhatHoldsAlwaysIsLookedAtOnTheWayToAStep) {
 }
 
 TEST_F(StageRun, WhatHoldsNeverIsLookedAtWhileWaiting) {
-  stage.dies[2] = 40ms;
+  stage.dies[2_id] = 40ms;
   const ScenarioRun run = play(
       "steps: [{when: {node: node3, is: down}, within: 1s}]\n"
       "never: [{node: node2, is: down}]\n");

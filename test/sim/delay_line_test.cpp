@@ -1,4 +1,5 @@
 #include "sim/delay_line.h"
+#include "support/node_literal.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,7 @@ TEST(DelayLine, IsEmptyAtFirst) {
 TEST(DelayLine, GivesOutWhatLeftADelayLater) {
   DelayLine line(512ns);
   wire::SliceWriter slices = slice_of(7);
-  line.put(Time(100ns), 1, 2, 5, true, slices);
+  line.put(Time(100ns), 1_id, 2_id, 5, true, slices);
   EXPECT_TRUE(slices.empty()) << "it was taken, not copied";
   EXPECT_EQ(line.next(), Time(612ns));
   const DelayLine::Arrival& arrival = line.pop();
@@ -39,7 +40,7 @@ TEST(DelayLine, KeepsTheOrderHoweverMuchIsUnderWay) {
   unsigned given_out = 0;
   for (unsigned i = 0; i < 1000; ++i) {
     wire::SliceWriter slices = slice_of(0);
-    line.put(Time(i * 1ns), 0, 1, i, false, slices);
+    line.put(Time(i * 1ns), 0_id, 1_id, i, false, slices);
     if (i % 3 != 0) continue;
     EXPECT_EQ(line.pop().epoch, given_out++);
   }

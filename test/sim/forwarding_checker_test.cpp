@@ -1,5 +1,6 @@
 // What a node must do with what others have sent, told to the checker packet by packet.
 #include "sim/forwarding_checker.h"
+#include "support/node_literal.h"
 
 #include <gmock/gmock.h>
 
@@ -35,64 +36,64 @@ class Forwarding : public ::testing::Test {
     broken.push_back(promise);
     what = words;
   };
-  ForwardingChecker checker{4, kByte, kByte, complain};
+  ForwardingChecker checker{4_id, kByte, kByte, complain};
 };
 
 TEST_F(Forwarding, APacketThatGoesOnWithTheFbcThatIsDueIsRight) {
-  checker.came(header(false, 1), 2, 0, Time(0ns));
-  checker.went(header(false, 1), trailer(0, 2), Time(100ns));
+  checker.came(header(false, 1_id), 2_id, 0, Time(0ns));
+  checker.went(header(false, 1_id), trailer(0, 2_id), Time(100ns));
   EXPECT_THAT(broken, IsEmpty());
 }
 
 TEST_F(Forwarding, AnotherFbcIsSeen) {
-  checker.came(header(false, 1), 2, 0, Time(0ns));
-  checker.went(header(false, 1), trailer(3, 2), Time(100ns));
+  checker.came(header(false, 1_id), 2_id, 0, Time(0ns));
+  checker.went(header(false, 1_id), trailer(3, 2_id), Time(100ns));
   EXPECT_THAT(broken, ElementsAre(Promise::true_fbc));
   EXPECT_THAT(what, HasSubstr("goes on with FBC 3 instead of 0 at node 4"));
 }
 
 TEST_F(Forwarding, AnyFbcIsRightWhereNobodyCanTell) {
-  checker.came(header(false, 1), 2, ForwardingChecker::kAnyFbc, Time(0ns));
-  checker.went(header(false, 1), trailer(3, 2), Time(100ns));
+  checker.came(header(false, 1_id), 2_id, ForwardingChecker::kAnyFbc, Time(0ns));
+  checker.went(header(false, 1_id), trailer(3, 2_id), Time(100ns));
   EXPECT_THAT(broken, IsEmpty());
 }
 
 TEST_F(Forwarding, APacketThatNeverCameInIsSeen) {
-  checker.went(header(false, 1), trailer(0, 2), Time(100ns));
+  checker.went(header(false, 1_id), trailer(0, 2_id), Time(100ns));
   EXPECT_THAT(broken, ElementsAre(Promise::true_fbc));
   EXPECT_THAT(what, HasSubstr("left without having come in"));
 }
 
 TEST_F(Forwarding, APacketGoesOnOnce) {
-  checker.came(header(false, 1), 2, 0, Time(0ns));
-  checker.went(header(false, 1), trailer(0, 2), Time(100ns));
-  checker.went(header(false, 1), trailer(0, 2), Time(200ns));
+  checker.came(header(false, 1_id), 2_id, 0, Time(0ns));
+  checker.went(header(false, 1_id), trailer(0, 2_id), Time(100ns));
+  checker.went(header(false, 1_id), trailer(0, 2_id), Time(200ns));
   EXPECT_THAT(broken, ElementsAre(Promise::true_fbc));
 }
 
 TEST_F(Forwarding, AnInterruptMayWaitForOddBytesTrailerAndCrc) {
-  checker.came(header(true, 1), 2, 0, Time(0ns));
-  checker.went(header(true, 1), trailer(0, 2), Time(11 * kByte));
+  checker.came(header(true, 1_id), 2_id, 0, Time(0ns));
+  checker.went(header(true, 1_id), trailer(0, 2_id), Time(11 * kByte));
   EXPECT_THAT(broken, IsEmpty());
 }
 
 TEST_F(Forwarding, AnInterruptThatWaitsLongerIsSeen) {
-  checker.came(header(true, 1), 2, 0, Time(0ns));
-  checker.went(header(true, 1), trailer(0, 2), Time(11 * kByte + 1ns));
+  checker.came(header(true, 1_id), 2_id, 0, Time(0ns));
+  checker.went(header(true, 1_id), trailer(0, 2_id), Time(11 * kByte + 1ns));
   EXPECT_THAT(broken, ElementsAre(Promise::interrupt_wait));
 }
 
 TEST_F(Forwarding, AnInterruptMayWaitForTheOnesBeforeItToo) {
   checker.count_interrupt(Time(5ns));
-  checker.came(header(true, 1), 2, 0, Time(0ns));
-  checker.went(header(true, 1), trailer(0, 2), Time((11 + 12) * kByte));
+  checker.came(header(true, 1_id), 2_id, 0, Time(0ns));
+  checker.went(header(true, 1_id), trailer(0, 2_id), Time((11 + 12) * kByte));
   EXPECT_THAT(broken, IsEmpty());
 }
 
 TEST_F(Forwarding, WhatWasClearedNeedNotGoOnAndMayNot) {
-  checker.came(header(false, 1), 2, 0, Time(0ns));
+  checker.came(header(false, 1_id), 2_id, 0, Time(0ns));
   checker.clear();
-  checker.went(header(false, 1), trailer(0, 2), Time(100ns));
+  checker.went(header(false, 1_id), trailer(0, 2_id), Time(100ns));
   EXPECT_THAT(broken, ElementsAre(Promise::true_fbc));
 }
 

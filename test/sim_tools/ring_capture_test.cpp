@@ -7,6 +7,7 @@
 
 #include "capture/pcapng_reader.h"
 #include "study/analysis/cases.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::study {
 namespace {
@@ -59,7 +60,7 @@ TEST(RingCapture, ShowsFaultsAndStatesAsEvents) {
   std::ostringstream file;
   sim::RingCapture watching(ring, file, sim::plain_names(ring.size()));
   ASSERT_TRUE(ring.join());
-  ring.cut(1);
+  ring.cut(1_id);
   ring.run_for(std::chrono::seconds(1));
   std::set<std::string> seen;
   for (const auto& record : records_of(file.str()))

@@ -9,6 +9,7 @@
 #include "capture/trip_choice.h"
 #include "sim_tools/ring_capture.h"
 #include "study/analysis/cases.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::study {
 namespace {
@@ -129,9 +130,9 @@ TEST(TracedRing, AccountsForEveryNanosecondOfInterruptsUnderLoadToo) {
 
 TEST(TracedRing, NamesTheInterruptThatCutsIntoAPacketAndThePacketItWasIn) {
   CapturedRing ring;
-  ring->send(0, 2, std::vector<std::uint8_t>(512));
+  ring->send(0_id, 2_id, std::vector<std::uint8_t>(512));
   ring->run_for(1us);
-  ring->interrupt(1, 3, 6);
+  ring->interrupt(1_id, 3_id, 6);
   ring->run_for(1ms);
   const TracedRing traced = ring.traced();
   ASSERT_EQ(traced.trips(), 2u);
@@ -150,11 +151,11 @@ TEST(TracedRing, NamesTheInterruptThatCutsIntoAPacketAndThePacketItWasIn) {
 TEST(TracedRing, ALostTryHasNoReturnAndTheRoundTripCountsFromIt) {
   CapturedRing ring;
   bool lost = false;
-  ring->tap(2, [&lost](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
+  ring->tap(2_id, [&lost](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
     if (lost) arriving.put(slice.kind, slice.bytes);
     lost = lost || slice.kind == wire::SliceKind::end;
   });
-  ring->send(0, 1, {1, 2, 3, 4});
+  ring->send(0_id, 1_id, {1, 2, 3, 4});
   ring->run_for(1s);
   const TracedRing traced = ring.traced();
   ASSERT_EQ(traced.trips(), 2u);
@@ -171,13 +172,13 @@ TEST(TracedRing, ALostTryHasNoReturnAndTheRoundTripCountsFromIt) {
 TEST(TracedRing, ATryThatCameHomeDamagedIsCalledSo) {
   CapturedRing ring;
   bool damaged = false;
-  ring->tap(3, [&damaged](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
+  ring->tap(3_id, [&damaged](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
     std::vector<std::uint8_t> bytes(slice.bytes.begin(), slice.bytes.end());
     if (!damaged && slice.kind == wire::SliceKind::end) bytes.back() ^= 1;
     damaged = damaged || slice.kind == wire::SliceKind::end;
     arriving.put(slice.kind, {bytes.data(), bytes.size()});
   });
-  ring->send(0, 1, {1, 2, 3, 4});
+  ring->send(0_id, 1_id, {1, 2, 3, 4});
   ring->run_for(1s);
   const PacketTrace again = slowest(ring.traced());
   ASSERT_THAT(again.earlier, SizeIs(1));
@@ -187,7 +188,7 @@ TEST(TracedRing, ATryThatCameHomeDamagedIsCalledSo) {
 TEST(TracedRing, WhatWasRefusedIsToldAsWhatWentBefore) {
   CapturedRing ring(1);
   ring->cpu_reads[2] = false;
-  for (int i = 0; i < 2; ++i) ring->send(0, 2, {1});
+  for (int i = 0; i < 2; ++i) ring->send(0_id, 2_id, {1});
   ring->run_for(100ms);
   const TracedRing traced = ring.traced();
   const PacketTrace last = traced.trace(traced.trips() - 1);
@@ -216,7 +217,7 @@ TEST(TripChoice, TakesWhatIsSlowEnoughTheSlowestFirst) {
 
 TEST(TripChoice, TakesBySourceSequenceAndTime) {
   const TracedRing ring = traced_case(Case::adversarial);
-  for (wire::NodeId node = 0; node < 4; ++node) {
+  for (wire::NodeId node{0}; node < 4; ++node) {
     capture::TripChoice choice;
     choice.source = node;
     ASSERT_THAT(capture::choose_trips(ring, choice), SizeIs(1));

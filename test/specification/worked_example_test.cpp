@@ -10,6 +10,7 @@
 
 #include "link/endpoint.h"
 #include "link/link_header.h"
+#include "support/node_literal.h"
 #include "wire/control_message.h"
 #include "wire/data_packet.h"
 #include "wire/fold_word.h"
@@ -22,8 +23,8 @@ namespace {
 using testing::ElementsAreArray;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr wire::NodeId kSource = 3;
-constexpr wire::NodeId kDestination = 7;
+constexpr wire::NodeId kSource{3};
+constexpr wire::NodeId kDestination{7};
 constexpr std::uint64_t kBoot = 0x1880000000000001;
 constexpr std::uint64_t kConnectorNumber = 0x12345678;
 constexpr std::uint64_t kAcceptorNumber = 0x9ABCDEF0;
@@ -130,8 +131,8 @@ TEST(WorkedExample, Beacon) {
   beacon.cpu_state = wire::CpuState::running;
   beacon.cpu_silent_ms = 12;
   beacon.input = beacon.output = wire::LinkState::up;
-  beacon.input_from = 2;
-  beacon.output_to = 4;
+  beacon.input_from = 2_id;
+  beacon.output_to = 4_id;
   Bytes message(wire::kBeaconSize);
   wire::encode(beacon, message.data());
   EXPECT_THAT(example("11.7"), ElementsAreArray(control(1, message)));
@@ -151,7 +152,7 @@ TEST(WorkedExample, FirstDatagramOfASession) {
 
 TEST(WorkedExample, FoldWord) {
   wire::SliceWriter line;
-  wire::put(line, {wire::FoldWordKind::begin, 2});
+  wire::put(line, {wire::FoldWordKind::begin, 2_id});
   EXPECT_THAT(example("11.10"), ElementsAreArray(bytes_of(line.view())));
 }
 

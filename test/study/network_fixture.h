@@ -22,12 +22,13 @@ inline Medium gigabit(unsigned nodes, unsigned payload = 512) {
   return medium;
 }
 
-inline Message data(Duration asked, NodeId source, NodeId destination, unsigned size, std::uint8_t priority = 0) {
-  return {Time{} + asked, source, destination, size, priority, false};
+inline Message data(Duration asked, std::uint8_t source, std::uint8_t destination, unsigned size,
+                    std::uint8_t priority = 0) {
+  return {Time{} + asked, NodeId{source}, NodeId{destination}, size, priority, false};
 }
 
-inline Message interrupt(Duration asked, NodeId source, NodeId destination) {
-  return {Time{} + asked, source, destination, 0, 0, true};
+inline Message interrupt(Duration asked, std::uint8_t source, std::uint8_t destination) {
+  return {Time{} + asked, NodeId{source}, NodeId{destination}, 0, 0, true};
 }
 
 /// When each message was delivered, counted from time zero. All of them must be.
@@ -49,8 +50,8 @@ inline Duration delivery(const Network& network, const Medium& medium, const Mes
 inline std::vector<Message> all_to(const Medium& medium, unsigned hops) {
   std::vector<Message> messages;
   for (unsigned id = 0; id < medium.nodes; ++id) {
-    const auto destination = static_cast<NodeId>((id + hops) % medium.nodes);
-    messages.push_back(data(0ns, static_cast<NodeId>(id), destination, medium.payload));
+    const auto destination = static_cast<std::uint8_t>((id + hops) % medium.nodes);
+    messages.push_back(data(0ns, static_cast<std::uint8_t>(id), destination, medium.payload));
   }
   return messages;
 }

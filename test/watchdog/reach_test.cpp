@@ -1,5 +1,6 @@
 // Who reaches whom in an open chain.
 #include "watchdog/reach.h"
+#include "support/node_literal.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@ namespace limb_ring::watchdog {
 namespace {
 
 using Broken = core::BrokenLine;
-const std::vector<wire::NodeId> kOrder{10, 20, 30, 40};
+const std::vector<wire::NodeId> kOrder{10_id, 20_id, 30_id, 40_id};
 
 void expect(const std::optional<Broken>& broken, wire::NodeId from, wire::NodeId to, bool sends, bool hears) {
   const Reach reach = reach_of(kOrder, broken, from, to);
@@ -16,20 +17,20 @@ void expect(const std::optional<Broken>& broken, wire::NodeId from, wire::NodeId
 }
 
 TEST(Reach, OfAClosedRingIsEverybody) {
-  expect(std::nullopt, 10, 40, true, true);
-  expect(std::nullopt, 40, 10, true, true);
-  expect(std::nullopt, 20, 20, true, true);
+  expect(std::nullopt, 10_id, 40_id, true, true);
+  expect(std::nullopt, 40_id, 10_id, true, true);
+  expect(std::nullopt, 20_id, 20_id, true, true);
 }
 
 TEST(Reach, InAnOpenChainIsOneWay) {
-  const Broken broken{20, 30};  // the chain is 30, 40, 10, 20
-  expect(broken, 30, 20, true, false);
-  expect(broken, 40, 10, true, false);
-  expect(broken, 10, 40, false, true);
-  expect(broken, 20, 30, false, true);
+  const Broken broken{20_id, 30_id};  // the chain is 30, 40, 10, 20
+  expect(broken, 30_id, 20_id, true, false);
+  expect(broken, 40_id, 10_id, true, false);
+  expect(broken, 10_id, 40_id, false, true);
+  expect(broken, 20_id, 30_id, false, true);
 }
 
-TEST(Reach, OfTheOwnPinNeedsAWholeRing) { expect(Broken{20, 30}, 10, 10, false, true); }
+TEST(Reach, OfTheOwnPinNeedsAWholeRing) { expect(Broken{20_id, 30_id}, 10_id, 10_id, false, true); }
 
 }  // namespace
 }  // namespace limb_ring::watchdog

@@ -14,7 +14,7 @@ using testing::IsEmpty;
 using Policy = Watchdog::Policy;
 using State = wire::CpuState;
 
-constexpr wire::NodeId kKnee = 10;
+constexpr wire::NodeId kKnee{10};
 constexpr core::Duration kMissing = 500ms;
 
 /// One CPU at the knee and its supervisor, which evaluates every 100 ms. Grace 2 s, back-off 1 s, 3 tries.

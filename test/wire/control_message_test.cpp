@@ -1,4 +1,5 @@
 #include "wire/control_message.h"
+#include "support/node_literal.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,7 @@ TEST(ControlMessage, HelloComesBack) {
 }
 
 TEST(ControlMessage, BeaconComesBack) {
-  Beacon beacon{42, 3, CpuState::silent, 250, LinkState::up, 4, LinkState::silent, 6, true, 4, 5, false};
+  Beacon beacon{42, 3, CpuState::silent, 250, LinkState::up, 4_id, LinkState::silent, 6_id, true, 4_id, 5_id, false};
   std::array<std::uint8_t, kBeaconSize> bytes;
   ASSERT_EQ(encode(beacon, bytes.data()), kBeaconSize);
   const auto back = decode_beacon({bytes.data(), bytes.size()});

@@ -1,4 +1,5 @@
 #include "wire/fold_word.h"
+#include "support/node_literal.h"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +22,7 @@ std::optional<FoldWord> read(const std::vector<std::uint8_t>& bytes) {
 TEST(FoldWord, ComesBackAsItWasSaid) {
   for (const FoldWordKind kind :
        {FoldWordKind::begin, FoldWordKind::last, FoldWordKind::lost, FoldWordKind::deaf, FoldWordKind::hears}) {
-    const auto word = read(bytes_of({kind, 200}));
+    const auto word = read(bytes_of({kind, 200_id}));
     ASSERT_TRUE(word);
     EXPECT_EQ(word->kind, kind);
     EXPECT_EQ(word->node, 200);
@@ -29,7 +30,7 @@ TEST(FoldWord, ComesBackAsItWasSaid) {
 }
 
 TEST(FoldWord, WithAnyByteWrongIsNone) {
-  const auto good = bytes_of({FoldWordKind::hears, 7});
+  const auto good = bytes_of({FoldWordKind::hears, 7_id});
   for (std::size_t at = 0; at < good.size(); ++at)
     for (unsigned wrong = 1; wrong < 256; ++wrong) {
       auto bytes = good;
@@ -39,7 +40,7 @@ TEST(FoldWord, WithAnyByteWrongIsNone) {
 }
 
 TEST(FoldWord, ThatNobodyKnowsIsNone) {
-  for (const std::uint8_t kind : {0, 6, 255}) EXPECT_FALSE(read({kind, 7, fold_check(kind, 7)})) << int{kind};
+  for (const std::uint8_t kind : {0, 6, 255}) EXPECT_FALSE(read({kind, 7, fold_check(kind, 7_id)})) << int{kind};
   EXPECT_FALSE(read({1, 7}));
 }
 

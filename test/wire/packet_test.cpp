@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "support/node_literal.h"
 #include "wire/data_packet.h"
 #include "wire/interrupt_packet.h"
 
@@ -25,8 +26,8 @@ TEST(DataPacket, GoldenBytes) {
   DataPacket packet;
   packet.code = {false, 1, Sequence{5}, Incarnation{1}};
   packet.hop = 3;
-  packet.source = 12;
-  packet.destination = 7;
+  packet.source = 12_id;
+  packet.destination = 7_id;
   packet.pri = pri_byte(Priority{2}, ChannelId{4});
   packet.data = {data.data(), data.size()};
   const Bytes golden{0x4D, 0xFB, 0x03, 0x0C,        // incarnation 1, DATP, try 1, sequence 5 | SOP | HOP 3 | SID 12
@@ -52,7 +53,7 @@ TEST(InterruptPacket, GoldenBytes) {
   packet.code = {true, 0, Sequence{2}, Incarnation{1}};
   packet.hop = 15;
   packet.fbc = 1;
-  packet.destination = 12;
+  packet.destination = 12_id;
   packet.factor = Factor{6};
   const Bytes golden{0x62, 0xFB, 0x0F, 0x00,  // incarnation 1, INTP, try 0, sequence 2 | SOP | HOP 15 | SID 0
                      0xFD, 0x01, 0x0C, 0x06,  // EOP | FBC 1: pin pulled | DID 12 | factor 6
@@ -68,7 +69,7 @@ TEST(DataPacket, EveryLengthComesBack) {
   Bytes data(kMaxPayload);
   for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<std::uint8_t>(i);
   for (std::size_t size = 1; size <= kMaxPayload; ++size) {
-    const Bytes bytes = encoded({{}, 0, 1, kFbcUntaken, 2, 0, {data.data(), size}});
+    const Bytes bytes = encoded({{}, 0, 1_id, kFbcUntaken, 2_id, 0, {data.data(), size}});
     DataPacket back;
     ASSERT_EQ(decode({bytes.data(), bytes.size()}, back), PacketError::none);
     ASSERT_EQ(Bytes(back.data.begin(), back.data.end()), Bytes(data.begin(), data.begin() + size));
@@ -77,7 +78,7 @@ TEST(DataPacket, EveryLengthComesBack) {
 
 TEST(DataPacket, AnyFlippedBitIsDetected) {
   const Bytes data{1, 2, 3, 4, 5};
-  Bytes bytes = encoded({{}, 0, 1, kFbcUntaken, 2, 0, {data.data(), data.size()}});
+  Bytes bytes = encoded({{}, 0, 1_id, kFbcUntaken, 2_id, 0, {data.data(), data.size()}});
   for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {
     bytes[bit / 8] ^= 1 << bit % 8;
     DataPacket back;
@@ -88,7 +89,7 @@ TEST(DataPacket, AnyFlippedBitIsDetected) {
 
 TEST(DataPacket, AnyCutIsDetected) {
   const Bytes data(100, 0xFD);
-  const Bytes bytes = encoded({{}, 0, 1, kFbcUntaken, 2, 0, {data.data(), data.size()}});
+  const Bytes bytes = encoded({{}, 0, 1_id, kFbcUntaken, 2_id, 0, {data.data(), data.size()}});
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     DataPacket back;
     EXPECT_NE(decode({bytes.data(), size}, back), PacketError::none) << size;
@@ -97,7 +98,7 @@ TEST(DataPacket, AnyCutIsDetected) {
 
 TEST(Packet, RewritingCarriesAGoodCrcAlong) {
   const Bytes data(77, 0x3C);
-  Bytes bytes = encoded({{}, 0, 1, kFbcUntaken, 2, 0, {data.data(), data.size()}});
+  Bytes bytes = encoded({{}, 0, 1_id, kFbcUntaken, 2_id, 0, {data.data(), data.size()}});
   for (int hop = 1; hop < 255; ++hop) {
     rewrite(bytes.data(), bytes.size(), static_cast<std::uint8_t>(hop), static_cast<std::uint8_t>(255 - hop));
     ASSERT_EQ(check_packet({bytes.data(), bytes.size()}, false), PacketError::none) << hop;
@@ -106,7 +107,7 @@ TEST(Packet, RewritingCarriesAGoodCrcAlong) {
 
 TEST(Packet, RewritingNeverMakesABadCrcGood) {
   const Bytes data(77, 0x3C);
-  Bytes bytes = encoded({{}, 0, 1, kFbcUntaken, 2, 0, {data.data(), data.size()}});
+  Bytes bytes = encoded({{}, 0, 1_id, kFbcUntaken, 2_id, 0, {data.data(), data.size()}});
   bytes[20] ^= 0x10;
   for (int hop = 1; hop < 255; ++hop) {
     rewrite(bytes.data(), bytes.size(), static_cast<std::uint8_t>(hop), static_cast<std::uint8_t>(hop));

@@ -7,7 +7,7 @@ namespace limb_ring::ringctl {
 
 inline capture::RingNames names_of(const RingAccess& ring) {
   capture::RingNames names{ring.ring(), {}};
-  for (const NodeName& node : ring.nodes()) names.nodes[node.id] = node.name;
+  for (const NodeName& node : ring.nodes()) names.nodes[wire::NodeId{node.id}] = node.name;
   return names;
 }
 

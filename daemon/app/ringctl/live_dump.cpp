@@ -132,7 +132,7 @@ void LiveDump::on(Source& source, const Observed& seen) {
   const nlohmann::json json = nlohmann::json::parse(seen.json, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || ending_) return;
   if (json.contains("error")) throw UsageError(json["error"].get<std::string>());
-  sink_.event({json.value("time_ns", std::int64_t{0}), source.port.id(), event_words(json)});
+  sink_.event({json.value("time_ns", std::int64_t{0}), wire::NodeId{source.port.id()}, event_words(json)});
 }
 
 void LiveDump::on(Source& source, const Disconnected& end) {

@@ -38,7 +38,7 @@ std::string packet_json(const CapturedPacket& packet, const RingNames& names) {
            {"at", info.input ? "in" : "out"},
            {"kind", code.interrupt ? "INTP" : "DATP"},
            {"source", names.of(fields.source())},
-           {"sid", fields.source()},
+           {"sid", +fields.source()},
            {"hop", fields.hop()},
            {"try", code.attempt},
            {"sequence", +code.sequence},

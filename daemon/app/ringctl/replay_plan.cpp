@@ -18,7 +18,9 @@ using Place = std::tuple<bool, wire::NodeId, wire::NodeId>;
 /// What a retry has in common with the try before: destination and sequence number.
 using Mark = std::pair<wire::NodeId, std::uint8_t>;
 
-Place place_of(const CapturedPacket& packet) { return {packet.info.input, packet.info.from, packet.info.to}; }
+Place place_of(const CapturedPacket& packet) {
+  return {packet.info.input, wire::NodeId{packet.info.from}, wire::NodeId{packet.info.to}};
+}
 
 class Planner {
  public:

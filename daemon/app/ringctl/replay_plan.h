@@ -10,8 +10,8 @@ namespace limb_ring::ringctl {
 /// A packet of a capture that is to be sent again by its source.
 struct ReplaySend {
   std::int64_t after_ns = 0;  ///< since the first of them
-  wire::NodeId source = 0;
-  wire::NodeId destination = 0;
+  wire::NodeId source{0};
+  wire::NodeId destination{0};
   bool interrupt = false;
   std::uint8_t last = 0;           ///< factor, or priority and channel
   std::vector<std::uint8_t> data;  ///< empty for an interrupt

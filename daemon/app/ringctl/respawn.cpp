@@ -63,7 +63,7 @@ void Respawn::consider(std::size_t index) {
     node.plan = Plan::stays_down;
   else if (Clock::now() < node.due)
     return;
-  else if (!live::is_killed(folder_, name.id))
+  else if (!live::is_killed(folder_, wire::NodeId{name.id}))
     start(index);
   else if (!std::exchange(node.told, true))
     tell("node " + label(name) + " was killed on purpose; 'ringctl fault start " + name.name + "' starts it again");

@@ -56,7 +56,7 @@ live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifet
   live::LaunchRequest request;
   request.ring = plan.ring;
   for (const PlannedNode& planned : plan.nodes)
-    request.nodes.push_back({planned.node.id, planned.node.name, plan.arguments_of(planned.node)});
+    request.nodes.push_back({wire::NodeId{planned.node.id}, planned.node.name, plan.arguments_of(planned.node)});
   request.lifetime = lifetime;
   request.logged = logged;
   return request;

@@ -41,7 +41,7 @@ std::string broken_line(const std::vector<json>& rows) {
 
 /// What was done to a whole node on purpose is noted in the ring's folder; a note may be older than what holds now.
 json faults_of_absent(const std::string& folder, std::uint8_t node, bool frozen) {
-  const auto note = live::note_of(folder, node);
+  const auto note = live::note_of(folder, wire::NodeId{node});
   if (!note || (note->name() == fault::word_of(fault::Name::freeze).word) != frozen) return json::array();
   return {{{"id", note->name()}, {"fault", note->words}}};
 }

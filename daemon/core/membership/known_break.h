@@ -61,8 +61,8 @@ class KnownBreak {
 
   NodeId id_;
   bool known_ = false;
-  NodeId before_ = 0;
-  NodeId behind_ = 0;
+  NodeId before_{0};
+  NodeId behind_{0};
 };
 
 }  // namespace limb_ring::core

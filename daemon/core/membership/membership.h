@@ -172,7 +172,7 @@ class Membership {
   /// One of this node's two ends of the first line.
   struct LineEnd {
     wire::LinkState state = wire::LinkState::down;  ///< down: it was never up
-    NodeId neighbour = 0;
+    NodeId neighbour{0};
     bool was_lost = false;  ///< since an own packet last came home
     bool folded = false;    ///< the second line stands for it
     bool up() const { return state == wire::LinkState::up; }

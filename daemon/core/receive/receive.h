@@ -14,8 +14,8 @@ namespace limb_ring::core {
 /// A DATP in a receive buffer, for the CPU.
 struct ReceivedPacket {
   Time at{};  ///< its last bit was in
-  NodeId source = 0;
-  NodeId destination = 0;  ///< this node, or wire::kBroadcast
+  NodeId source{0};
+  NodeId destination{0};  ///< this node, or wire::kBroadcast
   wire::Priority priority{};
   wire::ChannelId channel{};
   std::uint16_t size = 0;  ///< 1..512

@@ -41,7 +41,7 @@ bool Relay::receive(const wire::Slice& slice, Time now) {
 
 Relay::Fate Relay::judge(ByteView header, bool interrupt) {
   if (!wire::header_valid(header, interrupt)) return ++counters_.malformed_packets, Fate::discard;
-  const NodeId source = header[wire::field::kSource];
+  const NodeId source{header[wire::field::kSource]};
   if (source == settings_.id) return Fate::strip;
   if (cut_off_[source]) return ++counters_.orphans_cut_off, Fate::discard;
   if (header[wire::field::kHop] + 1u >= settings_.nodes()) return ++counters_.orphans_hop, Fate::discard;

@@ -11,6 +11,8 @@ namespace {
 
 using core::SendEnded;
 
+constexpr NodeId kFirst{0};
+
 /// One case as it runs: the ring, and what it has measured.
 struct Run {
   const Medium& medium;
@@ -18,7 +20,7 @@ struct Run {
   CaseResult& result;
   std::mt19937_64 random;
 
-  NodeId nodes() const { return static_cast<NodeId>(medium.nodes); }
+  unsigned nodes() const { return medium.nodes; }
   Duration T() const { return medium.byte_time() * static_cast<std::int64_t>(medium.payload + wire::kOverhead); }
   Duration d() const { return medium.relay_delay; }
   Duration interrupt() const { return medium.byte_time() * static_cast<std::int64_t>(wire::kInterruptPacketSize); }
@@ -33,11 +35,11 @@ struct Run {
   /// Node i's own packet starts in the instant in which one that left node 0 at `start` arrives there.
   void send_in_front(Time start) {
     for (unsigned id = 1; id < medium.nodes; ++id)
-      ring.at(start + d() * id + T() * (id - 1), [this, id] { send(static_cast<NodeId>(id), 0); });
+      ring.at(start + d() * id + T() * (id - 1), [this, id] { send(static_cast<NodeId>(id), kFirst); });
   }
   /// Runs until that many sends have ended.
   void run_until_ended(unsigned count) {
-    ring.run_until([&] { return ended >= count; }, 100 * ring.settings(0).worst_lap());
+    ring.run_until([&] { return ended >= count; }, 100 * ring.settings(kFirst).worst_lap());
     ring.check();
     if (ended < count) throw std::runtime_error("a packet did not come home");
   }
@@ -61,21 +63,21 @@ void measure(Run& run, const std::function<bool(NodeId, const SendEnded&)>& coun
 void alone(Run& run) {
   run.result.formula = run.T() + run.d() * run.n();
   measure(run, [](NodeId, const SendEnded&) { return true; });
-  run.send(0, static_cast<NodeId>(run.nodes() / 2));
+  run.send(kFirst, static_cast<NodeId>(run.nodes() / 2));
   run.run_until_ended(1);
 }
 
 void simultaneous(Run& run) {
   run.result.formula = simultaneous_time(run);
   measure(run, [](NodeId, const SendEnded&) { return true; });
-  for (NodeId id = 0; id < run.nodes(); ++id) run.send(id, static_cast<NodeId>((id + run.nodes() / 2) % run.nodes()));
+  for (NodeId id{0}; id < run.nodes(); ++id) run.send(id, static_cast<NodeId>((id + run.nodes() / 2) % run.nodes()));
   run.run_until_ended(run.nodes());
 }
 
 void adversarial(Run& run) {
   run.result.formula = (run.T() + run.d()) * run.n();
   measure(run, [](NodeId node, const SendEnded&) { return node == 0; });
-  run.send(0, static_cast<NodeId>(run.nodes() / 2));
+  run.send(kFirst, static_cast<NodeId>(run.nodes() / 2));
   run.send_in_front(run.ring.now());
   run.run_until_ended(run.nodes());
 }
@@ -89,8 +91,8 @@ void request(Run& run) {
     ++run.ended;
     if (node == 0) run.result.measured.add(event.at - asked);
   };
-  run.send(static_cast<NodeId>(run.nodes() - 1), 0);
-  run.ring.at(asked, [&run] { run.send(0, static_cast<NodeId>(run.nodes() / 2)); });
+  run.send(static_cast<NodeId>(run.nodes() - 1), kFirst);
+  run.ring.at(asked, [&run] { run.send(kFirst, static_cast<NodeId>(run.nodes() / 2)); });
   run.send_in_front(run.ring.now() + run.d() + run.T());
   run.run_until_ended(run.nodes() + 1u);
 }
@@ -103,7 +105,7 @@ void delivery(Run& run) {
   run.ring.on_packet = [&run, last, start](NodeId node, const core::ReceivedPacket& packet) {
     if (node == last && packet.source == 0) run.result.measured.add(packet.at - start);
   };
-  run.send(0, last);
+  run.send(kFirst, last);
   run.send_in_front(start);
   run.run_until_ended(run.nodes());
 }
@@ -112,10 +114,10 @@ void interrupt(Run& run) {
   run.result.formula = (run.d() + run.interrupt()) * run.n();
   measure(run, [](NodeId node, const SendEnded&) { return node == 0; });
   const Time start = run.ring.now();
-  run.ring.interrupt(0, static_cast<NodeId>(run.nodes() / 2), 1);
+  run.ring.interrupt(kFirst, static_cast<NodeId>(run.nodes() / 2), 1);
   for (unsigned id = 1; id < run.nodes(); ++id)
     run.ring.at(start + run.d() * id + run.interrupt() * (id - 1),
-                [&run, id] { run.ring.interrupt(static_cast<NodeId>(id), 0, 1); });
+                [&run, id] { run.ring.interrupt(static_cast<NodeId>(id), kFirst, 1); });
   run.run_until_ended(run.nodes());
 }
 
@@ -140,7 +142,7 @@ void keep_sending(Run& run, const std::function<Duration()>& pause,
 }
 
 void fill(Run& run, bool aligned) {
-  for (NodeId id = 0; id < run.nodes(); ++id) {
+  for (NodeId id{0}; id < run.nodes(); ++id) {
     const Duration phase = aligned ? Duration{0} : run.below(run.T() * run.n());
     run.ring.at(run.ring.now() + phase, [&run, id] { run.send(id, static_cast<NodeId>((id + 1u) % run.nodes())); });
   }
@@ -176,8 +178,8 @@ void interrupts_under_load(Run& run) {
     if (end.interrupt) run.result.measured.add(end.round_trip);
   });
   fill(run, false);
-  for (NodeId id = 0; id < run.nodes(); ++id)
-    run.ring.at(run.ring.now() + pause(), [&run, id] { run.ring.interrupt(id, 0, 1); });
+  for (NodeId id{0}; id < run.nodes(); ++id)
+    run.ring.at(run.ring.now() + pause(), [&run, id] { run.ring.interrupt(id, kFirst, 1); });
   run.ring.run_for((run.T() * run.n() + run.d()) * static_cast<std::int64_t>(laps(run)));
   run.ring.check();
 }

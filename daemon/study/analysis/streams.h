@@ -17,8 +17,8 @@ using wire::NodeId;
 /// Messages (or interrupts) that one node asks for again and again.
 struct Stream {
   std::string name;
-  NodeId source = 0;                      ///< place in ring order, from 0; as is the destination
-  NodeId destination = 0;                 ///< or wire::kBroadcast
+  NodeId source{0};                       ///< place in ring order, from 0; as is the destination
+  NodeId destination{0};                  ///< or wire::kBroadcast
   std::uint8_t priority = 0;              ///< 0 (highest) to 3; means nothing for an interrupt
   bool beacon = false;                    ///< the NC's own: goes before priority 0
   unsigned bytes = 0;                     ///< of one message; 0 for an interrupt

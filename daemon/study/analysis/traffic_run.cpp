@@ -56,7 +56,7 @@ class TrafficRun {
         result_(streams.size()) {
     if (!ring_->join()) throw std::runtime_error("the simulated ring did not close within 10 s");
     ring_->run_for(Duration(config.timeouts.beacon) / 2);  // between what nodes say when they join and the next
-    patience_ = config.timeouts.queue + ring_->node(0).settings().worst_lap();
+    patience_ = config.timeouts.queue + ring_->node(NodeId{0}).settings().worst_lap();
     start_ = ring_->now();
     end_ = start_ + options.duration;
     listen();

@@ -7,7 +7,7 @@ namespace limb_ring::study {
 
 namespace {
 
-constexpr NodeId kSercosMaster = 0;
+constexpr NodeId kSercosMaster{0};
 constexpr unsigned kFraming = 1 + 1 + 2 + 1;
 constexpr unsigned kMst = kFraming + 1;
 constexpr unsigned kRecordHead = 2 + 2;

@@ -3,7 +3,7 @@
 namespace limb_ring::study {
 
 namespace {
-constexpr NodeId kSlotMaster = 0;
+constexpr NodeId kSlotMaster{0};
 }
 
 // The master is before all others and, once the frame is home, behind them.

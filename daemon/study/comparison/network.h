@@ -11,7 +11,7 @@ namespace limb_ring::study {
 /// What a CPU asks a network to carry.
 struct Message {
   Time asked{};
-  NodeId source = 0, destination = 0;
+  NodeId source{0}, destination{0};
   unsigned size = 0;          ///< bytes of data
   std::uint8_t priority = 0;  ///< 0 (highest) to 3
   bool interrupt = false;     ///< to be carried the fastest way the method has; no data

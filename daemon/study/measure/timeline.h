@@ -10,7 +10,7 @@ namespace limb_ring::study {
 /// A packet at one node. All times count from the start of sending of packet 0, and are those of the
 /// Packet Manager: what arrives has the relay delay behind it, what leaves has it ahead.
 struct Passing {
-  NodeId source = 0;
+  NodeId source{0};
   unsigned hop = 0;  ///< how far it has come: 0 at its source, N when it is back
   struct Span {
     Duration header{0};  ///< its first bit

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/packets.h"
+#include "support/node_literal.h"
 #include "wire/control_message.h"
 
 namespace limb_ring::ringctl {
@@ -17,7 +18,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-const capture::RingNames kNames{"robot", {{0, "body"}, {1, "hip"}, {2, "knee"}}};
+const capture::RingNames kNames{"robot", {{0_id, "body"}, {1_id, "hip"}, {2_id, "knee"}}};
 
 CapturedPacket captured(test::Bytes bytes, std::int64_t time_ns = 0) {
   CapturedPacket packet;
@@ -88,10 +89,10 @@ TEST(PacketLine, PutsABeaconInWordsOnlyWhereAsked) {
   beacon.cpu_state = wire::CpuState::silent;
   beacon.cpu_silent_ms = 640;
   beacon.input = wire::LinkState::up;
-  beacon.input_from = 0;
+  beacon.input_from = 0_id;
   beacon.break_known = true;
-  beacon.break_before = 1;
-  beacon.break_behind = 2;
+  beacon.break_before = 1_id;
+  beacon.break_behind = 2_id;
   test::Bytes data(wire::kBeaconSize);
   encode(beacon, data.data());
   wire::DataPacket packet;
@@ -118,7 +119,8 @@ TEST(PacketLine, IsColouredOnlyWhereAsked) {
 
 TEST(PacketLine, OfAnEventNamesTheNode) {
   PacketText text(kNames, {});
-  EXPECT_EQ(text.line(capture::CapturedEvent{5, 2, "up -> open_chain"}), "(000.000000005)  * knee: up -> open_chain");
+  EXPECT_EQ(text.line(capture::CapturedEvent{5, 2_id, "up -> open_chain"}),
+            "(000.000000005)  * knee: up -> open_chain");
 }
 
 TEST(PacketJson, HoldsTheFields) {

@@ -17,7 +17,7 @@ TEST(Plan, ARingAskedForMoreThanAnyTimeHoldsHasNoBounds) {
   std::vector<unsigned> packets(62976, 512);
   packets.push_back(1);
   std::vector<Stream> streams;
-  for (NodeId n = 0; n < 35; ++n) streams.push_back(stream_from(n, static_cast<NodeId>(n + 1), packets, 10us));
+  for (NodeId n{0}; n < 35; ++n) streams.push_back(stream_from(n, static_cast<NodeId>(n + 1), packets, 10us));
   const Plan made = plan(ring, streams);
   for (const StreamPlan& stream : made.streams) {
     EXPECT_EQ(stream.confirmed, std::nullopt);
@@ -31,7 +31,7 @@ TEST(Plan, ARingAskedForMoreThanAnyTimeHoldsHasNoBounds) {
 TEST(Plan, SixteenNodesOfThePaper) {
   config::RingConfig ring = small_ring(16);
   std::vector<Stream> streams;
-  for (NodeId n = 0; n < 16; ++n) {
+  for (NodeId n{0}; n < 16; ++n) {
     ring.nodes[n].link.delay = 512ns;
     streams.push_back(stream_from(n, static_cast<NodeId>((n + 1) % 16), {512}, 1ms));
   }
@@ -164,7 +164,7 @@ TEST(Plan, ATimeOutCoversTheQueueBeforeASlowLine) {
   ring.nodes[2].link.rate = 1'000'000;
   ring.timeouts.send = 1ms;
   std::vector<Stream> streams;
-  for (NodeId n = 0; n < 3; ++n) streams.push_back(stream_from(n, 0, {512}, 1s));
+  for (NodeId n{0}; n < 3; ++n) streams.push_back(stream_from(n, 0, {512}, 1s));
   const Plan made = plan(ring, streams);
   EXPECT_EQ(made.longest_lap, ns(3 * 4'192'000 + 2 * 4192 + 3000));
   EXPECT_TRUE(made.carried());
@@ -174,7 +174,7 @@ TEST(Plan, ATimeOutCoversTheQueueBeforeASlowLine) {
 // long, 524 bytes come in, beside one half in and one half out.
 TEST(Plan, AnInsertionBufferHoldsWhatComesInWhileAnOwnPacketGoesOut) {
   std::vector<Stream> streams{stream_from(0, 1, {512}, 1ms)};
-  for (NodeId n = 1; n < 10; ++n) streams.push_back(stream_from(n, 0, {1}, 1ms));
+  for (NodeId n{1}; n < 10; ++n) streams.push_back(stream_from(n, 0, {1}, 1ms));
   EXPECT_EQ(plan(small_ring(10), streams).nodes[0].waiting, 117u);
   for (Stream& stream : streams) stream.packets = {512};
   EXPECT_EQ(plan(small_ring(10), streams).nodes[0].waiting, 3 * 524u);
@@ -185,7 +185,7 @@ TEST(Plan, AnInsertionBufferBeforeASlowerLineMayBeTooSmall) {
   config::RingConfig ring = small_ring(12);
   ring.nodes[1].link.rate = 100'000'000;  // a -> b
   std::vector<Stream> streams;
-  for (NodeId n = 0; n < 12; ++n) streams.push_back(stream_from(n, 1, {512}, 10ms));
+  for (NodeId n{0}; n < 12; ++n) streams.push_back(stream_from(n, 1, {512}, 10ms));
   const Plan made = plan(ring, streams);
   EXPECT_EQ(made.nodes[0].waiting, 11 * 524u);
   EXPECT_THAT(made.limits, ElementsAre("5764 bytes may wait in the insertion buffer of node a: "

@@ -32,12 +32,12 @@ inline config::RingConfig small_ring(std::size_t nodes) {
 /// A packet of 88 bytes of data is 100 bytes on the line: 0.8 us.
 constexpr unsigned kHundred = 88;
 
-inline Stream stream_from(NodeId source, NodeId destination, std::vector<unsigned> packets, Duration period,
+inline Stream stream_from(std::uint8_t source, std::uint8_t destination, std::vector<unsigned> packets, Duration period,
                           std::uint8_t priority = 0) {
   Stream stream;
   stream.name = "from " + std::to_string(source);
-  stream.source = source;
-  stream.destination = destination;
+  stream.source = NodeId{source};
+  stream.destination = NodeId{destination};
   stream.priority = priority;
   for (const unsigned packet : packets) stream.bytes += packet;
   stream.packets = std::move(packets);
@@ -45,7 +45,7 @@ inline Stream stream_from(NodeId source, NodeId destination, std::vector<unsigne
   return stream;
 }
 
-inline Stream interrupts_from(NodeId source, NodeId destination, std::uint8_t factor, Duration period) {
+inline Stream interrupts_from(std::uint8_t source, std::uint8_t destination, std::uint8_t factor, Duration period) {
   Stream stream = stream_from(source, destination, {}, period);
   stream.interrupt = factor;
   return stream;

@@ -130,7 +130,7 @@ TEST(Bounds, HoldOnTheHumanoid) {
 TEST(Bounds, AreReachedWhenEveryNodeStartsJustBeforeThePacketArrives) {
   const config::RingConfig ring = small_ring(4);
   std::vector<Stream> streams;
-  for (NodeId n = 0; n < 4; ++n) streams.push_back(stream_from(n, static_cast<NodeId>((n + 3) % 4), {kHundred}, 1ms));
+  for (NodeId n{0}; n < 4; ++n) streams.push_back(stream_from(n, static_cast<NodeId>((n + 3) % 4), {kHundred}, 1ms));
   // Node 3's packet reaches node 0 1 us after its start, just before node 0 asks: node 0 waits 0.8 us for it.
   // It starts at 1.8 us and reaches node 1 at 2.8 us, where one has started then; the same 1.8 us later at
   // node 2, and again at node 3, whose first is home by then.
@@ -152,7 +152,7 @@ TEST(Bounds, HoldForManySmallPacketsBehindALargeOne) {
   config::RingConfig ring = small_ring(10);
   std::vector<Stream> streams{stream_from(0, 1, {512}, 1s)};
   streams[0].phase = Duration{19'950ns};
-  for (NodeId n = 1; n < 10; ++n) {
+  for (NodeId n{1}; n < 10; ++n) {
     streams.push_back(stream_from(n, 0, {1}, 1s));
     streams.back().phase = Duration{20us} + Duration{130ns} * (9 - n) - Duration{1us} * (10 - n);
   }
@@ -164,12 +164,12 @@ TEST(Bounds, HoldWhenEverybodyStartsAtOnce) {
   config::RingConfig ring = small_ring(3);
   ring.timeouts.beacon = 10ms;
   std::vector<Stream> streams = streams_of(ring);
-  for (NodeId n = 0; n < 3; ++n)
+  for (NodeId n{0}; n < 3; ++n)
     for (std::uint8_t priority = 0; priority < 4; ++priority)
       streams.push_back(stream_from(n, static_cast<NodeId>((n + 1 + priority % 2) % 3),
                                     std::vector<unsigned>(1 + priority, 512), Duration{400us} * (1 + priority),
                                     priority));
-  for (NodeId n = 0; n < 3; ++n) streams.push_back(interrupts_from(n, wire::kBroadcast, 1, 10us));
+  for (NodeId n{0}; n < 3; ++n) streams.push_back(interrupts_from(n, wire::kBroadcast, 1, 10us));
   for (Stream& stream : streams) stream.phase = Duration{0};
   expect_kept(ring, streams, 20ms, 1);
 }

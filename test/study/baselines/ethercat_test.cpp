@@ -4,6 +4,7 @@
 #include "study/baselines/ethercat.h"
 #include "study/baselines/process_image.h"
 #include "study/network_fixture.h"
+#include "support/node_literal.h"
 
 namespace limb_ring::study {
 namespace {
@@ -18,16 +19,16 @@ TEST(EtherCat, ImageIsSharedByAsFewFramesAsHoldIt) {
   EXPECT_EQ(image.frames(), 2u);
   EXPECT_EQ(image.length(0), 1080u);
   EXPECT_EQ(image.pitch(1), 1092u);
-  EXPECT_EQ(image.slot(0), 8u + 14 + 2 + 16 + 10);
-  EXPECT_EQ(image.slot(3), 50u + 512);
-  EXPECT_EQ(image.event(3), 8u + 14 + 2 + 10 + 3);
+  EXPECT_EQ(image.slot(0_id), 8u + 14 + 2 + 16 + 10);
+  EXPECT_EQ(image.slot(3_id), 50u + 512);
+  EXPECT_EQ(image.event(3_id), 8u + 14 + 2 + 10 + 3);
 }
 
 // 3 * 512 bytes in two frames of 768: the second slot begins in the first and ends in the second.
 TEST(EtherCat, SlotMayLieInTwoFrames) {
   const ProcessImage image(gigabit(3));
-  EXPECT_EQ(image.first_frame(1), 0u);
-  EXPECT_EQ(image.last_frame(1), 1u);
+  EXPECT_EQ(image.first_frame(1_id), 0u);
+  EXPECT_EQ(image.last_frame(1_id), 1u);
 }
 
 // 24 + 44 + 4: the least an Ethernet frame holds.

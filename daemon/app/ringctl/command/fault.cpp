@@ -35,7 +35,8 @@ struct FaultOptions {
 
 fault::RingNodes nodes_of(const RingAccess& ring) {
   fault::RingNodes nodes;
-  for (const NodeName& node : ring.nodes()) nodes.push_back({node.name, std::to_string(node.id), node.id});
+  for (const NodeName& node : ring.nodes())
+    nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
   return nodes;
 }
 
