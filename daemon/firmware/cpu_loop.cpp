@@ -31,6 +31,7 @@ class Run {
 
   int loop() {
     while (!exit_code_ && !stop_requested()) {
+      cpu_.advance(read_clocks());  // a command changes nothing before it has come
       take_messages();
       if (exit_code_) break;
       say_whether_stopped();

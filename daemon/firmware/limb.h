@@ -26,6 +26,8 @@ class Limb {
   void advance(nanoseconds now);
   /// The state at `now`, under the next sequence number.
   payload::JointState sample(const Timestamps& now);
+  /// So many samples are not taken: their sequence numbers stay unused, so the receiver knows.
+  void leave_out(std::uint64_t samples) { sequence_ = static_cast<std::uint16_t>(sequence_ + samples); }
 
   const std::vector<Joint>& joints() const { return joints_; }
   bool stopped() const { return filter_.stopped(); }

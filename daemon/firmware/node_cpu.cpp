@@ -11,6 +11,11 @@ namespace {
 constexpr std::size_t kMostWithoutResult = 8;
 constexpr std::uint8_t kStatePriority = 0;
 
+/// The same instant on both clocks, where `now` is one that is known.
+Timestamps at(nanoseconds monotonic, const Timestamps& now) {
+  return {monotonic, now.wall_ns - (now.monotonic - monotonic).count()};
+}
+
 wire::ByteView view(const std::vector<std::uint8_t>& bytes) { return {bytes.data(), bytes.size()}; }
 
 }  // namespace
@@ -51,10 +56,29 @@ void NodeCpu::receive(const limb_ring::Result& result) {
 }
 
 void NodeCpu::advance(const Timestamps& now) {
+  if (states_) sample_states(now);
+  for (auto& sensor : sensors_) sample(sensor, now);
   limb_.advance(now.monotonic);
-  if (states_ && states_->take(now.monotonic) && may_send()) send(payload::encode(limb_.sample(now)), kStatePriority);
-  for (auto& sensor : sensors_)
-    if (sensor.take(now.monotonic) && may_send()) send(payload::encode(sensor.sample(limb_, now)), sensor.priority());
+}
+
+void NodeCpu::sample_states(const Timestamps& now) {
+  while (const auto due = states_->take(now.monotonic)) {
+    limb_.leave_out(due->left_out);
+    if (may_send())
+      send(payload::encode(limb_.sample(at(due->at, now))), kStatePriority);
+    else
+      limb_.leave_out(1);
+  }
+}
+
+void NodeCpu::sample(SimulatedSensor& sensor, const Timestamps& now) {
+  while (const auto due = sensor.take(now.monotonic)) {
+    sensor.leave_out(due->left_out);
+    if (may_send())
+      send(payload::encode(sensor.sample(limb_, at(due->at, now))), sensor.priority());
+    else
+      sensor.leave_out(1);
+  }
 }
 
 bool NodeCpu::may_send() {
@@ -86,16 +110,16 @@ std::optional<nanoseconds> NodeCpu::due() const {
   return earliest;
 }
 
-std::uint64_t NodeCpu::missed() const {
-  std::uint64_t sum = states_ ? states_->missed() : 0;
-  for (const auto& sensor : sensors_) sum += sensor.missed();
+std::uint64_t NodeCpu::left_out() const {
+  std::uint64_t sum = counters_.skipped + (states_ ? states_->left_out() : 0);
+  for (const auto& sensor : sensors_) sum += sensor.left_out();
   return sum;
 }
 
 std::string NodeCpu::summary() const {
   std::ostringstream text;
-  text << "sent " << counters_.sent << ", not delivered " << counters_.not_delivered << ", left out "
-       << counters_.skipped + missed() << "; commands:";
+  text << "sent " << counters_.sent << ", not delivered " << counters_.not_delivered << ", left out " << left_out()
+       << "; commands:";
   for (int i = 0; i <= static_cast<int>(Verdict::malformed); ++i) {
     const auto verdict = static_cast<Verdict>(i);
     const auto count = limb_.count(verdict);

@@ -26,7 +26,8 @@ struct NodeSetup {
 ///
 /// States go out at priority 0 and firmware.state_rate, readings at the rate and priority of
 /// their sensor, all on channel 2. Of either kind a sample is left out, and counted, while eight
-/// packets are without a result: fresh values are worth more than old ones in a queue.
+/// packets are without a result: fresh values are worth more than old ones in a queue. What is left
+/// out is missing in the sequence numbers.
 class NodeCpu {
  public:
   struct Outgoing {
@@ -65,9 +66,11 @@ class NodeCpu {
   std::string summary() const;
 
  private:
+  void sample_states(const Timestamps& now);
+  void sample(SimulatedSensor& sensor, const Timestamps& now);
   bool may_send();
   void send(const payload::Encoded& bytes, std::uint8_t priority);
-  std::uint64_t missed() const;
+  std::uint64_t left_out() const;
 
   Limb limb_;
   std::uint8_t state_to_;

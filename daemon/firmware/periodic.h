@@ -1,34 +1,46 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include "firmware/timestamps.h"
 
 namespace limb_ring::firmware {
 
-/// Something done at a fixed rate, by absolute deadlines: being late once delays nothing after
-/// it. Deadlines missed altogether are left out and counted, never caught up in a burst.
+/// Something done at a fixed rate, at the multiples of its period on the clock: so the CPUs of a host sample in the
+/// same instant, as those of a robot do that a sync interrupt keeps together, and their packets share the way. A
+/// process that was not scheduled makes up for the last kMadeUp deadlines, as the timer of a real CPU would have met
+/// them; those before are left out and counted.
 class Periodic {
  public:
-  /// First due one period after `start`. @pre rate_hz > 0
+  static constexpr std::int64_t kMadeUp = 8;
+  /// A deadline that has come.
+  struct Due {
+    nanoseconds at;
+    std::uint64_t left_out;  ///< deadlines before this one that nobody made up for
+  };
+
+  /// First due at the first multiple of the period behind `start`. @pre rate_hz > 0
   Periodic(double rate_hz, nanoseconds start)
-      : period_(static_cast<std::int64_t>(1e9 / rate_hz)), due_(start + period_) {}
+      : period_(static_cast<std::int64_t>(1e9 / rate_hz)), due_((start / period_ + 1) * period_) {}
 
   nanoseconds due() const { return due_; }
-  /// @return true once per deadline that has come
-  bool take(nanoseconds now) {
-    if (now < due_) return false;
-    const std::int64_t late = (now - due_) / period_;
-    missed_ += static_cast<std::uint64_t>(late);
-    due_ += period_ * (late + 1);
-    return true;
+  /// @return once per deadline that has come, in order
+  std::optional<Due> take(nanoseconds now) {
+    if (now < due_) return std::nullopt;
+    const std::int64_t left_out = std::max<std::int64_t>(0, (now - due_) / period_ + 1 - kMadeUp);
+    const Due due{due_ + left_out * period_, static_cast<std::uint64_t>(left_out)};
+    left_out_ += due.left_out;
+    due_ = due.at + period_;
+    return due;
   }
-  std::uint64_t missed() const { return missed_; }
+  std::uint64_t left_out() const { return left_out_; }
 
  private:
   nanoseconds period_;
   nanoseconds due_;
-  std::uint64_t missed_ = 0;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace limb_ring::firmware

@@ -20,11 +20,13 @@ class SimulatedSensor {
   SimulatedSensor(const config::SensorConfig& sensor, std::uint8_t index, nanoseconds start);
 
   nanoseconds due() const { return periodic_.due(); }
-  bool take(nanoseconds now) { return periodic_.take(now); }
+  std::optional<Periodic::Due> take(nanoseconds now) { return periodic_.take(now); }
   /// The reading at `now`, under the next sequence number.
   payload::SensorReading sample(const Limb& limb, const Timestamps& now);
+  /// So many samples are not taken: their sequence numbers stay unused, so the receiver knows.
+  void leave_out(std::uint64_t samples) { sequence_ = static_cast<std::uint16_t>(sequence_ + samples); }
   std::uint8_t priority() const { return priority_; }
-  std::uint64_t missed() const { return periodic_.missed(); }
+  std::uint64_t left_out() const { return periodic_.left_out(); }
 
  private:
   config::SensorConfig::Kind kind_;

@@ -10,6 +10,7 @@ namespace {
 
 using namespace bench;
 using testing::Each;
+using testing::ElementsAre;
 using testing::Field;
 using Outgoing = NodeCpu::Outgoing;
 
@@ -120,6 +121,25 @@ TEST_F(NodeCpuTest, LeavesOutSamplesWhileEightHaveNoResult) {
   cpu.receive(ended(Outcome::lost));
   EXPECT_EQ(run_until(1100ms).size(), 1U);
   EXPECT_EQ(cpu.counters().not_delivered, 1U);
+}
+
+TEST_F(NodeCpuTest, WhatIsLeftOutIsMissingInTheSequence) {
+  confirm = false;
+  run_until(990ms);
+  cpu.receive(ended(Outcome::delivered));
+  const auto all = run_until(1s);
+  ASSERT_EQ(all.size(), 1U);
+  const auto state = payload::decode_joint_state(view(all[0].data));
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->sequence, 99) << "the hundredth deadline";
+}
+
+TEST_F(NodeCpuTest, AProcessThatWasNotScheduledSendsWhatWasDueMeanwhileWithItsTimes) {
+  cpu.advance(at(45ms));
+  std::vector<std::int64_t> stamps;
+  for (const auto& outgoing : cpu.take_outgoing())
+    if (const auto state = payload::decode_joint_state(view(outgoing.data))) stamps.push_back(state->stamp_ns);
+  EXPECT_THAT(stamps, ElementsAre(at(10ms).wall_ns, at(20ms).wall_ns, at(30ms).wall_ns, at(40ms).wall_ns));
 }
 
 TEST_F(NodeCpuTest, TakesOrdersFromUserPacketsOnly) {
