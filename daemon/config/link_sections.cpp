@@ -19,8 +19,8 @@ Option<LinkConfig> address_option() {
 
 Section<LinkConfig> section_with(const Option<LinkConfig>& port) {
   return {
-      choice_option("transport", &LinkConfig::transport, {"unix", "udp"},
-                    "UNIX stream sockets within a host, or UDP between hosts."),
+      choice_option("transport", &LinkConfig::transport, {"unix", "shm", "udp"},
+                    "UNIX stream sockets or shared memory within a host, or UDP between hosts."),
       address_option(),
       port,
       rate_option("rate", &LinkConfig::rate, "Data rate of the line; unlimited: as fast as the host."),

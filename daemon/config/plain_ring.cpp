@@ -7,8 +7,9 @@ namespace {
 
 LinkConfig::Transport transport_of(const std::string& word) {
   if (word == "unix") return LinkConfig::Transport::unix_stream;
+  if (word == "shm") return LinkConfig::Transport::shm;
   if (word == "udp") return LinkConfig::Transport::udp;
-  throw ConfigError("transport: '" + word + "' is unknown; allowed: unix, udp");
+  throw ConfigError("transport: '" + word + "' is unknown; allowed: unix, shm, udp");
 }
 
 NodeConfig plain_node(std::uint8_t id, const LinkConfig& links) {

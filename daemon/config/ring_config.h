@@ -60,7 +60,7 @@ struct SensorConfig {
 
 /// The link INTO a node; whoever is upstream of it, connects to it so.
 struct LinkConfig {
-  enum class Transport { unix_stream, udp } transport = Transport::unix_stream;
+  enum class Transport { unix_stream, shm, udp } transport = Transport::unix_stream;
   std::string address = "127.0.0.1";  ///< udp: the node listens there, and only there
   /// udp: `links.port` + id where the node's own is not given; loading fills it in. In
   /// RingConfig::links: the port of id 0, of the ring's name where not given.
@@ -157,8 +157,10 @@ struct BridgeConfig {
 
 struct Realtime {
   std::vector<unsigned> cores;  ///< pin the daemons there; empty: anywhere
+  bool auto_cores = false;      ///< a core for each daemon, neighbours together
   int fifo = 0;                 ///< SCHED_FIFO priority 1..99; 0: off
   bool lock_memory = false;
+  nanoseconds spin{0};  ///< look for packets for so long before sleeping
 };
 
 /// One ring, as its YAML file says. Read by every program; config/OPTIONS.md lists every entry

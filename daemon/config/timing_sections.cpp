@@ -61,22 +61,30 @@ const Section<Firmware>& firmware_section() {
 
 namespace {
 
-std::vector<unsigned> read_cores(const Entry& entry) {
-  std::vector<unsigned> cores;
-  for (const Entry& item : entry.items("a list of CPU cores, such as [0] or [2, 3]", 1024))
-    cores.push_back(static_cast<unsigned>(read_integer(item, {0, 1023})));
-  return cores;
+constexpr const char* kCores = "auto, or a list of CPU cores, such as [0] or [2, 3]";
+
+void read_cores(const Entry& entry, Realtime& realtime) {
+  realtime.cores.clear();
+  realtime.auto_cores = entry.is_scalar();
+  if (realtime.auto_cores && entry.text(kCores) != "auto") entry.refuse_value("is unknown", kCores);
+  if (realtime.auto_cores) return;
+  for (const Entry& item : entry.items(kCores, 1024))
+    realtime.cores.push_back(static_cast<unsigned>(read_integer(item, {0, 1023})));
 }
 
 }  // namespace
 
 const Section<Realtime>& realtime_section() {
   static const Section<Realtime> section{
-      {"cores", "[]", "a list of CPU cores, each 0 to 1023",
-       "The daemons run on these cores only; all on one is the fastest. Empty: anywhere.",
-       [](const Entry& entry, Realtime& realtime) { realtime.cores = read_cores(entry); }},
+      {"cores", "[]", "auto, or a list of CPU cores, each 0 to 1023",
+       "The daemons run on these cores only; all on one is the fastest for one packet. auto: each on one core, "
+       "neighbours "
+       "together: the fastest under load. Empty: anywhere.",
+       read_cores},
       integer_option("fifo", &Realtime::fifo, {0, 99}, "SCHED_FIFO priority of the daemons; 0 is off."),
       flag_option("lock_memory", &Realtime::lock_memory, "Keep the daemons' memory from being paged out (mlockall)."),
+      time_option("spin", &Realtime::spin, 0s, 10ms,
+                  "A daemon looks for packets for so long before it sleeps: for a core of its own."),
   };
   return section;
 }

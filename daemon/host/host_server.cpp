@@ -13,10 +13,10 @@ namespace {
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
 /// Who is at the other end, by the kernel's word.
-ucred peer_of(Socket& socket) {
+ucred peer_of(int socket) {
   ucred peer{0, static_cast<uid_t>(-1), static_cast<gid_t>(-1)};
   socklen_t size = sizeof peer;
-  getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &peer, &size);
+  getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size);
   return peer;
 }
 
@@ -34,10 +34,10 @@ HostServer::HostServer(boost::asio::io_context& io, HostOptions options, HostHan
 HostServer::~HostServer() { close(); }
 
 void HostServer::accept() {
-  listener_.acceptor().async_accept([this](boost::system::error_code error, Socket socket) {
+  listener_.acceptor().async_accept([this](boost::system::error_code error, Listener::Socket socket) {
     if (error == boost::asio::error::operation_aborted) return;
     if (error) return accept_again_later();
-    admit(std::move(socket));
+    admit(process::UniqueFd(socket.release(error)));
     accept();
   });
 }
@@ -56,13 +56,13 @@ void HostServer::listen_again() {
   accept();
 }
 
-void HostServer::admit(Socket socket) {
-  const ucred peer = peer_of(socket);
+void HostServer::admit(process::UniqueFd socket) {
+  const ucred peer = peer_of(socket.get());
   ClientInfo info;
   info.id = ++last_id_;
   info.pid = peer.pid;
   SessionOwner& owner = *this;
-  const auto session = std::make_shared<Session>(std::move(socket), info, owner);
+  const auto session = std::make_shared<Session>(io_, std::move(socket), info, owner);
   if (peer.uid != geteuid()) {
     ++counters_.refused_foreign;
     return session->end("this ring belongs to user " + std::to_string(geteuid()) + ", not to " +

@@ -81,7 +81,7 @@ class HostServer final : private SessionOwner {
 
   void accept();
   void accept_again_later();
-  void admit(Socket socket);
+  void admit(process::UniqueFd socket);
   void on_message(Session& session, const client::ToDaemon& message) override;
   void on_end(Session& session, End end) override;
   void count(End end);

@@ -12,6 +12,7 @@ namespace limb_ring::host {
 class Listener {
  public:
   using Acceptor = boost::asio::local::stream_protocol::acceptor;
+  using Socket = boost::asio::local::stream_protocol::socket;
 
   /// @throw std::runtime_error naming the path and what is wrong with it
   Listener(boost::asio::io_context& io, const std::string& directory, std::uint8_t id, const std::string& name);

@@ -1,9 +1,9 @@
 #include "host/session.h"
 
 #include <poll.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 
-#include <boost/asio/post.hpp>
 #include <cerrno>
 #include <utility>
 
@@ -14,6 +14,8 @@ namespace {
 /// Read in one turn of the event loop: enough for some full packets, little enough that a client
 /// that floods us does not hold up the ring.
 constexpr std::size_t kReadSize = 8 * 1024;
+
+constexpr std::uint32_t kForInput = EPOLLIN | EPOLLRDHUP;
 
 std::string reason_of(SessionOwner::End how) {
   switch (how) {
@@ -33,19 +35,16 @@ bool not_now(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
 }  // namespace
 
-Session::Session(Socket socket, ClientInfo info, SessionOwner& owner)
-    : socket_(std::move(socket)),
-      greeting_timer_(socket_.get_executor()),
-      gather_timer_(socket_.get_executor()),
+Session::Session(boost::asio::io_context& io, process::UniqueFd socket, ClientInfo info, SessionOwner& owner)
+    : loop_(event_loop::PacketLoop::of(io)),
+      socket_(std::move(socket)),
+      greeting_timer_(io),
+      gather_timer_(io),
       info_(info),
-      owner_(&owner) {}
+      owner_(&owner),
+      watch_(io, socket_.get(), kForInput, [this](std::uint32_t events) { on_ready(events); }) {}
 
-void Session::start() {
-  boost::system::error_code error;
-  socket_.non_blocking(true, error);
-  wait_for_greeting();
-  wait_readable();
-}
+void Session::start() { wait_for_greeting(); }
 
 void Session::wait_for_greeting() {
   greeting_timer_.expires_after(kGreetingDeadline);
@@ -60,22 +59,22 @@ void Session::attach(const ClientInfo& info) {
   greeting_timer_.cancel();
 }
 
-void Session::wait_readable() {
-  socket_.async_wait(Socket::wait_read, [self = shared_from_this()](boost::system::error_code error) {
-    if (!self->open()) return;
-    if (error) return self->fail(SessionOwner::End::closed);
-    self->read();
-  });
+void Session::on_ready(std::uint32_t events) {
+  const auto self = shared_from_this();  // the owner may let go of us in its call
+  if ((events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0) ending_ = true;
+  if ((events & EPOLLOUT) != 0) flush();
+  if (open()) read();
 }
 
+// The end is told once; what came before it may take more than one read.
 void Session::read() {
-  const ssize_t got = ::recv(socket_.native_handle(), in_.space(kReadSize), kReadSize, 0);
+  const ssize_t got = ::recv(socket_.get(), in_.space(kReadSize), kReadSize, MSG_DONTWAIT);
   const bool ended = got == 0 || (got < 0 && !not_now(errno) && errno != EINTR);
   if (got > 0) in_.added(static_cast<std::size_t>(got));
   take_frames();
   if (!open()) return;
   if (ended) return fail(SessionOwner::End::closed);
-  wait_readable();
+  if (got > 0 && (ending_ || static_cast<std::size_t>(got) == kReadSize)) watch_.call_again();
 }
 
 void Session::take_frames() {
@@ -127,7 +126,7 @@ void Session::tell_observed_lost() {
 
 void Session::flush_soon() {
   if (std::exchange(flush_under_way_, true)) return;
-  boost::asio::post(socket_.get_executor(), [self = shared_from_this()] { self->flush(); });
+  loop_.at_turn_end([self = shared_from_this()] { self->flush(); });
 }
 
 void Session::flush_later() {
@@ -142,6 +141,7 @@ void Session::flush_later() {
 void Session::flush() {
   flush_under_way_ = false;
   if (!open()) return;
+  watch_.set_events(kForInput);
   const int error = write_now();
   if (error != 0 && !not_now(error)) return fail(SessionOwner::End::closed);
   if (queued() > 0) return wait_writable();
@@ -150,7 +150,7 @@ void Session::flush() {
 
 int Session::write_now() {
   while (queued() > 0) {
-    const ssize_t went = ::send(socket_.native_handle(), out_.data() + written_, queued(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t went = ::send(socket_.get(), out_.data() + written_, queued(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (went < 0 && errno != EINTR) return errno;
     if (went > 0) written_ += static_cast<std::size_t>(went);
   }
@@ -162,7 +162,7 @@ int Session::write_now() {
 void Session::wait_writable() {
   drop_written();
   flush_under_way_ = true;
-  socket_.async_wait(Socket::wait_write, [self = shared_from_this()](boost::system::error_code) { self->flush(); });
+  watch_.set_events(kForInput | EPOLLOUT);
 }
 
 /// Moving the rest to the front costs: done only where at least as much has gone.
@@ -173,7 +173,7 @@ void Session::drop_written() {
 }
 
 bool Session::hung_up() const {
-  pollfd entry{const_cast<Socket&>(socket_).native_handle(), POLLIN, 0};
+  pollfd entry{socket_.get(), POLLIN, 0};
   return ::poll(&entry, 1, 0) > 0 && (entry.revents & (POLLHUP | POLLERR)) != 0;
 }
 
@@ -184,8 +184,8 @@ void Session::end(const std::string& reason) {
   write_now();
   greeting_timer_.cancel();
   gather_timer_.cancel();
-  boost::system::error_code error;
-  socket_.close(error);
+  watch_.stop();
+  socket_.reset();
 }
 
 void Session::fail(SessionOwner::End how) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 #include <optional>
@@ -9,11 +8,11 @@
 
 #include "client/host_message.h"
 #include "client/stream_buffer.h"
+#include "event_loop/packet_loop.h"
 #include "host/host_handler.h"
+#include "process/unique_fd.h"
 
 namespace limb_ring::host {
-
-using Socket = boost::asio::local::stream_protocol::socket;
 
 class Session;
 
@@ -45,7 +44,8 @@ class Session : public std::enable_shared_from_this<Session> {
   static constexpr std::size_t kCapturedLot = 32 * 1024;
   static constexpr std::chrono::seconds kGreetingDeadline{2};
 
-  Session(Socket socket, ClientInfo info, SessionOwner& owner);
+  /// @throw std::system_error where it cannot be waited for
+  Session(boost::asio::io_context& io, process::UniqueFd socket, ClientInfo info, SessionOwner& owner);
 
   void start();
   /// The greeting was accepted: the client is what `info` says.
@@ -72,7 +72,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
  private:
   void wait_for_greeting();
-  void wait_readable();
+  void on_ready(std::uint32_t events);
   void read();
   void take_frames();
   void after_put();
@@ -86,7 +86,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void fail(SessionOwner::End end);
   std::size_t queued() const { return out_.size() - written_; }
 
-  Socket socket_;
+  event_loop::PacketLoop& loop_;
+  process::UniqueFd socket_;
   boost::asio::steady_timer greeting_timer_;
   boost::asio::steady_timer gather_timer_;
   ClientInfo info_;
@@ -98,6 +99,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool flush_under_way_ = false;
   bool gathering_ = false;
   std::uint64_t observed_lost_ = 0;
+  bool ending_ = false;  ///< the other end has gone; what it sent before is still to be read
+  event_loop::Watch watch_;
 };
 
 }  // namespace limb_ring::host

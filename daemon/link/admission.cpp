@@ -7,6 +7,7 @@ namespace limb_ring::link {
 std::string why_unfit(const LinkHeader& connect, Refusal refusal) {
   const std::string node = "node " + std::to_string(connect.sender);
   if (refusal == Refusal::wrong_version) return node + ": " + version_mismatch(connect.version);
+  if (refusal == Refusal::invalid_memory) return node + " offers shared memory that cannot be used";
   if (refusal == Refusal::wrong_ring) return node + " belongs to another ring";
   return node + " is not in this ring";
 }

@@ -7,6 +7,7 @@ namespace limb_ring::link {
 /// What happened at the receiving end of a link since the start.
 struct InputCounters {
   std::uint64_t reads = 0, bytes = 0, slices = 0, idle_slices = 0;
+  std::uint64_t beats = 0;          ///< shared memory: ticks at which the writer had said that it lives
   std::uint64_t connects = 0;       ///< upstream neighbours that came
   std::uint64_t losses = 0;         ///< upstream neighbours that went, for whatever reason
   std::uint64_t silences = 0;       ///< of those: silent for too long
@@ -19,20 +20,24 @@ struct InputCounters {
   std::uint64_t datagrams_lost = 0;       ///< missing from the sequence
   std::uint64_t datagrams_stale = 0;      ///< of our ring, of no session we have
   std::uint64_t delay_dropped = 0;        ///< slices that did not fit the delay line
+  std::uint64_t queue_invalid = 0;        ///< lines ended since the writer's end of the shared memory was invalid
 };
 
 /// What happened at the sending end of a link since the start.
 struct OutputCounters {
-  std::uint64_t writes = 0, bytes = 0, idle_slices = 0;
-  std::uint64_t blocked = 0;    ///< writes the socket did not take at once
-  std::uint64_t discarded = 0;  ///< bytes given or waiting while the link was gone
+  std::uint64_t writes = 0, bytes = 0;
+  std::uint64_t idle_slices = 0;  ///< or beats, through shared memory
+  std::uint64_t blocked = 0;      ///< writes the socket did not take at once
+  std::uint64_t discarded = 0;    ///< bytes given or waiting while the link was gone
   std::uint64_t datagrams = 0;
-  std::uint64_t datagrams_unsent = 0;  ///< the kernel had no room, or no route
-  std::uint64_t attempts = 0;          ///< connections tried
-  std::uint64_t refused = 0;           ///< of those: answered with a refusal
-  std::uint64_t connects = 0;          ///< downstream neighbours won
-  std::uint64_t losses = 0;            ///< downstream neighbours lost, for whatever reason
-  std::uint64_t silences = 0;          ///< of those: silent for too long (dead or frozen)
+  std::uint64_t datagrams_unsent = 0;   ///< the kernel had no room, or no route
+  std::uint64_t attempts = 0;           ///< connections tried
+  std::uint64_t refused = 0;            ///< of those: answered with a refusal
+  std::uint64_t connects = 0;           ///< downstream neighbours won
+  std::uint64_t losses = 0;             ///< downstream neighbours lost, for whatever reason
+  std::uint64_t silences = 0;           ///< of those: silent for too long (dead or frozen)
+  std::uint64_t queue_invalid = 0;      ///< of those: the reader's end of the shared memory was invalid
+  std::uint64_t queue_unavailable = 0;  ///< attempts for which the kernel gave no shared memory
 };
 
 /// Calls visit(name, value) for every counter.
@@ -42,6 +47,7 @@ void for_each_counter(const InputCounters& c, Visit&& visit) {
   visit("bytes", c.bytes);
   visit("slices", c.slices);
   visit("idle_slices", c.idle_slices);
+  visit("beats", c.beats);
   visit("connects", c.connects);
   visit("losses", c.losses);
   visit("silences", c.silences);
@@ -54,6 +60,7 @@ void for_each_counter(const InputCounters& c, Visit&& visit) {
   visit("datagrams_lost", c.datagrams_lost);
   visit("datagrams_stale", c.datagrams_stale);
   visit("delay_dropped", c.delay_dropped);
+  visit("queue_invalid", c.queue_invalid);
 }
 
 template <typename Visit>
@@ -70,6 +77,8 @@ void for_each_counter(const OutputCounters& c, Visit&& visit) {
   visit("connects", c.connects);
   visit("losses", c.losses);
   visit("silences", c.silences);
+  visit("queue_invalid", c.queue_invalid);
+  visit("queue_unavailable", c.queue_unavailable);
 }
 
 }  // namespace limb_ring::link

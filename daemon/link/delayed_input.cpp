@@ -4,18 +4,20 @@
 
 namespace limb_ring::link {
 
-/// Shared with the timer's handler, which may outlive the DelayedInput.
+/// May outlive the DelayedInput, for the rest of a call.
 struct DelayedInput::Line : std::enable_shared_from_this<Line> {
-  Line(boost::asio::io_context& io, InputHandler& to) : timer(io), next(&to) {}
+  Line(boost::asio::io_context& io, InputHandler& to) : timer(io, [this] { on_time(); }), next(&to) {}
 
   void wait() {
     waiting = true;
     timer.expires_at(events.front().due);
-    timer.async_wait([self = shared_from_this()](const boost::system::error_code&) {
-      self->waiting = false;
-      if (self->next != nullptr) self->deliver(Clock::now());
-      if (self->next != nullptr && !self->events.empty()) self->wait();
-    });
+  }
+
+  void on_time() {
+    const auto self = shared_from_this();  // the handler may close the input
+    waiting = false;
+    if (next != nullptr) deliver(Clock::now());
+    if (next != nullptr && !events.empty()) wait();
   }
 
   void deliver(Time now) {
@@ -27,7 +29,7 @@ struct DelayedInput::Line : std::enable_shared_from_this<Line> {
     }
   }
 
-  boost::asio::steady_timer timer;
+  event_loop::PacketTimer timer;
   InputHandler* next;
   std::deque<Event> events;
   std::size_t size = 0;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <boost/asio/steady_timer.hpp>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <vector>
 
+#include "event_loop/packet_timer.h"
 #include "link/counters.h"
 #include "link/endpoint.h"
 #include "link/input_handler.h"

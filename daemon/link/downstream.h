@@ -34,8 +34,10 @@ class Downstream {
   /// @return false: not possible on this line, or not now; nothing was taken.
   virtual bool hold_back(wire::ByteView) { return false; }
   virtual bool drained() const = 0;
-  /// Reads what has come, without waiting for the event loop.
-  virtual void read() = 0;
+  /// Says that this end lives, though it has nothing to send.
+  virtual void say_idle() = 0;
+  /// Once per `idle`: looks whether the other end says that it lives. That alone does not wake this one.
+  virtual void tick() = 0;
   /// Called now and then until accepted: asks again where questions can get lost.
   virtual void ask_again() = 0;
   virtual void close() = 0;

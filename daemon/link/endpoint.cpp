@@ -3,7 +3,7 @@
 namespace limb_ring::link {
 
 std::string to_string(const Endpoint& endpoint) {
-  if (endpoint.transport == Endpoint::Transport::unix_stream) return endpoint.path;
+  if (endpoint.transport != Endpoint::Transport::udp) return endpoint.path;
   return endpoint.address + ":" + std::to_string(endpoint.port);
 }
 

@@ -13,12 +13,13 @@ using Time = Clock::time_point;
 
 /// Where a node listens for its upstream neighbour. (ours)
 struct Endpoint {
-  enum class Transport { unix_stream, udp } transport = Transport::unix_stream;
-  std::string path;        ///< unix_stream: the socket, at most 107 bytes
+  enum class Transport { unix_stream, shm, udp } transport = Transport::unix_stream;
+  std::string path;        ///< unix_stream, shm: the socket, at most 107 bytes
   std::string address;     ///< udp: a numeric address; bound there and nowhere else
   std::uint16_t port = 0;  ///< udp
 
   static Endpoint unix_stream(std::string path) { return {Transport::unix_stream, std::move(path), {}, 0}; }
+  static Endpoint shm(std::string path) { return {Transport::shm, std::move(path), {}, 0}; }
   static Endpoint udp(std::string address, std::uint16_t port) {
     return {Transport::udp, {}, std::move(address), port};
   }

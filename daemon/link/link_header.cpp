@@ -11,12 +11,12 @@ constexpr std::size_t kVersionAt = 2, kTypeAt = 3, kRingAt = 4, kSessionAt = 12,
 
 bool known(std::uint8_t type, std::uint8_t refusal) {
   return type >= static_cast<std::uint8_t>(LinkHeaderType::connect) &&
-         type <= static_cast<std::uint8_t>(LinkHeaderType::bye) &&
-         refusal <= static_cast<std::uint8_t>(Refusal::wrong_version);
+         type <= static_cast<std::uint8_t>(LinkHeaderType::connect_memory) &&
+         refusal <= static_cast<std::uint8_t>(Refusal::invalid_memory);
 }
 
 bool of_any_version(const LinkHeader& header) {
-  return header.type == LinkHeaderType::connect ||
+  return header.type == LinkHeaderType::connect || header.type == LinkHeaderType::connect_memory ||
          (header.type == LinkHeaderType::refuse && header.refusal == Refusal::wrong_version);
 }
 
@@ -40,6 +40,8 @@ const char* to_string(Refusal refusal) {
       return "it is shutting down";
     case Refusal::wrong_version:
       return "it speaks another version of the protocol";
+    case Refusal::invalid_memory:
+      return "it cannot use the shared memory that was offered";
   }
   return "unknown";
 }

@@ -11,13 +11,14 @@ namespace limb_ring::link {
 
 /// What the two ends of a link say about the link itself (ours, protocol.md section 6.5). A UDP datagram is a header
 /// and, where its type is `slices`, one slice. A UNIX stream opens with one `connect` header, goes on with bare slices,
-/// and carries headers the other way.
+/// and carries headers the other way. A line through shared memory opens with `connect_memory`, which brings two
+/// descriptors along; its slices go through the memory.
 ///
 ///   | magic "LR" | version 8 | type 8 | ring hash 64 | session 64 | sequence 32 | sender 8 | refusal 8 |
 ///
 /// Session: the upper half is a random number of the connecting end, the lower half one of the
 /// accepting end. So neither an old connect nor an old datagram can revive an old session.
-enum class LinkHeaderType : std::uint8_t { connect = 1, accept, refuse, slices, alive, bye };
+enum class LinkHeaderType : std::uint8_t { connect = 1, accept, refuse, slices, alive, bye, connect_memory };
 
 enum class Refusal : std::uint8_t {
   none = 0,
@@ -27,7 +28,8 @@ enum class Refusal : std::uint8_t {
   not_in_ring,      ///< does not know this node id
   unknown_session,  ///< has restarted or given up this session: connect again
   closing,          ///< is shutting down
-  wrong_version     ///< speaks another version of the protocol
+  wrong_version,    ///< speaks another version of the protocol
+  invalid_memory    ///< cannot use the shared memory that was offered
 };
 const char* to_string(Refusal refusal);
 

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "link/memory_downstream.h"
 #include "link/udp_downstream.h"
 #include "link/unix_downstream.h"
 #include "wire/slice.h"
@@ -104,6 +105,10 @@ std::shared_ptr<Downstream> Output::make_line(std::size_t candidate) {
   Downstream::Owner& owner = *this;
   if (endpoint.transport == Endpoint::Transport::udp) {
     return std::make_shared<UdpDownstream>(io_, udp_address(endpoint), settings_.self, candidate, owner, counters_);
+  }
+  if (endpoint.transport == Endpoint::Transport::shm) {
+    return std::make_shared<MemoryDownstream>(io_, endpoint.path, settings_.self, candidate,
+                                              queue_capacity(settings_.candidates.size()), owner, counters_);
   }
   return std::make_shared<UnixDownstream>(io_, endpoint.path, settings_.self, candidate, owner, counters_);
 }
@@ -211,10 +216,9 @@ void Output::tick(Time now) {
 void Output::tick_current(Time now) {
   if (!wrote_) write_idle();
   wrote_ = false;
-  if (!silence_.tick(now)) return;
   const auto judged = current_;
-  judged->read();  // this end may not have been scheduled: see what has come
-  if (current_ != judged || !silence_.still()) return;
+  judged->tick();
+  if (current_ != judged || !silence_.tick(now)) return;
   ++counters_.silences;
   lose(Successor::Loss::silent, "silent: dead or frozen");
 }
@@ -222,9 +226,7 @@ void Output::tick_current(Time now) {
 void Output::write_idle() {
   if (!current_->drained() || wire_ != Wire::whole) return;
   ++counters_.idle_slices;
-  wire::SliceWriter idle;
-  idle.put(wire::SliceKind::idle, {});
-  current_->write(idle.view());
+  current_->say_idle();
 }
 
 void Output::tick_attempts(Time now) {

@@ -6,13 +6,13 @@
 #include <string_view>
 #include <vector>
 
+#include "event_loop/ticker.h"
 #include "link/counters.h"
 #include "link/downstream.h"
 #include "link/endpoint.h"
 #include "link/report_once.h"
 #include "link/silence.h"
 #include "link/successor.h"
-#include "link/ticker.h"
 
 namespace limb_ring::link {
 
@@ -122,7 +122,7 @@ class Output final : private Downstream::Owner {
   std::map<std::size_t, Attempt> attempts_;
   std::shared_ptr<Downstream> current_;
   Silence silence_;
-  Ticker ticker_;
+  event_loop::Ticker ticker_;
   std::size_t ticks_ = 0;
   Wire wire_ = Wire::whole;
   bool wrote_ = false;  ///< since the last tick

@@ -16,7 +16,7 @@ void PendingConnection::wait() {
 
 void PendingConnection::read() {
   const auto self = shared_from_this();  // the owner lets go of us in its call
-  const auto got = receive_now(socket_.native_handle(), bytes_.data() + size_, kLinkHeaderSize - size_);
+  const auto got = receive_now(socket_.native_handle(), bytes_.data() + size_, kLinkHeaderSize - size_, descriptors_);
   if (got < 0 && would_block(errno)) return;
   if (got <= 0) return owner_->on_unknown_peer(self, "it left without a word");
   size_ += static_cast<std::size_t>(got);
@@ -26,7 +26,8 @@ void PendingConnection::read() {
 void PendingConnection::greeted() {
   const auto header = parse_header({bytes_.data(), size_});
   if (!header) return owner_->on_unknown_peer(shared_from_this(), kNoNode);
-  if (header->type != LinkHeaderType::connect) {
+  if (descriptors_.size() > kMostDescriptors) return owner_->on_unknown_peer(shared_from_this(), kNoNode);
+  if (header->type != LinkHeaderType::connect && header->type != LinkHeaderType::connect_memory) {
     return owner_->on_unknown_peer(shared_from_this(), "it did not ask to connect");
   }
   owner_->on_greeted(shared_from_this(), *header);
@@ -48,9 +49,10 @@ void PendingConnection::answer(const LinkHeader& header) {
   send_now(socket_.native_handle(), {bytes.data(), bytes.size()});
 }
 
-UnixSocket PendingConnection::release() {
+process::UniqueFd PendingConnection::release() {
   owner_ = nullptr;
-  return std::move(socket_);
+  boost::system::error_code error;
+  return process::UniqueFd(socket_.release(error));
 }
 
 }  // namespace limb_ring::link

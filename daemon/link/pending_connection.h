@@ -3,6 +3,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "link/endpoint.h"
 #include "link/link_header.h"
@@ -33,8 +34,10 @@ class PendingConnection : public std::enable_shared_from_this<PendingConnection>
   /// True if the other end has closed meanwhile: a node that was frozen finds attempts that others gave up long ago.
   bool hung_up();
   void answer(const LinkHeader& header);
+  /// What came with its header: for a line through shared memory, the memory and the eventfd.
+  std::vector<process::UniqueFd>& descriptors() { return descriptors_; }
   /// Hands the socket over; the connection is closed then.
-  UnixSocket release();
+  process::UniqueFd release();
 
  private:
   void wait();
@@ -45,6 +48,7 @@ class PendingConnection : public std::enable_shared_from_this<PendingConnection>
   Time since_;
   std::array<std::uint8_t, kLinkHeaderSize> bytes_{};
   std::size_t size_ = 0;
+  std::vector<process::UniqueFd> descriptors_;
 };
 
 }  // namespace limb_ring::link

@@ -1,5 +1,7 @@
 #include "link/udp_downstream.h"
 
+#include <sys/epoll.h>
+
 #include <boost/asio/post.hpp>
 #include <cerrno>
 
@@ -7,6 +9,12 @@
 #include "wire/slice.h"
 
 namespace limb_ring::link {
+namespace {
+
+/// Once a session is accepted, nothing that comes back is urgent: errors are always told.
+constexpr std::uint32_t kForErrors = 0;
+
+}  // namespace
 
 UdpDownstream::UdpDownstream(boost::asio::io_context& io, UdpAddress address, const Identity& self,
                              std::size_t candidate, Owner& owner, OutputCounters& counters)
@@ -23,16 +31,14 @@ UdpDownstream::UdpDownstream(boost::asio::io_context& io, UdpAddress address, co
 bool UdpDownstream::start() {
   socket_ = connect_udp(io_, address_);
   if (!socket_.is_open() || !tell(LinkHeaderType::connect)) return false;
-  wait_for_headers();
+  watch_ = event_loop::Watch(io_, socket_.native_handle(), EPOLLIN, [this](std::uint32_t events) { on_ready(events); });
   return true;
 }
 
-void UdpDownstream::wait_for_headers() {
-  socket_.async_wait(UdpSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
-    if (!self->open()) return;
-    self->read();
-    if (self->open() && !self->failed_) self->wait_for_headers();
-  });
+void UdpDownstream::on_ready(std::uint32_t events) {
+  const auto self = shared_from_this();  // the owner may let go of us in its call
+  if ((events & ~static_cast<std::uint32_t>(EPOLLOUT)) != 0) read();
+  if (open() && !failed_ && !backlog_.empty()) send_backlog();
 }
 
 void UdpDownstream::read() {
@@ -63,6 +69,7 @@ void UdpDownstream::accept(const LinkHeader& header) {
   accepted_ = true;
   session_ = header.session;
   batch_.start_session(session_);
+  watch_.set_events(kForErrors);
   owner_->on_accepted(candidate_);
 }
 
@@ -75,7 +82,7 @@ void UdpDownstream::write(wire::ByteView slices) {
   if (failed_ || taken == slices.size) return;
   if (backlog_.empty()) {
     ++counters_.blocked;
-    wait_for_room();
+    watch_.set_events(kForErrors | EPOLLOUT);
   }
   if (!backlog_.add(slices.from(taken))) fail("too much waits for it");
 }
@@ -90,17 +97,17 @@ std::size_t UdpDownstream::send(wire::ByteView slices) {
   return result.taken;
 }
 
-void UdpDownstream::wait_for_room() {
-  socket_.async_wait(UdpSocket::wait_write, [self = shared_from_this()](const boost::system::error_code&) {
-    if (self->open() && !self->failed_) self->send_backlog();
-  });
-}
-
 void UdpDownstream::send_backlog() {
   backlog_.remove(send(backlog_.view()));
-  if (failed_) return;
-  if (!backlog_.empty()) return wait_for_room();
+  if (failed_ || !backlog_.empty()) return;
+  watch_.set_events(kForErrors);
   owner_->on_drained(candidate_);
+}
+
+void UdpDownstream::say_idle() {
+  wire::SliceWriter idle;
+  idle.put(wire::SliceKind::idle, {});
+  write(idle.view());
 }
 
 void UdpDownstream::ask_again() {
@@ -134,6 +141,7 @@ void UdpDownstream::sever() {
   if (!open()) return;
   owner_ = nullptr;
   counters_.discarded += backlog_.size();
+  watch_.stop();
   boost::system::error_code ignored;
   socket_.close(ignored);
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "event_loop/watch.h"
 #include "link/backlog.h"
 #include "link/counters.h"
 #include "link/downstream.h"
@@ -22,15 +23,16 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
   void write(wire::ByteView slices) override;
   bool hold_back(wire::ByteView slice) override;
   bool drained() const override { return !failed_ && backlog_.empty(); }
-  void read() override;
+  void say_idle() override;
+  void tick() override { read(); }
   void ask_again() override;
   void close() override;
   void sever() override;
 
  private:
+  void read();
   bool open() const { return owner_ != nullptr; }
-  void wait_for_headers();
-  void wait_for_room();
+  void on_ready(std::uint32_t events);
   void take_header(const LinkHeader& header);
   void accept(const LinkHeader& header);
   std::size_t send(wire::ByteView slices);
@@ -50,6 +52,7 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
   bool accepted_ = false;
   Backlog backlog_;
   bool failed_ = false;
+  event_loop::Watch watch_;
 };
 
 }  // namespace limb_ring::link

@@ -1,5 +1,6 @@
 #include "link/udp_input.h"
 
+#include <sys/epoll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -18,7 +19,8 @@ constexpr int kReadsPerDrain = 64;
 
 UdpInput::UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
                    InputReport& report)
-    : settings_(settings),
+    : io_(io),
+      settings_(settings),
       handler_(handler),
       report_(report),
       admission_(settings.self, settings.order),
@@ -32,6 +34,7 @@ void UdpInput::close() {
   if (from_) tell(LinkHeaderType::refuse, session_, Refusal::closing);
   closed_ = true;
   ticker_.stop();
+  watch_.stop();
   from_.reset();
   boost::system::error_code ignored;
   socket_.close(ignored);
@@ -39,21 +42,22 @@ void UdpInput::close() {
 
 std::optional<std::uint8_t> UdpInput::from() const { return from_; }
 
-void UdpInput::wait() {
-  socket_.async_wait(UdpSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
-    if (self->closed_) return;
-    self->drain();
-    if (!self->closed_) self->wait();
+void UdpInput::start() {
+  watch_ = event_loop::Watch(io_, socket_.native_handle(), EPOLLIN, [this](std::uint32_t) {
+    const auto self = shared_from_this();  // the handler may close the input
+    drain();
   });
 }
 
 void UdpInput::drain() {
   UdpAddress sender;
-  for (int i = 0; i < kReadsPerDrain && !closed_; ++i) {
+  int reads = 0;
+  for (; reads < kReadsPerDrain && !closed_; ++reads) {
     const UdpRead read = receive_run(socket_.native_handle(), buffer_.data(), buffer_.size(), sender);
     if (read.size < 0) break;
     take_run(static_cast<std::size_t>(read.size), read.segment, sender);
   }
+  if (reads == kReadsPerDrain && !closed_) watch_.call_again();
   if (batch_ && !closed_) handler_.on_batch_end();
   batch_ = false;
 }

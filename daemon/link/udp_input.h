@@ -5,12 +5,13 @@
 #include <memory>
 #include <vector>
 
+#include "event_loop/ticker.h"
+#include "event_loop/watch.h"
 #include "link/admission.h"
 #include "link/input_line.h"
 #include "link/link_header.h"
 #include "link/sequence_check.h"
 #include "link/silence.h"
-#include "link/ticker.h"
 #include "link/udp_socket.h"
 
 namespace limb_ring::link {
@@ -22,7 +23,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
  public:
   /// @throw std::runtime_error where it cannot be bound, with the address and the cause
   UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report);
-  void start() { wait(); }
+  void start();
   void close() override;
   std::optional<std::uint8_t> from() const override;
 
@@ -33,7 +34,6 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
     Time since{};
   };
 
-  void wait();
   void drain();
   void take_run(std::size_t size, std::size_t segment, const UdpAddress& sender);
   void take(wire::ByteView datagram, const UdpAddress& sender);
@@ -50,6 +50,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void drop_old_offers(Time now);
   void tell(LinkHeaderType type, const Session& session, Refusal refusal = Refusal::none);
 
+  boost::asio::io_context& io_;
   InputSettings settings_;
   InputHandler& handler_;
   InputReport& report_;
@@ -61,10 +62,11 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   Session session_;
   SequenceCheck sequence_;
   Silence silence_;
-  Ticker ticker_;
+  event_loop::Ticker ticker_;
   bool batch_ = false;       ///< something was handed on since the last on_batch_end
   bool told_stale_ = false;  ///< one answer to stale sessions per tick is enough
   bool closed_ = false;
+  event_loop::Watch watch_;
 };
 
 }  // namespace limb_ring::link

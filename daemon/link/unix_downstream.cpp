@@ -1,49 +1,55 @@
 #include "link/unix_downstream.h"
 
+#include <sys/epoll.h>
+
 #include <boost/asio/post.hpp>
 #include <cerrno>
 #include <system_error>
 
+#include "link/unix_socket.h"
+#include "wire/slice.h"
+
 namespace limb_ring::link {
+namespace {
+
+/// Until it is accepted. Afterwards nothing that comes back is urgent but its end.
+constexpr std::uint32_t kForAnswer = EPOLLIN | EPOLLRDHUP;
+constexpr std::uint32_t kForEnd = EPOLLRDHUP;
+
+}  // namespace
 
 UnixDownstream::UnixDownstream(boost::asio::io_context& io, std::string path, const Identity& self,
                                std::size_t candidate, Owner& owner, OutputCounters& counters)
-    : io_(io),
-      path_(std::move(path)),
-      self_(self),
-      candidate_(candidate),
-      owner_(&owner),
-      counters_(counters),
-      socket_(io) {}
+    : io_(io), path_(std::move(path)), self_(self), candidate_(candidate), owner_(&owner), counters_(counters) {}
 
 bool UnixDownstream::start() {
-  socket_ = connect_unix(io_, path_);
-  if (!socket_.is_open()) return false;
+  socket_ = connect_unix(path_);
+  if (!socket_.valid()) return false;
   LinkHeader header;
   header.type = LinkHeaderType::connect;
   header.ring = self_.ring;
   header.sender = self_.id;
   header.session = std::uint64_t{fresh_nonce()} << 32;
-  const auto bytes = encode(header);
-  const auto sent = send_now(socket_.native_handle(), {bytes.data(), bytes.size()});
-  if (sent != static_cast<ssize_t>(bytes.size())) return false;
-  wait_for_headers();
+  if (!greet(header)) return false;
+  watch_ = event_loop::Watch(io_, socket_.get(), kForAnswer, [this](std::uint32_t events) { on_ready(events); });
   return true;
 }
 
-void UnixDownstream::wait_for_headers() {
-  socket_.async_wait(UnixSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
-    if (!self->open()) return;
-    self->read();
-    if (self->open() && !self->failed_) self->wait_for_headers();
-  });
+bool UnixDownstream::greet(const LinkHeader& connect) {
+  const auto bytes = encode(connect);
+  return send_now(socket_.get(), {bytes.data(), bytes.size()}) == static_cast<ssize_t>(bytes.size());
+}
+
+void UnixDownstream::on_ready(std::uint32_t events) {
+  const auto self = shared_from_this();  // the owner may let go of us in its call
+  if ((events & ~static_cast<std::uint32_t>(EPOLLOUT)) != 0) read();
+  if (open() && !failed_ && !backlog_.empty()) send_backlog();
 }
 
 void UnixDownstream::read() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
   while (open() && !failed_) {
-    const auto got =
-        receive_now(socket_.native_handle(), header_.data() + header_size_, kLinkHeaderSize - header_size_);
+    const auto got = receive_now(socket_.get(), header_.data() + header_size_, kLinkHeaderSize - header_size_);
     if (got < 0 && would_block(errno)) return;
     if (got <= 0) {
       failed_ = true;
@@ -62,8 +68,9 @@ void UnixDownstream::take_header() {
     failed_ = true;
     return owner_->on_no_node(candidate_);
   }
-  if (header->type == LinkHeaderType::accept) return owner_->on_accepted(candidate_);
-  owner_->on_heard(candidate_);
+  if (header->type != LinkHeaderType::accept) return owner_->on_heard(candidate_);
+  watch_.set_events(kForEnd);
+  owner_->on_accepted(candidate_);
 }
 
 void UnixDownstream::write(wire::ByteView slices) {
@@ -71,32 +78,45 @@ void UnixDownstream::write(wire::ByteView slices) {
     counters_.discarded += slices.size;
     return;
   }
-  std::size_t taken = 0;
-  if (backlog_.empty()) {
-    ++counters_.writes;
-    const auto sent = send_now(socket_.native_handle(), slices);
-    if (sent < 0 && !would_block(errno)) return fail(std::generic_category().message(errno));
-    taken = sent < 0 ? 0 : static_cast<std::size_t>(sent);
-    if (taken == slices.size) return;
-    ++counters_.blocked;
-    wait_for_room();
-  }
-  if (!backlog_.add(slices.from(taken))) fail("it does not read, and too much waits for it");
+  const bool waited = !backlog_.empty();
+  const std::size_t taken = waited ? 0 : send(slices);
+  if (failed_ || taken == slices.size) return;
+  if (!backlog_.add(slices.from(taken))) return fail("it does not read, and too much waits for it");
+  if (waited) return;
+  ++counters_.blocked;
+  watch_.set_events(kForEnd | wait_for_room());
 }
 
-void UnixDownstream::wait_for_room() {
-  socket_.async_wait(UnixSocket::wait_write, [self = shared_from_this()](const boost::system::error_code&) {
-    if (self->open() && !self->failed_) self->send_backlog();
-  });
+std::size_t UnixDownstream::send(wire::ByteView slices) {
+  ++counters_.writes;
+  std::string reason;
+  const std::ptrdiff_t sent = put(slices, reason);
+  if (sent < 0) fail(std::move(reason));
+  return sent < 0 ? 0 : static_cast<std::size_t>(sent);
 }
+
+std::ptrdiff_t UnixDownstream::put(wire::ByteView slices, std::string& reason) {
+  const auto sent = send_now(socket_.get(), slices);
+  if (sent >= 0) return sent;
+  if (would_block(errno)) return 0;
+  reason = std::generic_category().message(errno);
+  return -1;
+}
+
+std::uint32_t UnixDownstream::wait_for_room() { return EPOLLOUT; }
 
 void UnixDownstream::send_backlog() {
-  ++counters_.writes;
-  const auto sent = send_now(socket_.native_handle(), backlog_.view());
-  if (sent < 0 && !would_block(errno)) return fail(std::generic_category().message(errno));
-  if (sent > 0) backlog_.remove(static_cast<std::size_t>(sent));
-  if (!backlog_.empty()) return wait_for_room();
+  backlog_.remove(send(backlog_.view()));
+  if (failed_) return;
+  if (!backlog_.empty()) return watch_.set_events(kForEnd | wait_for_room());
+  watch_.set_events(kForEnd);
   owner_->on_drained(candidate_);
+}
+
+void UnixDownstream::say_idle() {
+  wire::SliceWriter idle;
+  idle.put(wire::SliceKind::idle, {});
+  write(idle.view());
 }
 
 void UnixDownstream::fail(std::string reason) {
@@ -110,8 +130,8 @@ void UnixDownstream::close() {
   if (!open()) return;
   owner_ = nullptr;
   counters_.discarded += backlog_.size();
-  boost::system::error_code ignored;
-  socket_.close(ignored);
+  watch_.stop();
+  socket_.reset();
 }
 
 }  // namespace limb_ring::link

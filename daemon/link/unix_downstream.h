@@ -1,14 +1,17 @@
 #pragma once
 
 #include <array>
+#include <boost/asio/io_context.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "event_loop/watch.h"
 #include "link/backlog.h"
 #include "link/counters.h"
 #include "link/downstream.h"
 #include "link/endpoint.h"
-#include "link/unix_socket.h"
+#include "process/unique_fd.h"
 
 namespace limb_ring::link {
 
@@ -21,16 +24,32 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
   bool start() override;
   void write(wire::ByteView slices) override;
   bool drained() const override { return !failed_ && backlog_.empty(); }
-  void read() override;
+  void say_idle() override;
+  void tick() override { read(); }
   void ask_again() override {}
   void close() override;
 
- private:
+ protected:
+  /// Sends the first header. @return false where it cannot
+  virtual bool greet(const LinkHeader& connect);
+  /// Sends what there is room for. @return how much; -1 and `reason` where the line has failed
+  virtual std::ptrdiff_t put(wire::ByteView slices, std::string& reason);
+  /// What there was no room for waits. @return the events that say there is room
+  virtual std::uint32_t wait_for_room();
+
   bool open() const { return owner_ != nullptr; }
-  void wait_for_headers();
-  void wait_for_room();
+  int socket() const { return socket_.get(); }
+  OutputCounters& counters() { return counters_; }
+  /// What waits is sent soon.
+  void try_again() { watch_.call_again(); }
+  void heard() { owner_->on_heard(candidate_); }
+
+ private:
+  void read();
+  void on_ready(std::uint32_t events);
   void take_header();
   void send_backlog();
+  std::size_t send(wire::ByteView slices);
   void fail(std::string reason);
 
   boost::asio::io_context& io_;
@@ -39,11 +58,12 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
   std::size_t candidate_;
   Owner* owner_;
   OutputCounters& counters_;
-  UnixSocket socket_;
+  process::UniqueFd socket_;
   std::array<std::uint8_t, kLinkHeaderSize> header_{};
   std::size_t header_size_ = 0;
   Backlog backlog_;
   bool failed_ = false;
+  event_loop::Watch watch_;
 };
 
 }  // namespace limb_ring::link

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <system_error>
 
 namespace limb_ring::link {
 namespace {
@@ -99,20 +100,40 @@ void UnixInput::turn_away(PendingConnection& connection, const LinkHeader& conne
 }
 
 void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) {
+  std::optional<QueueMemory> memory;
+  if (connect.type == LinkHeaderType::connect_memory) {
+    if (connection.descriptors().size() == kMostDescriptors)
+      memory = QueueMemory::open(std::move(connection.descriptors()[0]));
+    if (!memory) return turn_away(connection, connect, Refusal::invalid_memory);
+  }
   LinkHeader accept = header(LinkHeaderType::accept);
   accept.session = connect.session;
   connection.answer(accept);
-  UnixSocket socket = connection.release();
+  auto stream = make_stream(connection, std::move(memory));
+  if (!stream)
+    return report_.unknown_peer("node " + std::to_string(connect.sender) + ": cannot wait for what it sends");
   if (stream_) replace(connect.sender);
   if (closed_) return;
-  UnixStream::Owner& owner = *this;
-  stream_ = std::make_shared<UnixStream>(std::move(socket), owner, handler_, report_.counters);
+  stream_ = std::move(stream);
   from_ = connect.sender;
   silence_.restart(Clock::now());
   ++report_.counters.connects;
   report_.report_once.forget();
-  stream_->start();
   handler_.on_input_up(from_);
+}
+
+std::shared_ptr<UnixStream> UnixInput::make_stream(PendingConnection& connection, std::optional<QueueMemory> memory) {
+  UnixStream::Owner& owner = *this;
+  const LinkHeader alive = header(LinkHeaderType::alive);
+  InputCounters& counters = report_.counters;
+  process::UniqueFd socket = connection.release();
+  try {
+    if (!memory) return std::make_shared<UnixStream>(io_, std::move(socket), alive, owner, handler_, counters);
+    return std::make_shared<MemoryStream>(io_, std::move(socket), std::move(*memory),
+                                          std::move(connection.descriptors()[1]), alive, owner, handler_, counters);
+  } catch (const std::system_error&) {
+    return nullptr;  // what it offered is no eventfd
+  }
 }
 
 void UnixInput::replace(std::uint8_t by) {
@@ -136,7 +157,7 @@ void UnixInput::tick(Time now) {
   tick_pending(now);
   if (!closed_ && !accepting_) accept();
   if (!stream_) return;
-  stream_->tell(header(LinkHeaderType::alive));
+  stream_->tick();
   if (!silence_.tick(now)) return;
   stream_->read();  // this end may not have been scheduled: see what has come
   if (!stream_ || !silence_.still()) return;

@@ -4,17 +4,17 @@
 #include <memory>
 #include <vector>
 
+#include "event_loop/ticker.h"
 #include "link/admission.h"
 #include "link/input_line.h"
+#include "link/memory_stream.h"
 #include "link/pending_connection.h"
 #include "link/silence.h"
-#include "link/ticker.h"
-#include "link/unix_stream.h"
 
 namespace limb_ring::link {
 
-/// The receiving end on a UNIX-domain stream socket: the listening socket, pending connections (pending) and one
-/// stream.
+/// The receiving end on a UNIX-domain stream socket: the listening socket, pending connections and one stream, whose
+/// slices come through the socket or through shared memory, as the other end asks for.
 class UnixInput final : public InputLine,
                         public std::enable_shared_from_this<UnixInput>,
                         private PendingConnection::Owner,
@@ -37,6 +37,7 @@ class UnixInput final : public InputLine,
 
   void turn_away(PendingConnection& connection, const LinkHeader& connect, Refusal refusal);
   void admit(PendingConnection& connection, const LinkHeader& connect);
+  std::shared_ptr<UnixStream> make_stream(PendingConnection& connection, std::optional<QueueMemory> memory);
   void replace(std::uint8_t by);
   void lose(std::string_view reason);
   void let_go(const std::shared_ptr<PendingConnection>& connection);
@@ -54,7 +55,7 @@ class UnixInput final : public InputLine,
   std::shared_ptr<UnixStream> stream_;
   std::uint8_t from_ = 0;
   Silence silence_;
-  Ticker ticker_;
+  event_loop::Ticker ticker_;
   bool accepting_ = false;
   bool closed_ = false;
 };

@@ -51,20 +51,16 @@ UnixAcceptor listen_unix(boost::asio::io_context& io, const std::string& path) {
   return acceptor;
 }
 
-UnixSocket connect_unix(boost::asio::io_context& io, const std::string& path) {
-  UnixSocket line(io);
-  if (!fits(path)) return line;
-  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (fd < 0) return line;
+process::UniqueFd connect_unix(const std::string& path) {
+  if (!fits(path)) return {};
+  process::UniqueFd line(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!line.valid()) return {};
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::memcpy(address.sun_path, path.data(), path.size());
-  boost::system::error_code error;
   const auto* name = reinterpret_cast<const sockaddr*>(&address);
-  const bool connected = ::connect(fd, name, sizeof address) == 0 && same_user(fd);
-  if (connected) line.assign({}, fd, error);
-  if (!connected || error) ::close(fd);
-  if (line.is_open()) enlarge_buffers(fd);
+  if (::connect(line.get(), name, sizeof address) != 0 || !same_user(line.get())) return {};
+  enlarge_buffers(line.get());
   return line;
 }
 
@@ -86,6 +82,44 @@ ssize_t send_now(int socket, wire::ByteView bytes) {
 
 ssize_t receive_now(int socket, std::uint8_t* space, std::size_t size) {
   return ::recv(socket, space, size, MSG_DONTWAIT);
+}
+
+ssize_t send_now(int socket, wire::ByteView bytes, const std::vector<int>& descriptors) {
+  alignas(cmsghdr) std::uint8_t control[CMSG_SPACE(kMostDescriptors * sizeof(int))] = {};
+  const std::size_t size = descriptors.size() * sizeof(int);
+  iovec part{const_cast<std::uint8_t*>(bytes.data), bytes.size};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = CMSG_SPACE(size);
+  cmsghdr* header = CMSG_FIRSTHDR(&message);
+  header->cmsg_level = SOL_SOCKET;
+  header->cmsg_type = SCM_RIGHTS;
+  header->cmsg_len = CMSG_LEN(size);
+  std::memcpy(CMSG_DATA(header), descriptors.data(), size);
+  return ::sendmsg(socket, &message, MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+ssize_t receive_now(int socket, std::uint8_t* space, std::size_t size, std::vector<process::UniqueFd>& descriptors) {
+  alignas(cmsghdr) std::uint8_t control[CMSG_SPACE(kMostDescriptors * sizeof(int))];
+  iovec part{space, size};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = sizeof control;
+  const ssize_t got = ::recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  if (got < 0) return got;
+  for (cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr; header = CMSG_NXTHDR(&message, header)) {
+    if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_RIGHTS) continue;
+    for (std::size_t at = 0; at + sizeof(int) <= header->cmsg_len - CMSG_LEN(0); at += sizeof(int)) {
+      int descriptor;
+      std::memcpy(&descriptor, CMSG_DATA(header) + at, sizeof descriptor);
+      descriptors.emplace_back(descriptor);
+    }
+  }
+  return got;
 }
 
 bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }

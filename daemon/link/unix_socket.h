@@ -7,7 +7,9 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <string>
+#include <vector>
 
+#include "process/unique_fd.h"
 #include "wire/bytes.h"
 
 namespace limb_ring::link {
@@ -26,8 +28,8 @@ constexpr int kSocketBuffer = 1 << 20;
 /// @throw std::runtime_error naming the path, what is wrong and what would be right
 UnixAcceptor listen_unix(boost::asio::io_context& io, const std::string& path);
 
-/// Connects without waiting. @return a closed socket where nobody listens or the queue is full.
-UnixSocket connect_unix(boost::asio::io_context& io, const std::string& path);
+/// Connects without waiting. @return an invalid one where nobody listens or the queue is full.
+process::UniqueFd connect_unix(const std::string& path);
 
 /// True where the process at the other end belongs to our user.
 bool same_user(int socket);
@@ -37,6 +39,11 @@ void enlarge_buffers(int socket);
 /// send() and recv() that never wait and raise no signal; as those, -1 with errno.
 ssize_t send_now(int socket, wire::ByteView bytes);
 ssize_t receive_now(int socket, std::uint8_t* space, std::size_t size);
+/// The same with descriptors, at most kMostDescriptors: they come with the first of the bytes.
+constexpr std::size_t kMostDescriptors = 2;
+ssize_t send_now(int socket, wire::ByteView bytes, const std::vector<int>& descriptors);
+/// @param descriptors those that came are added
+ssize_t receive_now(int socket, std::uint8_t* space, std::size_t size, std::vector<process::UniqueFd>& descriptors);
 /// True where an errno says only: not now.
 bool would_block(int error);
 

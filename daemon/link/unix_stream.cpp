@@ -1,23 +1,37 @@
 #include "link/unix_stream.h"
 
+#include <sys/epoll.h>
+
 #include <cerrno>
 #include <string>
 #include <system_error>
 
+#include "link/unix_socket.h"
+
 namespace limb_ring::link {
 
-void UnixStream::wait() {
-  socket_.async_wait(UnixSocket::wait_read, [self = shared_from_this()](const boost::system::error_code&) {
-    if (self->owner_ == nullptr) return;
-    self->read();
-    if (self->owner_ != nullptr) self->wait();
-  });
-}
+UnixStream::UnixStream(boost::asio::io_context& io, process::UniqueFd socket, const LinkHeader& alive, Owner& owner,
+                       InputHandler& handler, InputCounters& counters)
+    : socket_(std::move(socket)),
+      alive_(alive),
+      owner_(&owner),
+      handler_(handler),
+      counters_(counters),
+      watch_(io, socket_.get(), EPOLLIN | EPOLLRDHUP, [this](std::uint32_t events) {
+        if ((events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0) ending_ = true;
+        read();
+      }) {}
 
+// The end is told once; what came before it may take more than one read.
 void UnixStream::read() {
   const auto self = shared_from_this();  // the handler may close the input
-  const auto got = receive_now(socket_.native_handle(), feed_.space(), feed_.space_size());
-  if (got > 0) return take(static_cast<std::size_t>(got));
+  const std::size_t space = feed_.space_size();
+  const auto got = receive_now(socket_.get(), feed_.space(), space);
+  if (got > 0) {
+    take(static_cast<std::size_t>(got));
+    if (open() && (ending_ || static_cast<std::size_t>(got) == space)) watch_.call_again();
+    return;
+  }
   if (got == 0 || (got < 0 && errno == ECONNRESET)) return owner_->on_ended("its end was closed");
   if (would_block(errno)) return;
   owner_->on_ended("reading failed: " + std::generic_category().message(errno));
@@ -34,14 +48,14 @@ void UnixStream::take(std::size_t size) {
 
 void UnixStream::tell(const LinkHeader& header) {
   const auto bytes = encode(header);
-  send_now(socket_.native_handle(), {bytes.data(), bytes.size()});
+  send_now(socket_.get(), {bytes.data(), bytes.size()});
 }
 
 void UnixStream::close() {
   owner_ = nullptr;
   feed_.stop();
-  boost::system::error_code ignored;
-  socket_.close(ignored);
+  watch_.stop();
+  socket_.reset();
 }
 
 }  // namespace limb_ring::link

@@ -3,9 +3,10 @@
 #include <memory>
 #include <string_view>
 
+#include "event_loop/watch.h"
 #include "link/link_header.h"
 #include "link/slice_feed.h"
-#include "link/unix_socket.h"
+#include "process/unique_fd.h"
 
 namespace limb_ring::link {
 
@@ -20,25 +21,40 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
     ~Owner() = default;
   };
 
-  UnixStream(UnixSocket socket, Owner& owner, InputHandler& handler, InputCounters& counters)
-      : socket_(std::move(socket)), owner_(&owner), handler_(handler), counters_(counters) {}
+  /// @param alive what this end sends back while it lives
+  /// @throw std::system_error where the socket cannot be waited for
+  UnixStream(boost::asio::io_context& io, process::UniqueFd socket, const LinkHeader& alive, Owner& owner,
+             InputHandler& handler, InputCounters& counters);
+  virtual ~UnixStream() = default;
 
-  void start() { wait(); }
-  /// Takes what has come, once. May call the handler and on_ended.
-  void read();
+  /// Takes what has come. May call the handler and on_ended.
+  virtual void read();
+  /// Once per `idle`: says that this end lives.
+  virtual void tick() { say_alive(); }
   /// Sends a header back; if the other end does not read, it is lost; headers are sent again.
   void tell(const LinkHeader& header);
-  void close();
+  virtual void close();
+
+ protected:
+  bool open() const { return owner_ != nullptr; }
+  void say_alive() { tell(alive_); }
+  SliceFeed& feed() { return feed_; }
+  Owner& owner() { return *owner_; }
+  InputCounters& counters() { return counters_; }
+  /// So much was put into feed().space().
+  void take(std::size_t size);
+  /// What the socket said: the other end is gone.
+  bool ending() const { return ending_; }
 
  private:
-  void wait();
-  void take(std::size_t size);
-
-  UnixSocket socket_;
+  process::UniqueFd socket_;
+  LinkHeader alive_;
   Owner* owner_;
   InputHandler& handler_;
   InputCounters& counters_;
   SliceFeed feed_;
+  bool ending_ = false;
+  event_loop::Watch watch_;
 };
 
 }  // namespace limb_ring::link

@@ -43,20 +43,17 @@ void BabblingCpu::send() {
   engine_.controller().send(request, engine_.now());
 }
 
-void BabblingCpu::send_after(std::chrono::nanoseconds pause) {
-  next_.expires_after(pause);
-  next_.async_wait([this, run = run_](const boost::system::error_code& error) {
-    if (error || !on_ || run != run_) return;
-    send();
-    engine_.pump();
-  });
+void BabblingCpu::send_next() {
+  if (!on_) return;
+  send();
+  engine_.pump();
 }
 
 void BabblingCpu::on_ended(const core::SendEnded& ended) {
   if (!on_ || ended.token != run_) return;
   ++sent_;
   const auto pause = ended.outcome == core::Outcome::rejected ? std::max(period_, kRejectedPause) : period_;
-  if (pause.count() > 0) return send_after(pause);
+  if (pause.count() > 0) return next_.expires_at(Clock::Steady::now() + pause);
   send();
 }
 

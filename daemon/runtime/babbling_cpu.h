@@ -1,8 +1,8 @@
 #pragma once
 
 #include <array>
-#include <boost/asio/steady_timer.hpp>
 
+#include "event_loop/packet_timer.h"
 #include "runtime/engine.h"
 
 namespace limb_ring::runtime {
@@ -11,7 +11,7 @@ namespace limb_ring::runtime {
 /// end. The real CPU goes on beside it. (ours)
 class BabblingCpu {
  public:
-  BabblingCpu(boost::asio::io_context& io, Engine& engine) : engine_(engine), next_(io) {}
+  BabblingCpu(boost::asio::io_context& io, Engine& engine) : engine_(engine), next_(io, [this] { send_next(); }) {}
 
   /// One packet per `period`, as each has ended; 0: its queue is always full, and what is beyond that is rejected.
   void start(std::chrono::nanoseconds period);
@@ -23,10 +23,10 @@ class BabblingCpu {
 
  private:
   void send();
-  void send_after(std::chrono::nanoseconds pause);
+  void send_next();
 
   Engine& engine_;
-  boost::asio::steady_timer next_;
+  event_loop::PacketTimer next_;
   std::chrono::nanoseconds period_{0};
   bool on_ = false;
   std::uint32_t run_ = 0;  ///< number of this run, as a token: results of an earlier run do not count

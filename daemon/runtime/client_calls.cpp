@@ -26,7 +26,7 @@ void ClientCalls::on_send(host::ClientId client, const client::SendRequest& requ
   send.channel = wire::ChannelId{request.channel};
   send.data = request.data;
   to_.engine.controller().send(send, to_.engine.now());
-  to_.engine.pump();
+  to_.engine.pump_soon();
 }
 
 void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptRequest& request) {
@@ -38,6 +38,7 @@ void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptReq
     result.reason = "factor " + std::to_string(request.factor) + " is wired to reset: " + sentence(result.why);
     return to_.host.result(client, result);
   }
+  to_.engine.pump();  // what was sent before it has begun
   to_.engine.controller().interrupt(
       {SendOwner::of(client).to_core(), request.token, wire::NodeId{request.destination}, wire::Factor{request.factor}},
       to_.engine.now());
@@ -45,6 +46,7 @@ void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptReq
 }
 
 void ClientCalls::on_pull(host::ClientId client, const client::PullRequest& request) {
+  to_.engine.pump();  // as above
   to_.engine.controller().pull(SendOwner::of(client).to_core(), request.token, request.input, to_.engine.now());
   to_.engine.pump();
 }

@@ -12,7 +12,10 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& en
       host_(host),
       changed_(std::move(changed)),
       process_(io, std::move(options), *this),
-      next_read_(io) {}
+      next_read_(io, [this] {
+        hand_over();
+        engine_.pump();
+      }) {}
 
 void CpuSocket::start() {
   process_.start();
@@ -58,16 +61,8 @@ void CpuSocket::hand_over() {
       host_.give(
           client::PacketView{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()});
   }
-  if (read_throttle_.next() != core::kNever && controller.received_waiting() != 0) hand_over_later();
-}
-
-void CpuSocket::hand_over_later() {
-  next_read_.expires_at(engine_.clock().steady(read_throttle_.next()));
-  next_read_.async_wait([this](const boost::system::error_code& error) {
-    if (error) return;
-    hand_over();
-    engine_.pump();
-  });
+  if (read_throttle_.next() != core::kNever && controller.received_waiting() != 0)
+    next_read_.expires_at(engine_.clock().steady(read_throttle_.next()));
 }
 
 CpuActionResult CpuSocket::reset(const std::string& reason) {

@@ -59,7 +59,6 @@ class CpuSocket final : private CpuEvents {
   bool is_sink() const { return kind_ == config::CpuConfig::Kind::none; }
   void on_cpu_changed() override;
   void report();
-  void hand_over_later();
   void drop_client();
 
   config::CpuConfig::Kind kind_;
@@ -69,7 +68,7 @@ class CpuSocket final : private CpuEvents {
   std::function<void()> changed_;
   CpuProcess process_;
   ReadThrottle read_throttle_;
-  boost::asio::steady_timer next_read_;
+  event_loop::PacketTimer next_read_;
   core::CpuReport reported_;
   Stop stop_;
   std::uint32_t sink_boots_ = 1;

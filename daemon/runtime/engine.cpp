@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace limb_ring::runtime {
 
@@ -9,7 +10,12 @@ Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const se
                EngineListener& listener)
     : listener_(listener),
       controller_(core, clock_.now()),
-      timer_(io),
+      loop_(event_loop::PacketLoop::of(io)),
+      timer_(io,
+             [this] {
+               armed_for_ = core::kNever;
+               pump();
+             }),
       silence_(links.first.input.timing.silence),
       first_(io, clock_, links.first, core::Line::first, *this) {
   LineHandler& handler = *this;
@@ -114,6 +120,14 @@ void Engine::pump() {
   if (!closed_) arm_timer();
 }
 
+void Engine::pump_soon() {
+  if (std::exchange(pump_asked_, true)) return;
+  loop_.at_turn_end([this] {
+    pump_asked_ = false;
+    pump();
+  });
+}
+
 void Engine::round() {
   again_ = false;
   if (deadline_ <= at_) controller_.handle_timeout(at_);
@@ -155,11 +169,6 @@ void Engine::arm_timer() {
   if (deadline_ >= armed_for_) return;
   armed_for_ = deadline_;
   timer_.expires_at(clock_.steady(deadline_));
-  timer_.async_wait([this](const boost::system::error_code& error) {
-    if (error) return;
-    armed_for_ = core::kNever;
-    pump();
-  });
 }
 
 }  // namespace limb_ring::runtime

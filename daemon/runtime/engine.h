@@ -1,12 +1,13 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/network_controller.h"
+#include "event_loop/packet_loop.h"
+#include "event_loop/packet_timer.h"
 #include "runtime/clock.h"
 #include "runtime/node_line.h"
 #include "setup/link_settings.h"
@@ -59,6 +60,8 @@ class Engine final : private LineHandler, private core::NetworkController::Tap {
   /// To be called after anything was asked of the controller. Calling it from within a handler
   /// only makes another round follow.
   void pump();
+  /// The same at the end of the event loop's turn, once for all that comes in it: for what comes with every packet.
+  void pump_soon();
   void close();
   /// The links' listening sockets, in a runtime folder that was removed. @throw std::runtime_error
   void listen_again();
@@ -67,7 +70,7 @@ class Engine final : private LineHandler, private core::NetworkController::Tap {
 
  private:
   void on_slice(core::Line line, const wire::Slice& slice) override;
-  void on_batch_end() override { pump(); }
+  void on_batch_end() override { pump_soon(); }
   void on_input_gap(core::Line line) override;
   void on_input_up(core::Line line, wire::NodeId from) override;
   void on_input_lost(core::Line line, std::string_view reason) override;
@@ -90,7 +93,8 @@ class Engine final : private LineHandler, private core::NetworkController::Tap {
   Clock clock_;
   EngineListener& listener_;
   core::NetworkController controller_;
-  boost::asio::steady_timer timer_;
+  event_loop::PacketLoop& loop_;
+  event_loop::PacketTimer timer_;
   core::Time armed_for_ = core::kNever;
   core::Time deadline_{};
   core::Time at_{};
@@ -101,6 +105,7 @@ class Engine final : private LineHandler, private core::NetworkController::Tap {
   bool in_batch_ = false;
   bool pumping_ = false;
   bool again_ = false;
+  bool pump_asked_ = false;
   bool closed_ = false;
   NodeLine first_;
   std::optional<NodeLine> second_;

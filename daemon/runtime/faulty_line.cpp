@@ -6,7 +6,7 @@ namespace limb_ring::runtime {
 
 // Every fault whose damage is random comes with a seed of its own, so this one decides nothing.
 FaultyLine::FaultyLine(boost::asio::io_context& io, const Clock& clock, link::Output& output)
-    : clock_(clock), output_(output), faults_(0), timer_(io) {}
+    : clock_(clock), output_(output), faults_(0), timer_(io, [this] { update(clock_.now()); }) {}
 
 fault::LineFaults::Id FaultyLine::begin(const fault::Fault& fault, core::Time now) {
   const auto id = faults_.begin(fault, now);
@@ -60,9 +60,6 @@ void FaultyLine::arm_timer() {
   const core::Time due = faults_.next_deadline();
   if (due == core::kNever) return;
   timer_.expires_at(clock_.steady(due));
-  timer_.async_wait([this](const boost::system::error_code& error) {
-    if (!error) update(clock_.now());
-  });
 }
 
 }  // namespace limb_ring::runtime

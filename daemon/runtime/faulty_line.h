@@ -1,7 +1,6 @@
 #pragma once
 
-#include <boost/asio/steady_timer.hpp>
-
+#include "event_loop/packet_timer.h"
 #include "fault/line_faults.h"
 #include "link/output.h"
 #include "runtime/clock.h"
@@ -47,7 +46,7 @@ class FaultyLine {
   const Clock& clock_;
   link::Output& output_;
   fault::LineFaults faults_;
-  boost::asio::steady_timer timer_;
+  event_loop::PacketTimer timer_;
   wire::SliceWriter due_;
   link::Wire wire_ = link::Wire::whole;
   bool active_ = false;  ///< something is wrong, or still held back

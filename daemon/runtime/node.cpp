@@ -11,7 +11,8 @@ namespace {
 /// As they are before the daemon pins itself: neither its CPU nor a restarted daemon is to share that.
 std::optional<cpu_set_t> own_cores(const config::RingConfig& ring) {
   cpu_set_t cores;
-  if (ring.realtime.cores.empty() || ::sched_getaffinity(0, sizeof cores, &cores) != 0) return std::nullopt;
+  const bool pinned = ring.realtime.auto_cores || !ring.realtime.cores.empty();
+  if (!pinned || ::sched_getaffinity(0, sizeof cores, &cores) != 0) return std::nullopt;
   return cores;
 }
 
@@ -22,7 +23,7 @@ CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig&
   options.environment = {
       {"LIMB_RING_RING", ring.ring}, {"LIMB_RING_NODE", std::to_string(node.id)}, {"LIMB_RING_CONFIG", ring.path}};
   options.boot_timeout = ring.timeouts.cpu_boot;
-  options.affinity = cores;
+  if (!ring.realtime.auto_cores) options.affinity = cores;  // else it stays beside its controller
   return options;
 }
 

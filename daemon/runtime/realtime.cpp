@@ -18,6 +18,16 @@ void pin_to(const std::vector<unsigned>& cores) {
     spdlog::warn("realtime.cores: {} (does this machine have these cores?); going on unpinned", std::strerror(errno));
 }
 
+std::vector<unsigned> allowed_cores() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<unsigned> cores;
+  if (sched_getaffinity(0, sizeof set, &set) != 0) return {0};
+  for (unsigned core = 0; core < CPU_SETSIZE; ++core)
+    if (CPU_ISSET(core, &set)) cores.push_back(core);
+  return cores;
+}
+
 void ask_for_fifo(int priority) {
   sched_param param{};
   param.sched_priority = priority;
@@ -33,7 +43,13 @@ void lock_memory() {
 
 }  // namespace
 
-void apply_realtime(const config::Realtime& realtime) {
+unsigned core_of(std::size_t place, std::size_t nodes, const std::vector<unsigned>& allowed) {
+  return allowed[place * allowed.size() / nodes];
+}
+
+void apply_realtime(const config::RingConfig& ring, std::size_t place) {
+  const config::Realtime& realtime = ring.realtime;
+  if (realtime.auto_cores) pin_to({core_of(place, ring.nodes.size(), allowed_cores())});
   if (!realtime.cores.empty()) pin_to(realtime.cores);
   if (realtime.fifo > 0) ask_for_fifo(realtime.fifo);
   if (realtime.lock_memory) lock_memory();

@@ -131,10 +131,10 @@ void Requests::sync(const Json&, const Answer& answer) {
   const std::int64_t clock = monotonic_ns();
   to_.pins.latch(to_.node.id, clock);
   to_.interrupts.interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
-    Json json = end_of(ended);
-    json["ring_size"] = to_.engine.controller().membership().ring_size();
-    json["clock_ns"] = clock;
-    answer(json);
+    Json end = end_of(ended);
+    end["ring_size"] = to_.engine.controller().membership().ring_size();
+    end["clock_ns"] = clock;
+    answer(end);
   });
 }
 

@@ -14,7 +14,8 @@ constexpr core::Owner kTrafficOwner = SendOwner::of(SendOwner::Kind::traffic).to
 bool Traffic::start(const TrafficRequest& request, Done done) {
   if (runs_.size() >= kMostRuns) return false;
   const std::uint32_t id = ++last_id_;
-  auto& run = *runs_.emplace(id, std::make_unique<Run>(io_, request, std::move(done))).first->second;
+  auto& run = *runs_.emplace(id, std::make_unique<Run>(io_, request, std::move(done), [this, id] { send_next(id); }))
+                   .first->second;
   run.begun = run.last_end = engine_.now();
   run.round_trips.reserve(request.count);
   run.deadline.expires_after(request.deadline);
@@ -42,14 +43,11 @@ void Traffic::send(std::uint32_t id, Run& run) {
   engine_.controller().send(request, engine_.now());
 }
 
-void Traffic::send_later(std::uint32_t id, Run& run) {
-  run.next.expires_after(run.request.interval);
-  run.next.async_wait([this, id](const boost::system::error_code& error) {
-    const auto it = runs_.find(id);
-    if (error || it == runs_.end()) return;
-    send(id, *it->second);
-    engine_.pump();
-  });
+void Traffic::send_next(std::uint32_t id) {
+  const auto it = runs_.find(id);
+  if (it == runs_.end()) return;
+  send(id, *it->second);
+  engine_.pump();
 }
 
 void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) {
@@ -66,7 +64,7 @@ void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) 
   if (complete(run)) return finish(ended.token);
   // A rejection comes at once: sending again at once would keep the event loop from all else.
   if (run.request.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
-    send_later(ended.token, run);
+    run.next.expires_at(Clock::Steady::now() + run.request.interval);
   else
     send(ended.token, run);
 }

@@ -43,11 +43,11 @@ class Traffic {
 
  private:
   struct Run {
-    Run(boost::asio::io_context& io, TrafficRequest r, Done d)
-        : request(std::move(r)), done(std::move(d)), next(io), deadline(io) {}
+    Run(boost::asio::io_context& io, TrafficRequest r, Done d, std::function<void()> send_next)
+        : request(std::move(r)), done(std::move(d)), next(io, std::move(send_next)), deadline(io) {}
     TrafficRequest request;
     Done done;
-    boost::asio::steady_timer next;
+    event_loop::PacketTimer next;
     boost::asio::steady_timer deadline;
     std::uint64_t sent = 0;
     bool out = false;
@@ -61,7 +61,7 @@ class Traffic {
   };
 
   void send(std::uint32_t id, Run& run);
-  void send_later(std::uint32_t id, Run& run);
+  void send_next(std::uint32_t id);
   void finish(std::uint32_t id);
   static bool complete(const Run& run);
   static nlohmann::json report(Run& run);

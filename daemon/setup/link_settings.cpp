@@ -19,7 +19,9 @@ link::Endpoint endpoint_of(const NodeConfig& node, const std::string& directory,
   const bool second = line == Line::second;
   if (node.link.transport == LinkConfig::Transport::udp)
     return link::Endpoint::udp(node.link.address, second ? node.link.second_port() : node.link.port);
-  return link::Endpoint::unix_stream(socket_path(directory, std::to_string(node.id), second ? "link2" : "link"));
+  std::string path = socket_path(directory, std::to_string(node.id), second ? "link2" : "link");
+  return node.link.transport == LinkConfig::Transport::shm ? link::Endpoint::shm(std::move(path))
+                                                           : link::Endpoint::unix_stream(std::move(path));
 }
 
 /// Ids in the order in which the line runs.

@@ -52,7 +52,7 @@ TEST(RingFile, SetsFirmwareBridgeAndRealtime) {
   const RingConfig ring =
       read(two_nodes("firmware: {state_rate: 250, bandwidth: 12.5, damping: 1}\n"
                      "bridge: {rate: 25}\n"
-                     "realtime: {cores: [0, 2], fifo: 40, lock_memory: true}\n"));
+                     "realtime: {cores: [0, 2], fifo: 40, lock_memory: true, spin: 50us}\n"));
   EXPECT_EQ(ring.firmware.state_rate, 250.0);
   EXPECT_EQ(ring.firmware.bandwidth, 12.5);
   EXPECT_EQ(ring.firmware.damping, 1.0);
@@ -60,6 +60,12 @@ TEST(RingFile, SetsFirmwareBridgeAndRealtime) {
   EXPECT_THAT(ring.realtime.cores, ElementsAre(0u, 2u));
   EXPECT_EQ(ring.realtime.fifo, 40);
   EXPECT_TRUE(ring.realtime.lock_memory);
+  EXPECT_EQ(ring.realtime.spin, 50us);
+  EXPECT_FALSE(ring.realtime.auto_cores);
+}
+
+TEST(RingFile, ChoosesTheCoresWhereTheyAreAuto) {
+  EXPECT_TRUE(read(two_nodes("realtime: {cores: auto}\n")).realtime.auto_cores);
 }
 
 TEST(RingFile, LinksAreTheDefaultOfEveryNodeWhereverTheyStand) {

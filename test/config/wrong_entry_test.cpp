@@ -84,7 +84,8 @@ TEST(WrongEntry, RateTransportAddressAndPort) {
               HasSubstr("'links.rate': 'fast' is not a rate; allowed: a rate such as 10Mbit/s"));
   EXPECT_THAT(refusal_of(two_nodes("links: {rate: 0}\n")),
               AllOf(HasSubstr("'0' is out of range"), HasSubstr("or unlimited")));
-  EXPECT_THAT(refusal_of(two_nodes("links: {transport: tcp}\n")), HasSubstr("'tcp' is unknown; allowed: unix, udp"));
+  EXPECT_THAT(refusal_of(two_nodes("links: {transport: tcp}\n")),
+              HasSubstr("'tcp' is unknown; allowed: unix, shm, udp"));
   EXPECT_THAT(refusal_of(two_nodes("links: {address: localhost}\n")),
               HasSubstr("'localhost' is not an address in numbers"));
   EXPECT_THAT(refusal_of(two_nodes("links: {address: 0.0.0.0}\n")), HasSubstr("'0.0.0.0' is not one interface"));
@@ -99,7 +100,7 @@ TEST(WrongEntry, FlagThatIsNeitherTrueNorFalse) {
 
 TEST(WrongEntry, CoresThatAreNone) {
   EXPECT_THAT(refusal_of(two_nodes("realtime: {cores: 1}\n")),
-              HasSubstr("'realtime.cores': '1' is no list; allowed: a list of CPU cores"));
+              HasSubstr("'realtime.cores': '1' is unknown; allowed: auto, or a list of CPU cores"));
   EXPECT_THAT(refusal_of(two_nodes("realtime: {cores: [0, -1]}\n")),
               HasSubstr("'realtime.cores[1]': '-1' is out of range"));
 }

@@ -12,7 +12,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-struct Bypass : OnBothTransports {
+struct Bypass : OnEveryTransport {
   LinkRig rig{4, GetParam()};
 
   void close_ring() {
@@ -20,7 +20,7 @@ struct Bypass : OnBothTransports {
     ASSERT_TRUE(rig.until([&] { return rig.whole(); }));
   }
 };
-LIMB_RING_ON_BOTH_TRANSPORTS(Bypass);
+LIMB_RING_ON_EVERY_TRANSPORT(Bypass);
 
 TEST_P(Bypass, GoesAroundANodeThatEndsAndBackWhenItReturns) {
   close_ring();

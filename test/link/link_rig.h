@@ -55,12 +55,10 @@ class LinkRig {
       nodes_.push_back(std::make_unique<RigNode>());
       order_.push_back(static_cast<std::uint8_t>(i));
     }
-    if (transport == Transport::unix_stream) {
-      for (std::size_t i = 0; i < nodes; ++i) {
-        endpoints_.push_back(Endpoint::unix_stream(folder_.file(std::to_string(i))));
-      }
-    } else {
-      find_ports(nodes);
+    if (transport == Transport::udp) find_ports(nodes);
+    for (std::size_t i = 0; i < nodes && transport != Transport::udp; ++i) {
+      const std::string path = folder_.file(std::to_string(i));
+      endpoints_.push_back(transport == Transport::shm ? Endpoint::shm(path) : Endpoint::unix_stream(path));
     }
   }
 
@@ -165,17 +163,20 @@ inline void put_whole(wire::SliceWriter& writer, std::size_t size, std::uint8_t 
   writer.put(wire::SliceKind::whole, {bytes.data(), bytes.size()});
 }
 
-/// Tests that hold on either transport.
-struct OnBothTransports : testing::TestWithParam<Endpoint::Transport> {
+/// Tests that hold on every transport.
+struct OnEveryTransport : testing::TestWithParam<Endpoint::Transport> {
   bool udp() const { return GetParam() == Endpoint::Transport::udp; }
 };
 
 inline std::string transport_name(const testing::TestParamInfo<Endpoint::Transport>& info) {
-  return info.param == Endpoint::Transport::udp ? "Udp" : "Unix";
+  if (info.param == Endpoint::Transport::udp) return "Udp";
+  return info.param == Endpoint::Transport::shm ? "Shm" : "Unix";
 }
 
-#define LIMB_RING_ON_BOTH_TRANSPORTS(suite)                                                                        \
-  INSTANTIATE_TEST_SUITE_P(On, suite, testing::Values(Endpoint::Transport::unix_stream, Endpoint::Transport::udp), \
-                           transport_name)
+#define LIMB_RING_ON_EVERY_TRANSPORT(suite)                                                                  \
+  INSTANTIATE_TEST_SUITE_P(                                                                                  \
+      On, suite,                                                                                             \
+      testing::Values(Endpoint::Transport::unix_stream, Endpoint::Transport::shm, Endpoint::Transport::udp), \
+      transport_name)
 
 }  // namespace limb_ring::link

@@ -15,8 +15,7 @@ using testing::HasSubstr;
 /// Node 1's input, with this test as node 0.
 struct UnixInputFromHand : testing::Test {
   LinkRig rig{3, Endpoint::Transport::unix_stream};
-  boost::asio::io_context io;
-  UnixSocket line{io};
+  process::UniqueFd line;
   RecordingInput& heard = rig.node(1).heard;
 
   void SetUp() override {
@@ -24,14 +23,14 @@ struct UnixInputFromHand : testing::Test {
     line = greet(0);
     ASSERT_TRUE(rig.until([&] { return rig.node(1).input->from() == 0; }));
   }
-  UnixSocket greet(std::uint8_t sender) {
-    UnixSocket socket = connect_unix(io, rig.endpoint(1).path);
+  process::UniqueFd greet(std::uint8_t sender) {
+    process::UniqueFd socket = connect_unix(rig.endpoint(1).path);
     LinkHeader header;
     header.type = LinkHeaderType::connect;
     header.ring = LinkRig::kRing;
     header.sender = sender;
     const auto bytes = encode(header);
-    send_now(socket.native_handle(), {bytes.data(), bytes.size()});
+    send_now(socket.get(), {bytes.data(), bytes.size()});
     return socket;
   }
   const InputCounters& counters() { return rig.node(1).input->counters(); }
@@ -42,14 +41,14 @@ TEST_F(UnixInputFromHand, PutsASliceTogetherThatComesByteByByte) {
   put_whole(writer, 40, 5);
   const wire::ByteView framed = writer.view();
   for (std::size_t i = 0; i < framed.size; ++i) {
-    send_now(line.native_handle(), framed.from(i).first(1));
+    send_now(line.get(), framed.from(i).first(1));
     ASSERT_TRUE(rig.until([&] { return counters().bytes == i + 1; }));
   }
   EXPECT_THAT(heard.slices, ElementsAre(std::vector<std::uint8_t>(40, 5)));
 }
 
 TEST_F(UnixInputFromHand, IsLostAtOnceWhenTheOtherEndCloses) {
-  line.close();
+  line.reset();
   ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
   EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("closed")));
 }
@@ -57,8 +56,8 @@ TEST_F(UnixInputFromHand, IsLostAtOnceWhenTheOtherEndCloses) {
 TEST_F(UnixInputFromHand, HandsOnWhatCameBeforeTheEnd) {
   wire::SliceWriter writer;
   put_whole(writer, 524, 5);
-  send_now(line.native_handle(), writer.view());
-  line.close();
+  send_now(line.get(), writer.view());
+  line.reset();
   ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
   EXPECT_THAT(heard.log, ElementsAre("up 0", "slice", "batch end", HasSubstr("closed")));
 }
@@ -71,20 +70,20 @@ TEST_F(UnixInputFromHand, IsLostWhenNothingComesForTooLong) {
 
 TEST_F(UnixInputFromHand, IsClosedOnWhatIsNoSlice) {
   const std::vector<std::uint8_t> garbage(50, 0xFF);
-  send_now(line.native_handle(), {garbage.data(), garbage.size()});
+  send_now(line.get(), {garbage.data(), garbage.size()});
   ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
   EXPECT_EQ(counters().malformed, 1u);
   EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("no slice")));
 }
 
 TEST_F(UnixInputFromHand, TellsTheReplacedOneWhy) {
-  UnixSocket again = greet(0);
+  process::UniqueFd again = greet(0);
   ASSERT_TRUE(rig.until([&] { return counters().replaced == 1; }));
   EXPECT_THAT(heard.log, ElementsAre("up 0", "lost: replaced by node 0", "up 0"));
   std::optional<LinkHeader> last;
   ASSERT_TRUE(rig.until([&] {
     std::array<std::uint8_t, kLinkHeaderSize> bytes;
-    const auto got = receive_now(line.native_handle(), bytes.data(), bytes.size());
+    const auto got = receive_now(line.get(), bytes.data(), bytes.size());
     if (got > 0) last = parse_header({bytes.data(), static_cast<std::size_t>(got)});
     return got == 0;
   }));
@@ -107,7 +106,7 @@ TEST_F(UnixInputFromHand, MayBeClosedByItsHandlerInTheMiddleOfABatch) {
   wire::SliceWriter writer;
   put_whole(writer, 20, 1);
   put_whole(writer, 20, 2);
-  send_now(line.native_handle(), writer.view());
+  send_now(line.get(), writer.view());
   ASSERT_TRUE(rig.until([&] { return !handler.slices.empty(); }));
   rig.run_for(milliseconds(30));
   EXPECT_THAT(handler.log, ElementsAre("up 0", "slice"));

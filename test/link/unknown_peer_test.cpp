@@ -24,18 +24,18 @@ struct UnknownPeer : testing::Test {
     EXPECT_TRUE(rig.whole());
     EXPECT_THAT(rig.node(1).heard.log, ElementsAre("up 0"));
   }
-  UnixSocket knock() { return connect_unix(io, rig.endpoint(1).path); }
-  void say(UnixSocket& socket, const LinkHeader& header) {
+  process::UniqueFd knock() { return connect_unix(rig.endpoint(1).path); }
+  void say(process::UniqueFd& socket, const LinkHeader& header) {
     const auto bytes = encode(header);
-    send_now(socket.native_handle(), {bytes.data(), bytes.size()});
+    send_now(socket.get(), {bytes.data(), bytes.size()});
   }
   std::uint64_t unknown_peers() { return rig.node(1).input->counters().unknown_peers; }
   /// The header that comes back; nothing where the line is closed without a word.
-  std::optional<LinkHeader> answer(UnixSocket& socket) {
+  std::optional<LinkHeader> answer(process::UniqueFd& socket) {
     std::array<std::uint8_t, kLinkHeaderSize> bytes;
     ssize_t got = -1;
     const bool came = rig.until([&] {
-      got = receive_now(socket.native_handle(), bytes.data(), bytes.size());
+      got = receive_now(socket.get(), bytes.data(), bytes.size());
       return got >= 0;
     });
     EXPECT_TRUE(came) << "neither an answer nor an end";
@@ -44,28 +44,28 @@ struct UnknownPeer : testing::Test {
 };
 
 TEST_F(UnknownPeer, ThatTalksGarbageIsClosedAndCounted) {
-  UnixSocket socket = knock();
+  process::UniqueFd socket = knock();
   const std::string garbage(100, 'x');
-  send_now(socket.native_handle(), {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
+  send_now(socket.get(), {reinterpret_cast<const std::uint8_t*>(garbage.data()), garbage.size()});
   ASSERT_TRUE(rig.until([&] { return unknown_peers() == 1; }));
   EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("is not a limb_ring node"));
   EXPECT_THAT(rig.node(1).heard.unknown_peers, ElementsAre("peer is not a limb_ring node"));
 }
 
 TEST_F(UnknownPeer, ThatLeavesWithoutAWordIsCounted) {
-  knock().close();
+  knock();
   EXPECT_TRUE(rig.until([&] { return unknown_peers() == 1; }));
 }
 
 TEST_F(UnknownPeer, ThatSaysNothingIsClosedInTime) {
-  UnixSocket socket = knock();
+  process::UniqueFd socket = knock();
   EXPECT_FALSE(answer(socket));
   EXPECT_EQ(unknown_peers(), 1u);
   EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("did not say"));
 }
 
 TEST_F(UnknownPeer, OfAnotherRingIsToldSo) {
-  UnixSocket socket = knock();
+  process::UniqueFd socket = knock();
   LinkHeader header;
   header.type = LinkHeaderType::connect;
   header.ring = LinkRig::kRing + 1;
@@ -82,7 +82,7 @@ TEST_F(UnknownPeer, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
   header.type = LinkHeaderType::connect;
   header.ring = LinkRig::kRing;
   for (int i = 0; i < 3; ++i) {
-    UnixSocket socket = knock();
+    process::UniqueFd socket = knock();
     say(socket, header);
     const auto answered = answer(socket);
     ASSERT_TRUE(answered);
@@ -95,7 +95,7 @@ TEST_F(UnknownPeer, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
 }
 
 TEST_F(UnknownPeer, OfNoNodeOfTheRingIsToldSo) {
-  UnixSocket socket = knock();
+  process::UniqueFd socket = knock();
   LinkHeader header;
   header.type = LinkHeaderType::connect;
   header.ring = LinkRig::kRing;
@@ -107,7 +107,7 @@ TEST_F(UnknownPeer, OfNoNodeOfTheRingIsToldSo) {
 }
 
 TEST_F(UnknownPeer, AsAFartherNodeIsToldThatWeAreBusy) {
-  UnixSocket socket = knock();
+  process::UniqueFd socket = knock();
   LinkHeader header;
   header.type = LinkHeaderType::connect;
   header.ring = LinkRig::kRing;
@@ -120,7 +120,7 @@ TEST_F(UnknownPeer, AsAFartherNodeIsToldThatWeAreBusy) {
 }
 
 TEST_F(UnknownPeer, InACrowdKeepsNobodyOut) {
-  std::vector<UnixSocket> crowd;
+  std::vector<process::UniqueFd> crowd;
   for (int i = 0; i < 50; ++i) crowd.push_back(knock());
   ASSERT_TRUE(rig.until([&] { return unknown_peers() == 50; }));
 }

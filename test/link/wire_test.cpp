@@ -6,7 +6,7 @@
 namespace limb_ring::link {
 namespace {
 
-struct WireOfAnOutput : OnBothTransports {
+struct WireOfAnOutput : OnEveryTransport {
   LinkRig rig{3, GetParam()};
   Output& output() { return *rig.node(0).output; }
   InputCounters heard() { return rig.node(1).input->counters(); }
@@ -15,7 +15,7 @@ struct WireOfAnOutput : OnBothTransports {
     ASSERT_TRUE(rig.until([&] { return rig.whole(); }));
   }
 };
-LIMB_RING_ON_BOTH_TRANSPORTS(WireOfAnOutput);
+LIMB_RING_ON_EVERY_TRANSPORT(WireOfAnOutput);
 
 TEST_P(WireOfAnOutput, CutLosesTheLineAndNobodyIsAskedForUntilItIsWhole) {
   const auto attempts = output().counters().attempts;

@@ -78,7 +78,7 @@ class ScenarioLive(RingTest):
         return run
 
     def test_as_expected_over_unix_and_udp(self):
-        for transport in ('unix', 'udp'):
+        for transport in ('unix', 'shm', 'udp'):
             done = self.play(KILL, more=['--transport', transport])
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             self.assertIn('a node dies (live, seed 1)', done.stdout)

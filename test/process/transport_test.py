@@ -1,4 +1,4 @@
-"""UNIX and UDP links, in any mix, and a line slow enough to see who overtakes whom."""
+"""UNIX links, shared memory and UDP, in any mix, and a line slow enough to see who overtakes whom."""
 
 import json
 import os
@@ -30,6 +30,26 @@ class Transport(RingTest):
         self.ringd(os.path.join(self.folder, 'ring.yaml'), 2)
         self.wait_closed(range(4))
         self.assert_carries(4)
+
+    def test_shared_memory_mixes_with_the_others(self):
+        nodes = plain_nodes(4)
+        nodes[2]['link'] = {'transport': 'udp', 'port': free_udp_ports(1)}
+        nodes[3]['link'] = {'transport': 'unix'}
+        daemons = self.start_ring(nodes, links={'transport': 'shm'}, timeouts=SEEN_SOON)
+        self.assert_carries(4)
+        self.wait('a beat through shared memory', lambda: self.counters(1)['input_beats'] > 0)
+        self.assertEqual([self.counters(node)['input_beats'] for node in (2, 3)], [0, 0])
+        daemons[0].kill()  # the one before it goes on through shared memory, to the next
+        self.wait_closed([1, 2, 3])
+        self.assert_carries_between(1, 3)
+        self.ringd(os.path.join(self.folder, 'ring.yaml'), 0)
+        self.wait_closed(range(4))
+        self.assert_carries(4)
+        self.assertEqual(sum(self.counters(node)['input_queue_invalid'] for node in range(4)), 0)
+
+    def assert_carries_between(self, source, to):
+        ping = self.ctl_json('ping', '--from', source, '--to', to, '--count', 100)
+        self.assertEqual(ping['delivered'], 100)
 
     def test_nodes_on_another_host_are_shown_by_their_beacons(self):
         """Another host is another runtime folder here."""

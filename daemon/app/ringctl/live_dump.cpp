@@ -129,10 +129,10 @@ void LiveDump::on(Source& source, const CapturedPacket& packet) {
 void LiveDump::on(Source& source, const CaptureCounts& counts) { source.counts = counts; }
 
 void LiveDump::on(Source& source, const Observed& seen) {
-  const nlohmann::json json = nlohmann::json::parse(seen.json, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object() || ending_) return;
-  if (json.contains("error")) throw UsageError(json["error"].get<std::string>());
-  sink_.event({json.value("time_ns", std::int64_t{0}), wire::NodeId{source.port.id()}, event_words(json)});
+  const nlohmann::json what = nlohmann::json::parse(seen.json, nullptr, /*allow_exceptions=*/false);
+  if (!what.is_object() || ending_) return;
+  if (what.contains("error")) throw UsageError(what["error"].get<std::string>());
+  sink_.event({what.value("time_ns", std::int64_t{0}), wire::NodeId{source.port.id()}, event_words(what)});
 }
 
 void LiveDump::on(Source& source, const Disconnected& end) {

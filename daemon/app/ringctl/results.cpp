@@ -124,9 +124,9 @@ int exit_code(const std::vector<Result>& results) {
   return std::all_of(results.begin(), results.end(), may_be) ? kUnknown : kNotDone;
 }
 
-int report(const std::vector<Result>& results, bool json) {
+int report(const std::vector<Result>& results, bool as_json) {
   const auto good = static_cast<std::size_t>(std::count_if(results.begin(), results.end(), delivered));
-  if (json)
+  if (as_json)
     print_json(results, good);
   else
     print_text(results);

@@ -20,7 +20,7 @@ std::vector<Result> send_all(HostPort& port, unsigned count, const std::function
                              std::chrono::nanoseconds interval = {});
 
 /// Prints one result, or how many ended how, or all as JSON. @return exit_code()
-int report(const std::vector<Result>& results, bool json);
+int report(const std::vector<Result>& results, bool as_json);
 
 /// As send_all; and what was refused has its reason from its destinations, where they can be asked on this host.
 /// @param to id of a node of the ring, or kBroadcast

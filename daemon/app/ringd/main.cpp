@@ -12,8 +12,10 @@
 #include "app/ringd/stderr_sink.h"
 #include "config/config_error.h"
 #include "config/options_markdown.h"
+#include "event_loop/packet_loop.h"
 #include "runtime/node.h"
 #include "runtime/realtime.h"
+#include "setup/core_settings.h"
 
 namespace {
 
@@ -35,7 +37,7 @@ bool is_ignored(int signal) {
 int run(const config::RingConfig& ring, const config::NodeConfig& config) {
   boost::asio::io_context io(1);
   runtime::Node node(io, ring, config);
-  runtime::apply_realtime(ring.realtime);
+  runtime::apply_realtime(ring, setup::index_of(ring, config));
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   if (!is_ignored(SIGHUP)) signals.add(SIGHUP);
   signals.async_wait([&](const boost::system::error_code& error, int number) {
@@ -44,7 +46,7 @@ int run(const config::RingConfig& ring, const config::NodeConfig& config) {
     node.stop([&io] { io.stop(); });
   });
   node.start();
-  io.run();
+  event_loop::PacketLoop::of(io).run(ring.realtime.spin);
   return 0;
 }
 

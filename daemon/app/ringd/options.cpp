@@ -42,8 +42,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--nodes", o.nodes, "number of nodes, 2 to 255; with --config it must be the configuration's")
       ->transform(cli::whole(2, 255));
   app.add_option("--ring", o.ring, "name of the ring (default: the configuration's, or 'plain')");
-  app.add_option("--transport", o.transport, "unix or udp, for every link (default: the configuration's)")
-      ->transform(cli::one_of({"unix", "udp"}));
+  app.add_option("--transport", o.transport, "unix, shm or udp, for every link (default: the configuration's)")
+      ->transform(cli::one_of({"unix", "shm", "udp"}));
   app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
   try {
     const auto asked = cli::read(app, own_arguments(argc, argv));

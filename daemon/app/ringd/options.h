@@ -16,7 +16,7 @@ struct Options {
   std::optional<unsigned> index;  ///< or its place in ring order, from 0
   std::optional<unsigned> nodes;  ///< must be the configuration's number
   std::string ring;               ///< another name for the ring
-  std::string transport;          ///< unix or udp for every link
+  std::string transport;          ///< unix, shm or udp for every link
   bool list_options = false;      ///< print config/OPTIONS.md and end
 };
 

@@ -134,8 +134,8 @@ void add_scenario(CLI::App& app, Context& context) {
   auto* live = command->add_flag("--live", options->live,
                                  "On live daemons: a ring of its own for each scenario, which meets no other");
   sim->excludes(live);
-  command->add_option("--transport", options->transport, "unix or udp for all lines, with --live")
-      ->transform(cli::one_of({"unix", "udp"}))
+  command->add_option("--transport", options->transport, "unix, shm or udp for all lines, with --live")
+      ->transform(cli::one_of({"unix", "shm", "udp"}))
       ->needs(live);
   command->add_option("--junit", options->junit, "Write JUnit XML there");
   CLI::Option* capture = command->add_option("--capture", options->capture,

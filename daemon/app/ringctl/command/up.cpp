@@ -174,8 +174,8 @@ void add_up(CLI::App& app, Context& context) {
       ->add_option("--nodes", request.nodes,
                    "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
       ->transform(cli::whole(2, 255));
-  command->add_option("--transport", request.transport, "unix or udp, whatever CONFIG says")
-      ->transform(cli::one_of({"unix", "udp"}));
+  command->add_option("--transport", request.transport, "unix, shm or udp, whatever CONFIG says")
+      ->transform(cli::one_of({"unix", "shm", "udp"}));
   command->add_flag("--detach", options->detach,
                     "Return when the ring is closed; its daemons go on, each with a log file "
                     "NODE.log in the ring's folder");

@@ -1,0 +1,206 @@
+#include "event_loop/packet_loop.h"
+
+#include <sys/epoll.h>
+#include <sys/timerfd.h>
+
+#include <boost/asio/post.hpp>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "event_loop/timer_fd.h"
+#include "event_loop/watch_state.h"
+
+namespace limb_ring::event_loop {
+namespace {
+
+constexpr int kMostEvents = 32;
+
+[[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
+
+int make_set() {
+  const int set = ::epoll_create1(EPOLL_CLOEXEC);
+  if (set < 0) fail("cannot make an epoll set");
+  return set;
+}
+
+}  // namespace
+
+boost::asio::execution_context::id PacketLoop::id;
+
+PacketLoop& PacketLoop::of(boost::asio::io_context& io) { return boost::asio::use_service<PacketLoop>(io); }
+
+PacketLoop::PacketLoop(boost::asio::execution_context& io)
+    : service(io),
+      io_(static_cast<boost::asio::io_context&>(io)),
+      set_(make_set()),
+      asios_(io_),
+      cold_timer_(make_timer()) {
+  epoll_event event{};
+  event.events = EPOLLIN | EPOLLET;
+  if (::epoll_ctl(set_.get(), EPOLL_CTL_ADD, cold_timer_.get(), &event) != 0) fail("cannot wait for a timer");
+}
+
+void PacketLoop::shutdown() {
+  take_from_asio();
+  set_.reset();
+  again_.clear();
+  stopped_.clear();
+  at_turn_end_.clear();
+}
+
+// ---- watches ------------------------------------------------------------------------------
+
+void PacketLoop::add(const std::shared_ptr<Watch::State>& watch) {
+  watch->loop = this;
+  change(watch, EPOLL_CTL_ADD);
+  ++watches_;
+  let_asio_wait();
+}
+
+void PacketLoop::change(const std::shared_ptr<Watch::State>& watch, int operation) {
+  epoll_event event{};
+  event.events = watch->events | EPOLLET;
+  event.data.ptr = watch.get();
+  if (::epoll_ctl(set_.get(), operation, watch->fd, &event) == 0) return;
+  watch->loop = nullptr;
+  fail("cannot wait for a descriptor");
+}
+
+void PacketLoop::remove(std::shared_ptr<Watch::State> watch) {
+  watch->loop = nullptr;
+  if (!set_.valid()) return;
+  ::epoll_ctl(set_.get(), EPOLL_CTL_DEL, watch->fd, nullptr);
+  --watches_;
+  if (watches_ == 0) take_from_asio();  // nothing to wait for: io_context::run() may return
+  if (in_turn_) stopped_.push_back(std::move(watch));
+}
+
+void PacketLoop::call_later(const std::shared_ptr<Watch::State>& watch) {
+  again_.push_back(watch);
+  finish_soon();
+}
+
+// ---- turns --------------------------------------------------------------------------------
+
+void PacketLoop::at_turn_end(std::function<void()> call) {
+  at_turn_end_.push_back(std::move(call));
+  finish_soon();
+}
+
+// Outside of a turn there may be nobody else who comes back to it.
+void PacketLoop::finish_soon() {
+  if (in_turn_ || running_ || std::exchange(posted_, true)) return;
+  boost::asio::post(io_, [this] {
+    posted_ = false;
+    catch_up();
+  });
+}
+
+bool PacketLoop::turn(bool may_sleep) {
+  epoll_event ready[kMostEvents];
+  const int count = ::epoll_wait(set_.get(), ready, kMostEvents, may_sleep ? -1 : 0);
+  bool any = false;
+  in_turn_ = true;
+  call_those_again();
+  for (int i = 0; i < count; ++i) {
+    auto* watch = static_cast<Watch::State*>(ready[i].data.ptr);
+    if (watch == nullptr) {
+      cold_due_ = true;
+      continue;
+    }
+    any = true;
+    if (watch->loop != nullptr) watch->on_ready(ready[i].events);
+  }
+  end_turn();
+  return any;
+}
+
+void PacketLoop::catch_up() {
+  in_turn_ = true;
+  call_those_again();
+  end_turn();
+}
+
+void PacketLoop::call_those_again() {
+  called_again_.swap(again_);
+  for (const auto& watch : called_again_) {
+    watch->again = false;
+    if (watch->loop != nullptr) watch->on_ready(0);
+  }
+  called_again_.clear();
+}
+
+// Such a call may ask for another one.
+void PacketLoop::end_turn() {
+  for (std::size_t i = 0; i < at_turn_end_.size(); ++i) {
+    const auto call = std::move(at_turn_end_[i]);
+    call();
+  }
+  at_turn_end_.clear();
+  stopped_.clear();
+  in_turn_ = false;
+  if (has_work()) finish_soon();
+}
+
+// ---- running ------------------------------------------------------------------------------
+
+void PacketLoop::run(std::chrono::nanoseconds spin) {
+  running_ = true;
+  while (!io_.stopped()) {
+    if (has_work())
+      catch_up();
+    else if (hot_)
+      run_hot(spin);
+    else
+      io_.run_one();  // nothing passes: whatever comes first
+  }
+  running_ = false;
+}
+
+// Each time a wait has a time-out of its own the kernel sets a timer, which on a virtual machine costs more than all
+// else; one timer that ticks meanwhile is cheap.
+void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
+  take_from_asio();
+  set_timer(cold_timer_.get(), 0, kColdPeriod, kColdPeriod);
+  Clock::time_point last_packet = Clock::now();
+  bool packets = true;  // since the last tick
+  while (!io_.stopped()) {
+    const bool spins = spin.count() != 0 && Clock::now() - last_packet < spin;
+    if (turn(!spins && !has_work())) {
+      packets = true;
+      if (spin.count() != 0) last_packet = Clock::now();
+    }
+    if (!std::exchange(cold_due_, false)) continue;
+    tick_again(cold_timer_.get());
+    io_.poll();
+    if (!std::exchange(packets, false) && !has_work()) break;
+  }
+  set_timer(cold_timer_.get(), 0, {}, {});
+  hot_ = false;
+  let_asio_wait();
+}
+
+// Two packets within kColdPeriod are traffic. One alone is not worth watching for the next.
+void PacketLoop::let_asio_wait() {
+  if (asio_waits_ || hot_ || watches_ == 0) return;
+  asio_waits_ = true;
+  if (!asios_.is_open()) asios_.assign(set_.get());
+  asios_.async_wait(boost::asio::posix::stream_descriptor::wait_read, [this](const boost::system::error_code& error) {
+    if (error) return;  // taken back
+    asio_waits_ = false;
+    turn(false);
+    const Clock::time_point now = Clock::now();
+    hot_ = running_ && now - last_ready_ < kColdPeriod;
+    last_ready_ = now;
+    let_asio_wait();
+  });
+}
+
+// A set that is itself in another set costs time at every packet.
+void PacketLoop::take_from_asio() {
+  if (asios_.is_open()) asios_.release();
+  asio_waits_ = false;
+}
+
+}  // namespace limb_ring::event_loop

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "event_loop/watch.h"
+#include "process/unique_fd.h"
+
+namespace limb_ring::event_loop {
+
+/// The part of an event loop that packets pass through, one for each io_context. Its descriptors stay in an epoll set
+/// of its own: a packet costs one system call to wait for it, and those that read and write it. Boost.Asio, which makes
+/// one more whenever it waits for a descriptor again, keeps all that is seldom: timers, connections, signals. (ours)
+///
+/// While nothing passes, Asio waits for the set as for any descriptor. While packets pass, run() waits on the set
+/// itself, and lets Asio see to its own every kColdPeriod. A program that calls io_context::run() instead gets the same
+/// calls, more slowly.
+class PacketLoop final : public boost::asio::execution_context::service {
+ public:
+  /// What Asio looks after is at most so late while packets pass.
+  static constexpr std::chrono::milliseconds kColdPeriod{5};
+
+  static boost::asio::execution_context::id id;
+
+  /// The one of this io_context; made when it is first asked for.
+  static PacketLoop& of(boost::asio::io_context& io);
+  /// For the call above. @throw std::system_error
+  explicit PacketLoop(boost::asio::execution_context& io);
+
+  /// Runs everything until the io_context is stopped. A core that has nothing else to do may look for packets for
+  /// `spin` before it sleeps.
+  void run(std::chrono::nanoseconds spin = {});
+
+  /// Calls it at the end of this turn: when all that is ready has been read. What a turn leads to is so written at
+  /// once.
+  void at_turn_end(std::function<void()> call);
+
+ private:
+  friend class Watch;
+  using Clock = std::chrono::steady_clock;
+
+  void shutdown() override;
+  void add(const std::shared_ptr<Watch::State>& watch);
+  void change(const std::shared_ptr<Watch::State>& watch, int operation);
+  void remove(std::shared_ptr<Watch::State> watch);
+  void call_later(const std::shared_ptr<Watch::State>& watch);
+
+  /// @return whether anything but the cold timer was ready
+  bool turn(bool may_sleep);
+  void call_those_again();
+  void end_turn();
+  /// What was asked for outside of a turn.
+  void catch_up();
+  void finish_soon();
+  bool has_work() const { return !again_.empty() || !at_turn_end_.empty(); }
+  void run_hot(std::chrono::nanoseconds spin);
+  void let_asio_wait();
+  void take_from_asio();
+
+  boost::asio::io_context& io_;
+  process::UniqueFd set_;                        ///< the epoll set
+  boost::asio::posix::stream_descriptor asios_;  ///< the same while Asio waits for it
+  process::UniqueFd cold_timer_;                 ///< ticks every kColdPeriod while packets pass
+  std::vector<std::shared_ptr<Watch::State>> again_, called_again_, stopped_;
+  std::vector<std::function<void()>> at_turn_end_;
+  Clock::time_point last_ready_{};
+  std::size_t watches_ = 0;
+  bool asio_waits_ = false;
+  bool running_ = false;  ///< in run()
+  bool in_turn_ = false;
+  bool hot_ = false;  ///< packets pass: run() waits for the set itself
+  bool posted_ = false;
+  bool cold_due_ = false;
+};
+
+}  // namespace limb_ring::event_loop

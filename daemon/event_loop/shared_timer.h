@@ -1,0 +1,51 @@
+#pragma once
+
+#include <boost/asio/steady_timer.hpp>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "event_loop/ticker.h"
+
+namespace limb_ring::event_loop {
+
+/// The one timer of all tickers of one period.
+class SharedTimer : public std::enable_shared_from_this<SharedTimer> {
+ public:
+  SharedTimer(boost::asio::io_context& io, std::chrono::milliseconds period) : timer_(io), period_(period) {}
+
+  void add(std::shared_ptr<Ticker::State> ticker);
+  /// Some have stopped: with the last one the timer does, too.
+  void forget_stopped();
+
+ private:
+  void wait();
+  void tick();
+
+  boost::asio::steady_timer timer_;
+  std::chrono::milliseconds period_;
+  std::vector<std::shared_ptr<Ticker::State>> tickers_;
+  bool ticking_ = false;
+};
+
+/// Those of an io_context, by period.
+class SharedTimers final : public boost::asio::execution_context::service {
+ public:
+  static boost::asio::execution_context::id id;
+  explicit SharedTimers(boost::asio::execution_context& io)
+      : service(io), io_(static_cast<boost::asio::io_context&>(io)) {}
+
+  std::shared_ptr<SharedTimer> of(std::chrono::milliseconds period) {
+    auto& timer = timers_[period];
+    if (!timer) timer = std::make_shared<SharedTimer>(io_, period);
+    return timer;
+  }
+
+ private:
+  void shutdown() override { timers_.clear(); }
+
+  boost::asio::io_context& io_;
+  std::map<std::chrono::milliseconds, std::shared_ptr<SharedTimer>> timers_;
+};
+
+}  // namespace limb_ring::event_loop

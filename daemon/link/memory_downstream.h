@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "link/memory_queue.h"
+#include "link/unix_downstream.h"
+
+namespace limb_ring::link {
+
+/// A candidate on this host reached through shared memory: the UNIX socket carries the handshake and the headers that
+/// come back, and shows when the other end has gone; slices go into the queue.
+class MemoryDownstream final : public UnixDownstream {
+ public:
+  /// @param capacity of the queue, bytes; as QueueMemory::make() takes it
+  MemoryDownstream(boost::asio::io_context& io, std::string path, const Identity& self, std::size_t candidate,
+                   std::size_t capacity, Owner& owner, OutputCounters& counters);
+  void say_idle() override { queue_->beat(); }
+  void tick() override;
+
+ private:
+  bool greet(const LinkHeader& connect) override;
+  std::ptrdiff_t put(wire::ByteView slices, std::string& reason) override;
+  std::uint32_t wait_for_room() override;
+
+  std::size_t capacity_;
+  std::optional<QueueMemory> memory_;
+  std::optional<QueueWriter> queue_;
+  process::UniqueFd wake_;
+};
+
+}  // namespace limb_ring::link

@@ -1,0 +1,237 @@
+// A line through shared memory, with this test as the node at its other end: one that writes what it likes.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sys/eventfd.h>
+
+#include <cstring>
+#include <random>
+
+#include "link/link_rig.h"
+#include "link/memory_queue.h"
+#include "link/unix_socket.h"
+
+namespace limb_ring::link {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Node 1's input, with this test as node 0.
+struct MemoryInputFromHand : testing::Test {
+  LinkRig rig{3, Endpoint::Transport::shm};
+  std::optional<QueueMemory> memory = QueueMemory::make(QueueMemory::kSmallest);
+  QueueWriter queue{*memory};
+  process::UniqueFd wake{::eventfd(0, EFD_NONBLOCK)};
+  process::UniqueFd line;
+  RecordingInput& heard = rig.node(1).heard;
+
+  void SetUp() override { rig.start_input(1); }
+
+  void greet(const std::vector<int>& descriptors) {
+    line = connect_unix(rig.endpoint(1).path);
+    LinkHeader header;
+    header.type = LinkHeaderType::connect_memory;
+    header.ring = LinkRig::kRing;
+    const auto bytes = encode(header);
+    if (descriptors.empty())
+      send_now(line.get(), {bytes.data(), bytes.size()});
+    else
+      send_now(line.get(), {bytes.data(), bytes.size()}, descriptors);
+  }
+  void connect() {
+    greet({memory->fd(), wake.get()});
+    ASSERT_TRUE(rig.until([&] { return rig.node(1).input->from() == 0; }));
+  }
+  void put(const wire::SliceWriter& slices) {
+    ASSERT_EQ(queue.put(slices.view()), static_cast<std::ptrdiff_t>(slices.view().size));
+    if (queue.must_wake()) ::eventfd_write(wake.get(), 1);
+  }
+  std::optional<LinkHeader> answer() {
+    std::array<std::uint8_t, kLinkHeaderSize> bytes;
+    std::optional<LinkHeader> header;
+    rig.until([&] {
+      const auto got = receive_now(line.get(), bytes.data(), bytes.size());
+      if (got == static_cast<ssize_t>(bytes.size())) header = parse_header({bytes.data(), bytes.size()});
+      return got >= 0;
+    });
+    return header;
+  }
+  bool lost() { return !rig.node(1).input->up(); }
+  const InputCounters& counters() { return rig.node(1).input->counters(); }
+};
+
+TEST_F(MemoryInputFromHand, TakesSlicesOutOfTheQueue) {
+  connect();
+  wire::SliceWriter slices;
+  put_whole(slices, 524, 5);
+  put_whole(slices, 20, 6);
+  put(slices);
+  ASSERT_TRUE(rig.until([&] { return heard.slices.size() == 2; }));
+  EXPECT_THAT(heard.log, ElementsAre("up 0", "slice", "slice", "batch end"));
+}
+
+TEST_F(MemoryInputFromHand, HandsOnWhatCameBeforeTheEnd) {
+  connect();
+  wire::SliceWriter slices;
+  put_whole(slices, 524, 5);
+  put(slices);
+  line.reset();
+  ASSERT_TRUE(rig.until([&] { return lost(); }));
+  EXPECT_THAT(heard.log, ElementsAre("up 0", "slice", "batch end", HasSubstr("closed")));
+}
+
+TEST_F(MemoryInputFromHand, ABeatKeepsItAndSilenceEndsIt) {
+  connect();
+  ASSERT_TRUE(rig.until([&] {
+    queue.beat();
+    return counters().beats > 20;
+  }));
+  EXPECT_FALSE(lost());
+  ASSERT_TRUE(rig.until([&] { return lost(); }));
+  EXPECT_THAT(heard.log.back(), "lost: silent");
+}
+
+TEST_F(MemoryInputFromHand, TellsOfRoomWhereTheWriterWaits) {
+  connect();
+  EXPECT_EQ(answer()->type, LinkHeaderType::accept);
+  wire::SliceWriter slices;
+  for (int i = 0; i < 7; ++i) put_whole(slices, 524, 5);
+  put(slices);
+  queue.wait_for_room();
+  EXPECT_EQ(answer()->type, LinkHeaderType::alive);
+}
+
+TEST_F(MemoryInputFromHand, RefusesAnOfferWithoutMemory) {
+  greet({});
+  EXPECT_EQ(answer()->refusal, Refusal::invalid_memory);
+}
+
+TEST_F(MemoryInputFromHand, RefusesMemoryThatIsNotSealed) {
+  process::UniqueFd file(::open("/dev/zero", O_RDWR));
+  greet({file.get(), wake.get()});
+  EXPECT_EQ(answer()->refusal, Refusal::invalid_memory);
+  EXPECT_THAT(rig.node(1).input->last_unknown_peer(), HasSubstr("shared memory"));
+}
+
+TEST_F(MemoryInputFromHand, TurnsAwayWhoGivesNothingToWaitFor) {
+  process::UniqueFd folder(::open("/", O_RDONLY | O_DIRECTORY));
+  greet({memory->fd(), folder.get()});
+  ASSERT_TRUE(rig.until([&] { return counters().unknown_peers == 1; }));
+  EXPECT_TRUE(lost());
+}
+
+TEST_F(MemoryInputFromHand, EndsTheLineOnAnIndexThatCannotBe) {
+  connect();
+  memory->control().written.store(1u << 30);
+  ::eventfd_write(wake.get(), 1);
+  ASSERT_TRUE(rig.until([&] { return lost(); }));
+  EXPECT_EQ(counters().queue_invalid, 1u);
+  EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("shared memory is invalid")));
+}
+
+TEST_F(MemoryInputFromHand, EndsTheLineOnWhatIsNoSlice) {
+  connect();
+  const std::vector<std::uint8_t> garbage(50, 0xFF);
+  queue.put({garbage.data(), garbage.size()});
+  ::eventfd_write(wake.get(), 1);
+  ASSERT_TRUE(rig.until([&] { return lost(); }));
+  EXPECT_EQ(counters().malformed, 1u);
+}
+
+// Over all of it, again and again while the other end reads: every slice handed on is one that could have been sent.
+TEST_F(MemoryInputFromHand, SurvivesAPeerThatScribblesOverEverything) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 200; ++round) {
+    memory = QueueMemory::make(QueueMemory::kSmallest);
+    queue = QueueWriter(*memory);
+    connect();
+    for (int i = 0; i < 20 && !lost(); ++i) {
+      wire::SliceWriter slices;
+      put_whole(slices, 13 + random() % 512, static_cast<std::uint8_t>(i));
+      queue.put(slices.view());
+      auto* all = reinterpret_cast<std::uint8_t*>(&memory->control());
+      const std::size_t size = random() % 2 == 0 ? 128 : 128 + memory->capacity();
+      for (int n = 0; n < 20; ++n) all[random() % size] = static_cast<std::uint8_t>(random());
+      ::eventfd_write(wake.get(), 1);
+      rig.run_for(milliseconds(0));
+    }
+    line.reset();
+    ASSERT_TRUE(rig.until([&] { return lost(); })) << "round " << round;
+  }
+  for (const auto& slice : heard.slices) ASSERT_LE(slice.size(), wire::kMaxDataPacketSize);
+}
+
+/// Node 0's output, with this test as node 1.
+struct MemoryOutputToHand : testing::Test {
+  LinkRig rig{2, Endpoint::Transport::shm};
+  boost::asio::io_context io;
+  UnixAcceptor door{listen_unix(io, rig.endpoint(1).path)};
+  process::UniqueFd line;
+  std::vector<process::UniqueFd> offered;
+  std::optional<QueueMemory> memory;
+
+  void SetUp() override {
+    door.non_blocking(true);
+    rig.start_output(0);
+    std::array<std::uint8_t, kLinkHeaderSize> bytes;
+    ASSERT_TRUE(rig.until([&] {
+      if (!line.valid()) line = process::UniqueFd(::accept(door.native_handle(), nullptr, nullptr));
+      return line.valid() && receive_now(line.get(), bytes.data(), bytes.size(), offered) > 0;
+    }));
+    ASSERT_EQ(parse_header({bytes.data(), bytes.size()})->type, LinkHeaderType::connect_memory);
+    ASSERT_EQ(offered.size(), 2u);
+    memory = QueueMemory::open(std::move(offered[0]));
+    ASSERT_TRUE(memory);
+    LinkHeader accept;
+    accept.type = LinkHeaderType::accept;
+    accept.ring = LinkRig::kRing;
+    accept.sender = 1;
+    const auto answer = encode(accept);
+    send_now(line.get(), {answer.data(), answer.size()});
+    ASSERT_TRUE(rig.until([&] { return rig.node(0).output->up(); }));
+  }
+  void write(std::size_t packets) {
+    wire::SliceWriter slices;
+    for (std::size_t i = 0; i < packets; ++i) put_whole(slices, 524, 1);
+    rig.node(0).output->write(slices.view());
+  }
+};
+
+TEST_F(MemoryOutputToHand, WakesTheReaderThatSleeps) {
+  QueueReader reader(*memory);
+  ASSERT_TRUE(reader.sleep());
+  write(1);
+  eventfd_t woken = 0;
+  EXPECT_EQ(::eventfd_read(offered[1].get(), &woken), 0);
+  EXPECT_EQ(woken, 1u);
+}
+
+TEST_F(MemoryOutputToHand, KeepsWhatThereIsNoRoomForUntilThereIs) {
+  QueueReader reader(*memory);
+  write(20);
+  EXPECT_FALSE(rig.node(0).output->ready());
+  std::vector<std::uint8_t> space(64 * 1024);
+  std::size_t all = 0;
+  LinkHeader alive;
+  alive.ring = LinkRig::kRing;
+  const auto header = encode(alive);
+  ASSERT_TRUE(rig.until([&] {
+    reader.beat();
+    all += static_cast<std::size_t>(reader.take(space.data(), space.size()));
+    if (reader.must_tell_of_room()) send_now(line.get(), {header.data(), header.size()});
+    return rig.node(0).said.ready == 1;
+  }));
+  all += static_cast<std::size_t>(reader.take(space.data(), space.size()));
+  EXPECT_EQ(all, 20u * (524 + 4));
+}
+
+TEST_F(MemoryOutputToHand, EndsTheLineOnAnIndexThatCannotBe) {
+  memory->control().read.store(1u << 30);
+  write(1);
+  ASSERT_TRUE(rig.until([&] { return rig.node(0).output->counters().queue_invalid == 1; }));
+  ASSERT_TRUE(rig.until([&] { return !rig.node(0).said.log.empty() && rig.node(0).said.log.size() > 1; }));
+  EXPECT_THAT(rig.node(0).said.log[1], HasSubstr("shared memory is invalid"));
+}
+
+}  // namespace
+}  // namespace limb_ring::link
