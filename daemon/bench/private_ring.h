@@ -13,7 +13,7 @@ namespace limb_ring::bench {
 
 struct RingRequest {
   std::string config;     ///< YAML file; empty: a plain ring
-  std::string transport;  ///< unix or udp; empty: as the file says
+  std::string transport;  ///< unix, shm or udp; empty: as the file says
   Pinning pinning = Pinning::free;
 };
 

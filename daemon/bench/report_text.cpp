@@ -26,11 +26,22 @@ json row_json(const Row& row) {
   return all;
 }
 
+json own_rate_json(const Report& report) {
+  if (!report.own_rate) return {{"skipped", report.own_rate_skipped}};
+  const OwnRate& rate = *report.own_rate;
+  return {{"joint_states_rate", rounded(rate.joint_states_rate)},
+          {"samples", rate.samples},
+          {"left_out", rate.left_out},
+          {"lap_us", {{"p50", rounded(rate.lap_p50_us)}, {"p99", rounded(rate.lap_p99_us)}}},
+          {"cpu_percent", rounded(rate.ring_percent)}};
+}
+
 json percent(const std::optional<double>& value) { return value ? json(rounded(*value)) : json(); }
 
 std::string label(const Row& row) {
   if (row.what == "reference") return "bare reference ring (UNIX)";
   if (row.what == "unix") return "limb_ring over UNIX stream";
+  if (row.what == "shm") return "limb_ring through shared memory";
   if (row.what == "watched") return "  while one dump reads along";
   if (row.what == "udp") return "limb_ring over UDP";
   if (row.what == "cpu_to_cpu") return "limb_ring, CPU to CPU and back";
@@ -50,12 +61,24 @@ void print_line(std::ostream& out, const Row& row) {
 void print_table(std::ostream& out, const Report& report, Pinning pinning, Sending sending) {
   out << (sending == Sending::one ? "one sender, " : "all sending, ")
       << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
-  for (const char* what : {"reference", "unix", "watched", "udp", "cpu_to_cpu", "relay_chain"})
+  for (const char* what : {"reference", "shm", "unix", "watched", "udp", "cpu_to_cpu", "relay_chain"})
     if (const Row* row = report.find(what, pinning, sending)) print_line(out, *row);
 }
 
 void print_idle(std::ostream& out, const char* ring, const std::optional<double>& share) {
   if (share) out << "  " << std::left << std::setw(32) << ring << std::right << std::setw(9) << *share << " %\n";
+}
+
+void print_own_rate(std::ostream& out, const Report& report) {
+  out << "humanoid16 at 1 kHz, states and commands of all joints, ring_bridge at 1 kHz\n";
+  if (!report.own_rate) {
+    out << "  skipped, " << report.own_rate_skipped << '\n';
+    return;
+  }
+  const OwnRate& rate = *report.own_rate;
+  out << "  " << rate.samples << " samples, " << rate.left_out << " left out; joint_states " << rate.joint_states_rate
+      << " Hz; lap p50 " << rate.lap_p50_us << " us, p99 " << rate.lap_p99_us << " us; ring and bridge take "
+      << rate.ring_percent << " % of a core\n";
 }
 
 }  // namespace
@@ -69,6 +92,9 @@ json to_json(const Report& report) {
   if (!report.relay_chain_skipped.empty()) all["relay_chain"] = {{"skipped", report.relay_chain_skipped}};
   all["idle_cpu_percent"] = {{"plain", percent(report.idle_plain_percent)},
                              {"humanoid16", percent(report.idle_humanoid_percent)}};
+  all["system_call_us"] = rounded(report.costs.system_call);
+  all["process_switch_us"] = rounded(report.costs.process_switch);
+  all["humanoid_1khz"] = own_rate_json(report);
   return all;
 }
 
@@ -85,6 +111,9 @@ std::string to_text(const Report& report) {
   out << "idle rings, CPU of all processes together, of one core\n";
   print_idle(out, "plain ring", report.idle_plain_percent);
   print_idle(out, "humanoid16 with its CPUs", report.idle_humanoid_percent);
+  print_own_rate(out, report);
+  out << std::setprecision(2) << "here a system call takes " << report.costs.system_call
+      << " us; a switch to another process, with two of them, " << report.costs.process_switch << " us\n";
   return out.str();
 }
 

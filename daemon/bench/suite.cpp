@@ -39,8 +39,9 @@ class Rounds {
     for (unsigned round = 1; round <= setup_.rounds; ++round) {
       where_ = words(pinning_) + ", round " + std::to_string(round) + " of " + std::to_string(setup_.rounds);
       ring("unix", {"", "unix", pinning_});
+      ring("shm", {"", "shm", pinning_});
       ring("udp", {"", "udp", pinning_});
-      cpu_to_cpu({two_cpus, "unix", pinning_});
+      cpu_to_cpu({two_cpus, "", pinning_});
     }
   }
 
@@ -131,7 +132,11 @@ const Row* Report::find(const std::string& what, Pinning pinning, Sending sendin
 }
 
 Report run_suite(const Setup& setup, const live::PrivateFolder& folder) {
-  Report report{setup.nodes, setup.payload, setup.seconds, {}, {}, {}, {}};
+  Report report;
+  report.nodes = setup.nodes;
+  report.payload = setup.payload;
+  report.seconds = setup.seconds;
+  report.costs = measure_system_costs();
   for (const Pinning pinning : kPinnings) {
     Rounds rounds(setup, folder, pinning);
     rounds.run();
@@ -140,6 +145,9 @@ Report run_suite(const Setup& setup, const live::PrivateFolder& folder) {
   add_relay_chain(setup, folder, report);
   report.idle_plain_percent = idle_percent(setup, "");
   if (!setup.humanoid.empty()) report.idle_humanoid_percent = idle_percent(setup, setup.humanoid);
+  const OwnRateResult own_rate = measure_own_rate(setup, folder);
+  report.own_rate_skipped = own_rate.skipped;
+  if (own_rate.skipped.empty()) report.own_rate = own_rate.measured;
   return report;
 }
 

@@ -5,14 +5,16 @@
 #include <vector>
 
 #include "bench/measurement.h"
+#include "bench/own_rate.h"
 #include "bench/setup.h"
+#include "bench/system_costs.h"
 #include "live/private_folder.h"
 
 namespace limb_ring::bench {
 
 /// One thing measured in every way, beside the reference of the same rounds.
 struct Row {
-  std::string what;  ///< reference, unix, watched, udp, cpu_to_cpu, relay_chain
+  std::string what;  ///< reference, unix, shm, watched, udp, cpu_to_cpu, relay_chain
   Pinning pinning = Pinning::one_core;
   Sending sending = Sending::one;
   Measurement measured;
@@ -28,6 +30,9 @@ struct Report {
   std::string relay_chain_skipped;           ///< why; empty where it was measured
   std::optional<double> idle_plain_percent;  ///< of one core, all processes together
   std::optional<double> idle_humanoid_percent;
+  std::optional<OwnRate> own_rate;
+  std::string own_rate_skipped;  ///< why; empty where it was measured
+  SystemCosts costs;
 
   const Row* find(const std::string& what, Pinning pinning, Sending sending) const;
 };

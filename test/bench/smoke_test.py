@@ -50,7 +50,7 @@ class SmallBenchmark(unittest.TestCase):
             self.assertEqual(self.report[sending], self.report["unix"]["one_core"][sending])
 
     def test_packets_flowed_in_every_case(self):
-        for what in ("reference", "unix", "udp"):
+        for what in ("reference", "unix", "shm", "udp"):
             for pinning in ("one_core", "unpinned"):
                 for sending in ("one_sender", "all_sending"):
                     with self.subTest(what=what, pinning=pinning, sending=sending):
