@@ -170,6 +170,11 @@ class PlainWords(RingTest):
         self.assertIn("'1' is not allowed for 'for'; allowed: a time", self.wrong('fault', 'hang', 'node0', '--for', '1'))
         self.assertIn("'10MB/s' is not allowed for 'rate'", self.wrong('fault', 'rate', 'node0:node1', '--rate', '10MB/s'))
 
+    def test_of_nothing_to_send(self):
+        self.start_ring(plain_nodes(2))
+        self.assertIn('nothing to send was given; --size, --data or --hex is needed', self.wrong('send', '--from', 0, '--to', 1))
+        self.assertIn('only one thing', self.wrong('send', '--from', 0, '--to', 1, '--size', 4, '--data', 'x'))
+
     def test_numbers_as_people_write_them(self):
         self.start_ring(plain_nodes(2))
         for rate in ('1e9', '1G', '1Gbps', '100MBit/s'):

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -54,12 +55,21 @@ int run(const Context& context, const SendOptions& options) {
   return results.size() == options.count ? code : kNotDone;  // Ctrl-C came before
 }
 
-void add_data_options(CLI::App& command, SendOptions& options) {
+const CLI::App& add_data_options(CLI::App& command, SendOptions& options) {
   CLI::App& data = *command.add_option_group("data", "What to send, one of:");
   data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")->transform(cli::whole(1, 512));
   data.add_option("--data", options.text, "This text, 1 to 512 bytes");
   data.add_option("--hex", options.hex, "These bytes, two hexadecimal digits each");
-  data.require_option(1);
+  return data;
+}
+
+void require_one(const CLI::App& data) {
+  const auto options = data.get_options();
+  const auto given =
+      std::count_if(options.begin(), options.end(), [](const CLI::Option* one) { return one->count() > 0; });
+  if (given == 1) return;
+  throw UsageError(std::string(given == 0 ? "nothing to send was given" : "only one thing can be sent at a time") +
+                   "; --size, --data or --hex is needed");
 }
 
 }  // namespace
@@ -78,9 +88,14 @@ void add_send(CLI::App& app, Context& context) {
       ->add_option("-i,--interval", options->interval_s,
                    "Time between two, 0 to 3600 s, as 5ms or 0.2; default 0: as fast as they end")
       ->transform(cli::seconds(0, 3600));
-  add_data_options(*command, *options);
+  const CLI::App& data = add_data_options(*command, *options);
   add_json(*command, options->json);
-  command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
+  command->callback([&context, &data, options] {
+    context.action = [&context, &data, options] {
+      require_one(data);
+      return run(context, *options);
+    };
+  });
 }
 
 }  // namespace limb_ring::ringctl
