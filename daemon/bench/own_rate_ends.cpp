@@ -5,6 +5,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -32,7 +33,6 @@ class OwnRateEnds {
   nlohmann::json report() const {
     const double time = (ended_ - begun_).toSec();
     return {{"joint_states_rate", static_cast<double>(counted_) / time},
-            {"commands_rate", static_cast<double>(commanded_) / time},
             {"samples", last_.received - first_.received + last_.missing - first_.missing},
             {"left_out", last_.missing - first_.missing},
             {"lap_p50_us", lap_p50_ * 1e6},
@@ -45,7 +45,6 @@ class OwnRateEnds {
     const auto now = ros::WallTime::now();
     pose_.header.stamp = ros::Time(now.sec, now.nsec);
     commands_.publish(pose_);
-    if (!begun_.isZero()) ++commanded_;
   }
 
   void on_states(const sensor_msgs::JointState::ConstPtr& states) {
@@ -74,7 +73,7 @@ class OwnRateEnds {
     if (begun_.isZero()) {
       begun_ = now;
       first_ = last_;
-      counted_ = commanded_ = 0;
+      counted_ = 0;
     }
     done_ = (ended_ - begun_).toSec() >= seconds_;
   }
@@ -87,7 +86,7 @@ class OwnRateEnds {
   sensor_msgs::JointState pose_;
   ros::WallTime settled_, begun_, ended_;
   States first_, last_;
-  std::uint64_t counted_ = 0, commanded_ = 0;
+  std::uint64_t counted_ = 0;
   double lap_p50_ = 0, lap_p99_ = 0;  ///< s, of the node for which it is worst
   bool done_ = false;
 };

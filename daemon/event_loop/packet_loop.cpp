@@ -1,7 +1,6 @@
 #include "event_loop/packet_loop.h"
 
 #include <sys/epoll.h>
-#include <sys/timerfd.h>
 
 #include <boost/asio/post.hpp>
 #include <cerrno>

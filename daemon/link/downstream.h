@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "link/link_header.h"
-#include "wire/bytes.h"
+#include "wire/slice.h"
 
 namespace limb_ring::link {
 
@@ -35,7 +35,11 @@ class Downstream {
   virtual bool hold_back(wire::ByteView) { return false; }
   virtual bool drained() const = 0;
   /// Says that this end lives, though it has nothing to send.
-  virtual void say_idle() = 0;
+  virtual void say_idle() {
+    wire::SliceWriter idle;
+    idle.put(wire::SliceKind::idle, {});
+    write(idle.view());
+  }
   /// Once per `idle`: looks whether the other end says that it lives. That alone does not wake this one.
   virtual void tick() = 0;
   /// Called now and then until accepted: asks again where questions can get lost.

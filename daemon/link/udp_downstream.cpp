@@ -6,7 +6,6 @@
 #include <cerrno>
 
 #include "link/unix_socket.h"
-#include "wire/slice.h"
 
 namespace limb_ring::link {
 namespace {
@@ -102,12 +101,6 @@ void UdpDownstream::send_backlog() {
   if (failed_ || !backlog_.empty()) return;
   watch_.set_events(kForErrors);
   owner_->on_drained(candidate_);
-}
-
-void UdpDownstream::say_idle() {
-  wire::SliceWriter idle;
-  idle.put(wire::SliceKind::idle, {});
-  write(idle.view());
 }
 
 void UdpDownstream::ask_again() {

@@ -23,7 +23,6 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
   void write(wire::ByteView slices) override;
   bool hold_back(wire::ByteView slice) override;
   bool drained() const override { return !failed_ && backlog_.empty(); }
-  void say_idle() override;
   void tick() override { read(); }
   void ask_again() override;
   void close() override;

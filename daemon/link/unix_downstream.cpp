@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "link/unix_socket.h"
-#include "wire/slice.h"
 
 namespace limb_ring::link {
 namespace {
@@ -111,12 +110,6 @@ void UnixDownstream::send_backlog() {
   if (!backlog_.empty()) return watch_.set_events(kForEnd | wait_for_room());
   watch_.set_events(kForEnd);
   owner_->on_drained(candidate_);
-}
-
-void UnixDownstream::say_idle() {
-  wire::SliceWriter idle;
-  idle.put(wire::SliceKind::idle, {});
-  write(idle.view());
 }
 
 void UnixDownstream::fail(std::string reason) {

@@ -24,7 +24,6 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
   bool start() override;
   void write(wire::ByteView slices) override;
   bool drained() const override { return !failed_ && backlog_.empty(); }
-  void say_idle() override;
   void tick() override { read(); }
   void ask_again() override {}
   void close() override;
