@@ -33,9 +33,9 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
       commands_(
           nodes_, parameters_.ring, port_, [this](std::uint8_t node) { return joints_.speaks(node); }, counters_),
       diagnostics_(nodes_, parameters_.ring),
-      status_(nodes_, parameters_.ring, parameters_.door, port_, joints_, counters_,
-              [this](std::uint8_t node) { on_boot(node); }),
       events_(nodes_, parameters_.ring, parameters_.door, counters_),
+      status_(nodes_, parameters_.ring, parameters_.door, port_, joints_, events_, counters_,
+              [this](std::uint8_t node) { on_boot(node); }),
       frames_(nodes_, parameters_.ring, parameters_.door, frame_filter(parameters_), counters_),
       services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.door, commands_)) {
   make_topics();

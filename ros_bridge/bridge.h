@@ -42,8 +42,8 @@ class Bridge {
   CommandIn commands_;
   std::vector<std::unique_ptr<TopicIn>> topics_in_;
   DiagnosticsOut diagnostics_;
-  StatusOut status_;
   EventsOut events_;
+  StatusOut status_;
   FramesOut frames_;
   std::unique_ptr<Services> services_;
   ros::WallTimer alive_;

@@ -13,6 +13,8 @@ namespace limb_ring::bridge {
 class EventsOut {
  public:
   EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, Counters& counters);
+  /// Whether the events of the node with this id are heard here, as of now. From any thread.
+  bool hears(std::uint8_t node) const { return listener_.hears(node); }
 
  private:
   void take(const config::NodeConfig& node, const Message& message);

@@ -2,12 +2,14 @@
 
 #include <poll.h>
 
+#include <algorithm>
+
 namespace limb_ring::bridge {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kListenRetry = 1s;      // a node on another host is not looked for in vain all the time
+constexpr auto kListenRetry = 100ms;   // a daemon that starts is heard before much happens there
 constexpr int kTickMs = 50;            // how soon the end is seen
 constexpr int kMessagesOfANode = 256;  // then the other nodes have their turn
 
@@ -19,13 +21,18 @@ RingListener::RingListener(const std::vector<const config::NodeConfig*>& nodes, 
   door_.role = Role::tool;
   door_.alive_period = 0ms;
   door_.timeout = 0ms;
-  for (const auto* node : nodes) ears_.push_back({node, std::nullopt, {}});
+  for (const auto* node : nodes) ears_.emplace_back(node);
   thread_ = std::thread([this] { run(); });
 }
 
 RingListener::~RingListener() {
   stopping_ = true;
   thread_.join();
+}
+
+bool RingListener::hears(std::uint8_t node) const {
+  return std::any_of(ears_.begin(), ears_.end(),
+                     [node](const Ear& ear) { return ear.node->id == node && ear.is_open; });
 }
 
 void RingListener::run() {
@@ -46,6 +53,7 @@ void RingListener::connect(Ear& ear) {
     door_.node = ear.node->name;
     ear.port.emplace(HostPort::connect(door_));
     ear.port->observe(order_);
+    ear.is_open = true;
   } catch (const HostPortError&) {
     // Not there: `ring_status` says so, and this is tried again.
     ear.port.reset();
@@ -66,6 +74,7 @@ bool RingListener::drain(Ear& ear) {
     if (!message) return false;
     on_message_(*ear.node, *message);
     if (std::holds_alternative<Disconnected>(*message)) {
+      ear.is_open = false;
       ear.port.reset();
       return false;
     }

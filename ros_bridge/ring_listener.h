@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -14,7 +15,7 @@
 namespace limb_ring::bridge {
 
 /// Observes daemons on this host, as any tool may, for as long as it lives: a thread of its own. A
-/// daemon that is gone, or not there yet, is looked for once a second; on another host it never is.
+/// daemon that is gone, or not there yet, is looked for ten times a second; on another host it never is found.
 class RingListener {
  public:
   /// What came of a node, Disconnected included; called from the listening thread.
@@ -27,12 +28,16 @@ class RingListener {
   RingListener& operator=(const RingListener&) = delete;
   /// Nothing is called any more after it.
   ~RingListener();
+  /// Whether what happens at the node with this id comes here, as of now. From any thread.
+  bool hears(std::uint8_t node) const;
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Ear {
+    explicit Ear(const config::NodeConfig* of) : node(of) {}
     const config::NodeConfig* node;
     std::optional<HostPort> port;
+    std::atomic<bool> is_open{false};  // for other threads, which may not look at `port`
     Clock::time_point next_try{};
   };
   void run();
@@ -41,7 +46,7 @@ class RingListener {
   /// @return true where there may be more
   bool drain(Ear& ear);
 
-  std::vector<Ear> ears_;
+  std::deque<Ear> ears_;
   ConnectOptions door_;
   std::string order_;
   OnMessage on_message_;

@@ -14,11 +14,12 @@ constexpr auto kPeriod = 1s;
 }  // namespace
 
 StatusOut::StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, RingPort& port,
-                     const JointDataOut& joints, const Counters& counters, OnBoot on_boot)
+                     const JointDataOut& joints, const EventsOut& events, const Counters& counters, OnBoot on_boot)
     : ring_(ring),
       own_node_(door.node),
       watch_(ring, door),
       joints_(joints),
+      events_(events),
       counters_(counters),
       on_boot_(std::move(on_boot)),
       publisher_(nodes.advertise<RingStatus>("ring_status", 1, /*latch=*/true)) {
@@ -73,7 +74,10 @@ void StatusOut::publish() {
   RingStatus status;
   fill_header(status);
   status.nodes = watch_.poll();
-  for (auto& node : status.nodes) fill_joints(node);
+  for (auto& node : status.nodes) {
+    fill_joints(node);
+    node.events_heard = events_.hears(node.id);
+  }
   const auto own = std::find_if(status.nodes.begin(), status.nodes.end(),
                                 [this](const auto& node) { return node.name == own_node_; });
   if (own != status.nodes.end()) status.ring_size = own->ring_size;

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "ros_bridge/counters.h"
+#include "ros_bridge/events_out.h"
 #include "ros_bridge/joint_data_out.h"
 #include "ros_bridge/ring_watch.h"
 
@@ -27,7 +28,7 @@ class StatusOut {
   using OnStatus = std::function<void(const RingStatus&)>;
 
   StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, RingPort& port,
-            const JointDataOut& joints, const Counters& counters, OnBoot on_boot);
+            const JointDataOut& joints, const EventsOut& events, const Counters& counters, OnBoot on_boot);
   ~StatusOut();
   /// Before start(): calls `handler` with every status that is published, from this class's thread.
   void on_status(OnStatus handler) { on_status_.push_back(std::move(handler)); }
@@ -46,6 +47,7 @@ class StatusOut {
   std::string own_node_;
   RingWatch watch_;
   const JointDataOut& joints_;
+  const EventsOut& events_;
   const Counters& counters_;
   OnBoot on_boot_;
   std::vector<OnStatus> on_status_;

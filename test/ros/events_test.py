@@ -22,8 +22,18 @@ class Events(unittest.TestCase):
         self.ring = Ring()
         self.ring.wait_until_up()
         self.lock, self.seen = threading.Lock(), []
-        subscriber = rospy.Subscriber('ring_events', RingEvent, self.take, queue_size=1000)
-        wait_for(subscriber.get_num_connections, 'the bridge to be found')
+        rospy.Subscriber('ring_events', RingEvent, self.take, queue_size=1000)
+        self.ring.wait_until_events_heard()
+        self.wait_until_subscribed()
+
+    def wait_until_subscribed(self):
+        # rospy counts a connection before it is made: only an event that comes shows that events come.
+        send = service('send_interrupt', SendInterrupt)
+
+        def probe():
+            self.assertTrue(send(node='left_ankle', factor=2, force=False).success)
+            return self.all(RingEvent.INTERRUPT, 'left_ankle')
+        wait_for(probe, 'an event of left_ankle')
 
     def take(self, event):
         with self.lock:

@@ -75,6 +75,10 @@ class Ring:
                 for node in status.nodes) and not (cpus and status.silent_joints)
         return self.status.wait(is_up, 'all nodes up')
 
+    def wait_until_events_heard(self):
+        self.status.wait(lambda status: status.nodes and all(node.events_heard for node in status.nodes),
+                         'the events of all nodes heard by the bridge')
+
     def node(self, name):
         return {node.name: node for node in self.status.get().nodes}[name]
 

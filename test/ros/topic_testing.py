@@ -27,9 +27,6 @@ class Received:
     def bytes(self):
         return [message._buff for message in self.all()]
 
-    def is_connected(self):
-        return self._subscriber.get_num_connections() > 0
-
     def wait_for(self, number, guard=60):
         wait_for(lambda: len(self.all()) >= number,
                  '%d messages on %s' % (number, self._topic), guard)
