@@ -4,6 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "client/event_kinds.h"
 #include "runtime/request_fields.h"
 #include "wire/data_packet.h"
 
@@ -13,7 +14,6 @@ namespace {
 using nlohmann::json;
 using Words = std::vector<std::string>;
 
-const Words kEvents{"state", "ring", "link", "noise", "pin", "cpu", "watchdog", "sent"};
 const Words kKinds{"data", "control", "interrupt"};  // by capture::Kind
 const Words kLines{"in", "out"};
 constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
@@ -76,14 +76,13 @@ capture::Wish wish_of(const config::RingConfig& ring, const json& packets) {
 
 }  // namespace
 
-const std::vector<std::string>& event_kinds() { return kEvents; }
-
 ObserveFilter read_observe_filter(const config::RingConfig& ring, const std::string& text) {
   const json order = object_in(text.empty() ? "{}" : text, "an observe filter is a JSON object");
   ObserveFilter read;
-  for (const std::size_t kind : words_in(order, "kinds", kEvents)) read.kinds.insert(kEvents[kind]);
+  const Words& events = client::event_kinds();
+  for (const std::size_t kind : words_in(order, "kinds", events)) read.kinds.insert(events[kind]);
   const bool packets = order.contains("packets");
-  if (read.kinds.empty() && !packets) read.kinds.insert(kEvents.begin(), kEvents.end());
+  if (read.kinds.empty() && !packets) read.kinds.insert(events.begin(), events.end());
   if (packets && !order["packets"].is_null()) read.packets = wish_of(ring, order["packets"]);
   return read;
 }

@@ -16,9 +16,6 @@ struct ObserveFilter {
   std::optional<capture::Wish> packets;  ///< nothing: none
 };
 
-/// All kinds of events there are.
-const std::vector<std::string>& event_kinds();
-
 /// @throw std::runtime_error naming what is wrong, and what is allowed
 ObserveFilter read_observe_filter(const config::RingConfig& ring, const std::string& text);
 

@@ -130,7 +130,7 @@ const std::map<std::string, Parts> kMayInclude{
     {"app/ringd", {"app/common", "cli", "config", "event_loop", "runtime", "setup"}},
     {"app/ringctl",
      {"app/common", "app/scenario_cpu", "wire", "capture", "fault", "config", "cli", "payload", "ask", "live",
-      "process", "scenario", "runtime", "bench", "limb_ring"}},
+      "process", "scenario", "client", "runtime", "bench", "limb_ring"}},
     {"app/ring_sim", {"app/common", "wire", "sim", "sim_tools", "study", "config", "cli", "process"}},
     {"app/scenario_cpu", {"limb_ring"}},
     {"app/run_scenario", {"app/ringctl", "process"}},

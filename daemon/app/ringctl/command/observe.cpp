@@ -7,8 +7,8 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
 #include "cli/values.h"
+#include "client/event_kinds.h"
 #include "config/names.h"
-#include "runtime/observe_filter.h"
 
 namespace limb_ring::ringctl {
 
@@ -60,9 +60,9 @@ void add_observe(CLI::App& app, Context& context) {
       app, "observe", "Print the events of a node, a line of JSON each, until interrupted; packets: 'ringctl dump'");
   command->add_option("NODE", options->node, "Node, id or name")->required();
   command
-      ->add_option("--kinds", options->kinds, "Only these kinds of events, of: " + config::join(runtime::event_kinds()))
+      ->add_option("--kinds", options->kinds, "Only these kinds of events, of: " + config::join(client::event_kinds()))
       ->delimiter(',')
-      ->transform(cli::one_of(runtime::event_kinds()));
+      ->transform(cli::one_of(client::event_kinds()));
   command->add_option("-n,--count", options->count, "End after so many lines; default 0: never")
       ->transform(cli::whole(0, 1000000000));
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
