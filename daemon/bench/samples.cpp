@@ -1,6 +1,6 @@
 #include "bench/samples.h"
 
-#include "runtime/round_trips.h"
+#include "statistics/percentiles.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -22,7 +22,7 @@ bool Samples::lap(Clock::time_point now) {
 
 Measurement Samples::measurement() {
   std::vector<core::Duration> durations(laps_.begin(), laps_.end());
-  const runtime::Percentiles p = runtime::percentiles(durations);
+  const statistics::Percentiles p = statistics::percentiles(durations);
   Measurement result;
   result.round_trip_us = {p.p50, p.p99, p.max};
   result.packets = laps_.size();

@@ -110,7 +110,7 @@ void Requests::reset(const Json& request, const Answer& answer) {
             {"reason", reason.text},
             {"reason_code", to_string(reason.reason)},
             {"message", report.message + (explained && !reason.text.empty() ? ": " + reason.text : "")},
-            {"round_trip_us", microseconds(report.ended.round_trip)},
+            {"round_trip_us", statistics::microseconds(report.ended.round_trip)},
             {"boots", report.boots},
             {"confirmed_ms", std::chrono::duration_cast<std::chrono::milliseconds>(report.lasted).count()}});
   });
@@ -149,7 +149,7 @@ nlohmann::json Requests::end_of(const core::SendEnded& ended) const {
   return {{"outcome", to_string(public_outcome(ended.outcome))},
           {"reason", reason.text},
           {"reason_code", to_string(reason.reason)},
-          {"round_trip_us", microseconds(ended.round_trip)},
+          {"round_trip_us", statistics::microseconds(ended.round_trip)},
           {"tries", ended.tries}};
 }
 

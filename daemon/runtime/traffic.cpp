@@ -89,7 +89,7 @@ nlohmann::json Traffic::report(Run& run) {
           {"other", other},
           {"reasons", run.reasons},
           {"overdue", run.overdue},
-          {"round_trip_us", to_json(percentiles(run.round_trips))},
+          {"round_trip_us", to_json(statistics::percentiles(run.round_trips))},
           {"seconds", seconds},
           {"packets_per_second", seconds > 0 ? static_cast<double>(delivered) / seconds : 0.0}};
 }

@@ -4,7 +4,7 @@
 
 #include "app/common/text_table.h"
 #include "app/ringctl/results.h"
-#include "runtime/round_trips.h"
+#include "statistics/percentiles.h"
 
 namespace limb_ring::ringctl {
 
@@ -17,11 +17,11 @@ namespace {
 constexpr auto kOutcomes = {Outcome::refused,     Outcome::no_such_node, Outcome::lost,
                             Outcome::unconfirmed, Outcome::rejected,     Outcome::cancelled};
 
-runtime::Percentiles round_trips(const PingTotals& totals) {
+statistics::Percentiles round_trips(const PingTotals& totals) {
   std::vector<core::Duration> samples;
   for (const Result& result : totals.results)
     if (result.outcome == Outcome::delivered) samples.push_back(result.round_trip);
-  return runtime::percentiles(samples);
+  return statistics::percentiles(samples);
 }
 
 double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
@@ -117,7 +117,7 @@ json ping_json(const PingOrder& order, const PingTotals& totals) {
           {"delivered", delivered},
           {"lost", totals.with(Outcome::lost)},
           {"other", other},
-          {"round_trip_us", runtime::to_json(round_trips(totals))},
+          {"round_trip_us", statistics::to_json(round_trips(totals))},
           {"seconds", seconds},
           {"packets_per_second", seconds > 0 ? static_cast<double>(delivered) / seconds : 0.0}};
 }

@@ -1,8 +1,9 @@
-#include "runtime/round_trips.h"
+#include "statistics/percentiles.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
-namespace limb_ring::runtime {
+namespace limb_ring::statistics {
 
 double microseconds(core::Duration duration) { return std::chrono::duration<double, std::micro>(duration).count(); }
 
@@ -38,4 +39,4 @@ nlohmann::json to_json(const Percentiles& p) {
           {"samples", p.samples}};
 }
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::statistics

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "core/time.h"
+
+namespace limb_ring::statistics {
+
+double microseconds(core::Duration duration);
+
+/// Exact percentiles of some durations, in microseconds.
+struct Percentiles {
+  double min = 0, p50 = 0, p99 = 0, max = 0;
+  std::size_t samples = 0;
+};
+/// Reorders `samples`.
+Percentiles percentiles(std::vector<core::Duration>& samples);
+
+/// {"min","p50","p99","max","samples"}; null instead of numbers where there are no samples.
+nlohmann::json to_json(const Percentiles& percentiles);
+
+}  // namespace limb_ring::statistics

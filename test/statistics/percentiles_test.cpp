@@ -1,0 +1,30 @@
+#include "statistics/percentiles.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace limb_ring::statistics {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Percentiles, AreMicrosecondsInAnyOrderOfSamples) {
+  std::vector<core::Duration> samples{4us, 1us, 1500ns};
+  const Percentiles p = percentiles(samples);
+  EXPECT_EQ(p.min, 1);
+  EXPECT_EQ(p.p50, 1.5);
+  EXPECT_EQ(p.p99, 4);
+  EXPECT_EQ(p.max, 4);
+  EXPECT_EQ(p.samples, 3u);
+}
+
+TEST(Percentiles, OfNothingAreNull) {
+  std::vector<core::Duration> none;
+  const nlohmann::json json = to_json(percentiles(none));
+  EXPECT_TRUE(json["p50"].is_null());
+  EXPECT_EQ(json["samples"], 0);
+}
+
+}  // namespace
+}  // namespace limb_ring::statistics
