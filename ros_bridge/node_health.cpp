@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "wire/control_message.h"
+
 namespace limb_ring::bridge {
 namespace {
 
@@ -22,8 +24,6 @@ const std::vector<std::string> kLosses{"ended_lost",
                                        "duplicate_id_signs",
                                        "host_slow_clients",
                                        "host_interrupts_lost"};
-// As many in a row make a CPU unreachable for the supervisor.
-constexpr int kMissedBeacons = 5;
 
 bool is_well(const std::string& state) { return state == "up"; }
 
@@ -40,7 +40,7 @@ int level_of(const std::string& state) {
 
 NodeHealth::NodeHealth(const config::NodeConfig& node, std::chrono::milliseconds beacon)
     : config_(node),
-      longest_silence_(kMissedBeacons * std::chrono::duration<double>(beacon).count()),
+      longest_silence_(wire::kMissedBeacons * std::chrono::duration<double>(beacon).count()),
       losses_(kLosses) {}
 
 void NodeHealth::take(const RingStatus& ring, Clock::time_point now) {

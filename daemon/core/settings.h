@@ -13,9 +13,6 @@ namespace limb_ring::core {
 
 using wire::NodeId;
 
-/// So many announcements missed in a row: who makes them is gone, or beyond a second break. (ours)
-constexpr int kMissedBeacons = 5;
-
 /// An interrupt input of the NC: pulling it sends this INTP, without the CPU. (paper)
 struct InterruptInput {
   NodeId destination{0};

@@ -11,7 +11,7 @@ RingSupervisor::RingSupervisor(boost::asio::io_context& io, const config::RingCo
       interrupts_(interrupts),
       cpus_(cpus),
       found_(std::move(found)),
-      watchdog_(ring.supervisor, core::kMissedBeacons * ring.timeouts.beacon, watchdog::watched_in(ring)),
+      watchdog_(ring.supervisor, wire::kMissedBeacons * ring.timeouts.beacon, watchdog::watched_in(ring)),
       timer_(io) {}
 
 void RingSupervisor::start() {

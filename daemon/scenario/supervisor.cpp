@@ -28,7 +28,7 @@ watchdog::Watchdog Supervisor::fresh() const {
   std::vector<wire::NodeId> watched;
   for (std::size_t place = 0; place < config_.nodes.size(); ++place)
     if (config::reset_pin(config_.nodes[place])) watched.push_back(static_cast<NodeId>(place));
-  return {config_.supervisor, core::kMissedBeacons * beacon_, watched};
+  return {config_.supervisor, wire::kMissedBeacons * beacon_, watched};
 }
 
 void Supervisor::start() {

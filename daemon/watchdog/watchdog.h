@@ -28,7 +28,7 @@ CpuSighting sighting_of(const core::Peer& peer);
 
 /// Beacons of its node have come lately: one or two may be late on a busy machine, or lost. (ours)
 inline bool is_heard(const CpuSighting& cpu, core::Time now, core::Duration beacon) {
-  return cpu.heard_at && now - *cpu.heard_at < core::kMissedBeacons * beacon;
+  return cpu.heard_at && now - *cpu.heard_at < wire::kMissedBeacons * beacon;
 }
 
 /// The CPUs that have promised to speak, by node id, in ring order.

@@ -46,6 +46,9 @@ struct Beacon {
 };
 constexpr std::size_t kBeaconSize = 26;
 
+/// So many beacons, or repeated fold words, missed in a row: who says them is gone, or beyond a second break. (ours)
+constexpr int kMissedBeacons = 5;
+
 /// @param out room for kHelloSize, kBeaconSize bytes. @return bytes written
 std::size_t encode(const Hello& hello, std::uint8_t* out);
 std::size_t encode(const Beacon& beacon, std::uint8_t* out);

@@ -9,14 +9,13 @@
 #include "live/lock_files.h"
 #include "live/node_notes.h"
 #include "process/process_state.h"
+#include "wire/control_message.h"
 
 namespace limb_ring::ringctl {
 
 using nlohmann::json;
 
 namespace {
-
-constexpr int kMissed = 5;  // beacons in a row: the node counts as gone, as the supervisor says of it
 
 bool latched(const json& row) {
   const json::json_pointer place("/cpu/stop/latched");
@@ -69,7 +68,7 @@ json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& an
       if (heard.value("id", 0) == node && (newest.is_null() || heard.value("age_ms", 0) < newest.value("age_ms", 0)))
         newest = heard;
   const bool fresh =
-      !newest.is_null() && std::chrono::milliseconds(newest.value("age_ms", 0)) <= kMissed * ring.beacon();
+      !newest.is_null() && std::chrono::milliseconds(newest.value("age_ms", 0)) <= wire::kMissedBeacons * ring.beacon();
   return fresh ? newest : json();
 }
 

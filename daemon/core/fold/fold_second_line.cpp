@@ -70,12 +70,12 @@ void FoldBack::hear_of_fold_node(FoldWord word, const Slice& slice, Time now) {
   // The node before still sends back what this one would hear: a `hears` was lost.
   if (word.kind == FoldWordKind::begin && word.node == from_ && in_ == In::first) say(FoldWordKind::hears, id());
   const bool said_just_now = word.kind == FoldWordKind::begin && fold_node_ == word.node &&
-                             fold_node_due_ - now > kMissedBeacons * repeat_period() - repeat_period() / 2;
+                             fold_node_due_ - now > wire::kMissedBeacons * repeat_period() - repeat_period() / 2;
   if (said_just_now) return;  // it has come round: no node is behind a break
   if (repeats()) second_.put(slice.kind, slice.bytes);
   if (word.kind == FoldWordKind::begin) {
     fold_node_ = word.node;
-    fold_node_due_ = now + kMissedBeacons * repeat_period();
+    fold_node_due_ = now + wire::kMissedBeacons * repeat_period();
     return settle(now);
   }
   if (word.kind == FoldWordKind::last && fold_node_ != word.node) return;
