@@ -111,7 +111,7 @@ const std::map<std::string, Parts> kMayInclude{
     {"setup", {"core", "config", "link", "limb_ring"}},
     {"sim_tools", {"wire", "capture", "core", "fault", "sim", "setup", "config"}},
     {"scenario", {"wire", "capture", "core", "fault", "sim", "sim_tools", "setup", "config", "watchdog"}},
-    {"study", {"wire", "core", "sim", "sim_tools", "setup", "config", "payload"}},
+    {"study", {"wire", "core", "statistics", "sim", "sim_tools", "setup", "config", "payload"}},
     {"config", {"wire", "limb_ring"}},
     {"cli", {"config"}},
     {"payload", {"wire", "limb_ring"}},

@@ -9,14 +9,28 @@ namespace {
 
 using namespace std::chrono_literals;
 
+TEST(NearestRank, OfTwoOrFourIsTheLowerMiddleOne) {
+  EXPECT_EQ(nearest_rank(2, 0.5), 0u);
+  EXPECT_EQ(nearest_rank(4, 0.5), 1u);
+  EXPECT_EQ(nearest_rank(5, 0.5), 2u);
+}
+
+TEST(NearestRank, IsAlwaysOneOfThem) {
+  EXPECT_EQ(nearest_rank(1, 0), 0u);
+  EXPECT_EQ(nearest_rank(1, 1), 0u);
+  EXPECT_EQ(nearest_rank(100, 0), 0u);
+  EXPECT_EQ(nearest_rank(100, 0.99), 98u);
+  EXPECT_EQ(nearest_rank(100, 1), 99u);
+}
+
 TEST(Percentiles, AreMicrosecondsInAnyOrderOfSamples) {
-  std::vector<core::Duration> samples{4us, 1us, 1500ns};
+  std::vector<core::Duration> samples{4us, 1us, 1500ns, 3us};
   const Percentiles p = percentiles(samples);
   EXPECT_EQ(p.min, 1);
   EXPECT_EQ(p.p50, 1.5);
   EXPECT_EQ(p.p99, 4);
   EXPECT_EQ(p.max, 4);
-  EXPECT_EQ(p.samples, 3u);
+  EXPECT_EQ(p.samples, 4u);
 }
 
 TEST(Percentiles, OfNothingAreNull) {

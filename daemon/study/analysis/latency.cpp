@@ -17,8 +17,7 @@ Duration Latencies::quantile(double share) const {
   if (values_.empty()) return Duration{0};
   if (!sorted_) std::sort(values_.begin(), values_.end());
   sorted_ = true;
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values_.size())));
-  return values_[std::min(values_.size(), std::max<std::size_t>(rank, 1)) - 1];
+  return values_[statistics::nearest_rank(values_.size(), share)];
 }
 
 }  // namespace limb_ring::study

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/time.h"
+#include "statistics/percentiles.h"
 
 namespace limb_ring::study {
 
@@ -31,7 +31,6 @@ class Latencies {
   mutable bool sorted_ = true;
 };
 
-/// For reports: us, to the picosecond.
-inline double microseconds(Duration duration) { return static_cast<double>(duration.count()) / 1e6; }
+using statistics::microseconds;
 
 }  // namespace limb_ring::study
