@@ -50,10 +50,10 @@ void Blocks::set_neighbours(NodeId before, NodeId next, NodeId successor) {
 
 void Blocks::receive(const wire::Slice& slice, Time now) {
   if (relay_.receive(slice, now)) return;  // the usual case: it is on the line already
-  membership_.settle(now);
   // Where the line takes time, everything that comes in at one instant competes for it (run());
   // where it takes none, what has come in goes on at once, so that a batch never fills the buffer.
-  if (settings_.byte_time_out.count() == 0) packet_manager_.run(now);
+  const bool goes_on = settings_.byte_time_out.count() == 0;
+  act(goes_on, now);
 }
 
 void Blocks::cpu_reset(Owner cpu, Time now) {
@@ -67,13 +67,14 @@ void Blocks::handle_timeout(Time now) {
   relay_.handle_timeout(now);
   transmit_.handle_timeout(now);
   membership_.handle_timeout(now);
-  membership_.settle(now);
 }
 
-void Blocks::run(Time now) {
+// What has ended since the last call decides what may go.
+void Blocks::act(bool goes_on, Time now) {
   membership_.settle(now);
+  if (!goes_on) return;
   packet_manager_.run(now);
-  membership_.settle(now);
+  membership_.settle(now);  // a send into an open chain ends as it goes, and the number it takes may be the last
 }
 
 Time Blocks::next_deadline(Time now) const {

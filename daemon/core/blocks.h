@@ -69,7 +69,7 @@ class Blocks {
   /// @name Time and events
   ///@{
   void handle_timeout(Time now);
-  void run(Time now);
+  void run(Time now) { act(true, now); }
   /// When handle_timeout(), run(), take_event() or take() have something new to do, if nothing else
   /// happens before.
   Time next_deadline(Time now) const;
@@ -87,6 +87,9 @@ class Blocks {
   const InsertionBuffer& insertion_buffer() const { return packet_manager_.insertion_buffer(); }
 
  private:
+  /// After every input: what it has changed, and where `goes_on`, what may go onto the line.
+  void act(bool goes_on, Time now);
+
   const Settings settings_;
   Counters counters_;
   EventQueue events_;

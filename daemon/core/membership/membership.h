@@ -80,8 +80,8 @@ class Membership {
   }
   ///@}
 
-  /// Acts on ends of the NC's own sends, and on sequence numbers that are used up. Blocks calls it behind whatever may
-  /// have brought one.
+  /// Acts on ends of the NC's own sends, and on sequence numbers that are used up. Part of Blocks::act(), behind every
+  /// input.
   void settle(Time now) {
     if (transmit_.data.has_control_end()) control_ended(now);
     const bool due = renumbering_ || merged_ || transmit_.numbers_exhausted();
