@@ -119,6 +119,37 @@ TEST_F(Refusal, OverdueInTheQueueAfterOnlyRefusalsEndsRefused) {
   EXPECT_EQ(outcome_of(impatient, 0_id, second).outcome, Outcome::refused);
 }
 
+/// Node 1 refuses a send of node 0, and another one of the same priority waits behind it.
+struct BehindARefusal : testing::Test {
+  VirtualRing ring{with(quick(4), [](Settings& s) {
+    s.receive_buffers = 1;
+    s.queue_timeout = 10ms;
+  })};
+  std::uint32_t refused = 0;
+  void SetUp() override {
+    ASSERT_TRUE(ring.join());
+    ring.cpu_reads[1] = false;
+    outcome_of(ring, 0_id, ring.send(0_id, 1_id, text("first")));
+    refused = ring.send(0_id, 1_id, text("refused"));
+    ring.run_for(2ms);
+  }
+};
+
+TEST_F(BehindARefusal, ARoundTripBeginsWhenThePacketLeaves) {
+  const auto behind = ring.send(0_id, 2_id, text("behind"));
+  EXPECT_EQ(outcome_of(ring, 0_id, refused).outcome, Outcome::refused);
+  EXPECT_EQ(outcome_of(ring, 0_id, behind).round_trip, Duration{4us});
+}
+
+TEST_F(BehindARefusal, ARoundTripBeginsWhenThePacketLeavesAfterACancelToo) {
+  const Bytes data = text("of another owner");
+  ring.node(0_id).send(send_of(2, 77, 2_id, data), ring.now());
+  ring.run_for(1ms);
+  ring.cancel(0_id);
+  EXPECT_EQ(outcome_of(ring, 0_id, refused).outcome, Outcome::cancelled);
+  EXPECT_EQ(outcome_of(ring, 0_id, 77).round_trip, Duration{4us});
+}
+
 /// FBC as it leaves node 3, on its way home to node 0.
 struct FreeBuffers : testing::Test {
   VirtualRing ring{with(quick(4), [](Settings& s) { s.receive_buffers = s.id == 1 ? 5 : s.id == 2 ? 3 : 400; })};

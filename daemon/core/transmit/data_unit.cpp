@@ -109,6 +109,11 @@ bool DataUnit::take_control_end(SendEnded& out) {
 void DataUnit::end_waiting(Queue& queue, Outcome outcome, Time now) {
   tell(queue.front(), outcome, now);
   pop(queue);
+  hold_next(queue, now);
+}
+
+void DataUnit::hold_next(Queue& queue, Time now) {
+  if (!queue.empty()) queue.front().not_before = std::max(queue.front().not_before, now);
 }
 
 // A job that waits after a try was refused; any other end would have been final.
@@ -149,7 +154,9 @@ void DataUnit::cancel(Owner owner, Time now) {
     Queue& queue = queues_[q];
     for (std::size_t i = 0; i < queue.size(); ++i)
       if (queue[i].end.owner == owner) tell(queue[i], Outcome::cancelled, now);
+    const bool head_goes = front_waits(q) && queue.front().told;
     queue.erase_if(!flight_.idle() && q == current_ ? 1 : 0, [](const Job& job) { return job.told; });
+    if (head_goes) hold_next(queue, now);
     jobs_ += queue.size();
   }
   give_up_told_retry(now);

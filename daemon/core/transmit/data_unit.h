@@ -89,6 +89,8 @@ class DataUnit final : public SendUnit {
   void end_overdue(Time now);
   Time waiting_deadline() const;
   void end_waiting(Queue& queue, Outcome outcome, Time now);
+  /// What waited behind a head that is gone is due from now on, not since it was asked for.
+  static void hold_next(Queue& queue, Time now);
 
   std::array<Queue, kQueues> queues_;
   std::size_t jobs_ = 0;     ///< in all of them
