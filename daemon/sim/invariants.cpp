@@ -20,7 +20,7 @@ Invariants::Invariants(VirtualRing& ring)
       complain_([this](Promise promise, std::string what) { complain(promise, std::move(what)); }),
       ledger_(ring.size(), complain_) {
   for (unsigned id = 0; id < ring.size(); ++id)
-    nodes_.push_back(std::make_unique<Node>(ring.settings(static_cast<NodeId>(id)), complain_));
+    nodes_.push_back(std::make_unique<Node>(ring.settings(static_cast<NodeId>(id)), ledger_, complain_));
   ring.add_observer(*this);
 }
 
@@ -49,12 +49,13 @@ void Invariants::event(NodeId node, const core::Event& event) {
   if (!end) return;
   if (end->interrupt) at(node).interrupt_free = event.at;
   // If tries fail or numbers are used up, copies are under way, and a hello may come between them.
+  ledger_.settle(event.at);
   if (end->tries > 1 || end->outcome == core::Outcome::lost || end->outcome == core::Outcome::no_such_node)
     faults_ = true;
   ledger_.end(node, *end, event.at);
 }
 
-void Invariants::packet(NodeId node, const core::ReceivedPacket& packet) { ledger_.read(node, packet); }
+void Invariants::packet(NodeId node, const core::ReceivedPacket& packet) { at(node).buffers.read(packet, ring_.now()); }
 
 // ---- out of a node --------------------------------------------------------------------------
 
@@ -80,6 +81,7 @@ void Invariants::leaves(NodeId node, const wire::Slice& slice, Time now) {
     at(node).going = PacketHeader::of(slice.bytes);
     at(node).going_since = now;
     at(node).going_size = 0;
+    if (at(node).going.source == node) ledger_.try_begins(node, at(node).going.code, now);
     check_head(node, at(node).going);
   }
   if (slice.kind != SliceKind::interrupt) at(node).going_size += slice.bytes.size;
@@ -91,7 +93,7 @@ void Invariants::data_leaves(NodeId node, const wire::Slice& slice, Time now) {
   const PacketHeader& head = at(node).going;
   const PacketTrailer tail = PacketTrailer::of(slice.bytes);
   if (head.source != node) return at(node).forwarding.went(head, tail, now);
-  if (is_control(tail)) return;
+  if (is_control(tail)) return ledger_.try_is_control(node);
   const std::size_t size = at(node).going_size - wire::kOverhead;
   ledger_.depart(node, head.code,
                  {tail.destination, wire::priority_of(tail.last), wire::channel_of(tail.last), size, tail.crc},
@@ -106,6 +108,7 @@ void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time no
   if (head.source != node) {
     n.forwarding.went(head, tail, now);
   } else {
+    ledger_.try_begins(node, head.code, now);
     const Sent* sent = ledger_.depart(node, head.code, {tail.destination, 4, tail.last, 0, tail.crc}, now);
     if (sent && !faults_) n.forwarding.own_interrupt_went(std::max(sent->asked, n.interrupt_free), now);
   }
@@ -168,12 +171,15 @@ void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, const B
     complain(Promise::undamaged, "node " + std::to_string(node) + " took a packet with a wrong CRC");
   Sent* sent = ledger_.on_line(head.source, head.code, tail.destination, tail.crc_at_source(head, size));
   const int fbc = due_fbc(node, sent, tail, after);
-  if (taken && !is_control(tail)) ledger_.take(sent, head.source, node, priority);
+  const Time at_end = last_bit(node, (size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize, now);
+  if (taken && !is_control(tail)) {
+    ledger_.take(sent, head.source, node, priority);
+    at(node).buffers.put(sent, head.source, priority, at_end);
+  }
   if (after.refused != before.refused) ledger_.refuse(sent, node);
   const bool goes_on = at(node).passes_on && after.dropped == before.dropped;
   if (after.bad == before.bad && goes_on) check_source(node, head, now);
-  if (after.returned != before.returned)
-    home(node, sent, fbc, (size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize, now);
+  if (after.returned != before.returned) ledger_.come_home(sent, fbc, at_end);
   if (head.source != node && goes_on) at(node).forwarding.came(head, tail.destination, fbc, now);
 }
 
@@ -203,8 +209,8 @@ void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, co
   if (after.bad == before.bad && after.dropped == before.dropped) check_source(node, head, now);
   if (pulled) ledger_.take(sent, head.source, node, 4);
   if (after.returned != before.returned) {
-    home(node, sent, tail.fbc, wire::kInterruptPacketSize, now);
-    at(node).interrupt_free = now + ring_.settings(node).byte_time_in * static_cast<std::int64_t>(wire::kOverhead);
+    at(node).interrupt_free = last_bit(node, wire::kInterruptPacketSize, now);
+    ledger_.come_home(sent, tail.fbc, at(node).interrupt_free);
   }
   if (head.source == node) return;
   int fbc = tail.fbc;
@@ -215,9 +221,9 @@ void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, co
     at(node).forwarding.came(head, tail.destination, fbc, now);
 }
 
-// A return is known when its last bit is in: its slice came as its last bytes began.
-void Invariants::home(NodeId node, Sent* sent, int fbc, std::size_t tail_size, Time now) {
-  ledger_.come_home(sent, fbc, now + ring_.settings(node).byte_time_in * static_cast<std::int64_t>(tail_size));
+// A slice comes as its last bytes begin.
+Time Invariants::last_bit(NodeId node, std::size_t tail_size, Time now) const {
+  return now + ring_.settings(node).byte_time_in * static_cast<std::int64_t>(tail_size);
 }
 
 // While nothing is lost a node whose output is no slower is behind its input by its own DATP and INTP;
@@ -245,7 +251,7 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
   if (incident == Incident::started) ledger_.start(node);
-  if (incident == Incident::cpu_reset) ledger_.flush(node);
+  if (incident == Incident::started || incident == Incident::cpu_reset) n.buffers.flush();
   if (incident == Incident::cpu_reset || incident == Incident::cancelled) ledger_.cancel(node, now);
   // The buffers of a line that is replaced are emptied, unless what waits goes on over the second line.
   const bool emptied = incident == Incident::output_replaced && !ring_.settings(node).fold_back;

@@ -6,6 +6,7 @@
 
 #include "sim/forwarding_checker.h"
 #include "sim/ledger.h"
+#include "sim/receive_buffers.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::sim {
@@ -38,9 +39,11 @@ class Invariants : public Observer {
     std::size_t free;
   };
   struct Node {
-    Node(const core::Settings& settings, const Complain& complain)
-        : forwarding(settings.id, settings.byte_time_out, settings.byte_time_in, complain) {}
+    Node(const core::Settings& settings, Ledger& ledger, const Complain& complain)
+        : forwarding(settings.id, settings.byte_time_out, settings.byte_time_in, complain),
+          buffers(settings.id, ledger, complain) {}
     ForwardingChecker forwarding;
+    ReceiveBuffers buffers;
     std::optional<PacketHeader> coming;  ///< header of the DATP that is coming in
     bool passes_on = false;              ///< it is not dropped
     std::uint64_t no_output = 0;         ///< dropped for that when something last came in
@@ -65,7 +68,7 @@ class Invariants : public Observer {
   void data_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now);
   void interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now);
   int due_fbc(NodeId node, const Sent* sent, const PacketTrailer& tail, const Before& after) const;
-  void home(NodeId node, Sent* sent, int fbc, std::size_t tail_size, Time now);
+  Time last_bit(NodeId node, std::size_t tail_size, Time now) const;
   void check_insertion(NodeId node);
   void complain(Promise promise, std::string what);
 

@@ -18,6 +18,8 @@ const char* to_string(Promise promise) {
       return "exactly once";
     case Promise::in_order:
       return "order is kept per source and priority";
+    case Promise::priority_first:
+      return "the highest priority goes first";
     case Promise::interrupt_wait:
       return "an INTP waits at most for other INTPs and for a piece of a DATP";
     case Promise::insertion_bound:
@@ -43,6 +45,11 @@ bool Sent::taken() const {
   return std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.taken; });
 }
 
+bool Sent::is(const core::ReceivedPacket& packet) const {
+  return packet.source == source && packet.destination == destination && packet.priority == queue &&
+         packet.channel == channel && packet.size == size && wire::crc32(packet.bytes()) == checksum;
+}
+
 bool Sent::taken_last_by(NodeId node) const {
   const auto last = std::find_if(verdicts.rbegin(), verdicts.rend(), [&](const Verdict& v) { return v.node == node; });
   return last != verdicts.rend() && last->taken;
@@ -51,7 +58,7 @@ bool Sent::taken_last_by(NodeId node) const {
 Ledger::Ledger(unsigned nodes, Complain complain)
     : complain_(std::move(complain)),
       sources_(nodes),
-      unread_(nodes),
+      passed_over_(*this, complain_),
       newest_(std::size_t{nodes} * nodes * 5),
       interrupt_incarnations_(nodes) {}
 
@@ -124,6 +131,51 @@ Ledger::Slot& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destin
   return slots[(code.interrupt ? 2048u : 0u) + destination * 8u + code.sequence];
 }
 
+void Ledger::try_begins(NodeId source, wire::Code code, Time now) {
+  Flying& flying = sources_[source].flying[code.interrupt ? 1 : 0];
+  const int packet = wire::Code{code.interrupt, 0, code.sequence, code.incarnation}.byte();
+  if (code.attempt == 0 || flying.packet != packet) flying = {packet, code.attempt, 0, 0, now};
+  flying.tries = std::max(flying.tries, code.attempt + 0u) + 1;
+  flying.since = now;
+  if (Sent* sent = find(source, flying.token)) count_tries(*sent, code);
+}
+
+void Ledger::count_tries(Sent& sent, wire::Code code) {
+  Flying& flying = sources_[sent.source].flying[code.interrupt ? 1 : 0];
+  flying.token = sent.token;
+  sent.tries += flying.tries - flying.counted;
+  flying.counted = flying.tries;
+  sent.repeated = sent.repeated || code.attempt > 0;
+  sent.last_try = flying.since;
+  sent.home_at = core::kNever;
+}
+
+// Strictly before: what is asked for while the line is given away may come too late, and what ends in that instant is
+// told later.
+void Ledger::note_passed_over(const Sent& leaving, Time since) {
+  const auto waited = [&](const Sent* sent) {
+    return sent && !sent->ended && !sent->final && sent->asked < since && since < sent->cancelled_at;
+  };
+  Source& source = sources_[leaving.source];
+  for (const std::uint32_t token : source.waiting[leaving.queue]) {
+    if (token == leaving.token) break;
+    const Sent* sent = find(leaving.source, token);
+    const bool refused = sent && sent->left && sent->refused_at <= since;
+    if (waited(sent) && (!sent->left || refused)) passed_over_.note(*sent, leaving, since);
+  }
+  if (leaving.interrupt()) return;
+  for (std::uint8_t higher = 0; higher < leaving.queue; ++higher) {
+    const auto& waiting = source.waiting[higher];
+    const auto first = std::find_if(waiting.begin(), waiting.end(), [&](std::uint32_t token) {
+      const Sent* sent = find(leaving.source, token);
+      return sent && !sent->ended && !sent->final;
+    });
+    if (first == waiting.end()) continue;
+    const Sent* sent = find(leaving.source, *first);
+    if (waited(sent) && !sent->left) passed_over_.note(*sent, leaving, since);
+  }
+}
+
 // A retry is the packet that had its sequence number before, unless nothing of that one got out; a
 // first try the first that waits and looks like it (one that is cancelled may end while it leaves, an
 // unconfirmed one ends as it leaves).
@@ -137,6 +189,7 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time si
   Sent* before = find(source, slot.last.token);
   if (code.attempt > 0 && !over(before) && looks.fit(*before)) {
     slot.last.crcs[code.attempt] = looks.crc;
+    if (sources_[source].flying[code.interrupt ? 1 : 0].token != before->token) count_tries(*before, code);
     return before;
   }
   auto& waiting = sources_[source].waiting[looks.queue];
@@ -148,6 +201,8 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time si
     sent->refused_at = core::kNever;
     slot.begin(token);
     slot.last.crcs[code.attempt] = looks.crc;
+    if (code.attempt == 0) note_passed_over(*sent, since);  // of others nobody knows when they began
+    count_tries(*sent, code);
     return sent;
   }
   slot.begin(0);
@@ -168,6 +223,8 @@ void Ledger::come_home(Sent* sent, int fbc, Time at) {
   if (!sent) return;
   sent->final = fbc != 0 || sent->destination == wire::kBroadcast || sent->interrupt();
   if (!sent->final) sent->refused_at = at;
+  sent->home_at = at;
+  sent->home_fbc = fbc;
 }
 
 void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
@@ -175,7 +232,6 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
     if (!sources_[source].others_send)
       complain_(Promise::undamaged, "node " + std::to_string(node) + " took a packet that node " +
                                         std::to_string(source) + " did not send");
-    if (queue < 4) unread_[node][queue].push_back({});
     return;
   }
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
@@ -186,9 +242,6 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
       complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
   sent->verdicts.push_back({node, incarnation, true});
   check_order(*sent, node);
-  if (queue == 4) return;
-  ++sent->unread;
-  unread_[node][queue].push_back({sent->source, sent->token});
 }
 
 void Ledger::check_order(const Sent& sent, NodeId node) {
@@ -221,6 +274,7 @@ void Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
   sent->ended_at = at;
   sent->end = end;
   check_result(*sent);
+  check_measures(*sent);
 }
 
 void Ledger::check_result(const Sent& sent) {
@@ -237,45 +291,41 @@ void Ledger::check_result(const Sent& sent) {
   if (outcome == Outcome::rejected && sent.left) lie(", and it was on the line");
 }
 
+// The round trip is that of the last try, from its first byte out to its last bit back; 0 if it did not come home, or
+// if that was not what ended it. (protocol.md section 4.6)
+void Ledger::check_measures(const Sent& sent) {
+  const bool home = sent.home_at == sent.ended_at;
+  const core::Duration seen = home ? sent.home_at - sent.last_try : core::Duration{0};
+  const core::Duration told = sent.end.round_trip;
+  const bool may_be_none = sent.end.outcome != Outcome::delivered && sent.end.outcome != Outcome::no_such_node;
+  if (told != seen && !(may_be_none && told.count() == 0))
+    complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +
+                                        std::to_string(core::picoseconds(told)) + " ps, and " +
+                                        std::to_string(core::picoseconds(seen)) + " were seen");
+  const Flying& flying = sources_[sent.source].flying[sent.interrupt() ? 1 : 0];
+  const unsigned under_way = flying.token == 0 ? flying.tries - flying.counted : 0;  // perhaps its own
+  if (sent.end.tries == sent.tries || sent.end.tries == sent.tries + under_way) return;
+  complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +
+                                      std::to_string(sent.end.tries) + " tries, and " + std::to_string(sent.tries) +
+                                      " were seen");
+}
+
 void Ledger::finish(const std::vector<bool>& alive) {
+  settle(core::kNever);
   for (std::size_t node = 0; node < sources_.size(); ++node)
     for (const Sent& sent : sources_[node].sent)
       if (alive[node] && sent.source_incarnation == sources_[node].incarnation && !sent.ended)
         complain_(Promise::one_result, sent.name() + " never ended");
 }
 
-// ---- the CPU --------------------------------------------------------------------------------
-
-void Ledger::read(NodeId node, const core::ReceivedPacket& packet) {
-  auto& unread = unread_[node][packet.priority];
-  if (unread.empty())
-    return complain_(Promise::undamaged, "node " + std::to_string(node) + " gave its CPU a packet it never took");
-  const Unread first = unread.front();
-  unread.pop_front();
-  Sent* sent = find(first.source, first.token);
-  if (!sent) return;
-  --sent->unread;
-  const bool same = packet.source == sent->source && packet.destination == sent->destination &&
-                    packet.channel == sent->channel && packet.size == sent->size &&
-                    wire::crc32(packet.bytes()) == sent->checksum;
-  if (!same)
-    complain_(Promise::undamaged, sent->name() + " came to the CPU of node " + std::to_string(node) + " changed");
-}
-
-void Ledger::flush(NodeId node) {
-  for (auto& unread : unread_[node]) {
-    for (const Unread& packet : unread)
-      if (Sent* sent = find(packet.source, packet.token)) --sent->unread;
-    unread.clear();
-  }
-}
+// ---- restarts --------------------------------------------------------------------------------
 
 void Ledger::start(NodeId node) {
   ++sources_[node].incarnation;
-  flush(node);
   const auto row = newest_.begin() + static_cast<std::ptrdiff_t>(std::size_t{node} * sources_.size() * 5);
   std::fill(row, row + static_cast<std::ptrdiff_t>(sources_.size() * 5), 0u);
   for (auto& waiting : sources_[node].waiting) waiting.clear();
+  sources_[node].flying = {};
 }
 
 }  // namespace limb_ring::sim

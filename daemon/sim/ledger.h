@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/network_controller.h"
+#include "sim/passed_over.h"
 #include "sim/violation.h"
 
 namespace limb_ring::sim {
@@ -29,6 +30,11 @@ struct Sent {
   std::uint32_t source_incarnation = 0;
   Time asked{};
   bool left = false;                 ///< it was on the line
+  unsigned tries = 0;                ///< of it that were seen there
+  bool repeated = false;             ///< one of them was a retry
+  Time last_try{};                   ///< when the first byte of the last one left
+  Time home_at = core::kNever;       ///< the last bit of that one was back
+  int home_fbc = 0;                  ///< with this FBC
   bool final = false;                ///< a matching return is in, which may not be told yet
   Time cancelled_at = core::kNever;  ///< it does not leave any more
   Time refused_at = core::kNever;    ///< a refusal is in: it waits a while and goes again
@@ -42,6 +48,8 @@ struct Sent {
   /// As a new packet, not as a retry.
   bool may_leave(Time now) const { return now < cancelled_at && (!left || refused_at < now); }
   bool taken() const;
+  /// It is what a CPU has got.
+  bool is(const core::ReceivedPacket& packet) const;
   /// Whether `node` took it when it last decided; false where it refused, or never did.
   bool taken_last_by(NodeId node) const;
   std::string name() const;
@@ -66,6 +74,10 @@ class Ledger {
 
   void ask(NodeId source, const core::SendRequest& request, Time now);
   void ask(NodeId source, const core::InterruptRequest& request, Time now);
+  /// The first byte of a try of `source` leaves it.
+  void try_begins(NodeId source, wire::Code code, Time now);
+  /// That packet is no user's.
+  void try_is_control(NodeId source) { sources_[source].flying[0].counted = sources_[source].flying[0].tries; }
   /// A packet of `source` has left it. @param since when its first byte did
   /// @return null where it was not asked for through the ring (another owner)
   Sent* depart(NodeId source, wire::Code code, const Looks& looks, Time since);
@@ -74,6 +86,8 @@ class Ledger {
   Sent* on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
   /// It has come home and matched; its source knows at `at`.
   void come_home(Sent* sent, int fbc, Time at);
+  /// null where it is not known, or not needed any more.
+  Sent* find(NodeId source, std::uint32_t token);
   /// Node `node` has refused it; has taken it, or pulled its pin.
   void refuse(Sent* sent, NodeId node) {
     if (sent) sent->verdicts.push_back({node, 0, false});
@@ -82,23 +96,25 @@ class Ledger {
   /// What `source` was asked for until now and has not begun to send is cancelled.
   void cancel(NodeId source, Time now);
   void end(NodeId source, const core::SendEnded& end, Time at);
-  /// The CPU of `node` reads a packet.
-  void read(NodeId node, const core::ReceivedPacket& packet);
-  /// What lies in the receive buffers of `node` is gone.
-  void flush(NodeId node);
   /// `node` has restarted, with an empty memory.
   void start(NodeId node);
   /// The frozen node goes on, and may pull a pin for an INTP that was under way before.
   void forgets_interrupts(NodeId node) { ++interrupt_incarnations_[node]; }
   /// A line has released what it held back: of earlier sends a second copy may be under way.
   void line_let_go(Time now) { let_go_ = now; }
+  /// Judges what could not be judged in its own instant.
+  void settle(Time now) { passed_over_.judge(now); }
   /// Everything that living nodes were asked for must have ended.
   void finish(const std::vector<bool>& alive);
 
  private:
-  struct Unread {
-    NodeId source;
-    std::uint32_t token;  ///< 0: not asked for through the ring
+  /// What of one kind is on its way from a source, as its header says.
+  struct Flying {
+    int packet = -1;          ///< its Code but for the try; -1: nothing yet
+    unsigned tries = 0;       ///< of it that were seen
+    unsigned counted = 0;     ///< of those that are counted for its send
+    std::uint32_t token = 0;  ///< of that; 0: not known before its end is out
+    Time since{};             ///< the last try
   };
   /// A packet with that kind, DID and sequence number.
   struct OnLine {
@@ -116,21 +132,24 @@ class Ledger {
     std::uint32_t first_token = 1;
     std::array<std::deque<std::uint32_t>, 5> waiting;  ///< by queue, in the order of asking
     std::vector<Slot> on_line;                         ///< by kind, DID, sequence
+    std::array<Flying, 2> flying;                      ///< DATP, INTP
     bool others_send = false;                          ///< packets left that were not asked for through the ring
     std::uint32_t incarnation = 0;
   };
 
-  Sent* find(NodeId source, std::uint32_t token);
   Sent& add(NodeId source, std::uint32_t token, Time now);
   Slot& on_line_slot(NodeId source, wire::Code code, NodeId destination);
+  void count_tries(Sent& sent, wire::Code code);
+  void note_passed_over(const Sent& leaving, Time since);
   void check_result(const Sent& sent);
+  void check_measures(const Sent& sent);
   void check_order(const Sent& sent, NodeId node);
   void forget_settled(Source& source);
 
   Complain complain_;
   std::vector<Source> sources_;
-  std::vector<std::array<std::deque<Unread>, 4>> unread_;  ///< by node and priority
-  std::vector<std::uint32_t> newest_;                      ///< token, by node, source, queue
+  PassedOver passed_over_;
+  std::vector<std::uint32_t> newest_;  ///< token, by node, source, queue
   std::vector<std::uint32_t> interrupt_incarnations_;
   Time let_go_{core::Duration{-1}};  ///< when a line last did
 };

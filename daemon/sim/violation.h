@@ -13,7 +13,8 @@ enum class Promise {
   true_result,      ///< which says what has happened
   undamaged,        ///< what a CPU gets is what was sent, whole, and to it
   exactly_once,     ///< a packet is taken, a pin pulled, once between two restarts of the receiver
-  in_order,         ///< packets of a source and priority are taken in the order of asking
+  in_order,         ///< packets of a source and priority leave, and are taken, in the order of asking
+  priority_first,   ///< of what waits the highest priority goes first, onto the line and to the CPU
   interrupt_wait,   ///< an INTP waits for other INTPs and at most for odd bytes, trailer and CRC
   insertion_bound,  ///< of the insertion buffer
   no_circling,      ///< no packet goes on after its source is gone

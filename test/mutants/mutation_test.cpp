@@ -39,17 +39,22 @@ TEST_P(Mutations, AreCaughtByTheCheckOfTheirPromise) {
   EXPECT_NE(violation->what, "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Mutations,
-                         testing::Values(Case{"ResultTwice", Mutation::result_twice, Promise::one_result},
-                                         Case{"SaysDelivered", Mutation::says_delivered, Promise::true_result},
-                                         Case{"TakesDamaged", Mutation::takes_damaged, Promise::undamaged},
-                                         Case{"ForgetsDuplicates", Mutation::forgets_duplicates, Promise::exactly_once},
-                                         Case{"RefusedGoesLast", Mutation::refused_goes_last, Promise::in_order},
-                                         Case{"HoldsInterrupts", Mutation::holds_interrupts, Promise::interrupt_wait},
-                                         Case{"PassesOrphans", Mutation::passes_orphans, Promise::no_circling},
-                                         Case{"LiesInFbc", Mutation::lies_in_fbc, Promise::true_fbc},
-                                         Case{"NeverHeals", Mutation::never_heals, Promise::whole_again}),
-                         [](const auto& made) { return made.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Each, Mutations,
+    testing::Values(Case{"ResultTwice", Mutation::result_twice, Promise::one_result},
+                    Case{"SaysDelivered", Mutation::says_delivered, Promise::true_result},
+                    Case{"TakesDamaged", Mutation::takes_damaged, Promise::undamaged},
+                    Case{"ForgetsDuplicates", Mutation::forgets_duplicates, Promise::exactly_once},
+                    Case{"RefusedGoesLast", Mutation::refused_goes_last, Promise::in_order},
+                    Case{"HoldsInterrupts", Mutation::holds_interrupts, Promise::interrupt_wait},
+                    Case{"PassesOrphans", Mutation::passes_orphans, Promise::no_circling},
+                    Case{"LiesInFbc", Mutation::lies_in_fbc, Promise::true_fbc},
+                    Case{"SendsLowestFirst", Mutation::sends_lowest_first, Promise::priority_first},
+                    Case{"GivesLowestFirst", Mutation::gives_lowest_first, Promise::priority_first},
+                    Case{"ShortRoundTrips", Mutation::short_round_trips, Promise::true_result},
+                    Case{"CountsOneTry", Mutation::counts_one_try, Promise::true_result},
+                    Case{"NeverHeals", Mutation::never_heals, Promise::whole_again}),
+    [](const auto& made) { return made.param.name; });
 
 /// All nodes always have large packets to send, on lines of 1 Gbit/s.
 std::optional<sim::Violation> violation_of_a_full_ring(Mutation mutation) {
