@@ -69,12 +69,15 @@ void Blocks::handle_timeout(Time now) {
   membership_.handle_timeout(now);
 }
 
-// What has ended since the last call decides what may go.
+void Blocks::run(Time now) {
+  act(true, now);
+  act(false, now);  // a send into an open chain ends as it goes, and the number it takes may be the last
+}
+
+// What has ended decides what may go.
 void Blocks::act(bool goes_on, Time now) {
   membership_.settle(now);
-  if (!goes_on) return;
-  packet_manager_.run(now);
-  membership_.settle(now);  // a send into an open chain ends as it goes, and the number it takes may be the last
+  if (goes_on) packet_manager_.run(now);
 }
 
 Time Blocks::next_deadline(Time now) const {

@@ -69,7 +69,7 @@ class Blocks {
   /// @name Time and events
   ///@{
   void handle_timeout(Time now);
-  void run(Time now) { act(true, now); }
+  void run(Time now);
   /// When handle_timeout(), run(), take_event() or take() have something new to do, if nothing else
   /// happens before.
   Time next_deadline(Time now) const;
