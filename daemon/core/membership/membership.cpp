@@ -245,9 +245,9 @@ void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now
 
 // ---- the others ---------------------------------------------------------------------------
 
-bool Membership::is_unknown_peers_retry(const wire::PacketFields& packet) {
+bool Membership::is_unheard_nodes_retry(const wire::PacketFields& packet) {
   if (!settings_.fold_back || packet.code().attempt == 0 || peers_[packet.source()].known) return false;
-  ++counters_.retries_of_unknown_peers;
+  ++counters_.retries_of_unheard_nodes;
   return true;
 }
 

@@ -67,7 +67,7 @@ class Membership {
   /// A retry of a source that has not been heard since this node started: its first try may have been taken before. The
   /// source may not know of that start: it was in the other part of a ring that was broken twice. (ours,
   /// protocol.md section 4.10)
-  bool is_unknown_peers_retry(const wire::PacketFields& packet);
+  bool is_unheard_nodes_retry(const wire::PacketFields& packet);
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);
   /// An own packet came home with a good CRC, whether it matched anything or not.

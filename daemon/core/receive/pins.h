@@ -19,7 +19,7 @@ class Pins {
   /// An INTP of another node, with a good CRC, passes.
   /// @return the FBC it goes on with: 1 pin pulled, 0 pin wired to nothing
   std::uint8_t pass(const wire::PacketFields& packet, Time at) {
-    return membership_.is_unknown_peers_retry(packet) ? packet.fbc() : offer(packet, at);
+    return membership_.is_unheard_nodes_retry(packet) ? packet.fbc() : offer(packet, at);
   }
   /// The same of any INTP, an own one to this node too, when nothing else speaks against it.
   std::uint8_t offer(const wire::PacketFields& packet, Time at);

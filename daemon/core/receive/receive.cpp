@@ -28,7 +28,7 @@ bool Receive::accepts(const PacketFields& packet) {
 
 std::uint8_t Receive::pass(const PacketFields& packet, Time at) {
   if (wire::is_control(packet) && !membership_.heard(packet, at)) return 0;
-  if (membership_.is_unknown_peers_retry(packet)) return packet.fbc();
+  if (membership_.is_unheard_nodes_retry(packet)) return packet.fbc();
   return offer(packet, at);
 }
 
