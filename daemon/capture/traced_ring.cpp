@@ -63,7 +63,9 @@ std::vector<Hop> TracedRing::hops_of(std::size_t trip) const {
     // HOP counts nodes that relay: it may stay while the node is another, where one was bypassed meanwhile.
     if (place != here || hops.back().node != packet.seen_by()) {
       const unsigned expected = place ? *place + 1 : 0;
-      hops.push_back({packet.seen_by(), here > expected ? here - expected : 0, {}, {}, {}, {}});
+      hops.emplace_back();
+      hops.back().node = packet.seen_by();
+      hops.back().unseen = here > expected ? here - expected : 0;
     }
     place = here;
     (packet.info.input ? hops.back().in : hops.back().out) = packet;

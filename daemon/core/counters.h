@@ -70,4 +70,11 @@ struct Counters {
   }
 };
 
+/// Counts it. @return `result`, so that a rule and its counter stand in one line
+template <class Result>
+Result counted(std::uint64_t& counter, Result result) {
+  ++counter;
+  return result;
+}
+
 }  // namespace limb_ring::core

@@ -77,7 +77,10 @@ Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node) const {
   const bool lasts = fault.name == Name::kill || fault.name == Name::freeze;
   if (!lasts) return {"", words};
   note(node, words);
-  if (fault.lasts.count() != 0) return wait_and_thaw(fault.lasts, node), Begun{"", words};
+  if (fault.lasts.count() != 0) {
+    wait_and_thaw(fault.lasts, node);
+    return {"", words};
+  }
   return {daemons_.node(node).name + '.' + fault::word_of(fault.name).word, words};
 }
 

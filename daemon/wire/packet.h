@@ -20,7 +20,10 @@ class Number {
   constexpr Number() = default;
   explicit constexpr Number(std::uint8_t value) : value_(value) {}
   constexpr operator std::uint8_t() const { return value_; }
-  constexpr Number& operator++() { return ++value_, *this; }
+  constexpr Number& operator++() {
+    ++value_;
+    return *this;
+  }
 
  private:
   std::uint8_t value_ = 0;

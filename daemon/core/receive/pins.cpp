@@ -12,7 +12,7 @@ bool Pins::addressed(const wire::PacketFields& packet) const {
 std::uint8_t Pins::offer(const wire::PacketFields& packet, Time at) {
   if (!addressed(packet)) return packet.fbc();
   if (!memory_.meet(packet.source(), packet.code().incarnation))
-    return ++counters_.earlier_incarnation, std::uint8_t{0};
+    return counted(counters_.earlier_incarnation, std::uint8_t{0});
   const bool broadcast = packet.destination() == wire::kBroadcast;
   Verdict verdict = memory_.verdict(packet.source(), packet.code(), broadcast, at);
   if (verdict == Verdict::none) {
@@ -26,7 +26,7 @@ std::uint8_t Pins::offer(const wire::PacketFields& packet, Time at) {
 
 bool Pins::pull(const wire::PacketFields& packet, Time at) {
   const wire::Factor factor = wire::factor_of(packet.last());
-  if (!settings_.wired[factor]) return ++counters_.refused_unwired, false;
+  if (!settings_.wired[factor]) return counted(counters_.refused_unwired, false);
   ++counters_.pins_pulled;
   events_.put(at, PinPulled{factor, packet.source()});
   return true;

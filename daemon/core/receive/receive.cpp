@@ -20,9 +20,9 @@ std::size_t Receive::free_buffers(const PacketFields& packet) const {
 }
 
 bool Receive::accepts(const PacketFields& packet) {
-  if (!membership_.joined()) return ++counters_.refused_joining, false;
-  if (!cpu_present_) return ++counters_.refused_cpu_absent, false;
-  if (free_buffers(packet) == 0) return ++counters_.refused_no_buffer, false;
+  if (!membership_.joined()) return counted(counters_.refused_joining, false);
+  if (!cpu_present_) return counted(counters_.refused_cpu_absent, false);
+  if (free_buffers(packet) == 0) return counted(counters_.refused_no_buffer, false);
   return true;
 }
 
@@ -35,7 +35,7 @@ std::uint8_t Receive::pass(const PacketFields& packet, Time at) {
 std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   if (!addressed(packet)) return packet.fbc();
   if (!memory_.meet(packet.source(), packet.code().incarnation))
-    return ++counters_.earlier_incarnation, std::uint8_t{0};
+    return counted(counters_.earlier_incarnation, std::uint8_t{0});
   const bool broadcast = packet.destination() == wire::kBroadcast;
   const std::size_t free = std::min<std::size_t>(free_buffers(packet), wire::kFbcMax);
   const auto least = [&](std::size_t value) {
@@ -50,9 +50,9 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   }
   switch (memory_.verdict(packet.source(), packet.code(), broadcast, at)) {
     case Verdict::taken:
-      return ++counters_.duplicates, least(std::max<std::size_t>(1, free));
+      return counted(counters_.duplicates, least(std::max<std::size_t>(1, free)));
     case Verdict::refused:
-      return ++counters_.duplicates, std::uint8_t{0};
+      return counted(counters_.duplicates, std::uint8_t{0});
     case Verdict::none:
       break;
   }

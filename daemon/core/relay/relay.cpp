@@ -40,12 +40,12 @@ bool Relay::receive(const wire::Slice& slice, Time now) {
 // ---- what becomes of it -------------------------------------------------------------------
 
 Relay::Fate Relay::judge(ByteView header, bool interrupt) {
-  if (!wire::header_valid(header, interrupt)) return ++counters_.malformed_packets, Fate::discard;
+  if (!wire::header_valid(header, interrupt)) return counted(counters_.malformed_packets, Fate::discard);
   const NodeId source{header[wire::field::kSource]};
   if (source == settings_.id) return Fate::strip;
-  if (cut_off_[source]) return ++counters_.orphans_cut_off, Fate::discard;
-  if (header[wire::field::kHop] + 1u >= settings_.nodes()) return ++counters_.orphans_hop, Fate::discard;
-  if (bypassed_[source]) return ++counters_.orphans_bypassed, Fate::receive_only;
+  if (cut_off_[source]) return counted(counters_.orphans_cut_off, Fate::discard);
+  if (header[wire::field::kHop] + 1u >= settings_.nodes()) return counted(counters_.orphans_hop, Fate::discard);
+  if (bypassed_[source]) return counted(counters_.orphans_bypassed, Fate::receive_only);
   return Fate::pass_on;
 }
 
@@ -57,8 +57,8 @@ Relay::Fate Relay::judge_data(ByteView header) {
 }
 
 bool Relay::check(const PacketFields& packet) {
-  if (!packet.crc_good()) return ++counters_.crc_errors, false;
-  if (!wire::trailer_valid(packet.bytes)) return ++counters_.malformed_packets, false;
+  if (!packet.crc_good()) return counted(counters_.crc_errors, false);
+  if (!wire::trailer_valid(packet.bytes)) return counted(counters_.malformed_packets, false);
   return true;
 }
 

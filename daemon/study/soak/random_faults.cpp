@@ -166,9 +166,11 @@ void RandomFaults::fault() {
       ring_->cpu_reads[node] = !ring_->cpu_reads[node];
       return;  // its CPU hangs, or goes on
     case 7:
-      return ring_->alive(node) ? ring_->cancel(node) : void();
+      if (ring_->alive(node)) ring_->cancel(node);
+      return;
     case 8:
-      return ring_->alive(node) ? ring_->reset_cpu(node) : void();
+      if (ring_->alive(node)) ring_->reset_cpu(node);
+      return;
     case 9:
       return ring_->alive(node) ? freeze_or_thaw(node) : kill_or_start(node);
     case 10:
