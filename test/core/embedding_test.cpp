@@ -50,7 +50,8 @@ TEST(Embedding, AtEveryWordOfDatpsOfEveryLengthBothAreTakenAndPassedOn) {
     std::uint64_t pulled = 0;
     for (std::size_t place = 0; place <= length / 4 * 4; place += 4) {
       const Bytes payload = pattern(length, static_cast<unsigned>(place));
-      feed(solo, Foreign{0, 1, static_cast<std::uint8_t>(data_sequence++ & 7)}.with(payload), {place}, sequence);
+      const Foreign packet = Foreign{0, 1}.with_sequence(data_sequence++ & 7);
+      feed(solo, packet.with(payload), {place}, sequence);
       ASSERT_THAT(solo.packets(), ElementsAre(payload)) << length << " at " << place;
       ASSERT_EQ(solo.counters().pins_pulled, ++pulled);
       const CarriedLine line(solo.line());

@@ -66,7 +66,7 @@ TEST_F(ExactlyOnce, InterruptsHaveAMemoryOfTheirOwn) {
 }
 
 TEST_F(ExactlyOnce, DamagedFirstTryLeavesNoTrace) {
-  Bytes damaged = Foreign{0, 1, 0, 0}.with(text("x"));
+  Bytes damaged = Foreign{0, 1}.with(text("x"));
   damaged[4] ^= 1;
   solo.receive(SliceKind::whole, damaged);
   solo.line();
@@ -210,7 +210,7 @@ TEST(ExactlyOnceJoining, RefusesUsersDataAndTakesTheRest) {
   solo.line();
   solo.receive(SliceKind::whole, Foreign{0, 1}.with(text("x")));
   EXPECT_EQ(solo.line().at(0).bytes[6], 0) << "FBC";
-  solo.receive(SliceKind::whole, Foreign{0, wire::kBroadcast, 0, 0, 0, kControlPri}.with(beacon));
+  solo.receive(SliceKind::whole, Foreign{0, wire::kBroadcast}.with_pri(kControlPri).with(beacon));
   solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 2));
   EXPECT_EQ(solo.counters().refused_joining, 1u);
   EXPECT_EQ(solo.counters().received_control, 1u);
@@ -220,11 +220,11 @@ TEST(ExactlyOnceJoining, RefusesUsersDataAndTakesTheRest) {
 
 TEST(ExactlyOnceJoining, WhatItRefusedThenStaysRefused) {
   SoloNode solo;
-  solo.receive(SliceKind::whole, Foreign{0, 1, 3, 0}.with(text("x")));
+  solo.receive(SliceKind::whole, Foreign{0, 1}.with_sequence(3).with(text("x")));
   solo.line();
   solo.node().input_up(0_id, solo.now());  // the hello is said again
   solo.join();
-  solo.receive(SliceKind::whole, Foreign{0, 1, 3, 1}.with(text("x")));
+  solo.receive(SliceKind::whole, Foreign{0, 1}.with_sequence(3).with_attempt(1).with(text("x")));
   EXPECT_EQ(solo.line().at(0).bytes[6], 0) << "FBC";
   EXPECT_THAT(solo.packets(), IsEmpty());
 }
@@ -233,7 +233,7 @@ TEST(ExactlyOnceJoining, OwnPacketsAreOnlyStripped) {
   SoloNode solo;
   solo.run();
   solo.line();
-  solo.receive(SliceKind::whole, Foreign{1, 1, 0, 0, 3}.with(text("of a former process")));
+  solo.receive(SliceKind::whole, Foreign{1, 1}.with_hop(3).with(text("of a former process")));
   EXPECT_THAT(solo.line(), IsEmpty());
   EXPECT_THAT(solo.packets(), IsEmpty());
 }

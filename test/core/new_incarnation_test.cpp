@@ -16,7 +16,8 @@ struct NewIncarnationOfTheReceiver : testing::Test {
   void hello_of_2(std::uint64_t boot, std::uint8_t sequence) {
     Bytes bytes(wire::kHelloSize);
     wire::encode(wire::Hello{boot}, bytes.data());
-    solo.receive(SliceKind::whole, Foreign{2, wire::kBroadcast, sequence, 0, 1, kControlPri}.with(bytes));
+    const Foreign hello = Foreign{2, wire::kBroadcast}.with_sequence(sequence).with_hop(1).with_pri(kControlPri);
+    solo.receive(SliceKind::whole, hello.with(bytes));
     solo.line();
   }
   void SetUp() override {
@@ -37,7 +38,7 @@ TEST_F(NewIncarnationOfTheReceiver, RepeatsNothingTheFormerMayHaveTaken) {
 
 TEST_F(NewIncarnationOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) {
   solo.node().send(send_of(1, 2, 3_id, text("y")), solo.now());
-  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2, 0, 1}.with(text("x")), 0));
+  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2}.with_attempt(1).with(text("x")), 0));
   EXPECT_EQ(solo.counters().refusals, 1u);
   hello_of_2(8, 0);
   ASSERT_EQ(solo.ends().size(), 1u);
@@ -48,7 +49,7 @@ TEST_F(NewIncarnationOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) 
 
 TEST_F(NewIncarnationOfTheReceiver, DeliversWhatComesHomeTaken) {
   hello_of_2(8, 0);
-  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2, 0, 1}.with(text("x")), 5));
+  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2}.with_attempt(1).with(text("x")), 5));
   EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::delivered)));
 }
 

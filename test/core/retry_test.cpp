@@ -160,7 +160,7 @@ TEST_F(Retry, ReturnThatDiffersInAnyFieldIsNotTheReturn) {
     wire::store_u32(other.data() + covered, wire::crc32({other.data(), covered}));
     home(other);
   }
-  Bytes longer = Foreign{1, 2, code(packet).sequence}.with(text("payloads"));
+  Bytes longer = Foreign{1, 2}.with_sequence(code(packet).sequence).with(text("payloads"));
   home(longer);
   EXPECT_THAT(solo.ends(), IsEmpty());
   EXPECT_EQ(solo.counters().returns_unmatched, 5u);

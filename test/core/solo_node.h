@@ -123,6 +123,16 @@ struct Foreign {
   std::uint8_t sequence = 0, attempt = 0, hop = 0, pri = 0, fbc = wire::kFbcUntaken;
   wire::Incarnation incarnation{};
 
+  Foreign with_sequence(std::uint8_t value) const { return changed(&Foreign::sequence, value); }
+  Foreign with_attempt(std::uint8_t value) const { return changed(&Foreign::attempt, value); }
+  Foreign with_hop(std::uint8_t value) const { return changed(&Foreign::hop, value); }
+  Foreign with_pri(std::uint8_t value) const { return changed(&Foreign::pri, value); }
+  Foreign changed(std::uint8_t Foreign::*field, std::uint8_t value) const {
+    Foreign copy = *this;
+    copy.*field = value;
+    return copy;
+  }
+
   Bytes with(const Bytes& data) const {
     Bytes out(data.size() + wire::kOverhead);
     wire::DataPacket packet;
