@@ -131,7 +131,7 @@ T read_kind(const Entry& entry, const Section<T>& section, const std::vector<std
   read_section(entry, section, condition);
   const auto given = [&](const std::string& name) { return entry.find(name).has_value(); };
   if (!one_of.empty() && std::none_of(one_of.begin(), one_of.end(), given))
-    entry.refuse("it says not what to look for", config::join(one_of));
+    entry.refuse("it does not say what to look for", config::join(one_of));
   return condition;
 }
 

@@ -21,7 +21,7 @@ TEST(LoadScenario, ReadsStepsInTheirOrder) {
   EXPECT_EQ(scenario.steps[1].within.sim, std::chrono::microseconds(2));
 }
 
-TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLife) {
+TEST(LoadScenario, ADeadlineMayDifferBetweenSimulationAndLiveRuns) {
   const Scenario scenario =
       parse_scenario(four_nodes("steps: [{when: {node: all, is: up}, within: {sim: 200us, live: 2s}}]\n"), "t");
   EXPECT_EQ(scenario.steps[0].within.sim, std::chrono::microseconds(200));
@@ -46,7 +46,7 @@ TEST(LoadScenario, NamesLineEntryAndWhatIsAllowed) {
               StartsWith("test.yaml:3:1: entry 'step': is unknown, did you mean 'steps'?"));
 }
 
-TEST(LoadScenario, AStoryExpectsSomethingWhereItWaitsOrWatches) {
+TEST(LoadScenario, ExpectationsAreWaitsAndWhatHoldsAlwaysOrNever) {
   const auto expects = [](const std::string& more) { return expects_something(parse_scenario(four_nodes(more), "t")); };
   EXPECT_FALSE(expects("steps: []\n"));
   EXPECT_FALSE(expects("steps: [{at: 1ms, do: {kill: node1}}]\n"));
@@ -73,7 +73,7 @@ TEST(LoadScenario, RefusesTimesThatRunBackwards) {
 
 TEST(LoadScenario, RefusesConditionsThatSayNothing) {
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{node: all}]\n")),
-              HasSubstr("says not what to look for; allowed: is, ring_size"));
+              HasSubstr("does not say what to look for; allowed: is, ring_size"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{knee: up}]\n")), HasSubstr("it is no condition"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{counter: crc_error, of: all, at_most: 0}]\n")),
               HasSubstr("did you mean 'crc_errors'?"));
