@@ -155,6 +155,31 @@ class Contents(unittest.TestCase):
                 if (name, word) != ("Reject", "none"):
                     self.assertIn("`%s`" % word, section(self.page, where), name)
 
+    def test_every_outcome_and_every_state_that_a_beacon_tells_is_listed(self):
+        for name, where in [("Outcome", "4.6"), ("CpuState", "3.9"), ("LinkState", "3.9"), ("CpuVerdict", "8.13")]:
+            for word in enumerators(name):
+                self.assertRegex(section(self.page, where), r"\b%s\b" % word.replace("_", " "), name)
+
+
+class Walks(unittest.TestCase):
+    """The functions that a byte and a send pass, as CONTRIBUTING.md has them."""
+
+    def test_every_function_of_a_walk_exists(self):
+        walks = re.findall(r"```\n((?:link::Input|HostPort).*?)```", read("CONTRIBUTING.md"), re.DOTALL)
+        self.assertEqual(len(walks), 2)
+        sources = [text for path, text in texts() if path.startswith(("daemon", "include"))]
+        named = {name for walk in walks for name in re.findall(r"\b([A-Z]\w+)::(\w+)", walk)}
+        self.assertGreater(len(named), 25)
+        self.assertEqual([name for name in sorted(named) if not any(self.has(text, *name) for text in sources)], [])
+
+    @staticmethod
+    def has(text, owner, function):
+        """It defines the function, or it has the class and declares the function."""
+        if re.search(r"\b%s::%s\(" % (owner, function), text):
+            return True
+        return bool(re.search(r"^(?:class|struct) %s\b[^;]*\{" % owner, text, re.MULTILINE) and
+                    re.search(r"\b%s\(" % function, text))
+
 
 class WorkedExample(unittest.TestCase):
     """The CRCs of section 11, by another CRC than the project's own."""
