@@ -58,7 +58,7 @@ class SmallBenchmark(unittest.TestCase):
         for pinning in ("one_core", "unpinned"):
             self.check_case(self.report["cpu_to_cpu"][pinning]["one_sender"])
 
-    def test_looking_on_is_set_beside_the_same_ring_unwatched(self):
+    def test_observing_is_compared_with_the_same_ring_unobserved(self):
         for pinning in ("one_core", "unpinned"):
             for sending in ("one_sender", "all_sending"):
                 watched = self.report["watched"][pinning][sending]

@@ -125,7 +125,7 @@ TEST_F(Assembler, PassesOverAPacketWhoseBeginningItHasNotSeen) {
   EXPECT_TRUE(seen.empty());
 }
 
-TEST_F(Assembler, ForgetsWhatIsOpenWhereNobodyLooksAnyMore) {
+TEST_F(Assembler, ForgetsWhatIsOpenWhenNobodyObservesAnyMore) {
   put_beginning(packet, 10);
   assembler.reset();
   put(SliceKind::whole, view(packet), 11);

@@ -91,7 +91,7 @@ TEST(PacketTrips, APacketThatStoodStillForSecondsIsStillTheSame) {
   EXPECT_EQ(ring.round_trip(0), 4s + 5us);
 }
 
-TEST(EarlierTries, ARefusedPacketAndItsNextTriesAreOneStory) {
+TEST(EarlierTries, ARefusedPacketAndItsNextTriesBelongTogether) {
   std::vector<SeenPacket> packets;
   for (unsigned i = 0; i < 4; ++i) pass(packets, {static_cast<std::uint8_t>(i), 0, 'a', 0}, i * 64ms);
   EXPECT_THAT(earlier_of(TracedRing(packets)), ElementsAre(0, 1, 2, 3));
@@ -103,7 +103,7 @@ TEST(EarlierTries, WhatIsSentAfterTheSecondOfARefusalIsAnotherPacket) {
   EXPECT_THAT(earlier_of(TracedRing(packets)), testing::Each(0));
 }
 
-TEST(EarlierTries, AStoryOfRefusalsEndsWithItsSecondHoweverMuchFollows) {
+TEST(EarlierTries, NothingIsCountedAsANextTryASecondAfterTheFirstRefusal) {
   std::vector<SeenPacket> packets;
   for (unsigned i = 0; i < 98; ++i) pass(packets, {static_cast<std::uint8_t>(i % 8), 0, 'a', 0}, i * 64ms);
   const TracedRing ring(packets);
@@ -126,7 +126,7 @@ TEST(EarlierTries, ARetryFollowsItsTryAndNoOlderPacketOfThatNumber) {
   EXPECT_THAT(earlier_of(TracedRing(packets)), ElementsAre(0, 1, 0, 0));
 }
 
-TEST(TracedWay, SaysHowManyNodesDidNotShowIt) {
+TEST(HopsOfATrip, SaysHowManyNodesDidNotShowIt) {
   std::vector<SeenPacket> packets;
   pass(packets, {}, 0s, {1, 2, 3, 4});
   pass(packets, {1}, 1ms, {0, 1, 2});
@@ -137,7 +137,7 @@ TEST(TracedWay, SaysHowManyNodesDidNotShowIt) {
   EXPECT_EQ(ring.trace(1).hops[0].unseen, 2u);
 }
 
-TEST(TracedWay, HopThatDoesNotFitItsNodeIsShownAsItIs) {
+TEST(HopsOfATrip, HopThatDoesNotFitItsNodeIsShownAsItIs) {
   std::vector<SeenPacket> packets;
   pass(packets, {}, 0s, {2, 3, 4, 5});
   SeenPacket bypassed = sighting({}, 2, 2us);

@@ -47,7 +47,7 @@ TEST_F(BrokenPacket, ThatStallsIsAborted) {
   EXPECT_EQ(solo.counters().stray_slices, 1u);
 }
 
-TEST_F(BrokenPacket, EverySliceWindsTheStallClockUp) {
+TEST_F(BrokenPacket, EverySliceRestartsTheStallTimer) {
   solo.receive(SliceKind::start, {packet.begin(), packet.begin() + 4});
   for (std::size_t at = 4; at < 24; at += 4) {
     solo.run_for(49ms);
@@ -128,14 +128,14 @@ TEST_F(BrokenPacket, GapBreaksItOff) {
   EXPECT_EQ(solo.counters().broken_off_packets, 1u);
 }
 
-TEST_F(BrokenPacket, InterruptInsideItLivesOn) {
+TEST_F(BrokenPacket, InterruptInsideItGoesOn) {
   solo.receive(SliceKind::start, head_of(packet));
   solo.receive(SliceKind::interrupt, foreign_interrupt(0, 2, 1));
   solo.receive(SliceKind::abort, {});
   EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::interrupt, SliceKind::abort));
 }
 
-TEST_F(BrokenPacket, InterruptInsideAStrippedOneLivesOn) {
+TEST_F(BrokenPacket, InterruptInsideAStrippedOneGoesOn) {
   const Bytes own = Foreign{1, 2}.with(pattern(20));
   solo.receive(SliceKind::start, head_of(own));
   solo.receive(SliceKind::interrupt, foreign_interrupt(0, 2, 1));

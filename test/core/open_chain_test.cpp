@@ -167,7 +167,7 @@ TEST_F(OpenChain, NodeBehindTheBreakMayRestart) {
   EXPECT_EQ(outcome_of(ring, 1_id, ring.send(1_id, 3_id, text("a"))).outcome, Outcome::delivered);
 }
 
-TEST_F(OpenChain, NodeBeforeABreakItNoticesIsInTheChainToo) {
+TEST_F(OpenChain, NodeBeforeABreakThatSeesItIsInTheChainToo) {
   cut();
   ring.node(2_id).output_lost(Line::first, ring.now());
   ring.run_for(300ms);

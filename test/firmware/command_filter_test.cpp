@@ -29,41 +29,41 @@ payload::JointCommand resume(nanoseconds t) {
   return command;
 }
 
-class Gate : public testing::Test {
+class CommandFilterTest : public testing::Test {
  protected:
   CommandFilter filter{200ms};
 };
 
-TEST_F(Gate, ObeysACommandUntilItExpires) {
+TEST_F(CommandFilterTest, ObeysACommandUntilItExpires) {
   EXPECT_EQ(filter.judge(given(0ms), at(100ms)), Verdict::obey);
   EXPECT_EQ(filter.judge(given(1ms), at(101ms + 1ns)), Verdict::expired);
 }
 
-TEST_F(Gate, RefusesAStampFurtherAheadThanItIsValidFor) {
+TEST_F(CommandFilterTest, RefusesAStampFurtherAheadThanItIsValidFor) {
   EXPECT_EQ(filter.judge(given(100ms + 1ns), at(0ms)), Verdict::early);
   EXPECT_EQ(filter.judge(given(100ms), at(0ms)), Verdict::obey);
 }
 
-TEST_F(Gate, RefusesWhatIsOlderThanTheLastObeyed) {
+TEST_F(CommandFilterTest, RefusesWhatIsOlderThanTheLastObeyed) {
   EXPECT_EQ(filter.judge(given(10ms, 5), at(20ms)), Verdict::obey);
   EXPECT_EQ(filter.judge(given(9ms, 6), at(20ms)), Verdict::older);
   EXPECT_EQ(filter.judge(given(11ms, 4), at(20ms)), Verdict::obey);  // a commander started again
 }
 
-TEST_F(Gate, OrdersEqualStampsBySequenceAcrossItsWrap) {
+TEST_F(CommandFilterTest, OrdersEqualStampsBySequenceAcrossItsWrap) {
   EXPECT_EQ(filter.judge(given(10ms, 0xFFFF), at(20ms)), Verdict::obey);
   EXPECT_EQ(filter.judge(given(10ms, 0xFFFF), at(20ms)), Verdict::older);
   EXPECT_EQ(filter.judge(given(10ms, 0xFFFE), at(20ms)), Verdict::older);
   EXPECT_EQ(filter.judge(given(10ms, 0), at(20ms)), Verdict::obey);
 }
 
-TEST_F(Gate, ARefusedCommandDoesNotMoveTheOrder) {
+TEST_F(CommandFilterTest, ARefusedCommandDoesNotMoveTheOrder) {
   EXPECT_EQ(filter.judge(given(90ms), at(0ms)), Verdict::obey);
   EXPECT_EQ(filter.judge(given(300ms), at(0ms)), Verdict::early);
   EXPECT_EQ(filter.judge(given(91ms), at(1ms)), Verdict::obey);
 }
 
-TEST_F(Gate, IsNotLockedOutByAWallClockSetBack) {
+TEST_F(CommandFilterTest, IsNotLockedOutByAWallClockSetBack) {
   EXPECT_EQ(filter.judge(given(0ms), at(0ms)), Verdict::obey);
   const auto one_hour = std::int64_t{3600} * 1'000'000'000;
   Timestamps now = at(50ms);
@@ -76,7 +76,7 @@ TEST_F(Gate, IsNotLockedOutByAWallClockSetBack) {
   EXPECT_EQ(filter.judge(command, now), Verdict::obey);
 }
 
-TEST_F(Gate, CopesWithEveryStampAndValidity) {
+TEST_F(CommandFilterTest, HandlesEveryStampAndValidity) {
   auto command = given(0ms);
   command.stamp_ns = std::numeric_limits<std::int64_t>::max();
   command.valid_for_us = 0xFFFFFFFF;
@@ -88,7 +88,7 @@ TEST_F(Gate, CopesWithEveryStampAndValidity) {
   EXPECT_EQ(filter.judge(command, at(0ms)), Verdict::obey);
 }
 
-TEST_F(Gate, HoldsAStopUntilACommandResumes) {
+TEST_F(CommandFilterTest, HoldsAStopUntilACommandResumes) {
   filter.stop(at(0ms));
   EXPECT_TRUE(filter.stopped());
   EXPECT_EQ(filter.judge(given(10ms), at(10ms)), Verdict::stopped);
@@ -98,13 +98,13 @@ TEST_F(Gate, HoldsAStopUntilACommandResumes) {
   EXPECT_EQ(filter.judge(given(30ms), at(30ms)), Verdict::obey);
 }
 
-TEST_F(Gate, IsNotResumedByACommandGivenBeforeTheStop) {
+TEST_F(CommandFilterTest, IsNotResumedByACommandGivenBeforeTheStop) {
   filter.stop(at(10ms));
   EXPECT_EQ(filter.judge(resume(10ms), at(20ms)), Verdict::stopped);
   EXPECT_EQ(filter.judge(resume(10ms + 1ns), at(20ms)), Verdict::obey);
 }
 
-TEST_F(Gate, IsNotResumedByAnExpiredCommand) {
+TEST_F(CommandFilterTest, IsNotResumedByAnExpiredCommand) {
   filter.stop(at(0ms));
   EXPECT_EQ(filter.judge(resume(10ms), at(500ms)), Verdict::expired);
   EXPECT_TRUE(filter.stopped());

@@ -7,22 +7,22 @@
 namespace limb_ring::firmware {
 namespace {
 
-std::optional<FaultCommand> order(const std::string& text) {
+std::optional<FaultCommand> parsed(const std::string& text) {
   return parse_fault_command({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-TEST(Orders, KnowHangAndExit) {
-  EXPECT_EQ(order("hang").value().kind, FaultCommand::Kind::hang);
-  EXPECT_EQ(order("hang\n").value().kind, FaultCommand::Kind::hang);
-  ASSERT_TRUE(order("exit 3"));
-  EXPECT_EQ(order("exit 3")->kind, FaultCommand::Kind::exit);
-  EXPECT_EQ(order("exit 3")->code, 3);
+TEST(FaultCommandText, MayBeHangOrExit) {
+  EXPECT_EQ(parsed("hang").value().kind, FaultCommand::Kind::hang);
+  EXPECT_EQ(parsed("hang\n").value().kind, FaultCommand::Kind::hang);
+  ASSERT_TRUE(parsed("exit 3"));
+  EXPECT_EQ(parsed("exit 3")->kind, FaultCommand::Kind::exit);
+  EXPECT_EQ(parsed("exit 3")->code, 3);
 }
 
-TEST(Orders, AreNothingElse) {
+TEST(FaultCommandText, IsNothingElse) {
   for (const char* text : {"", " ", "hangs", "ha", "exit", "exit ", "exit x", "exit 256", "exit -1", "exit 3 4",
                            "EXIT 3", "exit 99999999999999999999"})
-    EXPECT_FALSE(order(text)) << "'" << text << "'";
+    EXPECT_FALSE(parsed(text)) << "'" << text << "'";
 }
 
 }  // namespace

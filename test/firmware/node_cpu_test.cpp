@@ -142,7 +142,7 @@ TEST_F(NodeCpuTest, AProcessThatWasNotScheduledSendsWhatWasDueMeanwhileWithItsTi
   EXPECT_THAT(stamps, ElementsAre(at(10ms).wall_ns, at(20ms).wall_ns, at(30ms).wall_ns, at(40ms).wall_ns));
 }
 
-TEST_F(NodeCpuTest, TakesOrdersFromUserPacketsOnly) {
+TEST_F(NodeCpuTest, TakesFaultCommandsFromUserPacketsOnly) {
   cpu.receive(packet(4, {'h', 'a', 'n', 'g'}), at(0ms));
   cpu.receive(packet(2, {'h', 'a', 'n', 'g'}), at(0ms));
   EXPECT_FALSE(cpu.fault_command());

@@ -183,7 +183,7 @@ TEST(Servo, IsStableForEveryModelAndStep) {
       }
 }
 
-TEST(Servo, StandsStillForNoTime) {
+TEST(Servo, StandsStillForAStepOfNoTime) {
   Servo servo{ServoModel{}};
   servo.drive(position(1));
   servo.step(0);

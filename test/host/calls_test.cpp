@@ -131,7 +131,7 @@ TEST_F(Calls, AreAllSignsOfLife) {
   EXPECT_EQ(handler.alive, 3u);
 }
 
-TEST_F(Calls, AnswersForAClientThatIsGoneGoNowhere) {
+TEST_F(Calls, AnswersForAClientThatIsGoneAreDropped) {
   host::ClientId id = 0;
   {
     HostPort port = tool();

@@ -150,7 +150,7 @@ TEST_F(Cpu, CannotClaimMoreRoomThanIsSensible) {
   EXPECT_EQ(give_all(0), 64u);
 }
 
-TEST_F(Cpu, AloneGivesCredit) {
+TEST_F(Cpu, IsTheOnlyOneThatGivesCredit) {
   test::RawClient client("r", "3");
   client.say(client::Greeting{});
   client.say(client::Credit{8});

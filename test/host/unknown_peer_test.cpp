@@ -31,7 +31,7 @@ class UnknownPeer : public HostTest {
   void expect_still_serving() { EXPECT_EQ(tool().id(), 3); }
 };
 
-TEST_F(UnknownPeer, TalkingAnotherProtocolIsShownOut) {
+TEST_F(UnknownPeer, TalkingAnotherProtocolIsDisconnected) {
   RawClient client("r", "3");
   const std::string http = "GET / HTTP/1.1\r\n\r\n";
   client.say_bytes(client::Bytes(http.begin(), http.end()));
@@ -41,7 +41,7 @@ TEST_F(UnknownPeer, TalkingAnotherProtocolIsShownOut) {
   expect_still_serving();
 }
 
-TEST_F(UnknownPeer, ClaimingAHugeMessageIsShownOutAtOnce) {
+TEST_F(UnknownPeer, ClaimingAHugeMessageIsDisconnectedAtOnce) {
   RawClient client("r", "3");
   client.say(client::Greeting{});
   client.say_bytes({0, 1, 0, 1, 2});
@@ -51,7 +51,7 @@ TEST_F(UnknownPeer, ClaimingAHugeMessageIsShownOutAtOnce) {
   expect_still_serving();
 }
 
-TEST_F(UnknownPeer, SayingAnythingBeforeTheGreetingIsShownOut) {
+TEST_F(UnknownPeer, SayingAnythingBeforeTheGreetingIsDisconnected) {
   RawClient client("r", "3");
   client.say(client::PullRequest{1, 1});
   shown_out(client);
@@ -59,7 +59,7 @@ TEST_F(UnknownPeer, SayingAnythingBeforeTheGreetingIsShownOut) {
   EXPECT_TRUE(handler.pulls.empty());
 }
 
-TEST_F(UnknownPeer, GreetingTwiceIsShownOut) {
+TEST_F(UnknownPeer, GreetingTwiceIsDisconnected) {
   RawClient client("r", "3");
   client.say(client::Greeting{});
   client.say(client::Greeting{});
@@ -90,7 +90,7 @@ TEST_F(UnknownPeer, LeavingInTheMiddleOfItsGreetingIsForgotten) {
   EXPECT_EQ(server->counters().garbage, 0u);
 }
 
-TEST_F(UnknownPeer, SayingNothingIsShownOutAfterAWhile) {
+TEST_F(UnknownPeer, SayingNothingIsDisconnectedAfterAWhile) {
   RawClient client("r", "3");
   EXPECT_THAT(shown_out(client), HasSubstr("no greeting"));
   EXPECT_EQ(server->counters().never_greeted, 1u);

@@ -139,7 +139,7 @@ TEST_F(MemoryInputFromHand, EndsTheLineOnWhatIsNoSlice) {
 }
 
 // Over all of it, again and again while the other end reads: every slice handed on is one that could have been sent.
-TEST_F(MemoryInputFromHand, SurvivesAPeerThatScribblesOverEverything) {
+TEST_F(MemoryInputFromHand, SurvivesAPeerThatOverwritesTheWholeMemory) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {
     memory = QueueMemory::make(QueueMemory::kSmallest);

@@ -119,7 +119,7 @@ TEST_F(UnknownPeer, AsAFartherNodeIsToldThatWeAreBusy) {
   EXPECT_EQ(rig.node(1).input->counters().refused, 1u);
 }
 
-TEST_F(UnknownPeer, InACrowdKeepsNobodyOut) {
+TEST_F(UnknownPeer, AmongManyKeepsNobodyOut) {
   std::vector<process::UniqueFd> crowd;
   for (int i = 0; i < 50; ++i) crowd.push_back(knock());
   ASSERT_TRUE(rig.until([&] { return unknown_peers() == 50; }));

@@ -211,7 +211,7 @@ TEST(Reassembler, NeverHoldsMoreThanItsLimitAndGivesUpTheLongestIdle) {
   EXPECT_GT(reassembler.counters().no_memory, 0U);  // in the end, announcements fill it
 }
 
-TEST(Reassembler, LetsALivingSenderThroughThoughDeadOnesLeftTheirMessages) {
+TEST(Reassembler, TakesALiveSendersMessagesThoughDeadOnesLeftTheirs) {
   Reassembler reassembler({/*message=*/2000, /*total=*/5000});
   for (std::uint8_t source = 0; source < 10; ++source) {
     Topic dead(reassembler, source, 0);

@@ -52,7 +52,7 @@ class BrokenPromises(unittest.TestCase):
         self.promises.settle()
         self.assertEqual(self.promises.problems, [])
 
-    def test_what_arrives_once_in_order_and_is_confirmed_is_well(self):
+    def test_what_arrives_once_in_order_and_is_confirmed_is_right(self):
         for number in (1, 2):
             self.arrive(1, 0, number)
             self.end(number, 'delivered')
@@ -89,7 +89,7 @@ class BrokenPromises(unittest.TestCase):
         self.end(1, 'delivered')
         self.assert_told('never came')
 
-    def test_delivered_to_a_program_that_has_gone_is_not_owed(self):
+    def test_delivered_to_a_program_that_has_gone_is_not_expected(self):
         self.end(1, 'delivered')
         self.promises.connection_lost(1)
         self.assert_kept()

@@ -24,18 +24,18 @@ def garbage(size):
 
 class UnknownPeer(RingTest):
     def connect(self, path):
-        stranger = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        stranger.settimeout(ring_process.GUARD)
-        stranger.connect(path)
-        self.addCleanup(stranger.close)
-        return stranger
+        peer = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        peer.settimeout(ring_process.GUARD)
+        peer.connect(path)
+        self.addCleanup(peer.close)
+        return peer
 
-    def read_to_end(self, stranger):
+    def read_to_end(self, peer):
         """What it was told before it was thrown out; fails where it never is."""
         told = b''
         try:
             while True:
-                data = stranger.recv(4096)
+                data = peer.recv(4096)
                 if not data:
                     return told
                 told += data
@@ -43,12 +43,12 @@ class UnknownPeer(RingTest):
             return told
 
     def say(self, path, data):
-        stranger = self.connect(path)
+        peer = self.connect(path)
         try:
-            stranger.sendall(data)
+            peer.sendall(data)
         except (BrokenPipeError, ConnectionResetError):
             pass
-        return self.read_to_end(stranger)
+        return self.read_to_end(peer)
 
     def quiet_ring(self, nodes=None, **sections):
         """Starts a ring, and remembers what nothing may change."""
@@ -75,9 +75,9 @@ class UnknownPeer(RingTest):
 
     def test_half_open_connection_at_the_host_port_is_closed(self):
         self.quiet_ring()
-        stranger = self.connect(self.socket_of(1))
-        stranger.sendall(host_port.greeting(self.ring)[:7])
-        self.assertIn(b'greeting', self.read_to_end(stranger))
+        peer = self.connect(self.socket_of(1))
+        peer.sendall(host_port.greeting(self.ring)[:7])
+        self.assertIn(b'greeting', self.read_to_end(peer))
         self.assertEqual(self.counters(1)['host_garbage'], 1)
         self.assert_undisturbed()
 
@@ -156,8 +156,8 @@ class UnknownPeer(RingTest):
 
     def test_half_open_connections_at_a_unix_link_are_closed(self):
         self.quiet_ring()
-        for stranger in [self.connect(self.socket_of(1, 'link')) for _ in range(40)]:
-            self.read_to_end(stranger)
+        for peer in [self.connect(self.socket_of(1, 'link')) for _ in range(40)]:
+            self.read_to_end(peer)
         self.assertGreaterEqual(self.counters(1)['input_unknown_peers'], 40)
         self.assert_undisturbed()
 
@@ -165,12 +165,12 @@ class UnknownPeer(RingTest):
         ports = free_udp_ports(3)
         self.quiet_ring(links={'transport': 'udp', 'port': ports})
         before = self.counters(1)['input_unknown_peers']
-        stranger = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.addCleanup(stranger.close)
+        peer = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.addCleanup(peer.close)
         pieces = [b'', b'x', b'GET / HTTP/1.1', b'\0' * 64, garbage(1400), garbage(60000),
                   head(CONNECT, ring=12345), head(SLICES, ring=99) + b'\xa7\1\0\4abcd']
         for piece in pieces * 25:
-            stranger.sendto(piece, ('127.0.0.1', ports + 1))
+            peer.sendto(piece, ('127.0.0.1', ports + 1))
         self.wait('counted', lambda: self.counters(1)['input_unknown_peers'] > before)
         self.assert_undisturbed()
 

@@ -23,7 +23,7 @@ class Frames(unittest.TestCase):
         self.ring.status.wait(lambda _: self.ring.counter('frames_watched_nodes') == nodes,
                               '%d nodes to be watched' % nodes)
 
-    def test_nobody_looks_until_somebody_subscribes_nor_after(self):
+    def test_nothing_is_observed_unless_somebody_subscribes(self):
         self.wait_until_watched(0)
         frames = Newest('ring_frames', Frame)
         self.wait_until_watched(1)

@@ -21,7 +21,7 @@ class ScenarioService(unittest.TestCase):
         rospy.wait_for_service('run_scenario', 30)
         return rospy.ServiceProxy('run_scenario', RunScenario)(**request)
 
-    def test_a_story_comes_true_in_both_worlds(self):
+    def test_a_scenario_passes_simulated_and_live(self):
         for live in (False, True):
             answer = self.run_scenario(text=STORY % (3, '20s'), live=live, seed=7)
             self.assertTrue(answer.success, answer.report)

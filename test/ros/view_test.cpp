@@ -98,7 +98,7 @@ TEST_F(Picture, TellsTheRoundTrip) {
   EXPECT_EQ(of("names", draw())[2].text, "hip\ndown");
 }
 
-TEST_F(Picture, KnowsALoadFromTwoLooks) {
+TEST_F(Picture, KnowsALoadFromTwoSamples) {
   status.nodes[1].counter_names = {"input_bytes", "input_slices"};
   status.nodes[1].counter_values = {1000, 10};
   status.nodes[0].output_rate = 80000;

@@ -71,7 +71,7 @@ TEST(Faults, FreezeAndThaw) {
             "");
 }
 
-TEST(Faults, PowerCycleIsANewLife) {
+TEST(Faults, PowerCycleIsANewStart) {
   EXPECT_EQ(unmet_of(after_joining("{power_cycle: node3}",
                                    "  - {when: {counter: hellos, of: node3, at_least: 1, at_most: 1}, within: 1ms}\n"
                                    "  - {when: {node: all, is: up, ring_size: 4}, within: 110ms}\n")),

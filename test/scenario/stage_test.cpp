@@ -79,7 +79,7 @@ TEST_F(StageRun, ALimitOfItsOwnCountsOnALiveStage) {
   EXPECT_FALSE(play("steps: [{when: {node: node3, is: down}, within: {sim: 1us, live: 400ms}}]\n").unmet);
 }
 
-TEST_F(StageRun, AWaitThatIsInVainEndsWithItsLimit) {
+TEST_F(StageRun, AWaitThatIsNotMetEndsWithItsLimit) {
   const ScenarioRun run = play("steps: [{when: {node: node3, is: down}, within: {sim: 1s, live: 200ms}}]\n");
   ASSERT_TRUE(run.unmet);
   EXPECT_EQ(run.unmet->at, 200ms);
@@ -94,7 +94,7 @@ TEST_F(StageRun, AStepThatIsLateIsDoneAtOnceWhereTimeIsNotExact) {
   EXPECT_EQ(run.log.at(2).at, 80ms);
 }
 
-TEST_F(StageRun, WhatHoldsAlwaysIsLookedAtOnTheWayToAStep) {
+TEST_F(StageRun, AlwaysIsCheckedOnTheWayToAStep) {
   stage.dies[2_id] = 40ms;
   const ScenarioRun run = play("steps: [{at: 1s, do: {kill: node3}}]\nalways: [{node: all, is: up}]\n");
   ASSERT_TRUE(run.unmet);
@@ -102,7 +102,7 @@ TEST_F(StageRun, WhatHoldsAlwaysIsLookedAtOnTheWayToAStep) {
   EXPECT_THAT(stage.done, ElementsAre());
 }
 
-TEST_F(StageRun, WhatHoldsNeverIsLookedAtWhileWaiting) {
+TEST_F(StageRun, NeverIsCheckedWhileWaiting) {
   stage.dies[2_id] = 40ms;
   const ScenarioRun run = play(
       "steps: [{when: {node: node3, is: down}, within: 1s}]\n"
@@ -119,14 +119,14 @@ TEST_F(StageRun, AnActionThatCannotBeDoneIsTheEnd) {
   EXPECT_THAT(stage.done, ElementsAre("kill"));
 }
 
-TEST_F(StageRun, WhatBreaksBesideTheStoryIsTheEnd) {
+TEST_F(StageRun, WhatBreaksWithoutAStepEndsTheRun) {
   stage.breaks = 30ms;
   const ScenarioRun run = play("steps: [{at: 1s}]\n");
   ASSERT_TRUE(run.unmet);
   EXPECT_EQ(run.unmet->seen, "it ended");
 }
 
-TEST_F(StageRun, ARobotThatDoesNotComeUpIsTold) {
+TEST_F(StageRun, ARingThatDoesNotComeUpIsReported) {
   stage.at_begin = Stage::Surprise{"every node joins", "node 3 does not"};
   const ScenarioRun run = play("steps: [{do: {kill: node3}}]\n");
   ASSERT_TRUE(run.unmet);

@@ -31,7 +31,7 @@ TEST_F(SupervisorRun, ResetsAHungCpuABeaconPeriodAfterItIsKnown) {
             "");
 }
 
-TEST_F(SupervisorRun, ABootTakesAsLongAsTheStorySays) {
+TEST_F(SupervisorRun, ABootTakesAsLongAsTheScenarioSays) {
   const std::string done = std::string(kHang) + "  - {when: {cpu: node2, is: running, boots: 2}, within: ";
   EXPECT_EQ(unmet("auto", "boot_time: 300ms\n" + done + "1001ms}\n"), "");
   EXPECT_THAT(unmet("auto", "boot_time: 500ms\n" + done + "1001ms}\n"),

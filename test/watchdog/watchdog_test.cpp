@@ -196,7 +196,7 @@ TEST_F(WatchdogTest, ACpuThatHangsAfterEveryResetIsGivenUpToo) {
   EXPECT_EQ(knee().confirmed, 3u);
 }
 
-TEST_F(WatchdogTest, TriesAreForgivenOnceTheCpuHasRunForLong) {
+TEST_F(WatchdogTest, TriesAreForgottenOnceTheCpuHasRunForLong) {
   run_for_long();
   hang();
   pass(100ms);

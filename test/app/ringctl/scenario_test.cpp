@@ -52,7 +52,7 @@ TEST_F(ScenarioCommand, EndsWithTwoForABadFileBeforeAnyIsRun) {
   EXPECT_THAT(said.errors, HasSubstr("bad.yaml:3:1: entry 'step': is unknown"));
 }
 
-TEST_F(ScenarioCommand, AStoryThatExpectsNothingIsNotPassed) {
+TEST_F(ScenarioCommand, AScenarioThatExpectsNothingIsNotPassed) {
   const CliRun said = run_scenarios({write("idle.yaml", "scenario: x\nnodes: 4\nsteps: [{at: 1ms, do: {kill: 1}}]\n")});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_EQ(said.out, "");
@@ -81,7 +81,7 @@ TEST_F(ScenarioCommand, HasARingOfItsOwnAndATransportOnlyLive) {
   EXPECT_EQ(run_scenarios({good, "--sim", "--live"}).code, kUsage);
 }
 
-TEST_F(ScenarioCommand, SaysWhyAStoryIsNotForLiveDaemons) {
+TEST_F(ScenarioCommand, SaysWhyAScenarioIsNotForLiveDaemons) {
   const CliRun said = run_scenarios({write("only.yaml", std::string(kGood) + "only: sim\n"), "--live"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("only.yaml: only under the virtual clock (--sim):\n  only: sim"));

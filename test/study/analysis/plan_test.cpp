@@ -192,7 +192,7 @@ TEST(Plan, AnInsertionBufferBeforeASlowerLineMayBeTooSmall) {
                                        "limits.insertion_buffer, 8 packets of 524 bytes, is too small"));
 }
 
-TEST(Plan, AWaitForWhichTheNcHasNoPatienceIsTooLong) {
+TEST(Plan, AWaitLongerThanTheQueueTimeIsTooLong) {
   config::RingConfig ring = small_ring(2);
   ring.timeouts.queue = 1ms;
   // 1000 laps of 2.8 us are 2.8 ms.

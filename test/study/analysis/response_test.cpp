@@ -13,7 +13,7 @@ Contender contender(unsigned rank, Duration lap, Duration period, unsigned jobs 
   return {rank, jobs, lap * static_cast<int>(jobs), lap, lap, period, jitter};
 }
 
-TEST(Response, ALonelyMessageWaitsForWhatIsOnTheLine) {
+TEST(Response, AMessageAloneWaitsForWhatIsOnTheLine) {
   const auto alone = worst_response({contender(0, 10us, 100us)}, 0, 3us, kLimit);
   ASSERT_TRUE(alone);
   EXPECT_EQ(alone->wait, 3us);
@@ -72,7 +72,7 @@ TEST(Response, AJitterAboveThePeriodMakesAStreamWaitForItself) {
 
 // The example of Davis et al.: A, B, C take 1 ms each, periods 2.5, 3.5, 3.5 ms; response times 2, 3, 3.5 ms.
 // C's second message is the worse one: w(0) = 2; w(1) = 1 + n_A + n_B = 6 = 1 + 3 + 2, asked for at 3.5.
-TEST(Response, EveryMessageOfABusyPeriodIsLookedAt) {
+TEST(Response, EveryMessageOfABusyPeriodIsJudged) {
   const std::vector<Contender> unit{contender(0, 1ms, 2500us), contender(1, 1ms, 3500us), contender(2, 1ms, 3500us)};
   EXPECT_EQ(worst_response(unit, 0, Duration{0}, kLimit)->wait, 1ms);
   EXPECT_EQ(worst_response(unit, 1, Duration{0}, kLimit)->wait, 2ms);

@@ -34,7 +34,7 @@ void expect_kept(const config::RingConfig& ring, const std::vector<Stream>& stre
 }
 
 // T = 0.8 us, d = 1 us; home after three hops, at c after two.
-TEST(TrafficRun, ALonelyPacketTakesWhatTheFormulaSays) {
+TEST(TrafficRun, APacketAloneTakesWhatTheFormulaSays) {
   const auto runs = run(small_ring(3), {stream_from(0, 2, {kHundred}, 1ms)}, 10ms);
   EXPECT_EQ(runs[0].asked, 10u);
   EXPECT_EQ(count(runs[0], Outcome::delivered), 10u);
