@@ -71,7 +71,7 @@ void Cpus::end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus
   cpu.running = false;
   read(id, true);
   ring_.reset_cpu(id);
-  ring_.node(id).set_cpu_present(false);
+  ring_.set_cpu_present(id, false);
   tell(id, state);
   ring_.at(ring_.now() + later, [this, id, next, epoch = ++cpu.epoch] {
     if (cpus_[id].epoch == epoch) (this->*next)(id);
@@ -85,7 +85,7 @@ void Cpus::crash(NodeId id) { end(id, wire::CpuState::failed, kBackOff, &Cpus::r
 // As in the daemon, a boot counts from the CPU's first message.
 void Cpus::boot(NodeId id) {
   ++cpus_[id].boots;
-  ring_.node(id).set_cpu_present(true);
+  ring_.set_cpu_present(id, true);
   resume(id);
 }
 

@@ -17,30 +17,40 @@ std::string name(const PacketHeader& head, const PacketTrailer& tail) {
 
 }  // namespace
 
-void ForwardingChecker::came(const PacketHeader& head, NodeId destination, int fbc, Time now) {
+void ForwardingChecker::came(const PacketHeader& head, NodeId destination, Due due, std::size_t size, Time now) {
   auto& coming = head.code.interrupt ? interrupts_ : data_;
-  if (coming.size() == kMostComing) coming.pop_front();
-  coming.push_back({head.code_byte, head.source, destination, fbc, now});
+  if (coming.size() == kMostComing) {
+    if (!head.code.interrupt) bytes_ -= coming.front().size;
+    coming.pop_front();
+  }
+  coming.push_back({head.code_byte, head.source, destination, due, size, now});
+  if (!head.code.interrupt) bytes_ += size;
 }
 
 // Packets of a kind leave in the order in which they came, so those before it were dropped. A dropped one may differ
 // from a later one by its FBC only.
-void ForwardingChecker::went(const PacketHeader& head, const PacketTrailer& tail, Time now) {
+bool ForwardingChecker::went(const PacketHeader& head, const PacketTrailer& tail, Time now) {
   auto& coming = head.code.interrupt ? interrupts_ : data_;
   const auto is_it = [&](const Coming& c) {
     return c.code_byte == head.code_byte && c.source == head.source && c.destination == tail.destination;
   };
-  const auto as_is_due = [&](const Coming& c) { return is_it(c) && (c.fbc == kAnyFbc || c.fbc == tail.fbc); };
+  const auto as_is_due = [&](const Coming& c) { return is_it(c) && (c.due.fbc == kAnyFbc || c.due.fbc == tail.fbc); };
   auto it = std::find_if(coming.begin(), coming.end(), as_is_due);
   const bool due = it != coming.end();
   if (!due) it = std::find_if(coming.begin(), coming.end(), is_it);
   const std::string at = " at node " + std::to_string(id_);
-  if (it == coming.end()) return complain_(Promise::true_fbc, name(head, tail) + " left without having come in" + at);
+  if (it == coming.end()) {
+    complain_(Promise::true_fbc, name(head, tail) + " left without having come in" + at);
+    return false;
+  }
   if (!due)
-    complain_(Promise::true_fbc, name(head, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
-                                     std::to_string(it->fbc) + at);
+    complain_(it->due.promise, name(head, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
+                                   std::to_string(it->due.fbc) + at);
   if (head.code.interrupt) check_wait(it->at + lag_, now, name(head, tail));
+  for (auto gone = coming.begin(); !head.code.interrupt && gone != it + 1; ++gone) bytes_ -= gone->size;
+  const bool good = it->due.good;
   coming.erase(coming.begin(), it + 1);
+  return good;
 }
 
 void ForwardingChecker::own_interrupt_went(Time since, Time now) { check_wait(since, now, "its own INTP"); }
@@ -65,6 +75,7 @@ void ForwardingChecker::count_interrupt(Time now) {
 void ForwardingChecker::clear() {
   data_.clear();
   interrupts_.clear();
+  bytes_ = 0;
 }
 
 }  // namespace limb_ring::sim

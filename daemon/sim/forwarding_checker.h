@@ -51,12 +51,24 @@ class ForwardingChecker {
         lag_(std::max(Duration{0}, byte_time_in - byte_time) * static_cast<std::int64_t>(wire::kOverhead)),
         complain_(complain) {}
 
-  /// A packet has come in that others than this node have sent.
-  /// @param fbc what it has to leave with; kAnyFbc: nobody can tell
-  void came(const PacketHeader& head, NodeId destination, int fbc, Time now);
+  /// What a packet has to leave with.
+  struct Due {
+    int fbc;                              ///< kAnyFbc: nobody can tell
+    Promise promise = Promise::true_fbc;  ///< that another FBC would break
+    bool good = true;                     ///< its CRC is right
+  };
   static constexpr int kAnyFbc = -1;
+  /// A packet of `size` bytes has come in that others than this node have sent.
+  void came(const PacketHeader& head, NodeId destination, Due due, std::size_t size, Time now);
+  /// So many bytes of a DATP have come in, and no more of it will.
+  void broke_off(std::size_t size, Time now) {
+    came({{}, 0, 0, wire::kBroadcast}, wire::kBroadcast, {kAnyFbc}, size, now);
+  }
+  /// Of all DATPs that have come in and not left: at least what the node holds.
+  std::size_t bytes() const { return bytes_; }
   /// One that others have sent leaves.
-  void went(const PacketHeader& head, const PacketTrailer& tail, Time now);
+  /// @return true where it had come in good, or nobody knows
+  bool went(const PacketHeader& head, const PacketTrailer& tail, Time now);
   /// One of its own INTPs leaves that could have left since `since`.
   void own_interrupt_went(Time since, Time now);
   /// An INTP leaves, own or not: others may have to wait for it.
@@ -67,7 +79,8 @@ class ForwardingChecker {
   struct Coming {
     std::uint8_t code_byte;
     NodeId source, destination;
-    int fbc;
+    Due due;
+    std::size_t size;
     Time at;
   };
   void check_wait(Time since, Time now, const std::string& which) const;
@@ -77,6 +90,7 @@ class ForwardingChecker {
   Duration lag_;        ///< an INTP from a slower line begins so much later, lest it end before it has come in
   const Complain& complain_;
   std::deque<Coming> data_, interrupts_;
+  std::size_t bytes_ = 0;             ///< of data_
   std::deque<Time> interrupts_gone_;  ///< when the last ones left
 };
 

@@ -4,16 +4,46 @@
 
 namespace limb_ring::sim {
 
-using core::Counters;
+using core::NodeState;
+using wire::PacketFields;
 using wire::SliceKind;
+using Answer = ReceiverModel::Answer;
 
 namespace {
 
-bool is_control(const PacketTrailer& tail) {
-  return wire::channel_of(tail.last) == static_cast<std::uint8_t>(wire::Channel::control);
+/// The longest pause between two slices of a DATP. (protocol.md section 7.4)
+core::Duration stall_of(const core::Settings& settings) { return settings.stall + 2048 * settings.byte_time_in; }
+
+std::size_t most_waiting(const core::Settings& settings) {
+  return std::max(2u, settings.insertion_buffer) * wire::kMaxDataPacketSize;
+}
+
+bool may_send(NodeState state) {
+  return state == NodeState::up || state == NodeState::alone || state == NodeState::folded ||
+         state == NodeState::open_chain;
+}
+
+PacketHeader head_of(const PacketFields& packet) { return PacketHeader::of(packet.bytes); }
+
+/// What the CRC was when the packet left its source, as far as HOP and FBC go.
+std::uint32_t crc_at_source(const PacketFields& packet) {
+  return wire::carried_crc(packet.crc(), packet.bytes.size, packet.hop(), packet.fbc() ^ wire::kFbcUntaken);
+}
+
+std::size_t tail_size(const PacketFields& packet) {
+  return packet.data().size % 4 + wire::kTrailerSize + wire::kCrcSize;
 }
 
 }  // namespace
+
+Invariants::Node::Node(const core::Settings& of_node, Ledger& ledger, const Complain& complain)
+    : settings(of_node),
+      forwarding(settings.id, settings.byte_time_out, settings.byte_time_in, complain),
+      buffers(settings.id, ledger, complain),
+      receiver(settings),
+      pins(settings.id, complain),
+      coming(stall_of(settings)),
+      going(core::Duration::max()) {}
 
 Invariants::Invariants(VirtualRing& ring)
     : ring_(ring),
@@ -31,6 +61,8 @@ void Invariants::complain(Promise promise, std::string what) {
 void Invariants::finish() {
   std::vector<bool> alive;
   for (unsigned id = 0; id < ring_.size(); ++id) alive.push_back(ring_.alive(static_cast<NodeId>(id)));
+  for (unsigned id = 0; id < ring_.size(); ++id)
+    if (alive[id]) at(static_cast<NodeId>(id)).pins.judge(ring_.now());
   ledger_.finish(alive);
 }
 
@@ -42,20 +74,38 @@ void Invariants::asked(NodeId node, const core::InterruptRequest& request, Time 
   ledger_.ask(node, request, now);
 }
 
+void Invariants::cpu_present(NodeId node, bool present, Time) { at(node).receiver.set_cpu_present(present); }
+
+void Invariants::packet(NodeId node, const core::ReceivedPacket& packet) { at(node).buffers.read(packet, ring_.now()); }
+
 void Invariants::event(NodeId node, const core::Event& event) {
-  if (const auto* state = std::get_if<core::StateChanged>(&event.what))
-    if (state->after == core::NodeState::starting) ledger_.forgets_interrupts(node);
+  if (const auto* state = std::get_if<core::StateChanged>(&event.what)) state_changes(node, state->after, event.at);
+  if (const auto* pin = std::get_if<core::PinPulled>(&event.what)) at(node).pins.pulled(*pin, event.at);
   const auto* end = std::get_if<core::SendEnded>(&event.what);
   if (!end) return;
   if (end->interrupt) at(node).interrupt_free = event.at;
-  // If tries fail or numbers are used up, copies are under way, and a hello may come between them.
   ledger_.settle(event.at);
+  // If tries fail or numbers are used up, copies are under way, and a hello may come between them.
   if (end->tries > 1 || end->outcome == core::Outcome::lost || end->outcome == core::Outcome::no_such_node)
     faults_ = true;
   ledger_.end(node, *end, event.at);
 }
 
-void Invariants::packet(NodeId node, const core::ReceivedPacket& packet) { at(node).buffers.read(packet, ring_.now()); }
+// A hello that has left counts as home in an open chain. (protocol.md section 4.8)
+void Invariants::state_changes(NodeId node, NodeState state, Time now) {
+  Node& n = at(node);
+  n.state = state;
+  if (state == NodeState::open_chain && n.hello_left && n.receiver.joined() != Sure::yes)
+    n.receiver.set_joined(Sure::unknown);
+  if (state != NodeState::starting && state != NodeState::duplicate_id) return;
+  if (state == NodeState::starting) ledger_.forgets_interrupts(node);
+  // A hello may leave in the same instant, and is told first.
+  n.began = ring_.now();
+  n.hello_left = n.control.hello && n.control.left == n.began;
+  if (!n.hello_left) n.control = {};
+  n.receiver.start_over(state == NodeState::starting, now);
+  ledger_.waits_for_nothing(node);
+}
 
 // ---- out of a node --------------------------------------------------------------------------
 
@@ -70,34 +120,61 @@ void Invariants::check_head(NodeId node, const PacketHeader& head) {
 void Invariants::check_source(NodeId node, const PacketHeader& head, Time now) {
   if (head.source >= ring_.size()) return;
   const auto& away = at(head.source).away_since;
-  const core::Settings& settings = ring_.settings(node);
+  const core::Settings& settings = at(node).settings;
   if (away && now - std::max(*away, late_) > settings.send_timeout() + settings.worst_lap())
     complain(Promise::no_circling, "a packet of node " + std::to_string(head.source) + " goes on through node " +
                                        std::to_string(node) + ", long after its source was gone");
 }
 
 void Invariants::leaves(NodeId node, const wire::Slice& slice, Time now) {
-  if (slice.kind == SliceKind::start || slice.kind == SliceKind::whole) {
-    at(node).going = PacketHeader::of(slice.bytes);
-    at(node).going_since = now;
-    at(node).going_size = 0;
-    if (at(node).going.source == node) ledger_.try_begins(node, at(node).going.code, now);
-    check_head(node, at(node).going);
-  }
-  if (slice.kind != SliceKind::interrupt) at(node).going_size += slice.bytes.size;
-  if (whole_or_end(slice)) data_leaves(node, slice, now);
+  Node& n = at(node);
+  const bool begins = slice.kind == SliceKind::start || slice.kind == SliceKind::whole;
+  if (begins) begins_to_leave(node, slice, now);
+  wire::ByteView own;
+  if (n.going_own) own = n.going.put(slice, now);
+  if (slice.kind == SliceKind::whole || slice.kind == SliceKind::end) data_leaves(node, slice, own, now);
   if (slice.kind == SliceKind::interrupt) interrupt_leaves(node, slice, now);
 }
 
-void Invariants::data_leaves(NodeId node, const wire::Slice& slice, Time now) {
-  const PacketHeader& head = at(node).going;
-  const PacketTrailer tail = PacketTrailer::of(slice.bytes);
-  if (head.source != node) return at(node).forwarding.went(head, tail, now);
-  if (is_control(tail)) return ledger_.try_is_control(node);
-  const std::size_t size = at(node).going_size - wire::kOverhead;
-  ledger_.depart(node, head.code,
-                 {tail.destination, wire::priority_of(tail.last), wire::channel_of(tail.last), size, tail.crc},
-                 at(node).going_since);
+void Invariants::begins_to_leave(NodeId node, const wire::Slice& slice, Time now) {
+  Node& n = at(node);
+  n.head = PacketHeader::of(slice.bytes);
+  n.going_own = n.head.source == node;
+  n.going_since = now;
+  check_head(node, n.head);
+  if (!n.going_own) return;
+  n.control = {};  // what is out now is this one
+  ledger_.try_begins(node, n.head.code, now);
+}
+
+void Invariants::data_leaves(NodeId node, const wire::Slice& end, wire::ByteView own, Time now) {
+  Node& n = at(node);
+  if (!n.going_own) {
+    if (n.forwarding.went(n.head, PacketTrailer::of(end.bytes), now)) check_source(node, n.head, now);
+  } else if (!own.empty()) {
+    own_data_leaves(node, PacketFields{own});
+  }
+}
+
+void Invariants::own_data_leaves(NodeId node, const PacketFields& packet) {
+  Node& n = at(node);
+  const bool control = wire::is_control(packet);
+  const auto hello = control ? wire::decode_hello(packet.data()) : std::nullopt;
+  if (hello) {
+    n.hello_left = true;
+    n.receiver.says_hello(hello->boot);
+  }
+  // Nothing else is sent before the hello is home. (protocol.md section 4.8)
+  const bool joins = hello ? n.state == NodeState::open_chain : n.receiver.joined() != Sure::yes;
+  if (joins && n.going_since > n.began) n.receiver.join();
+  if (control) {
+    n.control = {packet.code_byte(), packet.crc(), hello.has_value(), ring_.now()};
+    return ledger_.try_is_control(node);
+  }
+  ledger_.depart(node, packet.code(),
+                 {packet.destination(), wire::priority_of(packet.last()), wire::channel_of(packet.last()),
+                  packet.data().size, packet.crc()},
+                 n.going_since);
 }
 
 void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time now) {
@@ -106,7 +183,7 @@ void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time no
   check_head(node, head);
   Node& n = at(node);
   if (head.source != node) {
-    n.forwarding.went(head, tail, now);
+    if (n.forwarding.went(head, tail, now)) check_source(node, head, now);
   } else {
     ledger_.try_begins(node, head.code, now);
     const Sent* sent = ledger_.depart(node, head.code, {tail.destination, 4, tail.last, 0, tail.crc}, now);
@@ -117,126 +194,199 @@ void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time no
 
 // ---- into a node ----------------------------------------------------------------------------
 
-Invariants::Before Invariants::count(NodeId node, wire::Priority priority) const {
-  const Counters& c = ring_.counters(node);
-  const std::size_t used = ring_.received_waiting(node, priority);
-  const std::size_t buffers = ring_.settings(node).receive_buffers;
-  return {c.received_data + c.received_control,
-          c.earlier_incarnation + c.refused_joining + c.refused_cpu_absent + c.refused_no_buffer + c.refused_unwired,
-          c.duplicates,
-          c.crc_errors + c.malformed_packets,
-          c.pins_pulled,
-          c.returned_data + c.returned_interrupts,
-          c.insertion_buffer_full + c.interrupt_buffer_full + c.dropped_no_output + c.orphans_hop + c.orphans_bypassed +
-              c.orphans_cut_off,
-          c.stray_slices + c.oversize_packets,
-          std::min<std::size_t>(buffers - std::min(used, buffers), wire::kFbcMax)};
+void Invariants::input_changes(NodeId node, Line line, Time now) {
+  Node& n = at(node);
+  if (line != n.input || !n.coming.open()) return;
+  n.coming.drop();
+  breaks_off(node, n.coming.size(), now);
 }
 
-void Invariants::arrives(NodeId node, const wire::Slice& slice, Time) {
-  if (slice.kind == SliceKind::start || slice.kind == SliceKind::whole) {
-    at(node).coming = PacketHeader::of(slice.bytes);
-    at(node).coming_size = 0;
-    at(node).passes_on = wire::header_valid(slice.bytes, false);
+// An own packet that comes home broken off is a failed try. (protocol.md section 4.3)
+void Invariants::breaks_off(NodeId node, std::size_t size, Time now) {
+  at(node).forwarding.broke_off(size, now);
+  if (at(node).coming_own) ledger_.returned_damaged(node, false);
+}
+
+void Invariants::arrives(NodeId node, const wire::Slice& slice, Time now) {
+  Node& n = at(node);
+  if (n.input != ring_.input_line(node)) {
+    input_changes(node, n.input, now);
+    n.input = ring_.input_line(node);
   }
-  if (slice.kind != SliceKind::interrupt) at(node).coming_size += slice.bytes.size;
-  const bool ends = whole_or_end(slice);
-  const wire::Priority priority = ends ? wire::priority_of(PacketTrailer::of(slice.bytes).last) : wire::Priority{};
-  at(node).before = count(node, priority);
   // What waited for the output when it turned back was dropped.
-  if (at(node).no_output != ring_.counters(node).dropped_no_output) at(node).forwarding.clear();
-}
-
-void Invariants::has_arrived(NodeId node, const wire::Slice& slice, Time now) {
-  const Before after = count(node, wire::Priority{});
-  at(node).no_output = ring_.counters(node).dropped_no_output;
-  if (slice.kind == SliceKind::abort || after.stray != at(node).before.stray) at(node).coming.reset();
-  if (whole_or_end(slice)) data_has_arrived(node, slice, after, now);
-  if (slice.kind == SliceKind::interrupt) interrupt_has_arrived(node, slice, after, now);
-  if (slice.kind == SliceKind::start)
-    at(node).passes_on = after.dropped == at(node).before.dropped && wire::header_valid(slice.bytes, false);
+  if (n.output != ring_.output_line(node)) {
+    n.output = ring_.output_line(node);
+    if (n.output == Line::second) n.forwarding.clear();
+  }
+  if (slice.kind == SliceKind::interrupt) return interrupt_arrives(node, PacketFields{slice.bytes}, now);
+  const bool begins = slice.kind == SliceKind::start || slice.kind == SliceKind::whole;
+  const bool was_open = n.coming.open();
+  const std::size_t so_far = n.coming.size();
+  if (n.coming.stalled(now)) n.coming.drop();
+  const wire::ByteView packet = n.coming.put(slice, now);
+  const bool goes_on = !begins && (n.coming.open() || !packet.empty());
+  if (was_open && !goes_on) breaks_off(node, so_far, now);
+  if (begins) begins_to_arrive(node, slice);
+  if (packet.empty()) return;
+  const PacketFields fields{packet};
+  data_arrives(node, fields, now, slice.kind == SliceKind::whole ? now : last_bit(node, tail_size(fields), now));
   check_insertion(node);
 }
 
-void Invariants::data_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now) {
-  const std::size_t size = at(node).coming_size;
-  if (!at(node).coming || size < wire::kMinDataPacketSize || size > wire::kMaxDataPacketSize) return;
-  const PacketHeader head = *at(node).coming;
-  at(node).coming.reset();
-  const PacketTrailer tail = PacketTrailer::of(slice.bytes);
-  const Before& before = at(node).before;
-  const std::uint8_t priority = wire::priority_of(tail.last);
-  const bool taken = after.taken != before.taken;
-  if (taken && after.bad != before.bad)
-    complain(Promise::undamaged, "node " + std::to_string(node) + " took a packet with a wrong CRC");
-  Sent* sent = ledger_.on_line(head.source, head.code, tail.destination, tail.crc_at_source(head, size));
-  const int fbc = due_fbc(node, sent, tail, after);
-  const Time at_end = last_bit(node, (size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize, now);
-  if (taken && !is_control(tail)) {
-    ledger_.take(sent, head.source, node, priority);
-    at(node).buffers.put(sent, head.source, priority, at_end);
-  }
-  if (after.refused != before.refused) ledger_.refuse(sent, node);
-  const bool goes_on = at(node).passes_on && after.dropped == before.dropped;
-  if (after.bad == before.bad && goes_on) check_source(node, head, now);
-  if (after.returned != before.returned) ledger_.come_home(sent, fbc, at_end);
-  if (head.source != node && goes_on) at(node).forwarding.came(head, tail.destination, fbc, now);
+void Invariants::begins_to_arrive(NodeId node, const wire::Slice& slice) {
+  at(node).coming_own = PacketHeader::of(slice.bytes).source == node;
+  at(node).received = is_received(node, slice.bytes, false);
 }
 
-// min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken,
-// for what was decided before. (protocol.md sections 3.5 and 4.10)
-int Invariants::due_fbc(NodeId node, const Sent* sent, const PacketTrailer& tail, const Before& after) const {
-  const Before& before = nodes_[node]->before;
-  const std::size_t free = is_control(tail) ? wire::kFbcMax : before.free;
-  const auto least = [&](std::size_t value) { return static_cast<int>(std::min<std::size_t>(tail.fbc, value)); };
-  if (after.refused != before.refused) return 0;
-  if (after.taken != before.taken) return least(free);
-  if (after.repeated == before.repeated) return tail.fbc;
-  if (is_control(tail)) return least(free);
-  if (!sent) return ForwardingChecker::kAnyFbc;
-  if (sent->taken_last_by(node)) return least(std::max<std::size_t>(1, free));
-  // Two parts of a folded ring have grown together: the verdict may be on an older number, and its source knows.
-  return ring_.settings(node).fold_back ? ForwardingChecker::kAnyFbc : 0;
+// Whether it reaches Receive. (protocol.md sections 2.2 and 4.9) Of what comes on the second line nobody outside knows
+// whose source is cut off; and of a buffer that may be full, what of it was aborted.
+Sure Invariants::is_received(NodeId node, wire::ByteView header, bool interrupt) {
+  Node& n = at(node);
+  const PacketHeader head = PacketHeader::of(header);
+  if (!wire::header_valid(header, interrupt)) return Sure::no;
+  if (head.source == node) return Sure::yes;
+  if (head.hop + 1u >= n.settings.nodes()) return Sure::no;
+  if (n.input == Line::second) return Sure::unknown;
+  const bool room = n.forwarding.bytes() + wire::kMaxDataPacketSize <= most_waiting(n.settings);
+  return interrupt || room ? Sure::yes : Sure::unknown;
 }
 
-void Invariants::interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now) {
-  const PacketHeader head = PacketHeader::of(slice.bytes);
-  const PacketTrailer tail = PacketTrailer::of(slice.bytes);
-  const Before& before = at(node).before;
-  const bool pulled = after.pulled != before.pulled;
-  Sent* sent =
-      ledger_.on_line(head.source, head.code, tail.destination, tail.crc_at_source(head, wire::kInterruptPacketSize));
-  if (after.bad == before.bad && after.dropped == before.dropped) check_source(node, head, now);
-  if (pulled) ledger_.take(sent, head.source, node, 4);
-  if (after.returned != before.returned) {
-    at(node).interrupt_free = last_bit(node, wire::kInterruptPacketSize, now);
-    ledger_.come_home(sent, tail.fbc, at(node).interrupt_free);
+Sent* Invariants::on_line(const PacketFields& packet) {
+  return ledger_.on_line(packet.source(), packet.code(), packet.destination(), crc_at_source(packet));
+}
+
+Sure Invariants::has_buffer(NodeId node, const PacketFields& packet) {
+  Node& n = at(node);
+  const std::uint8_t priority = wire::priority_of(packet.last());
+  if (n.buffers.least(priority) >= n.settings.receive_buffers) return Sure::no;
+  return n.buffers.most(priority) < n.settings.receive_buffers ? Sure::yes : Sure::unknown;
+}
+
+void Invariants::data_arrives(NodeId node, const PacketFields& packet, Time now, Time at_end) {
+  Node& n = at(node);
+  if (n.received == Sure::no) return;
+  const NodeId source = packet.source(), destination = packet.destination();
+  if (source == node) return comes_home(node, packet, at_end);
+  const bool for_it = destination == node || destination == wire::kBroadcast;
+  const bool good = !(for_it || is_away(source)) || (wire::trailer_valid(packet.bytes) && packet.crc_good());
+  ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
+  if (good && for_it) {
+    Sent* sent = wire::is_control(packet) ? nullptr : on_line(packet);
+    const std::size_t least = n.buffers.least(wire::priority_of(packet.last()));
+    const bool sure = least == n.buffers.most(wire::priority_of(packet.last()));
+    const std::size_t buffers = n.settings.receive_buffers;
+    const std::size_t free = buffers - std::min(least, buffers);
+    const Answer answer = offer(node, packet, sent, n.received, at_end);
+    fbc = due(node, answer, packet, free);
+    if (!sure && (answer == Answer::takes || answer == Answer::repeats_taken)) fbc.fbc = ForwardingChecker::kAnyFbc;
   }
-  if (head.source == node) return;
-  int fbc = tail.fbc;
-  if (pulled) fbc = std::min(fbc, 1);
-  if (after.refused != before.refused) fbc = 0;
-  if (after.repeated != before.repeated) fbc = ForwardingChecker::kAnyFbc;
-  if (after.dropped == before.dropped && wire::header_valid(slice.bytes, true))
-    at(node).forwarding.came(head, tail.destination, fbc, now);
+  n.forwarding.came(head_of(packet), destination, fbc, packet.bytes.size, now);
+}
+
+// min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken, for what was decided
+// before. (protocol.md sections 3.5 and 4.10)
+ForwardingChecker::Due Invariants::due(NodeId, Answer answer, const PacketFields& packet, std::size_t free) const {
+  const auto least = [&](std::size_t value) {
+    return static_cast<int>(std::min({std::size_t{packet.fbc()}, value, std::size_t{wire::kFbcMax}}));
+  };
+  const bool interrupt = packet.code().interrupt;
+  switch (answer) {
+    case Answer::none:
+      return {packet.fbc()};
+    case Answer::control:
+      return {least(wire::kFbcMax)};
+    case Answer::takes:
+      return {least(interrupt ? 1 : free)};
+    case Answer::refuses:
+    case Answer::repeats_refused:
+      return {0};
+    case Answer::repeats_taken:
+      return {least(interrupt ? 1 : std::max<std::size_t>(1, free)), Promise::exactly_once};
+    case Answer::unknown:
+      break;
+  }
+  return {ForwardingChecker::kAnyFbc};
+}
+
+Answer Invariants::offer(NodeId node, const PacketFields& packet, Sent* sent, Sure received, Time at_end) {
+  Node& n = at(node);
+  const Answer answer = n.receiver.data(packet, received, has_buffer(node, packet), at_end);
+  if (wire::is_control(packet)) return answer;
+  const std::uint8_t priority = wire::priority_of(packet.last());
+  if (answer == Answer::takes) ledger_.take(sent, packet.source(), node, priority);
+  if (answer == Answer::refuses) ledger_.refuse(sent, node);
+  if (answer == Answer::unknown && sent) sent->may_be_taken = true;
+  if (answer == Answer::takes || answer == Answer::unknown)
+    n.buffers.put(sent, packet.source(), priority, at_end, answer == Answer::takes);
+  return answer;
+}
+
+void Invariants::interrupt_arrives(NodeId node, const PacketFields& packet, Time now) {
+  Node& n = at(node);
+  n.pins.judge(now);
+  const Sure received = is_received(node, packet.bytes, true);
+  if (received == Sure::no) return;
+  const Time at_end = last_bit(node, wire::kInterruptPacketSize, now);
+  const NodeId destination = packet.destination();
+  if (packet.source() == node) return comes_home(node, packet, at_end);
+  const bool for_it = destination == node || destination == wire::kBroadcast;
+  const bool good = wire::trailer_valid(packet.bytes) && packet.crc_good();
+  ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
+  if (good && for_it) fbc = due(node, offer_interrupt(node, packet, on_line(packet), received, at_end), packet, 1);
+  n.forwarding.came(head_of(packet), destination, fbc, wire::kInterruptPacketSize, now);
+}
+
+Answer Invariants::offer_interrupt(NodeId node, const PacketFields& packet, Sent* sent, Sure received, Time at_end) {
+  Node& n = at(node);
+  const Answer answer = n.receiver.interrupt(packet, received, at_end);
+  if (answer == Answer::takes) ledger_.take(sent, packet.source(), node, 4);
+  if (answer == Answer::unknown && sent) sent->may_be_taken = true;
+  if (answer == Answer::takes || answer == Answer::unknown)
+    n.pins.put(packet.source(), wire::factor_of(packet.last()), at_end, answer == Answer::takes);
+  return answer;
+}
+
+// A packet to the own node is received when it comes home. (protocol.md section 4.2)
+void Invariants::comes_home(NodeId node, const PacketFields& packet, Time at_end) {
+  Node& n = at(node);
+  const bool interrupt = packet.code().interrupt;
+  if (!packet.crc_good() || !wire::trailer_valid(packet.bytes)) return ledger_.returned_damaged(node, interrupt);
+  if (!interrupt && wire::is_control(packet)) {
+    const bool is_last = n.control.crc == crc_at_source(packet) && n.control.code == packet.code_byte();
+    const bool sure = !ledger_.was_damaged(node, false);
+    if (is_last && n.control.hello) sure ? n.receiver.join() : n.receiver.set_joined(Sure::unknown);
+    if (is_last) n.control = {};
+    return;
+  }
+  Sent* sent = ledger_.returned(node, packet.code(), packet.destination(), crc_at_source(packet), at_end);
+  int fbc = packet.fbc();
+  const bool to_itself = packet.destination() == node && may_send(n.state);
+  if (to_itself && (sent || ledger_.others_send(node))) {
+    const Sure received = sent ? Sure::yes : Sure::unknown;
+    const std::size_t buffers = n.settings.receive_buffers;
+    const std::size_t free = buffers - std::min(n.buffers.least(wire::priority_of(packet.last())), buffers);
+    const Answer answer =
+        interrupt ? offer_interrupt(node, packet, sent, received, at_end) : offer(node, packet, sent, received, at_end);
+    fbc = due(node, answer, packet, free).fbc;
+  }
+  if (interrupt && sent) n.interrupt_free = at_end;
+  ledger_.come_home(sent, fbc, at_end);
 }
 
 // A slice comes as its last bytes begin.
 Time Invariants::last_bit(NodeId node, std::size_t tail_size, Time now) const {
-  return now + ring_.settings(node).byte_time_in * static_cast<std::int64_t>(tail_size);
+  return now + nodes_[node]->settings.byte_time_in * static_cast<std::int64_t>(tail_size);
 }
 
-// While nothing is lost a node whose output is no slower is behind its input by its own DATP and INTP;
-// what has left of the DATP on the line counts until its end is through. (protocol.md section 2.5)
+// While nothing is lost a node whose output is no slower is behind its input by its own DATP and INTP; what has left of
+// the DATP on the line counts until its end is through. (protocol.md section 2.5)
 void Invariants::check_insertion(NodeId node) {
   constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
-  const std::size_t bytes = ring_.insertion_buffer(node).bytes();
-  const core::Settings& settings = ring_.settings(node);
-  const bool normal = !faults_ && settings.byte_time_out <= settings.byte_time_in;
-  const std::size_t most = normal ? kNormal : settings.insertion_buffer * wire::kMaxDataPacketSize;
-  if (bytes > most)
-    complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in node " + std::to_string(node) + ", " +
-                                           std::to_string(most) + " may");
+  const Node& n = at(node);
+  if (faults_ || n.settings.byte_time_out > n.settings.byte_time_in) return;
+  if (n.forwarding.bytes() > kNormal)
+    complain(Promise::insertion_bound, std::to_string(n.forwarding.bytes()) + " bytes wait in node " +
+                                           std::to_string(node) + ", " + std::to_string(kNormal) + " may");
 }
 
 // ---- faults ---------------------------------------------------------------------------------
@@ -250,11 +400,20 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   Node& n = at(node);
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
-  if (incident == Incident::started) ledger_.start(node);
+  if (incident == Incident::started) {
+    ledger_.start(node);
+    n.receiver = ReceiverModel(n.settings);
+    n.state = NodeState::starting;
+    n.began = now;
+    n.hello_left = false;
+    n.control = {};
+    n.pins.clear();
+    n.coming.drop();
+  }
   if (incident == Incident::started || incident == Incident::cpu_reset) n.buffers.flush();
   if (incident == Incident::cpu_reset || incident == Incident::cancelled) ledger_.cancel(node, now);
   // The buffers of a line that is replaced are emptied, unless what waits goes on over the second line.
-  const bool emptied = incident == Incident::output_replaced && !ring_.settings(node).fold_back;
+  const bool emptied = incident == Incident::output_replaced && !n.settings.fold_back;
   if (incident == Incident::started || emptied) n.forwarding.clear();
 }
 

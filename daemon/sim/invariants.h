@@ -1,19 +1,22 @@
 #pragma once
 
-#include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "sim/due_pins.h"
 #include "sim/forwarding_checker.h"
 #include "sim/ledger.h"
+#include "sim/packet_collector.h"
 #include "sim/receive_buffers.h"
+#include "sim/receiver_model.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::sim {
 
-/// Checks every promise of the ring at every event of a virtual ring, from outside: it reads the
-/// slices on the lines, what CPUs ask for and get, and how many buffers are free. The first broken
-/// promise is kept.
+/// Checks every promise of the ring at every event of a virtual ring, from outside: it knows what CPUs ask for and
+/// get, the slices on the lines, the pins, and the state that a node shows; never what the controller counts. The first
+/// broken promise is kept.
 class Invariants : public Observer {
  public:
   /// Watches `ring` from now on; must live as long as it runs.
@@ -27,47 +30,63 @@ class Invariants : public Observer {
   void asked(NodeId node, const core::InterruptRequest& request, Time now) override;
   void leaves(NodeId node, const wire::Slice& slice, Time now) override;
   void arrives(NodeId node, const wire::Slice& slice, Time now) override;
-  void has_arrived(NodeId node, const wire::Slice& slice, Time now) override;
+  void input_changes(NodeId node, Line line, Time now) override;
+  void cpu_present(NodeId node, bool present, Time now) override;
   void event(NodeId node, const core::Event& event) override;
   void packet(NodeId node, const core::ReceivedPacket& packet) override;
   void incident(NodeId node, Incident incident, Time now, Line line) override;
 
  private:
-  /// What the node had counted, and how many buffers were free, before a slice came in.
-  struct Before {
-    std::uint64_t taken, refused, repeated, bad, pulled, returned, dropped, stray;
-    std::size_t free;
+  /// The last hello or beacon that a node has sent.
+  struct OwnControl {
+    std::uint8_t code = 0;
+    std::uint32_t crc = 0;  ///< 0: none is out
+    bool hello = false;
+    Time left{};
   };
   struct Node {
-    Node(const core::Settings& settings, Ledger& ledger, const Complain& complain)
-        : forwarding(settings.id, settings.byte_time_out, settings.byte_time_in, complain),
-          buffers(settings.id, ledger, complain) {}
+    Node(const core::Settings& of_node, Ledger& ledger, const Complain& complain);
+    core::Settings settings;
     ForwardingChecker forwarding;
     ReceiveBuffers buffers;
-    std::optional<PacketHeader> coming;  ///< header of the DATP that is coming in
-    bool passes_on = false;              ///< it is not dropped
-    std::uint64_t no_output = 0;         ///< dropped for that when something last came in
-    std::size_t coming_size = 0;         ///< bytes of it that have come
-    PacketHeader going;                  ///< of the one that is leaving
+    ReceiverModel receiver;
+    DuePins pins;
+    PacketCollector coming, going;  ///< the DATPs on its lines
+    Sure received = Sure::no;       ///< the one that is coming in
+    bool coming_own = false, going_own = false;
+    PacketHeader head;  ///< of the one that is going out
     Time going_since{};
-    std::size_t going_size = 0;      ///< bytes of it that have left
+    Line input = Line::first, output = Line::first;
+    core::NodeState state = core::NodeState::starting;
+    Time began{};  ///< it started, or started over
+    bool hello_left = false;
+    OwnControl control;
     Time interrupt_free{};           ///< its last own INTP ended
     std::optional<Time> away_since;  ///< killed or frozen
-    Before before{};
   };
 
-  static bool whole_or_end(const wire::Slice& slice) {
-    return slice.kind == wire::SliceKind::whole || slice.kind == wire::SliceKind::end;
-  }
-  Before count(NodeId node, wire::Priority priority) const;
   Node& at(NodeId node) { return *nodes_[node]; }
   void check_head(NodeId node, const PacketHeader& head);
+  bool is_away(NodeId node) const { return node < nodes_.size() && nodes_[node]->away_since; }
   void check_source(NodeId node, const PacketHeader& head, Time now);
-  void data_leaves(NodeId node, const wire::Slice& slice, Time now);
+  void begins_to_leave(NodeId node, const wire::Slice& slice, Time now);
+  void data_leaves(NodeId node, const wire::Slice& end, wire::ByteView own, Time now);
+  void own_data_leaves(NodeId node, const wire::PacketFields& packet);
   void interrupt_leaves(NodeId node, const wire::Slice& slice, Time now);
-  void data_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now);
-  void interrupt_has_arrived(NodeId node, const wire::Slice& slice, const Before& after, Time now);
-  int due_fbc(NodeId node, const Sent* sent, const PacketTrailer& tail, const Before& after) const;
+  void breaks_off(NodeId node, std::size_t size, Time now);
+  void begins_to_arrive(NodeId node, const wire::Slice& slice);
+  Sure is_received(NodeId node, wire::ByteView header, bool interrupt);
+  void data_arrives(NodeId node, const wire::PacketFields& packet, Time now, Time at_end);
+  void interrupt_arrives(NodeId node, const wire::PacketFields& packet, Time now);
+  ReceiverModel::Answer offer(NodeId node, const wire::PacketFields& packet, Sent* sent, Sure received, Time at_end);
+  ReceiverModel::Answer offer_interrupt(NodeId node, const wire::PacketFields& packet, Sent* sent, Sure received,
+                                        Time at_end);
+  ForwardingChecker::Due due(NodeId node, ReceiverModel::Answer answer, const wire::PacketFields& packet,
+                             std::size_t free) const;
+  Sure has_buffer(NodeId node, const wire::PacketFields& packet);
+  void comes_home(NodeId node, const wire::PacketFields& packet, Time at_end);
+  void state_changes(NodeId node, core::NodeState state, Time now);
+  Sent* on_line(const wire::PacketFields& packet);
   Time last_bit(NodeId node, std::size_t tail_size, Time now) const;
   void check_insertion(NodeId node);
   void complain(Promise promise, std::string what);

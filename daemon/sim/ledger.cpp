@@ -50,11 +50,6 @@ bool Sent::is(const core::ReceivedPacket& packet) const {
          packet.channel == channel && packet.size == size && wire::crc32(packet.bytes()) == checksum;
 }
 
-bool Sent::taken_last_by(NodeId node) const {
-  const auto last = std::find_if(verdicts.rbegin(), verdicts.rend(), [&](const Verdict& v) { return v.node == node; });
-  return last != verdicts.rend() && last->taken;
-}
-
 Ledger::Ledger(unsigned nodes, Complain complain)
     : complain_(std::move(complain)),
       sources_(nodes),
@@ -134,9 +129,15 @@ Ledger::Slot& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destin
 void Ledger::try_begins(NodeId source, wire::Code code, Time now) {
   Flying& flying = sources_[source].flying[code.interrupt ? 1 : 0];
   const int packet = wire::Code{code.interrupt, 0, code.sequence, code.incarnation}.byte();
-  if (code.attempt == 0 || flying.packet != packet) flying = {packet, code.attempt, 0, 0, now};
+  if (code.attempt == 0 || flying.packet != packet) {
+    const unsigned before = flying.token == 0 ? flying.tries - flying.counted : 0;
+    flying = {packet, code.attempt, 0, 0, now, 0, before, true, false};
+  }
   flying.tries = std::max(flying.tries, code.attempt + 0u) + 1;
   flying.since = now;
+  flying.attempt = code.attempt;
+  flying.damaged = false;
+  flying.awaited = true;
   if (Sent* sent = find(source, flying.token)) count_tries(*sent, code);
 }
 
@@ -147,6 +148,7 @@ void Ledger::count_tries(Sent& sent, wire::Code code) {
   flying.counted = flying.tries;
   sent.repeated = sent.repeated || code.attempt > 0;
   sent.last_try = flying.since;
+  if (sent.ended && sent.end.outcome != Outcome::cancelled) flying.awaited = false;  // unconfirmed
   sent.home_at = core::kNever;
 }
 
@@ -168,7 +170,7 @@ void Ledger::note_passed_over(const Sent& leaving, Time since) {
     const auto& waiting = source.waiting[higher];
     const auto first = std::find_if(waiting.begin(), waiting.end(), [&](std::uint32_t token) {
       const Sent* sent = find(leaving.source, token);
-      return sent && !sent->ended && !sent->final;
+      return sent && !(sent->ended && sent->ended_at <= since) && !(sent->final && sent->home_at <= since);
     });
     if (first == waiting.end()) continue;
     const Sent* sent = find(leaving.source, *first);
@@ -219,9 +221,32 @@ Sent* Ledger::on_line(NodeId source, wire::Code code, NodeId destination, std::u
   return found == slot.former.rend() ? nullptr : find(source, found->token);
 }
 
+Sent* Ledger::returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc, Time now) {
+  Flying& flying = sources_[source].flying[code.interrupt ? 1 : 0];
+  const OnLine& last = on_line_slot(source, code, destination).last;
+  const bool same = flying.awaited && flying.token != 0 && flying.token == last.token &&
+                    flying.attempt == code.attempt && last.crcs[code.attempt] == crc;
+  if (!same) return nullptr;
+  flying.awaited = false;
+  Sent* sent = find(source, flying.token);
+  if (!sent || !flying.damaged) return sent;
+  sent->in_doubt = true;
+  sent->refused_at = now;
+  return nullptr;
+}
+
+bool Ledger::has_taken(const core::ReceivedPacket& packet, NodeId node) const {
+  const auto& sent = sources_[packet.source].sent;
+  return std::any_of(sent.begin(), sent.end(), [&](const Sent& s) {
+    const auto by_it = [&](const Sent::Verdict& v) { return v.node == node && v.taken; };
+    return s.is(packet) && std::any_of(s.verdicts.begin(), s.verdicts.end(), by_it);
+  });
+}
+
 void Ledger::come_home(Sent* sent, int fbc, Time at) {
   if (!sent) return;
-  sent->final = fbc != 0 || sent->destination == wire::kBroadcast || sent->interrupt();
+  sent->in_doubt = fbc < 0;
+  sent->final = fbc > 0 || sent->destination == wire::kBroadcast || sent->interrupt();
   if (!sent->final) sent->refused_at = at;
   sent->home_at = at;
   sent->home_fbc = fbc;
@@ -273,6 +298,8 @@ void Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
   sent->ended = true;
   sent->ended_at = at;
   sent->end = end;
+  Flying& flying = sources_[source].flying[end.interrupt ? 1 : 0];
+  if (flying.token == end.token && end.outcome != Outcome::cancelled) flying.awaited = false;
   check_result(*sent);
   check_measures(*sent);
 }
@@ -283,7 +310,7 @@ void Ledger::check_result(const Sent& sent) {
     complain_(Promise::true_result, sent.name() + " ended " + core::to_string(outcome) + what);
   };
   const bool broadcast = sent.destination == wire::kBroadcast;
-  if (outcome == Outcome::delivered && !sent.taken()) lie(", and nobody has taken it");
+  if (outcome == Outcome::delivered && !sent.taken() && !sent.may_be_taken) lie(", and nobody has taken it");
   // A line has duplicated the packet: the destination took one copy and died; the other one came home untaken.
   const bool one_copy = sent.asked > let_go_;
   if (outcome == Outcome::no_such_node && sent.taken() && one_copy) lie(", and somebody has taken it");
@@ -294,6 +321,7 @@ void Ledger::check_result(const Sent& sent) {
 // The round trip is that of the last try, from its first byte out to its last bit back; 0 if it did not come home, or
 // if that was not what ended it. (protocol.md section 4.6)
 void Ledger::check_measures(const Sent& sent) {
+  if (sent.in_doubt) return;
   const bool home = sent.home_at == sent.ended_at;
   const core::Duration seen = home ? sent.home_at - sent.last_try : core::Duration{0};
   const core::Duration told = sent.end.round_trip;
@@ -304,7 +332,8 @@ void Ledger::check_measures(const Sent& sent) {
                                         std::to_string(core::picoseconds(seen)) + " were seen");
   const Flying& flying = sources_[sent.source].flying[sent.interrupt() ? 1 : 0];
   const unsigned under_way = flying.token == 0 ? flying.tries - flying.counted : 0;  // perhaps its own
-  if (sent.end.tries == sent.tries || sent.end.tries == sent.tries + under_way) return;
+  for (const unsigned unknown : {0u, under_way, flying.before})
+    if (sent.end.tries == sent.tries + unknown) return;
   complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +
                                       std::to_string(sent.end.tries) + " tries, and " + std::to_string(sent.tries) +
                                       " were seen");

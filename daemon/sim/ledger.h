@@ -41,17 +41,18 @@ struct Sent {
   bool ended = false;
   Time ended_at{};
   core::SendEnded end;
+  bool in_doubt = false;          ///< whether it has come home cannot be told
   unsigned unread = 0;            ///< receive buffers in which it lies
   std::vector<Verdict> verdicts;  ///< in the order in which they were made
 
   bool interrupt() const { return queue == 4; }
   /// As a new packet, not as a retry.
   bool may_leave(Time now) const { return now < cancelled_at && (!left || refused_at < now); }
+  bool may_be_taken = false;  ///< by somebody of whom that cannot be told
+
   bool taken() const;
   /// It is what a CPU has got.
   bool is(const core::ReceivedPacket& packet) const;
-  /// Whether `node` took it when it last decided; false where it refused, or never did.
-  bool taken_last_by(NodeId node) const;
   std::string name() const;
 };
 
@@ -81,10 +82,20 @@ class Ledger {
   /// A packet of `source` has left it. @param since when its first byte did
   /// @return null where it was not asked for through the ring (another owner)
   Sent* depart(NodeId source, wire::Code code, const Looks& looks, Time since);
+  /// The last try of a packet of `source` has come home, for the first time; null where it is no such, or no user's.
+  Sent* returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc, Time now);
+  /// A packet of `source` has come home damaged: its try has failed, and the next one may be under way already, or the
+  /// send may have ended.
+  void returned_damaged(NodeId source, bool interrupt) { sources_[source].flying[interrupt ? 1 : 0].damaged = true; }
+  bool was_damaged(NodeId source, bool interrupt) const { return sources_[source].flying[interrupt ? 1 : 0].damaged; }
+  /// Nothing that is on its way from `source` is waited for any more.
+  void waits_for_nothing(NodeId source) { sources_[source].flying = {}; }
+  /// Packets of that node are under way that were not asked for through the ring.
+  bool others_send(NodeId source) const { return sources_[source].others_send; }
   /// The same packet, somewhere on the ring; null if it is not known: of another owner, of
   /// before a restart, or no packet of that source at all.
   Sent* on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
-  /// It has come home and matched; its source knows at `at`.
+  /// It has come home and matched; its source knows at `at`. @param fbc below 0: nobody can tell
   void come_home(Sent* sent, int fbc, Time at);
   /// null where it is not known, or not needed any more.
   Sent* find(NodeId source, std::uint32_t token);
@@ -93,6 +104,8 @@ class Ledger {
     if (sent) sent->verdicts.push_back({node, 0, false});
   }
   void take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue);
+  /// `node` has taken a packet that looks like this one.
+  bool has_taken(const core::ReceivedPacket& packet, NodeId node) const;
   /// What `source` was asked for until now and has not begun to send is cancelled.
   void cancel(NodeId source, Time now);
   void end(NodeId source, const core::SendEnded& end, Time at);
@@ -115,6 +128,10 @@ class Ledger {
     unsigned counted = 0;     ///< of those that are counted for its send
     std::uint32_t token = 0;  ///< of that; 0: not known before its end is out
     Time since{};             ///< the last try
+    std::uint8_t attempt = 0;
+    unsigned before = 0;   ///< tries of the packet before it, if that was never known
+    bool awaited = false;  ///< it is not home yet
+    bool damaged = false;  ///< a packet of this kind came home damaged since its last try
   };
   /// A packet with that kind, DID and sequence number.
   struct OnLine {

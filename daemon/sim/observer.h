@@ -33,9 +33,12 @@ class Observer {
   virtual void asked(NodeId, const core::InterruptRequest&, Time) {}
   /// A slice leaves a node, before any fault of the line.
   virtual void leaves(NodeId, const wire::Slice&, Time) {}
-  /// A slice is about to come into a node, and has come in.
+  /// A slice is about to come into a node.
   virtual void arrives(NodeId, const wire::Slice&, Time) {}
-  virtual void has_arrived(NodeId, const wire::Slice&, Time) {}
+  /// A line into a node comes up, or is lost.
+  virtual void input_changes(NodeId, Line, Time) {}
+  /// The CPU of a node is there, or gone.
+  virtual void cpu_present(NodeId, bool, Time) {}
   /// A node gives out an event, or a packet to its CPU.
   virtual void event(NodeId, const core::Event&) {}
   virtual void packet(NodeId, const core::ReceivedPacket&) {}

@@ -15,7 +15,11 @@ class ReceiveBuffers {
       : node_(node), ledger_(ledger), complain_(complain) {}
 
   /// A packet was taken. @param sent null: not asked for through the ring. @param at its last bit was in
-  void put(const Sent* sent, NodeId source, std::uint8_t priority, Time at);
+  /// @param sure false: perhaps it was not
+  void put(Sent* sent, NodeId source, std::uint8_t priority, Time at, bool sure);
+  /// Packets of that priority in it, at least and at most.
+  std::size_t least(std::uint8_t priority) const { return unread_[priority].size() - doubtful_[priority]; }
+  std::size_t most(std::uint8_t priority) const { return unread_[priority].size(); }
   /// The CPU reads one.
   void read(const core::ReceivedPacket& packet, Time now);
   /// The CPU was reset, or the node restarted: all of it is gone.
@@ -26,13 +30,18 @@ class ReceiveBuffers {
     NodeId source;
     std::uint32_t token;  ///< 0: not asked for through the ring
     Time at;
+    bool sure;
   };
   void check_priority(const core::ReceivedPacket& packet, Time now) const;
+  void drop_front(std::uint8_t priority);
+  bool may_be(const Unread& unread, const core::ReceivedPacket& packet) const;
+  void never_took(const core::ReceivedPacket& packet) const;
 
   NodeId node_;
   Ledger& ledger_;
   const Complain& complain_;
   std::array<std::deque<Unread>, 4> unread_;  ///< by priority
+  std::array<std::size_t, 4> doubtful_{};     ///< of them
 };
 
 }  // namespace limb_ring::sim

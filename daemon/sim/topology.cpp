@@ -24,11 +24,13 @@ int VirtualRing::previous_alive(NodeId id) const {
 
 void VirtualRing::input_up(NodeId id, NodeId from, Line line) {
   touch(id);
+  for (Observer* observer : observers_) observer->input_changes(id, line, now_);
   nodes_[id].controller->input_up(line, from, now_);
 }
 
 void VirtualRing::input_lost(NodeId id, Line line) {
   touch(id);
+  for (Observer* observer : observers_) observer->input_changes(id, line, now_);
   nodes_[id].controller->input_lost(line, now_);
 }
 

@@ -94,6 +94,11 @@ void VirtualRing::reset_cpu(NodeId id) {
   node(id).cpu_reset(kUser, now_);
 }
 
+void VirtualRing::set_cpu_present(NodeId id, bool present) {
+  for (Observer* observer : observers_) observer->cpu_present(id, present, now_);
+  node(id).set_cpu_present(present);
+}
+
 void VirtualRing::cancel(NodeId id) {
   tell(id, Incident::cancelled);
   node(id).cancel(kUser, now_);

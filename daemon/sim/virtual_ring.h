@@ -46,11 +46,10 @@ class VirtualRing {
   }
   unsigned size() const { return static_cast<unsigned>(nodes_.size()); }
   const core::Settings& settings(NodeId id) const { return nodes_[id].controller->settings(); }
-  std::size_t received_waiting(NodeId id, wire::Priority priority) const {
-    return nodes_[id].controller->received_waiting(priority);
-  }
   const core::Counters& counters(NodeId id) const { return nodes_[id].controller->counters(); }
-  const core::InsertionBuffer& insertion_buffer(NodeId id) const { return nodes_[id].controller->insertion_buffer(); }
+  /// The lines that its packets come on, and leave on.
+  Line input_line(NodeId id) const { return nodes_[id].controller->input_line(); }
+  Line output_line(NodeId id) const { return nodes_[id].controller->output_line(); }
   NodeLog& log(NodeId id) { return nodes_[id].log; }
   bool alive(NodeId id) const { return nodes_[id].alive; }
 
@@ -61,6 +60,8 @@ class VirtualRing {
   std::uint32_t pull(NodeId id, unsigned input);
   /// The CPU of node `id` is reset: its sends end, its receive buffers are emptied.
   void reset_cpu(NodeId id);
+  /// It is there, or gone; a node that starts has one.
+  void set_cpu_present(NodeId id, bool present);
   /// Its sends end cancelled.
   void cancel(NodeId id);
   /// The end of that send; null where it has not ended.
@@ -123,9 +124,6 @@ class VirtualRing {
     Eye(VirtualRing& in, NodeId at) : ring(in), node(at) {}
     void arrives(const wire::Slice& slice, Line, Time now) override {
       for (Observer* observer : ring.observers_) observer->arrives(node, slice, now);
-    }
-    void has_arrived(const wire::Slice& slice, Line, Time now) override {
-      for (Observer* observer : ring.observers_) observer->has_arrived(node, slice, now);
     }
     void leaves(wire::ByteView slices, Line, Time) override { ring.tell_leaving(node, slices); }
     VirtualRing& ring;

@@ -54,7 +54,7 @@ TEST_F(Interrupts, ToADeadNodeFindNobody) {
 }
 
 TEST_F(Interrupts, InputsSendWithoutTheCpu) {
-  ring.node(1_id).set_cpu_present(false);
+  ring.set_cpu_present(1_id, false);
   ring.cpu_reads[1] = false;
   EXPECT_EQ(outcome_of(ring, 1_id, ring.pull(1_id, 2)).outcome, Outcome::delivered);
   EXPECT_THAT(pins(ring.log(3_id)), ElementsAre(1));
@@ -63,7 +63,7 @@ TEST_F(Interrupts, InputsSendWithoutTheCpu) {
 }
 
 TEST_F(Interrupts, PinsArePulledAtANodeWhoseCpuIsGone) {
-  ring.node(2_id).set_cpu_present(false);
+  ring.set_cpu_present(2_id, false);
   EXPECT_EQ(outcome_of(ring, 0_id, ring.interrupt(0_id, 2_id, 0)).outcome, Outcome::delivered);
   EXPECT_THAT(pins(ring.log(2_id)), ElementsAre(0));
 }

@@ -92,15 +92,15 @@ TEST_F(Refusal, BuffersAreCountedPerPriority) {
 }
 
 TEST_F(Refusal, AbsentCpuRefuses) {
-  ring.node(3_id).set_cpu_present(false);
+  ring.set_cpu_present(3_id, false);
   EXPECT_EQ(send(0_id, 3_id, text("a")).outcome, Outcome::refused);
   EXPECT_GT(ring.counters(3_id).refused_cpu_absent, 0u);
-  ring.node(3_id).set_cpu_present(true);
+  ring.set_cpu_present(3_id, true);
   EXPECT_EQ(send(0_id, 3_id, text("b")).outcome, Outcome::delivered);
 }
 
 TEST_F(Refusal, CpuOutcomeIsNeverDelivered) {
-  ring.node(3_id).set_cpu_present(false);
+  ring.set_cpu_present(3_id, false);
   send(0_id, 3_id, text("a"));
   ring.cpu_reads[3] = true;
   ring.run_for(10ms);

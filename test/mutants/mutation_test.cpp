@@ -51,6 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"LiesInFbc", Mutation::lies_in_fbc, Promise::true_fbc},
                     Case{"SendsLowestFirst", Mutation::sends_lowest_first, Promise::priority_first},
                     Case{"GivesLowestFirst", Mutation::gives_lowest_first, Promise::priority_first},
+                    Case{"MissesBroadcasts", Mutation::misses_broadcasts, Promise::true_fbc},
+                    Case{"RefusesEveryTenth", Mutation::refuses_every_tenth, Promise::true_fbc},
                     Case{"ShortRoundTrips", Mutation::short_round_trips, Promise::true_result},
                     Case{"CountsOneTry", Mutation::counts_one_try, Promise::true_result},
                     Case{"NeverHeals", Mutation::never_heals, Promise::whole_again}),

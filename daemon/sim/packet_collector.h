@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstring>
+
+#include "core/time.h"
+#include "wire/slice.h"
+
+namespace limb_ring::sim {
+
+/// Puts the DATP together whose slices pass, as a receiver does: what is broken off, too long or stalls is none.
+/// (protocol.md section 2.6)
+class PacketCollector {
+ public:
+  /// @param stall the longest pause between two slices of a DATP
+  explicit PacketCollector(core::Duration stall) : stall_(stall) {}
+
+  bool open() const { return open_; }
+  /// Bytes of it that have come, also of the one that was broken off or is whole now.
+  std::size_t size() const { return size_; }
+  void drop() { open_ = false; }
+  /// It is given up by now.
+  bool stalled(core::Time now) const { return open_ && last_ + stall_ <= now; }
+
+  /// @return the packet where this slice is its end, valid until the next one; else nothing
+  wire::ByteView put(const wire::Slice& slice, core::Time now) {
+    using wire::SliceKind;
+    if (slice.kind == SliceKind::whole) return size_ = slice.bytes.size, open_ = false, slice.bytes;
+    if (slice.kind == SliceKind::abort) return open_ = false, wire::ByteView{};
+    const bool begins = slice.kind == SliceKind::start;
+    if (begins) size_ = 0;
+    if (!begins && (!open_ || (slice.kind != SliceKind::more && slice.kind != SliceKind::end))) return {};
+    const bool ends = slice.kind == SliceKind::end;
+    const std::size_t most = ends ? wire::kMaxDataPacketSize : wire::kHeaderSize + wire::kMaxPayload;
+    open_ = size_ + slice.bytes.size <= most;
+    if (!open_) return {};
+    std::memcpy(bytes_.data() + size_, slice.bytes.data, slice.bytes.size);
+    size_ += slice.bytes.size;
+    last_ = now;
+    if (!ends) return {};
+    open_ = false;
+    return size_ < wire::kMinDataPacketSize ? wire::ByteView{} : wire::ByteView{bytes_.data(), size_};
+  }
+
+ private:
+  core::Duration stall_;
+  bool open_ = false;
+  std::size_t size_ = 0;
+  core::Time last_{};
+  std::array<std::uint8_t, wire::kMaxDataPacketSize> bytes_;
+};
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,195 @@
+#include "sim/receiver_model.h"
+
+#include "wire/interrupt_packet.h"
+
+namespace limb_ring::sim {
+
+using wire::PacketFields;
+
+namespace {
+
+/// Boot numbers that are lower by so few are of earlier incarnations. (protocol.md section 4.10)
+constexpr std::uint64_t kEarlier = 1000;
+constexpr int kTries = 4;
+
+}  // namespace
+
+ReceiverModel::ReceiverModel(const core::Settings& settings)
+    : id_(settings.id),
+      fold_back_(settings.fold_back),
+      wired_(settings.wired),
+      horizon_(settings.send_timeout()),
+      pages_(256) {}
+
+// ---- the page of a source ------------------------------------------------------------------------
+
+ReceiverModel::Entry& ReceiverModel::entry(const PacketFields& packet) {
+  const bool broadcast = packet.destination() == wire::kBroadcast;
+  return pages_[packet.source()].entries[(packet.code().interrupt ? 2u : 0u) + (broadcast ? 1u : 0u)];
+}
+
+void ReceiverModel::age(Page& page, Time now) const {
+  for (Entry& e : page.entries) {
+    if (!e.any_sequence && now - e.decided > kTries * horizon_) e = {};
+    e.aged = true;
+  }
+}
+
+template <class Forget>
+bool ReceiverModel::hear_boot(NodeId source, std::uint64_t boot, Forget forget) {
+  Page& page = pages_[source];
+  if (page.boot == boot) return true;
+  if (page.boot > boot && page.boot - boot <= kEarlier) return false;
+  forget(page);
+  page.known = true;
+  page.from_packet = page.any_incarnation = false;
+  page.incarnation = wire::incarnation_of(boot);
+  page.boot = boot;
+  return true;
+}
+
+// @return false where it is of an earlier incarnation
+bool ReceiverModel::hear(const PacketFields& packet, Time at) {
+  Page& page = pages_[packet.source()];
+  const auto empty = [](Page& p) {
+    const Sure peer_known = p.peer_known;
+    p = {};
+    p.peer_known = peer_known;
+  };
+  bool heard = true;
+  if (const auto hello = wire::decode_hello(packet.data())) {
+    heard = hear_boot(packet.source(), hello->boot, empty);
+  } else if (const auto beacon = wire::decode_beacon(packet.data())) {
+    heard = hear_boot(packet.source(), beacon->boot, [&](Page& p) {
+      if (p.incarnation != wire::incarnation_of(beacon->boot)) empty(p);
+      if (!p.from_packet) age(p, at);
+    });
+  } else {
+    return true;
+  }
+  if (heard) page.peer_known = Sure::yes;
+  return heard;
+}
+
+// @return false where it is of an earlier incarnation
+bool ReceiverModel::meet(const PacketFields& packet) {
+  Page& page = pages_[packet.source()];
+  const std::uint8_t incarnation = packet.code().incarnation;
+  const int later = page.known ? (incarnation - page.incarnation) & 3 : 2;
+  if (later == 0) return true;
+  if (later == 3) return false;
+  page.entries = {};
+  page.known = page.from_packet = true;
+  page.incarnation = incarnation;
+  return true;
+}
+
+// ---- packets ----------------------------------------------------------------------------------------
+
+bool ReceiverModel::addressed(const PacketFields& packet) const {
+  if (packet.destination() == wire::kBroadcast) return packet.source() != id_;
+  return packet.destination() == id_;
+}
+
+Sure ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const {
+  const bool may_be = fold_back_ && packet.code().attempt > 0 && packet.source() != id_;
+  if (!may_be || pages_[packet.source()].peer_known == Sure::yes) return Sure::no;
+  return pages_[packet.source()].peer_known == Sure::no ? Sure::yes : Sure::unknown;
+}
+
+// It may have been received, or not.
+void ReceiverModel::doubt(const PacketFields& packet) {
+  Page& page = pages_[packet.source()];
+  if (!packet.code().interrupt && wire::is_control(packet)) {
+    page.any_incarnation = true;
+    if (page.peer_known == Sure::no) page.peer_known = Sure::unknown;
+    for (Entry& e : page.entries) e.any_sequence = true;
+  } else if (addressed(packet)) {
+    if (!page.known || page.incarnation != packet.code().incarnation) page.any_incarnation = true;
+    entry(packet).any_sequence = true;
+  }
+}
+
+ReceiverModel::Answer ReceiverModel::of_known(const Entry& e, const PacketFields& packet, Time at) const {
+  if (e.any_sequence) return Answer::unknown;
+  if (e.verdict == Verdict::none || e.sequence != packet.code().sequence) return Answer::none;
+  const bool fresh = !e.aged && at - e.decided <= horizon_;
+  if (!fresh && packet.code().attempt == 0) return Answer::none;
+  if (e.verdict == Verdict::unknown) return Answer::unknown;
+  return e.verdict == Verdict::taken ? Answer::repeats_taken : Answer::repeats_refused;
+}
+
+void ReceiverModel::decide(Entry& e, const PacketFields& packet, Answer answer, Time at) {
+  const Verdict verdict = answer == Answer::takes || answer == Answer::control ? Verdict::taken
+                          : answer == Answer::refuses                          ? Verdict::refused
+                                                                               : Verdict::unknown;
+  e = {at, packet.code().sequence, verdict, false, false};
+}
+
+ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Sure received, Sure has_buffer, Time at) {
+  if (received == Sure::unknown) return doubt(packet), Answer::unknown;
+  const bool control = wire::is_control(packet);
+  Page& page = pages_[packet.source()];
+  if (control && page.any_incarnation) {
+    hear(packet, at);
+    page.any_incarnation = false;
+    for (Entry& e : page.entries) e.any_sequence = true;
+    return Answer::unknown;
+  }
+  if (control && packet.source() != id_ && !hear(packet, at)) return Answer::refuses;
+  const Sure unknown_peers_retry = is_unknown_peers_retry(packet);
+  if (unknown_peers_retry == Sure::yes || !addressed(packet)) return Answer::none;
+  if (unknown_peers_retry == Sure::unknown || page.any_incarnation) return doubt(packet), Answer::unknown;
+  if (!meet(packet)) return Answer::refuses;
+  Entry& e = entry(packet);
+  if (control) return decide(e, packet, Answer::control, at), Answer::control;
+  Answer answer = of_known(e, packet, at);
+  if (answer == Answer::repeats_taken || answer == Answer::repeats_refused) return answer;
+  if (answer == Answer::none) {
+    const bool refuses = joined_ == Sure::no || !cpu_present_ || has_buffer == Sure::no;
+    const bool takes = joined_ == Sure::yes && has_buffer == Sure::yes;
+    answer = refuses ? Answer::refuses : takes ? Answer::takes : Answer::unknown;
+  }
+  decide(e, packet, answer, at);
+  return answer;
+}
+
+ReceiverModel::Answer ReceiverModel::interrupt(const PacketFields& packet, Sure received, Time at) {
+  if (received == Sure::unknown) return doubt(packet), Answer::unknown;
+  const Sure unknown_peers_retry = is_unknown_peers_retry(packet);
+  if (unknown_peers_retry == Sure::yes || !addressed(packet)) return Answer::none;
+  if (unknown_peers_retry == Sure::unknown || pages_[packet.source()].any_incarnation)
+    return doubt(packet), Answer::unknown;
+  if (!meet(packet)) return Answer::refuses;
+  Entry& e = entry(packet);
+  Answer answer = of_known(e, packet, at);
+  if (answer == Answer::repeats_taken || answer == Answer::repeats_refused) return answer;
+  if (answer == Answer::none) answer = wired_[wire::factor_of(packet.last())] ? Answer::takes : Answer::refuses;
+  decide(e, packet, answer, at);
+  return answer;
+}
+
+// ---- the node ---------------------------------------------------------------------------------------
+
+void ReceiverModel::says_hello(std::uint64_t boot) {
+  hear_boot(id_, boot, [](Page& page) { page = {}; });
+}
+
+// What it had decided of INTPs before it started over holds until its hello is home.
+void ReceiverModel::join() {
+  joined_ = Sure::yes;
+  for (Page& page : pages_)
+    for (Entry& e : page.entries)
+      if (e.aged) e = {};
+}
+
+void ReceiverModel::start_over(bool forgets_peers, Time now) {
+  joined_ = Sure::no;
+  for (Page& page : pages_) {
+    page.entries[0] = page.entries[1] = {};
+    age(page, now);
+    if (forgets_peers) page.peer_known = Sure::no;
+  }
+}
+
+}  // namespace limb_ring::sim
