@@ -67,13 +67,13 @@ const char* status_colour(const std::string& state, const std::string& cpu) {
   return "";
 }
 
-std::string status_table(const std::vector<json>& rows, const StatusLook& look) {
+std::string status_table(const std::vector<json>& rows, const StatusStyle& style) {
   std::vector<std::vector<std::string>> table{
       {"id", "name", "state", "ring", "cpu", "boots", "p50 us", "p99 us", "max us"}};
-  if (look.pids) table[0].insert(table[0].end(), {"pid", "cpu pid"});
-  for (const json& row : rows) table.push_back(cells(row, look.pids));
-  const std::string text = fitted(std::move(table), look.width);
-  if (!look.colour) return text;
+  if (style.pids) table[0].insert(table[0].end(), {"pid", "cpu pid"});
+  for (const json& row : rows) table.push_back(cells(row, style.pids));
+  const std::string text = fitted(std::move(table), style.width);
+  if (!style.colour) return text;
   std::istringstream lines(text);
   std::string out, line;
   for (std::size_t i = 0; std::getline(lines, line); ++i) {

@@ -6,14 +6,14 @@
 
 namespace limb_ring::ringctl {
 
-struct StatusLook {
+struct StatusStyle {
   std::size_t width = std::string::npos;  ///< columns there are; names are shortened to fit
   bool pids = false;                      ///< process numbers too
   bool colour = false;
 };
 
 /// Status rows, one line each, for people.
-std::string status_table(const std::vector<nlohmann::json>& rows, const StatusLook& look = {});
+std::string status_table(const std::vector<nlohmann::json>& rows, const StatusStyle& style = {});
 
 /// Red for a node that is not up, yellow for a CPU that should run and does not, else none (an empty text).
 const char* status_colour(const std::string& state, const std::string& cpu);

@@ -177,20 +177,20 @@ std::vector<json> top_rows(const StatusSample& before, const StatusSample& now) 
   return rows;
 }
 
-std::string top_table(const std::string& heading, const std::vector<json>& rows, const TopLook& look,
+std::string top_table(const std::string& heading, const std::vector<json>& rows, const TopStyle& style,
                       const std::string& report) {
-  const std::size_t width = std::max(look.width, kNarrow), name = name_width(rows, width);
+  const std::size_t width = std::max(style.width, kNarrow), name = name_width(rows, width);
   std::string text = app::wrapped(heading + "; rates of the line out of each", width);
   text += columns({"name", "state", "cpu", "to", "pkt/s", "kB/s", "load", "p50 us", "p99 us", "errs"}, name, {});
   const std::string below = app::wrapped(report, width);
   const std::size_t headings = lines_of(text);
-  const std::size_t room = look.lines > headings + 2 ? look.lines - headings - 1 : 1;  // with a line to spare
+  const std::size_t room = style.lines > headings + 2 ? style.lines - headings - 1 : 1;  // with a line to spare
   const std::size_t shown = rows.size() <= room + 1 ? rows.size() : room;
   for (std::size_t i = 0; i < shown; ++i)
-    text += columns(cells_of(rows[i]), name, look.colour ? colours_of(rows[i]) : decltype(colours_of(rows[i])){});
+    text += columns(cells_of(rows[i]), name, style.colour ? colours_of(rows[i]) : decltype(colours_of(rows[i])){});
   if (shown < rows.size()) text += "... and " + std::to_string(rows.size() - shown) + " more nodes\n";
   std::istringstream more(below);
-  for (std::string line; lines_of(text) < look.lines && std::getline(more, line);) text += line + '\n';
+  for (std::string line; lines_of(text) < style.lines && std::getline(more, line);) text += line + '\n';
   return text;
 }
 

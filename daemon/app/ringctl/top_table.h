@@ -19,7 +19,7 @@ struct StatusSample {
 /// are not as they were.
 std::vector<nlohmann::json> top_rows(const StatusSample& before, const StatusSample& now);
 
-struct TopLook {
+struct TopStyle {
   std::size_t lines = std::string::npos;  ///< lines there are
   std::size_t width = 80;                 ///< columns there are, 80 at least; what is over goes to the names
   bool colour = false;                    ///< ... and what has changed is marked
@@ -27,7 +27,7 @@ struct TopLook {
 
 /// A heading and a line for each node.
 /// @param report what there is to say below, lines of text; shown where there is room
-std::string top_table(const std::string& heading, const std::vector<nlohmann::json>& rows, const TopLook& look = {},
+std::string top_table(const std::string& heading, const std::vector<nlohmann::json>& rows, const TopStyle& style = {},
                       const std::string& report = {});
 
 }  // namespace limb_ring::ringctl

@@ -55,9 +55,9 @@ TEST(StatusTable, ShowsWhatANodeSays) {
                  {"cpu", {{"pid", 4712}, {"boots", 2}, {"state", "running"}}},
                  {"round_trip_us", {{"p50", 61.24}, {"p99", 90.0}, {"max", 120.0}}}};
   EXPECT_THAT(status_table({row}), HasSubstr("3  head  up       16  running      2    61.2    90.0   120.0\n"));
-  StatusLook look;
-  look.pids = true;
-  EXPECT_THAT(status_table({row}, look), HasSubstr("120.0  4711     4712\n"));
+  StatusStyle style;
+  style.pids = true;
+  EXPECT_THAT(status_table({row}, style), HasSubstr("120.0  4711     4712\n"));
 }
 
 /// As wide as it gets: an open chain of nodes with names as long as allowed, after a slow second.
@@ -75,9 +75,9 @@ std::vector<json> wide_rows() {
 }
 
 TEST(StatusTable, FitsEightyColumnsByItsNamesWhichStayDistinct) {
-  StatusLook look;
-  look.width = 80;
-  std::istringstream lines(status_table(wide_rows(), look));
+  StatusStyle style;
+  style.width = 80;
+  std::istringstream lines(status_table(wide_rows(), style));
   std::set<std::string> different;
   for (std::string line; std::getline(lines, line); different.insert(line)) EXPECT_LE(line.size(), 80u) << line;
   EXPECT_EQ(different.size(), 16u);
@@ -90,13 +90,13 @@ TEST(StatusTable, ShowsNamesWholeInAPipe) {
 
 TEST(StatusTable, IsColouredWhereANodeOrItsCpuIsNotWell) {
   std::vector<json> rows = wide_rows();
-  StatusLook look;
-  look.colour = true;
-  EXPECT_THAT(status_table(rows, look), HasSubstr("\033[31m240"));
+  StatusStyle style;
+  style.colour = true;
+  EXPECT_THAT(status_table(rows, style), HasSubstr("\033[31m240"));
   for (json& row : rows) row["state"] = "up";
   rows[0]["cpu"]["stopped"] = true;
-  EXPECT_THAT(status_table(rows, look), HasSubstr("\033[33m240"));
-  EXPECT_THAT(status_table(rows, look), Not(HasSubstr("\033[31m")));
+  EXPECT_THAT(status_table(rows, style), HasSubstr("\033[33m240"));
+  EXPECT_THAT(status_table(rows, style), Not(HasSubstr("\033[31m")));
 }
 
 TEST(Headline, CountsNodesAndSaysWhereTheRingFolds) {

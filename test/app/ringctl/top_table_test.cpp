@@ -83,11 +83,11 @@ TEST(TopTable, MarksWhatHasChangedWhereThereAreColours) {
   now.rows[1]["counters"]["timeouts"] = 3;
   const auto rows = top_rows(kBefore, now);
   EXPECT_EQ(rows[1]["changed"], json({"state", "errors"}));
-  TopLook look;
-  look.colour = true;
-  EXPECT_THAT(top_table("robot", rows, look), HasSubstr("\033[7mjoining   \033[0m"));
-  look.colour = false;
-  EXPECT_THAT(top_table("robot", rows, look), testing::Not(HasSubstr("\033")));
+  TopStyle style;
+  style.colour = true;
+  EXPECT_THAT(top_table("robot", rows, style), HasSubstr("\033[7mjoining   \033[0m"));
+  style.colour = false;
+  EXPECT_THAT(top_table("robot", rows, style), testing::Not(HasSubstr("\033")));
 }
 
 TEST(TopTable, CallsACpuWhatStatusCallsIt) {

@@ -29,13 +29,13 @@ void print_json(const RingAccess& ring, std::vector<nlohmann::json> rows) {
 }
 
 void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows, bool pids) {
-  StatusLook look;
-  look.pids = pids;
-  look.colour = app::colour_wanted(STDOUT_FILENO);
+  StatusStyle style;
+  style.pids = pids;
+  style.colour = app::colour_wanted(STDOUT_FILENO);
   // What goes into a file or through a pipe is for grep: as wide as it is.
-  if (::isatty(STDOUT_FILENO) == 1) look.width = Screen::size().columns;
-  std::cout << app::wrapped(headline(ring.ring(), rows), look.width) << status_table(rows, look)
-            << app::wrapped(line_report(rows) + stop_report(rows) + supervision_text(rows), look.width);
+  if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
+  std::cout << app::wrapped(headline(ring.ring(), rows), style.width) << status_table(rows, style)
+            << app::wrapped(line_report(rows) + stop_report(rows) + supervision_text(rows), style.width);
 }
 
 int run(const Context& context, const StatusOptions& options) {

@@ -91,16 +91,16 @@ bool wait(const TopOptions& options, const Screen* screen, SignalWait& signals) 
   return true;
 }
 
-TopLook look() {
-  TopLook look;
-  look.colour = app::colour_wanted(STDOUT_FILENO);
-  if (::isatty(STDOUT_FILENO) == 1) look.width = Screen::size().columns;
-  return look;
+TopStyle style() {
+  TopStyle style;
+  style.colour = app::colour_wanted(STDOUT_FILENO);
+  if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
+  return style;
 }
 
 std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
-                  const TopLook& look) {
-  return top_table(headline(ring.ring(), now.rows), rows, look,
+                  const TopStyle& style) {
+  return top_table(headline(ring.ring(), now.rows), rows, style,
                    line_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
 }
 
@@ -114,7 +114,7 @@ int once(const RingAccess& ring, const TopOptions& options) {
   if (options.json)
     std::cout << nlohmann::json{{"ring", ring.ring()}, {"nodes", rows}}.dump(2) << '\n';
   else
-    std::cout << shown(ring, now, rows, look());
+    std::cout << shown(ring, now, rows, style());
   return kDone;
 }
 
@@ -125,7 +125,7 @@ int redraw(const RingAccess& ring, const TopOptions& options) {
   StatusSample before = poll.sample();
   do {
     StatusSample now = poll.sample();
-    TopLook fits = look();
+    TopStyle fits = style();
     fits.lines = Screen::size().lines - 1;
     screen.draw(shown(ring, now, top_rows(before, now), fits) + "q ends");
     before = std::move(now);
