@@ -10,7 +10,7 @@
 
 namespace limb_ring::link {
 
-/// What the two ends of a line through shared memory have in common (ours, protocol.md section 6.7): a queue of bytes
+/// What the two ends of a line through shared memory have in common (ours, protocol.md section 6.12): a queue of bytes
 /// with one writer and one reader, the slices of the line one after another, as on a stream.
 ///
 /// Either end keeps its own index to itself and only publishes it. What it finds of the other's is checked before use,

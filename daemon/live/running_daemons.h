@@ -37,7 +37,7 @@ class RunningDaemons {
   void thaw(wire::NodeId node) const;
   /// With the arguments of its last start, in a session of its own, with a log file in the ring's folder.
   void start(wire::NodeId node) const;
-  /// Off and on again, under the same pid.
+  /// As if its power went off and on; same pid.
   void power_cycle(wire::NodeId node) const;
   /// Returns when the node has said hello.
   void wait_for_hello(wire::NodeId node) const;

@@ -19,7 +19,7 @@ void BabblingCpu::start(std::chrono::nanoseconds period) {
   on_ = true;
   ++run_;
   sent_ = 0;
-  // One is on the ring, the queue is full, and one is too many.
+  // One goes onto the ring, the others fill the queue, and the last is rejected: the queue is full from the start.
   const unsigned at_once = period.count() == 0 ? engine_.controller().settings().send_queue + 2 : 1;
   for (unsigned i = 0; i < at_once; ++i) send();
   engine_.pump();

@@ -35,7 +35,7 @@ class CpuSocket final : private CpuEvents {
   /// Kills and restarts the CPU, whatever state it is in; nothing stale is left for the new one.
   CpuActionResult reset(const std::string& reason);
   void interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor);
-  /// Off with its node: a child is killed and reaped at once; an outside process has a power of its own.
+  /// Its node loses power: a child is killed and reaped at once; an attached process goes on.
   void kill() { process_.kill(); }
   CpuActionResult signal(int number) { return process_.signal(number); }
   CpuActionResult run(const std::vector<std::string>& command) { return process_.run(command); }

@@ -13,7 +13,7 @@ using nlohmann::json;
 
 namespace {
 
-/// A mended line has to be connected again. Where nobody is there it stays down, which is not its fault.
+/// A mended line has to be connected again. Where no node answers it stays down for other reasons, so this ends.
 constexpr std::chrono::milliseconds kLinePatience{2000};
 
 double seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }

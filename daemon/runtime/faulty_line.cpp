@@ -33,8 +33,8 @@ void FaultyLine::pass_all(wire::ByteView framed_slices, core::Time now) {
   update(now);
 }
 
-// A datagram that is late is really sent late, below the check of its sequence number; what the faults
-// leave on the line is what the receiver makes of the others.
+// A datagram that is to be late is sent after the next one, with its own sequence number, and the receiver discards it.
+// What the faults put onto the line is what is left for the receiver then.
 void FaultyLine::pass(const wire::Slice& slice, core::Time now) {
   const auto late = faults_.counters().line_reordered;
   faults_.pass(slice, now);

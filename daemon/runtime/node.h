@@ -41,8 +41,8 @@ class Node {
   void stop(std::function<void()> done);
 
  private:
-  /// Off and on again at once, as far as a process can: no goodbye to anybody, the CPU of its own killed, and the
-  /// same program started again under the same pid. @throw std::system_error where that cannot be had
+  /// As if its power went off and on: no link is closed, its child CPU is killed, and the same program is started again
+  /// under the same pid. @throw std::system_error where it cannot be started
   [[noreturn]] void power_cycle();
   FolderWatch::Folder folder_to_watch();
 
