@@ -4,11 +4,11 @@ namespace limb_ring::capture {
 
 bool Selection::takes(const PacketView& packet) {
   ++counts_.seen;
-  if (!wish_.filter.passes(packet)) {
+  if (!choice_.filter.passes(packet)) {
     ++counts_.filtered;
     return false;
   }
-  if (passed_++ % wish_.sample != 0) {
+  if (passed_++ % choice_.sample != 0) {
     ++counts_.sampled_out;
     return false;
   }
@@ -18,11 +18,11 @@ bool Selection::takes(const PacketView& packet) {
 }
 
 bool Selection::within_limit(std::chrono::nanoseconds at) {
-  if (wish_.limit_per_s == 0) return true;
+  if (choice_.limit_per_s == 0) return true;
   const std::int64_t second = std::chrono::duration_cast<std::chrono::seconds>(at).count();
   if (second != second_) in_second_ = 0;
   second_ = second;
-  return in_second_++ < wish_.limit_per_s;
+  return in_second_++ < choice_.limit_per_s;
 }
 
 }  // namespace limb_ring::capture

@@ -5,7 +5,7 @@
 namespace limb_ring::capture {
 
 /// What one observer has asked for.
-struct Wish {
+struct Choice {
   Filter filter;
   std::uint32_t sample = 1;       ///< of the packets that pass the filter, every so many-th
   std::uint32_t limit_per_s = 0;  ///< at most so many in any whole second; 0: no limit
@@ -14,7 +14,7 @@ struct Wish {
 /// Chooses packets for one observer, and counts what it leaves out, and why.
 class Selection {
  public:
-  explicit Selection(const Wish& wish) : wish_(wish) {}
+  explicit Selection(const Choice& choice) : choice_(choice) {}
 
   /// Whether the observer gets this packet; where not, the reason is counted.
   bool takes(const PacketView& packet);
@@ -27,7 +27,7 @@ class Selection {
     ++counts_.lost;
     ++lost_before_;
   }
-  const Filter& filter() const { return wish_.filter; }
+  const Filter& filter() const { return choice_.filter; }
   /// Lost since one was given.
   std::uint32_t lost_before() const { return lost_before_; }
   const CaptureCounts& counts() const { return counts_; }
@@ -35,7 +35,7 @@ class Selection {
  private:
   bool within_limit(std::chrono::nanoseconds at);
 
-  Wish wish_;
+  Choice choice_;
   CaptureCounts counts_;
   std::uint32_t lost_before_ = 0;
   std::uint64_t passed_ = 0;

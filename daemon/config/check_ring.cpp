@@ -43,7 +43,7 @@ void check_parts_have_cpu(const Entry& file, const RingConfig& ring) {
     if (node.cpu.kind != CpuConfig::Kind::none) continue;
     const auto refuse = [&](const char* list, const std::string& part) {
       element(element(file, "nodes", n), list, 0)
-          .refuse(part + " has nobody to run it: node '" + node.name + "' has cpu: none",
+          .refuse(part + " needs a CPU: node '" + node.name + "' has cpu: none",
                   "a cpu for this node: {command: [limb_firmware]}, or attached");
     };
     if (!node.joints.empty()) refuse("joints", "joint '" + node.joints[0].name + "'");

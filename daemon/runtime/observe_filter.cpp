@@ -57,21 +57,21 @@ std::bitset<256> nodes_of(const config::RingConfig& ring, const json& from, cons
   return found;
 }
 
-capture::Wish wish_of(const config::RingConfig& ring, const json& packets) {
+capture::Choice choice_of(const config::RingConfig& ring, const json& packets) {
   if (!packets.is_object()) throw RequestError("observe: packets is an object");
-  capture::Wish wish;
+  capture::Choice choice;
   if (const auto at = words_in(packets, "at", kLines); !at.empty()) {
-    wish.filter.input = at.count(0) != 0;
-    wish.filter.output = at.count(1) != 0;
+    choice.filter.input = at.count(0) != 0;
+    choice.filter.output = at.count(1) != 0;
   }
-  for (const std::size_t kind : words_in(packets, "kinds", kKinds)) wish.filter.kinds.set(kind);
-  wish.filter.source = nodes_of(ring, packets, "source");
-  wish.filter.destination = nodes_of(ring, packets, "destination");
-  wish.filter.priority = numbers_in<4>(packets, "priority");
-  wish.filter.channel = numbers_in<64>(packets, "channel");
-  wish.sample = static_cast<std::uint32_t>(number_in(packets, "sample", 1, 1, kMost));
-  wish.limit_per_s = static_cast<std::uint32_t>(number_in(packets, "limit_per_s", 0, 0, kMost));
-  return wish;
+  for (const std::size_t kind : words_in(packets, "kinds", kKinds)) choice.filter.kinds.set(kind);
+  choice.filter.source = nodes_of(ring, packets, "source");
+  choice.filter.destination = nodes_of(ring, packets, "destination");
+  choice.filter.priority = numbers_in<4>(packets, "priority");
+  choice.filter.channel = numbers_in<64>(packets, "channel");
+  choice.sample = static_cast<std::uint32_t>(number_in(packets, "sample", 1, 1, kMost));
+  choice.limit_per_s = static_cast<std::uint32_t>(number_in(packets, "limit_per_s", 0, 0, kMost));
+  return choice;
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ ObserveFilter read_observe_filter(const config::RingConfig& ring, const std::str
   for (const std::size_t kind : words_in(order, "kinds", events)) read.kinds.insert(events[kind]);
   const bool packets = order.contains("packets");
   if (read.kinds.empty() && !packets) read.kinds.insert(events.begin(), events.end());
-  if (packets && !order["packets"].is_null()) read.packets = wish_of(ring, order["packets"]);
+  if (packets && !order["packets"].is_null()) read.packets = choice_of(ring, order["packets"]);
   return read;
 }
 

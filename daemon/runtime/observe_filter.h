@@ -12,8 +12,8 @@ namespace limb_ring::runtime {
 
 /// What a client wants to observe; see "Observing" in daemon/host/requests.md.
 struct ObserveFilter {
-  std::set<std::string> kinds;           ///< of events; empty: none
-  std::optional<capture::Wish> packets;  ///< nothing: none
+  std::set<std::string> kinds;             ///< of events; empty: none
+  std::optional<capture::Choice> packets;  ///< nothing: none
 };
 
 /// @throw std::runtime_error naming what is wrong, and what is allowed

@@ -11,14 +11,14 @@ PacketObservers::PacketObservers(wire::NodeId self, Engine& engine, host::HostSe
       input_([this](const capture::PacketView& packet) { seen(packet); }),
       output_([this](const capture::PacketView& packet) { seen(packet); }) {}
 
-void PacketObservers::set(host::ClientId client, const std::optional<capture::Wish>& wish) {
+void PacketObservers::set(host::ClientId client, const std::optional<capture::Choice>& choice) {
   const auto found = observers_.find(client);
   if (found != observers_.end()) {
     host_.capture_counts(client, found->second.selection.counts());
     observers_.erase(found);
   }
-  if (wish) {
-    observers_.emplace(client, Observer{capture::Selection(*wish)});
+  if (choice) {
+    observers_.emplace(client, Observer{capture::Selection(*choice)});
     host_.capture_counts(client, {});
   }
   update_taps();

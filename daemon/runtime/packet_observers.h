@@ -19,7 +19,7 @@ class PacketObservers final : private LineTap {
   ~PacketObservers() override { engine_.set_tap(nullptr); }
 
   /// Nothing: the client wants no packets any more. It is told its counts as it begins and ends.
-  void set(host::ClientId client, const std::optional<capture::Wish>& wish);
+  void set(host::ClientId client, const std::optional<capture::Choice>& choice);
   /// The client is gone.
   void remove(host::ClientId client);
 

@@ -50,9 +50,12 @@ void set_line(Fault& fault, const std::string& text, const fault::RingNodes& nod
 void read_member(const config::Member& member, Fault& fault, const fault::RingNodes& nodes) {
   const std::string text = member.name == "nodes" ? "" : member.value.text("a value");
   at_entry(member.value, [&] {
-    if (member.name == "nodes") return void(fault.nodes = read_nodes(member.value));
-    if (member.name == "line") return set_line(fault, text, nodes);
-    fault::set_key(fault, member.name, text, nodes);
+    if (member.name == "nodes")
+      fault.nodes = read_nodes(member.value);
+    else if (member.name == "line")
+      set_line(fault, text, nodes);
+    else
+      fault::set_key(fault, member.name, text, nodes);
   });
 }
 

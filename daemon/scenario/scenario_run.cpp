@@ -49,7 +49,10 @@ class Run {
   }
 
   void begin() {
-    if (const auto surprise = stage_.begin()) return void(fail(surprise->expected, surprise->seen));
+    if (const auto failure = stage_.begin()) {
+      fail(failure->expected, failure->seen);
+      return;
+    }
     const std::size_t there = scenario_.ring.nodes.size() - scenario_.absent.size();
     log("start: " + std::to_string(there) + " nodes have joined");
     go_to(Duration{0});

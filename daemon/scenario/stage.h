@@ -12,9 +12,9 @@
 namespace limb_ring::scenario {
 
 /// What can be seen of a ring at one moment: all that conditions speak of.
-class Sight {
+class StageView {
  public:
-  virtual ~Sight() = default;
+  virtual ~StageView() = default;
 
   virtual unsigned size() const = 0;  ///< nodes, living or not
   virtual const std::string& name(NodeId id) const = 0;
@@ -36,14 +36,14 @@ class Sight {
 
 /// What a scenario is played on: a ring to observe and to act on, and its time. Under a virtual clock all
 /// is exact; live, it is polled every few hundredths of a second, and steps may be late.
-class Stage : public Sight {
+class Stage : public StageView {
  public:
-  struct Surprise {
+  struct Failure {
     std::string expected, seen;
   };
 
   /// Brings the ring up. Time counts from then. @return what was not as expected
-  virtual std::optional<Surprise> begin() = 0;
+  virtual std::optional<Failure> begin() = 0;
   virtual core::Duration now() const = 0;
   /// A step whose time has passed is an error; otherwise it is done at once.
   virtual bool exact() const = 0;
@@ -51,10 +51,10 @@ class Stage : public Sight {
   /// @return what `done` said last
   virtual bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) = 0;
   /// What is expected of every ring, whatever the scenario says. @return the first expectation that was not met
-  virtual std::optional<Surprise> broken() const = 0;
+  virtual std::optional<Failure> broken() const = 0;
 
   /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
-  virtual std::optional<Surprise> apply(const Fault& fault) = 0;
+  virtual std::optional<Failure> apply(const Fault& fault) = 0;
   virtual void send(const Send& send) = 0;
 };
 

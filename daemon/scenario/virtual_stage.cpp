@@ -27,7 +27,7 @@ VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed)
   for (const NodeId id : scenario.absent) ring_->kill(id);
 }
 
-// ---- sight and time -------------------------------------------------------------------------
+// ---- view and time -------------------------------------------------------------------------
 
 std::optional<wire::Beacon> VirtualStage::heard(NodeId by, NodeId of) const {
   const core::Peer& peer = members_[by]->peers()[of];
@@ -42,11 +42,11 @@ std::uint64_t VirtualStage::counter(NodeId id, const std::string& name) const {
   return count;
 }
 
-std::optional<Stage::Surprise> VirtualStage::begin() {
+std::optional<Stage::Failure> VirtualStage::begin() {
   const bool joined = ring_->join();
   start_ = ring_->now();
   if (joined) return std::nullopt;
-  return Surprise{"every node joins", "not within 10 s"};
+  return Failure{"every node joins", "not within 10 s"};
 }
 
 bool VirtualStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
@@ -56,10 +56,10 @@ bool VirtualStage::run_until(const std::function<bool()>& done, core::Duration u
   return done();
 }
 
-std::optional<Stage::Surprise> VirtualStage::broken() const {
+std::optional<Stage::Failure> VirtualStage::broken() const {
   const auto& violation = ring_->violation();
   if (!violation) return std::nullopt;
-  return Surprise{std::string("the ring's promise: ") + sim::to_string(violation->promise), violation->what};
+  return Failure{std::string("the ring's promise: ") + sim::to_string(violation->promise), violation->what};
 }
 
 // ---- actions --------------------------------------------------------------------------------
@@ -72,7 +72,7 @@ void VirtualStage::came(const core::Event& event, NodeId at) {
   ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
 }
 
-std::optional<Stage::Surprise> VirtualStage::apply(const Fault& fault) {
+std::optional<Stage::Failure> VirtualStage::apply(const Fault& fault) {
   do_it(fault);
   return std::nullopt;
 }

@@ -31,14 +31,14 @@ class VirtualStage final : public Stage {
   const Tally& tally(const std::string& send) const override { return senders_.tally(send); }
   nanoseconds allowed(const Limit& limit) const override { return limit.sim; }
 
-  std::optional<Surprise> begin() override;
+  std::optional<Failure> begin() override;
   core::Duration now() const override { return ring_->now() - start_; }
   bool exact() const override { return true; }
   bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) override;
   /// The ring's promises.
-  std::optional<Surprise> broken() const override;
+  std::optional<Failure> broken() const override;
 
-  std::optional<Surprise> apply(const Fault& fault) override;
+  std::optional<Failure> apply(const Fault& fault) override;
   void send(const Send& send) override { senders_.begin(send); }
 
  private:

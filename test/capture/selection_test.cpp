@@ -83,11 +83,11 @@ TEST(CaptureFilter, KnowsOfABrokenOffPacketOnlyItsHeader) {
 }
 
 TEST(CaptureSelection, CountsEveryPacketUnderOneName) {
-  Wish wish;
-  wish.filter.source.set(1);
-  wish.sample = 2;
-  wish.limit_per_s = 2;
-  Selection selection(wish);
+  Choice choice;
+  choice.filter.source.set(1);
+  choice.sample = 2;
+  choice.limit_per_s = 2;
+  Selection selection(choice);
   unsigned taken = 0;
   for (int i = 0; i < 10; ++i) taken += selection.takes(seen_in(kData)) ? 1 : 0;
   for (int i = 0; i < 3; ++i) taken += selection.takes(seen_in(test::data_packet(2, 1))) ? 1 : 0;
@@ -100,9 +100,9 @@ TEST(CaptureSelection, CountsEveryPacketUnderOneName) {
 }
 
 TEST(CaptureSelection, LimitsEachSecondByItself) {
-  Wish wish;
-  wish.limit_per_s = 1;
-  Selection selection(wish);
+  Choice choice;
+  choice.limit_per_s = 1;
+  Selection selection(choice);
   PacketView packet = seen_in(kData);
   std::string taken;
   for (const int at : {0, 999, 1000, 1001, 2500}) {
@@ -113,7 +113,7 @@ TEST(CaptureSelection, LimitsEachSecondByItself) {
 }
 
 TEST(CaptureSelection, SaysHowManyWereLostSinceOneWasGiven) {
-  Selection selection(Wish{});
+  Selection selection(Choice{});
   selection.lost();
   selection.lost();
   EXPECT_EQ(selection.lost_before(), 2u);

@@ -98,10 +98,10 @@ TEST(WrongNodes, JointsOrSensorsOfOneName) {
 
 TEST(WrongNodes, JointsOrSensorsWithoutACpu) {
   EXPECT_THAT(refusal_of(node_with("    joints: [{name: a}]\n")),
-              StartsWith("ring.yaml:5:14: entry 'nodes[1].joints[0]': joint 'a' has nobody to run it: node 'node0' has "
+              StartsWith("ring.yaml:5:14: entry 'nodes[1].joints[0]': joint 'a' needs a CPU: node 'node0' has "
                          "cpu: none; allowed: a cpu for this node: {command: [limb_firmware]}, or attached"));
   EXPECT_THAT(refusal_of(node_with("    cpu: none\n    sensors: [{name: b}]\n")),
-              HasSubstr("'nodes[1].sensors[0]': sensor 'b' has nobody to run it"));
+              HasSubstr("'nodes[1].sensors[0]': sensor 'b' needs a CPU"));
   EXPECT_EQ(refusal_of(node_with("    cpu: attached\n    joints: [{name: a}]\n")), "");
 }
 

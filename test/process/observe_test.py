@@ -15,9 +15,9 @@ def fields(packet):
 
 
 class Packets(RingTest):
-    def observe(self, node, **wish):
+    def observe(self, node, **choice):
         observer = self.port(node)
-        observer.observe_packets(**wish)
+        observer.observe_packets(**choice)
         self.assertEqual(observer.next_of(host_port.CAPTURE_COUNTS)['seen'], 0)
         return observer
 
@@ -87,12 +87,12 @@ class Packets(RingTest):
     def test_a_wrong_order_is_answered_with_what_would_be_right(self):
         self.start_ring(plain_nodes(2))
         observer = self.port(0)
-        for wish, words in (({'kinds': ['weather']}, ['weather', 'data, control, interrupt']),
-                            ({'at': ['above']}, ['above', 'in, out']),
-                            ({'priority': [4]}, ['priority', '0 to 3']),
-                            ({'source': ['nobody']}, ['nobody', 'node1']),
-                            ({'sample': 0}, ['sample', 'from 1'])):
-            observer.observe_packets(**wish)
+        for choice, words in (({'kinds': ['weather']}, ['weather', 'data, control, interrupt']),
+                              ({'at': ['above']}, ['above', 'in, out']),
+                              ({'priority': [4]}, ['priority', '0 to 3']),
+                              ({'source': ['nobody']}, ['nobody', 'node1']),
+                              ({'sample': 0}, ['sample', 'from 1'])):
+            observer.observe_packets(**choice)
             error = observer.next_of(host_port.OBSERVED)['error']
             for word in words:
                 self.assertIn(word, error)

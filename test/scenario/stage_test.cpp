@@ -15,7 +15,7 @@ using testing::HasSubstr;
 class PaperStage final : public Stage {
  public:
   std::map<NodeId, core::Duration> dies;  ///< when
-  std::optional<Surprise> at_begin, at_action;
+  std::optional<Failure> at_begin, at_action;
   std::optional<core::Duration> breaks;  ///< when
   std::vector<std::string> done;
   core::Duration per_action{0};
@@ -30,7 +30,7 @@ class PaperStage final : public Stage {
   const Tally& tally(const std::string&) const override { return tally_; }
   nanoseconds allowed(const Limit& limit) const override { return limit.live; }
 
-  std::optional<Surprise> begin() override { return at_begin; }
+  std::optional<Failure> begin() override { return at_begin; }
   core::Duration now() const override { return now_; }
   bool exact() const override { return false; }
   bool run_until(const std::function<bool()>& held, core::Duration until, const std::string&) override {
@@ -40,10 +40,10 @@ class PaperStage final : public Stage {
     }
     return true;
   }
-  std::optional<Surprise> broken() const override {
-    return breaks && now_ >= *breaks ? std::optional(Surprise{"it runs", "it ended"}) : std::nullopt;
+  std::optional<Failure> broken() const override {
+    return breaks && now_ >= *breaks ? std::optional(Failure{"it runs", "it ended"}) : std::nullopt;
   }
-  std::optional<Surprise> apply(const Fault& fault) override {
+  std::optional<Failure> apply(const Fault& fault) override {
     done.emplace_back(fault::word_of(fault.name).word);
     now_ += per_action;
     return at_action;
@@ -112,7 +112,7 @@ TEST_F(StageRun, NeverIsCheckedWhileWaiting) {
 }
 
 TEST_F(StageRun, AnActionThatCannotBeDoneIsTheEnd) {
-  stage.at_action = Stage::Surprise{"the robot does it", "node3 does not answer"};
+  stage.at_action = Stage::Failure{"the ring does it", "node3 does not answer"};
   const ScenarioRun run = play("steps: [{do: {kill: node3}}, {do: {start: node3}}]\n");
   ASSERT_TRUE(run.unmet);
   EXPECT_EQ(run.unmet->seen, "node3 does not answer");
@@ -127,7 +127,7 @@ TEST_F(StageRun, WhatBreaksWithoutAStepEndsTheRun) {
 }
 
 TEST_F(StageRun, ARingThatDoesNotComeUpIsReported) {
-  stage.at_begin = Stage::Surprise{"every node joins", "node 3 does not"};
+  stage.at_begin = Stage::Failure{"every node joins", "node 3 does not"};
   const ScenarioRun run = play("steps: [{do: {kill: node3}}]\n");
   ASSERT_TRUE(run.unmet);
   EXPECT_THAT(text_of(run), HasSubstr("seen instead: node 3 does not"));

@@ -37,35 +37,35 @@ wire::NodeId node_of(const std::string& word, const capture::RingNames& names) {
   throw unknown_node(word, names.ring, nodes);
 }
 
-capture::Wish wish_of(const FilterWords& words, const capture::RingNames& names) {
-  capture::Wish wish;
+capture::Choice choice_of(const FilterWords& words, const capture::RingNames& names) {
+  capture::Choice choice;
   if (!words.at.empty()) {
-    wish.filter.input = given(words.at, "in");
-    wish.filter.output = given(words.at, "out");
+    choice.filter.input = given(words.at, "in");
+    choice.filter.output = given(words.at, "out");
   }
-  for (std::size_t kind = 0; kind < kKinds.size(); ++kind) wish.filter.kinds[kind] = given(words.kinds, kKinds[kind]);
-  for (const std::string& node : words.from) wish.filter.source.set(destination_of(node, names));
-  for (const std::string& node : words.to) wish.filter.destination.set(destination_of(node, names));
-  for (const unsigned priority : words.priority) wish.filter.priority.set(priority);
-  for (const unsigned channel : words.channel) wish.filter.channel.set(channel);
-  wish.sample = words.sample;
-  wish.limit_per_s = words.limit;
-  return wish;
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind) choice.filter.kinds[kind] = given(words.kinds, kKinds[kind]);
+  for (const std::string& node : words.from) choice.filter.source.set(destination_of(node, names));
+  for (const std::string& node : words.to) choice.filter.destination.set(destination_of(node, names));
+  for (const unsigned priority : words.priority) choice.filter.priority.set(priority);
+  for (const unsigned channel : words.channel) choice.filter.channel.set(channel);
+  choice.sample = words.sample;
+  choice.limit_per_s = words.limit;
+  return choice;
 }
 
-json order_of(const capture::Wish& wish) {
+json order_of(const capture::Choice& choice) {
   json order{{"at", json::array()},
              {"kinds", json::array()},
-             {"source", list_of(wish.filter.source)},
-             {"destination", list_of(wish.filter.destination)},
-             {"priority", list_of(wish.filter.priority)},
-             {"channel", list_of(wish.filter.channel)},
-             {"sample", wish.sample},
-             {"limit_per_s", wish.limit_per_s}};
-  if (wish.filter.input) order["at"].push_back("in");
-  if (wish.filter.output) order["at"].push_back("out");
+             {"source", list_of(choice.filter.source)},
+             {"destination", list_of(choice.filter.destination)},
+             {"priority", list_of(choice.filter.priority)},
+             {"channel", list_of(choice.filter.channel)},
+             {"sample", choice.sample},
+             {"limit_per_s", choice.limit_per_s}};
+  if (choice.filter.input) order["at"].push_back("in");
+  if (choice.filter.output) order["at"].push_back("out");
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
-    if (wish.filter.kinds[kind]) order["kinds"].push_back(kKinds[kind]);
+    if (choice.filter.kinds[kind]) order["kinds"].push_back(kKinds[kind]);
   return order;
 }
 

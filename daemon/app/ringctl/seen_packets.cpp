@@ -63,10 +63,10 @@ SeenPackets packets_of_file(const std::string& path) {
 
 SeenPackets packets_of_ring(const std::string& ring, std::chrono::nanoseconds how_long) {
   const RingAccess access = RingAccess::open(choose_ring(ring));
-  capture::Wish wish;
-  wish.filter.output = true;
+  capture::Choice choice;
+  choice.filter.output = true;
   Window window(how_long);
-  LiveDump(access, access.nodes(), {{"packets", order_of(wish)}}, window).run(0);
+  LiveDump(access, access.nodes(), {{"packets", order_of(choice)}}, window).run(0);
   return window.take(names_of(access));
 }
 

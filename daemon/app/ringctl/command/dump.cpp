@@ -54,7 +54,7 @@ int dump_live(const Context& context, const DumpOptions& options) {
   const std::string first = options.nodes.empty() ? "" : options.nodes.front();
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), first);
   const capture::RingNames names = names_of(ring);
-  nlohmann::json order{{"packets", order_of(wish_of(options.filter, names))}};
+  nlohmann::json order{{"packets", order_of(choice_of(options.filter, names))}};
   // A file is read later, by somebody who was not there.
   if (options.events || !options.write.empty()) order["kinds"] = {"state", "link", "pin", "cpu"};
   const auto sink = sink_of(options, names);
@@ -65,14 +65,14 @@ int dump_live(const Context& context, const DumpOptions& options) {
 }
 
 /// Of a file all lines are shown where the command line does not choose.
-capture::Wish file_wish(const DumpOptions& options, const capture::RingNames& names) {
-  capture::Wish wish = wish_of(options.filter, names);
-  if (options.filter.at.empty()) wish.filter.output = true;
-  return wish;
+capture::Choice file_choice(const DumpOptions& options, const capture::RingNames& names) {
+  capture::Choice choice = choice_of(options.filter, names);
+  if (options.filter.at.empty()) choice.filter.output = true;
+  return choice;
 }
 
 DumpTotals show_records(capture::PcapngReader& reader, const DumpOptions& options, CaptureSink& sink) {
-  capture::Selection selection(file_wish(options, reader.names()));
+  capture::Selection selection(file_choice(options, reader.names()));
   DumpTotals totals;
   while (const auto record = reader.next()) {
     if (const auto* event = std::get_if<capture::CapturedEvent>(&*record)) {

@@ -50,7 +50,7 @@ LiveStage::LiveStage(const Scenario& scenario, std::uint64_t seed, const RingPla
   nodes_.on_turn = [this] { return turn(); };
 }
 
-// ---- sight ----------------------------------------------------------------------------------
+// ---- view -----------------------------------------------------------------------------------
 
 core::NodeState LiveStage::state(NodeId id) const {
   return from_word(nodes_.row(id)->value("state", ""), core::NodeState::duplicate_id);
@@ -113,7 +113,7 @@ std::string LiveStage::first_not_ready() const {
   return "";
 }
 
-std::optional<scenario::Stage::Surprise> LiveStage::begin() {
+std::optional<scenario::Stage::Failure> LiveStage::begin() {
   start_ = Clock::now();
   for (const std::size_t place : present()) nodes_.start(place);
   std::string lack;
@@ -123,7 +123,7 @@ std::optional<scenario::Stage::Surprise> LiveStage::begin() {
   for (std::size_t place = 0; place < nodes_.size(); ++place)
     if (const json* row = nodes_.row(place)) first_rows_[place] = *row;
   if (broken_) return broken_;
-  if (!lack.empty()) return Surprise{"every node joins within " + std::to_string(kToJoin.count()) + " s", lack};
+  if (!lack.empty()) return Failure{"every node joins within " + std::to_string(kToJoin.count()) + " s", lack};
   return std::nullopt;
 }
 
@@ -144,7 +144,7 @@ void LiveStage::poll() {
   if (broken_) return;
   const auto dead = nodes_.exit_reason();
   const std::string problem = dead ? *dead : nodes_.poll();
-  if (!problem.empty()) broken_ = Surprise{"every daemon runs and does as it is told", problem};
+  if (!problem.empty()) broken_ = Failure{"every daemon runs and does as it is told", problem};
 }
 
 LiveStage::Clock::time_point LiveStage::turn() {
@@ -166,12 +166,12 @@ LiveStage::Clock::time_point LiveStage::turn() {
 
 // ---- actions --------------------------------------------------------------------------------
 
-std::optional<scenario::Stage::Surprise> LiveStage::apply(const Fault& fault) {
+std::optional<scenario::Stage::Failure> LiveStage::apply(const Fault& fault) {
   try {
     do_it(fault);
     return std::nullopt;
   } catch (const NotDone& problem) {
-    return Surprise{"the robot does it", problem.what()};
+    return Failure{"the ring does it", problem.what()};
   }
 }
 

@@ -29,14 +29,14 @@ class LiveStage final : public scenario::Stage {
   const scenario::Tally& tally(const std::string& send) const override;
   std::chrono::nanoseconds allowed(const scenario::Limit& limit) const override { return limit.live; }
 
-  std::optional<Surprise> begin() override;
+  std::optional<Failure> begin() override;
   core::Duration now() const override { return Clock::now() - start_; }
   bool exact() const override { return false; }
   bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) override;
   /// That no daemon ends by itself.
-  std::optional<Surprise> broken() const override { return broken_; }
+  std::optional<Failure> broken() const override { return broken_; }
 
-  std::optional<Surprise> apply(const scenario::Fault& fault) override;
+  std::optional<Failure> apply(const scenario::Fault& fault) override;
   void send(const scenario::Send& send) override { senders_.begin(send); }
 
  private:
@@ -60,7 +60,7 @@ class LiveStage final : public scenario::Stage {
   std::vector<std::unique_ptr<scenario_cpu::TakenBoard>> boards_;
   std::vector<std::optional<nlohmann::json>>
       first_rows_;  ///< at the start: what joining counted is not part of the scenario
-  std::optional<Surprise> broken_;
+  std::optional<Failure> broken_;
   std::vector<std::pair<Clock::time_point, scenario::Fault>> endings_;  ///< of faults that last for a time
   mutable scenario::Tally with_taken_;                                  ///< what tally() said last
 };
