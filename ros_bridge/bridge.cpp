@@ -6,20 +6,20 @@ namespace {
 // Ten times within the period the bridge has promised to the daemon.
 const ros::WallDuration kAlive{0.1};
 
-void tell_connection(const ConnectOptions& door, const std::string& problem) {
+void tell_connection(const ConnectOptions& daemon, const std::string& problem) {
   if (!problem.empty())
-    ROS_WARN("node '%s': %s (trying again)", door.node.c_str(), problem.c_str());
-  else if (door.role == Role::cpu)
-    ROS_INFO("connected to ringd of node '%s' as its CPU", door.node.c_str());
+    ROS_WARN("node '%s': %s (trying again)", daemon.node.c_str(), problem.c_str());
+  else if (daemon.role == Role::cpu)
+    ROS_INFO("connected to ringd of node '%s' as its CPU", daemon.node.c_str());
   else
     ROS_WARN(
         "connected to ringd of node '%s', but no node of ring %s has 'cpu: attached': there are status, events "
         "and services, but no joint data and no topics",
-        door.node.c_str(), door.ring.c_str());
+        daemon.node.c_str(), daemon.ring.c_str());
 }
 
 FrameFilter frame_filter(const Parameters& parameters) {
-  return read_frame_filter(parameters.frames, parameters.ring, *parameters.ring.find(parameters.door.node));
+  return read_frame_filter(parameters.frames, parameters.ring, *parameters.ring.find(parameters.daemon.node));
 }
 
 }  // namespace
@@ -27,19 +27,19 @@ FrameFilter frame_filter(const Parameters& parameters) {
 Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
     : nodes_(std::move(nodes)),
       parameters_(std::move(parameters)),
-      port_(parameters_.door),
+      port_(parameters_.daemon),
       joints_(nodes_, parameters_.ring, parameters_.rate, port_, counters_),
-      topics_out_(nodes_, parameters_.ring, parameters_.ring.find(parameters_.door.node)->id, port_, counters_),
+      topics_out_(nodes_, parameters_.ring, parameters_.ring.find(parameters_.daemon.node)->id, port_, counters_),
       commands_(
           nodes_, parameters_.ring, port_, [this](std::uint8_t node) { return joints_.speaks(node); }, counters_),
       diagnostics_(nodes_, parameters_.ring),
-      events_(nodes_, parameters_.ring, parameters_.door, counters_),
-      status_(nodes_, parameters_.ring, parameters_.door, port_, joints_, events_, counters_,
+      events_(nodes_, parameters_.ring, parameters_.daemon, counters_),
+      status_(nodes_, parameters_.ring, parameters_.daemon, port_, joints_, events_, counters_,
               [this](std::uint8_t node) { on_boot(node); }),
-      frames_(nodes_, parameters_.ring, parameters_.door, frame_filter(parameters_), counters_),
-      services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.door, commands_)) {
+      frames_(nodes_, parameters_.ring, parameters_.daemon, frame_filter(parameters_), counters_),
+      services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.daemon, commands_)) {
   make_topics();
-  port_.on_connection([door = parameters_.door](const auto& problem) { tell_connection(door, problem); });
+  port_.on_connection([daemon = parameters_.daemon](const auto& problem) { tell_connection(daemon, problem); });
   port_.on_interrupt([](const Interrupt& interrupt) {
     ROS_WARN("interrupt %u from node %u: %s", interrupt.factor, interrupt.source,
              interrupt.action == Interrupt::Action::stop ? "stop" : "notice");
@@ -58,7 +58,7 @@ Bridge::~Bridge() {
 }
 
 void Bridge::make_topics() {
-  const auto own = parameters_.ring.find(parameters_.door.node)->id;
+  const auto own = parameters_.ring.find(parameters_.daemon.node)->id;
   const auto& topics = parameters_.ring.bridge.topics;
   for (std::size_t i = 0; i < topics.size(); ++i)
     if (topics[i].from == own)

@@ -3,6 +3,7 @@
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 
+#include <chrono>
 #include <functional>
 #include <map>
 #include <optional>
@@ -12,9 +13,26 @@
 #include "ros_bridge/conversions.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/ring_port.h"
-#include "ros_bridge/throttle.h"
 
 namespace limb_ring::bridge {
+
+/// Lets one warning through per period, by the steady clock: roscpp's own throttled warnings
+/// stay silent under use_sim_time while /clock does.
+class Throttle {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit Throttle(Clock::duration period) : period_(period) {}
+  bool allow(Clock::time_point now = Clock::now()) {
+    if (now < next_) return false;
+    next_ = now + period_;
+    return true;
+  }
+
+ private:
+  Clock::duration period_;
+  Clock::time_point next_{};
+};
 
 /// `joint_commands` from ROS, spread over the nodes that own the joints: one packet per node,
 /// channel 2, priority 0, stamped with the wall clock and expiring after `timeouts.command`.

@@ -14,12 +14,12 @@ std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring)
   return nodes;
 }
 
-EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door,
+EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon,
                      Counters& counters)
     : counters_(counters),
       conversion_(ring),
       publisher_(nodes.advertise<RingEvent>("ring_events", kEventsQueue)),
-      listener_(all_nodes(ring), door, kOrder,
+      listener_(all_nodes(ring), daemon, kOrder,
                 [this](const config::NodeConfig& node, const Message& message) { take(node, message); }) {}
 
 void EventsOut::take(const config::NodeConfig& node, const Message& message) {

@@ -12,7 +12,7 @@ namespace limb_ring::bridge {
 /// that a recording that begins late is the only one to miss something: events are rare.
 class EventsOut {
  public:
-  EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, Counters& counters);
+  EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, Counters& counters);
   /// Whether the events of the node with this id are heard here, as of now. From any thread.
   bool hears(std::uint8_t node) const { return listener_.hears(node); }
 

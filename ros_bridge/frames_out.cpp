@@ -9,9 +9,9 @@ constexpr std::uint32_t kFramesQueue = 1000;  // a second of them, by default
 
 }  // namespace
 
-FramesOut::FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door,
+FramesOut::FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon,
                      FrameFilter filter, Counters& counters)
-    : ring_(ring), door_(door), filter_(std::move(filter)), counters_(counters) {
+    : ring_(ring), daemon_(daemon), filter_(std::move(filter)), counters_(counters) {
   // Called by the spinner, as topics are: never while this is being made.
   const auto changed = [this](const ros::SingleSubscriberPublisher&) { on_subscribers(); };
   publisher_ = nodes.advertise<Frame>("ring_frames", kFramesQueue, changed, changed);
@@ -25,7 +25,7 @@ void FramesOut::on_subscribers() {
   counts_.clear();
   if (wanted)
     listener_ = std::make_unique<RingListener>(
-        filter_.nodes, door_, filter_.order,
+        filter_.nodes, daemon_, filter_.order,
         [this](const config::NodeConfig& node, const Message& message) { take(node, message); });
   counters_.set("frames_watched_nodes", wanted ? filter_.nodes.size() : 0);
 }

@@ -15,7 +15,7 @@ namespace limb_ring::bridge {
 /// and left alone as the last has gone: until then nothing is spent. Counter `frames_watched_nodes`.
 class FramesOut {
  public:
-  FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, FrameFilter filter,
+  FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, FrameFilter filter,
             Counters& counters);
 
  private:
@@ -24,7 +24,7 @@ class FramesOut {
   void publish(const config::NodeConfig& node, const CapturedPacket& packet);
 
   const config::RingConfig& ring_;
-  ConnectOptions door_;
+  ConnectOptions daemon_;
   FrameFilter filter_;
   Counters& counters_;
   ros::Publisher publisher_;

@@ -69,13 +69,13 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   if (!ring.empty()) config::rename_ring(parameters.ring, ring);
   parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
   own.getParam("frames", parameters.frames);
-  parameters.door.ring = parameters.ring.ring;
+  parameters.daemon.ring = parameters.ring.ring;
   const config::NodeConfig& node = bridge_node(parameters.ring, text_parameter(own, "node"));
-  parameters.door.node = node.name;
-  parameters.door.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
-  parameters.door.alive_period = kAlivePeriod;
-  parameters.door.restarted_by_owner = own.param("respawn", false);
-  parameters.door.timeout = std::chrono::milliseconds(0);
+  parameters.daemon.node = node.name;
+  parameters.daemon.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
+  parameters.daemon.alive_period = kAlivePeriod;
+  parameters.daemon.restarted_by_owner = own.param("respawn", false);
+  parameters.daemon.timeout = std::chrono::milliseconds(0);
   return parameters;
 }
 

@@ -13,7 +13,7 @@ struct Parameters {
   config::RingConfig ring;
   /// To the daemon of the bridge's node, as its CPU. Where no node has an attached CPU, as a tool: then there
   /// are status, events and services, but no joint data and no topics.
-  ConnectOptions door;
+  ConnectOptions daemon;
   double rate = 50.0;          ///< Hz of joint_states
   XmlRpc::XmlRpcValue frames;  ///< what `ring_frames` shows, see FrameFilter
 };

@@ -15,13 +15,13 @@ constexpr int kMessagesOfANode = 256;  // then the other nodes have their turn
 
 }  // namespace
 
-RingListener::RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions door, std::string order,
-                           OnMessage on_message)
-    : door_(std::move(door)), order_(std::move(order)), on_message_(std::move(on_message)) {
-  door_.role = Role::tool;
-  door_.alive_period = 0ms;
-  door_.timeout = 0ms;
-  for (const auto* node : nodes) ears_.emplace_back(node);
+RingListener::RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions daemon,
+                           std::string order, OnMessage on_message)
+    : daemon_(std::move(daemon)), order_(std::move(order)), on_message_(std::move(on_message)) {
+  daemon_.role = Role::tool;
+  daemon_.alive_period = 0ms;
+  daemon_.timeout = 0ms;
+  for (const auto* node : nodes) sources_.emplace_back(node);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -31,51 +31,51 @@ RingListener::~RingListener() {
 }
 
 bool RingListener::hears(std::uint8_t node) const {
-  return std::any_of(ears_.begin(), ears_.end(),
-                     [node](const Ear& ear) { return ear.node->id == node && ear.is_open; });
+  return std::any_of(sources_.begin(), sources_.end(),
+                     [node](const Source& source) { return source.node->id == node && source.is_open; });
 }
 
 void RingListener::run() {
   while (!stopping_) {
     bool more = false;
-    for (Ear& ear : ears_) {
-      if (!ear.port) connect(ear);
-      if (ear.port) more |= drain(ear);
+    for (Source& source : sources_) {
+      if (!source.port) connect(source);
+      if (source.port) more |= drain(source);
     }
     if (!more) wait();
   }
 }
 
-void RingListener::connect(Ear& ear) {
-  if (Clock::now() < ear.next_try) return;
-  ear.next_try = Clock::now() + kListenRetry;
+void RingListener::connect(Source& source) {
+  if (Clock::now() < source.next_try) return;
+  source.next_try = Clock::now() + kListenRetry;
   try {
-    door_.node = ear.node->name;
-    ear.port.emplace(HostPort::connect(door_));
-    ear.port->observe(order_);
-    ear.is_open = true;
+    daemon_.node = source.node->name;
+    source.port.emplace(HostPort::connect(daemon_));
+    source.port->observe(order_);
+    source.is_open = true;
   } catch (const HostPortError&) {
     // Not there: `ring_status` says so, and this is tried again.
-    ear.port.reset();
+    source.port.reset();
   }
 }
 
 void RingListener::wait() const {
   std::vector<pollfd> ports;
-  for (const Ear& ear : ears_)
-    if (ear.port) ports.push_back({ear.port->fd(), POLLIN, 0});
+  for (const Source& source : sources_)
+    if (source.port) ports.push_back({source.port->fd(), POLLIN, 0});
   // Interrupted or not: all are looked at in any case.
   (void)::poll(ports.data(), ports.size(), kTickMs);
 }
 
-bool RingListener::drain(Ear& ear) {
+bool RingListener::drain(Source& source) {
   for (int i = 0; i < kMessagesOfANode; ++i) {
-    const auto message = ear.port->receive(0ms);
+    const auto message = source.port->receive(0ms);
     if (!message) return false;
-    on_message_(*ear.node, *message);
+    on_message_(*source.node, *message);
     if (std::holds_alternative<Disconnected>(*message)) {
-      ear.is_open = false;
-      ear.port.reset();
+      source.is_open = false;
+      source.port.reset();
       return false;
     }
   }

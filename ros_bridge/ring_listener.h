@@ -21,8 +21,8 @@ class RingListener {
   /// What came of a node, Disconnected included; called from the listening thread.
   using OnMessage = std::function<void(const config::NodeConfig& node, const Message& message)>;
 
-  /// `order`: as HostPort::observe() takes it. `door`: how to reach a daemon; node and role are ignored.
-  RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions door, std::string order,
+  /// `order`: as HostPort::observe() takes it. `daemon`: how to reach one; node and role are ignored.
+  RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions daemon, std::string order,
                OnMessage on_message);
   RingListener(const RingListener&) = delete;
   RingListener& operator=(const RingListener&) = delete;
@@ -33,21 +33,21 @@ class RingListener {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Ear {
-    explicit Ear(const config::NodeConfig* of) : node(of) {}
+  struct Source {
+    explicit Source(const config::NodeConfig* of) : node(of) {}
     const config::NodeConfig* node;
     std::optional<HostPort> port;
     std::atomic<bool> is_open{false};  // for other threads, which may not look at `port`
     Clock::time_point next_try{};
   };
   void run();
-  void connect(Ear& ear);
+  void connect(Source& source);
   void wait() const;
   /// @return true where there may be more
-  bool drain(Ear& ear);
+  bool drain(Source& source);
 
-  std::deque<Ear> ears_;
-  ConnectOptions door_;
+  std::deque<Source> sources_;
+  ConnectOptions daemon_;
   std::string order_;
   OnMessage on_message_;
   std::atomic<bool> stopping_{false};

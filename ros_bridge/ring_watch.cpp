@@ -27,10 +27,10 @@ json essence(const json& object, std::initializer_list<const char*> members) {
 
 }  // namespace
 
-RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& door) : ring_(ring), door_(door) {
-  door_.role = Role::tool;
-  door_.alive_period = 0ms;
-  door_.timeout = kStatusConnect;
+RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& daemon) : ring_(ring), daemon_(daemon) {
+  daemon_.role = Role::tool;
+  daemon_.alive_period = 0ms;
+  daemon_.timeout = kStatusConnect;
 }
 
 std::optional<json> RingWatch::ask(const std::string& node) {
@@ -38,9 +38,9 @@ std::optional<json> RingWatch::ask(const std::string& node) {
   if (!peer.port && Clock::now() < peer.next_try) return std::nullopt;
   try {
     if (!peer.port) {
-      auto door = door_;
-      door.node = node;
-      peer.port.emplace(HostPort::connect(door));
+      auto daemon = daemon_;
+      daemon.node = node;
+      peer.port.emplace(HostPort::connect(daemon));
     }
     return json::parse(peer.port->ask(R"({"do":"status"})", kStatusAnswer));
   } catch (const std::exception&) {
@@ -52,7 +52,7 @@ std::optional<json> RingWatch::ask(const std::string& node) {
 }
 
 std::string RingWatch::digest() {
-  const auto row = ask(door_.node);
+  const auto row = ask(daemon_.node);
   if (!row) return "";
   json digest = essence(*row, {"state", "ring_size"});
   if (row->contains("cpu")) digest.push_back(essence((*row)["cpu"], {"state", "boots"}));
@@ -61,11 +61,11 @@ std::string RingWatch::digest() {
 }
 
 std::vector<NodeStatus> RingWatch::poll() {
-  const auto own = ask(door_.node);
+  const auto own = ask(daemon_.node);
   std::vector<NodeStatus> all;
   for (const auto& node : ring_.nodes) {
     NodeStatus status = unheard_node(node);
-    const auto row = node.name == door_.node ? own : ask(node.name);
+    const auto row = node.name == daemon_.node ? own : ask(node.name);
     if (row) merge_status_row(*row, status);
     if (own)
       for (const auto& heard : heard_in(*own))

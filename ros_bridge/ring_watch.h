@@ -18,8 +18,8 @@ namespace limb_ring::bridge {
 /// those of the others that run on this host. One thread.
 class RingWatch {
  public:
-  /// `door` says how to reach the daemon of the bridge's own node; its role is ignored.
-  RingWatch(const config::RingConfig& ring, const ConnectOptions& door);
+  /// `daemon` says how to reach the daemon of the bridge's own node; its role is ignored.
+  RingWatch(const config::RingConfig& ring, const ConnectOptions& daemon);
 
   /// What own node and the beacons it hears say about states, CPUs and boots, as text: where it
   /// differs from the last, poll() is worth its cost. Empty where the own daemon is silent.
@@ -36,7 +36,7 @@ class RingWatch {
   std::optional<nlohmann::json> ask(const std::string& node);
 
   const config::RingConfig& ring_;
-  ConnectOptions door_;
+  ConnectOptions daemon_;
   std::map<std::string, Peer> peers_;  // by name
 };
 

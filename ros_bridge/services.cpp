@@ -64,18 +64,18 @@ bool answered(Response& response, Call call) {
 
 }  // namespace
 
-Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions door,
+Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon,
                    CommandIn& commands)
-    : ring_(ring), door_(std::move(door)), commands_(commands), nodes_(nodes), threads_(kThreads, &queue_) {
-  door_.role = Role::tool;
-  door_.alive_period = 0ms;
-  door_.timeout = kServiceConnect;
+    : ring_(ring), daemon_(std::move(daemon)), commands_(commands), nodes_(nodes), threads_(kThreads, &queue_) {
+  daemon_.role = Role::tool;
+  daemon_.alive_period = 0ms;
+  daemon_.timeout = kServiceConnect;
   nodes_.setCallbackQueue(&queue_);
   servers_ = {nodes_.advertiseService("reset_node", &Services::reset_node, this),
               nodes_.advertiseService("send_interrupt", &Services::send_interrupt, this),
               nodes_.advertiseService("stop", &Services::stop, this),
               nodes_.advertiseService("resume", &Services::resume, this)};
-  faults_.emplace(nodes_, ring_, door_.node);
+  faults_.emplace(nodes_, ring_, daemon_.node);
   threads_.start();
 }
 
@@ -98,7 +98,7 @@ bool Services::reset_node(ResetNode::Request& request, ResetNode::Response& resp
   return answered(response, [&] {
     const auto id = one_node(request.node);
     const auto timeout = reset_timeout(request.timeout);
-    const std::uint8_t own = HostPort::connect(door_).id();
+    const std::uint8_t own = HostPort::connect(daemon_).id();
     if (id == own)
       throw std::invalid_argument("node '" + request.node + "' is this bridge's own: it would be " +
                                   "killed before it could answer; use ringctl reset");
@@ -115,7 +115,7 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
     if (request.factor > 7)
       throw std::invalid_argument("factor " + std::to_string(request.factor) + "; it must be 0 to 7");
     const auto to = destination(request.node);
-    auto port = HostPort::connect(door_);
+    auto port = HostPort::connect(daemon_);
     const auto result = port.wait(port.interrupt(to, request.factor, request.force), kServiceAnswer);
     fill(response, to_string(result.outcome), in_seconds(result.round_trip), result.reason);
   });
@@ -125,7 +125,7 @@ bool Services::stop(Stop::Request& request, Stop::Response& response) {
   return answered(response, [&] {
     json ask_stop = {{"do", "stop"}};
     if (!request.node.empty() && request.node != "all") ask_stop["node"] = std::to_string(one_node(request.node));
-    auto port = HostPort::connect(door_);
+    auto port = HostPort::connect(daemon_);
     const auto sent = std::chrono::steady_clock::now();
     const auto reply = answer_to(port, ask_stop, kServiceAnswer);
     fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,

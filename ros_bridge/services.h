@@ -24,8 +24,8 @@ namespace limb_ring::bridge {
 /// Every call ends by a deadline; what went wrong is in its message.
 class Services {
  public:
-  /// `door` says how to reach the daemon of this bridge's node; its role is ignored.
-  Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions door, CommandIn& commands);
+  /// `daemon` says how to reach the daemon of this bridge's node; its role is ignored.
+  Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon, CommandIn& commands);
   ~Services();
 
  private:
@@ -45,7 +45,7 @@ class Services {
   std::vector<std::uint8_t> nodes_to_resume(std::uint8_t destination) const;
 
   const config::RingConfig& ring_;
-  ConnectOptions door_;
+  ConnectOptions daemon_;
   CommandIn& commands_;
   ros::CallbackQueue queue_;
   ros::NodeHandle nodes_;

@@ -13,11 +13,12 @@ constexpr auto kPeriod = 1s;
 
 }  // namespace
 
-StatusOut::StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, RingPort& port,
-                     const JointDataOut& joints, const EventsOut& events, const Counters& counters, OnBoot on_boot)
+StatusOut::StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon,
+                     RingPort& port, const JointDataOut& joints, const EventsOut& events, const Counters& counters,
+                     OnBoot on_boot)
     : ring_(ring),
-      own_node_(door.node),
-      watch_(ring, door),
+      own_node_(daemon.node),
+      watch_(ring, daemon),
       joints_(joints),
       events_(events),
       counters_(counters),

@@ -27,7 +27,7 @@ class StatusOut {
 
   using OnStatus = std::function<void(const RingStatus&)>;
 
-  StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& door, RingPort& port,
+  StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, RingPort& port,
             const JointDataOut& joints, const EventsOut& events, const Counters& counters, OnBoot on_boot);
   ~StatusOut();
   /// Before start(): calls `handler` with every status that is published, from this class's thread.
