@@ -55,8 +55,7 @@ struct Word {
   Name name;
   const char* word;
   Of of;
-  unsigned keys;   ///< of Key, what it takes
-  bool sim, live;  ///< where it is possible
+  unsigned keys;  ///< of Key, what it takes
   const char* meaning;
 };
 
@@ -65,31 +64,31 @@ constexpr unsigned kHits = kPackets | kOnceIn | kSeed | kWhen;  ///< of those th
 
 /// In the order of Name.
 constexpr Word kWords[] = {
-    {Name::cut, "cut", Of::line, kWhen, true, true, "the wire is broken; the node behind learns of it at once"},
-    {Name::heal, "heal", Of::line, 0, true, true, "the line is as new: ends all faults of a line"},
-    {Name::drop, "drop", Of::line, kHits, true, true, "packets do not arrive"},
-    {Name::corrupt, "corrupt", Of::line, kHits, true, true, "packets arrive with one bit wrong"},
-    {Name::truncate, "truncate", Of::line, kHits, true, true, "data packets break off before their end"},
-    {Name::duplicate, "duplicate", Of::line, kHits, true, true, "packets arrive twice, one right behind the other"},
-    {Name::reorder, "reorder", Of::line, kHits, true, true,
+    {Name::cut, "cut", Of::line, kWhen, "the wire is broken; the node behind learns of it at once"},
+    {Name::heal, "heal", Of::line, 0, "the line is as new: ends all faults of a line"},
+    {Name::drop, "drop", Of::line, kHits, "packets do not arrive"},
+    {Name::corrupt, "corrupt", Of::line, kHits, "packets arrive with one bit wrong"},
+    {Name::truncate, "truncate", Of::line, kHits, "data packets break off before their end"},
+    {Name::duplicate, "duplicate", Of::line, kHits, "packets arrive twice, one right behind the other"},
+    {Name::reorder, "reorder", Of::line, kHits,
      "packets come behind the next one, and are discarded as late: a link keeps order"},
-    {Name::delay, "delay", Of::line, kHits | kDelay | kJitter, true, true,
+    {Name::delay, "delay", Of::line, kHits | kDelay | kJitter,
      "packets come later by `delay`, and at random by up to `jitter`; in order"},
-    {Name::rate, "rate", Of::line, kWhen | kRate, true, true, "the line carries no more than that data rate"},
-    {Name::stall, "stall", Of::line, kWhen, true, true, "nothing passes while it lasts, then all goes on in order"},
-    {Name::flap, "flap", Of::line, kWhen | kEvery, true, true, "cut for the first half of each period, then healed"},
-    {Name::kill, "kill", Of::node, 0, true, true, "the node is dead; its neighbours bypass it"},
-    {Name::start, "start", Of::node, 0, true, true, "a dead or absent node comes up"},
-    {Name::power_cycle, "power_cycle", Of::node, 0, true, true, "off, and at once on again"},
-    {Name::freeze, "freeze", Of::node, kFor, true, true, "the node stands still and is bypassed"},
-    {Name::thaw, "thaw", Of::node, 0, true, true, "a frozen node goes on where it stood"},
-    {Name::hang, "hang", Of::cpu, kFor, true, true, "the CPU neither reads nor sends"},
-    {Name::resume, "resume", Of::cpu, 0, true, true, "a CPU that hangs, is slow, babbles or does not read is well"},
-    {Name::reset, "reset", Of::cpu, 0, true, true, "the CPU restarts, as by its reset pin"},
-    {Name::crash, "crash", Of::cpu, 0, true, true, "the CPU dies by itself; whoever keeps it starts it again"},
-    {Name::slow, "slow", Of::cpu, kFor | kEvery, true, true, "the CPU takes one packet in each period"},
-    {Name::not_reading, "not_reading", Of::cpu, kFor, true, true, "the CPU sends, but takes no packet"},
-    {Name::babble, "babble", Of::cpu, kFor | kEvery, true, true,
+    {Name::rate, "rate", Of::line, kWhen | kRate, "the line carries no more than that data rate"},
+    {Name::stall, "stall", Of::line, kWhen, "nothing passes while it lasts, then all goes on in order"},
+    {Name::flap, "flap", Of::line, kWhen | kEvery, "cut for the first half of each period, then healed"},
+    {Name::kill, "kill", Of::node, 0, "the node is dead; its neighbours bypass it"},
+    {Name::start, "start", Of::node, 0, "a dead or absent node comes up"},
+    {Name::power_cycle, "power_cycle", Of::node, 0, "its power goes off and at once on again"},
+    {Name::freeze, "freeze", Of::node, kFor, "the node stands still and is bypassed"},
+    {Name::thaw, "thaw", Of::node, 0, "a frozen node goes on where it stood"},
+    {Name::hang, "hang", Of::cpu, kFor, "the CPU neither reads nor sends"},
+    {Name::resume, "resume", Of::cpu, 0, "ends hang, slow, babble and not_reading of a CPU"},
+    {Name::reset, "reset", Of::cpu, 0, "the CPU restarts, as by its reset pin"},
+    {Name::crash, "crash", Of::cpu, 0, "the CPU dies by itself; whoever keeps it starts it again"},
+    {Name::slow, "slow", Of::cpu, kFor | kEvery, "the CPU takes one packet in each period"},
+    {Name::not_reading, "not_reading", Of::cpu, kFor, "the CPU sends, but takes no packet"},
+    {Name::babble, "babble", Of::cpu, kFor | kEvery,
      "the CPU sends the largest packets to all at the highest priority, one in each period"},
 };
 

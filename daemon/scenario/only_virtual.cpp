@@ -32,9 +32,7 @@ void judge(const Scenario& scenario, const Step& step, const std::string& transp
     reasons.push_back("after: " + config::format_time(*step.after) + ": live, a step takes milliseconds");
   if (step.when) judge(scenario, *step.when, reasons);
   const auto* action = std::get_if<Fault>(&step.action);
-  if (!action) return;
-  if (!fault::word_of(action->name).live) reasons.push_back(step.words + ": not possible live");
-  if (action->name == fault::Name::reorder && !is_udp(scenario, action->nodes[0], transport))
+  if (action && action->name == fault::Name::reorder && !is_udp(scenario, action->nodes[0], transport))
     reasons.push_back(step.words + ": a UNIX stream keeps order; with --transport udp it can be had live");
 }
 

@@ -23,7 +23,7 @@ constexpr const char* kRestOfPage = "\033[J";
 
 Screen::Screen() {
   if (::isatty(STDIN_FILENO) != 1 || ::isatty(STDOUT_FILENO) != 1)
-    throw UsageError("this redraws a terminal, and here is none; --once prints once");
+    throw UsageError("standard input or output is no terminal; --once prints once");
   ::tcgetattr(STDIN_FILENO, &before_);
   termios keys = before_;
   keys.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);

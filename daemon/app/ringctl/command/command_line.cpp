@@ -73,7 +73,7 @@ int act(const Context& context) {
 
 int run_command_line(int argc, char** argv) {
   Context context;
-  CLI::App app("Starts, asks and steers rings of limb_ring daemons (ringd).", "ringctl");
+  CLI::App app("Starts, queries and controls rings of limb_ring daemons (ringd).", "ringctl");
   app.footer(std::string("'ringctl help SUBCOMMAND' explains one of them.\n") + kExitCodesHelp);
   app.require_subcommand(1);
   app.add_option("--ring", context.ring, "Name of the ring; default: the only one running");

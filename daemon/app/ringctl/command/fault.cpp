@@ -151,8 +151,7 @@ void add_fault(CLI::App& app, Context& context) {
   CLI::App* faults = add_command(app, "fault", "Break the living ring on purpose, and mend it");
   faults->require_subcommand(1);
   faults->footer(kFaultHelp + std::string(kExitCodesHelp));
-  for (const fault::Word& word : fault::kWords)
-    if (word.live) add_word(*faults, context, word);
+  for (const fault::Word& word : fault::kWords) add_word(*faults, context, word);
   add_keeping(*faults, context);
 }
 
