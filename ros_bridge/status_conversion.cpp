@@ -1,7 +1,5 @@
 #include "ros_bridge/status_conversion.h"
 
-#include <tuple>
-
 namespace limb_ring::bridge {
 namespace {
 
@@ -58,11 +56,6 @@ void take_lines(const json& row, NodeStatus& status) {
   take_number(broken, "before", status.broken_before);
   take_number(broken, "behind", status.broken_behind);
 }
-
-auto substance(const NodeStatus& s) {
-  return std::tie(s.id, s.state, s.pid, s.cpu_state, s.cpu_pid, s.cpu_boots, s.ring_size);
-}
-
 }  // namespace
 
 NodeStatus unheard_node(const config::NodeConfig& node) {
@@ -102,7 +95,5 @@ void merge_beacon(const json& heard, NodeStatus& status) {
   take_number(heard, "hop", status.hop);
   take_number(heard, "age_ms", status.beacon_age, 1e-3);
 }
-
-bool differs_in_substance(const NodeStatus& a, const NodeStatus& b) { return substance(a) != substance(b); }
 
 }  // namespace limb_ring::bridge

@@ -19,7 +19,4 @@ void merge_status_row(const nlohmann::json& row, NodeStatus& status);
 /// of, but whose own row could not be had, is `up`.
 void merge_beacon(const nlohmann::json& heard, NodeStatus& status);
 
-/// True where a subscriber should hear at once: states, CPUs and boots, not times and counters.
-bool differs_in_substance(const NodeStatus& a, const NodeStatus& b);
-
 }  // namespace limb_ring::bridge

@@ -55,9 +55,7 @@ void CpuSocket::hand_over() {
   while (read_throttle_.may_take(engine_.now()) && (is_sink() || host_.cpu_can_take()) &&
          controller.take(engine_.now(), packet)) {
     read_throttle_.took(engine_.now());
-    if (is_sink())
-      ++read_by_sink_;
-    else
+    if (!is_sink())
       host_.give(
           client::PacketView{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()});
   }
@@ -69,7 +67,6 @@ CpuActionResult CpuSocket::reset(const std::string& reason) {
   if (is_sink()) {
     ++sink_boots_;
     ++sink_resets_;
-    read_by_sink_ = 0;
     engine_.controller().cpu_reset(core::kController, engine_.now());
     report();
     return {true, true, "the built-in sink was reset"};
@@ -93,10 +90,7 @@ void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t sour
     ++stop_.pulled;
     stop_.pulled_at = engine_.now();
   }
-  if (is_sink())
-    ++interrupts_of_sink_;
-  else
-    host_.interrupt({action, source, factor});
+  if (!is_sink()) host_.interrupt({action, source, factor});
 }
 
 CpuStatus CpuSocket::status() const {

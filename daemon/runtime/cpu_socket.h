@@ -52,8 +52,6 @@ class CpuSocket final : private CpuEvents {
   const Stop& stop_state() const { return stop_; }
 
   CpuStatus status() const;
-  std::uint64_t read_by_sink() const { return read_by_sink_; }
-  std::uint64_t interrupts_of_sink() const { return interrupts_of_sink_; }
 
  private:
   bool is_sink() const { return kind_ == config::CpuConfig::Kind::none; }
@@ -73,8 +71,6 @@ class CpuSocket final : private CpuEvents {
   Stop stop_;
   std::uint32_t sink_boots_ = 1;
   std::uint64_t sink_resets_ = 0;
-  std::uint64_t read_by_sink_ = 0;
-  std::uint64_t interrupts_of_sink_ = 0;
 };
 
 }  // namespace limb_ring::runtime
