@@ -14,6 +14,9 @@ namespace limb_ring::event_loop {
 namespace {
 
 constexpr int kMostEvents = 32;
+/// So many times in a row something came within kColdPeriod of the last: packets pass. Fewer are not worth watching
+/// for the next: the beacons of a quiet ring come in handfuls.
+constexpr unsigned kTraffic = 8;
 
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
@@ -180,7 +183,6 @@ void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
   let_asio_wait();
 }
 
-// Two packets within kColdPeriod are traffic. One alone is not worth watching for the next.
 void PacketLoop::let_asio_wait() {
   if (asio_waits_ || hot_ || watches_ == 0) return;
   asio_waits_ = true;
@@ -190,7 +192,8 @@ void PacketLoop::let_asio_wait() {
     asio_waits_ = false;
     turn(false);
     const Clock::time_point now = Clock::now();
-    hot_ = running_ && now - last_ready_ < kColdPeriod;
+    in_a_row_ = now - last_ready_ < kColdPeriod ? in_a_row_ + 1 : 0;
+    hot_ = running_ && in_a_row_ >= kTraffic;
     last_ready_ = now;
     let_asio_wait();
   });

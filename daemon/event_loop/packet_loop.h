@@ -68,6 +68,7 @@ class PacketLoop final : public boost::asio::execution_context::service {
   std::vector<std::shared_ptr<Watch::State>> again_, called_again_, stopped_;
   std::vector<std::function<void()>> at_turn_end_;
   Clock::time_point last_ready_{};
+  unsigned in_a_row_ = 0;  ///< times that something came soon after the last
   std::size_t watches_ = 0;
   bool asio_waits_ = false;
   bool running_ = false;  ///< in run()

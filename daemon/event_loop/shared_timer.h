@@ -1,28 +1,35 @@
 #pragma once
 
-#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/io_context.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "event_loop/packet_timer.h"
 #include "event_loop/ticker.h"
 
 namespace limb_ring::event_loop {
 
+/// The first multiple of `period` on the steady clock behind `now`.
+constexpr Ticker::Time next_tick(Ticker::Time now, std::chrono::milliseconds period) {
+  return now + period - now.time_since_epoch() % period;
+}
+
 /// The one timer of all tickers of one period.
-class SharedTimer : public std::enable_shared_from_this<SharedTimer> {
+class SharedTimer {
  public:
-  SharedTimer(boost::asio::io_context& io, std::chrono::milliseconds period) : timer_(io), period_(period) {}
+  SharedTimer(boost::asio::io_context& io, std::chrono::milliseconds period) : io_(io), period_(period) {}
 
   void add(std::shared_ptr<Ticker::State> ticker);
   /// Some have stopped: with the last one the timer does, too.
   void forget_stopped();
 
  private:
-  void wait();
   void tick();
 
-  boost::asio::steady_timer timer_;
+  boost::asio::io_context& io_;
+  std::optional<PacketTimer> timer_;  ///< while there are tickers
   std::chrono::milliseconds period_;
   std::vector<std::shared_ptr<Ticker::State>> tickers_;
   bool ticking_ = false;

@@ -10,14 +10,9 @@ boost::asio::execution_context::id SharedTimers::id;
 
 void SharedTimer::add(std::shared_ptr<Ticker::State> ticker) {
   tickers_.push_back(std::move(ticker));
-  if (tickers_.size() == 1 && !ticking_) wait();
-}
-
-void SharedTimer::wait() {
-  timer_.expires_after(period_);
-  timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
-    if (!error) self->tick();
-  });
+  if (timer_) return;
+  timer_.emplace(io_, [this] { tick(); });
+  timer_->expires_at(next_tick(Ticker::Time::clock::now(), period_));
 }
 
 // A call may begin and stop tickers.
@@ -30,14 +25,14 @@ void SharedTimer::tick() {
   }
   ticking_ = false;
   forget_stopped();
-  if (!tickers_.empty()) wait();
+  if (timer_) timer_->expires_at(next_tick(now, period_));
 }
 
 void SharedTimer::forget_stopped() {
   if (ticking_) return;
   tickers_.erase(std::remove_if(tickers_.begin(), tickers_.end(), [](const auto& ticker) { return ticker->stopped; }),
                  tickers_.end());
-  if (tickers_.empty()) timer_.cancel();
+  if (tickers_.empty()) timer_.reset();
 }
 
 Ticker::Ticker(boost::asio::io_context& io, std::chrono::milliseconds period, std::function<void(Time)> on_tick)

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "event_loop/shared_timer.h"
+
 namespace limb_ring::event_loop {
 namespace {
 
@@ -23,6 +25,13 @@ TEST_F(Tickers, OfOnePeriodTickTogether) {
   io.run();
   EXPECT_EQ(first, second) << "one wake-up for both";
   EXPECT_EQ(first.size(), 5u);
+}
+
+TEST_F(Tickers, TickAtTheSameInstantsInAllProcesses) {
+  const Ticker::Time zero{};
+  EXPECT_EQ(next_tick(zero + milliseconds(1001), milliseconds(20)), zero + milliseconds(1020));
+  EXPECT_EQ(next_tick(zero + milliseconds(1019), milliseconds(20)), zero + milliseconds(1020));
+  EXPECT_EQ(next_tick(zero + milliseconds(1020), milliseconds(20)), zero + milliseconds(1040)) << "not twice";
 }
 
 TEST_F(Tickers, AnotherPeriodIsItsOwn) {

@@ -7,34 +7,34 @@ namespace {
 
 using std::chrono::seconds;
 
-struct SilenceAt10And50 : testing::Test {
+struct SilenceAt20And60 : testing::Test {
   Time now{seconds(100)};
   Silence silence{Timing{}};
-  SilenceAt10And50() { silence.restart(now); }
+  SilenceAt20And60() { silence.restart(now); }
   bool tick(milliseconds after) { return silence.tick(now += after); }
 };
 
-TEST_F(SilenceAt10And50, IsCalledAfterFiveQuietTicks) {
-  EXPECT_FALSE(tick(milliseconds(10)));  // the tick of the last sign of life
-  for (int i = 0; i < 4; ++i) EXPECT_FALSE(tick(milliseconds(10))) << i;
-  EXPECT_TRUE(tick(milliseconds(10)));
+TEST_F(SilenceAt20And60, IsCalledAfterThreeQuietTicks) {
+  EXPECT_FALSE(tick(milliseconds(20)));  // the tick of the last sign of life
+  for (int i = 0; i < 2; ++i) EXPECT_FALSE(tick(milliseconds(20))) << i;
+  EXPECT_TRUE(tick(milliseconds(20)));
 }
 
-TEST_F(SilenceAt10And50, IsBrokenByASign) {
-  for (int i = 0; i < 5; ++i) tick(milliseconds(10));
+TEST_F(SilenceAt20And60, IsBrokenByASign) {
+  for (int i = 0; i < 3; ++i) tick(milliseconds(20));
   silence.heard();
-  EXPECT_FALSE(tick(milliseconds(10)));
-  EXPECT_FALSE(tick(milliseconds(10)));
+  EXPECT_FALSE(tick(milliseconds(20)));
+  EXPECT_FALSE(tick(milliseconds(20)));
 }
 
-TEST_F(SilenceAt10And50, IsNotBlamedOnOthersByWhoWasAsleepItself) {
-  tick(milliseconds(10));
+TEST_F(SilenceAt20And60, IsNotBlamedOnOthersByWhoWasAsleepItself) {
+  tick(milliseconds(20));
   EXPECT_FALSE(tick(seconds(5)));
 }
 
-TEST_F(SilenceAt10And50, IsOverWhereALastReadBringsSomething) {
-  for (int i = 0; i < 5; ++i) tick(milliseconds(10));
-  ASSERT_TRUE(tick(milliseconds(10)));
+TEST_F(SilenceAt20And60, IsOverWhereALastReadBringsSomething) {
+  for (int i = 0; i < 3; ++i) tick(milliseconds(20));
+  ASSERT_TRUE(tick(milliseconds(20)));
   EXPECT_TRUE(silence.still());
   silence.heard();
   EXPECT_FALSE(silence.still());
