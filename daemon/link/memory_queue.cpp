@@ -88,24 +88,23 @@ std::ptrdiff_t QueueWriter::put(wire::ByteView bytes) {
   std::memcpy(memory_->bytes() + at, bytes.data, to_end);
   std::memcpy(memory_->bytes(), bytes.data + to_end, size - to_end);
   written_ += size;
-  memory_->control().written.store(written_, std::memory_order_release);
+  memory_->control().written.store(written_);
   return static_cast<std::ptrdiff_t>(size);
 }
 
-// Either this sees that the reader sleeps, or the reader, before it does, sees what was put.
+// Either this sees that the reader sleeps, or the reader, before it does, sees what was put: all four accesses are in
+// one order. The same holds for room.
 bool QueueWriter::must_wake() {
   std::atomic<std::uint32_t>& sleeps = memory_->control().reader_sleeps;
-  std::atomic_thread_fence(std::memory_order_seq_cst);
-  if (sleeps.load(std::memory_order_relaxed) == 0) return false;
+  if (sleeps.load() == 0) return false;
   sleeps.store(0, std::memory_order_relaxed);
   return true;
 }
 
 bool QueueWriter::wait_for_room() {
   QueueControl& control = memory_->control();
-  control.writer_waits.store(1, std::memory_order_relaxed);
-  std::atomic_thread_fence(std::memory_order_seq_cst);
-  return written_ - control.read.load(std::memory_order_acquire) >= memory_->capacity();
+  control.writer_waits.store(1);
+  return written_ - control.read.load() >= memory_->capacity();
 }
 
 bool QueueWriter::heard_beat() { return heard(memory_->control().reader_beat, beat_); }
@@ -121,23 +120,21 @@ std::ptrdiff_t QueueReader::take(std::uint8_t* space, std::size_t size) {
   std::memcpy(space, memory_->bytes() + at, to_end);
   std::memcpy(space + to_end, memory_->bytes(), size - to_end);
   read_ += size;
-  memory_->control().read.store(read_, std::memory_order_release);
+  memory_->control().read.store(read_);
   return static_cast<std::ptrdiff_t>(size);
 }
 
 bool QueueReader::must_tell_of_room() {
   std::atomic<std::uint32_t>& waits = memory_->control().writer_waits;
-  std::atomic_thread_fence(std::memory_order_seq_cst);
-  if (waits.load(std::memory_order_relaxed) == 0) return false;
+  if (waits.load() == 0) return false;
   waits.store(0, std::memory_order_relaxed);
   return true;
 }
 
 bool QueueReader::sleep() {
   QueueControl& control = memory_->control();
-  control.reader_sleeps.store(1, std::memory_order_relaxed);
-  std::atomic_thread_fence(std::memory_order_seq_cst);
-  if (control.written.load(std::memory_order_acquire) == read_) return true;
+  control.reader_sleeps.store(1);
+  if (control.written.load() == read_) return true;
   control.reader_sleeps.store(0, std::memory_order_relaxed);
   return false;
 }
