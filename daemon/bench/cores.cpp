@@ -5,11 +5,25 @@
 
 namespace limb_ring::bench {
 
-std::optional<cpu_set_t> cores_for(Pinning pinning) {
-  if (pinning == Pinning::free) return {};
+namespace {
+
+cpu_set_t allowed_cores() {
   cpu_set_t allowed;
   if (::sched_getaffinity(0, sizeof allowed, &allowed) != 0)
     throw std::system_error(errno, std::generic_category(), "asking for the cores to run on");
+  return allowed;
+}
+
+}  // namespace
+
+unsigned core_count() {
+  const cpu_set_t allowed = allowed_cores();
+  return static_cast<unsigned>(CPU_COUNT(&allowed));
+}
+
+std::optional<cpu_set_t> cores_for(Pinning pinning) {
+  if (pinning == Pinning::free) return {};
+  const cpu_set_t allowed = allowed_cores();
   int last = CPU_SETSIZE - 1;
   while (last > 0 && !CPU_ISSET(last, &allowed)) --last;
   cpu_set_t one;

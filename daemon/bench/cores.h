@@ -12,6 +12,9 @@ namespace limb_ring::bench {
 /// first often serves the machine's interrupts); nothing where they are free.
 std::optional<cpu_set_t> cores_for(Pinning pinning);
 
+/// How many cores this process may use.
+unsigned core_count();
+
 /// Holds the calling process there.
 void stay_on(const std::optional<cpu_set_t>& cores);
 

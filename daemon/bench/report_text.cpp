@@ -42,6 +42,9 @@ std::string label(const Row& row) {
   if (row.what == "reference") return "bare reference ring (UNIX)";
   if (row.what == "unix") return "limb_ring over UNIX stream";
   if (row.what == "shm") return "limb_ring through shared memory";
+  if (row.what == "placed") return "  cores: auto, fifo";
+  if (row.what == "spin_reference") return "bare reference ring (UNIX)";
+  if (row.what == "spin") return "shared memory, spin: 50us";
   if (row.what == "watched") return "  while one dump reads along";
   if (row.what == "udp") return "limb_ring over UDP";
   if (row.what == "cpu_to_cpu") return "limb_ring, CPU to CPU and back";
@@ -61,8 +64,14 @@ void print_line(std::ostream& out, const Row& row) {
 void print_table(std::ostream& out, const Report& report, Pinning pinning, Sending sending) {
   out << (sending == Sending::one ? "one sender, " : "all sending, ")
       << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
-  for (const char* what : {"reference", "shm", "unix", "watched", "udp", "cpu_to_cpu", "relay_chain"})
+  for (const char* what : {"reference", "shm", "placed", "unix", "watched", "udp", "cpu_to_cpu", "relay_chain"})
     if (const Row* row = report.find(what, pinning, sending)) print_line(out, *row);
+}
+
+void print_spin(std::ostream& out, const Report& report) {
+  if (report.spin_nodes == 0) return;
+  out << "one sender, " << report.spin_nodes << " nodes, a core for each\n";
+  for (const char* what : {"spin_reference", "spin"}) print_line(out, *report.find(what, Pinning::free, Sending::one));
 }
 
 void print_idle(std::ostream& out, const char* ring, const std::optional<double>& share) {
@@ -94,6 +103,7 @@ json to_json(const Report& report) {
                              {"humanoid16", percent(report.idle_humanoid_percent)}};
   all["system_call_us"] = rounded(report.costs.system_call);
   all["process_switch_us"] = rounded(report.costs.process_switch);
+  all["spin_nodes"] = report.spin_nodes;
   all["humanoid_1khz"] = own_rate_json(report);
   return all;
 }
@@ -106,6 +116,7 @@ std::string to_text(const Report& report) {
       << "  reference\n";
   for (const Pinning pinning : {Pinning::one_core, Pinning::free})
     for (const Sending sending : {Sending::one, Sending::all}) print_table(out, report, pinning, sending);
+  print_spin(out, report);
   if (!report.relay_chain_skipped.empty())
     out << "chain of topic_tools/relay: skipped, " << report.relay_chain_skipped << '\n';
   out << "idle rings, CPU of all processes together, of one core\n";

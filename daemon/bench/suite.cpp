@@ -1,9 +1,11 @@
 #include "bench/suite.h"
 
 #include <algorithm>
+#include <fstream>
 #include <functional>
 #include <map>
 
+#include "bench/cores.h"
 #include "bench/cpu_to_cpu.h"
 #include "bench/idle_share.h"
 #include "bench/packet_observer.h"
@@ -20,6 +22,21 @@ constexpr Sending kSendings[] = {Sending::one, Sending::all};
 
 std::string words(Pinning pinning) { return pinning == Pinning::one_core ? "one core" : "unpinned"; }
 std::string words(Sending sending) { return sending == Sending::one ? "one sender" : "all sending"; }
+
+/// A plain ring with a section `realtime`. @return the file's path
+std::string write_realtime(const live::PrivateFolder& folder, unsigned nodes, const std::string& realtime) {
+  const std::string path = folder.path() + "/realtime" + std::to_string(nodes) + ".yaml";
+  std::ofstream file(path);
+  file << "ring: realtime\nrealtime: " << realtime << "\nnodes:\n";
+  for (unsigned id = 0; id < nodes; ++id) file << "  - {id: " << id << ", name: node" << id << "}\n";
+  return path;
+}
+
+/// As many as have a core each; 0: this machine has none for them.
+unsigned spin_nodes(const Setup& setup) {
+  const unsigned nodes = std::min(core_count(), setup.nodes);
+  return nodes < 2 ? 0 : nodes;
+}
 
 /// The rounds of one case.
 struct Case {
@@ -42,6 +59,9 @@ class Rounds {
       ring("shm", {"", "shm", pinning_});
       ring("udp", {"", "udp", pinning_});
       cpu_to_cpu({two_cpus, "", pinning_});
+      if (pinning_ == Pinning::one_core) continue;
+      ring("placed", {write_realtime(folder_, setup_.nodes, "{cores: auto, fifo: 10}"), "shm", pinning_});
+      if (spin_nodes(setup_) != 0) spin();
     }
   }
 
@@ -78,6 +98,18 @@ class Rounds {
     const PrivateRing ring(setup_, request);
     tell("cpu_to_cpu", Sending::one);
     add("cpu_to_cpu", Sending::one, measure_cpu_to_cpu(setup_, ring, pinning_), reference);
+  }
+
+  void spin() {
+    Setup few = setup_;
+    few.nodes = spin_nodes(setup_);
+    tell("spin_reference", Sending::one);
+    const Measurement reference = measure_reference(few, pinning_, Sending::one);
+    add("spin_reference", Sending::one, reference, reference.round_trip_us.p50);
+    const std::string config = write_realtime(folder_, few.nodes, "{cores: auto, spin: 50us}");
+    const PrivateRing ring(few, {config, "shm", pinning_});
+    tell("spin", Sending::one);
+    add("spin", Sending::one, measure_traffic(few, ring, Sending::one), reference.round_trip_us.p50);
   }
 
   double measure_reference_p50(Sending sending) {
@@ -136,6 +168,7 @@ Report run_suite(const Setup& setup, const live::PrivateFolder& folder) {
   report.nodes = setup.nodes;
   report.payload = setup.payload;
   report.seconds = setup.seconds;
+  report.spin_nodes = spin_nodes(setup);
   report.costs = measure_system_costs();
   for (const Pinning pinning : kPinnings) {
     Rounds rounds(setup, folder, pinning);

@@ -14,7 +14,7 @@ namespace limb_ring::bench {
 
 /// One thing measured in every way, beside the reference of the same rounds.
 struct Row {
-  std::string what;  ///< reference, unix, shm, watched, udp, cpu_to_cpu, relay_chain
+  std::string what;  ///< reference, unix, shm, watched, udp, cpu_to_cpu, placed, spin_reference, spin, relay_chain
   Pinning pinning = Pinning::one_core;
   Sending sending = Sending::one;
   Measurement measured;
@@ -26,6 +26,7 @@ struct Report {
   unsigned nodes = 0;
   std::size_t payload = 0;
   double seconds = 0;
+  unsigned spin_nodes = 0;  ///< in the rings of spin and spin_reference: a core for each; 0: not measured
   std::vector<Row> rows;
   std::string relay_chain_skipped;           ///< why; empty where it was measured
   std::optional<double> idle_plain_percent;  ///< of one core, all processes together

@@ -58,6 +58,13 @@ class SmallBenchmark(unittest.TestCase):
         for pinning in ("one_core", "unpinned"):
             self.check_case(self.report["cpu_to_cpu"][pinning]["one_sender"])
 
+    def test_daemons_placed_by_themselves_and_spinning_ones(self):
+        for sending in ("one_sender", "all_sending"):
+            self.check_case(self.report["placed"]["unpinned"][sending])
+        if self.report["spin_nodes"] == 0:
+            self.skipTest("one core only")
+        self.check_case(self.report["spin"]["unpinned"]["one_sender"])
+
     def test_observing_is_compared_with_the_same_ring_unobserved(self):
         for pinning in ("one_core", "unpinned"):
             for sending in ("one_sender", "all_sending"):
