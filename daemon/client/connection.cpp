@@ -21,6 +21,7 @@ Connection::Connection(UnixSocket socket, const ConnectOptions& options)
     : socket_(std::move(socket)),
       role_(options.role),
       restarted_by_owner_(options.restarted_by_owner),
+      results_may_wait_(options.results_may_wait),
       alive_period_(std::clamp(options.alive_period, Milliseconds{0}, kMaxAlivePeriod)),
       last_written_(Clock::now()) {}
 
@@ -28,6 +29,7 @@ Connection::Handshake Connection::greet(const std::string& wanted_ring, Clock::t
   Greeting greeting;
   greeting.role = role_;
   greeting.restarted_by_owner = restarted_by_owner_;
+  greeting.results_may_wait = results_may_wait_;
   greeting.pid = static_cast<std::uint32_t>(::getpid());
   greeting.alive_period = alive_period_;
   greeting.ring = wanted_ring;

@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 /// A CPU grants so many packets at once. Small, so that packets wait in the network controller's
 /// receive buffers, where priority and refusal work.
 constexpr std::uint16_t kPacketWindow = 8;
-/// Credit goes back in lots of this size: one write for several packets.
+/// Credit goes back with whatever is sent, or in a lot of this size: one write for several packets.
 constexpr std::uint16_t kCreditLot = 4;
 
 /// One connection to a daemon: messages out, messages into the inbox, and an orderly end.
@@ -32,6 +32,7 @@ class Connection {
   void send(const Kind& message) {
     if (!connected_) return;
     append(out_, message);
+    if (credit_owed_ > 0) append(out_, Credit{std::exchange(credit_owed_, std::uint16_t{0})});
     flush();
   }
   /// A new token. Where the connection has ended, its end is in the inbox at once.
@@ -76,6 +77,7 @@ class Connection {
   UnixSocket socket_;
   Role role_;
   bool restarted_by_owner_;
+  bool results_may_wait_;
   std::chrono::milliseconds alive_period_;
   StreamBuffer in_;
   Bytes out_;

@@ -26,6 +26,7 @@ struct Greeting {
   std::uint16_t version = kHostPortVersion;
   Role role = Role::tool;
   bool restarted_by_owner = false;
+  bool results_may_wait = false;
   std::uint32_t pid = 0;  ///< informative; the daemon goes by what the kernel says
   std::chrono::milliseconds alive_period{0};
   std::string_view ring;

@@ -15,7 +15,7 @@ enum ToDaemonType : std::uint8_t {
   kCredit
 };
 
-constexpr std::uint8_t kRestartedByOwner = 1;
+constexpr std::uint8_t kRestartedByOwner = 1, kResultsMayWait = 2;
 
 std::optional<ToDaemon> read_greeting(FieldReader reader) {
   Greeting message;
@@ -23,7 +23,9 @@ std::optional<ToDaemon> read_greeting(FieldReader reader) {
   message.version = reader.u16();  // 0: none was there
   const std::uint8_t role = reader.u8();
   message.role = static_cast<Role>(role);
-  message.restarted_by_owner = (reader.u8() & kRestartedByOwner) != 0;
+  const std::uint8_t flags = reader.u8();
+  message.restarted_by_owner = (flags & kRestartedByOwner) != 0;
+  message.results_may_wait = (flags & kResultsMayWait) != 0;
   message.pid = reader.u32();
   message.alive_period = std::chrono::milliseconds{reader.u32()};
   message.ring = reader.text();
@@ -85,12 +87,13 @@ std::optional<ToDaemon> read_alive(FieldReader reader) {
 }  // namespace
 
 void append(Bytes& out, const Greeting& message) {
-  const std::uint8_t flags = message.restarted_by_owner ? kRestartedByOwner : 0;
+  const int flags =
+      (message.restarted_by_owner ? kRestartedByOwner : 0) | (message.results_may_wait ? kResultsMayWait : 0);
   FrameWriter(out, kGreeting)
       .u32(kGreetingMagic)
       .u16(message.version)
       .u8(static_cast<std::uint8_t>(message.role))
-      .u8(flags)
+      .u8(static_cast<std::uint8_t>(flags))
       .u32(message.pid)
       .u32(static_cast<std::uint32_t>(message.alive_period.count()))
       .text(message.ring);

@@ -21,6 +21,7 @@ HostPort connect(const firmware::Options& options, const firmware::ProgramSetup&
   connection.node = options.node;
   connection.role = Role::cpu;
   connection.alive_period = setup.alive_period;
+  connection.results_may_wait = true;  // they are counted, no more
   return HostPort::connect(connection);
 }
 

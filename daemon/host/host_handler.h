@@ -19,6 +19,7 @@ struct ClientInfo {
   Role role = Role::tool;
   pid_t pid = 0;  ///< by the kernel's word, not the client's
   bool restarted_by_owner = false;
+  bool results_may_wait = false;
   std::chrono::milliseconds alive_period{0};  ///< 0: no promise
 };
 

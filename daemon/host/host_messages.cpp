@@ -48,6 +48,7 @@ void HostServer::on(Session& session, const client::Greeting& greeting) {
   ClientInfo info = session.info();
   info.role = greeting.role;
   info.restarted_by_owner = greeting.restarted_by_owner;
+  info.results_may_wait = greeting.results_may_wait;
   info.alive_period = greeting.alive_period;
   if (const auto reason = objection(greeting, info)) {
     ++counters_.refused;

@@ -146,7 +146,7 @@ bool HostServer::interrupt(const limb_ring::Interrupt& interrupt) {
 }
 
 void HostServer::result(ClientId client, const Result& result) {
-  if (Session* session = find(client)) session->put(result);
+  if (Session* session = find(client)) session->put_result(result);
 }
 
 void HostServer::reply(ClientId client, std::uint32_t token, const std::string& json) {

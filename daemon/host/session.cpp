@@ -96,6 +96,14 @@ void Session::after_put() {
   flush_soon();
 }
 
+void Session::put_result(const Result& result) {
+  if (!info_.results_may_wait) return put(result);
+  if (!open()) return;
+  client::append(out_, result);
+  if (queued() > kMaxQueued) return fail(SessionOwner::End::too_slow);
+  flush_within(kGatherResults);
+}
+
 bool Session::put_observed(const Observed& observed) {
   if (!open()) return true;
   if (queued() + observed.json.size() > kMaxQueuedForObserved) {
@@ -112,7 +120,7 @@ bool Session::put_captured(const client::CapturedView& packet) {
   if (queued() + packet.packet.bytes.size > kMaxQueuedForCaptured) return false;
   client::append(out_, packet);
   if (queued() < kCapturedLot) {
-    flush_later();
+    flush_within(kGatherCaptured);
   } else {
     flush_soon();
   }
@@ -129,9 +137,9 @@ void Session::flush_soon() {
   loop_.at_turn_end([self = shared_from_this()] { self->flush(); });
 }
 
-void Session::flush_later() {
+void Session::flush_within(std::chrono::milliseconds time) {
   if (flush_under_way_ || std::exchange(gathering_, true)) return;
-  gather_timer_.expires_after(kGatherCaptured);
+  gather_timer_.expires_after(time);
   gather_timer_.async_wait([self = shared_from_this()](boost::system::error_code error) {
     self->gathering_ = false;
     if (!error) self->flush_soon();

@@ -41,6 +41,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Captured packets are gathered for so long, or until they are so many bytes: an observer that is
   /// woken for every packet costs the ring more than all else about it.
   static constexpr std::chrono::milliseconds kGatherCaptured{5};
+  /// So long may a result wait for what else is sent, where the client has said so.
+  static constexpr std::chrono::milliseconds kGatherResults{20};
   static constexpr std::size_t kCapturedLot = 32 * 1024;
   static constexpr std::chrono::seconds kGreetingDeadline{2};
 
@@ -59,6 +61,8 @@ class Session : public std::enable_shared_from_this<Session> {
     client::append(out_, message);
     after_put();
   }
+  /// At once, or with what comes next, as the client has asked.
+  void put_result(const Result& result);
   /// @return false where it was left out
   bool put_observed(const Observed& observed);
   bool put_captured(const client::CapturedView& packet);
@@ -77,7 +81,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void take_frames();
   void after_put();
   void flush_soon();
-  void flush_later();
+  void flush_within(std::chrono::milliseconds time);
   void flush();
   int write_now();  ///< 0, or the errno that stopped it
   void wait_writable();

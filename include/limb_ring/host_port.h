@@ -100,6 +100,9 @@ struct ConnectOptions {
   bool restarted_by_owner = false;
   /// role cpu: promises to call alive() (or anything else) at least this often. 0: no promise.
   std::chrono::milliseconds alive_period{0};
+  /// A Result may come up to 20 ms late, with the next packet or whatever else comes: for who sends at a fixed rate and
+  /// waits for no Result. It spares both processes a wake-up per send.
+  bool results_may_wait = false;
   /// How long to go on trying while the daemon is not there yet.
   std::chrono::milliseconds timeout{2000};
 };

@@ -41,6 +41,7 @@ Greeting some_greeting() {
   Greeting greeting;
   greeting.role = Role::cpu;
   greeting.restarted_by_owner = true;
+  greeting.results_may_wait = true;
   greeting.pid = 4711;
   greeting.alive_period = milliseconds{70000};
   greeting.ring = "humanoid";
@@ -50,7 +51,7 @@ Greeting some_greeting() {
 TEST(HostMessage, GreetingBeginsWithMagicAndVersion) {
   const Bytes golden{0,   0,   0,    21,   1,           // size, type
                      'L', 'R', 'H',  'P',  0,    2,     // magic, version
-                     1,   1,   0,    0,    0x12, 0x67,  // cpu, restarted by owner, pid
+                     1,   3,   0,    0,    0x12, 0x67,  // cpu, restarted by owner and results may wait, pid
                      0,   1,   0x11, 0x70, 0,    2,    'a', 'b'};
   Greeting greeting = some_greeting();
   greeting.ring = "ab";
@@ -63,6 +64,7 @@ TEST(HostMessage, GreetingComesThrough) {
   EXPECT_EQ(read.version, kHostPortVersion);
   EXPECT_EQ(read.role, Role::cpu);
   EXPECT_TRUE(read.restarted_by_owner);
+  EXPECT_TRUE(read.results_may_wait);
   EXPECT_EQ(read.pid, 4711u);
   EXPECT_EQ(read.alive_period, milliseconds{70000});
   EXPECT_EQ(read.ring, "humanoid");

@@ -72,6 +72,53 @@ TEST_F(Cpu, HasRoomForAWindowOfPacketsUntilItReceives) {
   EXPECT_EQ(give_all(2), 4u);
 }
 
+class PatientCpu : public Cpu {
+ protected:
+  PatientCpu() : port(connect_patient()) {
+    until([this] { return server->cpu_can_take(); });
+  }
+  HostPort connect_patient() {
+    ConnectOptions options = options_for(Role::cpu);
+    options.results_may_wait = true;
+    return connect(options);
+  }
+  /// A send of it ends. @return whether the result has gone out in the loop's next turn
+  bool result_comes_at_once() {
+    const std::size_t before = handler.sends.size();
+    const std::uint32_t token = port.send(1, {0xFB});
+    until([&] { return handler.sends.size() > before; });
+    server->result(server->cpu()->id, {token, Outcome::delivered, milliseconds{1}, 1, "", Reason::none});
+    io.restart();
+    io.poll();
+    return port.receive(milliseconds{0}).has_value();
+  }
+
+  HostPort port;
+};
+
+TEST_F(PatientCpu, GetsAResultWithTheNextPacket) {
+  // Where this process was not scheduled for 20 ms in between, it is out of time already.
+  for (int tries = 0; result_comes_at_once(); ++tries) ASSERT_LT(tries, 20);
+  server->give(Packet{1, 3, 2, 0, {0xFC}});
+  EXPECT_EQ(next<Result>(port).outcome, Outcome::delivered);
+  EXPECT_EQ(next<Packet>(port).data.at(0), 0xFC);
+}
+
+TEST_F(PatientCpu, GetsAResultAlsoWhereNothingElseComes) {
+  if (result_comes_at_once()) return;
+  EXPECT_EQ(next<Result>(port).outcome, Outcome::delivered);
+}
+
+TEST_F(Cpu, GivesCreditWithWhatItSends) {
+  HostPort port = cpu();
+  const unsigned given = give_all(2);
+  next<Packet>(port);
+  EXPECT_FALSE(server->cpu_can_take());
+  port.send(1, {0xFB});
+  until([&] { return server->cpu_can_take(); });
+  EXPECT_EQ(given, 8u);
+}
+
 TEST_F(Cpu, GetsAnyNumberOfPacketsWhenItReceivesOnCredit) {
   HostPort port = cpu();
   unsigned given = give_all(2);
