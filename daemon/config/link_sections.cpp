@@ -20,7 +20,7 @@ Option<LinkConfig> address_option() {
 Section<LinkConfig> section_with(const Option<LinkConfig>& port) {
   return {
       choice_option("transport", &LinkConfig::transport, {"unix", "shm", "udp"},
-                    "UNIX stream sockets or shared memory within a host, or UDP between hosts."),
+                    "Shared memory or UNIX stream sockets within a host, or UDP between hosts."),
       address_option(),
       port,
       rate_option("rate", &LinkConfig::rate, "Data rate of the line; unlimited: as fast as the host."),

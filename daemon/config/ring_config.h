@@ -60,7 +60,7 @@ struct SensorConfig {
 
 /// The link INTO a node; whoever is upstream of it, connects to it so.
 struct LinkConfig {
-  enum class Transport { unix_stream, shm, udp } transport = Transport::unix_stream;
+  enum class Transport { unix_stream, shm, udp } transport = Transport::shm;
   std::string address = "127.0.0.1";  ///< udp: the node listens there, and only there
   /// udp: `links.port` + id where the node's own is not given; loading fills it in. In
   /// RingConfig::links: the port of id 0, of the ring's name where not given.

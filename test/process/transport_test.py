@@ -21,7 +21,7 @@ class Transport(RingTest):
         nodes = plain_nodes(4)
         for node in (1, 2):
             nodes[node]['link'] = {'transport': 'udp', 'port': ports + node}
-        daemons = self.start_ring(nodes, timeouts=SEEN_SOON)
+        daemons = self.start_ring(nodes, links={'transport': 'unix'}, timeouts=SEEN_SOON)
         self.assert_carries(4)
         self.assertGreater(self.counters(1)['input_datagrams'], 0)
         self.assertEqual(self.counters(3)['input_datagrams'], 0)
@@ -35,7 +35,7 @@ class Transport(RingTest):
         nodes = plain_nodes(4)
         nodes[2]['link'] = {'transport': 'udp', 'port': free_udp_ports(1)}
         nodes[3]['link'] = {'transport': 'unix'}
-        daemons = self.start_ring(nodes, links={'transport': 'shm'}, timeouts=SEEN_SOON)
+        daemons = self.start_ring(nodes, timeouts=SEEN_SOON)
         self.assert_carries(4)
         self.wait('a beat through shared memory', lambda: self.counters(1)['input_beats'] > 0)
         self.assertEqual([self.counters(node)['input_beats'] for node in (2, 3)], [0, 0])

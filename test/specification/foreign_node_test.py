@@ -30,7 +30,7 @@ class WithAForeignNode(RingTest):
         return True
 
     def start_daemons(self, **sections):
-        config = self.write_ring(plain_nodes(3), **sections)
+        config = self.write_ring(plain_nodes(3), **{'links': {'transport': 'unix'}, **sections})
         for node in (0, 1):
             self.ringd(config, node)
         self.wait('the daemons', lambda: all(self.row(node) for node in (0, 1)))
