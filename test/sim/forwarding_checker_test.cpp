@@ -15,6 +15,7 @@ using testing::IsEmpty;
 class Forwarding : public ::testing::Test {
  protected:
   static constexpr Duration kByte = 8ns;
+  static constexpr std::size_t kSize = 524;  // bytes of a full packet
 
   static PacketHeader header(bool interrupt, NodeId source) {
     PacketHeader header{};
@@ -40,20 +41,20 @@ class Forwarding : public ::testing::Test {
 };
 
 TEST_F(Forwarding, APacketThatGoesOnWithTheFbcThatIsDueIsRight) {
-  checker.came(header(false, 1_id), 2_id, 0, Time(0ns));
+  checker.came(header(false, 1_id), 2_id, {0}, kSize, Time(0ns));
   checker.went(header(false, 1_id), trailer(0, 2_id), Time(100ns));
   EXPECT_THAT(broken, IsEmpty());
 }
 
 TEST_F(Forwarding, AnotherFbcIsSeen) {
-  checker.came(header(false, 1_id), 2_id, 0, Time(0ns));
+  checker.came(header(false, 1_id), 2_id, {0}, kSize, Time(0ns));
   checker.went(header(false, 1_id), trailer(3, 2_id), Time(100ns));
   EXPECT_THAT(broken, ElementsAre(Promise::true_fbc));
   EXPECT_THAT(what, HasSubstr("goes on with FBC 3 instead of 0 at node 4"));
 }
 
 TEST_F(Forwarding, AnyFbcIsRightWhereNobodyCanTell) {
-  checker.came(header(false, 1_id), 2_id, ForwardingChecker::kAnyFbc, Time(0ns));
+  checker.came(header(false, 1_id), 2_id, {ForwardingChecker::kAnyFbc}, kSize, Time(0ns));
   checker.went(header(false, 1_id), trailer(3, 2_id), Time(100ns));
   EXPECT_THAT(broken, IsEmpty());
 }
@@ -65,33 +66,33 @@ TEST_F(Forwarding, APacketThatNeverCameInIsSeen) {
 }
 
 TEST_F(Forwarding, APacketGoesOnOnce) {
-  checker.came(header(false, 1_id), 2_id, 0, Time(0ns));
+  checker.came(header(false, 1_id), 2_id, {0}, kSize, Time(0ns));
   checker.went(header(false, 1_id), trailer(0, 2_id), Time(100ns));
   checker.went(header(false, 1_id), trailer(0, 2_id), Time(200ns));
   EXPECT_THAT(broken, ElementsAre(Promise::true_fbc));
 }
 
 TEST_F(Forwarding, AnInterruptMayWaitForOddBytesTrailerAndCrc) {
-  checker.came(header(true, 1_id), 2_id, 0, Time(0ns));
+  checker.came(header(true, 1_id), 2_id, {0}, kSize, Time(0ns));
   checker.went(header(true, 1_id), trailer(0, 2_id), Time(11 * kByte));
   EXPECT_THAT(broken, IsEmpty());
 }
 
 TEST_F(Forwarding, AnInterruptThatWaitsLongerIsSeen) {
-  checker.came(header(true, 1_id), 2_id, 0, Time(0ns));
+  checker.came(header(true, 1_id), 2_id, {0}, kSize, Time(0ns));
   checker.went(header(true, 1_id), trailer(0, 2_id), Time(11 * kByte + 1ns));
   EXPECT_THAT(broken, ElementsAre(Promise::interrupt_wait));
 }
 
 TEST_F(Forwarding, AnInterruptMayWaitForTheOnesBeforeItToo) {
   checker.count_interrupt(Time(5ns));
-  checker.came(header(true, 1_id), 2_id, 0, Time(0ns));
+  checker.came(header(true, 1_id), 2_id, {0}, kSize, Time(0ns));
   checker.went(header(true, 1_id), trailer(0, 2_id), Time((11 + 12) * kByte));
   EXPECT_THAT(broken, IsEmpty());
 }
 
 TEST_F(Forwarding, WhatWasClearedNeedNotGoOnAndMayNot) {
-  checker.came(header(false, 1_id), 2_id, 0, Time(0ns));
+  checker.came(header(false, 1_id), 2_id, {0}, kSize, Time(0ns));
   checker.clear();
   checker.went(header(false, 1_id), trailer(0, 2_id), Time(100ns));
   EXPECT_THAT(broken, ElementsAre(Promise::true_fbc));
