@@ -53,10 +53,17 @@ bool ForwardingChecker::went(const PacketHeader& head, const PacketTrailer& tail
   return good;
 }
 
+std::size_t ForwardingChecker::bytes_since(Time since) const {
+  std::size_t bytes = 0;
+  for (auto it = data_.rbegin(); it != data_.rend() && it->at >= since; ++it) bytes += it->size;
+  return bytes;
+}
+
 void ForwardingChecker::own_interrupt_went(Time since, Time now) { check_wait(since, now, "its own INTP"); }
 
 // 12 bytes for each INTP before it, and at most 3 odd bytes, trailer and CRC. (protocol.md section 5.2)
 void ForwardingChecker::check_wait(Time since, Time now, const std::string& which) const {
+  since = std::max(since, released_);
   const Duration interrupt = byte_time_ * static_cast<std::int64_t>(wire::kOverhead);
   const auto ahead = std::count_if(interrupts_gone_.begin(), interrupts_gone_.end(),
                                    [&](Time gone) { return gone + interrupt > since; });

@@ -66,6 +66,8 @@ class ForwardingChecker {
   }
   /// Of all DATPs that have come in and not left: at least what the node holds.
   std::size_t bytes() const { return bytes_; }
+  /// Of those that have come in since then.
+  std::size_t bytes_since(Time since) const;
   /// One that others have sent leaves.
   /// @return true where it had come in good, or nobody knows
   bool went(const PacketHeader& head, const PacketTrailer& tail, Time now);
@@ -73,6 +75,8 @@ class ForwardingChecker {
   void own_interrupt_went(Time since, Time now);
   /// An INTP leaves, own or not: others may have to wait for it.
   void count_interrupt(Time now);
+  /// The output took nothing until now.
+  void released(Time now) { released_ = now; }
   void clear();
 
  private:
@@ -90,7 +94,8 @@ class ForwardingChecker {
   Duration lag_;        ///< an INTP from a slower line begins so much later, lest it end before it has come in
   const Complain& complain_;
   std::deque<Coming> data_, interrupts_;
-  std::size_t bytes_ = 0;             ///< of data_
+  std::size_t bytes_ = 0;  ///< of data_
+  Time released_{};
   std::deque<Time> interrupts_gone_;  ///< when the last ones left
 };
 

@@ -37,6 +37,8 @@ class Observer {
   virtual void arrives(NodeId, const wire::Slice&, Time) {}
   /// A line into a node comes up, or is lost.
   virtual void input_changes(NodeId, Line, Time) {}
+  /// The lines out of a node take nothing more; or again, or one comes up.
+  virtual void output_ready(NodeId, bool, Time) {}
   /// The CPU of a node is there, or gone.
   virtual void cpu_present(NodeId, bool, Time) {}
   /// A node gives out an event, or a packet to its CPU.

@@ -8,15 +8,14 @@ namespace limb_ring::sim {
 using core::kNever;
 
 int VirtualRing::next_alive(NodeId id) const {
-  for (unsigned i = 1; i <= nodes_.size(); ++i)
-    if (nodes_[(id + i) % nodes_.size()].alive) return static_cast<int>((id + i) % nodes_.size());
+  for (std::size_t lines = 1; lines <= order().size(); ++lines)
+    if (const NodeId next = core::node_after(order(), id, lines); nodes_[next].alive) return next;
   return -1;
 }
 
 int VirtualRing::previous_alive(NodeId id) const {
-  const std::size_t n = nodes_.size();
-  for (std::size_t i = 1; i <= n; ++i)
-    if (nodes_[(id + n - i) % n].alive) return static_cast<int>((id + n - i) % n);
+  for (std::size_t lines = order().size(); lines-- > 0;)
+    if (const NodeId before = core::node_after(order(), id, lines); nodes_[before].alive) return before;
   return -1;
 }
 
@@ -36,6 +35,7 @@ void VirtualRing::input_lost(NodeId id, Line line) {
 
 void VirtualRing::output_up(NodeId id, NodeId to, Line line) {
   touch(id);
+  for (Observer* observer : observers_) observer->output_ready(id, true, now_);
   nodes_[id].controller->output_up(line, to, now_);
 }
 
@@ -71,7 +71,16 @@ void VirtualRing::connect(NodeId id, Line line) {
   out.successor = next;
   wire_of(to, line).predecessor = id;
   input_up(to, id, line);
-  output_up(id, to, line);
+  if (!options_.connecting) return output_up(id, to, line);
+  at(now_ + options_.connecting(), [this, id, to, line, epoch = out.epoch] {
+    const Wire& wire = wire_of(id, line);
+    if (alive(id) && wire.epoch == epoch && wire.successor == to) output_up(id, to, line);
+  });
+}
+
+void VirtualRing::connect_later(NodeId id, Line line) {
+  if (!options_.connecting) return connect(id, line);
+  at(now_ + options_.connecting(), [this, id, line] { connect(id, line); });
 }
 
 // The neighbours close the ring without this node.
@@ -85,10 +94,11 @@ void VirtualRing::leave(NodeId id) {
     wire_of(id, line).predecessor = -1;
   });
   wakes_.set(id, kNever);
-  nodes_[id].alive = false;
+  nodes_[id].alive = nodes_[id].paused = false;
+  nodes_[id].waiting.clear();
   each_line([&](Line line) {
     const int b = before[static_cast<std::size_t>(line)];
-    if (b >= 0 && b != id) connect(static_cast<NodeId>(b), line);
+    if (b >= 0 && b != id) connect_later(static_cast<NodeId>(b), line);
   });
 }
 
@@ -97,8 +107,8 @@ void VirtualRing::enter(NodeId id) {
   nodes_[id].alive = true;
   each_line([&](Line line) {
     const int before = this->before(id, line);
-    if (before != id) connect(static_cast<NodeId>(before), line);
-    connect(id, line);
+    if (before != id) connect_later(static_cast<NodeId>(before), line);
+    connect_later(id, line);
   });
 }
 
@@ -138,6 +148,30 @@ void VirtualRing::thaw(NodeId id) {
   enter(id);
 }
 
+void VirtualRing::pause(NodeId id) {
+  if (!alive(id) || paused(id)) return;
+  nodes_[id].paused = true;
+  wakes_.set(id, kNever);
+  tell(id, Incident::late_slice);
+}
+
+// What has waited is late, as from a line that held it back.
+void VirtualRing::resume(NodeId id) {
+  if (!paused(id)) return;
+  nodes_[id].paused = false;
+  tell(id, Incident::late_slice);
+  std::vector<DelayLine::Arrival> waiting;
+  waiting.swap(nodes_[id].waiting);
+  for (const DelayLine::Arrival& arrival : waiting) deliver(arrival);
+  touch(id);
+}
+
+void VirtualRing::set_output_ready(NodeId id, bool ready) {
+  tell(id, Incident::late_slice);
+  for (Observer* observer : observers_) observer->output_ready(id, ready, now_);
+  each_line([&](Line line) { node(id).set_output_ready(line, ready); });
+}
+
 void VirtualRing::cut(NodeId id, Line line) {
   Wire& out = wire_of(id, line);
   if (out.cut) return;
@@ -158,7 +192,7 @@ void VirtualRing::heal(NodeId id, Line line) {
 }
 
 void VirtualRing::cut_cable(NodeId id) {
-  const auto after = static_cast<NodeId>((id + 1) % size());
+  const NodeId after = core::node_after(order(), id, 1);
   cut(id);
   cut(after, Line::second);
   if (wire_of(id).successor == after && alive(id)) disconnect_output(id, Line::first);
@@ -167,7 +201,7 @@ void VirtualRing::cut_cable(NodeId id) {
 
 void VirtualRing::heal_cable(NodeId id) {
   heal(id);
-  heal(static_cast<NodeId>((id + 1) % size()), Line::second);
+  heal(core::node_after(order(), id, 1), Line::second);
 }
 
 }  // namespace limb_ring::sim

@@ -12,19 +12,27 @@ namespace {
 
 constexpr core::Owner kUser = 1;  ///< who sends on all nodes
 
+/// One above the largest id.
+unsigned ids_of(const VirtualRingOptions& options) {
+  if (options.order.empty()) return options.nodes;
+  return *std::max_element(options.order.begin(), options.order.end()) + 1u;
+}
+
 }  // namespace
 
 VirtualRing::VirtualRing(const VirtualRingOptions& options)
-    : cpu_reads(options.nodes, true), options_(options), nodes_(options.nodes), wakes_(options.nodes) {
-  for (unsigned id = 0; id < options.nodes; ++id) {
-    make_node(static_cast<NodeId>(id));
+    : cpu_reads(ids_of(options), true), options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)) {
+  if (options_.order.empty())
+    for (unsigned id = 0; id < options.nodes; ++id) options_.order.push_back(static_cast<NodeId>(id));
+  for (unsigned id = 0; id < size(); ++id) make_node(static_cast<NodeId>(id));  // also those that no node has
+  for (const NodeId id : order()) {
     nodes_[id].delay_line = delay_line_of(nodes_[id].controller->settings().relay_delay);
     nodes_[id].alive = options.start;
   }
   if (!options.start) return;
-  for (unsigned id = 0; id < options.nodes; ++id) {
-    node(static_cast<NodeId>(id)).set_cpu_present(true);
-    each_line([&](Line line) { connect(static_cast<NodeId>(id), line); });
+  for (const NodeId id : order()) {
+    node(id).set_cpu_present(true);
+    each_line([&](Line line) { connect(id, line); });
   }
 }
 
@@ -44,8 +52,7 @@ void VirtualRing::add_observer(Observer& observer) {
 core::Settings VirtualRing::settings_of(NodeId id) const {
   core::Settings settings;
   settings.id = id;
-  settings.order.clear();
-  for (unsigned other = 0; other < options_.nodes; ++other) settings.order.push_back(static_cast<NodeId>(other));
+  settings.order = options_.order;
   const std::uint64_t former = nodes_[id].controller ? nodes_[id].controller->membership().boot() : 3;
   settings.boot = (nodes_[id].starts + 1) << 32 | std::uint64_t{id} << 24 | wire::incarnation_of(former + 1);
   settings.byte_time_in = settings.byte_time_out = options_.byte_time;
@@ -170,6 +177,7 @@ void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
   Node& to = nodes_[arrival.to];
   const Line line = arrival.second ? Line::second : Line::first;
   if (!to.alive || wire_of(arrival.from, line).epoch != arrival.epoch) return;
+  if (to.paused) return to.waiting.push_back(arrival);
   wire::each_slice(arrival.slices.view(), [&](const Slice& slice) { to.controller->receive(line, slice, now_); });
   // Where the line takes time, most of what comes in has to wait for its turn: then there is nothing
   // to be done but to say when.
@@ -183,7 +191,7 @@ void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
 void VirtualRing::settle_touched() {
   while (!touched_.empty()) {
     const NodeId id = touched_.pop();
-    if (nodes_[id].alive) settle(id);
+    if (nodes_[id].alive && !nodes_[id].paused) settle(id);
   }
 }
 

@@ -17,10 +17,13 @@ using core::NetworkController;
 
 struct VirtualRingOptions {
   unsigned nodes = 4;                                    ///< 1 to 255; their ids are 0, 1, 2 ...
+  core::RingOrder order;                                 ///< ... unless these are, in ring order
   Duration byte_time{0};                                 ///< on every line; 8 ns is 1 Gbit/s
   Duration relay_delay = std::chrono::nanoseconds(512);  ///< d: line and NC, before the Packet Manager
   bool start = true;                                     ///< false: nodes stay dead until start()
   bool keep_logs = true;                                 ///< false: events and packets go to the callbacks only
+  /// How long it takes until the ends of a line know each other, drawn for each end; null: no time.
+  std::function<Duration()> connecting;
   /// Last changes to a node's settings; its relay_delay is that of the line into it.
   std::function<void(core::Settings&)> adjust = [](core::Settings&) {};
 };
@@ -44,12 +47,18 @@ class VirtualRing {
     touch(id);
     return *nodes_[id].controller;
   }
+  /// Above every id.
   unsigned size() const { return static_cast<unsigned>(nodes_.size()); }
+  const core::RingOrder& order() const { return options_.order; }
   const core::Settings& settings(NodeId id) const { return nodes_[id].controller->settings(); }
   const core::Counters& counters(NodeId id) const { return nodes_[id].controller->counters(); }
   /// The lines that its packets come on, and leave on.
   Line input_line(NodeId id) const { return nodes_[id].controller->input_line(); }
   Line output_line(NodeId id) const { return nodes_[id].controller->output_line(); }
+  /// Somebody is at the other end of that one.
+  bool has_output(NodeId id) const {
+    return nodes_[id].lines[static_cast<std::size_t>(output_line(id))].successor >= 0;
+  }
   NodeLog& log(NodeId id) { return nodes_[id].log; }
   bool alive(NodeId id) const { return nodes_[id].alive; }
 
@@ -84,6 +93,12 @@ class VirtualRing {
   /// The node's process stops and is bypassed; later it goes on, and finds both its links gone.
   void freeze(NodeId id);
   void thaw(NodeId id);
+  /// The node's process stops for a while: what comes in waits, its lines stay up, and it goes on where it was.
+  void pause(NodeId id);
+  void resume(NodeId id);
+  bool paused(NodeId id) const { return nodes_[id].paused; }
+  /// The lines out of the node take nothing more for now (false), or again.
+  void set_output_ready(NodeId id, bool ready);
   /// A wire out of node `id`: cut, whole again. The node behind learns of it at once, the one
   /// before it does not. @pre the ring folds back, for the second
   void cut(NodeId id, Line line = Line::first);
@@ -137,6 +152,8 @@ class VirtualRing {
     std::uint64_t starts = 0;
     std::uint32_t next_token = 1;
     std::size_t delay_line = 0;  ///< of the line into it
+    bool paused = false;
+    std::vector<DelayLine::Arrival> waiting;  ///< what came while it was
     NodeLog log;
   };
   struct Action {
@@ -157,6 +174,7 @@ class VirtualRing {
     if (nodes_.front().controller->has_second_line()) each(Line::second);
   }
   void connect(NodeId id, Line line);
+  void connect_later(NodeId id, Line line);
   void disconnect_output(NodeId id, Line line);
   void input_up(NodeId id, NodeId from, Line line);
   void input_lost(NodeId id, Line line);
