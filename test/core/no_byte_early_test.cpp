@@ -70,5 +70,28 @@ TEST_F(ClosedGate, DataThatWaitedAsksForTheLineWhenItIsOpened) {
   EXPECT_EQ(unit.ready_at(), opened);
 }
 
+/// The line out of node 0 takes nothing while its sends are asked for.
+struct HeldUp : testing::TestWithParam<VirtualRingOptions> {};
+
+TEST_P(HeldUp, ARoundTripBeginsWhenThePacketLeaves) {
+  VirtualRing ring(GetParam());
+  ASSERT_TRUE(ring.join());
+  const Duration alone = outcome_of(ring, 0_id, ring.send(0_id, 2_id, text("a"))).round_trip;
+  const Duration interrupt_alone = outcome_of(ring, 0_id, ring.interrupt(0_id, 2_id, 0)).round_trip;
+  ring.set_output_ready(0_id, false);
+  const auto data = ring.send(0_id, 2_id, text("b"));
+  ring.run_for(50us);
+  ring.set_output_ready(0_id, true);
+  EXPECT_EQ(outcome_of(ring, 0_id, data).round_trip, alone);
+  ring.set_output_ready(0_id, false);
+  const auto interrupt = ring.interrupt(0_id, 2_id, 0);
+  ring.run_for(50us);
+  ring.set_output_ready(0_id, true);
+  EXPECT_EQ(outcome_of(ring, 0_id, interrupt).round_trip, interrupt_alone);
+}
+
+INSTANTIATE_TEST_SUITE_P(AnyLine, HeldUp, testing::Values(quick(3), gigabit(3)),
+                         [](const auto& made) { return made.index == 0 ? "WithoutRate" : "OfOneGigabit"; });
+
 }  // namespace
 }  // namespace limb_ring::core

@@ -89,7 +89,10 @@ void PacketManager::output_lost() {
   output_up_ = false;
 }
 
+// What waited for a line that took nothing goes now, not when it could have gone.
 void PacketManager::run(Time now) {
+  if (released_) free_at_ = std::max(free_at_, now);
+  released_ = false;
   while (step(now)) {
   }
 }
@@ -101,7 +104,7 @@ bool PacketManager::step(Time now) {
   // An INTP goes before any DATP, also inside the one that is on the line.
   const Time interrupt = interrupt_at();
   if (interrupt <= now) {
-    put_interrupt(interrupt);
+    put_interrupt(paced() ? interrupt : now);
     return true;
   }
 
@@ -114,7 +117,7 @@ bool PacketManager::step(Time now) {
   const Time relayed = relayed_since();
   const Time since = std::min(own, relayed);
   if (since > now) return false;
-  open_data(own <= relayed, std::max(since, free_at_));
+  open_data(own <= relayed, paced() ? std::max(since, free_at_) : now);
   return true;
 }
 

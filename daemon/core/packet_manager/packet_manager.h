@@ -53,7 +53,10 @@ class PacketManager {
   /// The line: there, gone (what waits is dropped and counted), able to take more.
   void output_up(Time now);
   void output_lost();
-  void set_ready(bool ready) { ready_ = ready; }
+  void set_ready(bool ready) {
+    released_ = released_ || (ready && !ready_);
+    ready_ = ready;
+  }
 
   /// Puts onto the line all that may go now.
   void run(Time now);
@@ -112,6 +115,7 @@ class PacketManager {
   SlotQueue<RelayedInterrupt> interrupts_;
   bool output_up_ = false;
   bool ready_ = true;
+  bool released_ = false;   ///< the line has just begun to take more
   bool receiving_ = false;  ///< buffer_.back() is still coming in
   bool is_open_ = false;
   Open open_;
