@@ -18,11 +18,6 @@ std::size_t most_waiting(const core::Settings& settings) {
   return std::max(2u, settings.insertion_buffer) * wire::kMaxDataPacketSize;
 }
 
-bool may_send(NodeState state) {
-  return state == NodeState::up || state == NodeState::alone || state == NodeState::folded ||
-         state == NodeState::open_chain;
-}
-
 PacketHeader head_of(const PacketFields& packet) { return PacketHeader::of(packet.bytes); }
 
 /// What the CRC was when the packet left its source, as far as HOP and FBC go.
@@ -51,6 +46,7 @@ Invariants::Invariants(VirtualRing& ring)
       ledger_(ring.size(), complain_) {
   for (unsigned id = 0; id < ring.size(); ++id)
     nodes_.push_back(std::make_unique<Node>(ring.settings(static_cast<NodeId>(id)), ledger_, complain_));
+  for (const auto& node : nodes_) settling_ = std::max(settling_, 4 * node->settings.send_timeout());
   ring.add_observer(*this);
 }
 
@@ -59,20 +55,29 @@ void Invariants::complain(Promise promise, std::string what) {
 }
 
 void Invariants::finish() {
-  std::vector<bool> alive;
-  for (unsigned id = 0; id < ring_.size(); ++id) alive.push_back(ring_.alive(static_cast<NodeId>(id)));
-  for (unsigned id = 0; id < ring_.size(); ++id)
-    if (alive[id]) at(static_cast<NodeId>(id)).pins.judge(ring_.now());
-  ledger_.finish(alive);
+  ledger_.settle(core::kNever);
+  for (unsigned id = 0; id < ring_.size(); ++id) {
+    const auto node = static_cast<NodeId>(id);
+    if (!ring_.alive(node)) continue;
+    at(node).pins.judge(ring_.now());
+    judge_open(node, true);
+    judge_unexplained(node);
+  }
 }
 
 // ---- CPUs -----------------------------------------------------------------------------------
 
-void Invariants::asked(NodeId node, const core::SendRequest& request, Time now) { ledger_.ask(node, request, now); }
+void Invariants::asked(NodeId node, const core::SendRequest& request, Time now) {
+  judge_open(node, false);
+  ledger_.ask(node, request, may_send(at(node).story.state), now);
+}
 
 void Invariants::asked(NodeId node, const core::InterruptRequest& request, Time now) {
-  ledger_.ask(node, request, now);
+  judge_open(node, false);
+  ledger_.ask(node, request, may_send(at(node).story.state), now);
 }
+
+void Invariants::output_ready(NodeId node, bool, Time now) { at(node).forwarding.released(now); }
 
 void Invariants::cpu_present(NodeId node, bool present, Time) { at(node).receiver.set_cpu_present(present); }
 
@@ -81,23 +86,24 @@ void Invariants::packet(NodeId node, const core::ReceivedPacket& packet) { at(no
 void Invariants::event(NodeId node, const core::Event& event) {
   if (const auto* state = std::get_if<core::StateChanged>(&event.what)) state_changes(node, state->after, event.at);
   if (const auto* pin = std::get_if<core::PinPulled>(&event.what)) at(node).pins.pulled(*pin, event.at);
-  const auto* end = std::get_if<core::SendEnded>(&event.what);
-  if (!end) return;
-  if (end->interrupt) at(node).interrupt_free = event.at;
-  ledger_.settle(event.at);
-  // If tries fail or numbers are used up, copies are under way, and a hello may come between them.
-  if (end->tries > 1 || end->outcome == core::Outcome::lost || end->outcome == core::Outcome::no_such_node)
-    faults_ = true;
-  ledger_.end(node, *end, event.at);
+  if (const auto* end = std::get_if<core::SendEnded>(&event.what)) ends(node, *end, event.at);
 }
 
 // A hello that has left counts as home in an open chain. (protocol.md section 4.8)
 void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   Node& n = at(node);
-  n.state = state;
+  n.story.state = state;
+  n.story.state_at = ring_.now();
+  const auto explains = [&](core::Outcome outcome) {
+    const auto of_it = [&](const Unexplained& result) { return result.outcome == outcome; };
+    n.unexplained.erase(std::remove_if(n.unexplained.begin(), n.unexplained.end(), of_it), n.unexplained.end());
+  };
+  if (state == NodeState::open_chain) explains(core::Outcome::unconfirmed);
+  if (!may_send(state)) explains(core::Outcome::rejected);
   if (state == NodeState::open_chain && n.hello_left && n.receiver.joined() != Sure::yes)
     n.receiver.set_joined(Sure::unknown);
   if (state != NodeState::starting && state != NodeState::duplicate_id) return;
+  explains(core::Outcome::cancelled);
   if (state == NodeState::starting) ledger_.forgets_interrupts(node);
   // A hello may leave in the same instant, and is told first.
   n.began = ring_.now();
@@ -107,13 +113,61 @@ void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   ledger_.waits_for_nothing(node);
 }
 
+// ---- results --------------------------------------------------------------------------------
+
+Time Invariants::last_hello_of(NodeId destination) const {
+  if (destination == wire::kBroadcast) return said_hello_;
+  return destination < nodes_.size() ? nodes_[destination]->story.said_hello : core::kNever;
+}
+
+ResultJudge Invariants::judge_of(NodeId node, const Sent& sent) const {
+  const Node& n = *nodes_[node];
+  return {sent, n.settings, n.story, last_hello_of(sent.destination), was_broken_};
+}
+
+void Invariants::ends(NodeId node, const core::SendEnded& end, Time at_end) {
+  Node& n = at(node);
+  const bool paced = end.outcome == core::Outcome::unconfirmed;  // as it left. (protocol.md section 8.4)
+  if (end.interrupt) n.interrupt_free = at_end + (paced ? n.settings.open_chain_interrupt_pace() : core::Duration{0});
+  ledger_.settle(at_end);
+  judge_unexplained(node);
+  // If tries fail or numbers are used up, copies are under way, and a hello may come between them.
+  if (end.tries > 1 || end.outcome == core::Outcome::lost || end.outcome == core::Outcome::no_such_node)
+    trouble(at_end);
+  const Sent* sent = ledger_.end(node, end, at_end);
+  if (!sent) return;
+  const std::string ended = sent->name() + " ended " + core::to_string(end.outcome);
+  if (const char* objection = judge_of(node, *sent).objection()) complain(Promise::true_result, ended + objection);
+  if (end.outcome == core::Outcome::cancelled && n.story.cancelled != at_end)
+    n.unexplained.push_back({ring_.now(), end.outcome, ended + ", and nobody had cancelled it"});
+  if (end.outcome == core::Outcome::unconfirmed && n.story.state != NodeState::open_chain)
+    n.unexplained.push_back({ring_.now(), end.outcome, ended + ", and its node is in no open chain"});
+  const bool was_in_ring = sent->asked_in_ring && n.story.state_at < sent->asked;
+  if (end.reject == core::Reject::not_in_ring && was_in_ring)
+    n.unexplained.push_back({ring_.now(), end.outcome, ended + ", and its node was in a ring"});
+}
+
+// A node that starts over ends its sends before it shows that; and what a beacon says is acted on when its end begins,
+// and shown when its last bit is in.
+void Invariants::judge_unexplained(NodeId node) {
+  const core::Duration tail = at(node).settings.byte_time_in * static_cast<std::int64_t>(wire::kOverhead);
+  for (const Unexplained& result : at(node).unexplained)
+    if (result.when + tail < ring_.now()) complain(Promise::true_result, result.what);
+}
+
+void Invariants::judge_open(NodeId node, bool all) {
+  ledger_.each_open(node, [&](const Sent& sent) {
+    if (all || judge_of(node, sent).due() < ring_.now()) complain(Promise::one_result, sent.name() + " has not ended");
+  });
+}
+
 // ---- out of a node --------------------------------------------------------------------------
 
 void Invariants::check_head(NodeId node, const PacketHeader& head) {
   const std::string what = "a packet of node " + std::to_string(head.source) + " with HOP " + std::to_string(head.hop) +
                            " left node " + std::to_string(node);
   if (head.source == node && head.hop != 0) complain(Promise::no_circling, what + ", its source");
-  if (head.hop >= ring_.size()) complain(Promise::no_circling, what + ": it has gone round");
+  if (head.hop >= ring_.order().size()) complain(Promise::no_circling, what + ": it has gone round");
 }
 
 // The packets of a node that is gone have passed after one time-out; or one time-out after a line released them.
@@ -163,9 +217,11 @@ void Invariants::own_data_leaves(NodeId node, const PacketFields& packet) {
   if (hello) {
     n.hello_left = true;
     n.receiver.says_hello(hello->boot);
+    n.story.said_hello = said_hello_ = ring_.now();
   }
   // Nothing else is sent before the hello is home. (protocol.md section 4.8)
-  const bool joins = hello ? n.state == NodeState::open_chain : n.receiver.joined() != Sure::yes;
+  n.hello_out = hello.has_value();
+  const bool joins = hello ? n.story.state == NodeState::open_chain : n.receiver.joined() != Sure::yes;
   if (joins && n.going_since > n.began) n.receiver.join();
   if (control) {
     n.control = {packet.code_byte(), packet.crc(), hello.has_value(), ring_.now()};
@@ -185,9 +241,12 @@ void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time no
   if (head.source != node) {
     if (n.forwarding.went(head, tail, now)) check_source(node, head, now);
   } else {
+    const bool free = !ledger_.awaits(node, true);
     ledger_.try_begins(node, head.code, now);
     const Sent* sent = ledger_.depart(node, head.code, {tail.destination, 4, tail.last, 0, tail.crc}, now);
-    if (sent && !faults_) n.forwarding.own_interrupt_went(std::max(sent->asked, n.interrupt_free), now);
+    if (sent && sent->tries == 1 && free && !n.hello_out && sent->asked >= calm_from_ &&
+        n.story.state != NodeState::open_chain)
+      n.forwarding.own_interrupt_went(std::max({sent->asked, n.interrupt_free, n.story.state_at, n.gate_at}), now);
   }
   n.forwarding.count_interrupt(now);
 }
@@ -209,6 +268,8 @@ void Invariants::breaks_off(NodeId node, std::size_t size, Time now) {
 
 void Invariants::arrives(NodeId node, const wire::Slice& slice, Time now) {
   Node& n = at(node);
+  if (n.arrived < now) check_insertion(node, now);
+  n.arrived = now;
   if (n.input != ring_.input_line(node)) {
     input_changes(node, n.input, now);
     n.input = ring_.input_line(node);
@@ -230,7 +291,6 @@ void Invariants::arrives(NodeId node, const wire::Slice& slice, Time now) {
   if (packet.empty()) return;
   const PacketFields fields{packet};
   data_arrives(node, fields, now, slice.kind == SliceKind::whole ? now : last_bit(node, tail_size(fields), now));
-  check_insertion(node);
 }
 
 void Invariants::begins_to_arrive(NodeId node, const wire::Slice& slice) {
@@ -280,7 +340,8 @@ void Invariants::data_arrives(NodeId node, const PacketFields& packet, Time now,
     fbc = due(node, answer, packet, free);
     if (!sure && (answer == Answer::takes || answer == Answer::repeats_taken)) fbc.fbc = ForwardingChecker::kAnyFbc;
   }
-  n.forwarding.came(head_of(packet), destination, fbc, packet.bytes.size, now);
+  if (n.settings.fold_back || ring_.has_output(node))
+    n.forwarding.came(head_of(packet), destination, fbc, packet.bytes.size, now);
 }
 
 // min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken, for what was decided
@@ -333,7 +394,8 @@ void Invariants::interrupt_arrives(NodeId node, const PacketFields& packet, Time
   const bool good = wire::trailer_valid(packet.bytes) && packet.crc_good();
   ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
   if (good && for_it) fbc = due(node, offer_interrupt(node, packet, on_line(packet), received, at_end), packet, 1);
-  n.forwarding.came(head_of(packet), destination, fbc, wire::kInterruptPacketSize, now);
+  if (n.settings.fold_back || ring_.has_output(node))
+    n.forwarding.came(head_of(packet), destination, fbc, wire::kInterruptPacketSize, now);
 }
 
 Answer Invariants::offer_interrupt(NodeId node, const PacketFields& packet, Sent* sent, Sure received, Time at_end) {
@@ -354,15 +416,16 @@ void Invariants::comes_home(NodeId node, const PacketFields& packet, Time at_end
   if (!interrupt && wire::is_control(packet)) {
     const bool is_last = n.control.crc == crc_at_source(packet) && n.control.code == packet.code_byte();
     const bool sure = !ledger_.was_damaged(node, false);
+    n.gate_at = at_end;
+    n.hello_out = false;
     if (is_last && n.control.hello) sure ? n.receiver.join() : n.receiver.set_joined(Sure::unknown);
     if (is_last) n.control = {};
     return;
   }
-  Sent* sent = ledger_.returned(node, packet.code(), packet.destination(), crc_at_source(packet), at_end);
-  int fbc = packet.fbc();
-  const bool to_itself = packet.destination() == node && may_send(n.state);
-  if (to_itself && (sent || ledger_.others_send(node))) {
-    const Sure received = sent ? Sure::yes : Sure::unknown;
+  const auto [sent, sure] = ledger_.returned(node, packet.code(), packet.destination(), crc_at_source(packet));
+  int fbc = sure ? packet.fbc() : ForwardingChecker::kAnyFbc;
+  if (packet.destination() == node && (sent || ledger_.others_send(node))) {
+    const Sure received = sent && sure && may_send(n.story.state) ? Sure::yes : Sure::unknown;
     const std::size_t buffers = n.settings.receive_buffers;
     const std::size_t free = buffers - std::min(n.buffers.least(wire::priority_of(packet.last())), buffers);
     const Answer answer =
@@ -380,19 +443,23 @@ Time Invariants::last_bit(NodeId node, std::size_t tail_size, Time now) const {
 
 // While nothing is lost a node whose output is no slower is behind its input by its own DATP and INTP; what has left of
 // the DATP on the line counts until its end is through. (protocol.md section 2.5)
-void Invariants::check_insertion(NodeId node) {
+void Invariants::check_insertion(NodeId node, Time now) {
   constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
   const Node& n = at(node);
-  if (faults_ || n.settings.byte_time_out > n.settings.byte_time_in) return;
-  if (n.forwarding.bytes() > kNormal)
-    complain(Promise::insertion_bound, std::to_string(n.forwarding.bytes()) + " bytes wait in node " +
-                                           std::to_string(node) + ", " + std::to_string(kNormal) + " may");
+  if (now < calm_from_ || !ring_.has_output(node) || n.settings.byte_time_out > n.settings.byte_time_in) return;
+  if (n.forwarding.bytes() <= kNormal) return;
+  // What has come earlier was dropped.
+  const std::size_t bytes = n.forwarding.bytes_since(now - n.settings.worst_lap());
+  if (bytes > kNormal)
+    complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in node " + std::to_string(node) + ", " +
+                                           std::to_string(kNormal) + " may");
 }
 
 // ---- faults ---------------------------------------------------------------------------------
 
 void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
-  faults_ = true;
+  trouble(now);
+  if (incident != Incident::cpu_reset && incident != Incident::cancelled) was_broken_ = true;
   if (incident == Incident::late_slice) {
     late_ = now;
     ledger_.line_let_go(now);
@@ -400,10 +467,15 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   Node& n = at(node);
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
+  if (incident == Incident::thawed) n.story.thawed = now;
+  if (incident == Incident::killed) judge_open(node, false);
   if (incident == Incident::started) {
     ledger_.start(node);
     n.receiver = ReceiverModel(n.settings);
-    n.state = NodeState::starting;
+    n.story.state = NodeState::starting;
+    n.story.state_at = now;
+    n.story.cancelled = core::kNever;
+    n.unexplained.clear();
     n.began = now;
     n.hello_left = false;
     n.control = {};
@@ -411,7 +483,10 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
     n.coming.drop();
   }
   if (incident == Incident::started || incident == Incident::cpu_reset) n.buffers.flush();
-  if (incident == Incident::cpu_reset || incident == Incident::cancelled) ledger_.cancel(node, now);
+  if (incident == Incident::cpu_reset || incident == Incident::cancelled) {
+    ledger_.cancel(node, now);
+    n.story.cancelled = now;
+  }
   // The buffers of a line that is replaced are emptied, unless what waits goes on over the second line.
   const bool emptied = incident == Incident::output_replaced && !n.settings.fold_back;
   if (incident == Incident::started || emptied) n.forwarding.clear();

@@ -10,6 +10,7 @@
 #include "sim/packet_collector.h"
 #include "sim/receive_buffers.h"
 #include "sim/receiver_model.h"
+#include "sim/result_judge.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::sim {
@@ -31,6 +32,7 @@ class Invariants : public Observer {
   void leaves(NodeId node, const wire::Slice& slice, Time now) override;
   void arrives(NodeId node, const wire::Slice& slice, Time now) override;
   void input_changes(NodeId node, Line line, Time now) override;
+  void output_ready(NodeId node, bool ready, Time now) override;
   void cpu_present(NodeId node, bool present, Time now) override;
   void event(NodeId node, const core::Event& event) override;
   void packet(NodeId node, const core::ReceivedPacket& packet) override;
@@ -43,6 +45,12 @@ class Invariants : public Observer {
     std::uint32_t crc = 0;  ///< 0: none is out
     bool hello = false;
     Time left{};
+  };
+  /// A result for which its node has to show a state.
+  struct Unexplained {
+    Time when;
+    core::Outcome outcome;
+    std::string what;
   };
   struct Node {
     Node(const core::Settings& of_node, Ledger& ledger, const Complain& complain);
@@ -57,9 +65,13 @@ class Invariants : public Observer {
     PacketHeader head;  ///< of the one that is going out
     Time going_since{};
     Line input = Line::first, output = Line::first;
-    core::NodeState state = core::NodeState::starting;
+    NodeStory story;
     Time began{};  ///< it started, or started over
+    std::vector<Unexplained> unexplained;
+    Time arrived{};  ///< when something last did
+    Time gate_at{};  ///< its hello came home: what it held back may leave
     bool hello_left = false;
+    bool hello_out = false;  ///< and is not home: nothing else may leave
     OwnControl control;
     Time interrupt_free{};           ///< its last own INTP ended
     std::optional<Time> away_since;  ///< killed or frozen
@@ -88,15 +100,24 @@ class Invariants : public Observer {
   void state_changes(NodeId node, core::NodeState state, Time now);
   Sent* on_line(const wire::PacketFields& packet);
   Time last_bit(NodeId node, std::size_t tail_size, Time now) const;
-  void check_insertion(NodeId node);
+  void ends(NodeId node, const core::SendEnded& end, Time at);
+  ResultJudge judge_of(NodeId node, const Sent& sent) const;
+  Time last_hello_of(NodeId destination) const;
+  void judge_open(NodeId node, bool all);
+  void judge_unexplained(NodeId node);
+  void check_insertion(NodeId node, Time now);
+  void trouble(Time now) { calm_from_ = std::max(calm_from_, now + settling_); }
   void complain(Promise promise, std::string what);
 
   VirtualRing& ring_;
   Complain complain_;
   Ledger ledger_;
   std::vector<std::unique_ptr<Node>> nodes_;
-  bool faults_ = false;  ///< something was lost, damaged or ended: some bounds are wider
-  Time late_{};          ///< a line has let go of what it held back
+  bool was_broken_ = false;     ///< some line or node was ever lost
+  core::Duration settling_{0};  ///< after a fault no copies are under way for longer
+  Time calm_from_{};            ///< nothing has been lost, damaged or ended for so long: some bounds are wider before
+  Time said_hello_ = core::kNever;  ///< the last hello of anybody
+  Time late_{};                     ///< a line has let go of what it held back
   std::optional<Violation> violation_;
 };
 

@@ -65,7 +65,7 @@ Sent* Ledger::find(NodeId source, std::uint32_t token) {
   return token != 0 && token >= s.first_token && place < s.sent.size() ? &s.sent[place] : nullptr;
 }
 
-Sent& Ledger::add(NodeId source, std::uint32_t token, Time now) {
+Sent& Ledger::add(NodeId source, std::uint32_t token, std::uint8_t queue, bool in_ring, Time now) {
   Source& s = sources_[source];
   forget_settled(s);
   if (s.sent.empty()) s.first_token = token;
@@ -75,25 +75,30 @@ Sent& Ledger::add(NodeId source, std::uint32_t token, Time now) {
   sent.source = source;
   sent.source_incarnation = s.incarnation;
   sent.asked = now;
+  sent.asked_in_ring = in_ring;
+  sent.queue = queue;
+  for (const std::uint32_t other : s.waiting[queue]) {
+    const Sent* waits = find(source, other);
+    if (waits && (!waits->ended || waits->ended_at >= now)) ++sent.ahead;
+  }
+  const Flying& flying = s.flying[queue == 4 ? 1 : 0];  // what was cancelled while out still has its place
+  if (const Sent* out = find(source, flying.token); out && out->ended && flying.awaited) ++sent.ahead;
+  s.waiting[queue].push_back(token);
   return sent;
 }
 
-void Ledger::ask(NodeId source, const core::SendRequest& request, Time now) {
-  Sent& sent = add(source, request.token, now);
+void Ledger::ask(NodeId source, const core::SendRequest& request, bool in_ring, Time now) {
+  Sent& sent = add(source, request.token, request.priority & 3, in_ring, now);
   sent.destination = request.destination;
-  sent.queue = request.priority & 3;
   sent.channel = request.channel;
   sent.size = static_cast<std::uint16_t>(request.data.size);
   sent.checksum = wire::crc32(request.data);
-  sources_[source].waiting[sent.queue].push_back(sent.token);
 }
 
-void Ledger::ask(NodeId source, const core::InterruptRequest& request, Time now) {
-  Sent& sent = add(source, request.token, now);
+void Ledger::ask(NodeId source, const core::InterruptRequest& request, bool in_ring, Time now) {
+  Sent& sent = add(source, request.token, 4, in_ring, now);
   sent.destination = request.destination;
-  sent.queue = 4;
   sent.channel = request.factor;
-  sources_[source].waiting[4].push_back(sent.token);
 }
 
 // A send that is not needed any more: no copy is under way, and the CPUs of its receivers have read it.
@@ -147,6 +152,8 @@ void Ledger::count_tries(Sent& sent, wire::Code code) {
   sent.tries += flying.tries - flying.counted;
   flying.counted = flying.tries;
   sent.repeated = sent.repeated || code.attempt > 0;
+  sent.attempts = code.attempt + 1u;
+  sent.may_have_failed = false;
   sent.last_try = flying.since;
   if (sent.ended && sent.end.outcome != Outcome::cancelled) flying.awaited = false;  // unconfirmed
   sent.home_at = core::kNever;
@@ -189,7 +196,8 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time si
            (sent->ended_at < since || (sent->ended_at == since && sent->end.outcome != Outcome::unconfirmed));
   };
   Sent* before = find(source, slot.last.token);
-  if (code.attempt > 0 && !over(before) && looks.fit(*before)) {
+  const bool same_life = before && before->source_incarnation == sources_[source].incarnation;
+  if (code.attempt > 0 && same_life && !over(before) && looks.fit(*before)) {
     slot.last.crcs[code.attempt] = looks.crc;
     if (sources_[source].flying[code.interrupt ? 1 : 0].token != before->token) count_tries(*before, code);
     return before;
@@ -221,18 +229,21 @@ Sent* Ledger::on_line(NodeId source, wire::Code code, NodeId destination, std::u
   return found == slot.former.rend() ? nullptr : find(source, found->token);
 }
 
-Sent* Ledger::returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc, Time now) {
+void Ledger::returned_damaged(NodeId source, bool interrupt) {
+  Flying& flying = sources_[source].flying[interrupt ? 1 : 0];
+  flying.damaged = true;
+  if (Sent* sent = find(source, flying.token)) sent->may_have_failed = true;
+}
+
+Ledger::Return Ledger::returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc) {
   Flying& flying = sources_[source].flying[code.interrupt ? 1 : 0];
   const OnLine& last = on_line_slot(source, code, destination).last;
   const bool same = flying.awaited && flying.token != 0 && flying.token == last.token &&
                     flying.attempt == code.attempt && last.crcs[code.attempt] == crc;
-  if (!same) return nullptr;
+  if (!same) return {};
   flying.awaited = false;
   Sent* sent = find(source, flying.token);
-  if (!sent || !flying.damaged) return sent;
-  sent->in_doubt = true;
-  sent->refused_at = now;
-  return nullptr;
+  return {sent, sent && !flying.damaged && !sent->ended};  // one that was cancelled while out is not repeated
 }
 
 bool Ledger::has_taken(const core::ReceivedPacket& packet, NodeId node) const {
@@ -246,8 +257,9 @@ bool Ledger::has_taken(const core::ReceivedPacket& packet, NodeId node) const {
 void Ledger::come_home(Sent* sent, int fbc, Time at) {
   if (!sent) return;
   sent->in_doubt = fbc < 0;
-  sent->final = fbc > 0 || sent->destination == wire::kBroadcast || sent->interrupt();
+  sent->final = fbc > 0 || (fbc == 0 && (sent->destination == wire::kBroadcast || sent->interrupt()));
   if (!sent->final) sent->refused_at = at;
+  if (fbc == 0) sent->first_refused = std::min(sent->first_refused, at);
   sent->home_at = at;
   sent->home_fbc = fbc;
 }
@@ -281,20 +293,28 @@ void Ledger::cancel(NodeId source, Time now) {
   for (const auto& waiting : sources_[source].waiting)
     for (const std::uint32_t token : waiting)
       if (Sent* sent = find(source, token)) sent->cancelled_at = std::min(sent->cancelled_at, now);
+  for (Sent& sent : sources_[source].sent)
+    if (!sent.ended && sent.source_incarnation == sources_[source].incarnation)
+      sent.cancel_due = std::min(sent.cancel_due, now);
 }
 
 // ---- results --------------------------------------------------------------------------------
 
-void Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
-  if (end.owner != 1) return;
+const Sent* Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
+  if (end.owner != 1) return nullptr;
   Sent* sent = find(source, end.token);
   if (!sent) {
     if (end.token < sources_[source].first_token)
       complain_(Promise::one_result, "send " + std::to_string(end.token) + " of node " + std::to_string(source) +
                                          " ended again, long after its end");
-    return;
+    return nullptr;
   }
-  if (sent->ended) return complain_(Promise::one_result, sent->name() + " has two results");
+  if (sent->source_incarnation != sources_[source].incarnation)
+    complain_(Promise::one_result, sent->name() + " ended, and its node has restarted since");
+  if (sent->ended) {
+    complain_(Promise::one_result, sent->name() + " has two results");
+    return nullptr;
+  }
   sent->ended = true;
   sent->ended_at = at;
   sent->end = end;
@@ -302,6 +322,7 @@ void Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
   if (flying.token == end.token && end.outcome != Outcome::cancelled) flying.awaited = false;
   check_result(*sent);
   check_measures(*sent);
+  return sent;
 }
 
 void Ledger::check_result(const Sent& sent) {
@@ -337,14 +358,6 @@ void Ledger::check_measures(const Sent& sent) {
   complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +
                                       std::to_string(sent.end.tries) + " tries, and " + std::to_string(sent.tries) +
                                       " were seen");
-}
-
-void Ledger::finish(const std::vector<bool>& alive) {
-  settle(core::kNever);
-  for (std::size_t node = 0; node < sources_.size(); ++node)
-    for (const Sent& sent : sources_[node].sent)
-      if (alive[node] && sent.source_incarnation == sources_[node].incarnation && !sent.ended)
-        complain_(Promise::one_result, sent.name() + " never ended");
 }
 
 // ---- restarts --------------------------------------------------------------------------------

@@ -29,15 +29,21 @@ struct Sent {
   std::uint32_t checksum = 0;  ///< of the data
   std::uint32_t source_incarnation = 0;
   Time asked{};
+  bool asked_in_ring = false;        ///< its node showed that users may send
+  std::size_t ahead = 0;             ///< sends in its queue when it was asked for
   bool left = false;                 ///< it was on the line
   unsigned tries = 0;                ///< of it that were seen there
   bool repeated = false;             ///< one of them was a retry
+  unsigned attempts = 0;             ///< tries of its last packet
+  bool may_have_failed = false;      ///< that one came home damaged
   Time last_try{};                   ///< when the first byte of the last one left
   Time home_at = core::kNever;       ///< the last bit of that one was back
   int home_fbc = 0;                  ///< with this FBC
   bool final = false;                ///< a matching return is in, which may not be told yet
   Time cancelled_at = core::kNever;  ///< it does not leave any more
-  Time refused_at = core::kNever;    ///< a refusal is in: it waits a while and goes again
+  Time cancel_due = core::kNever;    ///< it was cancelled while out or waiting
+  Time first_refused = core::kNever;
+  Time refused_at = core::kNever;  ///< a refusal is in: it waits a while and goes again
   bool ended = false;
   Time ended_at{};
   core::SendEnded end;
@@ -73,8 +79,9 @@ class Ledger {
     }
   };
 
-  void ask(NodeId source, const core::SendRequest& request, Time now);
-  void ask(NodeId source, const core::InterruptRequest& request, Time now);
+  /// @param in_ring its node shows that users may send
+  void ask(NodeId source, const core::SendRequest& request, bool in_ring, Time now);
+  void ask(NodeId source, const core::InterruptRequest& request, bool in_ring, Time now);
   /// The first byte of a try of `source` leaves it.
   void try_begins(NodeId source, wire::Code code, Time now);
   /// That packet is no user's.
@@ -82,11 +89,17 @@ class Ledger {
   /// A packet of `source` has left it. @param since when its first byte did
   /// @return null where it was not asked for through the ring (another owner)
   Sent* depart(NodeId source, wire::Code code, const Looks& looks, Time since);
-  /// The last try of a packet of `source` has come home, for the first time; null where it is no such, or no user's.
-  Sent* returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc, Time now);
+  /// What has come home to its source.
+  struct Return {
+    Sent* sent = nullptr;  ///< whose last try it is, for the first time; null: of nobody
+    bool sure = true;      ///< false: its source may have given that try up
+  };
+  Return returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
+  /// A try of that kind is out, and has not come home.
+  bool awaits(NodeId source, bool interrupt) const { return sources_[source].flying[interrupt ? 1 : 0].awaited; }
   /// A packet of `source` has come home damaged: its try has failed, and the next one may be under way already, or the
   /// send may have ended.
-  void returned_damaged(NodeId source, bool interrupt) { sources_[source].flying[interrupt ? 1 : 0].damaged = true; }
+  void returned_damaged(NodeId source, bool interrupt);
   bool was_damaged(NodeId source, bool interrupt) const { return sources_[source].flying[interrupt ? 1 : 0].damaged; }
   /// Nothing that is on its way from `source` is waited for any more.
   void waits_for_nothing(NodeId source) { sources_[source].flying = {}; }
@@ -108,7 +121,8 @@ class Ledger {
   bool has_taken(const core::ReceivedPacket& packet, NodeId node) const;
   /// What `source` was asked for until now and has not begun to send is cancelled.
   void cancel(NodeId source, Time now);
-  void end(NodeId source, const core::SendEnded& end, Time at);
+  /// @return null where that is not judged further: of another owner, or told twice
+  const Sent* end(NodeId source, const core::SendEnded& end, Time at);
   /// `node` has restarted, with an empty memory.
   void start(NodeId node);
   /// The frozen node goes on, and may pull a pin for an INTP that was under way before.
@@ -117,8 +131,12 @@ class Ledger {
   void line_let_go(Time now) { let_go_ = now; }
   /// Judges what could not be judged in its own instant.
   void settle(Time now) { passed_over_.judge(now); }
-  /// Everything that living nodes were asked for must have ended.
-  void finish(const std::vector<bool>& alive);
+  /// All sends that a node was asked for since it started and that have not ended.
+  template <class Visit>
+  void each_open(NodeId source, Visit visit) const {
+    for (const Sent& sent : sources_[source].sent)
+      if (!sent.ended && sent.source_incarnation == sources_[source].incarnation) visit(sent);
+  }
 
  private:
   /// What of one kind is on its way from a source, as its header says.
@@ -154,7 +172,7 @@ class Ledger {
     std::uint32_t incarnation = 0;
   };
 
-  Sent& add(NodeId source, std::uint32_t token, Time now);
+  Sent& add(NodeId source, std::uint32_t token, std::uint8_t queue, bool in_ring, Time now);
   Slot& on_line_slot(NodeId source, wire::Code code, NodeId destination);
   void count_tries(Sent& sent, wire::Code code);
   void note_passed_over(const Sent& leaving, Time since);

@@ -130,7 +130,7 @@ TEST_F(Sending, CpuResetCancelsItsSendsAndEmptiesItsBuffers) {
   send(3_id, 0_id, text("stale command"));
   ring.node(0_id).send(send_of(7, 99, 1_id, text("t")), ring.now());
   const auto own = ring.send(0_id, 1_id, text("own"));
-  ring.node(0_id).cpu_reset(1, ring.now());
+  ring.reset_cpu(0_id);
   EXPECT_EQ(outcome_of(ring, 0_id, own).outcome, Outcome::cancelled);
   EXPECT_EQ(outcome_of(ring, 0_id, 99).outcome, Outcome::delivered) << "a tool's send goes on";
   EXPECT_EQ(ring.node(0_id).received_waiting(), 0u);

@@ -20,6 +20,10 @@ enum class Mutation {
   refuses_every_tenth,  ///< every tenth packet is refused though a buffer is free
   short_round_trips,    ///< results tell of round trips of a picosecond
   counts_one_try,       ///< results tell of one try, however many there were
+  gives_up_early,       ///< a send is lost after two tries
+  refused_at_once,      ///< what is refused does not go again
+  full_too_early,       ///< a queue is full with two sends
+  cancels_nothing,      ///< the sends of a CPU that was reset go on
   never_heals           ///< a node stays in the open chain though its beacon has come home
 };
 

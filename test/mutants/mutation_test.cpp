@@ -55,6 +55,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"RefusesEveryTenth", Mutation::refuses_every_tenth, Promise::true_fbc},
                     Case{"ShortRoundTrips", Mutation::short_round_trips, Promise::true_result},
                     Case{"CountsOneTry", Mutation::counts_one_try, Promise::true_result},
+                    Case{"GivesUpEarly", Mutation::gives_up_early, Promise::true_result},
+                    Case{"RefusedAtOnce", Mutation::refused_at_once, Promise::true_result},
+                    Case{"FullTooEarly", Mutation::full_too_early, Promise::true_result},
+                    Case{"CancelsNothing", Mutation::cancels_nothing, Promise::true_result},
                     Case{"NeverHeals", Mutation::never_heals, Promise::whole_again}),
     [](const auto& made) { return made.param.name; });
 

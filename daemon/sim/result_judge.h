@@ -1,0 +1,55 @@
+#pragma once
+
+#include "sim/ledger.h"
+
+namespace limb_ring::sim {
+
+/// What a node went through, as far as it ends sends.
+struct NodeStory {
+  core::NodeState state = core::NodeState::starting;
+  Time state_at{};                 ///< since when
+  Time cancelled = core::kNever;   ///< its CPU was reset, or its sends were cancelled
+  Time said_hello = core::kNever;  ///< its last hello left
+  Time thawed{};                   ///< it went on
+};
+
+/// Whether a result was justified when it was given, by what was seen on the lines. (protocol.md sections 4.3 to 4.6)
+class ResultJudge {
+ public:
+  /// @param said_hello the last hello of a receiver
+  ResultJudge(const Sent& sent, const core::Settings& settings, const NodeStory& source, Time said_hello,
+              bool ring_was_broken)
+      : sent_(sent), settings_(settings), source_(source), said_hello_(said_hello), ring_was_broken_(ring_was_broken) {}
+
+  /// @return what speaks against it; null where nothing does
+  const char* objection() const;
+  /// Until when it must have ended. (protocol.md sections 4.3 and 4.5)
+  Time due() const;
+
+ private:
+  bool home() const { return sent_.home_at == sent_.ended_at; }
+  bool overdue() const { return sent_.ended_at >= sent_.asked + settings_.queue_timeout; }
+  bool timed_out() const { return sent_.ended_at >= sent_.last_try + settings_.send_timeout(); }
+  bool receiver_forgot() const;
+  const char* against_delivered() const;
+  const char* against_refused() const;
+  const char* against_no_such_node() const;
+  const char* against_lost() const;
+  const char* against_unconfirmed() const;
+  const char* against_rejected() const;
+
+  const Sent& sent_;
+  const core::Settings& settings_;
+  const NodeStory& source_;
+  Time said_hello_;
+  bool ring_was_broken_;
+};
+
+/// In a ring, or in an open chain: users may send. (protocol.md section 8.1)
+inline bool may_send(core::NodeState state) {
+  using core::NodeState;
+  return state == NodeState::up || state == NodeState::alone || state == NodeState::folded ||
+         state == NodeState::open_chain;
+}
+
+}  // namespace limb_ring::sim
