@@ -20,6 +20,7 @@ struct SoakOptions {
   std::uint64_t seeds = 1000;
   std::uint64_t first = 0;  ///< drawn where it is not given: ranges that were run before find less
   bool all_fold_back = false;
+  bool wide = false;
   std::uint64_t failures = 1;
   bool hashes = false;
   app::Format format = app::Format::text;
@@ -42,12 +43,12 @@ struct Tally {
   }
 };
 
-std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, bool all_fold_back) {
+std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, const SoakOptions& options) {
   const sim::Violation& broken = *run.violation();
   return "seed " + std::to_string(seed) + ": " + run.describe() + "\npromise broken: " + to_string(broken.promise) +
          "\nat " + std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what +
          "\nagain with: ring_sim soak --first " + std::to_string(seed) + " --seeds 1" +
-         (all_fold_back ? " --redundancy foldback" : "") + "\n";
+         (options.all_fold_back ? " --redundancy foldback" : "") + (options.wide ? " --world wide" : "") + "\n";
 }
 
 /// The first seed of a range, drawn so that it has hardly been run before.
@@ -58,19 +59,21 @@ std::uint64_t fresh_range() {
 
 int run(const SoakOptions& options) {
   using FoldBack = study::RandomFaults::FoldBack;
+  using World = study::RandomFaults::World;
   Progress progress;
   Tally tally;
   std::uint64_t broken = 0;
   std::cerr << "Seeds " << options.first << " to " << options.first + options.seeds - 1 << ".\n";
   for (std::uint64_t seed = options.first; seed - options.first < options.seeds; ++seed) {
-    study::RandomFaults faults(seed, options.all_fold_back ? FoldBack::all : FoldBack::some);
+    study::RandomFaults faults(seed, options.all_fold_back ? FoldBack::all : FoldBack::some,
+                               options.wide ? World::wide : World::usual);
     std::optional<sim::Trace> trace;
     if (options.hashes) trace.emplace(faults.ring());
     faults.run();
     tally.add(faults);
     if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
     if (faults.violation()) {
-      std::cerr << violation_text(faults, seed, options.all_fold_back);
+      std::cerr << violation_text(faults, seed, options);
       if (++broken >= options.failures) return kBroken;
       continue;
     }
@@ -103,6 +106,12 @@ void add_soak(CLI::App& app, Context& context) {
           "--redundancy", [options](const std::string& what) { options->all_fold_back = what == "foldback"; },
           "mixed: a third of the rings folds back (default); foldback: all of them")
       ->transform(cli::one_of({"mixed", "foldback"}));
+  command
+      ->add_option_function<std::string>(
+          "--world", [options](const std::string& what) { options->wide = what == "wide"; },
+          "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
+          "still")
+      ->transform(cli::one_of({"usual", "wide"}));
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");
   add_format(*command, options->format);
   command->callback([&context, options] {

@@ -16,8 +16,10 @@ constexpr unsigned kSteps = 1200;
 
 }  // namespace
 
-RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back) : seed_(seed), random_(seed) {
+RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world)
+    : seed_(seed), random_(seed), is_wide_(world == World::wide), wide_(~seed) {
   choose_mix(fold_back);
+  choose_world();
   make_ring();
 }
 
@@ -34,18 +36,46 @@ void RandomFaults::choose_mix(FoldBack fold_back) {
   doubles_ = once_in(2) && !fold_back_;  // a fold may bring a doubled copy behind the source's next packet
 }
 
+void RandomFaults::choose_world() {
+  if (is_wide_ && wide(60) == 0) nodes_ = 17 + wide(238);
+  std::vector<NodeId> ids;
+  for (unsigned id = 0; id < (is_wide_ ? 255 : nodes_); ++id) ids.push_back(static_cast<NodeId>(id));
+  for (std::size_t i = ids.size(); is_wide_ && i-- > 1;) std::swap(ids[i], ids[wide(static_cast<unsigned>(i) + 1)]);
+  order_.assign(ids.begin(), ids.begin() + nodes_);
+  for (unsigned i = 0; is_wide_ && i < nodes_; ++i) {
+    delays_.push_back(1ns * (200 + wide(2000)));
+    slownesses_.push_back(wide(3) == 0 ? 1 + wide(4) : 1);
+  }
+}
+
+// Its lines, and what follows from them for the whole ring.
+void RandomFaults::differ(core::Settings& s) const {
+  const std::size_t place = core::place_of(order_, s.id);
+  if (!is_wide_ || place == nodes_) return;
+  core::Duration all{0};
+  for (const core::Duration delay : delays_) all += delay;
+  const unsigned slowest = *std::max_element(slownesses_.begin(), slownesses_.end());
+  s.lap = nodes_ * s.byte_time_out * slowest * static_cast<int>(wire::kMaxDataPacketSize + wire::kOverhead) + all;
+  s.all_delays = all;
+  s.byte_time_in = s.byte_time_out * slownesses_[(place + nodes_ - 1) % nodes_];
+  s.byte_time_out = s.byte_time_out * slownesses_[place];
+  s.relay_delay = delays_[place];
+  s.beacon *= 1 + nodes_ / 16;
+}
+
 std::string RandomFaults::describe() const {
   const auto rate = [](const char* what, unsigned times) {
     return times == 0 ? "" : std::string(", ") + what + " once in " + std::to_string(times);
   };
   return std::to_string(nodes_) + " nodes, lines " + (paced_ ? "of 1 Gbit/s" : "without a rate") +
-         (fold_back_ ? ", folding back" : "") + rate("a slice lost", drop_) + rate("damaged", damage_) +
-         rate("a fault in a step", trouble_);
+         (fold_back_ ? ", folding back" : "") + (is_wide_ ? ", a wide world" : "") + rate("a slice lost", drop_) +
+         rate("damaged", damage_) + rate("a fault in a step", trouble_);
 }
 
 void RandomFaults::make_ring() {
   sim::VirtualRingOptions options;
-  options.nodes = nodes_;
+  options.order = order_;
+  if (is_wide_ && wide(2) == 0) options.connecting = [this] { return Duration{1ns} * wide(20000); };
   options.byte_time = paced_ ? Duration{8ns} : Duration{0};
   options.keep_logs = false;
   options.adjust = [this](core::Settings& s) {
@@ -61,9 +91,10 @@ void RandomFaults::make_ring() {
     s.send_queue = 6;
     s.fold_back = fold_back_;
     s.wired = {true, false, true, true, true, true, true, true};
+    differ(s);
   };
   ring_ = std::make_unique<sim::VirtualRing>(options);
-  killed_.assign(nodes_, false);
+  killed_.assign(ring_->size(), false);
   invariants_ = std::make_unique<sim::Invariants>(*ring_);
   lines_ = std::make_unique<sim::VirtualLineFaults>(*ring_, seed_);
   ring_->on_event = [this](NodeId, const core::Event& event) {
@@ -74,8 +105,7 @@ void RandomFaults::make_ring() {
 }
 
 void RandomFaults::tap_all(Line line) {
-  for (unsigned node = 0; node < nodes_; ++node) {
-    const auto id = static_cast<NodeId>(node);
+  for (const NodeId id : order_) {
     const auto tap = [this, id, line](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
       pass(id, line, slice, arriving);
     };
@@ -104,7 +134,8 @@ void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::Sl
 
 void RandomFaults::run() {
   ring_->join();
-  for (unsigned step = 0; step < kSteps && !violation_; ++step) {
+  const unsigned steps = nodes_ <= 16 ? kSteps : kSteps * 16 / nodes_;
+  for (unsigned step = 0; step < steps && !violation_; ++step) {
     act();
     ring_->run_for(Duration{1ns} * random(paced_ ? 12000 : 4000));
     note_violation();
@@ -112,14 +143,15 @@ void RandomFaults::run() {
   if (!violation_) calm_down();
   if (!violation_) check_whole();
   if (!violation_) check_silence();
+  if (!violation_ && is_wide_) send_when_mended();
 }
 
 void RandomFaults::note_violation() { violation_ = invariants_->violation(); }
 
 std::uint64_t RandomFaults::hops() const {
   std::uint64_t hops = 0;
-  for (unsigned id = 0; id < nodes_; ++id) {
-    const core::Counters& c = ring_->counters(static_cast<NodeId>(id));
+  for (const NodeId id : order_) {
+    const core::Counters& c = ring_->counters(id);
     hops += c.relayed_data + c.relayed_interrupts + c.sent_data + c.sent_interrupts;
   }
   return hops;
@@ -127,6 +159,10 @@ std::uint64_t RandomFaults::hops() const {
 
 void RandomFaults::act() {
   if (once_in(trouble_)) fault();
+  if (is_wide_ && trouble_ != 0 && wide(trouble_) == 0) {
+    const NodeId node = order_[wide(nodes_)];
+    !paced_&& wide(2) == 0 ? stand_still(node) : hold_output(node);
+  }
   if (once_in(7))
     interrupt();
   else
@@ -135,7 +171,7 @@ void RandomFaults::act() {
 
 void RandomFaults::send() {
   const NodeId source = random_node();
-  if (!ring_->alive(source)) return;
+  if (!ring_->alive(source) || ring_->paused(source)) return;
   std::vector<std::uint8_t> data(once_in(3) ? wire::kMaxPayload : 1 + random(512));
   for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random_());
   ring_->send(source, random_destination(), data, static_cast<std::uint8_t>(random(4)));
@@ -143,7 +179,8 @@ void RandomFaults::send() {
 
 void RandomFaults::interrupt() {
   const NodeId source = random_node();
-  if (ring_->alive(source)) ring_->interrupt(source, random_destination(), static_cast<std::uint8_t>(random(8)));
+  if (ring_->alive(source) && !ring_->paused(source))
+    ring_->interrupt(source, random_destination(), static_cast<std::uint8_t>(random(8)));
 }
 
 void RandomFaults::fault() {
@@ -197,9 +234,23 @@ void RandomFaults::line_fault(NodeId node) {
   lines_->begin(fault);
 }
 
+// As long as a line holds back, and no longer than that, for the same reason.
+void RandomFaults::stand_still(NodeId node) {
+  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / (doubles_ ? 32 : 16) / 1ns);
+  ring_->pause(node);
+  ring_->at(ring_->now() + Duration{1ns} * (1 + wide(longest)), [this, node] { ring_->resume(node); });
+}
+
+void RandomFaults::hold_output(NodeId node) {
+  if (!ring_->alive(node)) return;
+  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / (doubles_ ? 32 : 16) / 1ns);
+  ring_->set_output_ready(node, false);
+  ring_->at(ring_->now() + Duration{1ns} * (1 + wide(longest)), [this, node] { ring_->set_output_ready(node, true); });
+}
+
 void RandomFaults::cut(NodeId node) {
   if (!fold_back_ || once_in(3)) return ring_->cut(node);
-  once_in(4) ? ring_->cut(static_cast<NodeId>((node + 1) % nodes_), Line::second) : ring_->cut_cable(node);
+  once_in(4) ? ring_->cut(core::node_after(order_, node, 1), Line::second) : ring_->cut_cable(node);
 }
 
 void RandomFaults::heal(NodeId node) { fold_back_ ? ring_->heal_cable(node) : ring_->heal(node); }
@@ -223,9 +274,8 @@ void RandomFaults::freeze_or_thaw(NodeId node) {
 void RandomFaults::calm_down() {
   quiet_ = true;
   lines_->mend_all();
-  for (unsigned id = 0; id < nodes_; ++id) {
-    const auto node = static_cast<NodeId>(id);
-    ring_->cpu_reads[id] = true;
+  for (const NodeId node : order_) {
+    ring_->cpu_reads[node] = true;
     heal(node);
     if (!ring_->alive(node)) freeze_or_thaw(node);
   }
@@ -235,8 +285,8 @@ void RandomFaults::calm_down() {
 }
 
 void RandomFaults::check_whole() {
-  for (unsigned id = 0; id < nodes_; ++id) {
-    const core::Membership& m = ring_->node(static_cast<NodeId>(id)).membership();
+  for (const NodeId id : order_) {
+    const core::Membership& m = ring_->node(id).membership();
     if (m.state() == core::NodeState::up && m.ring_size() == nodes_) continue;
     violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
                                 "node " + std::to_string(id) + " is " + to_string(m.state()) + " in a ring of " +
@@ -253,6 +303,18 @@ void RandomFaults::check_silence() {
   if (slices_when_quiet_ == 0 || violation_) return;
   violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
                               std::to_string(slices_when_quiet_) + " slices that are no beacon's still circulate"};
+}
+
+// All bounds are in force again.
+void RandomFaults::send_when_mended() {
+  for (unsigned step = 0; step < kSteps / 8 && !violation_; ++step) {
+    once_in(7) ? interrupt() : send();
+    ring_->run_for(Duration{1ns} * random(paced_ ? 12000 : 4000));
+    note_violation();
+  }
+  ring_->run_for(100ms);
+  invariants_->finish();
+  note_violation();
 }
 
 }  // namespace limb_ring::study

@@ -20,7 +20,11 @@ class RandomFaults {
  public:
   /// Which rings fold back around a break: a third of them, or all.
   enum class FoldBack { some, all };
-  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some);
+  /// What the simulated world is like: all nodes and lines alike, with ids 0, 1, 2 ...; or wide: sparse and unordered
+  /// ids, rarely up to 254 nodes, lines that differ in rate and delay, take time to connect, or take nothing for a
+  /// while, nodes that stand still and keep what comes, and traffic once more when all is mended.
+  enum class World { usual, wide };
+  explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some, World world = World::usual);
 
   /// Runs it all, or until a promise is broken.
   void run();
@@ -39,10 +43,16 @@ class RandomFaults {
   unsigned random(unsigned below) { return static_cast<unsigned>(random_() % below); }
   /// True once in so many times.
   bool once_in(unsigned times) { return times != 0 && random(times) == 0; }
-  wire::NodeId random_node() { return static_cast<wire::NodeId>(random(nodes_)); }
+  wire::NodeId random_node() { return order_[random(nodes_)]; }
   wire::NodeId random_destination() { return once_in(5) ? wire::kBroadcast : random_node(); }
 
+  unsigned wide(unsigned below) { return static_cast<unsigned>(wide_() % below); }
   void choose_mix(FoldBack fold_back);
+  void choose_world();
+  void differ(core::Settings& settings) const;
+  void stand_still(wire::NodeId node);
+  void hold_output(wire::NodeId node);
+  void send_when_mended();
   void make_ring();
   void tap_all(core::Line line);
   void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
@@ -62,7 +72,12 @@ class RandomFaults {
 
   std::uint64_t seed_;
   std::mt19937_64 random_;
+  bool is_wide_;
+  std::mt19937_64 wide_;  ///< apart from the other, so that seeds mean what they meant
   unsigned nodes_ = 16;
+  core::RingOrder order_;
+  std::vector<core::Duration> delays_;  ///< of the lines into the nodes, by place; of a wide world
+  std::vector<unsigned> slownesses_;    ///< of the lines out of them: so many times the byte time
   bool paced_ = false;
   bool fold_back_ = false;
   unsigned drop_ = 0, damage_ = 0, trouble_ = 0;  ///< once in so many slices, slices, steps; 0: never
