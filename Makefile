@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo tests test soak traces bench bench-sim chaos fault-table install-dissector deps clean format
+.PHONY: help all build demo tests test soak mutants traces bench bench-sim chaos fault-table install-dissector deps clean format
 all: build
 
 help: ## This list
@@ -53,6 +53,10 @@ endif
 SEEDS ?= 1000
 soak: build ## Random faults by seed under the virtual clock (SEEDS=10000)
 	$(BUILD)/devel/lib/limb_ring/ring_sim soak --seeds $(SEEDS)
+
+# Does a change of the core at a random place go unnoticed by the quick tests? By SEED (1), COUNT of them.
+mutants: deps ## Changes a copy of the core at random places; do the tests notice? (COUNT=20 SEED=1)
+	$(PYTHON) test/mutants/try_mutants $(if $(COUNT),--count $(COUNT)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
 
 # What the virtual ring does, as hashes: the same before and after a change that is to change nothing.
 traces: build ## What the virtual ring does, as hashes
