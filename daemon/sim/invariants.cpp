@@ -229,7 +229,7 @@ void Invariants::own_data_leaves(NodeId node, const PacketFields& packet) {
   }
   ledger_.depart(node, packet.code(),
                  {packet.destination(), wire::priority_of(packet.last()), wire::channel_of(packet.last()),
-                  packet.data().size, packet.crc()},
+                  packet.data().size, packet.crc(), wire::crc32(packet.data())},
                  n.going_since);
 }
 
@@ -243,7 +243,7 @@ void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time no
   } else {
     const bool free = !ledger_.awaits(node, true);
     ledger_.try_begins(node, head.code, now);
-    const Sent* sent = ledger_.depart(node, head.code, {tail.destination, 4, tail.last, 0, tail.crc}, now);
+    const Sent* sent = ledger_.depart(node, head.code, {tail.destination, 4, tail.last, 0, tail.crc, 0}, now);
     if (sent && sent->tries == 1 && free && !n.hello_out && sent->asked >= calm_from_ &&
         n.story.state != NodeState::open_chain)
       n.forwarding.own_interrupt_went(std::max({sent->asked, n.interrupt_free, n.story.state_at, n.gate_at}), now);
@@ -330,6 +330,7 @@ void Invariants::data_arrives(NodeId node, const PacketFields& packet, Time now,
   const bool for_it = destination == node || destination == wire::kBroadcast;
   const bool good = !(for_it || is_away(source)) || (wire::trailer_valid(packet.bytes) && packet.crc_good());
   ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
+  if (good && wire::is_control(packet)) n.news_at = at_end;
   if (good && for_it) {
     Sent* sent = wire::is_control(packet) ? nullptr : on_line(packet);
     const std::size_t least = n.buffers.least(wire::priority_of(packet.last()));
@@ -369,9 +370,18 @@ ForwardingChecker::Due Invariants::due(NodeId, Answer answer, const PacketFields
   return {ForwardingChecker::kAnyFbc};
 }
 
+// A beacon may have told of a break, which the node shows when the instant is over.
+bool Invariants::has_news(NodeId node, Time now) const {
+  const Node& n = *nodes_[node];
+  return n.news_at + n.settings.byte_time_in * static_cast<std::int64_t>(wire::kOverhead) >= now;
+}
+
 Answer Invariants::offer(NodeId node, const PacketFields& packet, Sent* sent, Sure received, Time at_end) {
   Node& n = at(node);
+  const bool may_have_joined = n.receiver.joined() == Sure::no && n.hello_left && has_news(node, at_end);
+  if (may_have_joined) n.receiver.set_joined(Sure::unknown);
   const Answer answer = n.receiver.data(packet, received, has_buffer(node, packet), at_end);
+  if (may_have_joined) n.receiver.set_joined(Sure::no);
   if (wire::is_control(packet)) return answer;
   const std::uint8_t priority = wire::priority_of(packet.last());
   if (answer == Answer::takes) ledger_.take(sent, packet.source(), node, priority);
@@ -422,7 +432,10 @@ void Invariants::comes_home(NodeId node, const PacketFields& packet, Time at_end
     if (is_last) n.control = {};
     return;
   }
-  const auto [sent, sure] = ledger_.returned(node, packet.code(), packet.destination(), crc_at_source(packet));
+  const auto [sent, last] = ledger_.returned(node, packet.code(), packet.destination(), crc_at_source(packet));
+  // A fold drops what it was just given: a retry may have been sent, and never seen.
+  const bool retried = n.settings.fold_back && sent && at_end - sent->last_try >= n.settings.send_timeout();
+  const bool sure = last && !retried && !has_news(node, at_end);
   int fbc = sure ? packet.fbc() : ForwardingChecker::kAnyFbc;
   if (packet.destination() == node && (sent || ledger_.others_send(node))) {
     const Sure received = sent && sure && may_send(n.story.state) ? Sure::yes : Sure::unknown;

@@ -68,8 +68,9 @@ class Invariants : public Observer {
     NodeStory story;
     Time began{};  ///< it started, or started over
     std::vector<Unexplained> unexplained;
-    Time arrived{};  ///< when something last did
-    Time gate_at{};  ///< its hello came home: what it held back may leave
+    Time arrived{};                    ///< when something last did
+    Time news_at{core::Duration{-1}};  ///< a hello or beacon of another node was in
+    Time gate_at{};                    ///< its hello came home: what it held back may leave
     bool hello_left = false;
     bool hello_out = false;  ///< and is not home: nothing else may leave
     OwnControl control;
@@ -95,6 +96,7 @@ class Invariants : public Observer {
                                         Time at_end);
   ForwardingChecker::Due due(NodeId node, ReceiverModel::Answer answer, const wire::PacketFields& packet,
                              std::size_t free) const;
+  bool has_news(NodeId node, Time now) const;
   Sure has_buffer(NodeId node, const wire::PacketFields& packet);
   void comes_home(NodeId node, const wire::PacketFields& packet, Time at_end);
   void state_changes(NodeId node, core::NodeState state, Time now);

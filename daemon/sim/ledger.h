@@ -73,9 +73,11 @@ class Ledger {
     NodeId destination;
     std::uint8_t queue, channel;
     std::size_t size;
-    std::uint32_t crc;  ///< as it was when it left its source
+    std::uint32_t crc;       ///< as it was when it left its source
+    std::uint32_t checksum;  ///< of its data
     bool fit(const Sent& sent) const {
-      return sent.destination == destination && sent.queue == queue && sent.channel == channel && sent.size == size;
+      return sent.destination == destination && sent.queue == queue && sent.channel == channel && sent.size == size &&
+             sent.checksum == checksum;
     }
   };
 

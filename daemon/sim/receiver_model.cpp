@@ -180,7 +180,7 @@ void ReceiverModel::join() {
   joined_ = Sure::yes;
   for (Page& page : pages_)
     for (Entry& e : page.entries)
-      if (e.aged) e = {};
+      if (e.aged && !e.any_sequence) e = {};
 }
 
 void ReceiverModel::start_over(bool forgets_peers, Time now) {
