@@ -14,6 +14,13 @@ namespace {
 /// The longest pause between two slices of a DATP. (protocol.md section 7.4)
 core::Duration stall_of(const core::Settings& settings) { return settings.stall + 2048 * settings.byte_time_in; }
 
+/// Then what a slow line has held up comes all at once further on, and the bound is not promised.
+bool lines_differ(const core::Settings& settings) {
+  const core::Duration each =
+      settings.byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kOverhead) + settings.relay_delay;
+  return settings.lap.count() != 0 && settings.lap != settings.nodes() * each;
+}
+
 std::size_t most_waiting(const core::Settings& settings) {
   return std::max(2u, settings.insertion_buffer) * wire::kMaxDataPacketSize;
 }
@@ -460,7 +467,7 @@ void Invariants::check_insertion(NodeId node, Time now) {
   constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
   const Node& n = at(node);
   if (now < calm_from_ || !ring_.has_output(node) || n.settings.byte_time_out > n.settings.byte_time_in) return;
-  if (n.forwarding.bytes() <= kNormal) return;
+  if (n.forwarding.bytes() <= kNormal || lines_differ(n.settings)) return;
   // What has come earlier was dropped.
   const std::size_t bytes = n.forwarding.bytes_since(now - n.settings.worst_lap());
   if (bytes > kNormal)
