@@ -259,7 +259,7 @@ void Ledger::come_home(Sent* sent, int fbc, Time at) {
   sent->in_doubt = fbc < 0;
   sent->final = fbc > 0 || (fbc == 0 && (sent->destination == wire::kBroadcast || sent->interrupt()));
   if (!sent->final) sent->refused_at = at;
-  if (fbc == 0) sent->first_refused = std::min(sent->first_refused, at);
+  if (fbc <= 0) sent->first_refused = std::min(sent->first_refused, at);
   sent->home_at = at;
   sent->home_fbc = fbc;
 }
