@@ -8,7 +8,8 @@
 namespace limb_ring::firmware {
 namespace {
 
-constexpr std::size_t kMostWithoutResult = 8;
+/// Results wait for up to 20 ms (results_may_wait): that many samples at 1 kHz, and some that are under way.
+constexpr std::size_t kMostWithoutResult = 32;
 constexpr std::uint8_t kStatePriority = 0;
 
 /// The same instant on both clocks, where `now` is one that is known.

@@ -114,10 +114,10 @@ TEST_F(NodeCpuTest, OnlyCountsANotifyInterrupt) {
   EXPECT_EQ(cpu.counters().notifies, 1U);
 }
 
-TEST_F(NodeCpuTest, LeavesOutSamplesWhileEightHaveNoResult) {
+TEST_F(NodeCpuTest, LeavesOutSamplesWhile32HaveNoResult) {
   confirm = false;
-  EXPECT_EQ(run_until(1s).size(), 8U);
-  EXPECT_EQ(cpu.counters().skipped, 152U);
+  EXPECT_EQ(run_until(1s).size(), 32U);
+  EXPECT_EQ(cpu.counters().skipped, 128U);
   cpu.receive(ended(Outcome::lost));
   EXPECT_EQ(run_until(1100ms).size(), 1U);
   EXPECT_EQ(cpu.counters().not_delivered, 1U);
