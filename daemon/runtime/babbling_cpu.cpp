@@ -28,7 +28,7 @@ void BabblingCpu::start(std::chrono::nanoseconds period) {
 void BabblingCpu::stop() {
   if (!on_) return;
   on_ = false;
-  next_.cancel();
+  next_->cancel();
   engine_.controller().cancel(kBabblingOwner, engine_.now());
   engine_.pump();
 }
@@ -53,7 +53,7 @@ void BabblingCpu::on_ended(const core::SendEnded& ended) {
   if (!on_ || ended.token != run_) return;
   ++sent_;
   const auto pause = ended.outcome == core::Outcome::rejected ? std::max(period_, kRejectedPause) : period_;
-  if (pause.count() > 0) return next_.expires_at(Clock::Steady::now() + pause);
+  if (pause.count() > 0) return next_->expires_at(engine_.clock().now() + pause);
   send();
 }
 

@@ -2,8 +2,7 @@
 
 #include <array>
 
-#include "event_loop/packet_timer.h"
-#include "runtime/engine.h"
+#include "runtime/node_driver.h"
 
 namespace limb_ring::runtime {
 
@@ -11,7 +10,7 @@ namespace limb_ring::runtime {
 /// end. The real CPU goes on beside it. (ours)
 class BabblingCpu {
  public:
-  BabblingCpu(boost::asio::io_context& io, Engine& engine) : engine_(engine), next_(io, [this] { send_next(); }) {}
+  explicit BabblingCpu(NodeDriver& engine) : engine_(engine), next_(engine.clock().timer([this] { send_next(); })) {}
 
   /// One packet per `period`, as each has ended; 0: its queue is always full, and what is beyond that is rejected.
   void start(std::chrono::nanoseconds period);
@@ -25,8 +24,8 @@ class BabblingCpu {
   void send();
   void send_next();
 
-  Engine& engine_;
-  event_loop::PacketTimer next_;
+  NodeDriver& engine_;
+  std::unique_ptr<event_loop::Timer> next_;
   std::chrono::nanoseconds period_{0};
   bool on_ = false;
   std::uint32_t run_ = 0;  ///< number of this run, as a token: results of an earlier run do not count

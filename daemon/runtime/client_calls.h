@@ -16,7 +16,7 @@ class ClientCalls final : public host::HostHandler {
   /// All must outlive this; they may be built after it.
   struct Receivers {
     const config::RingConfig& ring;
-    Engine& engine;
+    NodeDriver& engine;
     host::HostServer& host;
     CpuSocket& cpu;
     Requests& requests;

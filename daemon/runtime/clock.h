@@ -24,15 +24,9 @@ class Clock {
     if (since >= Steady::time_point::max() - start_) return Steady::time_point::max();
     return start_ + std::chrono::duration_cast<std::chrono::nanoseconds>(since) + std::chrono::nanoseconds(1);
   }
-  std::chrono::nanoseconds uptime() const { return Steady::now() - start_; }
 
  private:
   Steady::time_point start_;
 };
-
-/// CLOCK_MONOTONIC in ns, as pins latch it and `sync` tells it.
-inline std::int64_t monotonic_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::Steady::now().time_since_epoch()).count();
-}
 
 }  // namespace limb_ring::runtime

@@ -15,8 +15,8 @@ class CpuFaults {
   /// Called once, when it has taken effect, with an empty text, or with why it has not.
   using Done = std::function<void(const std::string& problem)>;
 
-  CpuFaults(boost::asio::io_context& io, Engine& engine, CpuSocket& cpu)
-      : io_(io), engine_(engine), cpu_(cpu), babbling_(io, engine) {}
+  CpuFaults(boost::asio::io_context& io, NodeDriver& engine, CpuSocket& cpu)
+      : io_(io), engine_(engine), cpu_(cpu), babbling_(engine) {}
 
   /// Stops its process.
   void hang(const Done& done);
@@ -42,7 +42,7 @@ class CpuFaults {
   void wait(std::function<bool()> condition, const std::string& otherwise, const Done& done);
 
   boost::asio::io_context& io_;
-  Engine& engine_;
+  NodeDriver& engine_;
   CpuSocket& cpu_;
   BabblingCpu babbling_;
 };

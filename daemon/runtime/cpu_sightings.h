@@ -1,7 +1,7 @@
 #pragma once
 
 #include "runtime/cpu_socket.h"
-#include "runtime/engine.h"
+#include "runtime/node_driver.h"
 #include "watchdog/reset_order.h"
 #include "watchdog/watchdog.h"
 
@@ -11,7 +11,7 @@ namespace limb_ring::runtime {
 class CpuSightings {
  public:
   /// All must outlive this.
-  CpuSightings(const config::RingConfig& ring, const config::NodeConfig& self, const Engine& engine,
+  CpuSightings(const config::RingConfig& ring, const config::NodeConfig& self, const NodeDriver& engine,
                const CpuSocket& own)
       : ring_(ring), self_(self), engine_(engine), own_(own) {}
 
@@ -23,7 +23,7 @@ class CpuSightings {
  private:
   const config::RingConfig& ring_;
   const config::NodeConfig& self_;
-  const Engine& engine_;
+  const NodeDriver& engine_;
   const CpuSocket& own_;
 };
 

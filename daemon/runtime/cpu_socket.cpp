@@ -4,18 +4,18 @@
 
 namespace limb_ring::runtime {
 
-CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& engine, host::HostServer& host,
+CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& engine, host::HostServer& host,
                      std::function<void()> changed)
     : kind_(options.cpu.kind),
       alive_period_(options.cpu.alive_period),
       engine_(engine),
       host_(host),
       changed_(std::move(changed)),
-      process_(io, std::move(options), *this),
-      next_read_(io, [this] {
+      process_(io, engine.clock(), std::move(options), *this),
+      next_read_(engine.clock().timer([this] {
         hand_over();
         engine_.pump();
-      }) {}
+      })) {}
 
 void CpuSocket::start() {
   process_.start();
@@ -44,7 +44,7 @@ void CpuSocket::detach(const host::ClientInfo& client) {
 }
 
 void CpuSocket::spoke() {
-  process_.spoke(CpuProcess::Time::clock::now());
+  process_.spoke(engine_.clock().now());
   reported_.spoke_at = engine_.now();
   engine_.controller().set_cpu(reported_, engine_.now());
 }
@@ -60,7 +60,7 @@ void CpuSocket::hand_over() {
           client::PacketView{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()});
   }
   if (read_throttle_.next() != core::kNever && controller.received_waiting() != 0)
-    next_read_.expires_at(engine_.clock().steady(read_throttle_.next()));
+    next_read_->expires_at(engine_.steady(read_throttle_.next()));
 }
 
 CpuActionResult CpuSocket::reset(const std::string& reason) {

@@ -3,7 +3,7 @@
 #include "config/ring_config.h"
 #include "host/host_server.h"
 #include "runtime/cpu/cpu_process.h"
-#include "runtime/engine.h"
+#include "runtime/node_driver.h"
 #include "runtime/read_throttle.h"
 
 namespace limb_ring::runtime {
@@ -13,7 +13,7 @@ namespace limb_ring::runtime {
 class CpuSocket final : private CpuEvents {
  public:
   /// `changed` is called after anything that status() shows has changed.
-  CpuSocket(boost::asio::io_context& io, CpuOptions options, Engine& engine, host::HostServer& host,
+  CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& engine, host::HostServer& host,
             std::function<void()> changed);
 
   void start();
@@ -61,12 +61,12 @@ class CpuSocket final : private CpuEvents {
 
   config::CpuConfig::Kind kind_;
   std::chrono::milliseconds alive_period_;
-  Engine& engine_;
+  NodeDriver& engine_;
   host::HostServer& host_;
   std::function<void()> changed_;
   CpuProcess process_;
   ReadThrottle read_throttle_;
-  event_loop::PacketTimer next_read_;
+  std::unique_ptr<event_loop::Timer> next_read_;
   core::CpuReport reported_;
   Stop stop_;
   std::uint32_t sink_boots_ = 1;

@@ -26,12 +26,10 @@ void DaemonInterrupts::on_ended(const core::SendEnded& ended) {
 
 void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout,
                              ResetDone done) {
-  Reset& reset = resets_.emplace_back(io_, node, cpus_.known(node), engine_.now(), std::move(done));
-  reset.deadline.expires_after(timeout);
-  reset.deadline.async_wait([this, which = &reset](const boost::system::error_code& error) {
-    if (error) return;
-    finish(place_of(which), which->order.timed_out(engine_.now()));
-  });
+  Reset& reset = resets_.emplace_back(node, cpus_.known(node), engine_.now(), std::move(done));
+  reset.deadline =
+      engine_.clock().timer([this, which = &reset] { finish(place_of(which), which->order.timed_out(engine_.now())); });
+  reset.deadline->expires_at(engine_.clock().now() + timeout);
   interrupt(node, factor, [this, which = &reset](const core::SendEnded& ended) {
     const auto place = place_of(which);
     if (place != resets_.end())

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <boost/asio/steady_timer.hpp>
 #include <functional>
 #include <list>
 #include <map>
 
 #include "runtime/cpu_sightings.h"
-#include "runtime/engine.h"
+#include "runtime/node_driver.h"
 #include "watchdog/reset_order.h"
 
 namespace limb_ring::runtime {
@@ -18,8 +17,7 @@ class DaemonInterrupts {
   using Ended = std::function<void(const core::SendEnded&)>;
   using ResetDone = std::function<void(const watchdog::ResetReport&)>;
 
-  DaemonInterrupts(boost::asio::io_context& io, Engine& engine, const CpuSightings& cpus)
-      : io_(io), engine_(engine), cpus_(cpus) {}
+  DaemonInterrupts(NodeDriver& engine, const CpuSightings& cpus) : engine_(engine), cpus_(cpus) {}
 
   void interrupt(wire::NodeId to, std::uint8_t factor, Ended done);
   /// Pulls the reset pin of `node` and waits until it is known what has come of it.
@@ -32,12 +30,12 @@ class DaemonInterrupts {
 
  private:
   struct Reset {
-    Reset(boost::asio::io_context& io, wire::NodeId n, const watchdog::CpuKnown& before, core::Time now, ResetDone d)
-        : node(n), order(before, now), done(std::move(d)), deadline(io) {}
+    Reset(wire::NodeId n, const watchdog::CpuKnown& before, core::Time now, ResetDone d)
+        : node(n), order(before, now), done(std::move(d)) {}
     wire::NodeId node;
     watchdog::ResetOrder order;
     ResetDone done;
-    boost::asio::steady_timer deadline;
+    std::unique_ptr<event_loop::Timer> deadline;
   };
   using ResetPlace = std::list<Reset>::iterator;
 
@@ -45,8 +43,7 @@ class DaemonInterrupts {
   void finish(ResetPlace place, const watchdog::ResetOrder::Report& report);
   ResetPlace place_of(const Reset* reset);
 
-  boost::asio::io_context& io_;
-  Engine& engine_;
+  NodeDriver& engine_;
   const CpuSightings& cpus_;
   std::uint32_t last_token_ = 0;
   std::map<std::uint32_t, Ended> interrupts_;

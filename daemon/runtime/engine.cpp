@@ -8,7 +8,8 @@ namespace limb_ring::runtime {
 
 Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const setup::LinkSettings& links,
                EngineListener& listener)
-    : listener_(listener),
+    : machine_clock_(io),
+      listener_(listener),
       controller_(core, clock_.now()),
       loop_(event_loop::PacketLoop::of(io)),
       timer_(io,
@@ -37,6 +38,14 @@ void Engine::listen_again() {
 void Engine::set_tap(LineTap* tap) {
   tap_ = tap;
   controller_.set_tap(tap != nullptr ? this : nullptr);
+}
+
+LineEnds Engine::ends(core::Line on) const {
+  const NodeLine& line = this->line(on);
+  LineEnds ends;
+  ends.from = line.input().from();
+  if (line.output().up()) ends.to = line.output().to();
+  return ends;
 }
 
 // ---- from the lines -----------------------------------------------------------------------

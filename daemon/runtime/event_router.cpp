@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "runtime/clock.h"
 #include "runtime/send_owner.h"
 
 namespace limb_ring::runtime {
@@ -21,7 +20,7 @@ void EventRouter::on_round_end() {
 }
 
 void EventRouter::on_link(std::string_view what) {
-  spdlog::info("{}", what);
+  spdlog::info("{}{}", to_.log_prefix, what);
   to_.observers.tell("link", {{"what", std::string(what)}});
 }
 
@@ -55,15 +54,17 @@ void EventRouter::tell_client(host::ClientId client, const core::SendEnded& ende
 }
 
 void EventRouter::handle(const core::PinPulled& pin) {
-  const std::string done = to_.pins.pull(pin.factor, pin.source, monotonic_ns());
-  spdlog::info("{}", done);
+  const event_loop::NodeClock::Time latched = to_.engine.clock().now();
+  const std::string done = to_.pins.pull(pin.factor, pin.source, latched.time_since_epoch().count());
+  spdlog::info("{}{}", to_.log_prefix, done);
   to_.observers.tell("pin",
                      {{"factor", std::uint8_t{pin.factor}}, {"source", std::uint8_t{pin.source}}, {"what", done}});
 }
 
 void EventRouter::handle(const core::StateChanged& change) {
   const auto& membership = to_.engine.controller().membership();
-  spdlog::info("{} -> {}, ring size {}", to_string(change.before), to_string(change.after), membership.ring_size());
+  spdlog::info("{}{} -> {}, ring size {}", to_.log_prefix, to_string(change.before), to_string(change.after),
+               membership.ring_size());
   const auto line = membership.broken_line();
   nlohmann::json broken;
   if (line) broken = {{"before", std::uint8_t{line->before}}, {"behind", std::uint8_t{line->behind}}};
@@ -78,9 +79,9 @@ void EventRouter::handle(const core::StateChanged& change) {
 void EventRouter::on_cpu_changed() {
   const CpuStatus status = to_.cpu.status();
   if (status.pid > 0)
-    spdlog::info("CPU {} (pid {}, boot {})", to_string(status.state), status.pid, status.boots);
+    spdlog::info("{}CPU {} (pid {}, boot {})", to_.log_prefix, to_string(status.state), status.pid, status.boots);
   else
-    spdlog::info("CPU {}", to_string(status.state));
+    spdlog::info("{}CPU {}", to_.log_prefix, to_string(status.state));
   to_.observers.tell("cpu", {{"state", to_string(status.state)}, {"pid", status.pid}, {"boots", status.boots}});
   to_.interrupts.on_cpu_changed(wire::NodeId{to_.node.id});
   if (status.boots != std::exchange(cpu_boots_, status.boots)) to_.faults.cpu_booted();

@@ -3,8 +3,8 @@
 #include "host/host_server.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/daemon_interrupts.h"
-#include "runtime/engine.h"
 #include "runtime/faults.h"
+#include "runtime/node_driver.h"
 #include "runtime/node_folder.h"
 #include "runtime/observers.h"
 #include "runtime/pin_board.h"
@@ -22,8 +22,9 @@ class EventRouter final : public EngineListener {
   /// All must outlive the router; they may be built after it.
   struct Receivers {
     const config::NodeConfig& node;
+    std::string log_prefix;
     const SendReasons& reasons;
-    Engine& engine;
+    NodeDriver& engine;
     host::HostServer& host;
     NodeFolder& folder;
     CpuSocket& cpu;

@@ -49,6 +49,12 @@ void require_own(const Fault& fault, const FaultTargets& to) {
                        " is a UNIX stream, which keeps order; it needs a UDP line (transport: udp)");
 }
 
+/// Sends no answer: the process ends.
+void power_cycle(const FaultTargets& to) {
+  if (!to.power_cycle) throw RequestError("power_cycle: not possible on a virtual ring");
+  to.power_cycle();
+}
+
 }  // namespace
 
 void begin_fault(const FaultTargets& to, const json& request, const Answer& answer) {
@@ -56,7 +62,7 @@ void begin_fault(const FaultTargets& to, const json& request, const Answer& answ
   require_own(fault, to);
   const std::string words = fault::to_words(fault, to.faults.nodes());
   spdlog::warn("fault on purpose: {}", words);
-  if (fault.name == Name::power_cycle) return to.power_cycle();
+  if (fault.name == Name::power_cycle) return power_cycle(to);
   if (to.faults.full())
     throw RequestError("there are " + std::to_string(Faults::kMost) + " faults here; remove some first");
   to.faults.begin(fault, [answer, words](Faults::Id id, const std::string& problem) {

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "config/ring_config.h"
-#include "runtime/engine.h"
 #include "runtime/faults.h"
+#include "runtime/node_driver.h"
 
 namespace limb_ring::runtime {
 
@@ -15,9 +15,9 @@ using Answer = std::function<void(const nlohmann::json&)>;
 struct FaultTargets {
   const config::RingConfig& ring;
   const config::NodeConfig& node;
-  const Engine& engine;
+  const NodeDriver& engine;
   Faults& faults;
-  std::function<void()> power_cycle;  ///< does not return
+  std::function<void()> power_cycle;  ///< null: cannot be done
 };
 
 /// @name Requests about faults, as daemon/host/requests.md describes them

@@ -34,12 +34,12 @@ void Faults::begin(const Fault& fault, const Begun& begun) {
 
 Faults::Id Faults::add(const Fault& fault) {
   const Id id = ++last_id_;
-  active_.try_emplace(id, io_, fault, engine_.now());
+  active_.try_emplace(id, fault, engine_.now());
   return id;
 }
 
 void Faults::begin_line(const Fault& fault, const Begun& begun) {
-  FaultyLine& on = line_of(fault);
+  LineBreaker& on = breaker_of(fault);
   const LineFaults::Id line = on.begin(fault, engine_.now());
   if (line == 0) {  // mended
     drop_ended();
@@ -84,10 +84,8 @@ void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
 void Faults::end_later(Id id) {
   Active& active = active_.at(id);
   if (active.fault.lasts.count() == 0) return;
-  active.end.expires_after(active.fault.lasts);
-  active.end.async_wait([this, id](const boost::system::error_code& error) {
-    if (!error) remove(id, nobody);
-  });
+  active.end = engine_.clock().timer([this, id] { remove(id, nobody); });
+  active.end->expires_at(engine_.clock().now() + active.fault.lasts);
 }
 
 // ---- the end --------------------------------------------------------------------------------
@@ -96,7 +94,7 @@ bool Faults::remove(Id id, const Done& done) {
   drop_ended();
   const auto found = active_.find(id);
   if (found == active_.end()) return false;
-  FaultyLine* on = found->second.on;
+  LineBreaker* on = found->second.on;
   const LineFaults::Id line = found->second.line;
   const Name name = found->second.fault.name;
   active_.erase(found);
@@ -111,8 +109,8 @@ bool Faults::remove(Id id, const Done& done) {
 
 void Faults::clear(const Done& done) {
   active_.clear();
-  FaultyLine& first = engine_.line(core::Line::first).faulty_line();
-  FaultyLine* second = engine_.has_second_line() ? &engine_.line(core::Line::second).faulty_line() : nullptr;
+  LineBreaker& first = engine_.breaker(core::Line::first);
+  LineBreaker* second = engine_.has_second_line() ? &engine_.breaker(core::Line::second) : nullptr;
   first.clear(engine_.now());
   if (second != nullptr) second->clear(engine_.now());
   mend_cpu([this, &first, second, done](const std::string& problem) {
@@ -161,11 +159,11 @@ void Faults::cpu_booted() {
   cpu_.read_on();
 }
 
-FaultyLine& Faults::line_of(const Fault& fault) {
-  return engine_.line(fault.second_line ? core::Line::second : core::Line::first).faulty_line();
+LineBreaker& Faults::breaker_of(const Fault& fault) {
+  return engine_.breaker(fault.second_line ? core::Line::second : core::Line::first);
 }
 
-void Faults::wait_for(const FaultyLine& line, const Done& done) {
+void Faults::wait_for(const LineBreaker& line, const Done& done) {
   wait_until(
       io_, [&line] { return line.mended(); }, kLinePatience, [done](bool) { done(""); });
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <boost/asio/steady_timer.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -20,7 +19,7 @@ class Faults {
   using Done = std::function<void(const std::string& problem)>;
   using Begun = std::function<void(Id id, const std::string& problem)>;
 
-  Faults(boost::asio::io_context& io, fault::RingNodes nodes, Engine& engine, CpuSocket& cpu)
+  Faults(boost::asio::io_context& io, fault::RingNodes nodes, NodeDriver& engine, CpuSocket& cpu)
       : io_(io), nodes_(std::move(nodes)), engine_(engine), cpu_(io, engine, cpu) {}
 
   const fault::RingNodes& nodes() const { return nodes_; }
@@ -42,12 +41,12 @@ class Faults {
 
  private:
   struct Active {
-    Active(boost::asio::io_context& io, fault::Fault f, core::Time now) : fault(std::move(f)), since(now), end(io) {}
+    Active(fault::Fault f, core::Time now) : fault(std::move(f)), since(now) {}
     fault::Fault fault;
     core::Time since;
-    FaultyLine* on = nullptr;        ///< the line it is of; null: a fault of the CPU
-    fault::LineFaults::Id line = 0;  ///< its id there
-    boost::asio::steady_timer end;
+    LineBreaker* on = nullptr;               ///< the line it is of; null: a fault of the CPU
+    fault::LineFaults::Id line = 0;          ///< its id there
+    std::unique_ptr<event_loop::Timer> end;  ///< none: it ends otherwise, or never
   };
 
   Id add(const fault::Fault& fault);
@@ -57,15 +56,15 @@ class Faults {
   void mend(fault::Name name, const Done& done);
   void mend_cpu(const Done& done);
   void forget_cpu_faults();
-  FaultyLine& line_of(const fault::Fault& fault);
-  void wait_for(const FaultyLine& line, const Done& done);
+  LineBreaker& breaker_of(const fault::Fault& fault);
+  void wait_for(const LineBreaker& line, const Done& done);
   void drop_ended();
   std::optional<fault::LineFaults::Listed> listed(const Active& active) const;
   std::uint64_t hits_of(const Active& active) const;
 
   boost::asio::io_context& io_;
   fault::RingNodes nodes_;
-  Engine& engine_;
+  NodeDriver& engine_;
   CpuFaults cpu_;
   Id last_id_ = 0;
   std::map<Id, Active> active_;

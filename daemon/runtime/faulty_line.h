@@ -4,6 +4,7 @@
 #include "fault/line_faults.h"
 #include "link/output.h"
 #include "runtime/clock.h"
+#include "runtime/line_breaker.h"
 
 namespace limb_ring::runtime {
 
@@ -12,7 +13,7 @@ namespace limb_ring::runtime {
 ///
 /// Idles are the link's own and do not pass here: a line that drops every packet is not silent, one that
 /// stalls or is cut is.
-class FaultyLine {
+class FaultyLine final : public LineBreaker {
  public:
   FaultyLine(boost::asio::io_context& io, const Clock& clock, link::Output& output);
 
@@ -22,19 +23,16 @@ class FaultyLine {
     if (active_) return pass_all(framed_slices, now);
     output_.write(framed_slices);
   }
-  /// Nothing more to wait for: the output is connected, or another fault keeps it from that.
-  bool mended() const { return output_.up() || !carries(); }
+  bool mended() const override { return output_.up() || !carries(); }
   /// The output was lost, or leads to another node.
   void line_lost() { faults_.line_lost(); }
 
-  /// As in fault::LineFaults; in effect when they return. Cutting or mending the line may call the
-  /// Output's handler.
-  fault::LineFaults::Id begin(const fault::Fault& fault, core::Time now);
-  bool remove(fault::LineFaults::Id id, core::Time now);
-  void clear(core::Time now);
-  std::vector<fault::LineFaults::Listed> list(core::Time now) { return faults_.list(now); }
+  fault::LineFaults::Id begin(const fault::Fault& fault, core::Time now) override;
+  bool remove(fault::LineFaults::Id id, core::Time now) override;
+  void clear(core::Time now) override;
+  std::vector<fault::LineFaults::Listed> list(core::Time now) override { return faults_.list(now); }
 
-  const fault::LineCounters& counters() const { return faults_.counters(); }
+  const fault::LineCounters& counters() const override { return faults_.counters(); }
   void close() { timer_.cancel(); }
 
  private:

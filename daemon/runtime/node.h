@@ -4,6 +4,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "config/ring_config.h"
@@ -12,10 +13,10 @@
 #include "runtime/cpu_sightings.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/daemon_interrupts.h"
-#include "runtime/engine.h"
 #include "runtime/event_router.h"
 #include "runtime/faults.h"
 #include "runtime/folder_watch.h"
+#include "runtime/node_driver.h"
 #include "runtime/node_folder.h"
 #include "runtime/observers.h"
 #include "runtime/packet_observers.h"
@@ -28,29 +29,41 @@
 
 namespace limb_ring::runtime {
 
+/// What differs between a daemon and a node of a virtual ring, which shares its process with the others.
+struct NodeBase {
+  /// Of the node whose files these are. The listener is not to be called before the driver is made.
+  std::function<std::unique_ptr<NodeDriver>(const NodeFolder&, EngineListener&)> make_driver;
+  /// Starts this process anew, as if the node's power went off and on; null: that cannot be done.
+  std::function<void()> start_anew;
+  std::optional<cpu_set_t> cpu_cores;  ///< for the CPU's processes; empty: as this one
+  std::string log_prefix;              ///< of what is logged of this node alone
+};
+
 /// One node of a ring, complete: builds its parts, hands each what it needs, starts and stops them. What clients call
 /// for goes through ClientCalls to the controller; what comes out of the controller goes through EventRouter to
 /// whoever it is for.
 class Node {
  public:
   /// @throw std::exception where the node is held by another daemon, or a socket cannot be had
-  Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config);
+  Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config,
+       const NodeBase& base);
 
   void start();
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(std::function<void()> done);
 
  private:
-  /// As if its power went off and on: no link is closed, its child CPU is killed, and the same program is started again
-  /// under the same pid. @throw std::system_error where it cannot be started
-  [[noreturn]] void power_cycle();
+  /// No link is closed, its child CPU is killed, and the same program is started again.
+  /// @throw std::system_error where it cannot be started
+  void power_cycle();
   FolderWatch::Folder folder_to_watch();
 
-  std::optional<cpu_set_t> cores_;  ///< before the daemon pinned itself, where it does
   NodeFolder folder_;
+  std::function<void()> start_anew_;
+  std::unique_ptr<NodeDriver> driver_;
+  NodeDriver& engine_;
   EventRouter router_;
   ClientCalls calls_;
-  Engine engine_;
   host::HostServer host_;
   Observers observers_;
   PacketObservers packet_observers_;

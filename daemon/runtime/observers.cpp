@@ -1,6 +1,5 @@
 #include "runtime/observers.h"
 
-#include <chrono>
 #include <utility>
 
 namespace limb_ring::runtime {
@@ -14,19 +13,18 @@ void Observers::set(host::ClientId client, const std::set<std::string>& kinds) {
 void Observers::tell(const std::string& kind, nlohmann::json what) {
   if (!any()) return;
   what["kind"] = kind;
-  what["time_ns"] =
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  what["time_ns"] = clock_.wall_ns(clock_.now());
   const std::string line = what.dump();
   for (const auto& [client, kinds] : wanted_)
     if (kinds.count(kind) != 0) host_.observed(client, line);
 }
 
-void Observers::tell_changes(const Engine& engine) {
+void Observers::tell_changes(const NodeDriver& engine) {
   if (!any()) return;
   Figures now;
   now.ring_size = engine.controller().membership().ring_size();
   now.crc_errors = engine.controller().counters().crc_errors;
-  now.line_corrupted = engine.line(core::Line::first).faulty_line().counters().line_corrupted;
+  now.line_corrupted = engine.breaker(core::Line::first).counters().line_corrupted;
   const Figures before = std::exchange(told_, now);
   if (now.ring_size != before.ring_size) tell("ring", {{"ring_size", now.ring_size}});
   if (now.crc_errors != before.crc_errors || now.line_corrupted != before.line_corrupted)

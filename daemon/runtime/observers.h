@@ -6,14 +6,14 @@
 #include <string>
 
 #include "host/host_server.h"
-#include "runtime/engine.h"
+#include "runtime/node_driver.h"
 
 namespace limb_ring::runtime {
 
 /// Clients that want to see what happens at this node. Nothing is spent while there are none.
 class Observers {
  public:
-  explicit Observers(host::HostServer& host) : host_(host) {}
+  Observers(host::HostServer& host, event_loop::NodeClock& clock) : host_(host), clock_(clock) {}
 
   /// `kinds` of ObserveFilter; empty: the client wants no events any more.
   void set(host::ClientId client, const std::set<std::string>& kinds);
@@ -22,7 +22,7 @@ class Observers {
   /// `what` gets "kind" and "time_ns" (CLOCK_REALTIME) added.
   void tell(const std::string& kind, nlohmann::json what);
   /// Tells of figures that change without an event of their own, where they have changed since the last call.
-  void tell_changes(const Engine& engine);
+  void tell_changes(const NodeDriver& engine);
 
  private:
   /// What the observers were last told; all 0 again for a new one.
@@ -33,6 +33,7 @@ class Observers {
   };
 
   host::HostServer& host_;
+  event_loop::NodeClock& clock_;
   std::map<host::ClientId, std::set<std::string>> wanted_;
   Figures told_;
 };

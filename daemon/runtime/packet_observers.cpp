@@ -2,9 +2,9 @@
 
 namespace limb_ring::runtime {
 
-using Instant = Clock::Steady::time_point;
+using Instant = LineTap::Time;
 
-PacketObservers::PacketObservers(wire::NodeId self, Engine& engine, host::HostServer& host)
+PacketObservers::PacketObservers(wire::NodeId self, NodeDriver& engine, host::HostServer& host)
     : self_(self),
       engine_(engine),
       host_(host),
@@ -67,7 +67,7 @@ void PacketObservers::seen(const capture::PacketView& packet) {
 
 void PacketObservers::give(host::ClientId client, Observer& observer, const capture::PacketView& packet) {
   capture::Selection& selection = observer.selection;
-  const std::int64_t time = wall_.at(Instant(packet.at));
+  const std::int64_t time = engine_.clock().wall_ns(Instant(packet.at));
   if (!host_.captured(client, {time, selection.lost_before(), packet})) return selection.lost();
   selection.given();
   if (packet.at - observer.told_at < std::chrono::seconds(1)) return;

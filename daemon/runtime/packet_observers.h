@@ -6,8 +6,7 @@
 #include "capture/packet_assembler.h"
 #include "capture/selection.h"
 #include "host/host_server.h"
-#include "runtime/engine.h"
-#include "runtime/wall_clock.h"
+#include "runtime/node_driver.h"
 
 namespace limb_ring::runtime {
 
@@ -15,7 +14,7 @@ namespace limb_ring::runtime {
 /// as it reads; one that is slow loses, and is told. While there are none the engine has no tap.
 class PacketObservers final : private LineTap {
  public:
-  PacketObservers(wire::NodeId self, Engine& engine, host::HostServer& host);
+  PacketObservers(wire::NodeId self, NodeDriver& engine, host::HostServer& host);
   ~PacketObservers() override { engine_.set_tap(nullptr); }
 
   /// Nothing: the client wants no packets any more. It is told its counts as it begins and ends.
@@ -29,19 +28,18 @@ class PacketObservers final : private LineTap {
     std::chrono::nanoseconds told_at{0};  ///< its counts
   };
 
-  void on_input(const wire::Slice& slice, wire::NodeId from, Clock::Steady::time_point at) override;
-  void on_output(wire::ByteView framed_slices, wire::NodeId to, Clock::Steady::time_point at) override;
-  void on_input_gap(Clock::Steady::time_point at) override;
-  void on_output_gap(Clock::Steady::time_point at) override;
+  void on_input(const wire::Slice& slice, wire::NodeId from, Time at) override;
+  void on_output(wire::ByteView framed_slices, wire::NodeId to, Time at) override;
+  void on_input_gap(Time at) override;
+  void on_output_gap(Time at) override;
 
   void update_taps();
   void seen(const capture::PacketView& packet);
   void give(host::ClientId client, Observer& observer, const capture::PacketView& packet);
 
   wire::NodeId self_;
-  Engine& engine_;
+  NodeDriver& engine_;
   host::HostServer& host_;
-  WallClock wall_;
   capture::PacketAssembler input_, output_;
   std::map<host::ClientId, Observer> observers_;
   bool watch_input_ = false, watch_output_ = false;  ///< somebody wants to see it

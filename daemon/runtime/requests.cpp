@@ -6,7 +6,6 @@
 #include <map>
 
 #include "limb_ring/host_port.h"
-#include "runtime/clock.h"
 #include "runtime/request_fields.h"
 #include "runtime/round_trips.h"
 
@@ -128,7 +127,7 @@ void Requests::stop(const Json& request, const Answer& answer) {
 
 void Requests::sync(const Json&, const Answer& answer) {
   const std::uint8_t factor = factor_of(to_.node, Action::sync, "sync");
-  const std::int64_t clock = monotonic_ns();
+  const std::int64_t clock = to_.engine.clock().now().time_since_epoch().count();
   to_.pins.latch(to_.node.id, clock);
   to_.interrupts.interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
     Json end = end_of(ended);

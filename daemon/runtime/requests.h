@@ -7,8 +7,8 @@
 #include "config/ring_config.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/daemon_interrupts.h"
-#include "runtime/engine.h"
 #include "runtime/fault_requests.h"
+#include "runtime/node_driver.h"
 #include "runtime/pin_board.h"
 #include "runtime/send_reason.h"
 #include "runtime/status.h"
@@ -23,7 +23,7 @@ class Requests {
   struct Targets {
     const config::RingConfig& ring;
     const config::NodeConfig& node;
-    const Engine& engine;
+    NodeDriver& engine;
     CpuSocket& cpu;
     PinBoard& pins;
     Traffic& traffic;

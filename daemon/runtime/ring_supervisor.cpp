@@ -4,15 +4,18 @@
 
 namespace limb_ring::runtime {
 
-RingSupervisor::RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock,
-                               DaemonInterrupts& interrupts, const CpuSightings& cpus, Found found)
+RingSupervisor::RingSupervisor(const config::RingConfig& ring, NodeDriver& engine, DaemonInterrupts& interrupts,
+                               const CpuSightings& cpus, Found found)
     : ring_(ring),
-      clock_(clock),
+      engine_(engine),
       interrupts_(interrupts),
       cpus_(cpus),
       found_(std::move(found)),
       watchdog_(ring.supervisor, wire::kMissedBeacons * ring.timeouts.beacon, watchdog::watched_in(ring)),
-      timer_(io) {}
+      timer_(engine.clock().timer([this] {
+        poll();
+        poll_later();
+      })) {}
 
 void RingSupervisor::start() {
   const auto watched = watchdog_.watched().size();
@@ -22,17 +25,10 @@ void RingSupervisor::start() {
 }
 
 // By the clock and not by the beacons themselves: whoever slept reads them all before it judges.
-void RingSupervisor::poll_later() {
-  timer_.expires_after(ring_.timeouts.beacon);
-  timer_.async_wait([this](const boost::system::error_code& error) {
-    if (error) return;
-    poll();
-    poll_later();
-  });
-}
+void RingSupervisor::poll_later() { timer_->expires_at(engine_.clock().now() + ring_.timeouts.beacon); }
 
 void RingSupervisor::poll() {
-  const Watchdog::Round round = watchdog_.evaluate([this](wire::NodeId node) { return cpus_.of(node); }, clock_.now());
+  const Watchdog::Round round = watchdog_.evaluate([this](wire::NodeId node) { return cpus_.of(node); }, engine_.now());
   for (const Watchdog::Finding& finding : round.findings) tell(finding);
   for (const wire::NodeId node : round.resets) reset(node);
 }
@@ -40,7 +36,7 @@ void RingSupervisor::poll() {
 void RingSupervisor::reset(wire::NodeId node) {
   const std::uint8_t factor = *config::reset_pin(*ring_.find(node));  // check_ring() has seen to it
   interrupts_.reset(node, factor, watchdog_.confirm_within(), [this, node](const watchdog::ResetReport& report) {
-    const auto failure = watchdog_.reset_ended(node, report.success(), report.message, clock_.now());
+    const auto failure = watchdog_.reset_ended(node, report.success(), report.message, engine_.now());
     if (failure) tell(*failure);
   });
 }

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <functional>
 
-#include "runtime/clock.h"
 #include "runtime/cpu_sightings.h"
 #include "runtime/daemon_interrupts.h"
 #include "watchdog/watchdog.h"
@@ -21,12 +18,12 @@ class RingSupervisor {
  public:
   using Found = std::function<void(const Watchdog::Finding&)>;
 
-  RingSupervisor(boost::asio::io_context& io, const config::RingConfig& ring, const Clock& clock,
-                 DaemonInterrupts& interrupts, const CpuSightings& cpus, Found found);
+  RingSupervisor(const config::RingConfig& ring, NodeDriver& engine, DaemonInterrupts& interrupts,
+                 const CpuSightings& cpus, Found found);
 
   /// Does nothing where no CPU is to be watched, or the policy is off.
   void start();
-  void stop() { timer_.cancel(); }
+  void stop() { timer_->cancel(); }
   const Watchdog& watchdog() const { return watchdog_; }
 
  private:
@@ -36,12 +33,12 @@ class RingSupervisor {
   void tell(const Watchdog::Finding& finding) const;
 
   const config::RingConfig& ring_;
-  const Clock& clock_;
+  NodeDriver& engine_;
   DaemonInterrupts& interrupts_;
   const CpuSightings& cpus_;
   Found found_;
   Watchdog watchdog_;
-  boost::asio::steady_timer timer_;
+  std::unique_ptr<event_loop::Timer> timer_;
 };
 
 }  // namespace limb_ring::runtime

@@ -7,7 +7,7 @@
 #include "core/membership/membership.h"
 #include "limb_ring/host_port.h"
 #include "runtime/cpu_socket.h"
-#include "runtime/engine.h"
+#include "runtime/node_driver.h"
 
 namespace limb_ring::runtime {
 
@@ -22,7 +22,7 @@ class SendReasons {
  public:
   /// All must outlive this.
   SendReasons(const config::RingConfig& ring, const config::NodeConfig& self, const CpuSocket& cpu,
-              const Engine& engine)
+              const NodeDriver& engine)
       : ring_(ring), self_(self), cpu_(cpu), engine_(engine) {}
 
   SendReason of(const core::SendEnded& ended) const;
@@ -39,7 +39,7 @@ class SendReasons {
   const config::RingConfig& ring_;
   const config::NodeConfig& self_;
   const CpuSocket& cpu_;
-  const Engine& engine_;
+  const NodeDriver& engine_;
 };
 
 /// The client library's word for the core's.

@@ -42,13 +42,14 @@ json rate_json(const core::Settings& settings) {
 }
 
 /// What its faults do is counted with those of the first line; what is lost between its ends has names of its own.
-void add_second_line(const NodeLine& second, json& all) {
-  second.faulty_line().counters().each(
-      [&](const char* name, const char*, std::uint64_t value) { all[name] = all[name].get<std::uint64_t>() + value; });
-  link::for_each_counter(second.input().counters(), [&](const char* name, std::uint64_t value) {
+void add_second_line(const NodeDriver& engine, json& all) {
+  engine.breaker(core::Line::second).counters().each([&](const char* name, const char*, std::uint64_t value) {
+    all[name] = all[name].get<std::uint64_t>() + value;
+  });
+  link::for_each_counter(engine.input_counters(core::Line::second), [&](const char* name, std::uint64_t value) {
     all[std::string("second_input_") + name] = value;
   });
-  link::for_each_counter(second.output().counters(), [&](const char* name, std::uint64_t value) {
+  link::for_each_counter(engine.output_counters(core::Line::second), [&](const char* name, std::uint64_t value) {
     all[std::string("second_output_") + name] = value;
   });
 }
@@ -57,13 +58,14 @@ json counters_json(const StatusSources& from) {
   json all = json::object();
   from.engine.controller().counters().each(
       [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
-  const NodeLine& first = from.engine.line(core::Line::first);
-  link::for_each_counter(first.input().counters(),
+  link::for_each_counter(from.engine.input_counters(core::Line::first),
                          [&](const char* name, std::uint64_t value) { all[std::string("input_") + name] = value; });
-  link::for_each_counter(first.output().counters(),
+  link::for_each_counter(from.engine.output_counters(core::Line::first),
                          [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
-  first.faulty_line().counters().each([&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
-  if (from.engine.has_second_line()) add_second_line(from.engine.line(core::Line::second), all);
+  from.engine.breaker(core::Line::first).counters().each([&](const char* name, const char*, std::uint64_t value) {
+    all[name] = value;
+  });
+  if (from.engine.has_second_line()) add_second_line(from.engine, all);
   const host::HostCounters& h = from.host.counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full;
   all["host_garbage"] = h.garbage + h.never_greeted;
@@ -78,7 +80,7 @@ json counters_json(const StatusSources& from) {
 json broken_line_json(const StatusSources& from) {
   const auto line = from.engine.controller().membership().broken_line();
   if (!line) return {};
-  const Engine& engine = from.engine;
+  const NodeDriver& engine = from.engine;
   const bool behind = line->behind == from.node.id;
   const core::Time since = behind ? engine.input_lost_at() : engine.broken_since();
   json broken{{"before", std::uint8_t{line->before}},
@@ -90,12 +92,12 @@ json broken_line_json(const StatusSources& from) {
   return broken;
 }
 
-json fold_json(const Engine& engine) {
-  const NodeLine& second = engine.line(core::Line::second);
+json fold_json(const NodeDriver& engine) {
+  const LineEnds second = engine.ends(core::Line::second);
   return {{"input", engine.controller().input_line() == core::Line::second},
           {"output", engine.controller().output_line() == core::Line::second},
-          {"second_input", second.input().up() ? "up" : "down"},
-          {"second_output", second.output().up() ? "up" : "down"}};
+          {"second_input", second.from ? "up" : "down"},
+          {"second_output", second.to ? "up" : "down"}};
 }
 
 json heard_json(const StatusSources& from) {
@@ -141,10 +143,9 @@ json supervisor_json(const StatusSources& from) {
 }  // namespace
 
 json status_row(const StatusSources& from) {
-  const Engine& engine = from.engine;
+  const NodeDriver& engine = from.engine;
   const core::Membership& membership = engine.controller().membership();
-  const auto& input = engine.line(core::Line::first).input();
-  const auto& output = engine.line(core::Line::first).output();
+  const LineEnds ends = engine.ends(core::Line::first);
   json row{{"id", from.node.id},
            {"name", from.node.name},
            {"state", to_string(membership.state())},
@@ -152,11 +153,11 @@ json status_row(const StatusSources& from) {
            {"cpu", cpu_json(from.cpu, engine.now())},
            {"ring_size", membership.ring_size()},
            {"boot", membership.boot()},
-           {"uptime_s", std::chrono::duration<double>(engine.clock().uptime()).count()},
-           {"input", {{"state", input.up() ? "up" : "down"}, {"from", input.up() ? json(*input.from()) : json()}}},
+           {"uptime_s", std::chrono::duration<double>(engine.now().time_since_epoch()).count()},
+           {"input", {{"state", ends.from ? "up" : "down"}, {"from", ends.from ? json(*ends.from) : json()}}},
            {"output",
-            {{"state", output.up() ? "up" : "down"},
-             {"to", output.up() ? json(output.to()) : json()},
+            {{"state", ends.to ? "up" : "down"},
+             {"to", ends.to ? json(*ends.to) : json()},
              {"rate_bit_s", rate_json(engine.controller().settings())}}},
            {"round_trip_us", to_json(from.round_trips.get())},
            {"received", engine.controller().counters().received_data},

@@ -6,8 +6,8 @@
 #include "config/ring_config.h"
 #include "host/host_server.h"
 #include "runtime/cpu_socket.h"
-#include "runtime/engine.h"
 #include "runtime/faults.h"
+#include "runtime/node_driver.h"
 #include "runtime/ring_supervisor.h"
 #include "runtime/round_trips.h"
 
@@ -17,7 +17,7 @@ namespace limb_ring::runtime {
 struct StatusSources {
   const config::RingConfig& ring;
   const config::NodeConfig& node;
-  const Engine& engine;
+  const NodeDriver& engine;
   const CpuSocket& cpu;
   const host::HostServer& host;
   Faults& faults;

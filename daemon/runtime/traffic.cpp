@@ -14,20 +14,20 @@ constexpr core::Owner kTrafficOwner = SendOwner::of(SendOwner::Kind::traffic).to
 bool Traffic::start(const TrafficRequest& request, Done done) {
   if (runs_.size() >= kMostRuns) return false;
   const std::uint32_t id = ++last_id_;
-  auto& run = *runs_.emplace(id, std::make_unique<Run>(io_, request, std::move(done), [this, id] { send_next(id); }))
-                   .first->second;
+  auto& run = *runs_.emplace(id, std::make_unique<Run>(request, std::move(done))).first->second;
+  run.next = engine_.clock().timer([this, id] { send_next(id); });
+  run.deadline = engine_.clock().timer([this, id] { overdue(id); });
   run.begun = run.last_end = engine_.now();
   run.round_trips.reserve(request.count);
-  run.deadline.expires_after(request.deadline);
-  run.deadline.async_wait([this, id](const boost::system::error_code& error) {
-    const auto it = runs_.find(id);
-    if (error || it == runs_.end()) return;
-    it->second->overdue = true;
-    finish(id);
-  });
+  run.deadline->expires_at(engine_.clock().now() + request.deadline);
   send(id, run);
   engine_.pump();
   return true;
+}
+
+void Traffic::overdue(std::uint32_t id) {
+  runs_.at(id)->overdue = true;
+  finish(id);
 }
 
 void Traffic::send(std::uint32_t id, Run& run) {
@@ -64,7 +64,7 @@ void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) 
   if (complete(run)) return finish(ended.token);
   // A rejection comes at once: sending again at once would keep the event loop from all else.
   if (run.request.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
-    run.next.expires_at(Clock::Steady::now() + run.request.interval);
+    run.next->expires_at(engine_.clock().now() + run.request.interval);
   else
     send(ended.token, run);
 }

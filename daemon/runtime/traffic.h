@@ -1,15 +1,13 @@
 #pragma once
 
 #include <array>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "runtime/engine.h"
+#include "runtime/node_driver.h"
 
 namespace limb_ring::runtime {
 
@@ -32,7 +30,7 @@ class Traffic {
   static constexpr std::uint64_t kMostPackets = 1'000'000;
   static constexpr std::size_t kMostRuns = 32;
 
-  Traffic(boost::asio::io_context& io, Engine& engine) : io_(io), engine_(engine) {}
+  explicit Traffic(NodeDriver& engine) : engine_(engine) {}
 
   /// `done` gets {"sent","delivered","lost","other","reasons","round_trip_us","seconds",...} once.
   /// @return false where too many runs are under way
@@ -43,12 +41,10 @@ class Traffic {
 
  private:
   struct Run {
-    Run(boost::asio::io_context& io, TrafficRequest r, Done d, std::function<void()> send_next)
-        : request(std::move(r)), done(std::move(d)), next(io, std::move(send_next)), deadline(io) {}
+    Run(TrafficRequest r, Done d) : request(std::move(r)), done(std::move(d)) {}
     TrafficRequest request;
     Done done;
-    event_loop::PacketTimer next;
-    boost::asio::steady_timer deadline;
+    std::unique_ptr<event_loop::Timer> next, deadline;
     std::uint64_t sent = 0;
     bool out = false;
     bool overdue = false;
@@ -60,14 +56,14 @@ class Traffic {
     std::array<std::uint8_t, wire::kMaxPayload> data{};
   };
 
+  void overdue(std::uint32_t id);
   void send(std::uint32_t id, Run& run);
   void send_next(std::uint32_t id);
   void finish(std::uint32_t id);
   static bool complete(const Run& run);
   static nlohmann::json report(Run& run);
 
-  boost::asio::io_context& io_;
-  Engine& engine_;
+  NodeDriver& engine_;
   std::uint32_t last_id_ = 0;
   std::map<std::uint32_t, std::unique_ptr<Run>> runs_;
 };

@@ -23,7 +23,6 @@ TEST(Clock, CountsPicosecondsFromItsStartForACentury) {
 TEST(Clock, NowIsACenturyAfterAStartACenturyAgo) {
   const Clock clock(Steady::now() - kCentury);
   EXPECT_GE(clock.now() - core::Time{}, core::Duration(kCentury));
-  EXPECT_GE(clock.uptime(), kCentury);
 }
 
 TEST(Clock, ATimerForLaterThanASteadyClockKnowsIsForItsEnd) {

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "event_loop/machine_clock.h"
 #include "process/process_state.h"
 #include "runtime/cpu/cpu_process.h"
 
@@ -49,7 +50,7 @@ class CpuProcessTest : public ::testing::Test, public CpuEvents {
   }
 
   CpuProcess& start(CpuOptions options) {
-    cpu = std::make_unique<CpuProcess>(io, std::move(options), *this);
+    cpu = std::make_unique<CpuProcess>(io, clock, std::move(options), *this);
     cpu->start();
     return *cpu;
   }
@@ -64,6 +65,7 @@ class CpuProcessTest : public ::testing::Test, public CpuEvents {
   }
 
   boost::asio::io_context io;
+  event_loop::MachineClock clock{io};
   std::unique_ptr<CpuProcess> cpu;
   int changes = 0;
 };

@@ -17,7 +17,8 @@ struct NoEvents final : CpuEvents {
   CpuOptions options;
   options.cpu.kind = config::CpuConfig::Kind::child;
   options.cpu.command = {"sleep", "1000"};
-  CpuProcess cpu(io, options, events);
+  event_loop::MachineClock clock(io);
+  CpuProcess cpu(io, clock, options, events);
   cpu.start();
   const pid_t pid = cpu.status().pid;
   if (::write(pipe, &pid, sizeof pid) != sizeof pid) ::_exit(1);

@@ -13,7 +13,7 @@
 #include "config/config_error.h"
 #include "config/options_markdown.h"
 #include "event_loop/packet_loop.h"
-#include "runtime/node.h"
+#include "runtime/daemon_node.h"
 #include "runtime/realtime.h"
 #include "setup/core_settings.h"
 
@@ -36,7 +36,7 @@ bool is_ignored(int signal) {
 
 int run(const config::RingConfig& ring, const config::NodeConfig& config) {
   boost::asio::io_context io(1);
-  runtime::Node node(io, ring, config);
+  runtime::Node node(io, ring, config, runtime::daemon_base(io, ring, config));
   runtime::apply_realtime(ring, setup::index_of(ring, config));
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   if (!is_ignored(SIGHUP)) signals.add(SIGHUP);

@@ -15,17 +15,18 @@ namespace {
 constexpr milliseconds kKilledTimeout{2000};
 }
 
-CpuProcess::CpuProcess(boost::asio::io_context& io, CpuOptions options, CpuEvents& events)
+CpuProcess::CpuProcess(boost::asio::io_context& io, event_loop::NodeClock& clock, CpuOptions options, CpuEvents& events)
     : io_(io),
+      clock_(clock),
       options_(std::move(options)),
       events_(events),
       child_(io, options_.by),
       commands_(io, options_.command_timeout, options_.by),
       back_off_(options_.back_off),
       boot_timer_(io),
-      restart_timer_(io),
-      silence_timer_(io),
-      stop_timer_(io) {}
+      stop_timer_(io),
+      restart_timer_(clock.timer([this] { restart_due(); })),
+      silence_timer_(clock.timer([this] { silence_due(); })) {}
 
 CpuProcess::~CpuProcess() = default;
 
@@ -112,7 +113,7 @@ void CpuProcess::ended_by_itself(const process::ExitStatus& status) {
   ++counts_.exits;
   counts_.last_exit = status.text;
   failed_ = !status.clean;
-  spdlog::warn("CPU {} ended by itself: {}", options_.cpu.command.front(), status.text);
+  spdlog::warn("{}CPU {} ended by itself: {}", options_.log_prefix, options_.cpu.command.front(), status.text);
   if (options_.cpu.restart_on_exit) restart_later(child_.age());
   changed();
 }
@@ -120,14 +121,14 @@ void CpuProcess::ended_by_itself(const process::ExitStatus& status) {
 void CpuProcess::did_not_boot(const std::string& why) {
   ++counts_.failed_boots;
   failed_ = true;
-  if (counts_.last_exit != why) spdlog::error("CPU does not start: {}", why);
+  if (counts_.last_exit != why) spdlog::error("{}CPU does not start: {}", options_.log_prefix, why);
   counts_.last_exit = why;
   changed();
 }
 
 void CpuProcess::restart_later(milliseconds ran) {
   counts_.restart_wait = back_off_.after(ran);
-  after(restart_timer_, steady_clock::now() + counts_.restart_wait, &CpuProcess::restart_due);
+  restart_timer_->expires_at(clock_.now() + counts_.restart_wait);
 }
 
 void CpuProcess::restart_due() {
@@ -141,7 +142,7 @@ bool CpuProcess::attached(pid_t pid, bool restarted_by_owner, milliseconds alive
   const bool dying =
       (pid == killed_.pid() && !killed_.ended()) || ((child_killed_ || boot_failed_) && child_.owns(pid));
   if (stopping_ || dying || process.ended()) return false;
-  attached_.emplace(std::move(process), restarted_by_owner, alive_period, steady_clock::now());
+  attached_.emplace(std::move(process), restarted_by_owner, alive_period, clock_.now());
   boot_timer_.cancel();
   failed_ = silent_ = false;
   ++counts_.boots;
@@ -153,7 +154,7 @@ bool CpuProcess::attached(pid_t pid, bool restarted_by_owner, milliseconds alive
 void CpuProcess::detached(pid_t pid) {
   if (!attached_ || attached_->pid() != pid) return;
   attached_.reset();
-  silence_timer_.cancel();
+  silence_timer_->cancel();
   if (child_.running() && !stopping_) watch_boot();
   changed();
 }
@@ -168,16 +169,21 @@ void CpuProcess::spoke(Time now) {
 }
 
 void CpuProcess::watch_silence() {
-  if (attached_->promises()) after(silence_timer_, attached_->silent_at(), &CpuProcess::silence_due);
+  if (attached_->promises()) watch_silence_until(attached_->silent_at());
+}
+
+void CpuProcess::watch_silence_until(Time when) {
+  silence_at_ = when;
+  silence_timer_->expires_at(when);
 }
 
 void CpuProcess::silence_due() {
   if (!attached_) return;
-  const Time now = steady_clock::now();
+  const Time now = clock_.now();
   if (!attached_->silent(now)) return watch_silence();  // it spoke meanwhile
   // A daemon that was itself not scheduled judges nobody: perhaps the CPU was not, either.
-  const bool late = now - silence_timer_.expiry() > attached_->alive_period() / 4;
-  if (late) return after(silence_timer_, now + attached_->alive_period(), &CpuProcess::silence_due);
+  const bool late = now - silence_at_ > attached_->alive_period() / 4;
+  if (late) return watch_silence_until(now + attached_->alive_period());
   silent_ = true;
   changed();
 }
@@ -199,7 +205,7 @@ CpuActionResult CpuProcess::reset_child() {
   const std::string was =
       child_.running() ? "killed pid " + std::to_string(child_.pid()) + ", " : "it was not running, ";
   back_off_.reset();
-  restart_timer_.cancel();
+  restart_timer_->cancel();
   failed_ = false;
   child_killed_ = child_.running();
   if (child_killed_)
@@ -216,7 +222,7 @@ CpuActionResult CpuProcess::kill_attached() {
   const std::string number = std::to_string(attached_->pid());
   killed_ = attached_->release();
   attached_.reset();
-  silence_timer_.cancel();
+  silence_timer_->cancel();
   if (!killed) return {false, false, "cannot kill pid " + number + ": it is gone or not ours"};
   if (comes_back) return {true, true, "killed pid " + number + ", its owner starts it again"};
   return {true, false,
@@ -236,7 +242,7 @@ CpuActionResult CpuProcess::signal(int number) {
 CpuActionResult CpuProcess::run(const std::vector<std::string>& command) {
   if (stopping_) return {false, false, "the daemon is shutting down"};
   const std::string refused = commands_.run(command, request());
-  if (!refused.empty()) spdlog::warn("command of a pin not run: {}", refused);
+  if (!refused.empty()) spdlog::warn("{}command of a pin not run: {}", options_.log_prefix, refused);
   return {refused.empty(), false, refused.empty() ? "started " + command.front() : refused};
 }
 
@@ -246,8 +252,8 @@ void CpuProcess::stop(std::function<void()> done) {
   stopping_ = true;
   on_stopped_ = std::move(done);
   boot_timer_.cancel();
-  restart_timer_.cancel();
-  silence_timer_.cancel();
+  restart_timer_->cancel();
+  silence_timer_->cancel();
   commands_.stop();
   if (!child_.running()) {
     boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
@@ -300,7 +306,7 @@ CpuStatus CpuProcess::status() const {
   status.state = state();
   status.pid = pid();
   if (!attached_) return status;
-  status.silent = attached_->silent_for(steady_clock::now());
+  status.silent = attached_->silent_for(clock_.now());
   status.alive_period = attached_->alive_period();
   status.restarted_by_owner = attached_->restarted_by_owner();
   return status;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "config/ring_config.h"
+#include "event_loop/node_clock.h"
 #include "process/back_off.h"
 #include "process/child_process.h"
 #include "process/find_program.h"
@@ -47,6 +48,7 @@ struct CpuOptions {
   std::chrono::milliseconds stop_timeout{500};       ///< from SIGTERM to SIGKILL
   std::chrono::milliseconds command_timeout{10000};  ///< of a pin's command
   process::BackOff::Limits back_off;
+  std::string log_prefix;
   /// Cores of the CPU's processes, where the daemon has pinned itself to one; empty: as ours.
   std::optional<cpu_set_t> affinity;
   process::ProcessHandle::By by = process::ProcessHandle::By::pidfd;
@@ -58,9 +60,10 @@ struct CpuOptions {
 /// processes are ours)
 class CpuProcess {
  public:
-  using Time = std::chrono::steady_clock::time_point;
+  using Time = event_loop::NodeClock::Time;
 
-  CpuProcess(boost::asio::io_context& io, CpuOptions options, CpuEvents& events);
+  /// All must outlive this. By `clock` a CPU is silent, and is started again; to boot and to end it has real time.
+  CpuProcess(boost::asio::io_context& io, event_loop::NodeClock& clock, CpuOptions options, CpuEvents& events);
   /// Kills the child. stop() is the gentle way.
   ~CpuProcess();
 
@@ -111,6 +114,7 @@ class CpuProcess {
   CpuActionResult kill_attached();
   void watch_boot();
   void watch_silence();
+  void watch_silence_until(Time when);
   void silence_due();
   void force_stop();
   void stopped();
@@ -118,12 +122,15 @@ class CpuProcess {
   void after(boost::asio::steady_timer& timer, Time when, Action action);
 
   boost::asio::io_context& io_;
+  event_loop::NodeClock& clock_;
   CpuOptions options_;
   CpuEvents& events_;
   process::ChildProcess child_;
   PinCommands commands_;
   process::BackOff back_off_;
-  boost::asio::steady_timer boot_timer_, restart_timer_, silence_timer_, stop_timer_;
+  boost::asio::steady_timer boot_timer_, stop_timer_;
+  std::unique_ptr<event_loop::Timer> restart_timer_, silence_timer_;
+  Time silence_at_{};  ///< when that one runs out
   std::optional<AttachedCpu> attached_;
   process::ProcessHandle killed_;  ///< an attached process on its way out
   bool child_killed_ = false;      ///< ... and the child: started again when it is gone

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace limb_ring::runtime {
+namespace limb_ring::event_loop {
 
 /// CLOCK_REALTIME of instants of CLOCK_MONOTONIC. How far apart the two are is measured once a
 /// second: packets of one batch keep their distances, and a clock that is set is soon followed.
@@ -36,4 +36,4 @@ class WallClock {
   std::int64_t offset_ = 0;
 };
 
-}  // namespace limb_ring::runtime
+}  // namespace limb_ring::event_loop

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+namespace limb_ring::event_loop {
+
+/// Calls back once, at an instant of a NodeClock. No call after its destruction.
+class Timer {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  virtual ~Timer() = default;
+  /// Replaces an earlier instant.
+  virtual void expires_at(Time when) = 0;
+  virtual void cancel() = 0;
+};
+
+/// The time that a node lives by: that of its machine, or of the virtual ring that it is a node of.
+class NodeClock {
+ public:
+  using Time = Timer::Time;
+
+  virtual ~NodeClock() = default;
+  /// CLOCK_MONOTONIC, or since the virtual ring's start.
+  virtual Time now() const = 0;
+  /// ns since 1970 at that instant, for stamps; or since the virtual ring's start.
+  virtual std::int64_t wall_ns(Time when) = 0;
+  /// Exact while packets pass too.
+  virtual std::unique_ptr<Timer> timer(std::function<void()> on_time) = 0;
+};
+
+}  // namespace limb_ring::event_loop

@@ -1,0 +1,32 @@
+#include "runtime/daemon_node.h"
+
+#include "runtime/engine.h"
+#include "runtime/re_exec.h"
+#include "setup/core_settings.h"
+
+namespace limb_ring::runtime {
+namespace {
+
+/// Where the daemon is to be pinned.
+std::optional<cpu_set_t> own_cores(const config::RingConfig& ring) {
+  cpu_set_t cores;
+  const bool pinned = ring.realtime.auto_cores || !ring.realtime.cores.empty();
+  if (!pinned || ::sched_getaffinity(0, sizeof cores, &cores) != 0) return std::nullopt;
+  return cores;
+}
+
+}  // namespace
+
+NodeBase daemon_base(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& node) {
+  const auto cores = own_cores(ring);
+  NodeBase base;
+  base.make_driver = [&io, &ring, &node](const NodeFolder& folder, EngineListener& listener) {
+    return std::make_unique<Engine>(io, setup::core_settings(ring, node, folder.first_boot()),
+                                    setup::link_settings(ring, node, folder.path()), listener);
+  };
+  base.start_anew = [cores] { re_exec(cores); };
+  if (!ring.realtime.auto_cores) base.cpu_cores = cores;  // else the CPU stays beside its controller
+  return base;
+}
+
+}  // namespace limb_ring::runtime

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string_view>
+
+#include "core/network_controller.h"
+#include "event_loop/node_clock.h"
+#include "link/counters.h"
+#include "runtime/line_breaker.h"
+
+namespace limb_ring::runtime {
+
+/// What comes out of the network controller. Handlers may call into the controller.
+struct EngineListener {
+  virtual ~EngineListener() = default;
+  virtual void on_event(const core::Event& event) = 0;
+  /// After all else of a round: packets may wait for the CPU.
+  virtual void on_round_end() = 0;
+  /// A link came or went; for people.
+  virtual void on_link(std::string_view what) = 0;
+};
+
+/// Sees what comes to the node's controller and leaves it, and changes nothing. Where the ring has folded back
+/// that is each packet once, on whichever line; what only passes back on the second one is not shown.
+struct LineTap {
+  using Time = event_loop::NodeClock::Time;
+
+  virtual ~LineTap() = default;
+  virtual void on_input(const wire::Slice& slice, wire::NodeId from, Time at) = 0;
+  virtual void on_output(wire::ByteView framed_slices, wire::NodeId to, Time at) = 0;
+  /// Something is missing there, or the line has ended.
+  virtual void on_input_gap(Time at) = 0;
+  virtual void on_output_gap(Time at) = 0;
+};
+
+/// Who is at the other ends of a line's two links of a node; nothing: the link is down.
+struct LineEnds {
+  std::optional<std::uint8_t> from, to;
+};
+
+/// What drives the network controller of a node, as all that is built upon it sees it: links and the machine's clock,
+/// or a virtual ring.
+class NodeDriver {
+ public:
+  virtual ~NodeDriver() = default;
+
+  virtual core::NetworkController& controller() = 0;
+  virtual const core::NetworkController& controller() const = 0;
+  virtual event_loop::NodeClock& clock() = 0;
+  /// By the controller's time, which is 0 at the driver's start: one instant for all that a batch, and what follows
+  /// from it, sets off.
+  virtual core::Time now() const = 0;
+  /// By its clock, rounded up: a timer never comes before its time.
+  virtual event_loop::NodeClock::Time steady(core::Time when) const = 0;
+
+  /// To be called after anything was asked of the controller. Calling it from within a handler
+  /// only makes another round follow.
+  virtual void pump() = 0;
+  /// The same at the end of the event loop's turn, once for all that comes in it: for what comes with every packet.
+  virtual void pump_soon() = 0;
+  virtual void close() = 0;
+  /// The links' listening sockets, in a runtime folder that was removed. @throw std::runtime_error
+  virtual void listen_again() = 0;
+  /// From now on `tap`, which may be null, sees the lines; it must outlive that.
+  virtual void set_tap(LineTap* tap) = 0;
+
+  /// @name Its lines. @pre has_second_line(), for the second
+  ///@{
+  virtual bool has_second_line() const = 0;
+  virtual LineEnds ends(core::Line line) const = 0;
+  virtual const link::InputCounters& input_counters(core::Line line) const = 0;
+  virtual const link::OutputCounters& output_counters(core::Line line) const = 0;
+  virtual LineBreaker& breaker(core::Line line) = 0;
+  virtual const LineBreaker& breaker(core::Line line) const = 0;
+  ///@}
+  /// When the first line's input was last lost, or where it fell silent, when it was last heard.
+  virtual core::Time input_lost_at() const = 0;
+  /// When this node came to know of a broken line.
+  virtual core::Time broken_since() const = 0;
+};
+
+}  // namespace limb_ring::runtime
