@@ -18,7 +18,8 @@ constexpr milliseconds kTick{50};
 
 std::string LaunchedDaemon::exit_reason() const {
   const std::string how = ended() ? ended()->text : "still runs";
-  return "node " + std::to_string(id) + " (" + name + ") ended: " + how + last_lines();
+  const std::string what = all ? "the virtual ring" : "node " + std::to_string(id) + " (" + name + ")";
+  return what + " ended: " + how + last_lines();
 }
 
 LaunchedRing::LaunchedRing(LaunchRequest request)
@@ -32,8 +33,8 @@ LaunchedDaemon LaunchedRing::started(const LaunchRequest::Node& node) const {
   ringd.arguments = node.arguments;
   ringd.lifetime = request_.lifetime;
   ringd.cores = request_.cores;
-  if (request_.logged) ringd.log = folder_ + "/" + std::to_string(node.id) + ".log";
-  return {node.id, node.name, process::Program(ringd)};
+  if (request_.logged) ringd.log = folder_ + "/" + (node.all ? "ring" : std::to_string(node.id)) + ".log";
+  return {node.id, node.name, process::Program(ringd), node.all};
 }
 
 void LaunchedRing::start_again(std::size_t index) { daemons_[index] = started(request_.nodes[index]); }

@@ -17,6 +17,7 @@ struct LaunchRequest {
     wire::NodeId id{0};
     std::string name;
     std::vector<std::string> arguments;  ///< of its ringd, without the program
+    bool all = false;                    ///< it holds all nodes, on a virtual clock; `id` is the first one's
   };
   std::string ring;
   std::vector<Node> nodes;
@@ -30,9 +31,10 @@ struct LaunchedDaemon {
   wire::NodeId id{0};
   std::string name;  ///< of its node
   process::Program program;
+  bool all = false;  ///< it holds all nodes
 
   const std::optional<process::ExitStatus>& ended() const { return program.ended(); }
-  /// "node 3 (left_knee) ended: exit 2", with the last lines of its log
+  /// "node 3 (left_knee) ended: exit 2", or "the virtual ring ended: ...", with the last lines of its log
   std::string exit_reason() const;
   std::string last_lines() const { return program.last_lines(); }
 };

@@ -66,6 +66,11 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   return holder;
 }
 
+bool Holder::is_virtual() const {
+  const auto clock = std::find(arguments.begin(), arguments.end(), "--clock");
+  return clock != arguments.end() && clock + 1 != arguments.end() && *(clock + 1) == "virtual";
+}
+
 std::vector<HeldNode> held_nodes(const std::string& folder) {
   std::vector<HeldNode> held;
   for (const fs::path& file : files_in(folder))

@@ -15,6 +15,9 @@ struct Holder {
   std::string folder;                  ///< it works in
   std::vector<std::string> arguments;  ///< without the program's name
   bool held = false;                   ///< it lives, perhaps stopped
+
+  /// One process holds all nodes of the ring, on a virtual clock.
+  bool is_virtual() const;
 };
 
 /// Reads the lock file of one node in a ring's folder. All fields are empty where there never was a daemon.

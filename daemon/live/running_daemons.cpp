@@ -74,8 +74,17 @@ bool RunningDaemons::is_stopped(wire::NodeId id) const {
   return holder.held && process::is_stopped(holder.pid);
 }
 
+/// All of its nodes would be hit.
+void RunningDaemons::require_process_of_its_own(wire::NodeId id) const {
+  if (holder(id).held && holder(id).is_virtual())
+    throw NotDone("node " + node(id).name + ": ring " + ring_ +
+                  " is on a virtual clock, in one process: its nodes cannot be killed, started, frozen, thawed or "
+                  "power-cycled; faults of lines and CPUs can be had there");
+}
+
 // The pid is that of the lock's holder: no other process is hit.
 void RunningDaemons::signal(wire::NodeId id, int number) const {
+  require_process_of_its_own(id);
   const Holder holder = this->holder(id);
   if (!holder.held || holder.pid <= 0)
     throw NotDone("node " + node(id).name + " of ring " + ring_ + " has no daemon on this host that runs");
@@ -103,6 +112,7 @@ void RunningDaemons::thaw(wire::NodeId id) const {
 }
 
 void RunningDaemons::start(wire::NodeId id) const {
+  require_process_of_its_own(id);
   const Holder last = holder(id);
   if (last.held) throw NotDone("node " + node(id).name + " runs already, pid " + std::to_string(last.pid));
   if (last.program.empty())
@@ -128,6 +138,7 @@ std::uint64_t RunningDaemons::boot_of(wire::NodeId id) const {
 
 // The daemon sends no answer, because it ends. A higher boot number shows that it has come back.
 void RunningDaemons::power_cycle(wire::NodeId id) const {
+  require_process_of_its_own(id);
   HostPort port = connect(id);
   const std::uint64_t before = json::parse(port.ask(R"({"do": "status"})", kAnswer)).value("boot", std::uint64_t{0});
   const json request{{"do", "fault"}, {"fault", "power_cycle " + node(id).number}};

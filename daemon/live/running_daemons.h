@@ -44,6 +44,7 @@ class RunningDaemons {
 
  private:
   std::uint64_t boot_of(wire::NodeId node) const;
+  void require_process_of_its_own(wire::NodeId node) const;
   void signal(wire::NodeId node, int number) const;
 
   std::string ring_;

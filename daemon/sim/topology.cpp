@@ -19,6 +19,18 @@ int VirtualRing::previous_alive(NodeId id) const {
   return -1;
 }
 
+std::optional<NodeId> VirtualRing::predecessor(NodeId id, Line line) const {
+  const int before = nodes_[id].lines[static_cast<std::size_t>(line)].predecessor;
+  if (before < 0 || !successor(static_cast<NodeId>(before), line)) return std::nullopt;
+  return static_cast<NodeId>(before);
+}
+
+std::optional<NodeId> VirtualRing::successor(NodeId id, Line line) const {
+  const Wire& out = nodes_[id].lines[static_cast<std::size_t>(line)];
+  if (out.cut || out.successor < 0) return std::nullopt;
+  return static_cast<NodeId>(out.successor);
+}
+
 // ---- what a node is told of its lines -----------------------------------------------------
 
 void VirtualRing::input_up(NodeId id, NodeId from, Line line) {

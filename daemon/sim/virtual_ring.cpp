@@ -270,6 +270,7 @@ void VirtualRing::give_out(NodeId id) {
     on_packet(id, packet);
     touch(id);
   }
+  on_given_out(id);
 }
 
 std::size_t VirtualRing::delay_line_of(Duration delay) {

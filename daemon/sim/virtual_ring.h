@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <queue>
 #include <vector>
 
@@ -49,6 +50,8 @@ class VirtualRing {
   }
   /// Above every id.
   unsigned size() const { return static_cast<unsigned>(nodes_.size()); }
+  /// The same without that: for who says himself, by node(), when something was asked of it.
+  NetworkController& controller(NodeId id) { return *nodes_[id].controller; }
   const core::RingOrder& order() const { return options_.order; }
   const core::Settings& settings(NodeId id) const { return nodes_[id].controller->settings(); }
   const core::Counters& counters(NodeId id) const { return nodes_[id].controller->counters(); }
@@ -59,6 +62,9 @@ class VirtualRing {
   bool has_output(NodeId id) const {
     return nodes_[id].lines[static_cast<std::size_t>(output_line(id))].successor >= 0;
   }
+  /// Who is at the other end of the line into it, or out of it; nothing: nobody, or the wire is cut.
+  std::optional<NodeId> predecessor(NodeId id, Line line = Line::first) const;
+  std::optional<NodeId> successor(NodeId id, Line line = Line::first) const;
   NodeLog& log(NodeId id) { return nodes_[id].log; }
   bool alive(NodeId id) const { return nodes_[id].alive; }
 
@@ -80,6 +86,8 @@ class VirtualRing {
   void at(Time time, std::function<void()> action);
   /// Runs everything that happens up to and at `until`.
   void run_until(Time until);
+  /// When something happens next, as far as is known; kNever: nothing will.
+  Time next_instant() const;
   void run_for(Duration duration) { run_until(now_ + duration); }
   /// Runs until `done`, checked after every instant. @return false where `limit` was reached first
   bool run_until(const std::function<bool()>& done, Duration limit);
@@ -122,6 +130,8 @@ class VirtualRing {
   /// Called for each event and packet as it comes out of a node; may send.
   std::function<void(NodeId, const core::Event&)> on_event = [](NodeId, const core::Event&) {};
   std::function<void(NodeId, const core::ReceivedPacket&)> on_packet = [](NodeId, const core::ReceivedPacket&) {};
+  /// Called after these, where a node has given something out, or packets wait in it for its CPU.
+  std::function<void(NodeId)> on_given_out = [](NodeId) {};
   /// Whether the CPU of a node takes its packets (true); false: it reads nothing.
   std::vector<bool> cpu_reads;
 
@@ -186,7 +196,6 @@ class VirtualRing {
   int previous_alive(NodeId id) const;
   std::size_t delay_line_of(Duration delay);
   void touch(NodeId id) { touched_.insert(id); }
-  Time next_instant() const;
   void step();
   void act();
   void deliver(const DelayLine::Arrival& arrival);

@@ -19,20 +19,44 @@ VirtualLineFaults::VirtualLineFaults(VirtualRing& ring, std::uint64_t seed) : ri
 }
 
 void VirtualLineFaults::tap_all() {
-  each_line([this](NodeId id, Line line) {
-    const auto tap = [this, id, line](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
-      pass(id, line, slice, arriving);
-    };
-    ring_.tap(id, tap, line);
-  });
+  each_line([this](NodeId id, Line line) { tap(id, line); });
+}
+
+void VirtualLineFaults::tap(NodeId id, Line line) {
+  const auto tap = [this, id, line](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
+    pass(id, line, slice, arriving);
+  };
+  ring_.tap(id, tap, line);
 }
 
 void VirtualLineFaults::begin(const fault::Fault& fault) {
   const Line line = fault.second_line ? Line::second : Line::first;
-  for (const NodeId id : fault.nodes) {
-    wire_of(id, line).faults.begin(fault, ring_.now());
-    poll(id, line);
-  }
+  for (const NodeId id : fault.nodes) begin(id, line, fault);
+}
+
+fault::LineFaults::Id VirtualLineFaults::begin(NodeId id, Line line, const fault::Fault& fault) {
+  const auto begun = wire_of(id, line).faults.begin(fault, ring_.now());
+  poll(id, line);
+  return begun;
+}
+
+bool VirtualLineFaults::remove(NodeId id, Line line, fault::LineFaults::Id fault) {
+  const bool removed = wire_of(id, line).faults.remove(fault);
+  poll(id, line);
+  return removed;
+}
+
+void VirtualLineFaults::clear(NodeId id, Line line) {
+  wire_of(id, line).faults.clear();
+  poll(id, line);
+}
+
+std::vector<fault::LineFaults::Listed> VirtualLineFaults::list(NodeId id, Line line) {
+  return wire_of(id, line).faults.list(ring_.now());
+}
+
+const fault::LineCounters& VirtualLineFaults::counters(NodeId id, Line line) const {
+  return lines_[static_cast<std::size_t>(line)][id].faults.counters();
 }
 
 void VirtualLineFaults::mend_all() {

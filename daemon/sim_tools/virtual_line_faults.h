@@ -18,8 +18,19 @@ class VirtualLineFaults : public Observer {
 
   /// Lays a tap on every line of the ring.
   void tap_all();
+  /// On the line out of one node: without a tap a fault hits nothing.
+  void tap(wire::NodeId id, core::Line line);
   /// On each line out of the fault's nodes. @pre it is of a line
   void begin(const fault::Fault& fault);
+  /// @name On the line out of one node, as in fault::LineFaults
+  ///@{
+  fault::LineFaults::Id begin(wire::NodeId id, core::Line line, const fault::Fault& fault);
+  bool remove(wire::NodeId id, core::Line line, fault::LineFaults::Id fault);
+  void clear(wire::NodeId id, core::Line line);
+  std::vector<fault::LineFaults::Listed> list(wire::NodeId id, core::Line line);
+  const fault::LineCounters& counters(wire::NodeId id, core::Line line) const;
+  bool cut(wire::NodeId id, core::Line line) const { return lines_[static_cast<std::size_t>(line)][id].cut; }
+  ///@}
   /// Ends all on all lines.
   void mend_all();
 

@@ -41,6 +41,7 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
     arguments = {"--config", std::filesystem::absolute(request.config).string()};
   arguments.insert(arguments.end(), {"--ring", ring});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
+  if (request.pace) arguments.insert(arguments.end(), {"--clock", "virtual", "--pace", std::to_string(*request.pace)});
   return arguments;
 }
 
@@ -55,8 +56,13 @@ std::vector<std::string> RingPlan::arguments_of(const NodeName& node) const {
 live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime, bool logged) {
   live::LaunchRequest request;
   request.ring = plan.ring;
-  for (const PlannedNode& planned : plan.nodes)
-    request.nodes.push_back({wire::NodeId{planned.node.id}, planned.node.name, plan.arguments_of(planned.node)});
+  if (plan.is_virtual) {
+    const NodeName& first = plan.nodes.front().node;
+    request.nodes.push_back({wire::NodeId{first.id}, first.name, plan.arguments, true});
+  } else {
+    for (const PlannedNode& planned : plan.nodes)
+      request.nodes.push_back({wire::NodeId{planned.node.id}, planned.node.name, plan.arguments_of(planned.node)});
+  }
   request.lifetime = lifetime;
   request.logged = logged;
   return request;
@@ -68,6 +74,7 @@ RingPlan plan_ring(const UpRequest& request) {
   const config::RingConfig config = load(request);
   RingPlan plan;
   plan.ring = ring_name(request, config);
+  plan.is_virtual = request.pace.has_value();
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   for (const auto& node : config.nodes)
     plan.nodes.push_back({{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});

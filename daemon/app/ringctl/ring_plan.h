@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct UpRequest {
   unsigned nodes = 0;     ///< with `config` 0, or the file's number
   std::string ring;       ///< name instead of the file's; a plain ring's default is "plain"
   std::string transport;  ///< unix, shm or udp instead of the file's; empty: as the file says
+  std::optional<double> pace;  ///< on a virtual clock, which goes on so many times as fast as real time
 };
 
 struct PlannedNode {
@@ -21,17 +23,18 @@ struct PlannedNode {
   bool has_child = false;  ///< its CPU is a process that ringd starts
 };
 
-/// A ring to be started: known to be well configured, one daemon for each node.
+/// A ring to be started: known to be well configured, one daemon for each node, or one for all on a virtual clock.
 struct RingPlan {
   std::string ring;
   std::vector<PlannedNode> nodes;
   std::vector<std::string> arguments;  ///< of every ringd, without --node
+  bool is_virtual = false;
 
   /// Command line of the daemon of one node, without the program.
   std::vector<std::string> arguments_of(const NodeName& node) const;
 };
 
-/// One ringd for each node of the plan.
+/// One ringd for each node of the plan, or one for all.
 live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime, bool logged);
 
 /// @throw config::ConfigError, UsageError

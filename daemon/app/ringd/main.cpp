@@ -16,15 +16,17 @@
 #include "runtime/daemon_node.h"
 #include "runtime/realtime.h"
 #include "setup/core_settings.h"
+#include "sim_tools/planned_ring.h"
+#include "virtual_host/virtual_ring_host.h"
 
 namespace {
 
 using namespace limb_ring;
 using ringd::StderrSink;
 
-void set_up_log(const config::RingConfig& ring, const config::NodeConfig& node) {
+void set_up_log(const std::string& whose) {
   spdlog::set_default_logger(std::make_shared<spdlog::logger>("ringd", std::make_shared<StderrSink>()));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ [" + ring.ring + "/" + node.name + "] %v");
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ [" + whose + "] %v");
   spdlog::flush_on(spdlog::level::info);
 }
 
@@ -34,19 +36,42 @@ bool is_ignored(int signal) {
   return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
-int run(const config::RingConfig& ring, const config::NodeConfig& config) {
-  boost::asio::io_context io(1);
-  runtime::Node node(io, ring, config, runtime::daemon_base(io, ring, config));
-  runtime::apply_realtime(ring, setup::index_of(ring, config));
-  boost::asio::signal_set signals(io, SIGINT, SIGTERM);
+/// Ends `node`, or whatever has its stop(), when a signal asks for it.
+template <class Node>
+void end_on_signals(boost::asio::signal_set& signals, boost::asio::io_context& io, Node& node) {
   if (!is_ignored(SIGHUP)) signals.add(SIGHUP);
   signals.async_wait([&](const boost::system::error_code& error, int number) {
     if (error) return;
     spdlog::info("signal {} ({}): ending", number, ::strsignal(number));
     node.stop([&io] { io.stop(); });
   });
+}
+
+int run(const config::RingConfig& ring, const config::NodeConfig& config) {
+  set_up_log(ring.ring + "/" + config.name);
+  boost::asio::io_context io(1);
+  runtime::Node node(io, ring, config, runtime::daemon_base(io, ring, config));
+  runtime::apply_realtime(ring, setup::index_of(ring, config));
+  boost::asio::signal_set signals(io, SIGINT, SIGTERM);
+  end_on_signals(signals, io, node);
   node.start();
   event_loop::PacketLoop::of(io).run(ring.realtime.spin);
+  return 0;
+}
+
+int run_virtual(const config::RingConfig& given, double factor) {
+  set_up_log(given.ring);
+  const config::RingConfig ring = sim::with_assumed_lines(given, sim::kUsualRate, sim::kUsualRelayDelay);
+  boost::asio::io_context io(1);
+  virtual_host::VirtualRingHost host(io, ring);
+  boost::asio::signal_set signals(io, SIGINT, SIGTERM);
+  end_on_signals(signals, io, host);
+  host.start();
+  virtual_host::Pace pace(factor, std::chrono::steady_clock::now());
+  host.run(pace);
+  if (pace.lost().count() > 0)
+    spdlog::info("the machine was too slow for pace {}: {:.1f} s were not made up for", factor,
+                 std::chrono::duration<double>(pace.lost()).count());
   return 0;
 }
 
@@ -67,9 +92,9 @@ int main(int argc, char** argv) {
       return app::code_with_output("ringd", 0);
     }
     const config::RingConfig ring = ringd::ring_of(*options);
-    const config::NodeConfig& node = ringd::node_of(*options, ring);
-    set_up_log(ring, node);
-    return run(ring, node);
+    if (options->clock == "machine") return run(ring, ringd::node_of(*options, ring));
+    ringd::check_virtual(*options);
+    return run_virtual(ring, options->pace);
   } catch (const ringd::UsageError& error) {
     return complain(error.what(), 2);
   } catch (const config::ConfigError& error) {

@@ -44,6 +44,15 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--ring", o.ring, "name of the ring (default: the configuration's, or 'plain')");
   app.add_option("--transport", o.transport, "unix, shm or udp, for every link (default: the configuration's)")
       ->transform(cli::one_of({"unix", "shm", "udp"}));
+  CLI::Option* clock =
+      app.add_option(
+             "--clock", o.clock,
+             "virtual: all nodes of the ring in this one process, on a clock of their own, with the lines' rates "
+             "and delays of the configuration (where it gives none: 1 Gbit/s, 512 ns)")
+          ->transform(cli::one_of({"machine", "virtual"}));
+  app.add_option("--pace", o.pace, "With --clock virtual: its time per real time, 0.001 to 1000; default 1")
+      ->transform(cli::real(0.001, 1000))
+      ->needs(clock);
   app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
   try {
     const auto asked = cli::read(app, own_arguments(argc, argv));
@@ -65,6 +74,12 @@ config::RingConfig ring_of(const Options& options) {
   if (!options.ring.empty()) config::rename_ring(ring, options.ring);
   if (!options.transport.empty()) config::apply_transport(ring, options.transport);
   return ring;
+}
+
+void check_virtual(const Options& options) {
+  if (!options.node.empty() || options.index)
+    throw UsageError("--clock virtual holds all nodes of the ring: leave --node and --index out");
+  if (!options.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
 }
 
 const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring) {

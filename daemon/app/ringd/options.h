@@ -17,6 +17,8 @@ struct Options {
   std::optional<unsigned> nodes;  ///< must be the configuration's number
   std::string ring;               ///< another name for the ring
   std::string transport;          ///< unix, shm or udp for every link
+  std::string clock = "machine";  ///< or virtual: the whole ring is in this process
+  double pace = 1;                ///< of the virtual clock: its time per real time
   bool list_options = false;      ///< print config/OPTIONS.md and end
 };
 
@@ -32,6 +34,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv);
 
 /// The ring these options mean. @throw UsageError, config::ConfigError
 config::RingConfig ring_of(const Options& options);
+
+/// What does not go together with a virtual clock. @throw UsageError
+void check_virtual(const Options& options);
 
 /// This daemon's node in it. @throw UsageError
 const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring);

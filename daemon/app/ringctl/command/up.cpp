@@ -29,6 +29,8 @@ struct UpOptions {
   UpRequest request;
   bool detach = false;
   bool respawn = false;
+  std::string clock = "machine";
+  double pace = 1;
   double timeout_s = 10;
 };
 
@@ -49,7 +51,7 @@ std::string wait_until_closed(const RingPlan& plan, live::LaunchedRing& daemons,
     if (const live::LaunchedDaemon* dead = daemons.first_ended()) return dead->exit_reason();
     if (!waiting) return {};
     if (steady_clock::now() >= deadline)
-      return "not closed in time; " + waiting->lack + daemons.all()[waiting->index].last_lines();
+      return "not closed in time; " + waiting->lack + daemons.all()[plan.is_virtual ? 0 : waiting->index].last_lines();
     if (signals.asked_to_end(SignalWait::kTick)) return "interrupted";
     progress.tell("waiting for " + waiting->lack);
   }
@@ -162,6 +164,13 @@ int run(const UpOptions& options) {
   return code;
 }
 
+void read_clock(UpOptions& options) {
+  if (options.clock == "machine") return;
+  if (options.respawn) throw UsageError("--clock virtual and --respawn do not go together yet");
+  if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
+  options.request.pace = options.pace;
+}
+
 }  // namespace
 
 void add_up(CLI::App& app, Context& context) {
@@ -184,11 +193,26 @@ void add_up(CLI::App& app, Context& context) {
                  "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
                  "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files")
       ->excludes("--detach");
+  CLI::Option* clock =
+      command
+          ->add_option(
+              "--clock", options->clock,
+              "virtual: the whole ring in one process, on a clock of its own, with the rates and delays of "
+              "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. Default: machine")
+          ->transform(cli::one_of({"machine", "virtual"}));
+  command
+      ->add_option("--pace", options->pace,
+                   "With --clock virtual: how fast its time goes on beside real time, 0.001 to 1000; default 1")
+      ->transform(cli::real(0.001, 1000))
+      ->needs(clock);
   command->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
       ->transform(cli::seconds(0.1, 600.0));
   command->callback([&context, options] {
     options->request.ring = context.ring;
-    context.action = [options] { return run(*options); };
+    context.action = [options] {
+      read_clock(*options);
+      return run(*options);
+    };
   });
 }
 

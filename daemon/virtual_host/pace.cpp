@@ -1,0 +1,34 @@
+#include "virtual_host/pace.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limb_ring::virtual_host {
+
+using std::chrono::nanoseconds;
+
+namespace {
+
+core::Duration scaled(nanoseconds real, double factor) {
+  return core::Duration(static_cast<core::Int128>(static_cast<double>(real.count()) * factor * 1000));
+}
+
+}  // namespace
+
+core::Time Pace::allowed(Real now, core::Time reached) {
+  const Real due = when(reached);
+  if (now - due > kMostBehind) {
+    lost_ += now - due - kMostBehind;
+    real_ = now - kMostBehind;
+    virtual_ = reached;
+  }
+  return virtual_ + scaled(now - real_, factor_);
+}
+
+Pace::Real Pace::when(core::Time time) const {
+  constexpr double kLongest = 1e18;  // ns, 31 years
+  const double ns = static_cast<double>((time - virtual_).count()) / 1000 / factor_;
+  return real_ + nanoseconds(static_cast<std::int64_t>(std::min(std::ceil(ns), kLongest)));
+}
+
+}  // namespace limb_ring::virtual_host

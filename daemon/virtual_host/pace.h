@@ -1,0 +1,35 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "core/time.h"
+
+namespace limb_ring::virtual_host {
+
+/// How fast the time of a virtual ring goes on beside real time: never faster than that. Where the machine is slower,
+/// the ring falls behind; what it is behind by more than kMostBehind it does not make up for.
+class Pace {
+ public:
+  using Real = std::chrono::steady_clock::time_point;
+  static constexpr std::chrono::milliseconds kMostBehind{100};
+
+  /// @param factor virtual per real time, > 0
+  Pace(double factor, Real now) : factor_(factor), real_(now) {}
+
+  double factor() const { return factor_; }
+  /// The ring may go on so far by now, and is at `reached`.
+  core::Time allowed(Real now, core::Time reached);
+  /// When it may go on so far.
+  Real when(core::Time time) const;
+  /// Real time that was not made up for.
+  std::chrono::nanoseconds lost() const { return lost_; }
+
+ private:
+  double factor_;
+  Real real_;             ///< then ...
+  core::Time virtual_{};  ///< ... it was this
+  std::chrono::nanoseconds lost_{0};
+};
+
+}  // namespace limb_ring::virtual_host

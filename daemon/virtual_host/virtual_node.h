@@ -1,0 +1,96 @@
+#pragma once
+
+#include "runtime/node_driver.h"
+#include "sim_tools/virtual_line_faults.h"
+#include "virtual_host/virtual_clock.h"
+
+namespace limb_ring::virtual_host {
+
+/// What all nodes of a virtual ring share.
+struct VirtualWorld {
+  sim::VirtualRing& ring;
+  VirtualClock& clock;
+  sim::VirtualLineFaults& faults;
+};
+
+/// The line out of a node of a virtual ring.
+class VirtualBreaker final : public runtime::LineBreaker {
+ public:
+  VirtualBreaker(const VirtualWorld& world, wire::NodeId id, core::Line line) : world_(world), id_(id), line_(line) {}
+
+  fault::LineFaults::Id begin(const fault::Fault& fault, core::Time) override {
+    world_.faults.tap(id_, line_);
+    return world_.faults.begin(id_, line_, fault);
+  }
+  bool remove(fault::LineFaults::Id fault, core::Time) override { return world_.faults.remove(id_, line_, fault); }
+  void clear(core::Time) override { world_.faults.clear(id_, line_); }
+  std::vector<fault::LineFaults::Listed> list(core::Time) override { return world_.faults.list(id_, line_); }
+  const fault::LineCounters& counters() const override { return world_.faults.counters(id_, line_); }
+  bool mended() const override;
+
+ private:
+  VirtualWorld world_;
+  wire::NodeId id_;
+  core::Line line_;
+};
+
+/// Drives a node of a virtual ring: the ring's own time does, so there is little left but to ask it.
+class VirtualNode final : public runtime::NodeDriver {
+ public:
+  /// @param world, listener outlive this
+  VirtualNode(const VirtualWorld& world, wire::NodeId id, runtime::EngineListener& listener);
+
+  core::NetworkController& controller() override { return world_.ring.controller(id_); }
+  const core::NetworkController& controller() const override { return world_.ring.controller(id_); }
+  event_loop::NodeClock& clock() override { return world_.clock; }
+  core::Time now() const override { return world_.ring.now(); }
+  event_loop::NodeClock::Time steady(core::Time when) const override { return VirtualClock::at(when); }
+
+  /// The node acts before time goes on.
+  void pump() override { world_.ring.node(id_); }
+  void pump_soon() override { pump(); }
+  void close() override { closed_ = true; }
+  void listen_again() override {}
+  void set_tap(runtime::LineTap* tap) override { tap_ = tap; }
+
+  bool has_second_line() const override { return controller().has_second_line(); }
+  runtime::LineEnds ends(core::Line line) const override;
+  const link::InputCounters& input_counters(core::Line) const override { return no_input_; }
+  const link::OutputCounters& output_counters(core::Line) const override { return no_output_; }
+  runtime::LineBreaker& breaker(core::Line line) override { return line == core::Line::first ? first_ : second_; }
+  const runtime::LineBreaker& breaker(core::Line line) const override {
+    return line == core::Line::first ? first_ : second_;
+  }
+  core::Time input_lost_at() const override { return input_lost_at_; }
+  core::Time broken_since() const override { return broken_since_; }
+
+  /// @name From the ring
+  ///@{
+  void on_event(const core::Event& event);
+  /// Packets may wait for the CPU.
+  void on_given_out();
+  void on_arrival(const wire::Slice& slice, core::Time now);
+  void on_departure(const wire::Slice& slice, core::Time now);
+  /// Neighbours may have come or gone.
+  void look_at_lines();
+  ///@}
+
+ private:
+  void tell_change(core::Line line, const runtime::LineEnds& before, const runtime::LineEnds& after);
+  void say(core::Line line, const std::string& what);
+
+  VirtualWorld world_;
+  wire::NodeId id_;
+  runtime::EngineListener& listener_;
+  VirtualBreaker first_, second_;
+  std::array<runtime::LineEnds, 2> ends_;  ///< as last told
+  runtime::LineTap* tap_ = nullptr;
+  core::Time input_lost_at_{};
+  core::Time broken_since_{};
+  link::InputCounters no_input_;  ///< there are no links
+  link::OutputCounters no_output_;
+  bool closed_ = false;
+  wire::SliceWriter framed_;
+};
+
+}  // namespace limb_ring::virtual_host

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "event_loop/packet_timer.h"
+#include "runtime/node.h"
+#include "virtual_host/pace.h"
+#include "virtual_host/virtual_node.h"
+
+namespace limb_ring::virtual_host {
+
+/// A whole ring in one process, on a virtual clock: its lines are simulated, its nodes have the host ports and CPUs of
+/// daemons, for the same clients.
+class VirtualRingHost final : private sim::Observer {
+ public:
+  /// @param ring every line has a rate; all outlive this
+  /// @throw std::exception where a node is held by another process, or a socket cannot be had
+  VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring);
+  ~VirtualRingHost() override;
+
+  /// Starts the CPUs.
+  void start();
+  /// Lets time go on, no faster than `pace`, until the event loop is stopped.
+  void run(Pace& pace);
+  /// Ends everything cleanly; `done` is called from the event loop.
+  void stop(const std::function<void()>& done);
+
+  core::Time now() const { return ring_.now(); }
+
+ private:
+  void add(const config::NodeConfig& node);
+  void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
+  void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
+  void input_changes(wire::NodeId node, core::Line line, core::Time now) override;
+  void incident(wire::NodeId node, sim::Incident incident, core::Time now, core::Line line) override;
+
+  void advance(core::Time until);
+  void look_at_lines();
+
+  boost::asio::io_context& io_;
+  const config::RingConfig& config_;
+  sim::VirtualRing ring_;
+  VirtualClock clock_;
+  sim::VirtualLineFaults faults_;
+  std::vector<VirtualNode*> drivers_;  ///< by id; null where there is no such node
+  std::vector<std::unique_ptr<runtime::Node>> nodes_;
+  event_loop::PacketTimer wake_;
+  bool lines_changed_ = true;
+};
+
+}  // namespace limb_ring::virtual_host

@@ -1,0 +1,58 @@
+#include "virtual_host/virtual_clock.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace limb_ring::virtual_host {
+namespace {
+
+using namespace std::chrono_literals;
+using Time = VirtualClock::Time;
+
+struct Clock : testing::Test {
+  std::unique_ptr<event_loop::Timer> timer() {
+    return clock.timer([this] { calls.push_back(clock.now()); });
+  }
+
+  sim::VirtualRing ring{sim::VirtualRingOptions{}};
+  VirtualClock clock{ring};
+  std::vector<Time> calls;
+};
+
+TEST_F(Clock, ATimerRunsOutAtItsInstantOfTheRingsTime) {
+  const auto one = timer();
+  one->expires_at(Time(3ms));
+  ring.run_until(core::Time{} + 3ms - 1ns);
+  EXPECT_TRUE(calls.empty());
+  ring.run_until(core::Time{} + 1s);
+  EXPECT_EQ(calls, std::vector<Time>{Time(3ms)});
+}
+
+TEST_F(Clock, ATimerThatIsSetAgainOrCancelledOrGoneDoesNotCallForItsOldInstant) {
+  const auto later = timer(), cancelled = timer();
+  auto gone = timer();
+  for (auto* each : {later.get(), cancelled.get(), gone.get()}) each->expires_at(Time(3ms));
+  later->expires_at(Time(5ms));
+  cancelled->cancel();
+  gone.reset();
+  ring.run_until(core::Time{} + 1s);
+  EXPECT_EQ(calls, std::vector<Time>{Time(5ms)});
+}
+
+TEST_F(Clock, ATimerMayBeDestroyedByItsOwnCall) {
+  std::unique_ptr<event_loop::Timer> own;
+  own = clock.timer([&] { own.reset(); });
+  own->expires_at(Time(1ms));
+  ring.run_until(core::Time{} + 1s);
+  EXPECT_EQ(own, nullptr);
+}
+
+TEST_F(Clock, AnInstantOfTheCoreIsRoundedUpSoThatATimerNeverComesBeforeIt) {
+  EXPECT_EQ(VirtualClock::at(core::Time{} + core::Duration(1)), Time(1ns));
+  EXPECT_EQ(VirtualClock::at(core::Time{} + 7ns), Time(7ns));
+  EXPECT_EQ(VirtualClock::at(core::kNever), Time::max());
+}
+
+}  // namespace
+}  // namespace limb_ring::virtual_host
