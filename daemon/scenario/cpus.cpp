@@ -24,7 +24,7 @@ void Cpus::tell(NodeId id, wire::CpuState state) {
 }
 
 void Cpus::read(NodeId id, bool reads) {
-  ring_.cpu_reads[id] = reads;
+  ring_.set_cpu_reads(id, reads);
   cpus_[id].slow = false;
   ++cpus_[id].reading;
 }
@@ -57,7 +57,7 @@ void Cpus::slow_down(NodeId id, core::Duration period) {
 
 // From now on it may take one packet. node() wakes the controller, so that a waiting packet is taken at once.
 void Cpus::read_one_and_wait(NodeId id, core::Duration period) {
-  ring_.cpu_reads[id] = true;
+  ring_.set_cpu_reads(id, true);
   ring_.node(id);
   ring_.at(ring_.now() + period, [this, id, period, reading = cpus_[id].reading] {
     if (cpus_[id].reading == reading) read_one_and_wait(id, period);

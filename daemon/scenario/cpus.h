@@ -30,7 +30,7 @@ class Cpus {
   void slow_down(NodeId id, core::Duration period);
   /// A CPU has taken a packet.
   void took_packet(NodeId id) {
-    if (cpus_[id].slow) ring_.cpu_reads[id] = false;
+    if (cpus_[id].slow) ring_.set_cpu_reads(id, false);
   }
   /// It begins to babble and goes on while generation() stays the same: until it is cured or restarted.
   std::uint64_t generation(NodeId id) const { return cpus_[id].generation; }

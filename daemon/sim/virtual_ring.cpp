@@ -21,7 +21,7 @@ unsigned ids_of(const VirtualRingOptions& options) {
 }  // namespace
 
 VirtualRing::VirtualRing(const VirtualRingOptions& options)
-    : cpu_reads(ids_of(options), true), options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)) {
+    : options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)) {
   if (options_.order.empty())
     for (unsigned id = 0; id < options.nodes; ++id) options_.order.push_back(static_cast<NodeId>(id));
   for (unsigned id = 0; id < size(); ++id) make_node(static_cast<NodeId>(id));  // also those that no node has
@@ -104,6 +104,11 @@ void VirtualRing::reset_cpu(NodeId id) {
 void VirtualRing::set_cpu_present(NodeId id, bool present) {
   for (Observer* observer : observers_) observer->cpu_present(id, present, now_);
   node(id).set_cpu_present(present);
+}
+
+void VirtualRing::set_cpu_reads(NodeId id, bool reads) {
+  nodes_[id].cpu_reads = reads;
+  touch(id);  // what has waited is taken at once
 }
 
 void VirtualRing::cancel(NodeId id) {
@@ -264,7 +269,7 @@ void VirtualRing::give_out(NodeId id) {
     touch(id);
   }
   core::ReceivedPacket packet;
-  while (cpu_reads[id] && controller.take(now_, packet)) {
+  while (nodes_[id].cpu_reads && controller.take(now_, packet)) {
     for (Observer* observer : observers_) observer->packet(id, packet);
     if (options_.keep_logs) nodes_[id].log.packets.push_back(packet);
     on_packet(id, packet);

@@ -78,6 +78,9 @@ class VirtualRing {
   /// It is there, or gone; a node that starts has one.
   void set_cpu_present(NodeId id, bool present);
   /// Its sends end cancelled.
+  /// It takes its packets, which it does from the start (true), or reads nothing.
+  void set_cpu_reads(NodeId id, bool reads);
+  bool cpu_reads(NodeId id) const { return nodes_[id].cpu_reads; }
   void cancel(NodeId id);
   /// The end of that send; null where it has not ended.
   const core::SendEnded* ended(NodeId id, std::uint32_t token) const;
@@ -132,8 +135,6 @@ class VirtualRing {
   std::function<void(NodeId, const core::ReceivedPacket&)> on_packet = [](NodeId, const core::ReceivedPacket&) {};
   /// Called after these, where a node has given something out, or packets wait in it for its CPU.
   std::function<void(NodeId)> on_given_out = [](NodeId) {};
-  /// Whether the CPU of a node takes its packets (true); false: it reads nothing.
-  std::vector<bool> cpu_reads;
 
  private:
   /// The wire of a line out of a node, and who sends into it.
@@ -159,6 +160,7 @@ class VirtualRing {
     std::unique_ptr<Eye> eye;
     bool alive = false;
     std::array<Wire, 2> lines;
+    bool cpu_reads = true;
     std::uint64_t starts = 0;
     std::uint32_t next_token = 1;
     std::size_t delay_line = 0;  ///< of the line into it

@@ -55,7 +55,7 @@ TEST_F(Interrupts, ToADeadNodeFindNobody) {
 
 TEST_F(Interrupts, InputsSendWithoutTheCpu) {
   ring.set_cpu_present(1_id, false);
-  ring.cpu_reads[1] = false;
+  ring.set_cpu_reads(1_id, false);
   EXPECT_EQ(outcome_of(ring, 1_id, ring.pull(1_id, 2)).outcome, Outcome::delivered);
   EXPECT_THAT(pins(ring.log(3_id)), ElementsAre(1));
   outcome_of(ring, 1_id, ring.pull(1_id, 5));

@@ -24,12 +24,12 @@ TEST_F(Priority, HigherOnesAreSentFirstAndOrderIsKeptWithinOne) {
 }
 
 TEST_F(Priority, CpuReadsHigherOnesFirst) {
-  ring.cpu_reads[1] = false;
+  ring.set_cpu_reads(1_id, false);
   for (std::uint8_t priority : {2, 3, 0, 2, 1}) {
     const Bytes data(1, static_cast<std::uint8_t>(priority));
     outcome_of(ring, 0_id, ring.send(0_id, 1_id, data, priority));
   }
-  ring.cpu_reads[1] = true;
+  ring.set_cpu_reads(1_id, true);
   ring.send(0_id, 1_id, Bytes(1, 3), 3);
   ring.run_for(1ms);
   EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(Bytes{0}, Bytes{1}, Bytes{2}, Bytes{2}, Bytes{3}, Bytes{3}));

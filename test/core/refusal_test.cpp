@@ -16,7 +16,7 @@ struct Refusal : testing::Test {
   })};
   void SetUp() override {
     ASSERT_TRUE(ring.join());
-    for (NodeId id : {1_id, 2_id, 3_id}) ring.cpu_reads[id] = false;
+    for (NodeId id : {1_id, 2_id, 3_id}) ring.set_cpu_reads(id, false);
   }
   SendEnded send(NodeId from, NodeId to, const Bytes& data, std::uint8_t priority = 0) {
     return outcome_of(ring, from, ring.send(from, to, data, priority));
@@ -33,7 +33,7 @@ TEST_F(Refusal, UnicastIsRefusedAfterItsDeadline) {
   EXPECT_GT(end.tries, 3u) << "each one a new packet";
   EXPECT_EQ(ring.counters(1_id).refused_no_buffer, end.tries);
   EXPECT_EQ(ring.counters(0_id).retries, 0u);
-  ring.cpu_reads[1] = true;
+  ring.set_cpu_reads(1_id, true);
   ring.send(3_id, 1_id, text("third"));
   ring.run_for(5ms);
   EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("first"), text("third")));
@@ -44,7 +44,7 @@ TEST_F(Refusal, UnicastGoesAgainUntilABufferIsFree) {
   const auto second = ring.send(0_id, 1_id, text("second"));
   ring.run_for(5ms);
   EXPECT_EQ(ring.ended(0_id, second), nullptr);
-  ring.cpu_reads[1] = true;
+  ring.set_cpu_reads(1_id, true);
   ring.send(2_id, 1_id, text("other"), 3);  // wakes the reader
   EXPECT_EQ(outcome_of(ring, 0_id, second).outcome, Outcome::delivered);
   EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("first"), text("other"), text("second")));
@@ -102,7 +102,7 @@ TEST_F(Refusal, AbsentCpuRefuses) {
 TEST_F(Refusal, CpuOutcomeIsNeverDelivered) {
   ring.set_cpu_present(3_id, false);
   send(0_id, 3_id, text("a"));
-  ring.cpu_reads[3] = true;
+  ring.set_cpu_reads(3_id, true);
   ring.run_for(10ms);
   EXPECT_THAT(ring.log(3_id).packets, IsEmpty());
 }
@@ -113,7 +113,7 @@ TEST_F(Refusal, OverdueInTheQueueAfterOnlyRefusalsEndsRefused) {
     s.queue_timeout = 10ms;
   }));
   ASSERT_TRUE(impatient.join());
-  impatient.cpu_reads[1] = false;
+  impatient.set_cpu_reads(1_id, false);
   impatient.send(0_id, 1_id, text("first"));
   const auto second = impatient.send(0_id, 1_id, text("second"));
   EXPECT_EQ(outcome_of(impatient, 0_id, second).outcome, Outcome::refused);
@@ -128,7 +128,7 @@ struct BehindARefusal : testing::Test {
   std::uint32_t refused = 0;
   void SetUp() override {
     ASSERT_TRUE(ring.join());
-    ring.cpu_reads[1] = false;
+    ring.set_cpu_reads(1_id, false);
     outcome_of(ring, 0_id, ring.send(0_id, 1_id, text("first")));
     refused = ring.send(0_id, 1_id, text("refused"));
     ring.run_for(2ms);
@@ -156,7 +156,7 @@ struct FreeBuffers : testing::Test {
   std::uint8_t fbc = 0;
   void SetUp() override {
     ASSERT_TRUE(ring.join());
-    for (NodeId id : {1_id, 2_id, 3_id}) ring.cpu_reads[id] = false;
+    for (NodeId id : {1_id, 2_id, 3_id}) ring.set_cpu_reads(id, false);
     ring.tap(3_id, [this](const wire::Slice& slice, Time, wire::SliceWriter& arriving) {
       fbc = wire::PacketFields{slice.bytes}.fbc();
       arriving.put(slice.kind, slice.bytes);

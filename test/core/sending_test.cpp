@@ -126,7 +126,7 @@ TEST_F(Sending, CancelledEndsAtOnceAndIsNotRepeated) {
 }
 
 TEST_F(Sending, CpuResetCancelsItsSendsAndEmptiesItsBuffers) {
-  ring.cpu_reads[0] = false;
+  ring.set_cpu_reads(0_id, false);
   send(3_id, 0_id, text("stale command"));
   ring.node(0_id).send(send_of(7, 99, 1_id, text("t")), ring.now());
   const auto own = ring.send(0_id, 1_id, text("own"));

@@ -29,7 +29,7 @@ TEST(Uptime, ARingDeliversRetriesAndRefusesAsOnItsFirstDay) {
   const SendEnded again = outcome_of(ring, 0_id, ring.send(0_id, 2_id, {4}));
   EXPECT_EQ(again.outcome, Outcome::delivered);
   EXPECT_EQ(again.tries, 2);
-  ring.cpu_reads[2] = false;
+  ring.set_cpu_reads(2_id, false);
   SendEnded last;
   for (unsigned i = 0; i < 40; ++i) last = outcome_of(ring, 0_id, ring.send(0_id, 2_id, {5}));
   EXPECT_EQ(last.outcome, Outcome::refused);

@@ -187,7 +187,7 @@ TEST(TracedRing, ATryThatCameHomeDamagedIsCalledSo) {
 
 TEST(TracedRing, WhatWasRefusedIsToldAsWhatWentBefore) {
   CapturedRing ring(1);
-  ring->cpu_reads[2] = false;
+  ring->set_cpu_reads(2_id, false);
   for (int i = 0; i < 2; ++i) ring->send(0_id, 2_id, {1});
   ring->run_for(100ms);
   const TracedRing traced = ring.traced();

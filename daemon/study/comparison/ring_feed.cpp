@@ -16,7 +16,7 @@ RingFeed::RingFeed(sim::VirtualRing& ring, const std::vector<Message>& messages)
       messages_(messages),
       start_(ring.now()),
       open_(messages.size()),
-      nodes_(ring.cpu_reads.size()),
+      nodes_(ring.size()),
       at_(messages.size(), core::kNever) {
   ring.on_event = [this](NodeId node, const core::Event& event) {
     if (const auto* end = std::get_if<core::SendEnded>(&event.what)) ended(node, *end);

@@ -200,7 +200,7 @@ void RandomFaults::fault() {
     case 5:
       return heal(node);
     case 6:
-      ring_->cpu_reads[node] = !ring_->cpu_reads[node];
+      ring_->set_cpu_reads(node, !ring_->cpu_reads(node));
       return;  // its CPU hangs, or goes on
     case 7:
       if (ring_->alive(node)) ring_->cancel(node);
@@ -275,7 +275,7 @@ void RandomFaults::calm_down() {
   quiet_ = true;
   lines_->mend_all();
   for (const NodeId node : order_) {
-    ring_->cpu_reads[node] = true;
+    ring_->set_cpu_reads(node, true);
     heal(node);
     if (!ring_->alive(node)) freeze_or_thaw(node);
   }
