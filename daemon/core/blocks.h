@@ -32,6 +32,10 @@ class Blocks {
   void set_folded(bool input, bool output, Time now) { membership_.set_folded(input, output, now); }
   /// The second line stands for the input, and what comes was turned back at `node`. (ours, protocol.md section 4.9)
   void set_turned_back_at(std::optional<NodeId> node) { relay_.set_turned_back_at(node); }
+  /// line() holds something.
+  bool has_given_out() const { return !line_.empty(); }
+  /// A DATP is on the line and not yet through, or waits in line().
+  bool is_mid_packet() const { return has_given_out() || packet_manager_.is_open(); }
   /// Another DATP of the largest size could come in.
   bool has_room() const { return packet_manager_.has_room(); }
   void set_output_ready(bool ready) { packet_manager_.set_ready(ready); }

@@ -74,6 +74,7 @@ void NetworkController::run(Time now) {
 }
 
 Time NetworkController::next_deadline(Time now) const {
+  if (has_given_out()) return now;
   const Time blocks = Blocks::next_deadline(now);
   return fold_ ? std::min(blocks, fold_->deadline()) : blocks;
 }

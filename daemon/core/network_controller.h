@@ -39,10 +39,12 @@ class NetworkController : private Blocks {
 
   /// @name The lines into and out of this node
   ///@{
+  /// @pre it was down
   void input_up(Line line, NodeId from, Time now);
   void input_lost(Line line, Time now);
   /// Something was lost on it: a DATP that is coming in will never be whole.
   void input_gap(Line line, Time now);
+  /// @pre it was down
   void output_up(Line line, NodeId to, Time now);
   void output_lost(Line line, Time now);
   /// The line takes more, or no more for now; it takes more once it is up.
@@ -54,7 +56,7 @@ class NetworkController : private Blocks {
   /// The line that stands for the input, for the output: the second one at a fold.
   Line input_line() const { return fold_ && fold_->takes_second() ? Line::second : Line::first; }
   Line output_line() const { return fold_ && fold_->turned_back() ? Line::second : Line::first; }
-  bool has_second_line() const { return fold_.has_value(); }
+  Lines lines() const { return Lines(fold_.has_value()); }
   ///@}
 
   /// @name The CPU and its helpers. Every call of the first three ends in exactly one SendEnded event.
@@ -73,8 +75,8 @@ class NetworkController : private Blocks {
   ///@{
   void handle_timeout(Time now);
   void run(Time now);
-  /// When handle_timeout(), run(), take_event() or take() have something new to do, if nothing else
-  /// happens before.
+  /// When handle_timeout(), run(), take_event() or take() have something new to do, or output() something to be
+  /// written, if nothing else happens before.
   Time next_deadline(Time now) const;
   using Blocks::has_output;
   using Blocks::take_event;
@@ -92,6 +94,7 @@ class NetworkController : private Blocks {
  private:
   static std::size_t index(Line line) { return static_cast<std::size_t>(line); }
   void enter(const wire::Slice& slice, Time now) override;
+  bool has_given_out() const { return Blocks::has_given_out() || !outputs_[0].empty() || !outputs_[1].empty(); }
   void update_ready() { Blocks::set_output_ready(ready_[index(output_line())]); }
 
   std::array<wire::SliceWriter, 2> outputs_;

@@ -6,7 +6,7 @@
 
 namespace limb_ring::runtime {
 
-Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const setup::LinkSettings& links,
+Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const std::vector<setup::LinkSettings>& lines,
                EngineListener& listener)
     : machine_clock_(io),
       listener_(listener),
@@ -17,22 +17,19 @@ Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const se
                armed_for_ = core::kNever;
                pump();
              }),
-      silence_(links.first.input.timing.silence),
-      first_(io, clock_, links.first, core::Line::first, *this) {
+      silence_(lines.front().input.timing.silence) {
   LineHandler& handler = *this;
-  if (links.second) second_.emplace(io, clock_, *links.second, core::Line::second, handler);
+  for (const setup::LinkSettings& links : lines) lines_.emplace_back(io, clock_, links, handler);
 }
 
 void Engine::close() {
   closed_ = true;
-  first_.close();
-  if (second_) second_->close();
+  for (NodeLine& line : lines_) line.close();
   timer_.cancel();
 }
 
 void Engine::listen_again() {
-  first_.listen_again();
-  if (second_) second_->listen_again();
+  for (NodeLine& line : lines_) line.listen_again();
 }
 
 void Engine::set_tap(LineTap* tap) {
@@ -162,15 +159,12 @@ void Engine::note(const core::Event& event) {
 }
 
 void Engine::write_lines() {
-  write(core::Line::first);
-  if (second_) write(core::Line::second);
-}
-
-void Engine::write(core::Line on) {
-  wire::SliceWriter& slices = controller_.output(on);
-  if (slices.empty()) return;
-  line(on).write(slices, at_);
-  controller_.set_output_ready(on, line(on).output().ready());
+  for (NodeLine& line : lines_) {
+    wire::SliceWriter& slices = controller_.output(line.line());
+    if (slices.empty()) continue;
+    line.write(slices, at_);
+    controller_.set_output_ready(line.line(), line.output().ready());
+  }
 }
 
 // A timer that fires too early costs less than setting it again for every packet.

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <optional>
+#include <deque>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/network_controller.h"
 #include "event_loop/machine_clock.h"
@@ -20,7 +21,7 @@ namespace limb_ring::runtime {
 /// One read, one write: all slices of a batch are handed in before anything is written.
 class Engine final : public NodeDriver, private LineHandler, private core::NetworkController::Tap {
  public:
-  Engine(boost::asio::io_context& io, const core::Settings& core, const setup::LinkSettings& links,
+  Engine(boost::asio::io_context& io, const core::Settings& core, const std::vector<setup::LinkSettings>& lines,
          EngineListener& listener);
   ~Engine() override { close(); }
 
@@ -36,7 +37,6 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   void listen_again() override;
   void set_tap(LineTap* tap) override;
 
-  bool has_second_line() const override { return second_.has_value(); }
   LineEnds ends(core::Line line) const override;
   const link::InputCounters& input_counters(core::Line on) const override { return line(on).input().counters(); }
   const link::OutputCounters& output_counters(core::Line on) const override { return line(on).output().counters(); }
@@ -60,13 +60,12 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   void arrives(const wire::Slice& slice, core::Line on, core::Time now) override;
   void leaves(wire::ByteView framed_slices, core::Line on, core::Time now) override;
 
-  NodeLine& line(core::Line line) { return line == core::Line::first ? first_ : *second_; }
-  const NodeLine& line(core::Line line) const { return line == core::Line::first ? first_ : *second_; }
+  NodeLine& line(core::Line line) { return lines_[static_cast<std::size_t>(line)]; }
+  const NodeLine& line(core::Line line) const { return lines_[static_cast<std::size_t>(line)]; }
   void say(core::Line line, const std::string& what);
   void round();
   void note(const core::Event& event);
   void write_lines();
-  void write(core::Line line);
   void arm_timer();
 
   Clock clock_;
@@ -87,8 +86,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   bool again_ = false;
   bool pump_asked_ = false;
   bool closed_ = false;
-  NodeLine first_;
-  std::optional<NodeLine> second_;
+  std::deque<NodeLine> lines_;
 };
 
 }  // namespace limb_ring::runtime

@@ -67,7 +67,7 @@ class NodeDriver {
 
   /// @name Its lines. @pre has_second_line(), for the second
   ///@{
-  virtual bool has_second_line() const = 0;
+  bool has_second_line() const { return controller().settings().fold_back; }
   virtual LineEnds ends(core::Line line) const = 0;
   virtual const link::InputCounters& input_counters(core::Line line) const = 0;
   virtual const link::OutputCounters& output_counters(core::Line line) const = 0;

@@ -2,12 +2,12 @@
 
 namespace limb_ring::runtime {
 
-NodeLine::NodeLine(boost::asio::io_context& io, const Clock& clock, const setup::LinkSettings::Ends& ends,
-                   core::Line line, LineHandler& handler)
-    : line_(line),
+NodeLine::NodeLine(boost::asio::io_context& io, const Clock& clock, const setup::LinkSettings& links,
+                   LineHandler& handler)
+    : line_(links.line),
       handler_(handler),
-      input_(io, ends.input, *this),
-      output_(io, ends.output, *this),
+      input_(io, links.input, *this),
+      output_(io, links.output, *this),
       faulty_line_(io, clock, output_) {}
 
 void NodeLine::write(wire::SliceWriter& slices, core::Time now) {

@@ -28,10 +28,10 @@ struct LineHandler {
 /// A line of the ring at this node: the link into it, the link out of it, and what is wrong with that one on purpose.
 class NodeLine final : private link::InputHandler, private link::OutputHandler {
  public:
-  /// All but `ends` must outlive this.
-  NodeLine(boost::asio::io_context& io, const Clock& clock, const setup::LinkSettings::Ends& ends, core::Line line,
-           LineHandler& handler);
+  /// All but `links` must outlive this.
+  NodeLine(boost::asio::io_context& io, const Clock& clock, const setup::LinkSettings& links, LineHandler& handler);
 
+  core::Line line() const { return line_; }
   const link::Input& input() const { return input_; }
   const link::Output& output() const { return output_; }
   FaultyLine& faulty_line() { return faulty_line_; }

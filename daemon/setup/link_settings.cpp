@@ -11,9 +11,7 @@ namespace {
 using config::LinkConfig;
 using config::NodeConfig;
 using config::RingConfig;
-
-/// The second runs against the ring.
-enum class Line : std::uint8_t { first, second };
+using core::Line;
 
 link::Endpoint endpoint_of(const NodeConfig& node, const std::string& directory, Line line) {
   const bool second = line == Line::second;
@@ -60,14 +58,11 @@ link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& n
 
 }  // namespace
 
-LinkSettings link_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
-  const auto ends = [&](Line line) {
-    return LinkSettings::Ends{input_settings(ring, node, directory, line),
-                              output_settings(ring, node, directory, line)};
-  };
-  LinkSettings settings{ends(Line::first), {}};
-  if (ring.redundancy == RingConfig::Redundancy::foldback) settings.second = ends(Line::second);
-  return settings;
+std::vector<LinkSettings> link_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
+  std::vector<LinkSettings> lines;
+  for (const Line line : core::Lines(ring.redundancy == RingConfig::Redundancy::foldback))
+    lines.push_back({line, input_settings(ring, node, directory, line), output_settings(ring, node, directory, line)});
+  return lines;
 }
 
 }  // namespace limb_ring::setup

@@ -1,24 +1,23 @@
 #pragma once
 
-#include <optional>
+#include <vector>
 
 #include "config/ring_config.h"
+#include "core/line.h"
 #include "link/input_line.h"
 #include "link/output.h"
 
 namespace limb_ring::setup {
 
-/// What one node's links are told, out of the configuration of its ring.
+/// What the links of one line are told at one node.
 struct LinkSettings {
-  struct Ends {
-    link::InputSettings input;
-    link::OutputSettings output;
-  };
-  Ends first;
-  std::optional<Ends> second;  ///< where the ring folds back
+  core::Line line;
+  link::InputSettings input;
+  link::OutputSettings output;
 };
+/// For each line of the ring, out of its configuration.
 /// @param directory the ring's folder, where UNIX links live
-LinkSettings link_settings(const config::RingConfig& ring, const config::NodeConfig& node,
-                           const std::string& directory);
+std::vector<LinkSettings> link_settings(const config::RingConfig& ring, const config::NodeConfig& node,
+                                        const std::string& directory);
 
 }  // namespace limb_ring::setup

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/line.h"
 #include "core/time.h"
 #include "wire/packet.h"
 #include "wire/slice.h"
@@ -21,7 +22,7 @@ class DelayLine {
     Time at{};
     NodeId from{0}, to{0};
     std::uint64_t epoch = 0;  ///< of the line it left on
-    bool second = false;      ///< on the second line
+    core::Line line = core::Line::first;
     wire::SliceWriter slices;
   };
 
@@ -32,14 +33,14 @@ class DelayLine {
   /// When the next one arrives, kNever where none is under way.
   Time next() const { return empty() ? core::kNever : slots_[first_].at; }
   /// What leaves at `now`; takes `slices`, and leaves an empty one in its place.
-  void put(Time now, NodeId from, NodeId to, std::uint64_t epoch, bool second, wire::SliceWriter& slices) {
+  void put(Time now, NodeId from, NodeId to, std::uint64_t epoch, core::Line line, wire::SliceWriter& slices) {
     if (count_ == slots_.size()) grow();
     Arrival& slot = slots_[(first_ + count_++) & (slots_.size() - 1)];
     slot.at = now + delay_;
     slot.from = from;
     slot.to = to;
     slot.epoch = epoch;
-    slot.second = second;
+    slot.line = line;
     slot.slices.clear();
     slot.slices.swap(slices);
   }

@@ -98,30 +98,30 @@ void VirtualRing::connect_later(NodeId id, Line line) {
 // The neighbours close the ring without this node.
 void VirtualRing::leave(NodeId id) {
   std::array<int, 2> before{-1, -1};
-  each_line([&](Line line) {
+  for (const Line line : lines()) {
     int& b = before[static_cast<std::size_t>(line)];
     b = this->before(id, line);
     if (b >= 0 && b != id) disconnect_output(static_cast<NodeId>(b), line);
     disconnect_output(id, line);
     wire_of(id, line).predecessor = -1;
-  });
+  }
   wakes_.set(id, kNever);
   nodes_[id].alive = nodes_[id].paused = false;
   nodes_[id].waiting.clear();
-  each_line([&](Line line) {
+  for (const Line line : lines()) {
     const int b = before[static_cast<std::size_t>(line)];
     if (b >= 0 && b != id) connect_later(static_cast<NodeId>(b), line);
-  });
+  }
 }
 
 // The neighbours close the ring with this node in it.
 void VirtualRing::enter(NodeId id) {
   nodes_[id].alive = true;
-  each_line([&](Line line) {
+  for (const Line line : lines()) {
     const int before = this->before(id, line);
     if (before != id) connect_later(static_cast<NodeId>(before), line);
     connect_later(id, line);
-  });
+  }
 }
 
 void VirtualRing::tell(NodeId id, Incident incident, Line line) {
@@ -153,10 +153,10 @@ void VirtualRing::freeze(NodeId id) {
 void VirtualRing::thaw(NodeId id) {
   if (alive(id)) return;
   tell(id, Incident::thawed);
-  each_line([&](Line line) {
+  for (const Line line : lines()) {
     input_lost(id, line);
     output_lost(id, line);
-  });
+  }
   enter(id);
 }
 
@@ -181,7 +181,7 @@ void VirtualRing::resume(NodeId id) {
 void VirtualRing::set_output_ready(NodeId id, bool ready) {
   tell(id, Incident::late_slice);
   for (Observer* observer : observers_) observer->output_ready(id, ready, now_);
-  each_line([&](Line line) { node(id).set_output_ready(line, ready); });
+  for (const Line line : lines()) node(id).set_output_ready(line, ready);
 }
 
 void VirtualRing::cut(NodeId id, Line line) {

@@ -32,21 +32,21 @@ VirtualRing::VirtualRing(const VirtualRingOptions& options)
   if (!options.start) return;
   for (const NodeId id : order()) {
     node(id).set_cpu_present(true);
-    each_line([&](Line line) { connect(id, line); });
+    for (const Line line : lines()) connect(id, line);
   }
 }
 
 void VirtualRing::make_node(NodeId id) {
   Node& n = nodes_[id];
   n.controller = std::make_unique<NetworkController>(settings_of(id), now_);
-  n.eye = std::make_unique<Eye>(*this, id);
-  if (!observers_.empty()) n.controller->set_tap(n.eye.get());
+  n.observer_tap = std::make_unique<ObserverTap>(*this, id);
+  if (!observers_.empty()) n.controller->set_tap(n.observer_tap.get());
 }
 
 // Without an observer nothing is tapped, which costs nothing.
 void VirtualRing::add_observer(Observer& observer) {
   observers_.push_back(&observer);
-  for (Node& n : nodes_) n.controller->set_tap(n.eye.get());
+  for (Node& n : nodes_) n.controller->set_tap(n.observer_tap.get());
 }
 
 core::Settings VirtualRing::settings_of(NodeId id) const {
@@ -180,16 +180,14 @@ void VirtualRing::act() {
 
 void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
   Node& to = nodes_[arrival.to];
-  const Line line = arrival.second ? Line::second : Line::first;
-  if (!to.alive || wire_of(arrival.from, line).epoch != arrival.epoch) return;
+  if (!to.alive || wire_of(arrival.from, arrival.line).epoch != arrival.epoch) return;
   if (to.paused) return to.waiting.push_back(arrival);
-  wire::each_slice(arrival.slices.view(), [&](const Slice& slice) { to.controller->receive(line, slice, now_); });
+  NetworkController& controller = *to.controller;
+  wire::each_slice(arrival.slices.view(), [&](const Slice& slice) { controller.receive(arrival.line, slice, now_); });
   // Where the line takes time, most of what comes in has to wait for its turn: then there is nothing
   // to be done but to say when.
-  NetworkController& controller = *to.controller;
-  if (controller.has_second_line() || controller.settings().byte_time_in.count() == 0) return touch(arrival.to);
   const Time deadline = controller.next_deadline(now_);
-  if (deadline <= now_) return touch(arrival.to);
+  if (deadline <= now_ || controller.has_output(now_)) return touch(arrival.to);
   wakes_.set(arrival.to, deadline);
 }
 
@@ -211,7 +209,7 @@ void VirtualRing::settle(NodeId id) {
 }
 
 void VirtualRing::carry_line(NodeId id) {
-  for (const Line line : {Line::first, Line::second}) put_on_line(id, line, nodes_[id].controller->output(line));
+  for (const Line line : lines()) put_on_line(id, line, nodes_[id].controller->output(line));
 }
 
 void VirtualRing::put_on_line(NodeId id, Line line, SliceWriter& slices) {
@@ -229,7 +227,7 @@ void VirtualRing::carry_off(NodeId id, Line line, SliceWriter& slices) {
   const Wire& out = wire_of(id, line);
   if (slices.empty() || out.cut || out.successor < 0) return slices.clear();
   const auto to = static_cast<NodeId>(out.successor);
-  delay_lines_[nodes_[to].delay_line].put(now_, id, to, out.epoch, line == Line::second, slices);
+  delay_lines_[nodes_[to].delay_line].put(now_, id, to, out.epoch, line, slices);
 }
 
 void VirtualRing::put_late(NodeId id, SliceWriter& slices, Line line) {

@@ -53,6 +53,7 @@ class VirtualRing {
   /// The same without that: for who says himself, by node(), when something was asked of it.
   NetworkController& controller(NodeId id) { return *nodes_[id].controller; }
   const core::RingOrder& order() const { return options_.order; }
+  core::Lines lines() const { return nodes_.front().controller->lines(); }
   const core::Settings& settings(NodeId id) const { return nodes_[id].controller->settings(); }
   const core::Counters& counters(NodeId id) const { return nodes_[id].controller->counters(); }
   /// The lines that its packets come on, and leave on.
@@ -77,10 +78,10 @@ class VirtualRing {
   void reset_cpu(NodeId id);
   /// It is there, or gone; a node that starts has one.
   void set_cpu_present(NodeId id, bool present);
-  /// Its sends end cancelled.
   /// It takes its packets, which it does from the start (true), or reads nothing.
   void set_cpu_reads(NodeId id, bool reads);
   bool cpu_reads(NodeId id) const { return nodes_[id].cpu_reads; }
+  /// Its sends end cancelled.
   void cancel(NodeId id);
   /// The end of that send; null where it has not ended.
   const core::SendEnded* ended(NodeId id, std::uint32_t token) const;
@@ -146,8 +147,8 @@ class VirtualRing {
     Tap tap;
   };
   /// Tells the observers what reaches and leaves a node's blocks.
-  struct Eye final : NetworkController::Tap {
-    Eye(VirtualRing& in, NodeId at) : ring(in), node(at) {}
+  struct ObserverTap final : NetworkController::Tap {
+    ObserverTap(VirtualRing& in, NodeId at) : ring(in), node(at) {}
     void arrives(const wire::Slice& slice, Line, Time now) override {
       for (Observer* observer : ring.observers_) observer->arrives(node, slice, now);
     }
@@ -157,10 +158,10 @@ class VirtualRing {
   };
   struct Node {
     std::unique_ptr<NetworkController> controller;
-    std::unique_ptr<Eye> eye;
+    std::unique_ptr<ObserverTap> observer_tap;
     bool alive = false;
-    std::array<Wire, 2> lines;
     bool cpu_reads = true;
+    std::array<Wire, 2> lines;
     std::uint64_t starts = 0;
     std::uint32_t next_token = 1;
     std::size_t delay_line = 0;  ///< of the line into it
@@ -180,11 +181,6 @@ class VirtualRing {
   Wire& wire_of(NodeId id, Line line = Line::first) { return nodes_[id].lines[static_cast<std::size_t>(line)]; }
   int next(NodeId id, Line line) const { return line == Line::first ? next_alive(id) : previous_alive(id); }
   int before(NodeId id, Line line) const { return line == Line::first ? previous_alive(id) : next_alive(id); }
-  template <class Each>
-  void each_line(Each each) const {
-    each(Line::first);
-    if (nodes_.front().controller->has_second_line()) each(Line::second);
-  }
   void connect(NodeId id, Line line);
   void connect_later(NodeId id, Line line);
   void disconnect_output(NodeId id, Line line);

@@ -9,8 +9,7 @@ using wire::NodeId;
 
 VirtualLineFaults::VirtualLineFaults(VirtualRing& ring, std::uint64_t seed) : ring_(ring) {
   std::mt19937_64 seeds(seed);
-  for (const Line line : {Line::first, Line::second}) {
-    if (line == Line::second && !ring.settings(NodeId{0}).fold_back) break;
+  for (const Line line : ring.lines()) {
     for (unsigned id = 0; id < ring.size(); ++id)
       lines_[static_cast<std::size_t>(line)].emplace_back(seeds(),
                                                           ring.settings(static_cast<NodeId>(id)).byte_time_out);

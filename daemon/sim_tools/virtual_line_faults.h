@@ -48,7 +48,7 @@ class VirtualLineFaults : public Observer {
   Wire& wire_of(wire::NodeId id, core::Line line) { return lines_[static_cast<std::size_t>(line)][id]; }
   template <class Each>
   void each_line(Each each) const {
-    for (const core::Line line : {core::Line::first, core::Line::second})
+    for (const core::Line line : ring_.lines())
       for (std::size_t id = 0; id < lines_[static_cast<std::size_t>(line)].size(); ++id)
         each(static_cast<wire::NodeId>(id), line);
   }

@@ -51,8 +51,7 @@ void VirtualNode::on_departure(const wire::Slice& slice, core::Time now) {
 }
 
 void VirtualNode::look_at_lines() {
-  for (const Line line : {Line::first, Line::second}) {
-    if (line == Line::second && !has_second_line()) break;
+  for (const Line line : controller().lines()) {
     LineEnds& known = ends_[static_cast<std::size_t>(line)];
     const LineEnds before = std::exchange(known, ends(line));
     tell_change(line, before, known);

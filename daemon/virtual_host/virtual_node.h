@@ -53,7 +53,6 @@ class VirtualNode final : public runtime::NodeDriver {
   void listen_again() override {}
   void set_tap(runtime::LineTap* tap) override { tap_ = tap; }
 
-  bool has_second_line() const override { return controller().has_second_line(); }
   runtime::LineEnds ends(core::Line line) const override;
   const link::InputCounters& input_counters(core::Line) const override { return no_input_; }
   const link::OutputCounters& output_counters(core::Line) const override { return no_output_; }

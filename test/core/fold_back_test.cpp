@@ -360,6 +360,7 @@ TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) 
     Event event;
     while (node.take_event(now, event)) {
     }
+    second().clear();
   }
   ASSERT_FALSE(node.output(Line::first).empty());
   const auto word = wire::fold_word(wire::parse_slice(node.output(Line::first).view()).slice);

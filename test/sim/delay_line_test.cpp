@@ -23,14 +23,14 @@ TEST(DelayLine, IsEmptyAtFirst) {
 TEST(DelayLine, GivesOutWhatLeftADelayLater) {
   DelayLine line(512ns);
   wire::SliceWriter slices = slice_of(7);
-  line.put(Time(100ns), 1_id, 2_id, 5, true, slices);
+  line.put(Time(100ns), 1_id, 2_id, 5, core::Line::second, slices);
   EXPECT_TRUE(slices.empty()) << "it was taken, not copied";
   EXPECT_EQ(line.next(), Time(612ns));
   const DelayLine::Arrival& arrival = line.pop();
   EXPECT_EQ(arrival.from, 1);
   EXPECT_EQ(arrival.to, 2);
   EXPECT_EQ(arrival.epoch, 5u);
-  EXPECT_TRUE(arrival.second);
+  EXPECT_EQ(arrival.line, core::Line::second);
   EXPECT_FALSE(arrival.slices.empty());
   EXPECT_TRUE(line.empty());
 }
@@ -40,7 +40,7 @@ TEST(DelayLine, KeepsTheOrderHoweverMuchIsUnderWay) {
   unsigned given_out = 0;
   for (unsigned i = 0; i < 1000; ++i) {
     wire::SliceWriter slices = slice_of(0);
-    line.put(Time(i * 1ns), 0_id, 1_id, i, false, slices);
+    line.put(Time(i * 1ns), 0_id, 1_id, i, core::Line::first, slices);
     if (i % 3 != 0) continue;
     EXPECT_EQ(line.pop().epoch, given_out++);
   }

@@ -58,6 +58,8 @@ class PacketManager {
     ready_ = ready;
   }
 
+  /// The header of a DATP is on the line, and its end is not.
+  bool is_open() const { return is_open_; }
   /// Puts onto the line all that may go now.
   void run(Time now);
   /// When run() has something to do again, if nothing else happens.

@@ -1,0 +1,52 @@
+// When the CPUs of a virtual ring get what is for them.
+#include "sim/virtual_ring.h"
+
+#include <gtest/gtest.h>
+
+#include "support/node_literal.h"
+
+namespace limb_ring::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+VirtualRingOptions gigabit(unsigned nodes) {
+  VirtualRingOptions options;
+  options.nodes = nodes;
+  options.byte_time = 8ns;
+  return options;
+}
+
+TEST(VirtualRing, ACpuThatReadsAgainTakesWhatHasWaitedAtOnce) {
+  VirtualRing ring(gigabit(3));
+  ASSERT_TRUE(ring.join());
+  ring.set_cpu_reads(1_id, false);
+  ring.send(0_id, 1_id, {1, 2, 3});
+  ring.run_for(1ms);
+  ASSERT_TRUE(ring.log(1_id).packets.empty());
+  ring.set_cpu_reads(1_id, true);
+  ring.run_until(ring.now());
+  EXPECT_EQ(ring.log(1_id).packets.size(), 1u);
+}
+
+// Also where another packet's slice comes in just then.
+TEST(VirtualRing, ACpuTakesEachPacketInTheInstantItIsIn) {
+  VirtualRing ring(gigabit(8));
+  ASSERT_TRUE(ring.join());
+  unsigned taken = 0, late = 0;
+  ring.on_packet = [&](NodeId, const core::ReceivedPacket& packet) {
+    ++taken;
+    if (ring.now() != packet.at) ++late;
+  };
+  ring.on_event = [&](NodeId id, const core::Event& event) {
+    if (!std::holds_alternative<core::SendEnded>(event.what)) return;
+    ring.send(id, wire::NodeId{wire::kBroadcast}, std::vector<std::uint8_t>(4 + id % 4u * 4u));
+  };
+  for (const NodeId id : ring.order()) ring.send(id, 1_id, {id});
+  ring.run_for(20ms);
+  EXPECT_GT(taken, 1000u);
+  EXPECT_EQ(late, 0u);
+}
+
+}  // namespace
+}  // namespace limb_ring::sim
