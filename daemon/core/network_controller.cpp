@@ -12,28 +12,28 @@ NetworkController::NetworkController(const Settings& settings, Time now) : Block
 // ---- the lines ----------------------------------------------------------------------------
 
 void NetworkController::input_up(Line line, NodeId from, Time now) {
-  if (fold_) return fold_->input_up(line, from, now);
+  if (fold_) return fold_->tell<&FoldBack::input_up>(now, line, from);
   if (line == Line::first) Blocks::input_up(from, now);
 }
 
 void NetworkController::input_lost(Line line, Time now) {
-  if (fold_) return fold_->input_lost(line, now);
+  if (fold_) return fold_->tell<&FoldBack::input_lost>(now, line);
   if (line == Line::first) Blocks::input_lost(now);
 }
 
 void NetworkController::input_gap(Line line, Time now) {
-  if (fold_) return fold_->input_gap(line, now);
+  if (fold_) return fold_->tell<&FoldBack::input_gap>(now, line);
   if (line == Line::first) Blocks::input_gap(now);
 }
 
 void NetworkController::output_up(Line line, NodeId to, Time now) {
   ready_[index(line)] = true;
-  if (fold_) return fold_->output_up(line, to, now);
+  if (fold_) return fold_->tell<&FoldBack::output_up>(now, line, to);
   if (line == Line::first) Blocks::output_up(to, now);
 }
 
 void NetworkController::output_lost(Line line, Time now) {
-  if (fold_) return fold_->output_lost(line, now);
+  if (fold_) return fold_->tell<&FoldBack::output_lost>(now, line);
   if (line == Line::first) Blocks::output_lost(now);
 }
 
@@ -43,7 +43,7 @@ void NetworkController::set_output_ready(Line line, bool ready) {
 }
 
 void NetworkController::receive(Line line, const wire::Slice& slice, Time now) {
-  if (fold_) return fold_->receive(line, slice, now);
+  if (fold_) return fold_->tell<&FoldBack::receive>(now, line, slice);
   if (line == Line::first) enter(slice, now);
 }
 
@@ -59,7 +59,7 @@ void NetworkController::enter(const wire::Slice& slice, Time now) {
 
 void NetworkController::handle_timeout(Time now) {
   Blocks::handle_timeout(now);
-  if (fold_) fold_->handle_timeout(now);
+  if (fold_) fold_->tell<&FoldBack::handle_timeout>(now);
 }
 
 void NetworkController::run(Time now) {
@@ -67,7 +67,7 @@ void NetworkController::run(Time now) {
   wire::SliceWriter& given_out = Blocks::line();
   if (tap_ != nullptr && !given_out.empty()) tap_->leaves(given_out.view(), output_line(), now);
   if (fold_)
-    fold_->carry(given_out, now);
+    fold_->tell<&FoldBack::carry>(now, given_out);
   else
     outputs_[0].take(given_out);
   update_ready();

@@ -19,12 +19,9 @@ void FoldBack::input_up(Line line, NodeId from, Time now) {
     second_from_ = from;
     return;
   }
-  if (input_up_) input_lost(line, now);
   input_up_ = true;
   from_ = from;
-  tell_neighbours();
   on(InInput::first_up, now);
-  settle(now);
 }
 
 void FoldBack::input_lost(Line line, Time now) {
@@ -32,7 +29,6 @@ void FoldBack::input_lost(Line line, Time now) {
   if (!input_up_) return;
   input_up_ = false;
   on(InInput::first_lost, now);
-  settle(now);
 }
 
 void FoldBack::input_gap(Line line, Time now) {
@@ -46,21 +42,14 @@ void FoldBack::output_up(Line line, NodeId to, Time now) {
     if (fold_node_ && repeats()) say(wire::FoldWordKind::begin, *fold_node_);
     say_words(now);
   } else {
-    if (output_up_) output_lost(line, now);
     output_up_ = true;
     to_ = to;
-    tell_neighbours();
     next_is_deaf_ = false;
     greet_next_node();
   }
-  settle(now);
 }
 
-void FoldBack::output_lost(Line line, Time now) {
-  if (line == Line::first && !output_up_) return;
-  (line == Line::first ? output_up_ : second_output_up_) = false;
-  settle(now);
-}
+void FoldBack::output_lost(Line line, Time) { (line == Line::first ? output_up_ : second_output_up_) = false; }
 
 void FoldBack::receive(Line line, const wire::Slice& slice, Time now) {
   if (slice.kind == wire::SliceKind::idle) return;
@@ -70,15 +59,7 @@ void FoldBack::receive(Line line, const wire::Slice& slice, Time now) {
     receive_second(slice, now);
 }
 
-void FoldBack::carry(wire::SliceWriter& given_out, Time now) {
-  if (out_ == Out::first && first_.empty()) {
-    first_.swap(given_out);
-  } else {
-    wire::each_slice(given_out.view(), [&](const wire::Slice& slice) { put_out(slice, now); });
-  }
-  given_out.clear();
-  tell_folded(now);
-}
+void FoldBack::carry(wire::SliceWriter& given_out, Time) { (out_ == Out::first ? first_ : second_).take(given_out); }
 
 // ---- both halves ------------------------------------------------------------------------------
 
@@ -87,9 +68,14 @@ void FoldBack::settle(Time now) {
   if (may_fold_) may_fold_at_ = kNever;
   settle_input(now);
   settle_output(now);
-  tell_turned_back();
-  tell_folded(now);
+  tell_neighbours();
+  blocks_.set_turned_back_at(takes_second() ? fold_node_ : std::nullopt);
+  blocks_.set_folded(takes_second(), turned_back() && told_output_, now);
+  release(now);
 }
+
+// While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.
+void FoldBack::tell_neighbours() { blocks_.set_neighbours(from_, to_, out_ == Out::first ? to_ : neighbour(1)); }
 
 // Words can be lost with the link, so a node that has folded repeats them.
 void FoldBack::say_words(Time now) {
@@ -113,7 +99,6 @@ void FoldBack::handle_timeout(Time now) {
   if (may_fold_at_ <= now) {
     may_fold_ = true;
     say_words(now);
-    settle(now);
   }
   if (repeat_words_at_ <= now) say_words(now);
   if (drain_due_ <= now) {
@@ -123,7 +108,6 @@ void FoldBack::handle_timeout(Time now) {
       on(InInput::through, now);
   }
   if (fold_node_due_ <= now) lose_second_input(now);
-  release(now);
 }
 
 }  // namespace limb_ring::core

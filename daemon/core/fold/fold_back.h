@@ -11,6 +11,20 @@
 
 namespace limb_ring::core {
 
+/// Whether a DATP is under way on a line, from the slices that pass.
+class OpenPacket {
+ public:
+  bool is_open() const { return open_; }
+  void see(const wire::Slice& slice) {
+    const bool inside = slice.kind == wire::SliceKind::more || slice.kind == wire::SliceKind::interrupt;
+    open_ = slice.kind == wire::SliceKind::start || (open_ && inside);
+  }
+  void close() { open_ = false; }
+
+ private:
+  bool open_ = false;
+};
+
 /// Fold-back around a break, with a second, counter-rotating line. (ours, protocol.md sections 8.7 to 8.12; Honda's
 /// own answer is switches to a redundant line, US10742444)
 ///
@@ -31,7 +45,15 @@ class FoldBack {
   FoldBack(const FoldBack&) = delete;
   FoldBack& operator=(const FoldBack&) = delete;
 
-  /// @name The lines
+  /// One of the inputs below, by tell<&FoldBack::receive>(now, line, slice). What follows from it is settled behind it,
+  /// here and nowhere else.
+  template <auto input, class... What>
+  void tell(Time now, What&&... what) {
+    (this->*input)(what..., now);
+    settle(now);
+  }
+
+  /// @name Inputs, for tell()
   /// The second line's input comes from the next node, its output goes to the one before. That its input is up does not
   /// mean that there is a fold; the words and packets on it do.
   ///@{
@@ -41,8 +63,9 @@ class FoldBack {
   void output_up(Line line, NodeId to, Time now);
   void output_lost(Line line, Time now);
   void receive(Line line, const wire::Slice& slice, Time now);
-  /// Divides what the blocks have given out among the lines; leaves it empty.
+  /// Puts what the blocks have given out onto the line that stands for their output; leaves it empty.
   void carry(wire::SliceWriter& given_out, Time now);
+  void handle_timeout(Time now);
   ///@}
 
   /// The output goes onto the second line.
@@ -50,7 +73,6 @@ class FoldBack {
   /// The second line stands for the input.
   bool takes_second() const { return in_ != In::first && fold_node_; }
 
-  void handle_timeout(Time now);
   Time deadline() const {
     return std::min(std::min(may_fold_at_, repeat_words_at_), std::min(drain_due_, fold_node_due_));
   }
@@ -78,8 +100,9 @@ class FoldBack {
   static const OutRow kOutputTable[];
   void on(OutInput input, Time now);
 
-  /// What follows from the lines, the words and both halves for what the blocks know.
+  /// What follows from the lines, the words and both halves: for the output, and for what the blocks know.
   void settle(Time now);
+  void tell_neighbours();
 
   /// @name Input half (fold_input.cpp)
   ///@{
@@ -104,8 +127,6 @@ class FoldBack {
   void turn_back(Time now);
   void turn_forward(Time now);
   void greet_next_node();
-  void tell_neighbours();
-  void put_out(const wire::Slice& slice, Time now);
   ///@}
 
   /// @name What passes on the second line (fold_second_line.cpp)
@@ -127,8 +148,6 @@ class FoldBack {
   Duration repeat_period() const;
   NodeId neighbour(std::size_t lines) const { return node_after(settings().order, id(), lines); }
   std::size_t lines_between(NodeId from, NodeId to) const { return distance(settings().order, from, to); }
-  void tell_turned_back() { blocks_.set_turned_back_at(takes_second() ? fold_node_ : std::nullopt); }
-  void tell_folded(Time now) { blocks_.set_folded(takes_second(), turned_back() && told_output_, now); }
 
   Blocks& blocks_;
   Counters& counters_;
@@ -147,7 +166,6 @@ class FoldBack {
   Time drain_due_ = kNever;
 
   Out out_ = Out::first;
-  OpenPacket sent_back_;       ///< the DATP that is going out on the second line
   bool next_is_deaf_ = false;  ///< the next node hears nothing of us on the first line
   bool told_output_ = false;   ///< as the blocks were told: up
 

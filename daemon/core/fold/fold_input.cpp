@@ -70,10 +70,8 @@ void FoldBack::leave_second_line(Time now) {
 }
 
 // If another fold still sends on the second line, this node repeats that from now on.
-void FoldBack::take_first_line(Time now) {
+void FoldBack::take_first_line(Time) {
   if (fold_node_) say(FoldWordKind::begin, *fold_node_);
-  tell_turned_back();
-  release(now);
 }
 
 // ---- the first line is lost -------------------------------------------------------------------
@@ -108,24 +106,22 @@ void FoldBack::hold(const Slice& slice, Time now) {
     blocks_.input_gap(now);
   }
   held_.put(slice);
-  release(now);
 }
 
 // As fast as the insertion buffer takes it.
 void FoldBack::release(Time now) {
   if (in_ != In::first) return;
-  Slice slice{};
-  while (held_.next(slice)) {
+  for (; !held_.empty(); held_.pop()) {
+    const Slice slice = held_.front();
     const bool begins = slice.kind == SliceKind::start || slice.kind == SliceKind::whole;
     if (begins && !blocks_.has_room()) return;
-    held_.pop(slice);
     blocks_.enter(slice, now);
   }
 }
 
 void FoldBack::drop_held() {
-  Slice slice{};
-  for (; held_.next(slice); held_.pop(slice)) ++counters_.fold_held_dropped;
+  counters_.fold_held_dropped += held_.count();
+  held_.clear();
 }
 
 void FoldBack::settle_input(Time now) {

@@ -25,11 +25,8 @@ void FoldBack::on(OutInput input, Time now) {
 void FoldBack::settle_output(Time now) {
   const bool blocked = (!output_up_ && may_fold_) || next_is_deaf_;
   on(blocked ? OutInput::blocked : OutInput::free, now);
-  if (out_ == Out::leaving && !second_output_up_) {
-    blocks_.output_replaced(now);
-    sent_back_.close();
-  }
-  if (!sent_back_.is_open()) on(OutInput::packet_ended, now);
+  if (out_ == Out::leaving && !second_output_up_) blocks_.output_replaced(now);
+  if (!blocks_.is_mid_packet()) on(OutInput::packet_ended, now);
   const bool up = out_ == Out::first ? output_up_ : second_output_up_ && told_input_;
   if (up == told_output_) return;
   told_output_ = up;
@@ -41,15 +38,12 @@ void FoldBack::settle_output(Time now) {
 
 void FoldBack::turn_back(Time now) {
   ++counters_.folds;
-  sent_back_.close();
-  tell_neighbours();
   if (told_output_) blocks_.output_replaced(now);
   say_words(now);
 }
 
 // Between two packets, so that none is lost.
 void FoldBack::turn_forward(Time) {
-  tell_neighbours();
   say(FoldWordKind::last, id());
   greet_next_node();
   if (fold_node_ && in_ == In::first) say(FoldWordKind::begin, *fold_node_);
@@ -58,15 +52,6 @@ void FoldBack::turn_forward(Time) {
 // The next node waits for this before it takes the first line for its input.
 void FoldBack::greet_next_node() {
   if (out_ == Out::first) wire::put(first_, {FoldWordKind::last, id()});
-}
-
-// While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.
-void FoldBack::tell_neighbours() { blocks_.set_neighbours(from_, to_, out_ == Out::first ? to_ : neighbour(1)); }
-
-void FoldBack::put_out(const wire::Slice& slice, Time now) {
-  (out_ == Out::first ? first_ : second_).put(slice.kind, slice.bytes);
-  sent_back_.see(slice);
-  if (!sent_back_.is_open()) on(OutInput::packet_ended, now);
 }
 
 }  // namespace limb_ring::core

@@ -49,7 +49,6 @@ void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
   if (word.node != to_) return;  // of a node that is bypassed
   next_is_deaf_ = word.kind == FoldWordKind::deaf;
   if (!next_is_deaf_) greet_next_node();
-  settle(now);
 }
 
 // The node of the word lies between this node and the one that sends to it on the second line: it is bypassed there, so
@@ -76,7 +75,7 @@ void FoldBack::hear_of_fold_node(FoldWord word, const Slice& slice, Time now) {
   if (word.kind == FoldWordKind::begin) {
     fold_node_ = word.node;
     fold_node_due_ = now + wire::kMissedBeacons * repeat_period();
-    return settle(now);
+    return;
   }
   if (word.kind == FoldWordKind::last && fold_node_ != word.node) return;
   break_off_second(now);
@@ -87,7 +86,6 @@ void FoldBack::forget_fold_node(Time now) {
   fold_node_.reset();
   fold_node_due_ = kNever;
   on(InInput::through, now);
-  settle(now);
 }
 
 // Nothing more comes on the second line.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "wire/slice.h"
 
 namespace limb_ring::core {
@@ -7,40 +9,38 @@ namespace limb_ring::core {
 /// Slices of the first line that wait until the second has drained, in their order, and then until there is room.
 class HeldSlices {
  public:
-  bool empty() const { return slices_.empty(); }
+  bool empty() const { return first_ == slices_.size(); }
   /// Bytes that were put in since it was last empty.
-  std::size_t bytes() const { return slices_.view().size; }
-  void put(const wire::Slice& slice) { slices_.put(slice.kind, slice.bytes); }
-  /// The next one is still in. @pre !empty() @return false where all are out, and it is empty now
-  bool next(wire::Slice& out) {
-    if (taken_ == bytes()) {
-      slices_.clear();
-      taken_ = 0;
-      return false;
-    }
-    out = wire::parse_slice(slices_.view().from(taken_)).slice;
-    return true;
+  std::size_t bytes() const { return bytes_.size(); }
+  void put(const wire::Slice& slice) {
+    slices_.push_back({slice.kind, bytes_.size(), slice.bytes.size});
+    bytes_.insert(bytes_.end(), slice.bytes.begin(), slice.bytes.end());
   }
-  /// That one, which next() gave, is out.
-  void pop(const wire::Slice& slice) { taken_ += wire::kSliceHeaderSize + slice.bytes.size; }
+  /// Valid until the next put(). @pre !empty()
+  wire::Slice front() const {
+    const Held& held = slices_[first_];
+    return {held.kind, wire::ByteView{bytes_.data(), bytes_.size()}.from(held.at).first(held.size)};
+  }
+  void pop() {
+    ++first_;
+    if (empty()) clear();
+  }
+  /// How many are in.
+  std::size_t count() const { return slices_.size() - first_; }
+  void clear() {
+    slices_.clear();
+    bytes_.clear();
+    first_ = 0;
+  }
 
  private:
-  wire::SliceWriter slices_;
-  std::size_t taken_ = 0;  ///< bytes
-};
-
-/// Whether a DATP is under way on a line, from the slices that pass.
-class OpenPacket {
- public:
-  bool is_open() const { return open_; }
-  void see(const wire::Slice& slice) {
-    const bool inside = slice.kind == wire::SliceKind::more || slice.kind == wire::SliceKind::interrupt;
-    open_ = slice.kind == wire::SliceKind::start || (open_ && inside);
-  }
-  void close() { open_ = false; }
-
- private:
-  bool open_ = false;
+  struct Held {
+    wire::SliceKind kind;
+    std::size_t at, size;  ///< in bytes_
+  };
+  std::vector<Held> slices_;
+  std::vector<std::uint8_t> bytes_;
+  std::size_t first_ = 0;
 };
 
 }  // namespace limb_ring::core
