@@ -84,9 +84,9 @@ void VirtualRing::connect(NodeId id, Line line) {
   wire_of(to, line).predecessor = id;
   input_up(to, id, line);
   if (!options_.connecting) return output_up(id, to, line);
-  at(now_ + options_.connecting(), [this, id, to, line, epoch = out.epoch] {
+  at(now_ + options_.connecting(), [this, id, to, line, nth = ++out.connected] {
     const Wire& wire = wire_of(id, line);
-    if (alive(id) && wire.epoch == epoch && wire.successor == to) output_up(id, to, line);
+    if (alive(id) && wire.connected == nth && wire.successor == to) output_up(id, to, line);
   });
 }
 

@@ -143,7 +143,8 @@ class VirtualRing {
     bool cut = false;
     int successor = -1;
     int predecessor = -1;
-    std::uint64_t epoch = 0;  ///< bytes under way on a line that was replaced are lost
+    std::uint64_t epoch = 0;      ///< bytes under way on a line that was replaced are lost
+    std::uint64_t connected = 0;  ///< how often it was; a cut wire does not undo that
     Tap tap;
   };
   /// Tells the observers what reaches and leaves a node's blocks.
