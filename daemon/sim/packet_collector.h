@@ -19,8 +19,8 @@ class PacketCollector {
   /// Bytes of it that have come, also of the one that was broken off or is whole now.
   std::size_t size() const { return size_; }
   void drop() { open_ = false; }
-  /// It is given up by now.
-  bool stalled(core::Time now) const { return open_ && last_ + stall_ <= now; }
+  /// It is given up by now; what comes in the very instant at which it would be still belongs to it.
+  bool stalled(core::Time now) const { return open_ && last_ + stall_ < now; }
 
   /// @return the packet where this slice is its end, valid until the next one; else nothing
   wire::ByteView put(const wire::Slice& slice, core::Time now) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <numeric>
 #include <random>
 
 #include "study/soak/random_faults.h"
@@ -50,10 +51,13 @@ TEST(RandomFaults, BreakNoPromise) {
   std::cout << "sends by outcome: " << testing::PrintToString(ended) << '\n';
 }
 
-// Seeds that are known: in fresh ones of wide worlds about one in a hundred still raises an alarm that nobody has
-// explained yet, of the ring or of what judges it.
-TEST(RandomFaults, BreakNoPromiseInTheseWideWorlds) {
-  for (std::uint64_t seed = 960000000; seed < 960000000 + kRuns / 6; ++seed) {
+// The last three raised false alarms: two for a slice that came in the very instant of its deadline, one since a wire
+// that was cut kept its sender from hearing of its neighbour.
+TEST(RandomFaults, BreakNoPromiseInWideWorlds) {
+  std::vector<std::uint64_t> seeds(kRuns / 6);
+  std::iota(seeds.begin(), seeds.end(), 960000000);
+  seeds.insert(seeds.end(), {960000269, 970000160, 960000291});
+  for (const std::uint64_t seed : seeds) {
     RandomFaults run(seed, RandomFaults::FoldBack::some, RandomFaults::World::wide);
     run.run();
     EXPECT_EQ(in_words(run), "") << "seed " << seed << ": " << run.describe();
