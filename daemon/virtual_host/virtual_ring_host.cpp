@@ -40,7 +40,8 @@ VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::Ring
       faults_(ring_, 0),  // every fault whose damage is random comes with a seed of its own
       drivers_(ring_.size(), nullptr),
       wake_(io, [] {}) {
-  for (const wire::NodeId id : ring_.order()) ring_.set_cpu_reads(id, false);  // they are given what waits for them by their nodes
+  for (const wire::NodeId id : ring_.order())
+    ring_.set_cpu_reads(id, false);  // they are given what waits for them by their nodes
   for (const config::NodeConfig& node : ring.nodes) add(node);
   ring_.on_event = [this](wire::NodeId id, const core::Event& event) { drivers_[id]->on_event(event); };
   ring_.on_given_out = [this](wire::NodeId id) { drivers_[id]->on_given_out(); };

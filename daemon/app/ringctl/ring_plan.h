@@ -11,10 +11,10 @@ namespace limb_ring::ringctl {
 
 /// What `ringctl up` was asked for.
 struct UpRequest {
-  std::string config;     ///< path of a YAML file; empty: a plain ring of `nodes`
-  unsigned nodes = 0;     ///< with `config` 0, or the file's number
-  std::string ring;       ///< name instead of the file's; a plain ring's default is "plain"
-  std::string transport;  ///< unix, shm or udp instead of the file's; empty: as the file says
+  std::string config;          ///< path of a YAML file; empty: a plain ring of `nodes`
+  unsigned nodes = 0;          ///< with `config` 0, or the file's number
+  std::string ring;            ///< name instead of the file's; a plain ring's default is "plain"
+  std::string transport;       ///< unix, shm or udp instead of the file's; empty: as the file says
   std::optional<double> pace;  ///< on a virtual clock, which goes on so many times as fast as real time
 };
 
