@@ -1,17 +1,14 @@
 #include "ros_bridge/respawn.h"
 
 #include <signal.h>
-#include <string.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <iostream>
-#include <string>
-#include <system_error>
+#include <stdexcept>
+
+#include "process/back_off.h"
+#include "process/child.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -20,8 +17,6 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr int kWrongParameters = 2;
-constexpr milliseconds kFirstWait{100}, kLongestPause{5000};
-constexpr milliseconds kSteady{10000};  // after so long a child was no failure
 
 /// The signals that the parent waits for, held back as long as this lives.
 class HeldSignals {
@@ -45,28 +40,17 @@ class HeldSignals {
 
 bool asks_to_end(int signal) { return signal > 0 && signal != SIGCHLD; }
 
-struct End {
-  int wait_status = 0;
-  bool asked = false;  ///< to end, while it ran
-};
-
-End wait_for(pid_t child, const HeldSignals& signals) {
-  End end;
-  while (::waitpid(child, &end.wait_status, WNOHANG) == 0) {
+/// @return whether this process was asked to end while the child ran
+bool wait_for(process::Child& child, const HeldSignals& signals) {
+  bool asked = false;
+  while (!child.reap()) {
     const int signal = signals.next();
     if (!asks_to_end(signal)) continue;
-    end.asked = true;
-    ::kill(child, signal);
+    asked = true;
+    child.signal(signal);
   }
-  return end;
+  return asked;
 }
-
-std::string text_of(int wait_status) {
-  if (WIFEXITED(wait_status)) return "exit " + std::to_string(WEXITSTATUS(wait_status));
-  return "signal " + std::to_string(WTERMSIG(wait_status)) + " (" + ::strsignal(WTERMSIG(wait_status)) + ")";
-}
-
-int exit_code(int wait_status) { return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 1; }
 
 /// @return true where the parent is asked to end meanwhile
 bool wait_before_next(milliseconds wait, const HeldSignals& signals) {
@@ -80,23 +64,23 @@ bool wait_before_next(milliseconds wait, const HeldSignals& signals) {
 
 int respawned(const std::function<int()>& program) {
   const HeldSignals signals;
-  const pid_t parent = ::getpid();
-  for (milliseconds wait = kFirstWait;; wait = std::min(wait * 2, kLongestPause)) {
+  // It ends by exit(), as from main(): ROS ends in an exit handler.
+  const auto work = [&]() -> int {
+    signals.release();
+    std::exit(program());
+  };
+  process::BackOff back_off({});
+  for (;;) {
     const auto start = steady_clock::now();
-    const pid_t child = ::fork();
-    if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot fork");
-    if (child == 0) {
-      ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-      if (::getppid() != parent) return 1;  // it is gone already
-      signals.release();
-      return program();
-    }
-    const End end = wait_for(child, signals);
-    const int code = exit_code(end.wait_status);
-    if (end.asked || code == kWrongParameters) return code;
-    if (steady_clock::now() - start >= kSteady) wait = kFirstWait;
-    std::cerr << "the process ended with " << text_of(end.wait_status) << " and is started again" << std::endl;
-    if (wait_before_next(wait, signals)) return code;
+    process::Child child(process::spawn_copy(work, SIGTERM), "the process");
+    if (child.ended()) throw std::runtime_error(child.ended()->text);
+    const bool asked = wait_for(child, signals);
+    const process::ExitStatus& end = *child.ended();
+    const int code = end.code.value_or(1);
+    if (asked || code == kWrongParameters) return code;
+    std::cerr << "the process ended with " << end.text << " and is started again" << std::endl;
+    const auto ran = std::chrono::duration_cast<milliseconds>(steady_clock::now() - start);
+    if (wait_before_next(back_off.after(ran), signals)) return code;
   }
 }
 

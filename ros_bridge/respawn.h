@@ -10,7 +10,7 @@ namespace limb_ring::bridge {
 /// Ends where this process is asked to (SIGINT, SIGTERM, SIGHUP: passed on to the child), and where the
 /// child ends with 2: with wrong parameters another try would end the same way.
 /// @pre this process has one thread
-/// @return exit code of the last child; in a child, what `program` returned
+/// @return exit code of the last child
 int respawned(const std::function<int()>& program);
 
 }  // namespace limb_ring::bridge

@@ -1,11 +1,7 @@
 #include "ros_bridge/scenario_runner.h"
 
-#include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdlib.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -15,6 +11,8 @@
 #include <system_error>
 #include <thread>
 #include <vector>
+
+#include "process/program.h"
 
 namespace limb_ring::bridge {
 
@@ -60,43 +58,27 @@ std::string file_of(const ScenarioOrder& order, const Folder& folder) {
 }
 
 std::vector<std::string> arguments_of(const ScenarioOrder& order, const Folder& folder) {
-  std::vector<std::string> arguments{
-      "ringctl", "scenario", "run", order.live ? "--live" : "--sim", "--junit", folder.file("junit.xml")};
+  std::vector<std::string> arguments{"scenario", "run", order.live ? "--live" : "--sim", "--junit",
+                                     folder.file("junit.xml")};
   if (order.seed != 0) arguments.insert(arguments.end(), {"--seed", std::to_string(order.seed)});
   arguments.insert(arguments.end(), {"--", file_of(order, folder)});  // a path is no option
   return arguments;
 }
 
-/// @param report where its output and errors go
-pid_t start_ringctl(std::vector<std::string> arguments, const std::string& report) {
-  const std::string program = fs::read_symlink("/proc/self/exe").parent_path() / arguments[0];
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t files;
-  ::posix_spawn_file_actions_init(&files);
-  ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, report.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
-  ::posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
-  pid_t pid = -1;
-  const int error = ::posix_spawn(&pid, program.c_str(), &files, nullptr, pointers.data(), environ);
-  ::posix_spawn_file_actions_destroy(&files);
-  if (error != 0) throw std::system_error(error, std::generic_category(), "cannot start " + program);
-  return pid;
-}
-
-/// ringctl's own deadlines end it.
-int wait_for(pid_t pid, const std::function<bool()>& go_on) {
-  int status = 0;
+/// ringctl's own deadlines end it. @return its exit code
+int wait_for(process::Program& ringctl, const std::function<bool()>& go_on) {
   bool interrupted = false;
-  while (::waitpid(pid, &status, WNOHANG) == 0) {
+  for (ringctl.reap(); !ringctl.ended(); ringctl.reap()) {
     if (!interrupted && !go_on()) {
-      ::kill(pid, SIGINT);
+      ringctl.signal(SIGINT);
       interrupted = true;
     }
     std::this_thread::sleep_for(kTick);
   }
-  if (WIFEXITED(status)) return WEXITSTATUS(status);
-  throw std::runtime_error("ringctl was ended by signal " + std::to_string(WTERMSIG(status)));
+  const process::ExitStatus& end = *ringctl.ended();
+  if (!end.executed) throw std::runtime_error(end.text);
+  if (!end.code) throw std::runtime_error("ringctl was ended by " + end.text);
+  return *end.code;
 }
 
 }  // namespace
@@ -104,8 +86,13 @@ int wait_for(pid_t pid, const std::function<bool()>& go_on) {
 ScenarioEnd play_scenario(const ScenarioOrder& order, const std::function<bool()>& go_on) {
   const Folder folder;
   ScenarioEnd end;
-  end.exit_code = wait_for(start_ringctl(arguments_of(order, folder), folder.file("report")), go_on);
-  end.report = content(folder.file("report"));
+  process::ProgramRequest request;
+  request.name = "ringctl";
+  request.arguments = arguments_of(order, folder);
+  request.log = folder.file("report");
+  process::Program ringctl(request);
+  end.exit_code = wait_for(ringctl, go_on);
+  end.report = ringctl.output();
   end.junit = content(folder.file("junit.xml"));
   return end;
 }

@@ -1,51 +1,37 @@
 #include "bench/worker.h"
 
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <csignal>
 #include <exception>
 #include <iostream>
-#include <system_error>
-#include <utility>
+#include <stdexcept>
 
 namespace limb_ring::bench {
 namespace {
 
-[[noreturn]] void run(const std::function<void()>& work, pid_t parent) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(1);
+/// @return exit code
+int run(const std::function<void()>& work) {
   try {
     work();
-    ::_exit(0);
+    return 0;
   } catch (const std::exception& problem) {
     std::cerr << "benchmark: " << problem.what() << std::endl;
+    return 1;
   }
-  ::_exit(1);
 }
 
 }  // namespace
 
-Worker::Worker(const std::function<void()>& work) {
-  const pid_t parent = ::getpid();
-  pid_ = ::fork();
-  if (pid_ == 0) run(work, parent);
-  if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "starting a process");
+Worker::Worker(const std::function<void()>& work)
+    : child_(std::make_unique<process::Child>(process::spawn_copy([&] { return run(work); }), "worker")) {
+  if (child_->ended()) throw std::runtime_error(child_->ended()->text);
 }
 
-Worker::Worker(Worker&& other) noexcept : pid_(std::exchange(other.pid_, -1)) {}
-
 Worker::~Worker() {
-  if (pid_ <= 0) return;
-  ::kill(pid_, SIGKILL);
-  ::waitpid(pid_, nullptr, 0);
+  if (child_) child_->kill();
 }
 
 bool Worker::running() {
-  if (pid_ > 0 && ::waitpid(pid_, nullptr, WNOHANG) != 0) pid_ = -1;
-  return pid_ > 0;
+  child_->reap();
+  return !child_->ended();
 }
 
 }  // namespace limb_ring::bench

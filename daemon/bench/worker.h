@@ -1,8 +1,9 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <functional>
+#include <memory>
+
+#include "process/child.h"
 
 namespace limb_ring::bench {
 
@@ -12,13 +13,13 @@ class Worker {
   /// What `work` throws is told on standard error.
   explicit Worker(const std::function<void()>& work);
   ~Worker();
-  Worker(Worker&& other) noexcept;
+  Worker(Worker&& other) noexcept = default;
   Worker& operator=(Worker&&) = delete;
 
   bool running();
 
  private:
-  pid_t pid_;
+  std::unique_ptr<process::Child> child_;  ///< none: moved to another
 };
 
 }  // namespace limb_ring::bench

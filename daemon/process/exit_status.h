@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace limb_ring::process {
@@ -9,7 +10,8 @@ struct ExitStatus {
   bool executed = true;  ///< false: the program could not be started at all
   bool clean = false;    ///< exit 0
   bool by_signal = false;
-  std::string text;  ///< "exit 3", "signal 9 (Killed)", or why it could not be started
+  std::string text;         ///< "exit 3", "signal 9 (Killed)", or why it could not be started
+  std::optional<int> code;  ///< where it ended by exit
 };
 
 /// From what waitpid gives.

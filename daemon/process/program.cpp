@@ -1,29 +1,21 @@
 #include "process/program.h"
 
 #include <fcntl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <deque>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 #include "process/find_program.h"
 
 namespace limb_ring::process {
 namespace {
 
-using std::chrono::milliseconds;
-using std::chrono::steady_clock;
-
-constexpr milliseconds kGrace{2000};
-constexpr milliseconds kTick{10};
 constexpr std::size_t kLastLines = 5;
 constexpr off_t kLastWords = 4096;  // bytes
 
@@ -83,36 +75,7 @@ Spawned start(const ProgramRequest& request) {
 
 }  // namespace
 
-Program::Program(const ProgramRequest& request) : name_(request.name), log_(request.log), process_(start(request)) {
-  if (process_.pid < 0) ended_ = not_started(std::string("cannot fork: ") + std::strerror(process_.error));
-}
-
-bool Program::reap() {
-  int wait_status = 0;
-  if (ended_ || ::waitpid(process_.pid, &wait_status, WNOHANG) == 0) return false;
-  const int error = exec_error(process_);
-  ended_ = error != 0 ? not_executed(name_, error) : exit_status(wait_status);
-  return true;
-}
-
-void Program::signal(int number) const {
-  if (!ended_) ::kill(process_.pid, number);
-}
-
-void Program::end() {
-  reap();
-  signal(SIGTERM);
-  const auto deadline = steady_clock::now() + kGrace;
-  while (!ended_ && steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(kTick);
-    reap();
-  }
-  signal(SIGKILL);
-  while (!ended_) {
-    std::this_thread::sleep_for(kTick);
-    reap();
-  }
-}
+Program::Program(const ProgramRequest& request) : Child(start(request), request.name), log_(request.log) {}
 
 std::string Program::output() const {
   std::ostringstream text;

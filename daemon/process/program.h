@@ -7,8 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "process/exit_status.h"
-#include "process/spawn.h"
+#include "process/child.h"
 
 namespace limb_ring::process {
 
@@ -29,20 +28,11 @@ struct ProgramRequest {
 };
 
 /// A program that this process has started and waits for. It goes on when this object is gone.
-class Program {
+class Program : public Child {
  public:
   /// @throw std::runtime_error where there is no such program, or its log cannot be written (disk full)
   explicit Program(const ProgramRequest& request);
 
-  pid_t pid() const { return process_.pid; }
-  /// Notes whether it has ended. @return true where it has since the last call
-  bool reap();
-  /// How it ended, as far as reap() knows; empty: it runs.
-  const std::optional<ExitStatus>& ended() const { return ended_; }
-  /// Nothing happens once it has ended.
-  void signal(int number) const;
-  /// SIGTERM, and SIGKILL where it takes longer than two seconds; returns when it has ended.
-  void end();
   /// All that it has written into its log.
   std::string output() const;
   /// The last five lines of its log, each behind a line break and two blanks, or that the log is empty; nothing where
@@ -50,9 +40,7 @@ class Program {
   std::string last_lines() const;
 
  private:
-  std::string name_, log_;
-  Spawned process_;
-  std::optional<ExitStatus> ended_;
+  std::string log_;
 };
 
 }  // namespace limb_ring::process

@@ -112,6 +112,11 @@ void leave_realtime(const std::optional<cpu_set_t>& affinity) {
   fail(pipe);
 }
 
+[[noreturn]] void run_copy(const std::function<int()>& work, pid_t parent, int death_signal) noexcept {
+  die_with(parent, death_signal);
+  ::_exit(work());
+}
+
 }  // namespace
 
 void close_descriptors_on_exec() {
@@ -136,6 +141,14 @@ Spawned spawn(const SpawnRequest& request) {
   // The child does so too; whoever is first, the group exists before anybody signals it.
   if (request.group == SpawnRequest::Group::own) ::setpgid(pid, pid);
   return {pid, 0, std::move(read_end)};
+}
+
+Spawned spawn_copy(const std::function<int()>& work, int death_signal) {
+  const pid_t parent = ::getpid();
+  const pid_t pid = ::fork();
+  if (pid == 0) run_copy(work, parent, death_signal);
+  if (pid < 0) return {-1, errno, UniqueFd{}};
+  return {pid, 0, UniqueFd{}};
 }
 
 int exec_error(const Spawned& child) {

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <csignal>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -38,6 +39,13 @@ void close_descriptors_on_exec();
 
 /// Starts a program with fork and exec, without waiting for either.
 Spawned spawn(const SpawnRequest& request);
+
+/// Starts a copy of this process with fork, without waiting for it: it runs `work`, which must not throw, and ends with
+/// what that returns. Exit handlers do not run, unless `work` calls exit() itself. It stays in this process's group,
+/// and keeps all that a fork leaves it.
+/// @param death_signal as SpawnRequest's
+/// @pre this process has one thread
+Spawned spawn_copy(const std::function<int()>& work, int death_signal = SIGKILL);
 
 /// errno of the exec of a child that has ended; 0 where its program was started.
 int exec_error(const Spawned& child);

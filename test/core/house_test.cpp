@@ -177,7 +177,7 @@ TEST(House, MicroBenchmarksDriveTheCoreAndTheSimulationAlone) {
 TEST(House, TheBridgeKnowsNothingOfTheDaemonsInside) {
   std::vector<std::string> wrong;
   for (const Include& i : includes_below(kSource / "ros_bridge"))
-    for (const char* inside : {"core/", "link/", "host/", "runtime/", "sim/", "process/"})
+    for (const char* inside : {"core/", "link/", "host/", "runtime/", "sim/"})
       if (i.name.rfind(inside, 0) == 0) wrong.push_back(i.file + " includes " + i.name);
   EXPECT_THAT(wrong, IsEmpty());
 }

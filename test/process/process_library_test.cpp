@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include "process/back_off.h"
+#include "process/child.h"
 #include "process/exit_status.h"
 #include "process/find_program.h"
 #include "process/process_handle.h"
@@ -55,6 +56,37 @@ TEST(ProcessState, ToldOfOneThatIsStoppedThatEndedAndThatIsGone) {
   EXPECT_TRUE(is_gone(child.pid)) << "ended, not waited for yet";
   ::waitpid(child.pid, nullptr, 0);
   EXPECT_EQ(process_state(child.pid), 0);
+}
+
+TEST(SpawnCopy, RunsItsWorkAndEndsWithWhatThatReturns) {
+  const int before = 3;
+  const Spawned child = spawn_copy([&] { return before + 4; });
+  const ExitStatus status = ended(child);
+  EXPECT_EQ(status.text, "exit 7");
+  EXPECT_EQ(status.code, 7);
+}
+
+TEST(Child, TellsOnceThatItHasEnded) {
+  Child child(spawn_copy([] { return 3; }), "it");
+  siginfo_t info{};
+  ::waitid(P_PID, static_cast<id_t>(child.pid()), &info, WEXITED | WNOWAIT);
+  EXPECT_TRUE(child.reap());
+  ASSERT_TRUE(child.ended());
+  EXPECT_EQ(child.ended()->code, 3);
+  EXPECT_FALSE(child.reap());
+}
+
+TEST(Child, HasEndedWhenKillReturns) {
+  Child child(spawn_copy([]() -> int {
+                for (;;) ::pause();
+              }),
+              "it");
+  EXPECT_FALSE(child.reap());
+  child.kill();
+  ASSERT_TRUE(child.ended());
+  EXPECT_EQ(child.ended()->text, "signal 9 (Killed)");
+  EXPECT_EQ(child.ended()->code, std::nullopt);
+  EXPECT_TRUE(is_gone(child.pid()));
 }
 
 class Handle : public ::testing::TestWithParam<ProcessHandle::By> {};

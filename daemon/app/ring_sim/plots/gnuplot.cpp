@@ -1,16 +1,13 @@
 #include "app/ring_sim/plots/gnuplot.h"
 
 #include <sys/mman.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
-#include <csignal>
-#include <cstring>
-#include <optional>
 #include <stdexcept>
 #include <thread>
 
+#include "process/child.h"
 #include "process/find_program.h"
 #include "process/spawn.h"
 
@@ -21,19 +18,17 @@ namespace {
 using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kTick{5};
 
-/// @return its wait status; none: killed, it took too long
-std::optional<int> wait_for(pid_t pid, std::chrono::milliseconds limit) {
+/// @return false: it took too long, and was killed
+bool wait_for(process::Child& child, std::chrono::milliseconds limit) {
   const auto deadline = steady_clock::now() + limit;
-  int status = 0;
-  while (::waitpid(pid, &status, WNOHANG) == 0) {
+  while (!child.reap()) {
     if (steady_clock::now() >= deadline) {
-      ::kill(pid, SIGKILL);
-      ::waitpid(pid, nullptr, 0);
-      return std::nullopt;
+      child.kill();
+      return false;
     }
     std::this_thread::sleep_for(kTick);
   }
-  return status;
+  return true;
 }
 
 /// The last of what was written into `file`.
@@ -62,13 +57,13 @@ void run_gnuplot(const std::string& gnuplot, const std::string& folder, const st
   request.arguments = {"gnuplot", "-d", script};  // -d: whatever the user's own start-up file says
   request.folder = folder;
   request.output = output.get();
-  const process::Spawned child = process::spawn(request);
-  if (child.pid < 0) throw std::runtime_error("cannot start gnuplot: " + std::string(std::strerror(child.error)));
-  const std::optional<int> status = wait_for(child.pid, limit);
+  process::Child child(process::spawn(request), gnuplot);
+  if (child.ended()) throw std::runtime_error("cannot start gnuplot: " + child.ended()->text);
   const std::string where = "gnuplot failed on " + folder + "/" + script + ": ";
-  if (!status) throw std::runtime_error(where + "no end after " + std::to_string(limit.count()) + " ms");
-  if (const int error = exec_error(child)) throw std::runtime_error(where + std::strerror(error));
-  if (*status != 0) throw std::runtime_error(where + last_words(output.get()));
+  if (!wait_for(child, limit))
+    throw std::runtime_error(where + "no end after " + std::to_string(limit.count()) + " ms");
+  if (!child.ended()->executed) throw std::runtime_error(where + child.ended()->text);
+  if (!child.ended()->clean) throw std::runtime_error(where + last_words(output.get()));
 }
 
 }  // namespace limb_ring::ring_sim
