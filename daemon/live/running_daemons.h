@@ -1,19 +1,14 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "fault/parse.h"
 #include "limb_ring/host_port.h"
 #include "live/lock_files.h"
+#include "live/not_done.h"
 
 namespace limb_ring::live {
-
-/// A fault that did not happen; what() says why.
-struct NotDone : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// The daemons of one ring on this host: they are asked through their host ports, signalled, and started again.
 /// Every call ends by a deadline. @throw NotDone with the node's name and what is wrong

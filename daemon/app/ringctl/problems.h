@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "live/not_done.h"
+
 namespace limb_ring::ringctl {
 
 /// What ringctl ends with; every --help says so too.
@@ -19,9 +21,7 @@ constexpr const char* kExitCodesHelp =
     "4 sent, and it may have happened: nothing tells (open ring, or lost on the way home).";
 
 /// Ends ringctl with kNotDone.
-struct NotDone : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+using live::NotDone;
 
 /// Ends ringctl with kUsage.
 struct UsageError : std::runtime_error {
