@@ -4,6 +4,7 @@
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
@@ -91,17 +92,15 @@ void Session::take_frames() {
   }
 }
 
-void Session::after_put() {
-  if (queued() > kMaxQueued) return fail(SessionOwner::End::too_slow);
-  flush_soon();
+bool Session::keeps_limit() {
+  if (queued() <= kMaxQueued) return true;
+  fail(SessionOwner::End::too_slow);
+  return false;
 }
 
 void Session::put_result(const Result& result) {
   if (!info_.results_may_wait) return put(result);
-  if (!open()) return;
-  client::append(out_, result);
-  if (queued() > kMaxQueued) return fail(SessionOwner::End::too_slow);
-  flush_within(kGatherResults);
+  if (append(result)) flush_within(kGatherResults);
 }
 
 bool Session::put_observed(const Observed& observed) {
@@ -138,11 +137,15 @@ void Session::flush_soon() {
 }
 
 void Session::flush_within(std::chrono::milliseconds time) {
-  if (flush_under_way_ || std::exchange(gathering_, true)) return;
-  gather_timer_.expires_after(time);
+  const bool gathering = gathering_for_.count() != 0;
+  if (flush_under_way_ || (gathering && gathering_for_ <= time)) return;
+  const auto by = std::chrono::steady_clock::now() + time;
+  gathering_for_ = time;
+  gather_timer_.expires_at(gathering ? std::min(gather_timer_.expiry(), by) : by);
   gather_timer_.async_wait([self = shared_from_this()](boost::system::error_code error) {
-    self->gathering_ = false;
-    if (!error) self->flush_soon();
+    if (error) return;  // it was set again, or the session has ended
+    self->gathering_for_ = std::chrono::milliseconds{0};
+    self->flush_soon();
   });
 }
 
@@ -188,7 +191,7 @@ bool Session::hung_up() const {
 void Session::end(const std::string& reason) {
   if (!open()) return;
   owner_ = nullptr;
-  if (!reason.empty()) append(out_, client::Refused{reason});
+  if (!reason.empty()) client::append(out_, client::Refused{reason});
   write_now();
   greeting_timer_.cancel();
   gather_timer_.cancel();

@@ -57,9 +57,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   template <typename Kind>
   void put(const Kind& message) {
-    if (!open()) return;
-    client::append(out_, message);
-    after_put();
+    if (append(message)) flush_soon();
   }
   /// At once, or with what comes next, as the client has asked.
   void put_result(const Result& result);
@@ -79,8 +77,16 @@ class Session : public std::enable_shared_from_this<Session> {
   void on_ready(std::uint32_t events);
   void read();
   void take_frames();
-  void after_put();
+  /// @return false where there is no session any more
+  template <typename Kind>
+  bool append(const Kind& message) {
+    if (!open()) return false;
+    client::append(out_, message);
+    return keeps_limit();
+  }
+  bool keeps_limit();
   void flush_soon();
+  /// At the latest in so long; what asks for less time takes along what may wait longer.
   void flush_within(std::chrono::milliseconds time);
   void flush();
   int write_now();  ///< 0, or the errno that stopped it
@@ -101,7 +107,7 @@ class Session : public std::enable_shared_from_this<Session> {
   client::Bytes out_;
   std::size_t written_ = 0;
   bool flush_under_way_ = false;
-  bool gathering_ = false;
+  std::chrono::milliseconds gathering_for_{0};  ///< the shortest time that gather_timer_ was set for; 0: it is not set
   std::uint64_t observed_lost_ = 0;
   bool ending_ = false;  ///< the other end has gone; what it sent before is still to be read
   event_loop::Watch watch_;

@@ -109,6 +109,20 @@ TEST_F(PatientCpu, GetsAResultAlsoWhereNothingElseComes) {
   EXPECT_EQ(next<Result>(port).outcome, Outcome::delivered);
 }
 
+TEST_F(PatientCpu, GetsACapturedPacketNoLaterThanAnybodyBecauseAResultWaits) {
+  HostPort other = tool();
+  // Where this process was not scheduled for 20 ms in between, the result is out of time already.
+  for (int tries = 0; result_comes_at_once(); ++tries) ASSERT_LT(tries, 20);
+  const std::vector<std::uint8_t> bytes(24, 7);
+  client::CapturedView packet;
+  packet.packet.bytes = {bytes.data(), bytes.size()};
+  server->captured(server->cpu()->id, packet);
+  server->captured(handler.attached.back().id, packet);
+  next<CapturedPacket>(other);
+  ASSERT_TRUE(std::holds_alternative<Result>(port.receive(milliseconds{0}).value()));
+  EXPECT_TRUE(port.receive(milliseconds{0}).has_value()) << "it was given the packet before the other was";
+}
+
 TEST_F(Cpu, GivesCreditWithWhatItSends) {
   HostPort port = cpu();
   const unsigned given = give_all(2);
