@@ -1,7 +1,6 @@
 #include "bench/cpu_to_cpu.h"
 
 #include <atomic>
-#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <thread>
@@ -11,6 +10,7 @@
 #include "bench/shared.h"
 #include "bench/waits.h"
 #include "bench/worker.h"
+#include "bench/write_ring.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -74,13 +74,7 @@ void wait_until(const std::atomic<bool>& flag, const Setup& setup, Worker& worke
 }  // namespace
 
 std::string write_two_cpus(const Setup& setup, const live::PrivateFolder& folder) {
-  const std::string path = folder.path() + "/two_cpus.yaml";
-  std::ofstream file(path);
-  file << "ring: two_cpus\nnodes:\n";
-  for (unsigned id = 0; id < setup.nodes; ++id)
-    file << "  - {id: " << id << ", name: node" << id
-         << ", cpu: " << (id == 0 || id == setup.nodes / 2 ? "attached" : "none") << "}\n";
-  return path;
+  return write_ring(folder.path() + "/two_cpus.yaml", setup.nodes, "", {0, setup.nodes / 2});
 }
 
 Measurement measure_cpu_to_cpu(const Setup& setup, const PrivateRing& ring, Pinning pinning) {

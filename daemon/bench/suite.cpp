@@ -1,7 +1,6 @@
 #include "bench/suite.h"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <map>
 
@@ -13,6 +12,7 @@
 #include "bench/reference_ring.h"
 #include "bench/relay_chain.h"
 #include "bench/ring_traffic.h"
+#include "bench/write_ring.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -26,10 +26,7 @@ std::string words(Sending sending) { return sending == Sending::one ? "one sende
 /// A plain ring with a section `realtime`. @return the file's path
 std::string write_realtime(const live::PrivateFolder& folder, unsigned nodes, const std::string& realtime) {
   const std::string path = folder.path() + "/realtime" + std::to_string(nodes) + ".yaml";
-  std::ofstream file(path);
-  file << "ring: realtime\nrealtime: " << realtime << "\nnodes:\n";
-  for (unsigned id = 0; id < nodes; ++id) file << "  - {id: " << id << ", name: node" << id << "}\n";
-  return path;
+  return write_ring(path, nodes, "realtime: " + realtime + '\n');
 }
 
 /// As many as have a core each; 0: this machine has none for them.

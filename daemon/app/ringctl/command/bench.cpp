@@ -54,7 +54,7 @@ void add_bench(CLI::App& app, Context& context) {
   auto options = std::make_shared<BenchOptions>();
   bench::Setup& setup = options->setup;
   CLI::App* command =
-      add_command(app, "bench", "Measure rings of our own beside a bare reference ring; takes about a minute");
+      add_command(app, "bench", "Measure rings of our own beside a bare reference ring; takes about two minutes");
   command->add_option("--nodes", setup.nodes, "Nodes in each ring, 2 to 64; default 16")->transform(cli::whole(2, 64));
   command->add_option("--payload", setup.payload, "Bytes of data in a packet, 4 to 512; default 512")
       ->transform(cli::whole(4, 512));
