@@ -9,30 +9,30 @@ namespace {
 /// smallest packets); what was dropped on its way through is forgotten so.
 constexpr std::size_t kMostComing = 1 << 15;
 
-std::string name(const PacketHeader& head, const PacketTrailer& tail) {
-  return std::string(head.code.interrupt ? "INTP" : "DATP") + " of node " + std::to_string(head.source) + " to " +
-         std::to_string(tail.destination) + ", sequence " + std::to_string(head.code.sequence) + ", try " +
-         std::to_string(head.code.attempt);
+std::string name(const PacketHeader& header, const PacketTrailer& tail) {
+  return std::string(header.code.interrupt ? "INTP" : "DATP") + " of node " + std::to_string(header.source) + " to " +
+         std::to_string(tail.destination) + ", sequence " + std::to_string(header.code.sequence) + ", try " +
+         std::to_string(header.code.attempt);
 }
 
 }  // namespace
 
-void ForwardingChecker::came(const PacketHeader& head, NodeId destination, Due due, std::size_t size, Time now) {
-  auto& coming = head.code.interrupt ? interrupts_ : data_;
+void ForwardingChecker::came(const PacketHeader& header, NodeId destination, Due due, std::size_t size, Time now) {
+  auto& coming = header.code.interrupt ? interrupts_ : data_;
   if (coming.size() == kMostComing) {
-    if (!head.code.interrupt) bytes_ -= coming.front().size;
+    if (!header.code.interrupt) bytes_ -= coming.front().size;
     coming.pop_front();
   }
-  coming.push_back({head.code_byte, head.source, destination, due, size, now});
-  if (!head.code.interrupt) bytes_ += size;
+  coming.push_back({header.code_byte, header.source, destination, due, size, now});
+  if (!header.code.interrupt) bytes_ += size;
 }
 
 // Packets of a kind leave in the order in which they came, so those before it were dropped. A dropped one may differ
 // from a later one by its FBC only.
-bool ForwardingChecker::went(const PacketHeader& head, const PacketTrailer& tail, Time now) {
-  auto& coming = head.code.interrupt ? interrupts_ : data_;
+bool ForwardingChecker::went(const PacketHeader& header, const PacketTrailer& tail, Time now) {
+  auto& coming = header.code.interrupt ? interrupts_ : data_;
   const auto is_it = [&](const Coming& c) {
-    return c.code_byte == head.code_byte && c.source == head.source && c.destination == tail.destination;
+    return c.code_byte == header.code_byte && c.source == header.source && c.destination == tail.destination;
   };
   const auto as_is_due = [&](const Coming& c) { return is_it(c) && (c.due.fbc == kAnyFbc || c.due.fbc == tail.fbc); };
   auto it = std::find_if(coming.begin(), coming.end(), as_is_due);
@@ -40,14 +40,14 @@ bool ForwardingChecker::went(const PacketHeader& head, const PacketTrailer& tail
   if (!due) it = std::find_if(coming.begin(), coming.end(), is_it);
   const std::string at = " at node " + std::to_string(id_);
   if (it == coming.end()) {
-    complain_(Promise::true_fbc, name(head, tail) + " left without having come in" + at);
+    complain_(Promise::true_fbc, name(header, tail) + " left without having come in" + at);
     return false;
   }
   if (!due)
-    complain_(it->due.promise, name(head, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
+    complain_(it->due.promise, name(header, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
                                    std::to_string(it->due.fbc) + at);
-  if (head.code.interrupt) check_wait(it->at + lag_, now, name(head, tail));
-  for (auto gone = coming.begin(); !head.code.interrupt && gone != it + 1; ++gone) bytes_ -= gone->size;
+  if (header.code.interrupt) check_wait(it->at + lag_, now, name(header, tail));
+  for (auto gone = coming.begin(); !header.code.interrupt && gone != it + 1; ++gone) bytes_ -= gone->size;
   const bool good = it->due.good;
   coming.erase(coming.begin(), it + 1);
   return good;

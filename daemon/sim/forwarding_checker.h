@@ -36,8 +36,8 @@ struct PacketTrailer {
     return {trailer[1], wire::NodeId{trailer[2]}, trailer[3], wire::load_u32(trailer + wire::kTrailerSize)};
   }
   /// The CRC of a packet of `size` bytes as it was at its source: it tells packets apart.
-  std::uint32_t crc_at_source(const PacketHeader& head, std::size_t size) const {
-    return wire::carried_crc(crc, size, head.hop, fbc ^ wire::kFbcUntaken);
+  std::uint32_t crc_at_source(const PacketHeader& header, std::size_t size) const {
+    return wire::carried_crc(crc, size, header.hop, fbc ^ wire::kFbcUntaken);
   }
 };
 
@@ -59,7 +59,7 @@ class ForwardingChecker {
   };
   static constexpr int kAnyFbc = -1;
   /// A packet of `size` bytes has come in that others than this node have sent.
-  void came(const PacketHeader& head, NodeId destination, Due due, std::size_t size, Time now);
+  void came(const PacketHeader& header, NodeId destination, Due due, std::size_t size, Time now);
   /// So many bytes of a DATP have come in, and no more of it will.
   void broke_off(std::size_t size, Time now) {
     came({{}, 0, 0, wire::kBroadcast}, wire::kBroadcast, {kAnyFbc}, size, now);
@@ -70,7 +70,7 @@ class ForwardingChecker {
   std::size_t bytes_since(Time since) const;
   /// One that others have sent leaves.
   /// @return true where it had come in good, or nobody knows
-  bool went(const PacketHeader& head, const PacketTrailer& tail, Time now);
+  bool went(const PacketHeader& header, const PacketTrailer& tail, Time now);
   /// One of its own INTPs leaves that could have left since `since`.
   void own_interrupt_went(Time since, Time now);
   /// An INTP leaves, own or not: others may have to wait for it.

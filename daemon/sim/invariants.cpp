@@ -25,7 +25,7 @@ std::size_t most_waiting(const core::Settings& settings) {
   return std::max(2u, settings.insertion_buffer) * wire::kMaxDataPacketSize;
 }
 
-PacketHeader head_of(const PacketFields& packet) { return PacketHeader::of(packet.bytes); }
+PacketHeader header_of(const PacketFields& packet) { return PacketHeader::of(packet.bytes); }
 
 /// What the CRC was when the packet left its source, as far as HOP and FBC go.
 std::uint32_t crc_at_source(const PacketFields& packet) {
@@ -76,12 +76,12 @@ void Invariants::finish() {
 
 void Invariants::asked(NodeId node, const core::SendRequest& request, Time now) {
   judge_open(node, false);
-  ledger_.ask(node, request, may_send(at(node).story.state), now);
+  ledger_.ask(node, request, may_send(at(node).history.state), now);
 }
 
 void Invariants::asked(NodeId node, const core::InterruptRequest& request, Time now) {
   judge_open(node, false);
-  ledger_.ask(node, request, may_send(at(node).story.state), now);
+  ledger_.ask(node, request, may_send(at(node).history.state), now);
 }
 
 void Invariants::output_ready(NodeId node, bool, Time now) { at(node).forwarding.released(now); }
@@ -99,16 +99,16 @@ void Invariants::event(NodeId node, const core::Event& event) {
 // A hello that has left counts as home in an open chain. (protocol.md section 4.8)
 void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   Node& n = at(node);
-  n.story.state = state;
-  n.story.state_at = ring_.now();
+  n.history.state = state;
+  n.history.state_at = ring_.now();
   const auto explains = [&](core::Outcome outcome) {
     const auto of_it = [&](const Unexplained& result) { return result.outcome == outcome; };
     n.unexplained.erase(std::remove_if(n.unexplained.begin(), n.unexplained.end(), of_it), n.unexplained.end());
   };
   if (state == NodeState::open_chain) explains(core::Outcome::unconfirmed);
   if (!may_send(state)) explains(core::Outcome::rejected);
-  if (state == NodeState::open_chain && n.hello_left && n.receiver.joined() != Sure::yes)
-    n.receiver.set_joined(Sure::unknown);
+  if (state == NodeState::open_chain && n.hello_left && n.receiver.joined() != Tristate::yes)
+    n.receiver.set_joined(Tristate::unknown);
   if (state != NodeState::starting && state != NodeState::duplicate_id) return;
   explains(core::Outcome::cancelled);
   if (state == NodeState::starting) ledger_.forgets_interrupts(node);
@@ -124,12 +124,12 @@ void Invariants::state_changes(NodeId node, NodeState state, Time now) {
 
 Time Invariants::last_hello_of(NodeId destination) const {
   if (destination == wire::kBroadcast) return said_hello_;
-  return destination < nodes_.size() ? nodes_[destination]->story.said_hello : core::kNever;
+  return destination < nodes_.size() ? nodes_[destination]->history.said_hello : core::kNever;
 }
 
 ResultJudge Invariants::judge_of(NodeId node, const Sent& sent) const {
   const Node& n = *nodes_[node];
-  return {sent, n.settings, n.story, last_hello_of(sent.destination), was_broken_};
+  return {sent, n.settings, n.history, last_hello_of(sent.destination), was_broken_};
 }
 
 void Invariants::ends(NodeId node, const core::SendEnded& end, Time at_end) {
@@ -140,16 +140,16 @@ void Invariants::ends(NodeId node, const core::SendEnded& end, Time at_end) {
   judge_unexplained(node);
   // If tries fail or numbers are used up, copies are under way, and a hello may come between them.
   if (end.tries > 1 || end.outcome == core::Outcome::lost || end.outcome == core::Outcome::no_such_node)
-    trouble(at_end);
+    disturbed(at_end);
   const Sent* sent = ledger_.end(node, end, at_end);
   if (!sent) return;
   const std::string ended = sent->name() + " ended " + core::to_string(end.outcome);
   if (const char* objection = judge_of(node, *sent).objection()) complain(Promise::true_result, ended + objection);
-  if (end.outcome == core::Outcome::cancelled && n.story.cancelled != at_end)
+  if (end.outcome == core::Outcome::cancelled && n.history.cancelled != at_end)
     n.unexplained.push_back({ring_.now(), end.outcome, ended + ", and nobody had cancelled it"});
-  if (end.outcome == core::Outcome::unconfirmed && n.story.state != NodeState::open_chain)
+  if (end.outcome == core::Outcome::unconfirmed && n.history.state != NodeState::open_chain)
     n.unexplained.push_back({ring_.now(), end.outcome, ended + ", and its node is in no open chain"});
-  const bool was_in_ring = sent->asked_in_ring && n.story.state_at < sent->asked;
+  const bool was_in_ring = sent->asked_in_ring && n.history.state_at < sent->asked;
   if (end.reject == core::Reject::not_in_ring && was_in_ring)
     n.unexplained.push_back({ring_.now(), end.outcome, ended + ", and its node was in a ring"});
 }
@@ -170,20 +170,20 @@ void Invariants::judge_open(NodeId node, bool all) {
 
 // ---- out of a node --------------------------------------------------------------------------
 
-void Invariants::check_head(NodeId node, const PacketHeader& head) {
-  const std::string what = "a packet of node " + std::to_string(head.source) + " with HOP " + std::to_string(head.hop) +
-                           " left node " + std::to_string(node);
-  if (head.source == node && head.hop != 0) complain(Promise::no_circling, what + ", its source");
-  if (head.hop >= ring_.order().size()) complain(Promise::no_circling, what + ": it has gone round");
+void Invariants::check_header(NodeId node, const PacketHeader& header) {
+  const std::string what = "a packet of node " + std::to_string(header.source) + " with HOP " +
+                           std::to_string(header.hop) + " left node " + std::to_string(node);
+  if (header.source == node && header.hop != 0) complain(Promise::no_circling, what + ", its source");
+  if (header.hop >= ring_.order().size()) complain(Promise::no_circling, what + ": it has gone round");
 }
 
 // The packets of a node that is gone have passed after one time-out; or one time-out after a line released them.
-void Invariants::check_source(NodeId node, const PacketHeader& head, Time now) {
-  if (head.source >= ring_.size()) return;
-  const auto& away = at(head.source).away_since;
+void Invariants::check_source(NodeId node, const PacketHeader& header, Time now) {
+  if (header.source >= ring_.size()) return;
+  const auto& away = at(header.source).away_since;
   const core::Settings& settings = at(node).settings;
-  if (away && now - std::max(*away, late_) > settings.send_timeout() + settings.worst_lap())
-    complain(Promise::no_circling, "a packet of node " + std::to_string(head.source) + " goes on through node " +
+  if (away && now - std::max(*away, released_) > settings.send_timeout() + settings.worst_lap())
+    complain(Promise::no_circling, "a packet of node " + std::to_string(header.source) + " goes on through node " +
                                        std::to_string(node) + ", long after its source was gone");
 }
 
@@ -199,19 +199,19 @@ void Invariants::leaves(NodeId node, const wire::Slice& slice, Time now) {
 
 void Invariants::begins_to_leave(NodeId node, const wire::Slice& slice, Time now) {
   Node& n = at(node);
-  n.head = PacketHeader::of(slice.bytes);
-  n.going_own = n.head.source == node;
+  n.header = PacketHeader::of(slice.bytes);
+  n.going_own = n.header.source == node;
   n.going_since = now;
-  check_head(node, n.head);
+  check_header(node, n.header);
   if (!n.going_own) return;
   n.control = {};  // what is out now is this one
-  ledger_.try_begins(node, n.head.code, now);
+  ledger_.try_begins(node, n.header.code, now);
 }
 
 void Invariants::data_leaves(NodeId node, const wire::Slice& end, wire::ByteView own, Time now) {
   Node& n = at(node);
   if (!n.going_own) {
-    if (n.forwarding.went(n.head, PacketTrailer::of(end.bytes), now)) check_source(node, n.head, now);
+    if (n.forwarding.went(n.header, PacketTrailer::of(end.bytes), now)) check_source(node, n.header, now);
   } else if (!own.empty()) {
     own_data_leaves(node, PacketFields{own});
   }
@@ -224,11 +224,11 @@ void Invariants::own_data_leaves(NodeId node, const PacketFields& packet) {
   if (hello) {
     n.hello_left = true;
     n.receiver.says_hello(hello->boot);
-    n.story.said_hello = said_hello_ = ring_.now();
+    n.history.said_hello = said_hello_ = ring_.now();
   }
   // Nothing else is sent before the hello is home. (protocol.md section 4.8)
   n.hello_out = hello.has_value();
-  const bool joins = hello ? n.story.state == NodeState::open_chain : n.receiver.joined() != Sure::yes;
+  const bool joins = hello ? n.history.state == NodeState::open_chain : n.receiver.joined() != Tristate::yes;
   if (joins && n.going_since > n.began) n.receiver.join();
   if (control) {
     n.control = {packet.code_byte(), packet.crc(), hello.has_value(), ring_.now()};
@@ -241,19 +241,20 @@ void Invariants::own_data_leaves(NodeId node, const PacketFields& packet) {
 }
 
 void Invariants::interrupt_leaves(NodeId node, const wire::Slice& slice, Time now) {
-  const PacketHeader head = PacketHeader::of(slice.bytes);
+  const PacketHeader header = PacketHeader::of(slice.bytes);
   const PacketTrailer tail = PacketTrailer::of(slice.bytes);
-  check_head(node, head);
+  check_header(node, header);
   Node& n = at(node);
-  if (head.source != node) {
-    if (n.forwarding.went(head, tail, now)) check_source(node, head, now);
+  if (header.source != node) {
+    if (n.forwarding.went(header, tail, now)) check_source(node, header, now);
   } else {
     const bool free = !ledger_.awaits(node, true);
-    ledger_.try_begins(node, head.code, now);
-    const Sent* sent = ledger_.depart(node, head.code, {tail.destination, 4, tail.last, 0, tail.crc, 0}, now);
-    if (sent && sent->tries == 1 && free && !n.hello_out && sent->asked >= calm_from_ &&
-        n.story.state != NodeState::open_chain)
-      n.forwarding.own_interrupt_went(std::max({sent->asked, n.interrupt_free, n.story.state_at, n.gate_at}), now);
+    ledger_.try_begins(node, header.code, now);
+    const Sent* sent = ledger_.depart(node, header.code, {tail.destination, 4, tail.last, 0, tail.crc, 0}, now);
+    if (sent && sent->tries == 1 && free && !n.hello_out && sent->asked >= settled_from_ &&
+        n.history.state != NodeState::open_chain)
+      n.forwarding.own_interrupt_went(std::max({sent->asked, n.interrupt_free, n.history.state_at, n.control_home}),
+                                      now);
   }
   n.forwarding.count_interrupt(now);
 }
@@ -307,31 +308,31 @@ void Invariants::begins_to_arrive(NodeId node, const wire::Slice& slice) {
 
 // Whether it reaches Receive. (protocol.md sections 2.2 and 4.9) Of what comes on the second line nobody outside knows
 // whose source is cut off; and of a buffer that may be full, what of it was aborted.
-Sure Invariants::is_received(NodeId node, wire::ByteView header, bool interrupt) {
+Tristate Invariants::is_received(NodeId node, wire::ByteView bytes, bool interrupt) {
   Node& n = at(node);
-  const PacketHeader head = PacketHeader::of(header);
-  if (!wire::header_valid(header, interrupt)) return Sure::no;
-  if (head.source == node) return Sure::yes;
-  if (head.hop + 1u >= n.settings.nodes()) return Sure::no;
-  if (n.input == Line::second) return Sure::unknown;
+  const PacketHeader header = PacketHeader::of(bytes);
+  if (!wire::header_valid(bytes, interrupt)) return Tristate::no;
+  if (header.source == node) return Tristate::yes;
+  if (header.hop + 1u >= n.settings.nodes()) return Tristate::no;
+  if (n.input == Line::second) return Tristate::unknown;
   const bool room = n.forwarding.bytes() + wire::kMaxDataPacketSize <= most_waiting(n.settings);
-  return interrupt || room ? Sure::yes : Sure::unknown;
+  return interrupt || room ? Tristate::yes : Tristate::unknown;
 }
 
 Sent* Invariants::on_line(const PacketFields& packet) {
   return ledger_.on_line(packet.source(), packet.code(), packet.destination(), crc_at_source(packet));
 }
 
-Sure Invariants::has_buffer(NodeId node, const PacketFields& packet) {
+Tristate Invariants::has_buffer(NodeId node, const PacketFields& packet) {
   Node& n = at(node);
   const std::uint8_t priority = wire::priority_of(packet.last());
-  if (n.buffers.least(priority) >= n.settings.receive_buffers) return Sure::no;
-  return n.buffers.most(priority) < n.settings.receive_buffers ? Sure::yes : Sure::unknown;
+  if (n.buffers.least(priority) >= n.settings.receive_buffers) return Tristate::no;
+  return n.buffers.most(priority) < n.settings.receive_buffers ? Tristate::yes : Tristate::unknown;
 }
 
 void Invariants::data_arrives(NodeId node, const PacketFields& packet, Time now, Time at_end) {
   Node& n = at(node);
-  if (n.received == Sure::no) return;
+  if (n.received == Tristate::no) return;
   const NodeId source = packet.source(), destination = packet.destination();
   if (source == node) return comes_home(node, packet, at_end);
   const bool for_it = destination == node || destination == wire::kBroadcast;
@@ -349,7 +350,7 @@ void Invariants::data_arrives(NodeId node, const PacketFields& packet, Time now,
     if (!sure && (answer == Answer::takes || answer == Answer::repeats_taken)) fbc.fbc = ForwardingChecker::kAnyFbc;
   }
   if (n.settings.fold_back || ring_.has_output(node))
-    n.forwarding.came(head_of(packet), destination, fbc, packet.bytes.size, now);
+    n.forwarding.came(header_of(packet), destination, fbc, packet.bytes.size, now);
 }
 
 // min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken, for what was decided
@@ -383,12 +384,12 @@ bool Invariants::has_news(NodeId node, Time now) const {
   return n.news_at + n.settings.byte_time_in * static_cast<std::int64_t>(wire::kOverhead) >= now;
 }
 
-Answer Invariants::offer(NodeId node, const PacketFields& packet, Sent* sent, Sure received, Time at_end) {
+Answer Invariants::offer(NodeId node, const PacketFields& packet, Sent* sent, Tristate received, Time at_end) {
   Node& n = at(node);
-  const bool may_have_joined = n.receiver.joined() == Sure::no && n.hello_left && has_news(node, at_end);
-  if (may_have_joined) n.receiver.set_joined(Sure::unknown);
+  const bool may_have_joined = n.receiver.joined() == Tristate::no && n.hello_left && has_news(node, at_end);
+  if (may_have_joined) n.receiver.set_joined(Tristate::unknown);
   const Answer answer = n.receiver.data(packet, received, has_buffer(node, packet), at_end);
-  if (may_have_joined) n.receiver.set_joined(Sure::no);
+  if (may_have_joined) n.receiver.set_joined(Tristate::no);
   if (wire::is_control(packet)) return answer;
   const std::uint8_t priority = wire::priority_of(packet.last());
   if (answer == Answer::takes) ledger_.take(sent, packet.source(), node, priority);
@@ -402,8 +403,8 @@ Answer Invariants::offer(NodeId node, const PacketFields& packet, Sent* sent, Su
 void Invariants::interrupt_arrives(NodeId node, const PacketFields& packet, Time now) {
   Node& n = at(node);
   n.pins.judge(now);
-  const Sure received = is_received(node, packet.bytes, true);
-  if (received == Sure::no) return;
+  const Tristate received = is_received(node, packet.bytes, true);
+  if (received == Tristate::no) return;
   const Time at_end = last_bit(node, wire::kInterruptPacketSize, now);
   const NodeId destination = packet.destination();
   if (packet.source() == node) return comes_home(node, packet, at_end);
@@ -412,10 +413,11 @@ void Invariants::interrupt_arrives(NodeId node, const PacketFields& packet, Time
   ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
   if (good && for_it) fbc = due(node, offer_interrupt(node, packet, on_line(packet), received, at_end), packet, 1);
   if (n.settings.fold_back || ring_.has_output(node))
-    n.forwarding.came(head_of(packet), destination, fbc, wire::kInterruptPacketSize, now);
+    n.forwarding.came(header_of(packet), destination, fbc, wire::kInterruptPacketSize, now);
 }
 
-Answer Invariants::offer_interrupt(NodeId node, const PacketFields& packet, Sent* sent, Sure received, Time at_end) {
+Answer Invariants::offer_interrupt(NodeId node, const PacketFields& packet, Sent* sent, Tristate received,
+                                   Time at_end) {
   Node& n = at(node);
   const Answer answer = n.receiver.interrupt(packet, received, at_end);
   if (answer == Answer::takes) ledger_.take(sent, packet.source(), node, 4);
@@ -433,9 +435,9 @@ void Invariants::comes_home(NodeId node, const PacketFields& packet, Time at_end
   if (!interrupt && wire::is_control(packet)) {
     const bool is_last = n.control.crc == crc_at_source(packet) && n.control.code == packet.code_byte();
     const bool sure = !ledger_.was_damaged(node, false);
-    n.gate_at = at_end;
+    n.control_home = at_end;
     n.hello_out = false;
-    if (is_last && n.control.hello) sure ? n.receiver.join() : n.receiver.set_joined(Sure::unknown);
+    if (is_last && n.control.hello) sure ? n.receiver.join() : n.receiver.set_joined(Tristate::unknown);
     if (is_last) n.control = {};
     return;
   }
@@ -445,7 +447,7 @@ void Invariants::comes_home(NodeId node, const PacketFields& packet, Time at_end
   const bool sure = last && !retried && !has_news(node, at_end);
   int fbc = sure ? packet.fbc() : ForwardingChecker::kAnyFbc;
   if (packet.destination() == node && (sent || ledger_.others_send(node))) {
-    const Sure received = sent && sure && may_send(n.story.state) ? Sure::yes : Sure::unknown;
+    const Tristate received = sent && sure && may_send(n.history.state) ? Tristate::yes : Tristate::unknown;
     const std::size_t buffers = n.settings.receive_buffers;
     const std::size_t free = buffers - std::min(n.buffers.least(wire::priority_of(packet.last())), buffers);
     const Answer answer =
@@ -466,7 +468,7 @@ Time Invariants::last_bit(NodeId node, std::size_t tail_size, Time now) const {
 void Invariants::check_insertion(NodeId node, Time now) {
   constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
   const Node& n = at(node);
-  if (now < calm_from_ || !ring_.has_output(node) || n.settings.byte_time_out > n.settings.byte_time_in) return;
+  if (now < settled_from_ || !ring_.has_output(node) || n.settings.byte_time_out > n.settings.byte_time_in) return;
   if (n.forwarding.bytes() <= kNormal || lines_differ(n.settings)) return;
   // What has come earlier was dropped.
   const std::size_t bytes = n.forwarding.bytes_since(now - n.settings.worst_lap());
@@ -478,23 +480,23 @@ void Invariants::check_insertion(NodeId node, Time now) {
 // ---- faults ---------------------------------------------------------------------------------
 
 void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
-  trouble(now);
+  disturbed(now);
   if (incident != Incident::cpu_reset && incident != Incident::cancelled) was_broken_ = true;
   if (incident == Incident::late_slice) {
-    late_ = now;
-    ledger_.line_let_go(now);
+    released_ = now;
+    ledger_.line_released(now);
   }
   Node& n = at(node);
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
-  if (incident == Incident::thawed) n.story.thawed = now;
+  if (incident == Incident::thawed) n.history.thawed = now;
   if (incident == Incident::killed) judge_open(node, false);
   if (incident == Incident::started) {
     ledger_.start(node);
     n.receiver = ReceiverModel(n.settings);
-    n.story.state = NodeState::starting;
-    n.story.state_at = now;
-    n.story.cancelled = core::kNever;
+    n.history.state = NodeState::starting;
+    n.history.state_at = now;
+    n.history.cancelled = core::kNever;
     n.unexplained.clear();
     n.began = now;
     n.hello_left = false;
@@ -505,7 +507,7 @@ void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   if (incident == Incident::started || incident == Incident::cpu_reset) n.buffers.flush();
   if (incident == Incident::cpu_reset || incident == Incident::cancelled) {
     ledger_.cancel(node, now);
-    n.story.cancelled = now;
+    n.history.cancelled = now;
   }
   // The buffers of a line that is replaced are emptied, unless what waits goes on over the second line.
   const bool emptied = incident == Incident::output_replaced && !n.settings.fold_back;

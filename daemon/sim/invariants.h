@@ -59,18 +59,18 @@ class Invariants : public Observer {
     ReceiveBuffers buffers;
     ReceiverModel receiver;
     DuePins pins;
-    PacketCollector coming, going;  ///< the DATPs on its lines
-    Sure received = Sure::no;       ///< the one that is coming in
+    PacketCollector coming, going;     ///< the DATPs on its lines
+    Tristate received = Tristate::no;  ///< the one that is coming in
     bool coming_own = false, going_own = false;
-    PacketHeader head;  ///< of the one that is going out
+    PacketHeader header;  ///< of the one that is going out
     Time going_since{};
     Line input = Line::first, output = Line::first;
-    NodeStory story;
+    NodeHistory history;
     Time began{};  ///< it started, or started over
     std::vector<Unexplained> unexplained;
     Time arrived{};                    ///< when something last did
     Time news_at{core::Duration{-1}};  ///< a hello or beacon of another node was in
-    Time gate_at{};                    ///< its hello came home: what it held back may leave
+    Time control_home{};               ///< its hello came home: what it held back may leave
     bool hello_left = false;
     bool hello_out = false;  ///< and is not home: nothing else may leave
     OwnControl control;
@@ -79,25 +79,26 @@ class Invariants : public Observer {
   };
 
   Node& at(NodeId node) { return *nodes_[node]; }
-  void check_head(NodeId node, const PacketHeader& head);
+  void check_header(NodeId node, const PacketHeader& header);
   bool is_away(NodeId node) const { return node < nodes_.size() && nodes_[node]->away_since; }
-  void check_source(NodeId node, const PacketHeader& head, Time now);
+  void check_source(NodeId node, const PacketHeader& header, Time now);
   void begins_to_leave(NodeId node, const wire::Slice& slice, Time now);
   void data_leaves(NodeId node, const wire::Slice& end, wire::ByteView own, Time now);
   void own_data_leaves(NodeId node, const wire::PacketFields& packet);
   void interrupt_leaves(NodeId node, const wire::Slice& slice, Time now);
   void breaks_off(NodeId node, std::size_t size, Time now);
   void begins_to_arrive(NodeId node, const wire::Slice& slice);
-  Sure is_received(NodeId node, wire::ByteView header, bool interrupt);
+  Tristate is_received(NodeId node, wire::ByteView bytes, bool interrupt);
   void data_arrives(NodeId node, const wire::PacketFields& packet, Time now, Time at_end);
   void interrupt_arrives(NodeId node, const wire::PacketFields& packet, Time now);
-  ReceiverModel::Answer offer(NodeId node, const wire::PacketFields& packet, Sent* sent, Sure received, Time at_end);
-  ReceiverModel::Answer offer_interrupt(NodeId node, const wire::PacketFields& packet, Sent* sent, Sure received,
+  ReceiverModel::Answer offer(NodeId node, const wire::PacketFields& packet, Sent* sent, Tristate received,
+                              Time at_end);
+  ReceiverModel::Answer offer_interrupt(NodeId node, const wire::PacketFields& packet, Sent* sent, Tristate received,
                                         Time at_end);
   ForwardingChecker::Due due(NodeId node, ReceiverModel::Answer answer, const wire::PacketFields& packet,
                              std::size_t free) const;
   bool has_news(NodeId node, Time now) const;
-  Sure has_buffer(NodeId node, const wire::PacketFields& packet);
+  Tristate has_buffer(NodeId node, const wire::PacketFields& packet);
   void comes_home(NodeId node, const wire::PacketFields& packet, Time at_end);
   void state_changes(NodeId node, core::NodeState state, Time now);
   Sent* on_line(const wire::PacketFields& packet);
@@ -108,7 +109,7 @@ class Invariants : public Observer {
   void judge_open(NodeId node, bool all);
   void judge_unexplained(NodeId node);
   void check_insertion(NodeId node, Time now);
-  void trouble(Time now) { calm_from_ = std::max(calm_from_, now + settling_); }
+  void disturbed(Time now) { settled_from_ = std::max(settled_from_, now + settling_); }
   void complain(Promise promise, std::string what);
 
   VirtualRing& ring_;
@@ -117,9 +118,9 @@ class Invariants : public Observer {
   std::vector<std::unique_ptr<Node>> nodes_;
   bool was_broken_ = false;     ///< some line or node was ever lost
   core::Duration settling_{0};  ///< after a fault no copies are under way for longer
-  Time calm_from_{};            ///< nothing has been lost, damaged or ended for so long: some bounds are wider before
+  Time settled_from_{};         ///< nothing has been lost, damaged or ended for so long: some bounds are wider before
   Time said_hello_ = core::kNever;  ///< the last hello of anybody
-  Time late_{};                     ///< a line has let go of what it held back
+  Time released_{};                 ///< a line has released what it held back
   std::optional<Violation> violation_;
 };
 

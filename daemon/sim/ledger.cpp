@@ -81,8 +81,9 @@ Sent& Ledger::add(NodeId source, std::uint32_t token, std::uint8_t queue, bool i
     const Sent* waits = find(source, other);
     if (waits && (!waits->ended || waits->ended_at >= now)) ++sent.ahead;
   }
-  const Flying& flying = s.flying[queue == 4 ? 1 : 0];  // what was cancelled while out still has its place
-  if (const Sent* out = find(source, flying.token); out && out->ended && flying.awaited) ++sent.ahead;
+  const Outstanding& outstanding =
+      s.outstanding[queue == 4 ? 1 : 0];  // what was cancelled while out still has its place
+  if (const Sent* out = find(source, outstanding.token); out && out->ended && outstanding.awaited) ++sent.ahead;
   s.waiting[queue].push_back(token);
   return sent;
 }
@@ -132,30 +133,30 @@ Ledger::Slot& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destin
 }
 
 void Ledger::try_begins(NodeId source, wire::Code code, Time now) {
-  Flying& flying = sources_[source].flying[code.interrupt ? 1 : 0];
+  Outstanding& outstanding = sources_[source].outstanding[code.interrupt ? 1 : 0];
   const int packet = wire::Code{code.interrupt, 0, code.sequence, code.incarnation}.byte();
-  if (code.attempt == 0 || flying.packet != packet) {
-    const unsigned before = flying.token == 0 ? flying.tries - flying.counted : 0;
-    flying = {packet, code.attempt, 0, 0, now, 0, before, true, false};
+  if (code.attempt == 0 || outstanding.packet != packet) {
+    const unsigned before = outstanding.token == 0 ? outstanding.tries - outstanding.counted : 0;
+    outstanding = {packet, code.attempt, 0, 0, now, 0, before, true, false};
   }
-  flying.tries = std::max(flying.tries, code.attempt + 0u) + 1;
-  flying.since = now;
-  flying.attempt = code.attempt;
-  flying.damaged = false;
-  flying.awaited = true;
-  if (Sent* sent = find(source, flying.token)) count_tries(*sent, code);
+  outstanding.tries = std::max(outstanding.tries, code.attempt + 0u) + 1;
+  outstanding.since = now;
+  outstanding.attempt = code.attempt;
+  outstanding.damaged = false;
+  outstanding.awaited = true;
+  if (Sent* sent = find(source, outstanding.token)) count_tries(*sent, code);
 }
 
 void Ledger::count_tries(Sent& sent, wire::Code code) {
-  Flying& flying = sources_[sent.source].flying[code.interrupt ? 1 : 0];
-  flying.token = sent.token;
-  sent.tries += flying.tries - flying.counted;
-  flying.counted = flying.tries;
+  Outstanding& outstanding = sources_[sent.source].outstanding[code.interrupt ? 1 : 0];
+  outstanding.token = sent.token;
+  sent.tries += outstanding.tries - outstanding.counted;
+  outstanding.counted = outstanding.tries;
   sent.repeated = sent.repeated || code.attempt > 0;
   sent.attempts = code.attempt + 1u;
   sent.may_have_failed = false;
-  sent.last_try = flying.since;
-  if (sent.ended && sent.end.outcome != Outcome::cancelled) flying.awaited = false;  // unconfirmed
+  sent.last_try = outstanding.since;
+  if (sent.ended && sent.end.outcome != Outcome::cancelled) outstanding.awaited = false;  // unconfirmed
   sent.home_at = core::kNever;
 }
 
@@ -186,31 +187,31 @@ void Ledger::note_passed_over(const Sent& leaving, Time since) {
 }
 
 // A retry is the packet that had its sequence number before, unless nothing of that one got out; a
-// first try the first that waits and looks like it (one that is cancelled may end while it leaves, an
+// first try the first that waits and matches (one that is cancelled may end while it leaves, an
 // unconfirmed one ends as it leaves).
-Sent* Ledger::depart(NodeId source, wire::Code code, const Looks& looks, Time since) {
-  Slot& slot = on_line_slot(source, code, looks.destination);
+Sent* Ledger::depart(NodeId source, wire::Code code, const LeavingPacket& packet, Time since) {
+  Slot& slot = on_line_slot(source, code, packet.destination);
   const auto over = [&](const Sent* sent) {
     if (!sent || sent->final) return true;
     return sent->ended &&
            (sent->ended_at < since || (sent->ended_at == since && sent->end.outcome != Outcome::unconfirmed));
   };
   Sent* before = find(source, slot.last.token);
-  const bool same_life = before && before->source_incarnation == sources_[source].incarnation;
-  if (code.attempt > 0 && same_life && !over(before) && looks.fit(*before)) {
-    slot.last.crcs[code.attempt] = looks.crc;
-    if (sources_[source].flying[code.interrupt ? 1 : 0].token != before->token) count_tries(*before, code);
+  const bool same_incarnation = before && before->source_incarnation == sources_[source].incarnation;
+  if (code.attempt > 0 && same_incarnation && !over(before) && packet.matches(*before)) {
+    slot.last.crcs[code.attempt] = packet.crc;
+    if (sources_[source].outstanding[code.interrupt ? 1 : 0].token != before->token) count_tries(*before, code);
     return before;
   }
-  auto& waiting = sources_[source].waiting[looks.queue];
+  auto& waiting = sources_[source].waiting[packet.queue];
   while (!waiting.empty() && over(find(source, waiting.front()))) waiting.pop_front();
   for (const std::uint32_t token : waiting) {
     Sent* sent = find(source, token);
-    if (over(sent) || !looks.fit(*sent) || !sent->may_leave(since)) continue;
+    if (over(sent) || !packet.matches(*sent) || !sent->may_leave(since)) continue;
     sent->left = true;
     sent->refused_at = core::kNever;
     slot.begin(token);
-    slot.last.crcs[code.attempt] = looks.crc;
+    slot.last.crcs[code.attempt] = packet.crc;
     if (code.attempt == 0) note_passed_over(*sent, since);  // of others nobody knows when they began
     count_tries(*sent, code);
     return sent;
@@ -230,20 +231,20 @@ Sent* Ledger::on_line(NodeId source, wire::Code code, NodeId destination, std::u
 }
 
 void Ledger::returned_damaged(NodeId source, bool interrupt) {
-  Flying& flying = sources_[source].flying[interrupt ? 1 : 0];
-  flying.damaged = true;
-  if (Sent* sent = find(source, flying.token)) sent->may_have_failed = true;
+  Outstanding& outstanding = sources_[source].outstanding[interrupt ? 1 : 0];
+  outstanding.damaged = true;
+  if (Sent* sent = find(source, outstanding.token)) sent->may_have_failed = true;
 }
 
 Ledger::Return Ledger::returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc) {
-  Flying& flying = sources_[source].flying[code.interrupt ? 1 : 0];
+  Outstanding& outstanding = sources_[source].outstanding[code.interrupt ? 1 : 0];
   const OnLine& last = on_line_slot(source, code, destination).last;
-  const bool same = flying.awaited && flying.token != 0 && flying.token == last.token &&
-                    flying.attempt == code.attempt && last.crcs[code.attempt] == crc;
+  const bool same = outstanding.awaited && outstanding.token != 0 && outstanding.token == last.token &&
+                    outstanding.attempt == code.attempt && last.crcs[code.attempt] == crc;
   if (!same) return {};
-  flying.awaited = false;
-  Sent* sent = find(source, flying.token);
-  return {sent, sent && !flying.damaged && !sent->ended};  // one that was cancelled while out is not repeated
+  outstanding.awaited = false;
+  Sent* sent = find(source, outstanding.token);
+  return {sent, sent && !outstanding.damaged && !sent->ended};  // one that was cancelled while out is not repeated
 }
 
 bool Ledger::has_taken(const core::ReceivedPacket& packet, NodeId node) const {
@@ -318,8 +319,8 @@ const Sent* Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
   sent->ended = true;
   sent->ended_at = at;
   sent->end = end;
-  Flying& flying = sources_[source].flying[end.interrupt ? 1 : 0];
-  if (flying.token == end.token && end.outcome != Outcome::cancelled) flying.awaited = false;
+  Outstanding& outstanding = sources_[source].outstanding[end.interrupt ? 1 : 0];
+  if (outstanding.token == end.token && end.outcome != Outcome::cancelled) outstanding.awaited = false;
   check_result(*sent);
   check_measures(*sent);
   return sent;
@@ -327,16 +328,16 @@ const Sent* Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
 
 void Ledger::check_result(const Sent& sent) {
   const Outcome outcome = sent.end.outcome;
-  const auto lie = [&](const char* what) {
+  const auto complain = [&](const char* what) {
     complain_(Promise::true_result, sent.name() + " ended " + core::to_string(outcome) + what);
   };
   const bool broadcast = sent.destination == wire::kBroadcast;
-  if (outcome == Outcome::delivered && !sent.taken() && !sent.may_be_taken) lie(", and nobody has taken it");
+  if (outcome == Outcome::delivered && !sent.taken() && !sent.may_be_taken) complain(", and nobody has taken it");
   // A line has duplicated the packet: the destination took one copy and died; the other one came home untaken.
-  const bool one_copy = sent.asked > let_go_;
-  if (outcome == Outcome::no_such_node && sent.taken() && one_copy) lie(", and somebody has taken it");
-  if (outcome == Outcome::refused && !broadcast && sent.taken()) lie(", and it was taken");
-  if (outcome == Outcome::rejected && sent.left) lie(", and it was on the line");
+  const bool one_copy = sent.asked > released_;
+  if (outcome == Outcome::no_such_node && sent.taken() && one_copy) complain(", and somebody has taken it");
+  if (outcome == Outcome::refused && !broadcast && sent.taken()) complain(", and it was taken");
+  if (outcome == Outcome::rejected && sent.left) complain(", and it was on the line");
 }
 
 // The round trip is that of the last try, from its first byte out to its last bit back; 0 if it did not come home, or
@@ -351,9 +352,9 @@ void Ledger::check_measures(const Sent& sent) {
     complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +
                                         std::to_string(core::picoseconds(told)) + " ps, and " +
                                         std::to_string(core::picoseconds(seen)) + " were seen");
-  const Flying& flying = sources_[sent.source].flying[sent.interrupt() ? 1 : 0];
-  const unsigned under_way = flying.token == 0 ? flying.tries - flying.counted : 0;  // perhaps its own
-  for (const unsigned unknown : {0u, under_way, flying.before})
+  const Outstanding& outstanding = sources_[sent.source].outstanding[sent.interrupt() ? 1 : 0];
+  const unsigned under_way = outstanding.token == 0 ? outstanding.tries - outstanding.counted : 0;  // perhaps its own
+  for (const unsigned unknown : {0u, under_way, outstanding.before})
     if (sent.end.tries == sent.tries + unknown) return;
   complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +
                                       std::to_string(sent.end.tries) + " tries, and " + std::to_string(sent.tries) +
@@ -367,7 +368,7 @@ void Ledger::start(NodeId node) {
   const auto row = newest_.begin() + static_cast<std::ptrdiff_t>(std::size_t{node} * sources_.size() * 5);
   std::fill(row, row + static_cast<std::ptrdiff_t>(sources_.size() * 5), 0u);
   for (auto& waiting : sources_[node].waiting) waiting.clear();
-  sources_[node].flying = {};
+  sources_[node].outstanding = {};
 }
 
 }  // namespace limb_ring::sim

@@ -68,14 +68,14 @@ class Ledger {
  public:
   Ledger(unsigned nodes, Complain complain);
 
-  /// What can be seen of a packet on the line, as in Sent.
-  struct Looks {
+  /// What can be seen of a packet that has left its source; the names are those of Sent.
+  struct LeavingPacket {
     NodeId destination;
     std::uint8_t queue, channel;
     std::size_t size;
     std::uint32_t crc;       ///< as it was when it left its source
     std::uint32_t checksum;  ///< of its data
-    bool fit(const Sent& sent) const {
+    bool matches(const Sent& sent) const {
       return sent.destination == destination && sent.queue == queue && sent.channel == channel && sent.size == size &&
              sent.checksum == checksum;
     }
@@ -87,10 +87,12 @@ class Ledger {
   /// The first byte of a try of `source` leaves it.
   void try_begins(NodeId source, wire::Code code, Time now);
   /// That packet is no user's.
-  void try_is_control(NodeId source) { sources_[source].flying[0].counted = sources_[source].flying[0].tries; }
+  void try_is_control(NodeId source) {
+    sources_[source].outstanding[0].counted = sources_[source].outstanding[0].tries;
+  }
   /// A packet of `source` has left it. @param since when its first byte did
   /// @return null where it was not asked for through the ring (another owner)
-  Sent* depart(NodeId source, wire::Code code, const Looks& looks, Time since);
+  Sent* depart(NodeId source, wire::Code code, const LeavingPacket& packet, Time since);
   /// What has come home to its source.
   struct Return {
     Sent* sent = nullptr;  ///< whose last try it is, for the first time; null: of nobody
@@ -98,13 +100,15 @@ class Ledger {
   };
   Return returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
   /// A try of that kind is out, and has not come home.
-  bool awaits(NodeId source, bool interrupt) const { return sources_[source].flying[interrupt ? 1 : 0].awaited; }
+  bool awaits(NodeId source, bool interrupt) const { return sources_[source].outstanding[interrupt ? 1 : 0].awaited; }
   /// A packet of `source` has come home damaged: its try has failed, and the next one may be under way already, or the
   /// send may have ended.
   void returned_damaged(NodeId source, bool interrupt);
-  bool was_damaged(NodeId source, bool interrupt) const { return sources_[source].flying[interrupt ? 1 : 0].damaged; }
+  bool was_damaged(NodeId source, bool interrupt) const {
+    return sources_[source].outstanding[interrupt ? 1 : 0].damaged;
+  }
   /// Nothing that is on its way from `source` is waited for any more.
-  void waits_for_nothing(NodeId source) { sources_[source].flying = {}; }
+  void waits_for_nothing(NodeId source) { sources_[source].outstanding = {}; }
   /// Packets of that node are under way that were not asked for through the ring.
   bool others_send(NodeId source) const { return sources_[source].others_send; }
   /// The same packet, somewhere on the ring; null if it is not known: of another owner, of
@@ -130,7 +134,7 @@ class Ledger {
   /// The frozen node goes on, and may pull a pin for an INTP that was under way before.
   void forgets_interrupts(NodeId node) { ++interrupt_incarnations_[node]; }
   /// A line has released what it held back: of earlier sends a second copy may be under way.
-  void line_let_go(Time now) { let_go_ = now; }
+  void line_released(Time now) { released_ = now; }
   /// Judges what could not be judged in its own instant.
   void settle(Time now) { passed_over_.judge(now); }
   /// All sends that a node was asked for since it started and that have not ended.
@@ -141,8 +145,8 @@ class Ledger {
   }
 
  private:
-  /// What of one kind is on its way from a source, as its header says.
-  struct Flying {
+  /// The packet of one kind that a source has sent last, as far as its header tells.
+  struct Outstanding {
     int packet = -1;          ///< its Code but for the try; -1: nothing yet
     unsigned tries = 0;       ///< of it that were seen
     unsigned counted = 0;     ///< of those that are counted for its send
@@ -150,7 +154,7 @@ class Ledger {
     Time since{};             ///< the last try
     std::uint8_t attempt = 0;
     unsigned before = 0;   ///< tries of the packet before it, if that was never known
-    bool awaited = false;  ///< it is not home yet
+    bool awaited = false;  ///< outstanding: it is not home yet
     bool damaged = false;  ///< a packet of this kind came home damaged since its last try
   };
   /// A packet with that kind, DID and sequence number.
@@ -169,7 +173,7 @@ class Ledger {
     std::uint32_t first_token = 1;
     std::array<std::deque<std::uint32_t>, 5> waiting;  ///< by queue, in the order of asking
     std::vector<Slot> on_line;                         ///< by kind, DID, sequence
-    std::array<Flying, 2> flying;                      ///< DATP, INTP
+    std::array<Outstanding, 2> outstanding;            ///< DATP, INTP
     bool others_send = false;                          ///< packets left that were not asked for through the ring
     std::uint32_t incarnation = 0;
   };
@@ -188,7 +192,7 @@ class Ledger {
   PassedOver passed_over_;
   std::vector<std::uint32_t> newest_;  ///< token, by node, source, queue
   std::vector<std::uint32_t> interrupt_incarnations_;
-  Time let_go_{core::Duration{-1}};  ///< when a line last did
+  Time released_{core::Duration{-1}};  ///< when a line last did
 };
 
 }  // namespace limb_ring::sim

@@ -52,7 +52,7 @@ bool ReceiverModel::hear_boot(NodeId source, std::uint64_t boot, Forget forget) 
 bool ReceiverModel::hear(const PacketFields& packet, Time at) {
   Page& page = pages_[packet.source()];
   const auto empty = [](Page& p) {
-    const Sure peer_known = p.peer_known;
+    const Tristate peer_known = p.peer_known;
     p = {};
     p.peer_known = peer_known;
   };
@@ -67,7 +67,7 @@ bool ReceiverModel::hear(const PacketFields& packet, Time at) {
   } else {
     return true;
   }
-  if (heard) page.peer_known = Sure::yes;
+  if (heard) page.peer_known = Tristate::yes;
   return heard;
 }
 
@@ -91,10 +91,10 @@ bool ReceiverModel::addressed(const PacketFields& packet) const {
   return packet.destination() == id_;
 }
 
-Sure ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const {
+Tristate ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const {
   const bool may_be = fold_back_ && packet.code().attempt > 0 && packet.source() != id_;
-  if (!may_be || pages_[packet.source()].peer_known == Sure::yes) return Sure::no;
-  return pages_[packet.source()].peer_known == Sure::no ? Sure::yes : Sure::unknown;
+  if (!may_be || pages_[packet.source()].peer_known == Tristate::yes) return Tristate::no;
+  return pages_[packet.source()].peer_known == Tristate::no ? Tristate::yes : Tristate::unknown;
 }
 
 // It may have been received, or not.
@@ -102,7 +102,7 @@ void ReceiverModel::doubt(const PacketFields& packet) {
   Page& page = pages_[packet.source()];
   if (!packet.code().interrupt && wire::is_control(packet)) {
     page.any_incarnation = true;
-    if (page.peer_known == Sure::no) page.peer_known = Sure::unknown;
+    if (page.peer_known == Tristate::no) page.peer_known = Tristate::unknown;
     for (Entry& e : page.entries) e.any_sequence = true;
   } else if (addressed(packet)) {
     if (!page.known || page.incarnation != packet.code().incarnation) page.any_incarnation = true;
@@ -126,8 +126,8 @@ void ReceiverModel::decide(Entry& e, const PacketFields& packet, Answer answer, 
   e = {at, packet.code().sequence, verdict, false, false};
 }
 
-ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Sure received, Sure has_buffer, Time at) {
-  if (received == Sure::unknown) return doubt(packet), Answer::unknown;
+ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Tristate received, Tristate has_buffer, Time at) {
+  if (received == Tristate::unknown) return doubt(packet), Answer::unknown;
   const bool control = wire::is_control(packet);
   Page& page = pages_[packet.source()];
   if (control && page.any_incarnation) {
@@ -137,28 +137,28 @@ ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Sure recei
     return Answer::unknown;
   }
   if (control && packet.source() != id_ && !hear(packet, at)) return Answer::refuses;
-  const Sure unknown_peers_retry = is_unknown_peers_retry(packet);
-  if (unknown_peers_retry == Sure::yes || !addressed(packet)) return Answer::none;
-  if (unknown_peers_retry == Sure::unknown || page.any_incarnation) return doubt(packet), Answer::unknown;
+  const Tristate unknown_peers_retry = is_unknown_peers_retry(packet);
+  if (unknown_peers_retry == Tristate::yes || !addressed(packet)) return Answer::none;
+  if (unknown_peers_retry == Tristate::unknown || page.any_incarnation) return doubt(packet), Answer::unknown;
   if (!meet(packet)) return Answer::refuses;
   Entry& e = entry(packet);
   if (control) return decide(e, packet, Answer::control, at), Answer::control;
   Answer answer = of_known(e, packet, at);
   if (answer == Answer::repeats_taken || answer == Answer::repeats_refused) return answer;
   if (answer == Answer::none) {
-    const bool refuses = joined_ == Sure::no || !cpu_present_ || has_buffer == Sure::no;
-    const bool takes = joined_ == Sure::yes && has_buffer == Sure::yes;
+    const bool refuses = joined_ == Tristate::no || !cpu_present_ || has_buffer == Tristate::no;
+    const bool takes = joined_ == Tristate::yes && has_buffer == Tristate::yes;
     answer = refuses ? Answer::refuses : takes ? Answer::takes : Answer::unknown;
   }
   decide(e, packet, answer, at);
   return answer;
 }
 
-ReceiverModel::Answer ReceiverModel::interrupt(const PacketFields& packet, Sure received, Time at) {
-  if (received == Sure::unknown) return doubt(packet), Answer::unknown;
-  const Sure unknown_peers_retry = is_unknown_peers_retry(packet);
-  if (unknown_peers_retry == Sure::yes || !addressed(packet)) return Answer::none;
-  if (unknown_peers_retry == Sure::unknown || pages_[packet.source()].any_incarnation)
+ReceiverModel::Answer ReceiverModel::interrupt(const PacketFields& packet, Tristate received, Time at) {
+  if (received == Tristate::unknown) return doubt(packet), Answer::unknown;
+  const Tristate unknown_peers_retry = is_unknown_peers_retry(packet);
+  if (unknown_peers_retry == Tristate::yes || !addressed(packet)) return Answer::none;
+  if (unknown_peers_retry == Tristate::unknown || pages_[packet.source()].any_incarnation)
     return doubt(packet), Answer::unknown;
   if (!meet(packet)) return Answer::refuses;
   Entry& e = entry(packet);
@@ -177,18 +177,18 @@ void ReceiverModel::says_hello(std::uint64_t boot) {
 
 // What it had decided of INTPs before it started over holds until its hello is home.
 void ReceiverModel::join() {
-  joined_ = Sure::yes;
+  joined_ = Tristate::yes;
   for (Page& page : pages_)
     for (Entry& e : page.entries)
       if (e.aged && !e.any_sequence) e = {};
 }
 
 void ReceiverModel::start_over(bool forgets_peers, Time now) {
-  joined_ = Sure::no;
+  joined_ = Tristate::no;
   for (Page& page : pages_) {
     page.entries[0] = page.entries[1] = {};
     age(page, now);
-    if (forgets_peers) page.peer_known = Sure::no;
+    if (forgets_peers) page.peer_known = Tristate::no;
   }
 }
 

@@ -13,7 +13,7 @@ using core::Time;
 using wire::NodeId;
 
 /// Yes, no, or not to be told from outside.
-enum class Sure : std::uint8_t { no, yes, unknown };
+enum class Tristate : std::uint8_t { no, yes, unknown };
 
 /// What a receiver has to answer to each packet that comes in: the rules of protocol.md sections 2.3, 4.8 and 4.10
 /// written a second time, small and slow, for judging the core. It knows what has come in on the node's line, and
@@ -34,15 +34,15 @@ class ReceiverModel {
 
   /// A packet with a good CRC has come in. @param has_buffer one of its priority is free
   /// @param received it reached Receive; unknown: what becomes of it is not judged, nor what hangs on it later
-  Answer data(const wire::PacketFields& packet, Sure received, Sure has_buffer, Time at);
-  Answer interrupt(const wire::PacketFields& packet, Sure received, Time at);
+  Answer data(const wire::PacketFields& packet, Tristate received, Tristate has_buffer, Time at);
+  Answer interrupt(const wire::PacketFields& packet, Tristate received, Time at);
 
   /// The node says hello with that boot number, and begins a new page for packets to itself.
   void says_hello(std::uint64_t boot);
   /// Its hello is home, or has left into an open chain: users' DATPs are taken.
   void join();
-  void set_joined(Sure joined) { joined_ = joined; }
-  Sure joined() const { return joined_; }
+  void set_joined(Tristate joined) { joined_ = joined; }
+  Tristate joined() const { return joined_; }
   /// It was bypassed; with `forgets_peers` it starts all over.
   void start_over(bool forgets_peers, Time now);
   void set_cpu_present(bool present) { cpu_present_ = present; }
@@ -61,14 +61,14 @@ class ReceiverModel {
     std::uint64_t boot = 0;  ///< of the last hello or beacon
     std::uint8_t incarnation = 0;
     bool known = false;
-    bool from_packet = false;      ///< begun by a packet, not by a hello or beacon
-    Sure peer_known = Sure::no;    ///< a hello or beacon was heard
-    bool any_incarnation = false;  ///< nobody knows which one it has met last
+    bool from_packet = false;            ///< begun by a packet, not by a hello or beacon
+    Tristate peer_known = Tristate::no;  ///< a hello or beacon was heard
+    bool any_incarnation = false;        ///< nobody knows which one it has met last
   };
 
   Entry& entry(const wire::PacketFields& packet);
   bool addressed(const wire::PacketFields& packet) const;
-  Sure is_unknown_peers_retry(const wire::PacketFields& packet) const;
+  Tristate is_unknown_peers_retry(const wire::PacketFields& packet) const;
   bool hear(const wire::PacketFields& packet, Time at);
   template <class Forget>
   bool hear_boot(NodeId source, std::uint64_t boot, Forget forget);
@@ -83,7 +83,7 @@ class ReceiverModel {
   std::array<bool, 8> wired_;
   core::Duration horizon_;  ///< a number decided longer ago is new
   std::vector<Page> pages_;
-  Sure joined_ = Sure::no;
+  Tristate joined_ = Tristate::no;
   bool cpu_present_ = true;
 };
 

@@ -5,7 +5,7 @@
 namespace limb_ring::sim {
 
 /// What a node went through, as far as it ends sends.
-struct NodeStory {
+struct NodeHistory {
   core::NodeState state = core::NodeState::starting;
   Time state_at{};                 ///< since when
   Time cancelled = core::kNever;   ///< its CPU was reset, or its sends were cancelled
@@ -17,7 +17,7 @@ struct NodeStory {
 class ResultJudge {
  public:
   /// @param said_hello the last hello of a receiver
-  ResultJudge(const Sent& sent, const core::Settings& settings, const NodeStory& source, Time said_hello,
+  ResultJudge(const Sent& sent, const core::Settings& settings, const NodeHistory& source, Time said_hello,
               bool ring_was_broken)
       : sent_(sent), settings_(settings), source_(source), said_hello_(said_hello), ring_was_broken_(ring_was_broken) {}
 
@@ -40,7 +40,7 @@ class ResultJudge {
 
   const Sent& sent_;
   const core::Settings& settings_;
-  const NodeStory& source_;
+  const NodeHistory& source_;
   Time said_hello_;
   bool ring_was_broken_;
 };
