@@ -1,0 +1,253 @@
+#include "sim/input_checker.h"
+
+#include <algorithm>
+
+namespace limb_ring::sim {
+
+using wire::PacketFields;
+using wire::SliceKind;
+using Answer = ReceiverModel::Answer;
+
+namespace {
+
+/// The longest pause between two slices of a DATP. (protocol.md section 7.4)
+core::Duration stall_of(const core::Settings& settings) { return settings.stall + 2048 * settings.byte_time_in; }
+
+/// Then what a slow line has held up comes all at once further on, and the bound is not promised.
+bool lines_differ(const core::Settings& settings) {
+  const core::Duration each =
+      settings.byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kOverhead) + settings.relay_delay;
+  return settings.lap.count() != 0 && settings.lap != settings.nodes() * each;
+}
+
+std::size_t most_waiting(const core::Settings& settings) {
+  return std::max(2u, settings.insertion_buffer) * wire::kMaxDataPacketSize;
+}
+
+PacketHeader header_of(const PacketFields& packet) { return PacketHeader::of(packet.bytes); }
+
+/// What the CRC was when the packet left its source, as far as HOP and FBC go.
+std::uint32_t crc_at_source(const PacketFields& packet) {
+  return wire::carried_crc(packet.crc(), packet.bytes.size, packet.hop(), packet.fbc() ^ wire::kFbcUntaken);
+}
+
+std::size_t tail_size(const PacketFields& packet) {
+  return packet.data().size % 4 + wire::kTrailerSize + wire::kCrcSize;
+}
+
+// min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken, for what was decided
+// before. (protocol.md sections 3.5 and 4.10)
+ForwardingChecker::Due due(Answer answer, const PacketFields& packet, std::size_t free) {
+  const auto least = [&](std::size_t value) {
+    return static_cast<int>(std::min({std::size_t{packet.fbc()}, value, std::size_t{wire::kFbcMax}}));
+  };
+  const bool interrupt = packet.code().interrupt;
+  switch (answer) {
+    case Answer::none:
+      return {packet.fbc()};
+    case Answer::control:
+      return {least(wire::kFbcMax)};
+    case Answer::takes:
+      return {least(interrupt ? 1 : free)};
+    case Answer::refuses:
+    case Answer::repeats_refused:
+      return {0};
+    case Answer::repeats_taken:
+      return {least(interrupt ? 1 : std::max<std::size_t>(1, free)), Promise::exactly_once};
+    case Answer::unknown:
+      break;
+  }
+  return {ForwardingChecker::kAnyFbc};
+}
+
+}  // namespace
+
+InputChecker::InputChecker(RingRecord& record) : record_(record) {
+  for (const auto& node : record.nodes) incoming_.push_back({PacketCollector(stall_of(node->settings))});
+}
+
+void InputChecker::input_changes(NodeId node, Line line, Time now) {
+  Incoming& in = incoming_[node];
+  if (line != in.input || !in.collector.open()) return;
+  in.collector.drop();
+  breaks_off(node, in.collector.size(), now);
+}
+
+// An own packet that comes home broken off is a failed try. (protocol.md section 4.3)
+void InputChecker::breaks_off(NodeId node, std::size_t size, Time now) {
+  record_.at(node).forwarding.broke_off(size, now);
+  if (incoming_[node].own) record_.ledger.returned_damaged(node, false);
+}
+
+void InputChecker::arrives(NodeId node, const wire::Slice& slice, Time now) {
+  Incoming& in = incoming_[node];
+  if (in.last < now) check_insertion(node, now);
+  in.last = now;
+  if (in.input != record_.ring.input_line(node)) {
+    input_changes(node, in.input, now);
+    in.input = record_.ring.input_line(node);
+  }
+  // What waited for the output when it turned back was dropped.
+  if (in.output != record_.ring.output_line(node)) {
+    in.output = record_.ring.output_line(node);
+    if (in.output == Line::second) record_.at(node).forwarding.clear();
+  }
+  if (slice.kind == SliceKind::interrupt) return interrupt_arrives(node, PacketFields{slice.bytes}, now);
+  const bool begins = slice.kind == SliceKind::start || slice.kind == SliceKind::whole;
+  const bool was_open = in.collector.open();
+  const std::size_t so_far = in.collector.size();
+  if (in.collector.stalled(now)) in.collector.drop();
+  const wire::ByteView packet = in.collector.put(slice, now);
+  const bool goes_on = !begins && (in.collector.open() || !packet.empty());
+  if (was_open && !goes_on) breaks_off(node, so_far, now);
+  if (begins) begins_to_arrive(node, slice);
+  if (packet.empty()) return;
+  const PacketFields fields{packet};
+  data_arrives(node, fields, now,
+               slice.kind == SliceKind::whole ? now : record_.last_bit(node, tail_size(fields), now));
+}
+
+void InputChecker::begins_to_arrive(NodeId node, const wire::Slice& slice) {
+  incoming_[node].own = PacketHeader::of(slice.bytes).source == node;
+  incoming_[node].received = is_received(node, slice.bytes, false);
+}
+
+// Whether it reaches Receive. (protocol.md sections 2.2 and 4.9) Of what comes on the second line nobody outside knows
+// whose source is cut off; and of a buffer that may be full, what of it was aborted.
+Tristate InputChecker::is_received(NodeId node, wire::ByteView bytes, bool interrupt) {
+  NodeRecord& n = record_.at(node);
+  const PacketHeader header = PacketHeader::of(bytes);
+  if (!wire::header_valid(bytes, interrupt)) return Tristate::no;
+  if (header.source == node) return Tristate::yes;
+  if (header.hop + 1u >= n.settings.nodes()) return Tristate::no;
+  if (incoming_[node].input == Line::second) return Tristate::unknown;
+  const bool room = n.forwarding.bytes() + wire::kMaxDataPacketSize <= most_waiting(n.settings);
+  return interrupt || room ? Tristate::yes : Tristate::unknown;
+}
+
+Sent* InputChecker::on_line(const PacketFields& packet) {
+  return record_.ledger.on_line(packet.source(), packet.code(), packet.destination(), crc_at_source(packet));
+}
+
+Tristate InputChecker::has_buffer(NodeId node, const PacketFields& packet) {
+  NodeRecord& n = record_.at(node);
+  const std::uint8_t priority = wire::priority_of(packet.last());
+  if (n.buffers.least(priority) >= n.settings.receive_buffers) return Tristate::no;
+  return n.buffers.most(priority) < n.settings.receive_buffers ? Tristate::yes : Tristate::unknown;
+}
+
+void InputChecker::data_arrives(NodeId node, const PacketFields& packet, Time now, Time at_end) {
+  NodeRecord& n = record_.at(node);
+  const Tristate received = incoming_[node].received;
+  if (received == Tristate::no) return;
+  const NodeId source = packet.source(), destination = packet.destination();
+  if (source == node) return comes_home(node, packet, at_end);
+  const bool for_it = destination == node || destination == wire::kBroadcast;
+  const bool good = !(for_it || record_.is_away(source)) || (wire::trailer_valid(packet.bytes) && packet.crc_good());
+  ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
+  if (good && wire::is_control(packet)) n.news_at = at_end;
+  if (good && for_it) {
+    Sent* sent = wire::is_control(packet) ? nullptr : on_line(packet);
+    const std::size_t least = n.buffers.least(wire::priority_of(packet.last()));
+    const bool sure = least == n.buffers.most(wire::priority_of(packet.last()));
+    const std::size_t buffers = n.settings.receive_buffers;
+    const std::size_t free = buffers - std::min(least, buffers);
+    const Answer answer = offer(node, packet, sent, received, at_end);
+    fbc = due(answer, packet, free);
+    if (!sure && (answer == Answer::takes || answer == Answer::repeats_taken)) fbc.fbc = ForwardingChecker::kAnyFbc;
+  }
+  if (n.settings.fold_back || record_.ring.has_output(node))
+    n.forwarding.came(header_of(packet), destination, fbc, packet.bytes.size, now);
+}
+
+Answer InputChecker::offer(NodeId node, const PacketFields& packet, Sent* sent, Tristate received, Time at_end) {
+  NodeRecord& n = record_.at(node);
+  const bool may_have_joined = n.receiver.joined() == Tristate::no && n.hello_left && record_.has_news(node, at_end);
+  if (may_have_joined) n.receiver.set_joined(Tristate::unknown);
+  const Answer answer = n.receiver.data(packet, received, has_buffer(node, packet), at_end);
+  if (may_have_joined) n.receiver.set_joined(Tristate::no);
+  if (wire::is_control(packet)) return answer;
+  const std::uint8_t priority = wire::priority_of(packet.last());
+  if (answer == Answer::takes) record_.ledger.take(sent, packet.source(), node, priority);
+  if (answer == Answer::refuses) record_.ledger.refuse(sent, node);
+  if (answer == Answer::unknown && sent) sent->may_be_taken = true;
+  if (answer == Answer::takes || answer == Answer::unknown)
+    n.buffers.put(sent, packet.source(), priority, at_end, answer == Answer::takes);
+  return answer;
+}
+
+void InputChecker::interrupt_arrives(NodeId node, const PacketFields& packet, Time now) {
+  NodeRecord& n = record_.at(node);
+  n.pins.judge(now);
+  const Tristate received = is_received(node, packet.bytes, true);
+  if (received == Tristate::no) return;
+  const Time at_end = record_.last_bit(node, wire::kInterruptPacketSize, now);
+  const NodeId destination = packet.destination();
+  if (packet.source() == node) return comes_home(node, packet, at_end);
+  const bool for_it = destination == node || destination == wire::kBroadcast;
+  const bool good = wire::trailer_valid(packet.bytes) && packet.crc_good();
+  ForwardingChecker::Due fbc{packet.fbc(), good ? Promise::true_fbc : Promise::undamaged, good};
+  if (good && for_it) fbc = due(offer_interrupt(node, packet, on_line(packet), received, at_end), packet, 1);
+  if (n.settings.fold_back || record_.ring.has_output(node))
+    n.forwarding.came(header_of(packet), destination, fbc, wire::kInterruptPacketSize, now);
+}
+
+Answer InputChecker::offer_interrupt(NodeId node, const PacketFields& packet, Sent* sent, Tristate received,
+                                     Time at_end) {
+  NodeRecord& n = record_.at(node);
+  const Answer answer = n.receiver.interrupt(packet, received, at_end);
+  if (answer == Answer::takes) record_.ledger.take(sent, packet.source(), node, 4);
+  if (answer == Answer::unknown && sent) sent->may_be_taken = true;
+  if (answer == Answer::takes || answer == Answer::unknown)
+    n.pins.put(packet.source(), wire::factor_of(packet.last()), at_end, answer == Answer::takes);
+  return answer;
+}
+
+// A packet to the own node is received when it comes home. (protocol.md section 4.2)
+void InputChecker::comes_home(NodeId node, const PacketFields& packet, Time at_end) {
+  NodeRecord& n = record_.at(node);
+  const bool interrupt = packet.code().interrupt;
+  if (!packet.crc_good() || !wire::trailer_valid(packet.bytes)) return record_.ledger.returned_damaged(node, interrupt);
+  if (!interrupt && wire::is_control(packet)) {
+    const bool is_last = n.control.crc == crc_at_source(packet) && n.control.code == packet.code_byte();
+    const bool sure = !record_.ledger.was_damaged(node, false);
+    n.control_home = at_end;
+    n.hello_out = false;
+    if (is_last && n.control.hello) sure ? n.receiver.join() : n.receiver.set_joined(Tristate::unknown);
+    if (is_last) n.control = {};
+    return;
+  }
+  const auto [sent, last] = record_.ledger.returned(node, packet.code(), packet.destination(), crc_at_source(packet));
+  // A fold drops what it was just given: a retry may have been sent, and never seen.
+  const bool retried = n.settings.fold_back && sent && at_end - sent->last_try >= n.settings.send_timeout();
+  const bool sure = last && !retried && !record_.has_news(node, at_end);
+  int fbc = sure ? packet.fbc() : ForwardingChecker::kAnyFbc;
+  if (packet.destination() == node && (sent || record_.ledger.others_send(node))) {
+    const Tristate received = sent && sure && may_send(n.history.state) ? Tristate::yes : Tristate::unknown;
+    const std::size_t buffers = n.settings.receive_buffers;
+    const std::size_t free = buffers - std::min(n.buffers.least(wire::priority_of(packet.last())), buffers);
+    const Answer answer =
+        interrupt ? offer_interrupt(node, packet, sent, received, at_end) : offer(node, packet, sent, received, at_end);
+    fbc = due(answer, packet, free).fbc;
+  }
+  if (interrupt && sent) n.interrupt_free = at_end;
+  record_.ledger.come_home(sent, fbc, at_end);
+}
+
+// While nothing is lost a node whose output is no slower is behind its input by its own DATP and INTP; what has left of
+// the DATP on the line counts until its end is through. (protocol.md section 2.5)
+void InputChecker::check_insertion(NodeId node, Time now) {
+  constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
+  const NodeRecord& n = record_.at(node);
+  if (now < record_.settled_from || !record_.ring.has_output(node) ||
+      n.settings.byte_time_out > n.settings.byte_time_in)
+    return;
+  if (n.forwarding.bytes() <= kNormal || lines_differ(n.settings)) return;
+  // What has come earlier was dropped.
+  const std::size_t bytes = n.forwarding.bytes_since(now - n.settings.worst_lap());
+  if (bytes > kNormal)
+    record_.complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in node " + std::to_string(node) +
+                                                   ", " + std::to_string(kNormal) + " may");
+}
+
+}  // namespace limb_ring::sim

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/due_pins.h"
+#include "sim/forwarding_checker.h"
+#include "sim/ledger.h"
+#include "sim/receive_buffers.h"
+#include "sim/receiver_model.h"
+#include "sim/result_judge.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::sim {
+
+/// What has been seen of one node, and the checks of it that need nothing else.
+struct NodeRecord {
+  /// The last hello or beacon that it has sent.
+  struct OwnControl {
+    std::uint8_t code = 0;
+    std::uint32_t crc = 0;  ///< 0: none is out
+    bool hello = false;
+    Time left{};
+  };
+
+  NodeRecord(const core::Settings& of_node, Ledger& ledger, const Complain& complain);
+
+  core::Settings settings;
+  ForwardingChecker forwarding;
+  ReceiveBuffers buffers;
+  ReceiverModel receiver;
+  DuePins pins;
+  NodeHistory history;
+  Time began{};                      ///< it started, or started over
+  Time news_at{core::Duration{-1}};  ///< a hello or beacon of another node was in
+  Time control_home{};               ///< its last hello or beacon came home: what a hello holds back may leave
+  bool hello_left = false;
+  bool hello_out = false;  ///< and is not home: nothing else may leave
+  OwnControl control;
+  Time interrupt_free{};           ///< its last own INTP ended
+  std::optional<Time> away_since;  ///< killed or frozen
+};
+
+/// What has been seen of a virtual ring, from outside: shared by the checkers of what leaves nodes, of what comes into
+/// them, and of results.
+struct RingRecord {
+  explicit RingRecord(VirtualRing& of_ring);
+  RingRecord(const RingRecord&) = delete;
+  RingRecord& operator=(const RingRecord&) = delete;
+
+  NodeRecord& at(NodeId node) const { return *nodes[node]; }
+  bool is_away(NodeId node) const { return node < nodes.size() && nodes[node]->away_since; }
+  /// A beacon may have told the node of a break, which it shows when the instant is over.
+  bool has_news(NodeId node, Time now) const;
+  /// A slice comes as its last bytes, so many, begin: when they are in.
+  Time last_bit(NodeId node, std::size_t tail_size, Time now) const;
+  /// After a fault some bounds are wider for a while.
+  void disturbed(Time now) { settled_from = std::max(settled_from, now + settling); }
+  /// The first broken promise is kept.
+  void complain(Promise promise, std::string what);
+
+  VirtualRing& ring;
+  Complain on_complaint;
+  Ledger ledger;
+  std::vector<std::unique_ptr<NodeRecord>> nodes;
+  bool was_broken = false;         ///< some line or node was ever lost
+  core::Duration settling{0};      ///< after a fault no copies are under way for longer
+  Time settled_from{};             ///< nothing has been lost, damaged or ended for so long
+  Time said_hello = core::kNever;  ///< the last hello of anybody
+  Time released{};                 ///< a line has released what it held back
+  std::optional<Violation> violation;
+};
+
+}  // namespace limb_ring::sim
