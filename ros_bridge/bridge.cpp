@@ -3,7 +3,7 @@
 namespace limb_ring::bridge {
 namespace {
 
-// Ten times within the period the bridge has promised to the daemon.
+// Ten times per alive_period of the bridge.
 const ros::WallDuration kAlive{0.1};
 
 void tell_connection(const ConnectOptions& daemon, const std::string& problem) {
@@ -47,11 +47,11 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
   status_.on_status([this](const RingStatus& status) { diagnostics_.take(status); });
   port_.start();
   status_.start();
-  // From the thread that serves the topics: what it proves is that this one is alive.
+  // By the thread that serves the topics, since it is to show that this thread is alive.
   alive_ = nodes_.createWallTimer(kAlive, [this](const ros::WallTimerEvent&) { port_.alive(); });
 }
 
-// Calls under way end with the ring still there; the ring thread ends before what it calls into.
+// Services first: their calls under way still need the ring. Then the ring thread, before what it calls into.
 Bridge::~Bridge() {
   services_.reset();
   port_.stop();

@@ -38,9 +38,8 @@ class Throttle {
 /// channel 2, priority 0, stamped with the wall clock and expiring after `timeouts.command`.
 ///
 /// At most two commands to a node are under way. A newer one replaces the one that waits: an old
-/// command is worth nothing. A node whose joints are silent gets none: its controller would
-/// refuse them, each tried again for a second at the head of the priority, and a hung knee would
-/// keep the commands from the whole body.
+/// command is worth nothing. A node whose joints are silent gets none: its controller would refuse
+/// each, and while that is tried again, for a second, it would hold up the commands to all others.
 class CommandIn {
  public:
   /// Whether a node (by id) sends states of its joints; asked on the ring thread.

@@ -92,7 +92,7 @@ void EventConversion::take_pin(const json& said, const config::NodeConfig& node,
   made.text = text_of(said, "what");
 }
 
-// Every node of the chain says so; the first one is told.
+// Every node of the chain reports it; the first report becomes the event.
 std::optional<RingEvent> EventConversion::fault_of(const json& said) {
   const auto line = said.find("broken_line");
   const std::string after = text_of(said, "after");
@@ -108,7 +108,7 @@ std::optional<RingEvent> EventConversion::fault_of(const json& said) {
   return made;
 }
 
-// One that still runs as a chain knows of no cure yet: the last of them tells.
+// As long as one node is still in an open chain the ring is not healed: the last one's change becomes the event.
 std::optional<RingEvent> EventConversion::cure_of(const json& said, const config::NodeConfig& node) {
   const std::string after = text_of(said, "after");
   if (after == "open_chain" || after == "folded")

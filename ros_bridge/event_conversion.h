@@ -12,8 +12,8 @@
 
 namespace limb_ring::bridge {
 
-/// Makes typed events of what daemons say to an observer (daemon/host/requests.md), and of what all of
-/// them say together the two that concern the whole ring: a fault located, the ring healed.
+/// Turns what daemons tell an observer (daemon/host/requests.md) into typed events. Two of them concern the
+/// whole ring and come of what all daemons say together: a fault located, the ring healed.
 class EventConversion {
  public:
   explicit EventConversion(const config::RingConfig& ring) : ring_(ring) {}

@@ -8,8 +8,8 @@
 
 namespace limb_ring::bridge {
 
-/// `ring_events`: what happens at the nodes of this host, as their daemons see it. Always listened to, so
-/// that a recording that begins late is the only one to miss something: events are rare.
+/// `ring_events`: what happens at the nodes of this host, as their daemons see it. The daemons are observed all
+/// the time, since events are rare: a subscriber misses only what was before it came.
 class EventsOut {
  public:
   EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, Counters& counters);

@@ -11,14 +11,14 @@ namespace limb_ring::bridge {
 
 /// Which frames are published: the private parameters below `frames`, all of which may be left out.
 ///
-///   nodes        names or ids, or `all`: at whose lines to look; default: the bridge's own node, whose
+///   nodes        names or ids, or `all`: whose lines are observed; default: the bridge's own node, whose
 ///                input every packet of a closed ring passes once
 ///   at           in, out; default in
 ///   kinds        data, control, interrupt; default all
 ///   source       names or ids; default all
 ///   destination  names or ids, `all`: broadcasts; default all
 ///   priority, channel   numbers, of data packets; default all
-///   sample       of those every so many-th, from 1; default 1
+///   sample       n: every n-th of those, from 1; default 1
 ///   limit        at most so many a second from each node, 0: no limit; default 1000
 ///
 /// A list of one may be given without brackets.

@@ -11,8 +11,8 @@
 
 namespace limb_ring::bridge {
 
-/// `ring_frames`: packets on the nodes' lines. The daemons are asked to look as the first subscriber comes,
-/// and left alone as the last has gone: until then nothing is spent. Counter `frames_watched_nodes`.
+/// `ring_frames`: packets on the nodes' lines. They are observed only while there is a subscriber; without
+/// one this costs nothing. Counter `frames_watched_nodes`.
 class FramesOut {
  public:
   FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, FrameFilter filter,

@@ -14,7 +14,7 @@ namespace limb_ring::bridge {
 /// The newest state of every node's joints, and which of them can still be believed.
 ///
 /// A node is silent when no state of it has come for three state periods. Its joints are then
-/// named, never shown. Time is an argument.
+/// listed as silent, and their last state is not shown. Time is an argument.
 class JointStore {
  public:
   using Clock = std::chrono::steady_clock;
@@ -39,7 +39,7 @@ class JointStore {
 
   /// @return false where the node is not configured, or has another number of joints.
   bool take(std::uint8_t node, const payload::JointState& state, Clock::time_point now);
-  /// Everything is silent until it speaks again: the connection to the ring was lost.
+  /// The connection to the ring was lost: every node is silent until its next state comes.
   void forget();
   Snapshot snapshot(Clock::time_point now) const;
   Received received(std::uint8_t node) const;

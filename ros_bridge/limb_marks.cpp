@@ -71,7 +71,7 @@ std::vector<Marker> LimbMarks::markers(const RingStatus& status) const {
   std::vector<Marker> all;
   for (const auto& node : ring_.nodes) {
     const Condition condition = condition_of(node, status);
-    // One in an open chain obeys and speaks: its ball on the ring tells, its limb is well.
+    // A node in an open chain still works: its ball on the ring shows the chain, its limb is not marked.
     if (condition != Condition::hung && condition != Condition::down) continue;
     for (std::size_t joint = 0; joint < node.joints.size(); ++joint) {
       const auto shape = shapes_.find(node.joints[joint].name);

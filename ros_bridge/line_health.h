@@ -12,8 +12,8 @@
 
 namespace limb_ring::bridge {
 
-/// How the line from one node to the next is. (ours)
-///   STALE  neither end is on this host, or runs, and nobody knows of a break there
+/// The condition of the line from one node to the next. (ours)
+///   STALE  neither end is known (on another host, or not running), nor a break there
 ///   ERROR  broken, as one of its ends or the node behind the break says
 ///   WARN   bypassed: one of its ends leads elsewhere; or something was wrong within kWarnFor
 class LineHealth {

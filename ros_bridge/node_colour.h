@@ -7,7 +7,7 @@
 
 namespace limb_ring::bridge {
 
-/// How a node is, at a glance.
+/// The condition of a node, each shown in a colour of its own.
 enum class Condition {
   well,     ///< up, and its CPU runs
   unclear,  ///< joining, in an open chain, folded, its CPU boots or is not there

@@ -11,10 +11,10 @@
 
 namespace limb_ring::bridge {
 
-/// An event is warned of for so long after it.
+/// A warning of an event lasts so long.
 constexpr std::chrono::seconds kWarnFor{5};
 
-/// How one node is, as diagnostics tell it. (ours)
+/// The condition of one node, for diagnostics. (ours)
 ///   STALE  nobody has heard of it, or there is nobody to ask
 ///   ERROR  it was heard and is not any more; alone; its id is a duplicate; its CPU has failed or is silent
 ///   WARN   it is up with something wrong, or something was wrong within kWarnFor
@@ -24,7 +24,7 @@ class NodeHealth {
 
   NodeHealth(const config::NodeConfig& node, std::chrono::milliseconds beacon);
 
-  /// Each status in its turn.
+  /// To be given every status, in order.
   void take(const RingStatus& ring, Clock::time_point now);
   /// As of the status taken last.
   void tell(diagnostic_updater::DiagnosticStatusWrapper& out, Clock::time_point now);

@@ -27,7 +27,7 @@ int complain(const std::exception& error, int code) {
 }
 
 int run_or_complain(const NodeProgram& program) {
-  // ROS ends with the last NodeHandle, and rosconsole with it: this one lasts until all is said.
+  // ROS ends with the last NodeHandle, and rosconsole with it: this one lasts until the last message is out.
   const ros::NodeHandle until_all_is_said;
   try {
     program.run();

@@ -13,9 +13,10 @@ constexpr const char* kHelp =
     "ring_bridge: the CPU of one node of a ring, as a ROS node. Usually started by bridge.launch:\n"
     "  roslaunch --ros-args limb_ring bridge.launch\n"
     "Usage: ring_bridge [--respawn] _PARAMETER:=VALUE ...\n"
-    "  --respawn  start again whatever ends it but wrong parameters: a reset of its node kills it\n"
+    "  --respawn  start it again whenever it ends, but for wrong parameters: a reset of its node kills it\n"
     "Parameters: ~config, ~ring, ~node, ~rate, ~frames: as the arguments of bridge.launch;\n"
-    "  ~respawn: it is started again, by --respawn or by roslaunch (else a reset of its node says that it is not)\n";
+    "  ~respawn: true where --respawn or roslaunch starts it again; else the answer to a reset of its node warns\n"
+    "  that nobody does\n";
 
 void run() {
   const limb_ring::bridge::Bridge bridge(ros::NodeHandle(), limb_ring::bridge::read_parameters(ros::NodeHandle("~")));

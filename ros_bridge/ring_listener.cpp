@@ -64,7 +64,7 @@ void RingListener::wait() const {
   std::vector<pollfd> ports;
   for (const Source& source : sources_)
     if (source.port) ports.push_back({source.port->fd(), POLLIN, 0});
-  // Interrupted or not: all are looked at in any case.
+  // Interrupted or not: all are read in any case.
   (void)::poll(ports.data(), ports.size(), kTickMs);
 }
 

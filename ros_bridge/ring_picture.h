@@ -10,11 +10,11 @@
 
 namespace limb_ring::bridge {
 
-/// The frame of the picture: x towards who looks, y to the right, z up; m, the ring's centre at 0.
+/// The frame of the picture: x towards the viewer, y to the right, z up; m, the ring's centre at 0.
 constexpr const char* kRingFrame = "ring";
 
-/// The ring as markers: a ball a node, clockwise from the top, in the colour of its condition, with its
-/// name and median round trip; an arrow a line, blue (idle) to yellow (full), red where it is broken, with
+/// The ring as markers: a ball for each node, clockwise from the top, in the colour of its condition, with its
+/// name and median round trip; an arrow for each line, blue (idle) to yellow (full), red where it is broken, with
 /// a cross there; an arrow past every bypassed node.
 /// Namespaces: nodes, names (id: the node's), lines, breaks, bypasses (id: of the node they lead from).
 class RingPicture {
@@ -35,7 +35,7 @@ class RingPicture {
   const config::RingConfig& ring_;
 };
 
-/// A marker that stays until the next picture, of the newest transform.
+/// A marker that stays until the next picture, and goes by the newest transform.
 visualization_msgs::Marker blank_marker(const std::string& frame, const std::string& ns, int id, int type);
 
 }  // namespace limb_ring::bridge

@@ -120,7 +120,7 @@ void RingPort::wait_for_something() {
   pollfd fds[2] = {{wake_, POLLIN, 0}, {port_ ? port_->fd() : -1, POLLIN, 0}};
   const auto wait = more_to_take_ ? 0ns : std::max<Clock::duration>(0ns, next_deadline() - Clock::now());
   const timespec timeout{wait / 1s, (wait % 1s).count()};
-  // Interrupted or not: everything is looked at below in any case.
+  // Interrupted or not: everything is checked below in any case.
   if (ppoll(fds, 2, &timeout, nullptr) < 0) return;
   if (fds[0].revents) quiet_bell(wake_);
 }

@@ -1,5 +1,5 @@
 // scenario_server: plays scenarios for whoever asks by the service run_scenario, one after the other. A node apart
-// from ring_bridge: a scenario takes seconds, and its ring is none of the bridge's.
+// from ring_bridge: a scenario takes seconds, and runs a ring of its own.
 #include <limb_ring/RunScenario.h>
 #include <ros/ros.h>
 

@@ -37,7 +37,7 @@ class TopicSender {
 
   /// Queues a message; at `topic.queue` the oldest one waiting is dropped, and counted.
   void offer(TopicMessage message);
-  /// Says the type again, as soon as the message under way has gone.
+  /// Announces the type again, as soon as the message under way has gone.
   void announce();
   /// The far side has restarted: type first, and a latched topic's last message again.
   void far_side_restarted();

@@ -31,7 +31,7 @@ class Run {
 
   int loop() {
     while (!exit_code_ && !stop_requested()) {
-      cpu_.advance(read_clocks());  // a command changes nothing before it has come
+      cpu_.advance(read_clocks());  // so that a command does not act on the time before it came
       take_messages();
       if (exit_code_) break;
       say_whether_stopped();
@@ -69,7 +69,7 @@ class Run {
   void take(const CapturedPacket&) {}
   void take(const CaptureCounts&) {}
 
-  /// Its network controller shows it; nobody else could know.
+  /// Tells the network controller whether a stop is latched: it shows that in its status.
   void say_whether_stopped() {
     if (cpu_.limb().stopped() == said_stopped_) return;
     said_stopped_ = cpu_.limb().stopped();

@@ -11,7 +11,7 @@ namespace limb_ring::firmware {
 Timestamps read_clocks();
 
 /// Runs the CPU on its host port until a stop signal, an order, or the end of the connection. The
-/// daemon hears something of it four times an `alive_period`, however idle it is.
+/// daemon hears from it four times per `alive_period`, however idle it is.
 /// @return exit code
 int run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after);
 

@@ -6,7 +6,7 @@
 
 namespace limb_ring::firmware {
 
-/// Trouble made on purpose, to see it cured: a user packet (channel 0) holding one of
+/// Faults on demand, so that their cure can be tested: a user packet (channel 0) that holds one of
 ///
 ///   hang      does nothing any more: reads nothing, says nothing, ignores SIGTERM
 ///   exit N    ends at once with exit code N, 0 to 255
@@ -15,8 +15,8 @@ struct FaultCommand {
   int code = 0;
 };
 
-/// The order in a user packet's bytes (spaces and ends of line around it are left out); nothing
-/// where it holds none.
+/// The order in a user packet's bytes, without spaces and line ends around it; nothing where the
+/// packet holds none.
 std::optional<FaultCommand> parse_fault_command(wire::ByteView text);
 
 }  // namespace limb_ring::firmware

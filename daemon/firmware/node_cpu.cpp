@@ -8,11 +8,11 @@
 namespace limb_ring::firmware {
 namespace {
 
-/// Results wait for up to 20 ms (results_may_wait): that many samples at 1 kHz, and some that are under way.
+/// Results may wait for 20 ms (results_may_wait): 20 samples at 1 kHz, and some that are under way.
 constexpr std::size_t kMostWithoutResult = 32;
 constexpr std::uint8_t kStatePriority = 0;
 
-/// The same instant on both clocks, where `now` is one that is known.
+/// The instant `monotonic` on both clocks, by their difference at `now`.
 Timestamps at(nanoseconds monotonic, const Timestamps& now) {
   return {monotonic, now.wall_ns - (now.monotonic - monotonic).count()};
 }

@@ -25,7 +25,7 @@ struct NodeSetup {
 /// The firmware without its IO: packets, interrupts and time go in, packets come out.
 ///
 /// States go out at priority 0 and firmware.state_rate, readings at the rate and priority of
-/// their sensor, all on channel 2. Of either kind a sample is left out, and counted, while eight
+/// their sensor, all on channel 2. A sample of either kind is left out, and counted, while 32
 /// packets are without a result: fresh values are worth more than old ones in a queue. What is left
 /// out is missing in the sequence numbers.
 class NodeCpu {
@@ -41,7 +41,7 @@ class NodeCpu {
     std::uint64_t not_delivered = 0;  ///< results other than `delivered`
     std::uint64_t skipped = 0;        ///< samples left out, the ring being too slow
     std::uint64_t unreadable = 0;     ///< samples that could not be put into bytes
-    std::uint64_t ignored = 0;        ///< packets that mean nothing here
+    std::uint64_t ignored = 0;        ///< packets that are nothing for this CPU
     std::uint64_t stops = 0;
     std::uint64_t notifies = 0;
   };

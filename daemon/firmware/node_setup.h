@@ -7,13 +7,12 @@
 
 namespace limb_ring::firmware {
 
-/// What the options lead to: the node's part of the ring's YAML. Without a YAML a node without
-/// joints and sensors.
+/// The node that the options choose, out of the ring's YAML. Without a YAML it has no joints and no
+/// sensors.
 struct ProgramSetup {
   std::string ring;  ///< empty: the only one running
   NodeSetup cpu;
-  /// The promise to the daemon: something is heard of this CPU at least so often. The YAML's, where
-  /// it gives one.
+  /// The daemon hears from this CPU at least so often: as the YAML says, where it does.
   std::chrono::milliseconds alive_period{200};
 };
 

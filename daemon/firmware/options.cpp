@@ -34,9 +34,9 @@ Options parse_options(int argc, const char* const* argv) {
       ->envname("LIMB_RING_CONFIG");
   app.add_option("--node", options.node, "The node this is the CPU of, id or name")->envname("LIMB_RING_NODE");
   app.add_option("--ring", options.ring, "Name of the ring, where several run")->envname("LIMB_RING_RING");
-  const CLI::Option* hang =
-      app.add_option("--hang-after", hang_after_s, "Hang on purpose so long after the start, as 1.5s; 0 to 1e9 s")
-          ->transform(cli::seconds(0, kLongest));
+  const CLI::Option* hang = app.add_option("--hang-after", hang_after_s,
+                                           "Hang on purpose this long after the start, such as 1.5s; 0 to 1e9 s")
+                                ->transform(cli::seconds(0, kLongest));
   options.print = read(app, argc, argv);
   if (hang->count() > 0) options.hang_after = std::chrono::nanoseconds(std::llround(hang_after_s * 1e9));
   if (options.node.empty() && options.print.empty())

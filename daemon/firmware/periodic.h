@@ -8,17 +8,17 @@
 
 namespace limb_ring::firmware {
 
-/// Something done at a fixed rate, at the multiples of its period on the clock: so the CPUs of a host sample in the
-/// same instant, as those of a robot do that a sync interrupt keeps together, and their packets share the way. A
-/// process that was not scheduled makes up for the last kMadeUp deadlines, as the timer of a real CPU would have met
-/// them; those before are left out and counted.
+/// Something done at a fixed rate, at the multiples of its period on the clock. So all CPUs of a host sample in the
+/// same instant, as the CPUs of a robot do by a sync interrupt, and their packets travel together. A process that was
+/// not scheduled makes up for the last kMadeUp deadlines, which the timer of a real CPU would have met; earlier ones
+/// are left out and counted.
 class Periodic {
  public:
   static constexpr std::int64_t kMadeUp = 8;
   /// A deadline that has come.
   struct Due {
     nanoseconds at;
-    std::uint64_t left_out;  ///< deadlines before this one that nobody made up for
+    std::uint64_t left_out;  ///< deadlines before this one that were not made up for
   };
 
   /// First due at the first multiple of the period behind `start`. @pre rate_hz > 0

@@ -22,7 +22,7 @@ struct ServoModel {
   double initial = 0.0;                ///< rad
 };
 
-/// What to do; with nothing in it, nothing is done (see Servo::release()).
+/// What a servo is to do. An empty one means nothing (see Servo::release()).
 struct ServoTarget {
   std::optional<double> position;  ///< rad
   std::optional<double> velocity;  ///< rad/s

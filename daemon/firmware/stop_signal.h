@@ -4,7 +4,7 @@
 
 namespace limb_ring::firmware {
 
-/// SIGTERM and SIGINT, let in only while waiting: none is missed between a check and a wait.
+/// SIGTERM and SIGINT. They are blocked except while waiting, so none is missed between a check and a wait.
 void catch_stop_signals();
 bool stop_requested();
 /// Waits until `fd` is readable, a stop is requested, or `timeout` is over.

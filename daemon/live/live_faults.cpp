@@ -17,7 +17,7 @@ namespace {
 const char* const kKill = fault::word_of(Name::kill).word;
 const char* const kFreeze = fault::word_of(Name::freeze).word;
 
-/// All nodes at once: one by one they would break, and be waited for, one after the other.
+/// Acts on all nodes at once, so that they break together and the waits overlap.
 std::vector<std::string> at_the_same_time(const std::vector<wire::NodeId>& nodes,
                                           const std::function<void(std::size_t)>& act) {
   std::vector<std::string> problems(nodes.size());
@@ -90,7 +90,7 @@ void LiveFaults::note(wire::NodeId node, const std::string& words) const {
 }
 
 // Noted first, so that 'ringctl up --respawn' finds the note however soon it looks. The caller notes it again: who
-// lists the faults while the node still lives removes the note.
+// lists the faults while the node is still alive removes the note.
 void LiveFaults::kill(wire::NodeId node, const std::string& words) const {
   const bool first = !is_killed(daemons_.folder(), node);
   if (first) note(node, words);

@@ -23,8 +23,8 @@ std::vector<fs::path> files_in(const std::string& folder) {
   return files;
 }
 
-/// The kernel frees a lock with its holder, so one that cannot be had has a holder that lives. Asks, and takes nothing:
-/// a daemon that starts at this moment gets its lock (host/node_lock.cpp).
+/// The kernel frees a lock when its holder ends, so a lock that cannot be had has a living holder. This asks for the
+/// lock and does not take it: a daemon that starts at this moment gets it (host/node_lock.cpp).
 bool is_held(const fs::path& lock) {
   const process::UniqueFd file(::open(lock.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   struct flock whole_file {};

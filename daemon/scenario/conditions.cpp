@@ -21,7 +21,7 @@ std::vector<NodeId> those(const Who& who, const StageView& view) {
 
 std::string none_if_empty(const std::string& text) { return text.empty() ? "nothing of it" : text; }
 
-/// Joins what `say` has to say of each node; "" of one has nothing to say.
+/// Joins what `say` returns for each node; an empty text is left out.
 std::string list(const std::vector<NodeId>& nodes, const std::function<std::string(NodeId)>& say) {
   std::string text;
   for (const NodeId id : nodes) {

@@ -64,7 +64,7 @@ void Cpus::read_one_and_wait(NodeId id, core::Duration period) {
   });
 }
 
-// Its process is gone. The next step comes later, unless something else happens to it first.
+// Its process is gone. It is started again later, unless something else happens to it first.
 void Cpus::end(NodeId id, wire::CpuState state, core::Duration later, void (Cpus::*next)(NodeId)) {
   Cpu& cpu = cpus_[id];
   ++cpu.generation;

@@ -9,7 +9,7 @@ namespace {
 
 using Reasons = std::vector<std::string>;
 
-/// An action goes to its daemon and back before the next one.
+/// An action takes a request to a daemon and its answer.
 constexpr std::chrono::milliseconds kShortestStep{1};
 
 bool is_udp(const Scenario& scenario, NodeId line, const std::string& transport) {

@@ -37,7 +37,7 @@ struct Send {
 
 // ---- what is seen ---------------------------------------------------------------------------
 
-/// How long something may take: exactly, under the virtual clock; live, where machines are busy, something else.
+/// How long something may take: under the virtual clock, where times are exact; and live, where machines are busy.
 struct Limit {
   nanoseconds sim{0}, live{0};
 };
@@ -112,7 +112,7 @@ struct Step {
   std::string words;  ///< of the action, as it stands in the file
 };
 
-/// What a CPU in a scenario promises: to speak at least so often. (ours)
+/// The alive_period of every CPU in a scenario: its daemon hears from it at least so often. (ours)
 constexpr std::chrono::milliseconds kAlivePeriod{200};
 
 struct Scenario {
@@ -128,7 +128,7 @@ struct Scenario {
   std::vector<Condition> always, never;  ///< from the start to the last step's end
 };
 
-/// It says what has to be seen: without that nothing but the ring's own promises could be broken.
+/// Whether the scenario says what has to be seen. Without that it could fail by the ring's own promises alone.
 bool expects_something(const Scenario& scenario);
 
 }  // namespace limb_ring::scenario

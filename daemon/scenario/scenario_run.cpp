@@ -10,7 +10,7 @@ namespace {
 
 using core::Duration;
 
-/// Always in us, in which round trips are given too.
+/// Always in us, the unit of round trips.
 std::string microseconds(nanoseconds time) {
   const std::string thousandths = std::to_string(1000 + time.count() % 1000);
   return std::to_string(time.count() / 1000) + '.' + thousandths.substr(1) + " us";

@@ -11,11 +11,11 @@
 
 namespace limb_ring::scenario {
 
-/// Sends what a scenario says, and keeps account by name. A CPU that does not run asks for nothing; an
+/// Sends what a scenario says, and counts results by name. A CPU that does not run asks for nothing; an
 /// interrupt input is pulled whatever its CPU does.
 class Senders {
  public:
-  /// All must outlive this. @param seed of where in its period a stream begins
+  /// All must outlive this. @param seed decides where in its period a stream begins
   Senders(sim::VirtualRing& ring, const Cpus& cpus, std::uint64_t seed) : ring_(ring), cpus_(cpus), random_(seed) {}
   Senders(const Senders&) = delete;
   Senders& operator=(const Senders&) = delete;

@@ -16,14 +16,14 @@ namespace limb_ring::scenario {
 /// so all are watched, and the supervisor is the configured node, else the first.
 class Supervisor {
  public:
-  /// All must outlive this. Does nothing unless the ring's policy is auto: what it would find changes nothing.
+  /// All must outlive this. Does nothing unless the ring's policy is auto: a mere report changes nothing.
   Supervisor(const config::RingConfig& config, sim::VirtualRing& ring, const Cpus& cpus);
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
   /// From now on. @pre not started yet
   void start();
-  /// A node's daemon was started: one that is the supervisor knows nothing any more.
+  /// A node's daemon was started again. If it is the supervisor, it has forgotten all.
   void started(NodeId id);
   /// What the ring gives out.
   void came(const core::Event& event, NodeId at);
@@ -38,7 +38,7 @@ class Supervisor {
   void evaluate();
   void evaluate_later();
   void reset(NodeId id);
-  /// @param report none: it goes on
+  /// @param report how the reset ended; none: it goes on
   void finish(std::list<Reset>::iterator reset, const watchdog::ResetOrder::Report& report);
   watchdog::CpuSighting sighting_of(NodeId id) const;
   watchdog::CpuKnown cpu_of(NodeId id) const;

@@ -122,7 +122,7 @@ void VirtualStage::apply(const Fault& fault, NodeId id) {
     case Name::babble:
       return senders_.babble(id, fault.every);
     default:
-      return;  // of a line: not here
+      return;  // of a line: never of a node
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace limb_ring::sim {
 
-/// Puts the DATP together whose slices pass, as a receiver does: what is broken off, too long or stalls is none.
+/// Puts the DATP together whose slices pass, as a receiver does: one that breaks off, stalls or is too long is dropped.
 /// (protocol.md section 2.6)
 class PacketCollector {
  public:

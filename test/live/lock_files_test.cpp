@@ -79,7 +79,7 @@ TEST_F(RingFolder, ANodeThatIsFrozenWasNotKilled) {
   EXPECT_FALSE(is_killed(ring, 3_id));
 }
 
-TEST_F(RingFolder, AFileThatIsNoNoteIsNone) {
+TEST_F(RingFolder, AFileThatIsNoNoteIsIgnored) {
   std::ofstream(ring + "/3.fault") << "nonsense\n";
   EXPECT_FALSE(note_of(ring, 3_id));
 }

@@ -80,7 +80,7 @@ TEST_F(Events, OfANodeThatIsGoneDoNotHoldUpTheCure) {
   EXPECT_THAT(conversion.events_of(body, state("open_chain", "up", "null")), SizeIs(2));
 }
 
-TEST_F(Events, AreNotMadeOfWhatIsNone) {
+TEST_F(Events, AreNotMadeOfOtherMessages) {
   EXPECT_THAT(conversion.events_of(knee, "no json"), IsEmpty());
   EXPECT_THAT(conversion.events_of(knee, "[1]"), IsEmpty());
   EXPECT_THAT(conversion.events_of(knee, R"({"error":"no kind"})"), IsEmpty());

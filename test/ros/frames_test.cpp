@@ -86,7 +86,7 @@ TEST_F(Frames, OfABadCrcSaySo) {
   EXPECT_TRUE(of(packet).whole);
 }
 
-TEST_F(Frames, OfWhatBrokeOffHoldWhatCameOfIt) {
+TEST_F(Frames, OfABrokenOffPacketHoldWhatHasCome) {
   auto packet = seen(data_packet(wire::Channel::joint));
   packet.bytes.resize(6);
   packet.info.aborted = true;

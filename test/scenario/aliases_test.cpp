@@ -21,7 +21,7 @@ TEST(ScenarioAliases, AnActionOfMoreValuesThanAMachineHoldsIsRefused) {
   EXPECT_THAT(refusal_of(four_nodes("steps:\n  - do: {cut: " + action + "}\n")), HasSubstr("too many values"));
 }
 
-TEST(ScenarioAliases, WhatALongActionIsCalledIsCutShort) {
+TEST(ScenarioAliases, TheWordsOfALongActionAreCutShort) {
   std::string nodes = "node1";
   for (int i = 0; i < 200; ++i) nodes += ", node1";
   const Scenario scenario = parse_scenario(four_nodes("steps:\n  - do: {kill: [" + nodes + "]}\n"), "test.yaml");

@@ -57,7 +57,7 @@ TEST(Expectation, OfALocatedBreak) {
       "when {located: node0 -> node1} within 300ms; node0 does not know; node2 does not know; node3 does not know");
 }
 
-TEST(Expectation, AStepThatIsTooLateIsOne) {
+TEST(Expectation, IsUnmetWhereAStepIsTooLate) {
   EXPECT_THAT(unmet_of("steps:\n  - {at: 1ms, do: {cut: node0 -> node1}}\n" +
                        when("{node: all, is: open_chain}", "1s") + "  - {at: 2ms}\n"),
               StartsWith("a step that is in time"));

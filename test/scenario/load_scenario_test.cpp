@@ -55,7 +55,7 @@ TEST(LoadScenario, ExpectationsAreWaitsAndWhatHoldsAlwaysOrNever) {
   EXPECT_TRUE(expects("steps: []\nnever: [{node: all, is: down}]\n"));
 }
 
-TEST(LoadScenario, RefusesALineThatIsNone) {
+TEST(LoadScenario, RefusesALineThatTheRingDoesNotHave) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0 -> node2}}]\n")),
               HasSubstr("to the next: node0 -> node1"));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0}}]\n")), HasSubstr("cut says no line"));
@@ -84,7 +84,7 @@ TEST(LoadScenario, RefusesANameThatNothingIsSentUnder) {
               HasSubstr("entry 'always[0].taken': 'x' is none"));
 }
 
-TEST(LoadScenario, RefusesASendThatIsNoneOrTwo) {
+TEST(LoadScenario, RefusesASendOfNoKindOrOfTwo) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 0, to: 1}}}]\n")),
               HasSubstr("one of size, interrupt, input"));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {send: {name: x, from: 0, size: 8}}}]\n")),

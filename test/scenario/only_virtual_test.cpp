@@ -16,7 +16,7 @@ std::vector<std::string> reasons(const std::string& more, const std::string& tra
 
 const std::string kSmallSend = "  - do: {send: {name: x, from: node0, to: node2, size: 8}}\n";
 
-TEST(OnlyVirtual, NothingInAnOrdinaryStory) {
+TEST(OnlyVirtual, NothingInAnOrdinaryScenario) {
   EXPECT_THAT(reasons("steps:\n  - {at: 10ms, do: {cut: node0 -> node1}}\n" + kSmallSend +
                       "  - {when: {results: x, are: delivered, at_least: 1}, within: 1ms}\n"),
               IsEmpty());

@@ -23,7 +23,7 @@ int run(CompareOptions& options) {
   study::ComparisonOptions& comparison = options.comparison;
   if (!comparable(comparison.medium))
     throw UsageError("--relay-delay is more than 100 times as long as the payload takes on the line");
-  std::optional<PlotFolder> plots;  // first: what is wrong with it is known before anything is measured
+  std::optional<PlotFolder> plots;  // made first: a folder that cannot be written ends this before anything is measured
   if (options.plots) plots.emplace(*options.plots);
   comparison.tell = [progress = Progress()](const study::Subject& subject) mutable {
     progress.tell(subject.method + (" at " + app::number(static_cast<double>(subject.rate) * 1e-6, 0)) + " Mbit/s");

@@ -121,7 +121,7 @@ void interrupt(Run& run) {
   run.run_until_ended(run.nodes());
 }
 
-/// Laps that fill some ten thousands of hops.
+/// So many laps that the packets of all nodes make some ten thousand hops.
 unsigned laps(const Run& run) { return std::max(10u, 40000u / (run.nodes() * run.nodes())); }
 
 /// Every node sends the next as the last one ends, after a pause.

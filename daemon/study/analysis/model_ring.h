@@ -3,7 +3,7 @@
 #include "sim/virtual_ring.h"
 #include "study/analysis/medium.h"
 
-/// The ring of the paper's model (protocol.md section 7.2): our core on a medium, without what the model leaves out.
+/// The ring of the paper's model (protocol.md section 7.2): our core on a medium, without what that model lacks.
 namespace limb_ring::study {
 
 /// A virtual ring on that medium, beacons off. Its time-outs are those of the model, two worst laps; it

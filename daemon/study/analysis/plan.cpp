@@ -67,7 +67,7 @@ class Planner {
     contender.jobs = static_cast<unsigned>(packets.size());
     contender.period = stream.period;
     contender.jitter = stream.jitter;
-    std::optional<unsigned> before;  // of a large message most packets are alike, and a lap visits every line
+    std::optional<unsigned> before;  // most packets of a large message are alike, and lap() visits every line
     for (const unsigned packet : packets) {
       if (packet != before) contender.last = lap(stream, stream.source, packet);
       before = packet;

@@ -13,7 +13,7 @@ namespace limb_ring::study {
 struct StreamPlan {
   std::optional<Duration> delivered;  ///< ... at the destination (a broadcast: the last one); none: no bound
   std::optional<Duration> confirmed;  ///< ... home again
-  std::string why;                    ///< of what the bound is made, in words
+  std::string why;                    ///< what the bound consists of, in words
   double load = 0;                    ///< share of its source's time: rate times the worst laps of a message
 };
 

@@ -8,7 +8,7 @@
 
 namespace limb_ring::study {
 
-/// Of what a bound is made: "own + 2 of higher or same priority + 1 ahead (4.192 us), laps of up to 75.264 us".
+/// What a bound consists of: "own + 2 of higher or same priority + 1 ahead (4.192 us), laps of up to 75.264 us".
 std::string in_words(const Response& response, Duration ahead, Duration longest_lap);
 
 /// What keeps the ring from carrying its streams, a sentence each: a node or a line with too much to do,

@@ -14,7 +14,7 @@ namespace {
 using core::Time;
 
 constexpr unsigned kWindow = 4;  // as ring_bridge's TopicSender
-constexpr int kTold = 100;       // how often progress is told
+constexpr int kTold = 100;       // times that progress is told
 constexpr Duration kInstant{1};
 
 struct Message {
@@ -55,7 +55,7 @@ class TrafficRun {
         sources_(config.nodes.size()),
         result_(streams.size()) {
     if (!ring_->join()) throw std::runtime_error("the simulated ring did not close within 10 s");
-    ring_->run_for(Duration(config.timeouts.beacon) / 2);  // between what nodes say when they join and the next
+    ring_->run_for(Duration(config.timeouts.beacon) / 2);  // between the beacons at joining and the next ones
     patience_ = config.timeouts.queue + ring_->node(NodeId{0}).settings().worst_lap();
     start_ = ring_->now();
     end_ = start_ + options.duration;

@@ -18,9 +18,9 @@ class Deliveries {
     --open_;
     at_[message] = at;
   }
-  /// Whether anything can still be delivered in time by what happens from `now` on.
+  /// Whether anything can still be delivered by `until`.
   bool go_on(Time now) const { return open_ > 0 && now <= until_; }
-  /// What came later than asked about did not come.
+  /// By message; what was delivered after `until` counts as not delivered.
   std::vector<Time> result() const {
     std::vector<Time> out = at_;
     for (Time& at : out)

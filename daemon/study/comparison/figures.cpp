@@ -12,12 +12,12 @@ namespace limb_ring::study {
 
 namespace {
 
-constexpr int kInstants = 32;              // that a burst, or a message alone, is tried at
-constexpr unsigned kCyclesSpread = 4;      // they are spread over; more than a cycle of any method
+constexpr int kInstants = 32;              // instants at which a burst, or a message alone, is tried
+constexpr unsigned kCyclesSpread = 4;      // cycles over which these instants are spread: more than one of any method
 constexpr unsigned kSaturatedEach = 100;   // messages per node
 constexpr unsigned kLeastScale = 64;       // bytes: with less payload the others' own overhead is what takes time
 constexpr unsigned kRandomPackets = 3000;  // packets that fit into the time of a random load
-constexpr unsigned kWarmUpPackets = 1000;  // and into the time before it counts
+constexpr unsigned kWarmUpPackets = 1000;  // packets that fit into the time before that, which does not count
 constexpr unsigned kInterruptsPerLap = 2;
 constexpr unsigned kInterrupts = 1000;
 

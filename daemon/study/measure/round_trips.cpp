@@ -20,7 +20,7 @@ std::int64_t packet_count(const Medium& medium) {
   return kPacketHops / medium.nodes;
 }
 
-/// Sees what the feed, which takes the ring's callbacks, sees as well.
+/// Notes how sends end. An observer, since the feed has taken the ring's callbacks.
 struct Ends : sim::Observer {
   Latencies round_trips;
   void event(NodeId, const core::Event& event) override {

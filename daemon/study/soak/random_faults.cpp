@@ -33,7 +33,7 @@ void RandomFaults::choose_mix(FoldBack fold_back) {
   trouble_ = levels[random(4)];
   const bool drawn = nodes_ > 2 && once_in(3);
   fold_back_ = drawn || fold_back == FoldBack::all;
-  doubles_ = once_in(2) && !fold_back_;  // a fold may bring a doubled copy behind the source's next packet
+  doubles_ = once_in(2) && !fold_back_;  // a fold may bring the copy behind the source's next packet
 }
 
 void RandomFaults::choose_world() {

@@ -13,7 +13,7 @@
 namespace limb_ring::study {
 
 /// A ring under random traffic and random faults, all of it decided by the seed: bit errors, lost and cut-off
-/// packets, lines that break and heal, delay, stall and double, nodes that die, freeze and come back, CPUs that
+/// packets, lines that break and heal, delay, stall and duplicate, nodes that die, freeze and come back, CPUs that
 /// hang or are reset. Every promise of the ring is checked all the time; afterwards all is mended, and the ring
 /// has to be whole again and fall silent.
 class RandomFaults {
@@ -73,7 +73,7 @@ class RandomFaults {
   std::uint64_t seed_;
   std::mt19937_64 random_;
   bool is_wide_;
-  std::mt19937_64 wide_;  ///< apart from the other, so that seeds mean what they meant
+  std::mt19937_64 wide_;  ///< for wide worlds alone: seeds of usual ones give the same runs as ever
   unsigned nodes_ = 16;
   core::RingOrder order_;
   std::vector<core::Duration> delays_;  ///< of the lines into the nodes, by place; of a wide world

@@ -39,7 +39,7 @@ struct Sizes : testing::TestWithParam<std::tuple<unsigned, unsigned>> {
   Medium medium() const { return of(std::get<0>(GetParam()), std::get<1>(GetParam())); }
 };
 
-TEST_P(Sizes, WhatIsExactIsExact) {
+TEST_P(Sizes, ExactFormulasAreMetExactly) {
   for (const Case which : {Case::alone, Case::simultaneous, Case::adversarial, Case::delivery, Case::interrupt}) {
     const CaseResult result = run_case(which, medium(), 1);
     EXPECT_EQ(result.measured.max(), result.formula) << to_string(which);

@@ -85,7 +85,7 @@ TEST(Response, ALoadOfOneOrMoreHasNoBound) {
   EXPECT_FALSE(worst_response(unit, 1, 3us, kLimit));
 }
 
-TEST(Response, AWaitAboveTheLimitIsNone) {
+TEST(Response, AWaitAboveTheLimitHasNoBound) {
   EXPECT_TRUE(worst_response({contender(0, 10us, 1ms, 3)}, 0, 3us, 100us));
   EXPECT_FALSE(worst_response({contender(0, 10us, 1ms, 3)}, 0, 3us, 20us));
 }

@@ -95,7 +95,7 @@ TEST(Streams, InterruptsHaveAFactorAndNoPackets) {
   EXPECT_EQ(stop.period, 2s);
 }
 
-TEST(Streams, EveryNodeSaysABeaconToAll) {
+TEST(Streams, EveryNodeSendsBeaconsToAll) {
   const Stream beacon = named(streams_in(kRobot), "beacon of foot");
   EXPECT_TRUE(beacon.beacon);
   EXPECT_EQ(beacon.destination, wire::kBroadcast);
