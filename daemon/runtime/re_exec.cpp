@@ -1,13 +1,11 @@
 #include "runtime/re_exec.h"
 
-#include <unistd.h>
-
-#include <cerrno>
 #include <fstream>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "process/execute.h"
 #include "process/spawn.h"
 
 namespace limb_ring::runtime {
@@ -23,14 +21,11 @@ std::vector<std::string> own_command_line() {
 }  // namespace
 
 void re_exec(const std::optional<cpu_set_t>& cores) {
-  std::vector<std::string> arguments = own_command_line();
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
+  const std::vector<std::string> arguments = own_command_line();
   process::close_descriptors_on_exec();
   if (cores) ::sched_setaffinity(0, sizeof *cores, &*cores);
-  ::execv("/proc/self/exe", pointers.data());
-  throw std::system_error(errno, std::generic_category(), "cannot execute this program again");
+  const int error = process::execute("/proc/self/exe", arguments);
+  throw std::system_error(error, std::generic_category(), "cannot execute this program again");
 }
 
 }  // namespace limb_ring::runtime

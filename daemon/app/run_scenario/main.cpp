@@ -1,7 +1,5 @@
 // run_scenario: 'ringctl scenario run' as rostest starts a <test>. Where rostest wants the result is where the JUnit
 // goes, and what roslaunch adds for ROS nodes is left out.
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "app/ringctl/problems.h"
+#include "process/execute.h"
 #include "process/find_program.h"
 
 namespace {
@@ -36,13 +35,9 @@ std::vector<std::string> ringctl_arguments(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::vector<std::string> arguments = ringctl_arguments(argc, argv);
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
   const std::string program = limb_ring::process::find_program("ringctl");
-  if (!program.empty()) ::execv(program.c_str(), pointers.data());
+  const int error = program.empty() ? ENOENT : limb_ring::process::execute(program, ringctl_arguments(argc, argv));
   std::fprintf(stderr, "run_scenario: no program ringctl beside it (%s) or on PATH: %s\n",
-               limb_ring::process::own_folder().c_str(), std::strerror(program.empty() ? ENOENT : errno));
+               limb_ring::process::own_folder().c_str(), std::strerror(error));
   return limb_ring::ringctl::kNotDone;
 }

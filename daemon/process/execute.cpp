@@ -1,0 +1,17 @@
+#include "process/execute.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace limb_ring::process {
+
+int execute(const std::string& path, std::vector<std::string> arguments) {
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  ::execv(path.c_str(), pointers.data());
+  return errno;
+}
+
+}  // namespace limb_ring::process
