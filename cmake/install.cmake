@@ -1,10 +1,10 @@
 # What a user gets, beside the programs whose own folders install them. Programs lie where
 # roslaunch and rosrun look for a package's own.
-foreach(program ringd ring_sim echo_cpu)
+foreach(program ringd ring_sim echo_cpu joint_cpu)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION ${LIMB_RING_BIN})
   endif()
 endforeach()
-install(TARGETS limb_ring_client ARCHIVE DESTINATION ${LIMB_RING_LIB})
+install(TARGETS limb_ring_client limb_ring_payload ARCHIVE DESTINATION ${LIMB_RING_LIB})
 install(DIRECTORY include/limb_ring/ DESTINATION ${LIMB_RING_INCLUDE})
-install(DIRECTORY config launch rviz urdf DESTINATION ${LIMB_RING_SHARE})
+install(DIRECTORY config examples launch rviz urdf DESTINATION ${LIMB_RING_SHARE})

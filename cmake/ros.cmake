@@ -20,7 +20,7 @@ endif()
 generate_messages(DEPENDENCIES std_msgs sensor_msgs)
 catkin_package(
   INCLUDE_DIRS include
-  LIBRARIES limb_ring_client
+  LIBRARIES limb_ring_client limb_ring_payload
   CFG_EXTRAS limb_ring-extras.cmake
   CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools)
 set(LIMB_RING_DEVEL ${CATKIN_DEVEL_PREFIX})

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "payload/packet_type.h"
+#include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {

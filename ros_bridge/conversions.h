@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "payload/joint_command.h"
-#include "payload/sensor_reading.h"
+#include "limb_ring/payload/joint_command.h"
+#include "limb_ring/payload/sensor_reading.h"
 #include "ros_bridge/joint_map.h"
 #include "ros_bridge/joint_store.h"
 

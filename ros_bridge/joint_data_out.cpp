@@ -1,14 +1,12 @@
 #include "ros_bridge/joint_data_out.h"
 
-#include "payload/packet_type.h"
+#include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/conversions.h"
 
 namespace limb_ring::bridge {
 namespace {
 
 using Kind = config::SensorConfig::Kind;
-
-wire::ByteView view(const Packet& packet) { return {packet.data.data(), packet.data.size()}; }
 
 std::chrono::nanoseconds period_of(double rate) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(1 / rate));
@@ -46,12 +44,12 @@ void JointDataOut::advertise_samples(ros::NodeHandle& nodes, const config::RingC
 }
 
 void JointDataOut::on_packet(const Packet& packet) {
-  if (payload::is_type(view(packet), payload::PacketType::joint_state)) return take_state(packet);
+  if (payload::is_type(packet.data, payload::PacketType::joint_state)) return take_state(packet);
   take_reading(packet);
 }
 
 void JointDataOut::take_state(const Packet& packet) {
-  const auto state = payload::decode_joint_state(view(packet));
+  const auto state = payload::decode_joint_state(packet.data);
   if (!state) return counters_.add("joint_packets_malformed");
   {
     std::lock_guard<std::mutex> lock(mutex_);
@@ -71,7 +69,7 @@ void JointDataOut::publish_sample(std::uint8_t node, const payload::JointState& 
 }
 
 void JointDataOut::take_reading(const Packet& packet) {
-  const auto reading = payload::decode_sensor_reading(view(packet));
+  const auto reading = payload::decode_sensor_reading(packet.data);
   if (!reading) return counters_.add("joint_packets_malformed");
   const auto& sensors = sampled_[packet.source].sensors;
   if (reading->sensor >= sensors.size() || !is_kind(reading->kind, sensors[reading->sensor].kind))

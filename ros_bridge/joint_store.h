@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "payload/joint_state.h"
+#include "limb_ring/payload/joint_state.h"
 
 namespace limb_ring::bridge {
 

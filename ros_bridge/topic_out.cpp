@@ -2,7 +2,7 @@
 
 #include <topic_tools/shape_shifter.h>
 
-#include "payload/packet_type.h"
+#include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "config/ring_config.h"
-#include "payload/reassembler.h"
+#include "limb_ring/payload/reassembler.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/ring_port.h"
 

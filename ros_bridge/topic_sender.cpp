@@ -1,6 +1,6 @@
 #include "ros_bridge/topic_sender.h"
 
-#include "payload/packet_type.h"
+#include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {

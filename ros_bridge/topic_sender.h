@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "config/ring_config.h"
-#include "payload/announcement.h"
-#include "payload/fragmenter.h"
+#include "limb_ring/payload/announcement.h"
+#include "limb_ring/payload/fragmenter.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/ring_port.h"
 

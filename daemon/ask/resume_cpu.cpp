@@ -1,7 +1,7 @@
 #include "ask/resume_cpu.h"
 
-#include "payload/joint_command.h"
-#include "payload/packet_type.h"
+#include "limb_ring/payload/joint_command.h"
+#include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring::ask {
 namespace {

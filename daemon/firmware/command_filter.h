@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "firmware/timestamps.h"
-#include "payload/joint_command.h"
+#include "limb_ring/payload/joint_command.h"
 
 namespace limb_ring::firmware {
 

@@ -23,7 +23,7 @@ std::optional<FaultCommand> exit_command(std::string_view number) {
 
 }  // namespace
 
-std::optional<FaultCommand> parse_fault_command(wire::ByteView bytes) {
+std::optional<FaultCommand> parse_fault_command(payload::ByteView bytes) {
   constexpr std::string_view kExit = "exit ";
   const auto text = trimmed({reinterpret_cast<const char*>(bytes.data), bytes.size});
   if (text == "hang") return FaultCommand{FaultCommand::Kind::hang, 0};

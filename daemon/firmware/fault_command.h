@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
 
 namespace limb_ring::firmware {
 
@@ -17,6 +17,6 @@ struct FaultCommand {
 
 /// The order in a user packet's bytes, without spaces and line ends around it; nothing where the
 /// packet holds none.
-std::optional<FaultCommand> parse_fault_command(wire::ByteView text);
+std::optional<FaultCommand> parse_fault_command(payload::ByteView text);
 
 }  // namespace limb_ring::firmware

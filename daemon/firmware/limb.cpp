@@ -23,7 +23,7 @@ Limb::Limb(const config::NodeConfig& node, const config::Firmware& firmware, nan
   for (const auto& joint : node.joints) joints_.emplace_back(joint, firmware, command_timeout, now.monotonic);
 }
 
-Verdict Limb::command(wire::ByteView packet, const Timestamps& now) {
+Verdict Limb::command(payload::ByteView packet, const Timestamps& now) {
   const Verdict verdict = judge(packet, now);
   ++counts_[static_cast<std::size_t>(verdict)];
   if (verdict == Verdict::obey) return verdict;
@@ -32,7 +32,7 @@ Verdict Limb::command(wire::ByteView packet, const Timestamps& now) {
   return verdict;
 }
 
-Verdict Limb::judge(wire::ByteView packet, const Timestamps& now) {
+Verdict Limb::judge(payload::ByteView packet, const Timestamps& now) {
   advance(now.monotonic);
   const auto command = payload::decode_joint_command(packet);
   if (!command) return Verdict::malformed;

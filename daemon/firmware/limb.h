@@ -8,7 +8,7 @@
 #include "firmware/command_filter.h"
 #include "firmware/joint.h"
 #include "firmware/timestamps.h"
-#include "payload/joint_state.h"
+#include "limb_ring/payload/joint_state.h"
 
 namespace limb_ring::firmware {
 
@@ -20,7 +20,7 @@ class Limb {
        const Timestamps& now);
 
   /// A packet that says it is a joint_command. Every verdict but `obey` is counted.
-  Verdict command(wire::ByteView packet, const Timestamps& now);
+  Verdict command(payload::ByteView packet, const Timestamps& now);
   /// All joints to their safe states, until a command resumes.
   void stop(const Timestamps& now);
   void advance(nanoseconds now);
@@ -34,7 +34,7 @@ class Limb {
   std::uint64_t count(Verdict verdict) const { return counts_[static_cast<std::size_t>(verdict)]; }
 
  private:
-  Verdict judge(wire::ByteView packet, const Timestamps& now);
+  Verdict judge(payload::ByteView packet, const Timestamps& now);
   void obey(const payload::JointCommand& command, nanoseconds now);
   void add_mode(payload::JointState::Mode& mode) const;
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "payload/packet_type.h"
+#include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring::firmware {
 namespace {
@@ -17,8 +17,6 @@ Timestamps at(nanoseconds monotonic, const Timestamps& now) {
   return {monotonic, now.wall_ns - (now.monotonic - monotonic).count()};
 }
 
-wire::ByteView view(const std::vector<std::uint8_t>& bytes) { return {bytes.data(), bytes.size()}; }
-
 }  // namespace
 
 NodeCpu::NodeCpu(const NodeSetup& setup, const Timestamps& now)
@@ -29,13 +27,12 @@ NodeCpu::NodeCpu(const NodeSetup& setup, const Timestamps& now)
 }
 
 void NodeCpu::receive(const Packet& packet, const Timestamps& now) {
-  const auto bytes = view(packet.data);
   const bool joint_data = packet.channel == payload::kJointChannel;
-  if (joint_data && payload::is_type(bytes, payload::PacketType::joint_command)) {
-    limb_.command(bytes, now);
+  if (joint_data && payload::is_type(packet.data, payload::PacketType::joint_command)) {
+    limb_.command(packet.data, now);
     return;
   }
-  const auto order = packet.channel == payload::kUserChannel ? parse_fault_command(bytes) : std::nullopt;
+  const auto order = packet.channel == payload::kUserChannel ? parse_fault_command(packet.data) : std::nullopt;
   if (!order)
     ++counters_.ignored;
   else if (!fault_command_)

@@ -5,7 +5,7 @@
 #include "config/ring_config.h"
 #include "firmware/limb.h"
 #include "firmware/periodic.h"
-#include "payload/sensor_reading.h"
+#include "limb_ring/payload/sensor_reading.h"
 
 namespace limb_ring::firmware {
 

@@ -1,18 +1,16 @@
-#include "payload/announcement.h"
+#include "limb_ring/payload/announcement.h"
 
 #include <tuple>
 
+#include "limb_ring/payload/fragment.h"
 #include "payload/byte_stream.h"
-#include "payload/fragment.h"
 
 namespace limb_ring::payload {
 namespace {
 
 constexpr std::uint8_t kLatching = 1;
 
-wire::ByteView view(const std::string& text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
+ByteView view(const std::string& text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
 
 void put_short(ByteWriter& writer, const std::string& text) {
   writer.u16(static_cast<std::uint16_t>(text.size()));
@@ -43,7 +41,7 @@ Encoded encode(const Announcement& announcement) {
   return writer.take();
 }
 
-Decoded<Announcement> decode_announcement(wire::ByteView message) {
+Decoded<Announcement> decode_announcement(ByteView message) {
   ByteReader reader(message);
   const auto version = reader.u8();
   const auto flags = reader.u8();

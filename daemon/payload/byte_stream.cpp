@@ -1,5 +1,7 @@
 #include "payload/byte_stream.h"
 
+#include "wire/bytes.h"
+
 namespace limb_ring::payload {
 
 std::uint8_t* ByteWriter::grow(std::size_t count) {
@@ -23,7 +25,7 @@ const std::uint8_t* ByteReader::advance(std::size_t count) {
     return nullptr;
   }
   const std::uint8_t* at = rest_.data;
-  rest_ = rest_.from(count);
+  rest_ = {rest_.data + count, rest_.size - count};
   return at;
 }
 
@@ -44,9 +46,9 @@ std::int64_t ByteReader::i64() {
   return p ? static_cast<std::int64_t>(wire::load_u64(p)) : std::int64_t{0};
 }
 
-wire::ByteView ByteReader::bytes(std::size_t count) {
+ByteView ByteReader::bytes(std::size_t count) {
   const auto* p = advance(count);
-  return p ? wire::ByteView{p, count} : wire::ByteView{};
+  return p ? ByteView{p, count} : ByteView{};
 }
 
 std::string ByteReader::text(std::size_t count) {

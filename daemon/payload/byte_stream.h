@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "payload/errors.h"
-#include "payload/packet_type.h"
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
+#include "limb_ring/payload/errors.h"
+#include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring::payload {
 
@@ -20,7 +20,7 @@ class ByteWriter {
   void u32(std::uint32_t value);
   void i32(std::int32_t value) { u32(static_cast<std::uint32_t>(value)); }
   void i64(std::int64_t value);
-  void bytes(wire::ByteView run) { bytes_.insert(bytes_.end(), run.begin(), run.end()); }
+  void bytes(ByteView run) { bytes_.insert(bytes_.end(), run.begin(), run.end()); }
   void head(PacketType type);  ///< type and version
 
   std::uint8_t& at(std::size_t offset) { return bytes_[offset]; }
@@ -37,14 +37,14 @@ class ByteWriter {
 /// so that a format can be read in one go and judged once.
 class ByteReader {
  public:
-  explicit ByteReader(wire::ByteView bytes) : rest_(bytes) {}
+  explicit ByteReader(ByteView bytes) : rest_(bytes) {}
 
   std::uint8_t u8();
   std::uint16_t u16();
   std::uint32_t u32();
   std::int32_t i32() { return static_cast<std::int32_t>(u32()); }
   std::int64_t i64();
-  wire::ByteView bytes(std::size_t count);
+  ByteView bytes(std::size_t count);
   std::string text(std::size_t count);
 
   bool ended_early() const { return early_; }
@@ -57,7 +57,7 @@ class ByteReader {
  private:
   const std::uint8_t* advance(std::size_t count);
 
-  wire::ByteView rest_;
+  ByteView rest_;
   bool early_ = false;
 };
 

@@ -1,4 +1,4 @@
-#include "payload/errors.h"
+#include "limb_ring/payload/errors.h"
 
 namespace limb_ring::payload {
 

@@ -1,4 +1,4 @@
-#include "payload/fragment.h"
+#include "limb_ring/payload/fragment.h"
 
 #include <algorithm>
 
@@ -24,7 +24,7 @@ std::optional<DecodeError> check(const Fragment& fragment) {
 
 }  // namespace
 
-std::uint32_t fnv1a(wire::ByteView bytes) {
+std::uint32_t fnv1a(ByteView bytes) {
   std::uint32_t hash = 2166136261U;
   for (std::uint8_t byte : bytes) hash = (hash ^ byte) * 16777619U;
   return hash;
@@ -49,7 +49,7 @@ std::vector<std::uint8_t> encode(const Fragment& fragment) {
   return writer.take();
 }
 
-Decoded<Fragment> decode_fragment(wire::ByteView packet) {
+Decoded<Fragment> decode_fragment(ByteView packet) {
   ByteReader reader(packet);
   if (const auto wrong = reader.head(PacketType::fragment)) return *wrong;
   Fragment fragment;

@@ -1,4 +1,4 @@
-#include "payload/fragmenter.h"
+#include "limb_ring/payload/fragmenter.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "payload/joint_command.h"
+#include "limb_ring/payload/joint_command.h"
 
 #include <array>
 #include <cmath>
@@ -73,7 +73,7 @@ Encoded encode(const JointCommand& command) {
   return writer.take();
 }
 
-Decoded<JointCommand> decode_joint_command(wire::ByteView packet) {
+Decoded<JointCommand> decode_joint_command(ByteView packet) {
   ByteReader reader(packet);
   if (const auto wrong = reader.head(PacketType::joint_command)) return *wrong;
   JointCommand command;

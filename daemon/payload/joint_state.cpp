@@ -1,4 +1,4 @@
-#include "payload/joint_state.h"
+#include "limb_ring/payload/joint_state.h"
 
 #include <array>
 #include <cmath>
@@ -66,7 +66,7 @@ Encoded encode(const JointState& state) {
   return writer.take();
 }
 
-Decoded<JointState> decode_joint_state(wire::ByteView packet) {
+Decoded<JointState> decode_joint_state(ByteView packet) {
   ByteReader reader(packet);
   if (const auto wrong = reader.head(PacketType::joint_state)) return *wrong;
   JointState state;

@@ -1,4 +1,4 @@
-#include "payload/reassembler.h"
+#include "limb_ring/payload/reassembler.h"
 
 #include <tuple>
 
@@ -18,7 +18,7 @@ const Announcement* Reassembler::announcement(std::uint8_t source, std::uint8_t 
   return &*found->second.announcement;
 }
 
-std::optional<Reassembler::Message> Reassembler::take(std::uint8_t source, wire::ByteView packet) {
+std::optional<Reassembler::Message> Reassembler::take(std::uint8_t source, ByteView packet) {
   ++packets_;
   const auto fragment = decode_fragment(packet);
   if (!fragment) {
@@ -122,7 +122,7 @@ std::optional<Reassembler::Message> Reassembler::finish(const Key& key, Stream& 
   stream.bytes = {};
   stream.collecting = false;
   held_ -= stream.current->total;
-  const wire::ByteView bytes{message.bytes.data(), message.bytes.size()};
+  const ByteView bytes{message.bytes.data(), message.bytes.size()};
   if (fnv1a(bytes) != stream.current->checksum ||
       (message.kind == Fragment::Kind::announcement && !keep_announcement(stream, bytes))) {
     ++counters_.corrupt;
@@ -135,7 +135,7 @@ std::optional<Reassembler::Message> Reassembler::finish(const Key& key, Stream& 
   return message;
 }
 
-bool Reassembler::keep_announcement(Stream& stream, wire::ByteView bytes) {
+bool Reassembler::keep_announcement(Stream& stream, ByteView bytes) {
   auto announcement = decode_announcement(bytes);
   if (!announcement) return false;
   held_ += bytes.size;

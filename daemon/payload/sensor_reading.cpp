@@ -1,4 +1,4 @@
-#include "payload/sensor_reading.h"
+#include "limb_ring/payload/sensor_reading.h"
 
 #include <cmath>
 
@@ -50,7 +50,7 @@ Encoded encode(const SensorReading& reading) {
   return writer.take();
 }
 
-Decoded<SensorReading> decode_sensor_reading(wire::ByteView packet) {
+Decoded<SensorReading> decode_sensor_reading(ByteView packet) {
   ByteReader reader(packet);
   SensorReading reading;
   reading.kind = is_type(packet, PacketType::force) ? Kind::force : Kind::imu;

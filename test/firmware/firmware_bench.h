@@ -5,7 +5,7 @@
 
 #include "config/ring_config.h"
 #include "firmware/timestamps.h"
-#include "payload/joint_command.h"
+#include "limb_ring/payload/joint_command.h"
 
 namespace limb_ring::firmware::bench {
 
@@ -49,6 +49,6 @@ inline payload::JointCommand positions(nanoseconds t, const std::vector<double>&
 }
 
 inline Bytes bytes_of(const payload::JointCommand& command) { return *encode(command); }
-inline wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
+inline payload::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
 
 }  // namespace limb_ring::firmware::bench

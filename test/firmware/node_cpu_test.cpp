@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "firmware/firmware_bench.h"
-#include "payload/packet_type.h"
+#include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring::firmware {
 namespace {

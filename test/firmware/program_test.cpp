@@ -4,8 +4,8 @@
 
 #include "firmware/child.h"
 #include "host/host_fixture.h"
-#include "payload/joint_command.h"
-#include "payload/joint_state.h"
+#include "limb_ring/payload/joint_command.h"
+#include "limb_ring/payload/joint_state.h"
 
 namespace limb_ring::test {
 namespace {

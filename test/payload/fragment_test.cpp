@@ -1,9 +1,9 @@
-#include "payload/fragment.h"
+#include "limb_ring/payload/fragment.h"
 
 #include <gmock/gmock.h>
 
-#include "payload/announcement.h"
-#include "payload/fragmenter.h"
+#include "limb_ring/payload/announcement.h"
+#include "limb_ring/payload/fragmenter.h"
 #include "payload/hostile_bytes.h"
 
 namespace limb_ring::payload {
@@ -72,7 +72,7 @@ TEST(FragmentFormat, RefusesFieldsThatContradictEachOther) {
 }
 
 TEST(FragmentFormat, SurvivesTruncationAndRandomBytes) {
-  const auto decode = [](wire::ByteView bytes) { return decode_fragment(bytes); };
+  const auto decode = [](ByteView bytes) { return decode_fragment(bytes); };
   Fragmenter fragmenter(9);
   ASSERT_TRUE(fragmenter.start(Fragment::Kind::data, Bytes(700)));
   expect_every_truncation_is_refused(fragmenter.next(), decode);

@@ -7,13 +7,13 @@
 
 #include <gtest/gtest.h>
 
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
 
 namespace limb_ring::payload {
 
 using Bytes = std::vector<std::uint8_t>;
 
-inline wire::ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
+inline ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
 
 /// Every proper beginning of a good packet is refused. Each is copied to memory of just its size,
 /// so that a sanitizer sees a read past the end.

@@ -1,4 +1,4 @@
-#include "payload/joint_command.h"
+#include "limb_ring/payload/joint_command.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "payload/joint_state.h"
+#include "limb_ring/payload/joint_state.h"
 
 #include <cmath>
 #include <limits>

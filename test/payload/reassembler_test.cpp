@@ -1,10 +1,10 @@
-#include "payload/reassembler.h"
+#include "limb_ring/payload/reassembler.h"
 
 #include <functional>
 
 #include <gmock/gmock.h>
 
-#include "payload/fragmenter.h"
+#include "limb_ring/payload/fragmenter.h"
 #include "payload/hostile_bytes.h"
 
 namespace limb_ring::payload {

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "limb_ring/payload/joint_state.h"
+#include "limb_ring/payload/sensor_reading.h"
 #include "payload/hostile_bytes.h"
-#include "payload/joint_state.h"
-#include "payload/sensor_reading.h"
 
 namespace limb_ring::payload {
 namespace {

@@ -1,4 +1,4 @@
-#include "payload/sensor_reading.h"
+#include "limb_ring/payload/sensor_reading.h"
 
 #include <cmath>
 

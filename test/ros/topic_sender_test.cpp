@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-#include "payload/reassembler.h"
+#include "limb_ring/payload/reassembler.h"
 
 namespace limb_ring::bridge {
 namespace {

@@ -13,8 +13,8 @@
 
 #include "config/load_ring.h"
 #include "limb_ring/host_port.h"
-#include "payload/joint_state.h"
-#include "payload/packet_type.h"
+#include "limb_ring/payload/joint_state.h"
+#include "limb_ring/payload/packet_type.h"
 #include "ros/walking_recording.h"
 
 namespace limb_ring::bridge {

@@ -1,11 +1,11 @@
 #include "app/ringctl/payload_words.h"
 
 #include "app/common/text_table.h"
-#include "payload/announcement.h"
-#include "payload/fragment.h"
-#include "payload/joint_command.h"
-#include "payload/joint_state.h"
-#include "payload/sensor_reading.h"
+#include "limb_ring/payload/announcement.h"
+#include "limb_ring/payload/fragment.h"
+#include "limb_ring/payload/joint_command.h"
+#include "limb_ring/payload/joint_state.h"
+#include "limb_ring/payload/sensor_reading.h"
 #include "wire/control_message.h"
 #include "wire/data_packet.h"
 
@@ -101,7 +101,7 @@ std::string control_words(ByteView data, const RingNames& names) {
   return {};
 }
 
-std::string joint_words(ByteView data) {
+std::string joint_words(payload::ByteView data) {
   if (const auto state = payload::decode_joint_state(data)) return words(*state);
   if (const auto command = payload::decode_joint_command(data)) return words(*command);
   if (const auto reading = payload::decode_sensor_reading(data)) return words(*reading);
@@ -115,9 +115,9 @@ std::string payload_words(std::uint8_t channel, ByteView data, const RingNames& 
     case wire::Channel::control:
       return control_words(data, names);
     case wire::Channel::joint:
-      return joint_words(data);
+      return joint_words({data.data, data.size});
     case wire::Channel::fragment:
-      if (const auto fragment = payload::decode_fragment(data)) return words(*fragment);
+      if (const auto fragment = payload::decode_fragment({data.data, data.size})) return words(*fragment);
       return {};
     default:
       return {};

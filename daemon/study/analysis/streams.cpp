@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "payload/fragment.h"
-#include "payload/joint_command.h"
-#include "payload/joint_state.h"
-#include "payload/sensor_reading.h"
+#include "limb_ring/payload/fragment.h"
+#include "limb_ring/payload/joint_command.h"
+#include "limb_ring/payload/joint_state.h"
+#include "limb_ring/payload/sensor_reading.h"
 #include "setup/core_settings.h"
 #include "wire/control_message.h"
 

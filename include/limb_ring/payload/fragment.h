@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "payload/expected.h"
-#include "payload/packet_type.h"
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
+#include "limb_ring/payload/expected.h"
+#include "limb_ring/payload/packet_type.h"
 
 namespace limb_ring::payload {
 
@@ -26,7 +26,7 @@ struct Fragment {
   std::uint16_t count = 1;
   std::uint32_t total = 0;     ///< bytes of the whole message
   std::uint32_t checksum = 0;  ///< fnv1a of the whole message
-  wire::ByteView bytes;        ///< this piece; points into what was decoded
+  ByteView bytes;              ///< this piece; points into what was decoded
 };
 
 constexpr std::size_t kFragmentHeader = 20;
@@ -36,7 +36,7 @@ constexpr std::size_t kMaxMessage = std::size_t{0xFFFF} * kFragmentBytes;
 
 /// 32-bit FNV-1a. Each packet has the ring's CRC already; this one finds pieces put together
 /// wrongly, and needs no library.
-std::uint32_t fnv1a(wire::ByteView bytes);
+std::uint32_t fnv1a(ByteView bytes);
 
 /// Pieces that a message of `total` bytes needs, at least 1.
 /// @pre total <= kMaxMessage
@@ -44,6 +44,6 @@ std::uint16_t fragment_count(std::size_t total);
 
 /// @pre the fields fit together as decode_fragment() demands
 std::vector<std::uint8_t> encode(const Fragment& fragment);
-Decoded<Fragment> decode_fragment(wire::ByteView packet);
+Decoded<Fragment> decode_fragment(ByteView packet);
 
 }  // namespace limb_ring::payload

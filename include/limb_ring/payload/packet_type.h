@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
 
 namespace limb_ring::payload {
 
@@ -18,7 +18,7 @@ constexpr std::uint8_t kJointChannel = 2;
 constexpr std::uint8_t kTopicChannel = 3;
 
 /// Whether `packet` says that it is of this type. Says nothing about the rest.
-inline bool is_type(wire::ByteView packet, PacketType type) {
+inline bool is_type(ByteView packet, PacketType type) {
   return !packet.empty() && packet[0] == static_cast<std::uint8_t>(type);
 }
 

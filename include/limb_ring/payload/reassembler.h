@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "payload/announcement.h"
-#include "payload/fragment.h"
-#include "wire/bytes.h"
+#include "limb_ring/payload/announcement.h"
+#include "limb_ring/payload/byte_view.h"
+#include "limb_ring/payload/fragment.h"
 
 namespace limb_ring::payload {
 
@@ -54,7 +54,7 @@ class Reassembler {
   explicit Reassembler(const Limits& limits) : limits_(limits) {}
 
   /// Takes one packet of channel 3. @return the message it completes
-  std::optional<Message> take(std::uint8_t source, wire::ByteView packet);
+  std::optional<Message> take(std::uint8_t source, ByteView packet);
   /// What (source, topic) announced last; null where nothing. Valid until the next take().
   const Announcement* announcement(std::uint8_t source, std::uint8_t topic) const;
   const Counters& counters() const { return counters_; }
@@ -89,7 +89,7 @@ class Reassembler {
   bool append(Stream& stream, const Fragment& fragment);
   void drop(Stream& stream, std::uint64_t& counter);
   std::optional<Message> finish(const Key& key, Stream& stream);
-  bool keep_announcement(Stream& stream, wire::ByteView bytes);
+  bool keep_announcement(Stream& stream, ByteView bytes);
 
   Limits limits_;
   Counters counters_;

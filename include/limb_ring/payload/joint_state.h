@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "payload/expected.h"
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
+#include "limb_ring/payload/expected.h"
 
 namespace limb_ring::payload {
 
@@ -46,6 +46,6 @@ constexpr std::size_t kMaxStateJoints = 41;
 /// Sets `mode.saturated` in the bytes where a value had to be cut.
 /// @return EncodeFailure naming the joint: not_a_number, too_many_items, bad_field (stamp)
 Encoded encode(const JointState& state);
-Decoded<JointState> decode_joint_state(wire::ByteView packet);
+Decoded<JointState> decode_joint_state(ByteView packet);
 
 }  // namespace limb_ring::payload

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "payload/expected.h"
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
+#include "limb_ring/payload/expected.h"
 
 namespace limb_ring::payload {
 
@@ -31,6 +31,6 @@ struct SensorReading {
 /// @return EncodeFailure naming the axis (0 to 2 linear, 3 to 5 angular)
 Encoded encode(const SensorReading& reading);
 /// Takes either kind.
-Decoded<SensorReading> decode_sensor_reading(wire::ByteView packet);
+Decoded<SensorReading> decode_sensor_reading(ByteView packet);
 
 }  // namespace limb_ring::payload

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "payload/fragment.h"
+#include "limb_ring/payload/fragment.h"
 
 namespace limb_ring::payload {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "payload/expected.h"
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
+#include "limb_ring/payload/expected.h"
 
 namespace limb_ring::payload {
 
@@ -40,6 +40,6 @@ constexpr std::size_t kMaxCommandJoints = 38;
 
 /// @return EncodeFailure naming the joint: not_a_number, too_many_items, bad_field (stamp)
 Encoded encode(const JointCommand& command);
-Decoded<JointCommand> decode_joint_command(wire::ByteView packet);
+Decoded<JointCommand> decode_joint_command(ByteView packet);
 
 }  // namespace limb_ring::payload

@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "payload/errors.h"
+#include "limb_ring/payload/errors.h"
 
 namespace limb_ring::payload {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "payload/expected.h"
-#include "wire/bytes.h"
+#include "limb_ring/payload/byte_view.h"
+#include "limb_ring/payload/expected.h"
 
 namespace limb_ring::payload {
 
@@ -28,6 +28,6 @@ struct Announcement {
 /// @return EncodeFailure: too_large where a text does not fit its length field
 ///         (item 0 name, 1 datatype, 2 md5sum, 3 definition)
 Encoded encode(const Announcement& announcement);
-Decoded<Announcement> decode_announcement(wire::ByteView message);
+Decoded<Announcement> decode_announcement(ByteView message);
 
 }  // namespace limb_ring::payload
