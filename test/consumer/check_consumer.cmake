@@ -41,5 +41,5 @@ endif()
 run(${CMAKE_COMMAND} -E env "CMAKE_PREFIX_PATH=${prefix}:${SEARCH_PATH}" CXX=${COMPILER} CXXFLAGS=${flags}
   PYTHON_EXECUTABLE=${PYTHON} XDG_RUNTIME_DIR=${SCRATCH}/runtime
   ${PYTHON} ${CMAKE_CURRENT_LIST_DIR}/readme_firmware.py
-  ${PROJECT_SOURCE}/README.md ${prefix}/lib/limb_ring ${SCRATCH}/readme)
+  ${PROJECT_SOURCE} ${prefix}/lib/limb_ring ${SCRATCH}/readme)
 file(REMOVE_RECURSE ${SCRATCH})

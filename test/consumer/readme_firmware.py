@@ -1,14 +1,16 @@
-"""The section "Your own firmware" of README.md: its files are written, its commands run, its firmware answers.
+"""The section "Your own firmware" of README.md: its files are those of examples/, its commands run, its firmware answers.
 
-usage: readme_firmware.py README PROGRAMS FOLDER     (the environment says how limb_ring is found)
+usage: readme_firmware.py SOURCE PROGRAMS FOLDER     (the environment says how limb_ring is found)
 """
 import os
 import re
+import shutil
 import subprocess
 import sys
 
 HEADING = '### Your own firmware'
-FILES = {'ring.yaml', 'CMakeLists.txt', 'knee_cpu.cpp'}
+PRINTED = {'ring.yaml', 'CMakeLists.txt', 'echo_cpu.cpp'}
+BESIDE = ['joint_cpu.cpp']   # what the CMakeLists.txt builds as well, and README links to
 GUARD = 240  # s
 
 
@@ -23,34 +25,39 @@ def blocks(text):
     return re.findall(r'^```(\w+)\n(.*?)^```', text, re.M | re.S)
 
 
-def write_files(found, folder):
+def write_files(found, examples, folder):
     """Every block but the commands names its file in the comment at its beginning."""
-    written = set()
+    printed = {}
     for _, block in found:
-        name = re.match(r'(?:#|//) ([\w.]+)', block)
+        name = re.match(r'(?:#|//) ([\w.]+):', block)
         if name:
-            written.add(name.group(1))
-            with open(os.path.join(folder, name.group(1)), 'w') as file:
-                file.write(block)
-    assert written == FILES, written
+            printed[name.group(1)] = block
+    assert set(printed) == PRINTED, set(printed)
+    for name, block in printed.items():
+        with open(os.path.join(examples, name)) as file:
+            assert file.read() == block, 'README.md and examples/%s differ' % name
+        with open(os.path.join(folder, name), 'w') as file:
+            file.write(block)
+    for name in BESIDE:
+        shutil.copy(os.path.join(examples, name), folder)
 
 
 def main():
-    readme, programs, folder = sys.argv[1:]
+    source, programs, folder = sys.argv[1:]
     os.mkdir(folder)
-    found = blocks(section(readme))
-    write_files(found, folder)
+    found = blocks(section(os.path.join(source, 'README.md')))
+    write_files(found, os.path.join(source, 'examples'), folder)
     commands, = (block for language, block in found if language == 'sh')
     environment = {key: value for key, value in os.environ.items() if not key.startswith('LIMB_RING')}
     environment['PATH'] = programs + ':' + environment['PATH']
-    # `wait`: knee_cpu ends with the ring.
+    # `wait`: the CPUs end with the ring.
     done = subprocess.run(['bash', '-e', '-c', commands + '\nwait\n'], cwd=folder, env=environment, timeout=GUARD,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
     print(done.stdout)
     subprocess.run(['ringctl', '--ring', 'mine', 'down'], env=environment, cwd=folder,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
     assert done.returncode == 0, 'exit %d' % done.returncode
-    for said in ('delivered', '5 bytes from node 0', 'sent back: delivered', 'ring mine is down'):
+    for said in ('delivered', '5 bytes from node 3', 'sent back: delivered', 'joint state', 'ring mine is down'):
         assert said in done.stdout, 'nobody said: ' + said
 
 

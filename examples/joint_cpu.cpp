@@ -1,0 +1,77 @@
+// joint_cpu.cpp: one joint: obeys joint commands, and sends its state to node 0 a hundred times a second
+//   joint_cpu [RING NODE]    as a node's `cpu: {command: [/PATH/joint_cpu]}` without: ringd tells it
+#include <limb_ring/host_port.h>
+#include <limb_ring/payload/joint_command.h>
+#include <limb_ring/payload/joint_state.h>
+#include <limb_ring/payload/packet_type.h>
+
+#include <algorithm>
+#include <iostream>
+
+using namespace limb_ring;
+using namespace std::chrono;
+
+constexpr milliseconds kPeriod{10}, kSilence{200};  // without a command for so long the joint holds still
+constexpr double kStep = 2.0 * 0.01;                // rad in a period: 2 rad/s
+
+std::int64_t stamp_now() { return duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count(); }
+
+struct Joint {
+  double position = 0, goal = 0;  // rad
+  payload::JointState state;
+  std::int64_t commanded_ns = 0, stopped_ns = 0;  // stamp of the last command obeyed, when a stop came; 0: none
+
+  void obey(const payload::JointCommand& command) {
+    const std::int64_t age = stamp_now() - command.stamp_ns;
+    const bool stale = std::abs(age) > command.valid_for_us * std::int64_t{1000} || command.stamp_ns <= commanded_ns;
+    const bool held = stopped_ns != 0 && (!command.resume || command.stamp_ns <= stopped_ns);
+    if (stale || held || command.joints.size() > 1) {
+      state.mode.command_refused = true;
+      ++state.refused;
+      return;
+    }
+    commanded_ns = command.stamp_ns;
+    stopped_ns = 0;
+    if (!command.joints.empty() && command.joints[0].position) goal = *command.joints[0].position;
+  }
+
+  payload::Encoded next_state() {
+    state.stamp_ns = stamp_now();
+    state.mode.stopped = stopped_ns != 0;
+    state.mode.commanded = !state.mode.stopped && state.stamp_ns - commanded_ns < nanoseconds(kSilence).count();
+    state.mode.safe = state.mode.hold = !state.mode.commanded;
+    const double step = state.mode.commanded ? std::clamp(goal - position, -kStep, kStep) : 0;
+    position += step;
+    state.joints = {{position, step / 0.01, 0}};
+    const auto bytes = payload::encode(state);
+    ++state.sequence;
+    state.mode.command_refused = false;
+    return bytes;
+  }
+};
+
+int main(int argc, char** argv) try {
+  ConnectOptions options;
+  options.role = Role::cpu;
+  options.alive_period = milliseconds(100);
+  if (argc > 1) options.ring = argv[1];
+  if (argc > 2) options.node = argv[2];
+  HostPort port = HostPort::connect(options);
+  Joint joint;
+  for (auto due = steady_clock::now(); port.connected();) {
+    const auto wait = std::max(ceil<milliseconds>(due - steady_clock::now()), milliseconds(0));
+    if (const auto message = port.receive(wait)) {
+      const auto* packet = std::get_if<Packet>(&*message);
+      const auto* interrupt = std::get_if<Interrupt>(&*message);
+      if (packet && packet->channel == payload::kJointChannel)
+        if (const auto command = payload::decode_joint_command(packet->data)) joint.obey(*command);
+      if (interrupt && interrupt->action == Interrupt::Action::stop) joint.stopped_ns = stamp_now();
+    }
+    if (steady_clock::now() < due) continue;
+    due += kPeriod;
+    if (const auto bytes = joint.next_state()) port.send(0, *bytes, 0, payload::kJointChannel);
+  }
+} catch (const HostPortError& problem) {
+  std::cerr << "joint_cpu: " << problem.what() << std::endl;
+  return 1;
+}
