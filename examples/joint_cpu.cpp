@@ -14,15 +14,13 @@ using namespace std::chrono;
 constexpr milliseconds kPeriod{10}, kSilence{200};  // without a command for so long the joint holds still
 constexpr double kStep = 2.0 * 0.01;                // rad in a period: 2 rad/s
 
-std::int64_t stamp_now() { return duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count(); }
-
 struct Joint {
   double position = 0, goal = 0;  // rad
   payload::JointState state;
   std::int64_t commanded_ns = 0, stopped_ns = 0;  // stamp of the last command obeyed, when a stop came; 0: none
 
-  void obey(const payload::JointCommand& command) {
-    const std::int64_t age = stamp_now() - command.stamp_ns;
+  void obey(const payload::JointCommand& command, std::int64_t now_ns) {
+    const std::int64_t age = now_ns - command.stamp_ns;
     const bool stale = std::abs(age) > command.valid_for_us * std::int64_t{1000} || command.stamp_ns <= commanded_ns;
     const bool held = stopped_ns != 0 && (!command.resume || command.stamp_ns <= stopped_ns);
     if (stale || held || command.joints.size() > 1) {
@@ -35,8 +33,8 @@ struct Joint {
     if (!command.joints.empty() && command.joints[0].position) goal = *command.joints[0].position;
   }
 
-  payload::Encoded next_state() {
-    state.stamp_ns = stamp_now();
+  payload::Encoded next_state(std::int64_t now_ns) {
+    state.stamp_ns = now_ns;
     state.mode.stopped = stopped_ns != 0;
     state.mode.commanded = !state.mode.stopped && state.stamp_ns - commanded_ns < nanoseconds(kSilence).count();
     state.mode.safe = state.mode.hold = !state.mode.commanded;
@@ -58,18 +56,18 @@ int main(int argc, char** argv) try {
   if (argc > 2) options.node = argv[2];
   HostPort port = HostPort::connect(options);
   Joint joint;
-  for (auto due = steady_clock::now(); port.connected();) {
-    const auto wait = std::max(ceil<milliseconds>(due - steady_clock::now()), milliseconds(0));
-    if (const auto message = port.receive(wait)) {
+  for (nanoseconds due = port.now(); port.connected();) {  // the ring's clock: it may be a virtual one
+    if (const auto message = port.receive(std::max(due - port.now(), nanoseconds(0)))) {
       const auto* packet = std::get_if<Packet>(&*message);
       const auto* interrupt = std::get_if<Interrupt>(&*message);
       if (packet && packet->channel == payload::kJointChannel)
-        if (const auto command = payload::decode_joint_command(packet->data)) joint.obey(*command);
-      if (interrupt && interrupt->action == Interrupt::Action::stop) joint.stopped_ns = stamp_now();
+        if (const auto command = payload::decode_joint_command(packet->data))
+          joint.obey(*command, port.stamp().count());
+      if (interrupt && interrupt->action == Interrupt::Action::stop) joint.stopped_ns = port.stamp().count();
     }
-    if (steady_clock::now() < due) continue;
+    if (port.now() < due) continue;
     due += kPeriod;
-    if (const auto bytes = joint.next_state()) port.send(0, *bytes, 0, payload::kJointChannel);
+    if (const auto bytes = joint.next_state(port.stamp().count())) port.send(0, *bytes, 0, payload::kJointChannel);
   }
 } catch (const HostPortError& problem) {
   std::cerr << "joint_cpu: " << problem.what() << std::endl;

@@ -73,6 +73,7 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   const config::NodeConfig& node = bridge_node(parameters.ring, text_parameter(own, "node"));
   parameters.daemon.node = node.name;
   parameters.daemon.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
+  parameters.daemon.lockstep = false;  // its threads wait elsewhere too
   parameters.daemon.alive_period = kAlivePeriod;
   parameters.daemon.restarted_by_owner = own.param("respawn", false);
   parameters.daemon.timeout = std::chrono::milliseconds(0);

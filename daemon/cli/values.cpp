@@ -51,6 +51,16 @@ CLI::Validator real(double least, double most) {
       "");
 }
 
+CLI::Validator pace() {
+  return CLI::Validator(
+      [number = real(0.001, 1000)](std::string& text) -> std::string {
+        const std::string wrong = text == "max" ? "" : number(text);
+        if (text == "max") text = "inf";
+        return wrong.empty() ? "" : wrong + ", or max";
+      },
+      "");
+}
+
 CLI::Validator seconds(double least, double most) {
   const std::string allowed = "a time, " + range(config::format_real(least), config::format_real(most)) +
                               " s: 500ms, 2s, or a number of seconds";

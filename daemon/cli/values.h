@@ -17,6 +17,8 @@ CLI::Validator whole(std::int64_t least, std::int64_t most);
 CLI::Validator real(double least, double most);
 /// A time for an option that holds seconds: 5ms, 2s; a plain number is seconds. In seconds.
 CLI::Validator seconds(double least, double most);
+/// Time of a virtual clock per real time: a number, or max, which is infinite.
+CLI::Validator pace();
 /// One of these words.
 CLI::Validator one_of(std::vector<std::string> words);
 ///@}

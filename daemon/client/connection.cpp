@@ -22,22 +22,26 @@ Connection::Connection(UnixSocket socket, const ConnectOptions& options)
       role_(options.role),
       restarted_by_owner_(options.restarted_by_owner),
       results_may_wait_(options.results_may_wait),
+      lockstep_(options.lockstep && options.role == Role::cpu),
       alive_period_(std::clamp(options.alive_period, Milliseconds{0}, kMaxAlivePeriod)),
-      last_written_(Clock::now()) {}
+      last_written_(now()) {}
 
 Connection::Handshake Connection::greet(const std::string& wanted_ring, Clock::time_point deadline) {
   Greeting greeting;
   greeting.role = role_;
   greeting.restarted_by_owner = restarted_by_owner_;
   greeting.results_may_wait = results_may_wait_;
+  greeting.lockstep = lockstep_;
   greeting.pid = static_cast<std::uint32_t>(::getpid());
   greeting.alive_period = alive_period_;
   greeting.ring = wanted_ring;
   send(greeting);
-  for (read(); connected_ && !welcome_ && Clock::now() < deadline; read()) wait_readable(deadline);
+  for (read(); connected_ && !welcome_ && Clock::now() < deadline; read()) socket_.wait(POLLIN, deadline);
   if (!connected_) return reason_ == kDaemonGone ? Handshake::closed : Handshake::refused;
   if (!welcome_) return Handshake::timed_out;
   if (role_ == Role::cpu) send(Credit{kPacketWindow});
+  if (clock_ == ClockKind::lockstep) await_turn();  // its boot takes the ring's time
+  if (!connected_) return Handshake::refused;
   return Handshake::welcome;
 }
 
@@ -69,7 +73,7 @@ void Connection::flush() {
     wait_to_write(deadline);
   }
   out_.clear();
-  if (alive_period_.count() > 0) last_written_ = Clock::now();
+  if (alive_period_.count() > 0) last_written_ = now();
 }
 
 /// Reads meanwhile: a daemon that waits for us to read must not wait for ever.
@@ -79,12 +83,32 @@ void Connection::wait_to_write(Clock::time_point deadline) {
   if ((events & POLLIN) != 0) read();
 }
 
-void Connection::wait_readable(Clock::time_point deadline) {
-  if (connected_) socket_.wait(POLLIN, deadline);
+void Connection::wait_until(std::chrono::nanoseconds until) {
+  if (!connected_) return;
+  if (clock_ != ClockKind::lockstep) {
+    socket_.wait(POLLIN, Clock::time_point(until));
+    return;
+  }
+  send(Waiting{until});
+  my_turn_ = false;
+  await_turn();
+}
+
+void Connection::sleep_until(std::chrono::nanoseconds time) {
+  for (read(); connected_ && now() < time; read()) wait_until(time);
+}
+
+// For as long as it takes: other programs may be debugged.
+void Connection::await_turn() {
+  for (read(); connected_ && !my_turn_; read()) socket_.wait(POLLIN, Clock::time_point::max());
+}
+
+std::chrono::nanoseconds Connection::now() const {
+  return clock_ == ClockKind::lockstep ? turn_at_ : std::chrono::nanoseconds(Clock::now().time_since_epoch());
 }
 
 void Connection::read() {
-  if (!connected_) return;
+  if (!connected_ || (clock_ == ClockKind::lockstep && my_turn_)) return;
   if (inbox_.full()) return lose(kUnreceived);
   const auto status = socket_.read(in_);
   take_frames();
@@ -108,6 +132,13 @@ void Connection::on(const Welcome& welcome) {
   id = welcome.id;
   name = std::string(welcome.name);
   ring = std::string(welcome.ring);
+  clock_ = welcome.clock;
+  if (clock_ == ClockKind::lockstep) my_turn_ = false;
+}
+
+void Connection::on(const Turn& turn) {
+  my_turn_ = true;
+  turn_at_ = turn.now;
 }
 
 void Connection::on(const Refused& refused) { lose(std::string(refused.reason)); }
@@ -142,7 +173,7 @@ std::optional<Message> Connection::take() {
 
 void Connection::stay_alive() {
   if (!connected_ || alive_period_.count() == 0) return;
-  if (Clock::now() - last_written_ >= alive_period_ / 4) send(Alive{});
+  if (now() - last_written_ >= alive_period_ / 4) send(Alive{});
 }
 
 }  // namespace limb_ring::client

@@ -42,7 +42,13 @@ class Connection {
 
   /// Reads what has come into the inbox, at most 64 kB.
   void read();
-  void wait_readable(Clock::time_point deadline);
+  /// Waits until something can be read, or until `until` by now().
+  void wait_until(std::chrono::nanoseconds until);
+  /// Reads until now() is that.
+  void sleep_until(std::chrono::nanoseconds time);
+  /// The clock of what waits here: the ring's in lockstep, else the machine's.
+  std::chrono::nanoseconds now() const;
+  ClockKind clock() const { return clock_; }
   std::optional<Message> take();
   /// Says that the CPU is alive where it has said nothing for a while.
   void stay_alive();
@@ -59,6 +65,7 @@ class Connection {
   std::string ring;
 
  private:
+  void await_turn();
   void flush();
   void wait_to_write(Clock::time_point deadline);
   void take_frames();
@@ -66,6 +73,7 @@ class Connection {
 
   void on(const Welcome& welcome);
   void on(const Refused& refused);
+  void on(const Turn& turn);
   void on(const PacketView& packet);
   void on(Result result);
   void on(Reply reply);
@@ -78,6 +86,7 @@ class Connection {
   Role role_;
   bool restarted_by_owner_;
   bool results_may_wait_;
+  bool lockstep_;
   std::chrono::milliseconds alive_period_;
   StreamBuffer in_;
   Bytes out_;
@@ -87,7 +96,10 @@ class Connection {
   bool welcome_ = false;
   std::string reason_;
   std::uint16_t credit_owed_ = 0;
-  Clock::time_point last_written_;
+  ClockKind clock_ = ClockKind::machine;
+  bool my_turn_ = true;  ///< in lockstep: nothing comes until it has ended
+  std::chrono::nanoseconds turn_at_{0};
+  std::chrono::nanoseconds last_written_{0};  ///< by now()
 };
 
 }  // namespace limb_ring::client

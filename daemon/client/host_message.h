@@ -16,7 +16,7 @@ namespace limb_ring::client {
 /// data of a decoded message point into the frame it was read from.
 
 /// Changes whenever a message changes: both sides come from one build as a rule.
-constexpr std::uint16_t kHostPortVersion = 2;
+constexpr std::uint16_t kHostPortVersion = 3;
 /// Follows a frame's size and type: the first bytes of another protocol are hardly these.
 constexpr std::uint32_t kGreetingMagic = 0x4C524850;  // "LRHP"
 
@@ -27,6 +27,7 @@ struct Greeting {
   Role role = Role::tool;
   bool restarted_by_owner = false;
   bool results_may_wait = false;
+  bool lockstep = false;  ///< a virtual clock is to wait for it
   std::uint32_t pid = 0;  ///< informative; the daemon goes by what the kernel says
   std::chrono::milliseconds alive_period{0};
   std::string_view ring;
@@ -74,14 +75,34 @@ struct Credit {
   std::uint16_t count = 0;
 };
 
-using ToDaemon =
-    std::variant<Greeting, SendRequest, InterruptRequest, PullRequest, JsonRequest, ObserveRequest, Alive, Credit>;
+/// | time 64, ns |  A client in lockstep ends its turn: all that it sends in it has been sent, and it does nothing more
+/// until that time of the ring's clock, or until something has come for it.
+struct Waiting {
+  std::chrono::nanoseconds until{0};
+};
 
-/// Answer to a greeting.  | id 8 | name, text | ring, text |
+using ToDaemon = std::variant<Greeting, SendRequest, InterruptRequest, PullRequest, JsonRequest, ObserveRequest, Alive,
+                              Credit, Waiting>;
+
+/// Whose time it is at a node.
+enum class ClockKind : std::uint8_t {
+  machine,
+  ring,     ///< a virtual ring's, which does not wait for this client
+  lockstep  ///< ... which does: the client acts in its turns alone, and is sent something at their beginning alone
+};
+
+/// Answer to a greeting.  | id 8 | name, text | ring, text | clock 8 |
 struct Welcome {
   std::uint8_t id = 0;
   std::string_view name;
   std::string_view ring;
+  ClockKind clock = ClockKind::machine;
+};
+
+/// | time 64, ns |  It is the turn of a client in lockstep, and that time of the ring's clock: all that is for it by
+/// now has been sent.
+struct Turn {
+  std::chrono::nanoseconds now{0};
 };
 
 /// The daemon closes the connection.  | reason |
@@ -113,9 +134,9 @@ struct CapturedView {
 /// limb_ring::Observed      | JSON |
 /// limb_ring::ObservedLost  | count 64 |
 /// limb_ring::CaptureCounts | seen 64 | filtered 64 | sampled out 64 | limited 64 | lost 64 | given 64 |
-using ToClient =
-    std::variant<Welcome, Refused, PacketView, limb_ring::Interrupt, limb_ring::Result, limb_ring::Reply,
-                 limb_ring::Observed, limb_ring::ObservedLost, limb_ring::CapturedPacket, limb_ring::CaptureCounts>;
+using ToClient = std::variant<Welcome, Refused, PacketView, limb_ring::Interrupt, limb_ring::Result, limb_ring::Reply,
+                              limb_ring::Observed, limb_ring::ObservedLost, limb_ring::CapturedPacket,
+                              limb_ring::CaptureCounts, Turn>;
 
 void append(Bytes& out, const Greeting& message);
 void append(Bytes& out, const SendRequest& message);
@@ -125,6 +146,7 @@ void append(Bytes& out, const JsonRequest& message);
 void append(Bytes& out, const ObserveRequest& message);
 void append(Bytes& out, const Alive& message);
 void append(Bytes& out, const Credit& message);
+void append(Bytes& out, const Waiting& message);
 
 void append(Bytes& out, const Welcome& message);
 void append(Bytes& out, const Refused& message);
@@ -136,6 +158,7 @@ void append(Bytes& out, const limb_ring::Observed& message);
 void append(Bytes& out, const limb_ring::ObservedLost& message);
 void append(Bytes& out, const CapturedView& message);
 void append(Bytes& out, const limb_ring::CaptureCounts& message);
+void append(Bytes& out, const Turn& message);
 
 /// Nothing where the frame is none of that direction, too short, too long, or holds a value that
 /// its field may not have, or for a client JSON that is nested too deep. JSON for the daemon, destinations, priorities

@@ -1,6 +1,9 @@
 #include "limb_ring/host_port.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <string_view>
+#include <thread>
 
 #include "client/arguments.h"
 #include "client/connection.h"
@@ -15,9 +18,13 @@ using client::Pending;
 namespace {
 
 constexpr std::chrono::hours kLongest{24 * 365};
+/// A virtual clock that does not wait for us is asked so often, and answers within that.
+constexpr std::chrono::milliseconds kPoll{1};
+constexpr std::chrono::seconds kClockAnswer{5};
+constexpr std::string_view kNow = "\"now_ns\":";
 
-Clock::time_point deadline_in(std::chrono::milliseconds timeout) {
-  return Clock::now() + std::min<std::chrono::milliseconds>(timeout, kLongest);
+std::chrono::nanoseconds at_most_longest(std::chrono::nanoseconds timeout) {
+  return std::min<std::chrono::nanoseconds>(timeout, kLongest);
 }
 
 }  // namespace
@@ -35,16 +42,40 @@ struct HostPort::Impl {
 
   /// Reads until `taken` gives something or the time is over. What else comes stays in the inbox.
   template <typename Taken>
-  auto read_until(Taken taken, Clock::time_point deadline) {
+  auto read_until(Taken taken, std::chrono::nanoseconds deadline) {
     for (;;) {
       connection.read();
       auto got = taken();
-      if (got || !connection.connected() || Clock::now() >= deadline) return got;
-      connection.wait_readable(deadline);
+      if (got || !connection.connected() || connection.now() >= deadline) return got;
+      connection.wait_until(deadline);
     }
   }
 
+  /// What does not take part in a virtual ring has to ask what time it is there.
+  std::chrono::nanoseconds now() {
+    if (connection.clock() != client::ClockKind::ring) return connection.now();
+    const std::uint32_t token = request(R"({"do": "clock"})");
+    const auto reply =
+        read_until([&] { return connection.inbox().take_reply(token); }, connection.now() + kClockAnswer);
+    const std::string answer = reply ? reply->json : "";
+    const std::size_t number = answer.find(kNow);
+    if (number != std::string::npos)
+      last_told = std::chrono::nanoseconds(std::strtoll(answer.c_str() + number + kNow.size(), nullptr, 10));
+    return last_told;
+  }
+
+  std::uint32_t request(const std::string& json) {
+    const std::uint32_t token = connection.begin(Pending::Ends::with_reply);
+    connection.send(client::JsonRequest{token, json});
+    return token;
+  }
+
+  std::chrono::nanoseconds deadline_in(std::chrono::nanoseconds timeout) const {
+    return connection.now() + at_most_longest(timeout);
+  }
+
   client::Connection connection;
+  std::chrono::nanoseconds last_told{0};  ///< by a clock that does not wait for us
 };
 
 // The values are those of the wire's, which a public header cannot include.
@@ -56,7 +87,7 @@ HostPort& HostPort::operator=(HostPort&&) noexcept = default;
 HostPort::~HostPort() = default;
 
 HostPort HostPort::connect(const ConnectOptions& options) {
-  const auto deadline = deadline_in(options.timeout);
+  const auto deadline = Clock::now() + at_most_longest(options.timeout);
   return HostPort(std::make_unique<Impl>(client::open_connection(options, deadline)));
 }
 
@@ -103,13 +134,26 @@ void HostPort::observe(const std::string& json_filter) {
 
 void HostPort::alive() { impl_->connection.send(client::Alive{}); }
 
-std::optional<Message> HostPort::receive(std::chrono::milliseconds timeout) {
+std::chrono::nanoseconds HostPort::now() const { return impl_->now(); }
+
+std::chrono::nanoseconds HostPort::stamp() const {
+  if (impl_->connection.clock() != client::ClockKind::machine) return impl_->now();
+  return std::chrono::system_clock::now().time_since_epoch();
+}
+
+void HostPort::sleep_until(std::chrono::nanoseconds time) {
   impl_->connection.stay_alive();
-  return impl_->read_until([this] { return impl_->connection.take(); }, deadline_in(timeout));
+  if (impl_->connection.clock() != client::ClockKind::ring) return impl_->connection.sleep_until(time);
+  while (connected() && impl_->now() < time) std::this_thread::sleep_for(kPoll);
+}
+
+std::optional<Message> HostPort::receive(std::chrono::nanoseconds timeout) {
+  impl_->connection.stay_alive();
+  return impl_->read_until([this] { return impl_->connection.take(); }, impl_->deadline_in(timeout));
 }
 
 std::string HostPort::ask(const std::string& json, std::chrono::milliseconds timeout) {
-  const auto deadline = deadline_in(timeout);
+  const auto deadline = impl_->deadline_in(timeout);
   const std::uint32_t token = request(json);
   client::Inbox& inbox = impl_->connection.inbox();
   const auto reply = impl_->read_until([&] { return inbox.take_reply(token); }, deadline);
@@ -125,7 +169,7 @@ std::string HostPort::ask(const std::string& json, std::chrono::milliseconds tim
 Result HostPort::wait(std::uint32_t token, std::chrono::milliseconds timeout) {
   impl_->connection.stay_alive();
   client::Inbox& inbox = impl_->connection.inbox();
-  const auto result = impl_->read_until([&] { return inbox.take_result(token); }, deadline_in(timeout));
+  const auto result = impl_->read_until([&] { return inbox.take_result(token); }, impl_->deadline_in(timeout));
   if (result) return *result;
   if (!impl_->connection.outstanding(token)) {
     throw HostPortError("token " + std::to_string(token) + ": no result is outstanding (was it received already?)");

@@ -19,7 +19,8 @@ enum ToClientType : std::uint8_t {
   kObserved,
   kObservedLost,
   kCaptured,
-  kCaptureCounts
+  kCaptureCounts,
+  kTurn
 };
 
 constexpr std::uint8_t kLastPriority = 3;
@@ -35,7 +36,9 @@ std::optional<ToClient> read_welcome(FieldReader reader) {
   message.id = reader.u8();
   message.name = reader.text();
   message.ring = reader.text();
-  if (!reader.complete()) return std::nullopt;
+  const std::uint8_t clock = reader.u8();
+  message.clock = static_cast<ClockKind>(clock);
+  if (!reader.complete() || clock > static_cast<std::uint8_t>(ClockKind::lockstep)) return std::nullopt;
   return message;
 }
 
@@ -118,10 +121,20 @@ std::optional<ToClient> read_capture_counts(FieldReader reader) {
   return message;
 }
 
+std::optional<ToClient> read_turn(FieldReader reader) {
+  const Turn message{std::chrono::nanoseconds{static_cast<std::int64_t>(reader.u64())}};
+  if (!reader.complete()) return std::nullopt;
+  return message;
+}
+
 }  // namespace
 
 void append(Bytes& out, const Welcome& message) {
-  FrameWriter(out, kWelcome).u8(message.id).text(message.name).text(message.ring);
+  FrameWriter(out, kWelcome)
+      .u8(message.id)
+      .text(message.name)
+      .text(message.ring)
+      .u8(static_cast<std::uint8_t>(message.clock));
 }
 
 void append(Bytes& out, const Refused& message) { FrameWriter(out, kRefused).rest(message.reason); }
@@ -172,6 +185,10 @@ void append(Bytes& out, const limb_ring::CaptureCounts& message) {
   for (const auto count : kCounts) frame.u64(message.*count);
 }
 
+void append(Bytes& out, const Turn& message) {
+  FrameWriter(out, kTurn).u64(static_cast<std::uint64_t>(message.now.count()));
+}
+
 std::optional<ToClient> decode_to_client(const Frame& frame) {
   FieldReader reader(frame.body);
   switch (frame.type) {
@@ -195,6 +212,8 @@ std::optional<ToClient> decode_to_client(const Frame& frame) {
       return read_captured(reader);
     case kCaptureCounts:
       return read_capture_counts(reader);
+    case kTurn:
+      return read_turn(reader);
     default:
       return std::nullopt;
   }

@@ -12,10 +12,11 @@ enum ToDaemonType : std::uint8_t {
   kRequest,
   kObserve,
   kAlive,
-  kCredit
+  kCredit,
+  kWaiting
 };
 
-constexpr std::uint8_t kRestartedByOwner = 1, kResultsMayWait = 2;
+constexpr std::uint8_t kRestartedByOwner = 1, kResultsMayWait = 2, kLockstep = 4;
 
 std::optional<ToDaemon> read_greeting(FieldReader reader) {
   Greeting message;
@@ -26,6 +27,7 @@ std::optional<ToDaemon> read_greeting(FieldReader reader) {
   const std::uint8_t flags = reader.u8();
   message.restarted_by_owner = (flags & kRestartedByOwner) != 0;
   message.results_may_wait = (flags & kResultsMayWait) != 0;
+  message.lockstep = (flags & kLockstep) != 0;
   message.pid = reader.u32();
   message.alive_period = std::chrono::milliseconds{reader.u32()};
   message.ring = reader.text();
@@ -79,6 +81,12 @@ std::optional<ToDaemon> read_credit(FieldReader reader) {
   return message;
 }
 
+std::optional<ToDaemon> read_waiting(FieldReader reader) {
+  const Waiting message{std::chrono::nanoseconds{static_cast<std::int64_t>(reader.u64())}};
+  if (!reader.complete()) return std::nullopt;
+  return message;
+}
+
 std::optional<ToDaemon> read_alive(FieldReader reader) {
   if (!reader.complete()) return std::nullopt;
   return Alive{};
@@ -87,8 +95,8 @@ std::optional<ToDaemon> read_alive(FieldReader reader) {
 }  // namespace
 
 void append(Bytes& out, const Greeting& message) {
-  const int flags =
-      (message.restarted_by_owner ? kRestartedByOwner : 0) | (message.results_may_wait ? kResultsMayWait : 0);
+  const int flags = (message.restarted_by_owner ? kRestartedByOwner : 0) |
+                    (message.results_may_wait ? kResultsMayWait : 0) | (message.lockstep ? kLockstep : 0);
   FrameWriter(out, kGreeting)
       .u32(kGreetingMagic)
       .u16(message.version)
@@ -128,6 +136,10 @@ void append(Bytes& out, const Alive&) { FrameWriter(out, kAlive); }
 
 void append(Bytes& out, const Credit& message) { FrameWriter(out, kCredit).u16(message.count); }
 
+void append(Bytes& out, const Waiting& message) {
+  FrameWriter(out, kWaiting).u64(static_cast<std::uint64_t>(message.until.count()));
+}
+
 std::optional<ToDaemon> decode_to_daemon(const Frame& frame) {
   FieldReader reader(frame.body);
   switch (frame.type) {
@@ -147,6 +159,8 @@ std::optional<ToDaemon> decode_to_daemon(const Frame& frame) {
       return read_alive(reader);
     case kCredit:
       return read_credit(reader);
+    case kWaiting:
+      return read_waiting(reader);
     default:
       return std::nullopt;
   }

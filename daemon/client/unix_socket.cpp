@@ -16,11 +16,12 @@ namespace {
 constexpr std::size_t kReadSize = 64 * 1024;
 using Clock = std::chrono::steady_clock;
 
-/// Whole milliseconds up to `deadline`, rounded up so that a wait never spins at its end.
-int left_ms(Clock::time_point deadline) {
-  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-  const auto most = std::chrono::milliseconds{1000 * 1000};
-  return static_cast<int>(std::clamp(left, std::chrono::milliseconds{0}, most).count());
+/// Up to `deadline`, a thousand seconds at most.
+timespec left_until(Clock::time_point deadline) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::chrono::nanoseconds left = deadline - Clock::now();
+  const std::int64_t ns = std::clamp<std::int64_t>(left.count(), 0, 1000 * kSecond);
+  return {static_cast<time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
 }
 
 UnixSocket::Status status_of_errno() {
@@ -87,7 +88,8 @@ UnixSocket::Status UnixSocket::write(wire::ByteView out, std::size_t& written) {
 short UnixSocket::wait(short events, Clock::time_point deadline) const {
   for (;;) {
     pollfd entry{fd_, events, 0};
-    const int ready = ::poll(&entry, 1, left_ms(deadline));
+    const timespec left = left_until(deadline);
+    const int ready = ::ppoll(&entry, 1, &left, nullptr);
     if (ready > 0) {
       const bool broken = (entry.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0;
       return broken ? events : static_cast<short>(entry.revents & events);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 
 #include <unistd.h>
 
@@ -14,28 +13,23 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int kMessagesPerTurn = 64;  // then the joints are due again, however many wait
-
-nanoseconds read_clock(clockid_t clock) {
-  timespec time{};
-  clock_gettime(clock, &time);
-  return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
-}
+constexpr milliseconds kSignalSeen{100};
 
 /// One run of the CPU: what a turn of the loop needs.
 class Run {
  public:
   Run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after)
       : port_(port), cpu_(cpu), speak_every_(alive_period / 4) {
-    if (hang_after) hang_at_ = read_clocks().monotonic + *hang_after;
+    if (hang_after) hang_at_ = port_.now() + *hang_after;
   }
 
   int loop() {
     while (!exit_code_ && !stop_requested()) {
-      cpu_.advance(read_clocks());  // so that a command does not act on the time before it came
+      cpu_.advance(read_clocks(port_));  // so that a command does not act on the time before it came
       take_messages();
       if (exit_code_) break;
       say_whether_stopped();
-      cpu_.advance(read_clocks());
+      cpu_.advance(read_clocks(port_));
       send();
       obey();
       if (!exit_code_) wait();
@@ -45,19 +39,16 @@ class Run {
 
  private:
   void take_messages() {
-    more_waiting_ = true;
     for (int i = 0; i < kMessagesPerTurn && !exit_code_; ++i) {
-      const auto message = port_.receive(milliseconds(0));
-      if (!message) {
-        more_waiting_ = false;
-        return;
-      }
-      std::visit([this](const auto& content) { take(content); }, *message);
+      if (!message_) message_ = port_.receive(nanoseconds(0));
+      if (!message_) return;
+      std::visit([this](const auto& content) { take(content); }, *message_);
+      message_.reset();
     }
   }
 
-  void take(const Packet& packet) { cpu_.receive(packet, read_clocks()); }
-  void take(const Interrupt& interrupt) { cpu_.receive(interrupt, read_clocks()); }
+  void take(const Packet& packet) { cpu_.receive(packet, read_clocks(port_)); }
+  void take(const Interrupt& interrupt) { cpu_.receive(interrupt, read_clocks(port_)); }
   void take(const Result& result) { cpu_.receive(result); }
   void take(const Disconnected& end) {
     std::fprintf(stderr, "limb_firmware %s: the daemon is gone: %s\n", port_.name().c_str(), end.reason.c_str());
@@ -80,14 +71,14 @@ class Run {
   void send() {
     const auto outgoing = cpu_.take_outgoing();
     for (const auto& packet : outgoing) port_.send(packet.destination, packet.data, packet.priority, packet.channel);
-    const auto now = read_clocks().monotonic;
+    const auto now = port_.now();
     if (outgoing.empty() && now >= speak_at_) port_.alive();
     if (!outgoing.empty() || now >= speak_at_) speak_at_ = now + speak_every_;
   }
 
   void obey() {
     const auto& order = cpu_.fault_command();
-    const bool overdue = hang_at_ && read_clocks().monotonic >= *hang_at_;
+    const bool overdue = hang_at_ && port_.now() >= *hang_at_;
     if (overdue || (order && order->kind == FaultCommand::Kind::hang)) {
       std::fprintf(stderr, "limb_firmware %s: hangs on purpose (pid %d)\n", port_.name().c_str(),
                    static_cast<int>(getpid()));
@@ -98,12 +89,13 @@ class Run {
     exit_code_ = order->code;
   }
 
-  void wait() const {
-    if (more_waiting_) return;
-    nanoseconds until = speak_at_;
+  /// A stop signal is seen kSignalSeen later at the latest.
+  void wait() {
+    const nanoseconds now = port_.now();
+    nanoseconds until = std::min(speak_at_, now + kSignalSeen);
     if (const auto due = cpu_.due()) until = std::min(until, *due);
     if (hang_at_) until = std::min(until, *hang_at_);
-    wait_readable(port_.fd(), until - read_clocks().monotonic);
+    message_ = port_.receive(std::max(until - now, nanoseconds(0)));
   }
 
   HostPort& port_;
@@ -112,13 +104,13 @@ class Run {
   std::optional<nanoseconds> hang_at_;
   std::optional<int> exit_code_;
   nanoseconds speak_at_{0};
-  bool more_waiting_ = false;
+  std::optional<Message> message_;  ///< that has ended the wait
   bool said_stopped_ = false;
 };
 
 }  // namespace
 
-Timestamps read_clocks() { return {read_clock(CLOCK_MONOTONIC), read_clock(CLOCK_REALTIME).count()}; }
+Timestamps read_clocks(const HostPort& port) { return {port.now(), port.stamp().count()}; }
 
 int run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after) {
   return Run(port, cpu, alive_period, hang_after).loop();

@@ -8,7 +8,8 @@
 
 namespace limb_ring::firmware {
 
-Timestamps read_clocks();
+/// Of the ring.
+Timestamps read_clocks(const HostPort& port);
 
 /// Runs the CPU on its host port until a stop signal, an order, or the end of the connection. The
 /// daemon hears from it four times per `alive_period`, however idle it is.

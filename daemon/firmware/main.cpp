@@ -29,7 +29,7 @@ int run_cpu(const firmware::Options& options) {
   const auto setup = firmware::make_setup(options);
   HostPort port = connect(options, setup);
   firmware::catch_stop_signals();
-  firmware::NodeCpu cpu(setup.cpu, firmware::read_clocks());
+  firmware::NodeCpu cpu(setup.cpu, firmware::read_clocks(port));
   const int code = firmware::run(port, cpu, setup.alive_period, options.hang_after);
   std::fprintf(stderr, "limb_firmware %s: %s\n", port.name().c_str(), cpu.summary().c_str());
   return code;

@@ -20,6 +20,7 @@ struct ClientInfo {
   pid_t pid = 0;  ///< by the kernel's word, not the client's
   bool restarted_by_owner = false;
   bool results_may_wait = false;
+  bool lockstep = false;                      ///< it acts in its turns alone
   std::chrono::milliseconds alive_period{0};  ///< 0: no promise
 };
 

@@ -6,14 +6,23 @@
 
 namespace limb_ring::host {
 
+using client::ClockKind;
+
 namespace {
 
 /// A CPU asks for a few packets at a time; one that asks for more gets this many.
 constexpr unsigned kMaxCredit = 64;
 
+bool changes_something(const client::ToDaemon& message) {
+  return std::holds_alternative<client::SendRequest>(message) ||
+         std::holds_alternative<client::InterruptRequest>(message) ||
+         std::holds_alternative<client::PullRequest>(message);
+}
+
 }  // namespace
 
 void HostServer::on_message(Session& session, const client::ToDaemon& message) {
+  if (options_.turns != nullptr && !session.info().lockstep && changes_something(message)) options_.turns->disturbed();
   if (session.attached()) handler_.on_alive(session.info().id);
   std::visit([&](const auto& kind) { on(session, kind); }, message);
 }
@@ -44,21 +53,48 @@ std::optional<std::string> HostServer::objection(const client::Greeting& greetin
 }
 
 void HostServer::on(Session& session, const client::Greeting& greeting) {
+  if (options_.turns != nullptr && greeting.lockstep && greeting.version == client::kHostPortVersion)
+    return attach_later(session, greeting);
+  if (attach(session, greeting)) session.put(welcome(options_.turns ? ClockKind::ring : ClockKind::machine));
+}
+
+client::Welcome HostServer::welcome(ClockKind clock) const {
+  return {options_.id, options_.name, options_.ring, clock};
+}
+
+void HostServer::attach_later(Session& session, const client::Greeting& greeting) {
+  session.greeted();
+  session.put(welcome(ClockKind::lockstep));
+  const auto attach_now = [this, alive = alive_, weak = session.weak_from_this(), greeting,
+                           ring = std::string(greeting.ring)] {
+    const SessionPtr session = weak.lock();
+    if (!*alive || !session || !session->open()) return;
+    client::Greeting own = greeting;
+    own.ring = ring;
+    attach(*session, own);
+  };
+  options_.turns->greeted(options_.id, attach_now);
+}
+
+bool HostServer::attach(Session& session, const client::Greeting& greeting) {
   free_cpu_slot_of_the_dead();
   ClientInfo info = session.info();
   info.role = greeting.role;
   info.restarted_by_owner = greeting.restarted_by_owner;
   info.results_may_wait = greeting.results_may_wait;
+  info.lockstep = options_.turns != nullptr && greeting.lockstep;
   info.alive_period = greeting.alive_period;
   if (const auto reason = objection(greeting, info)) {
     ++counters_.refused;
-    return disconnect(info.id, *reason);
+    disconnect(info.id, *reason);
+    return false;
   }
-  if (!session.open()) return;  // the handler has ended it
+  if (!session.open()) return false;  // the handler has ended it
   ++counters_.attached;
-  session.attach(info);
-  session.put(client::Welcome{options_.id, options_.name, options_.ring});
+  session.attach(info, options_.turns);
   if (greeting.role == Role::cpu) cpu_ = session.shared_from_this();
+  if (info.lockstep) options_.turns->joined(options_.id, session.shared_from_this());
+  return true;
 }
 
 bool HostServer::rejected(Session& session, std::uint32_t token, const std::optional<client::Problem>& problem) {
@@ -92,6 +128,8 @@ void HostServer::on(Session& session, const client::ObserveRequest& request) {
 }
 
 void HostServer::on(Session&, const client::Alive&) {}  // on_message() has told the handler
+
+void HostServer::on(Session& session, const client::Waiting& waiting) { session.end_turn(waiting.until); }
 
 void HostServer::on(Session& session, const client::Credit& credit) {
   if (&session != cpu_.get()) return;

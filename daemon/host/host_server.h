@@ -9,6 +9,7 @@
 #include "host/host_handler.h"
 #include "host/listener.h"
 #include "host/session.h"
+#include "host/turn_keeper.h"
 
 namespace limb_ring::host {
 
@@ -32,7 +33,8 @@ struct HostOptions {
   std::string ring;
   std::uint8_t id = 0;
   std::string name;
-  unsigned max_clients = 32;  ///< limits.clients
+  unsigned max_clients = 32;    ///< limits.clients
+  TurnKeeper* turns = nullptr;  ///< of a virtual clock; null: the machine's
 };
 
 /// The daemon's side of the host port: clients come and go, one of them may be the node's CPU.
@@ -91,6 +93,10 @@ class HostServer final : private SessionOwner {
   std::optional<std::string> objection(const client::Greeting& greeting, const ClientInfo& info);
 
   void on(Session& session, const client::Greeting& greeting);
+  void attach_later(Session& session, const client::Greeting& greeting);
+  /// @return false where it was refused
+  bool attach(Session& session, const client::Greeting& greeting);
+  client::Welcome welcome(client::ClockKind clock) const;
   void on(Session& session, const client::SendRequest& request);
   void on(Session& session, const client::InterruptRequest& request);
   void on(Session& session, const client::PullRequest& request);
@@ -98,6 +104,7 @@ class HostServer final : private SessionOwner {
   void on(Session& session, const client::ObserveRequest& request);
   void on(Session& session, const client::Alive& alive);
   void on(Session& session, const client::Credit& credit);
+  void on(Session& session, const client::Waiting& waiting);
   bool rejected(Session& session, std::uint32_t token, const std::optional<client::Problem>& problem);
   Session* find(ClientId client);
 

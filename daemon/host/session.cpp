@@ -54,10 +54,37 @@ void Session::wait_for_greeting() {
   });
 }
 
-void Session::attach(const ClientInfo& info) {
+void Session::greeted() {
+  greeted_ = true;
+  greeting_timer_.cancel();
+}
+
+void Session::attach(const ClientInfo& info, TurnKeeper* turns) {
   attached_ = true;
   info_ = info;
+  if (info.lockstep) turns_ = turns;
   greeting_timer_.cancel();
+}
+
+// ---- lockstep -----------------------------------------------------------------------------
+
+void Session::begin_turn(std::chrono::nanoseconds now) {
+  has_turn_ = true;
+  has_news_ = false;
+  client::append(out_, client::Turn{now});
+  if (!flush_under_way_) flush();
+}
+
+void Session::end_turn(std::chrono::nanoseconds until) {
+  has_turn_ = false;
+  // What has been gathered goes out with its next turn.
+  waits_until_ = queued() > 0 ? std::min(until, turns_->now() + kGatherResults) : until;
+}
+
+void Session::listen(std::chrono::milliseconds patience) {
+  const auto self = shared_from_this();  // the owner may let go of us in its call
+  pollfd entry{socket_.get(), POLLIN, 0};
+  if (open() && ::poll(&entry, 1, static_cast<int>(patience.count())) > 0) read();
 }
 
 void Session::on_ready(std::uint32_t events) {
@@ -79,14 +106,15 @@ void Session::read() {
 }
 
 void Session::take_frames() {
-  while (open()) {
+  while (open() && (attached_ || !greeted_)) {
     const client::FrameParse parse = client::parse_frame(in_.view(), client::kMaxSizeToDaemon);
     if (parse.status == client::FrameParse::Status::incomplete) return;
     const bool frame = parse.status == client::FrameParse::Status::frame;
     const auto message = frame ? client::decode_to_daemon(parse.frame) : std::nullopt;
     if (!message) return fail(SessionOwner::End::garbage);
     const bool greeting = std::holds_alternative<client::Greeting>(*message);
-    if (greeting == attached_) return fail(SessionOwner::End::garbage);
+    const bool ends_no_turn = std::holds_alternative<client::Waiting>(*message) && !has_turn_;
+    if (greeting == attached_ || ends_no_turn) return fail(SessionOwner::End::garbage);
     owner_->on_message(*this, *message);
     in_.used(parse.consumed);
   }
@@ -100,7 +128,9 @@ bool Session::keeps_limit() {
 
 void Session::put_result(const Result& result) {
   if (!info_.results_may_wait) return put(result);
-  if (append(result)) flush_within(kGatherResults);
+  if (!append(result)) return;
+  if (turns_ == nullptr) return flush_within(kGatherResults);
+  waits_until_ = std::min(waits_until_, turns_->now() + kGatherResults);
 }
 
 bool Session::put_observed(const Observed& observed) {
@@ -118,7 +148,7 @@ bool Session::put_captured(const client::CapturedView& packet) {
   if (!open()) return true;
   if (queued() + packet.packet.bytes.size > kMaxQueuedForCaptured) return false;
   client::append(out_, packet);
-  if (queued() < kCapturedLot) {
+  if (turns_ == nullptr && queued() < kCapturedLot) {
     flush_within(kGatherCaptured);
   } else {
     flush_soon();
@@ -131,7 +161,12 @@ void Session::tell_observed_lost() {
   if (lost > 0) put(ObservedLost{lost});
 }
 
+// A client in lockstep is sent it when its turn begins.
 void Session::flush_soon() {
+  if (turns_ != nullptr) {
+    has_news_ = true;
+    return turns_->has_news();
+  }
   if (std::exchange(flush_under_way_, true)) return;
   loop_.at_turn_end([self = shared_from_this()] { self->flush(); });
 }

@@ -10,6 +10,7 @@
 #include "client/stream_buffer.h"
 #include "event_loop/packet_loop.h"
 #include "host/host_handler.h"
+#include "host/turn_keeper.h"
 #include "process/unique_fd.h"
 
 namespace limb_ring::host {
@@ -50,8 +51,11 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(boost::asio::io_context& io, process::UniqueFd socket, ClientInfo info, SessionOwner& owner);
 
   void start();
+  /// It has greeted in time; what it says next waits until it is attached.
+  void greeted();
   /// The greeting was accepted: the client is what `info` says.
-  void attach(const ClientInfo& info);
+  /// @param turns of a client in lockstep
+  void attach(const ClientInfo& info, TurnKeeper* turns);
   /// Writes what can be written at once, `reason` last, and closes. The owner is not told.
   void end(const std::string& reason);
 
@@ -64,6 +68,19 @@ class Session : public std::enable_shared_from_this<Session> {
   /// @return false where it was left out
   bool put_observed(const Observed& observed);
   bool put_captured(const client::CapturedView& packet);
+
+  /// @name A client in lockstep: it is sent what is for it when its turn begins, and acts until it ends that
+  ///@{
+  /// In nanoseconds of the ring's clock.
+  void begin_turn(std::chrono::nanoseconds now);
+  void end_turn(std::chrono::nanoseconds until);
+  bool has_turn() const { return has_turn_; }
+  /// Something is there that it wants to know at once.
+  bool has_news() const { return has_news_; }
+  std::chrono::nanoseconds waits_until() const { return waits_until_; }
+  /// Waits in real time, for so long at most, until it says something, and takes that.
+  void listen(std::chrono::milliseconds patience);
+  ///@}
 
   bool open() const { return owner_ != nullptr; }
   bool attached() const { return attached_; }
@@ -109,6 +126,11 @@ class Session : public std::enable_shared_from_this<Session> {
   bool flush_under_way_ = false;
   std::chrono::milliseconds gathering_for_{0};  ///< the shortest time that gather_timer_ was set for; 0: it is not set
   std::uint64_t observed_lost_ = 0;
+  TurnKeeper* turns_ = nullptr;  ///< of a client in lockstep
+  bool greeted_ = false;         ///< and is not attached yet
+  bool has_turn_ = false;
+  bool has_news_ = false;
+  std::chrono::nanoseconds waits_until_ = std::chrono::nanoseconds::max();
   bool ending_ = false;  ///< the other end has gone; what it sent before is still to be read
   event_loop::Watch watch_;
 };

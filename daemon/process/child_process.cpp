@@ -41,16 +41,11 @@ void ChildProcess::kill() {
 void ChildProcess::start(const SpawnRequest& request, OnExit on_exit) {
   on_exit_ = std::move(on_exit);
   path_ = request.path;
-  started_ = steady_clock::now();
   child_ = spawn(request);
   if (child_.pid > 0)
     watch();
   else
     report_later(not_started("cannot fork: " + std::generic_category().message(child_.error)));
-}
-
-milliseconds ChildProcess::age() const {
-  return std::chrono::duration_cast<milliseconds>(steady_clock::now() - started_);
 }
 
 void ChildProcess::signal_group(int number) const {

@@ -34,7 +34,6 @@ class ChildProcess {
   /// Started, and its end not yet reported.
   bool running() const { return on_exit_ != nullptr; }
   pid_t pid() const { return child_.pid; }
-  std::chrono::milliseconds age() const;
   /// Signals the whole group; nothing happens where there is none.
   void signal_group(int number) const;
   /// Kills the group, and reaps the child if it goes within a second. Nothing is reported.
@@ -57,7 +56,6 @@ class ChildProcess {
   Spawned child_;
   std::string path_;
   OnExit on_exit_;
-  std::chrono::steady_clock::time_point started_;
   boost::asio::posix::stream_descriptor exited_;
   boost::asio::signal_set child_signals_;
   /// Ends with this object, so that a handler already queued does nothing.

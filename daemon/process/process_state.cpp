@@ -19,4 +19,11 @@ char process_state(pid_t pid) {
   return state_in(stat);
 }
 
+std::string program_of(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/comm");
+  std::string name;
+  std::getline(file, name);
+  return name;
+}
+
 }  // namespace limb_ring::process

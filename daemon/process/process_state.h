@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <iosfwd>
+#include <string>
 
 namespace limb_ring::process {
 
@@ -11,6 +12,9 @@ namespace limb_ring::process {
 char process_state(pid_t pid);
 /// The same, out of an open /proc/PID/stat; 0 where the process has gone since that was opened.
 char state_in(std::istream& stat);
+
+/// Name of the program that it runs, as /proc has it; empty where there is none.
+std::string program_of(pid_t pid);
 
 inline bool is_stopped(pid_t pid) { return process_state(pid) == 'T'; }
 inline bool is_gone(pid_t pid) {

@@ -23,8 +23,8 @@ fault::RingNodes fault_nodes(const config::RingConfig& ring) {
 }
 
 host::HostOptions host_options(const config::RingConfig& ring, const config::NodeConfig& node,
-                               const std::string& directory) {
-  return {directory, ring.ring, node.id, node.name, ring.limits.clients};
+                               const std::string& directory, host::TurnKeeper* turns) {
+  return {directory, ring.ring, node.id, node.name, ring.limits.clients, turns};
 }
 
 }  // namespace
@@ -38,10 +38,14 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       router_({config, base.log_prefix, reasons_, engine_, host_, folder_, cpu_, pins_, traffic_, interrupts_, faults_,
                round_trips_, observers_}),
       calls_({ring, engine_, host_, cpu_, requests_, observers_, packet_observers_}),
-      host_(io, host_options(ring, config, folder_.path()), calls_),
+      host_(io, host_options(ring, config, folder_.path(), base.turns), calls_),
       observers_(host_, engine_.clock()),
       packet_observers_(wire::NodeId{config.id}, engine_, host_),
-      cpu_(io, cpu_options(ring, config, base), engine_, host_, [this] { router_.on_cpu_changed(); }),
+      cpu_(io, cpu_options(ring, config, base), engine_, host_,
+           [this, tell = base.on_cpu_changed] {
+             router_.on_cpu_changed();
+             if (tell) tell(cpu_.status());
+           }),
       pins_(config.pins, cpu_),
       traffic_(engine_),
       sightings_(ring, config, engine_, cpu_),

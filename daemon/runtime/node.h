@@ -36,7 +36,10 @@ struct NodeBase {
   /// Starts this process anew, as if the node's power went off and on; null: that cannot be done.
   std::function<void()> start_anew;
   std::optional<cpu_set_t> cpu_cores;  ///< for the CPU's processes; empty: as this one
-  std::string log_prefix;              ///< of what is logged of this node alone
+  host::TurnKeeper* turns = nullptr;   ///< of a virtual clock
+  /// The CPU's state, pid or boots have changed; may be empty.
+  std::function<void(const CpuStatus&)> on_cpu_changed;
+  std::string log_prefix;  ///< of what is logged of this node alone
 };
 
 /// One node of a ring, complete: builds its parts, hands each what it needs, starts and stops them. What clients call

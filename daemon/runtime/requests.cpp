@@ -26,10 +26,10 @@ std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std:
 void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer) {
   using Handler = void (Requests::*)(const Json&, const Answer&);
   using FaultHandler = void (*)(const FaultTargets&, const Json&, const Answer&);
-  static const std::map<std::string, Handler> handlers{{"config", &Requests::config},     {"latch", &Requests::latch},
-                                                       {"ping", &Requests::ping},         {"reset", &Requests::reset},
-                                                       {"shutdown", &Requests::shutdown}, {"status", &Requests::status},
-                                                       {"stop", &Requests::stop},         {"sync", &Requests::sync}};
+  static const std::map<std::string, Handler> handlers{
+      {"clock", &Requests::clock},   {"config", &Requests::config}, {"latch", &Requests::latch},
+      {"ping", &Requests::ping},     {"reset", &Requests::reset},   {"shutdown", &Requests::shutdown},
+      {"status", &Requests::status}, {"stop", &Requests::stop},     {"sync", &Requests::sync}};
   static const std::map<std::string, FaultHandler> fault_handlers{
       {"clear_faults", clear_faults}, {"fault", begin_fault}, {"faults", list_faults}, {"remove_fault", remove_fault}};
   try {
@@ -42,12 +42,16 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
     const auto handler = handlers.find(request["do"].get<std::string>());
     if (handler == handlers.end())
       throw RequestError("no request '" + request["do"].get<std::string>() +
-                         "'; there are clear_faults, config, fault, faults, latch, ping, remove_fault, reset, "
+                         "'; there are clear_faults, clock, config, fault, faults, latch, ping, remove_fault, reset, "
                          "shutdown, status, stop, sync");
     (this->*handler->second)(request, answer);
   } catch (const std::exception& error) {
     answer({{"error", error.what()}});
   }
+}
+
+void Requests::clock(const Json&, const Answer& answer) {
+  answer({{"now_ns", to_.engine.clock().now().time_since_epoch().count()}});
 }
 
 void Requests::config(const Json&, const Answer& answer) {

@@ -40,6 +40,7 @@ class Requests {
 
  private:
   using Json = nlohmann::json;
+  void clock(const Json& request, const Answer& answer);
   void config(const Json& request, const Answer& answer);
   void latch(const Json& request, const Answer& answer);
   void ping(const Json& request, const Answer& answer);

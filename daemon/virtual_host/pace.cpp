@@ -16,6 +16,7 @@ core::Duration scaled(nanoseconds real, double factor) {
 }  // namespace
 
 core::Time Pace::allowed(Real now, core::Time reached) {
+  if (std::isinf(factor_)) return core::kNever;
   const Real due = when(reached);
   if (now - due > kMostBehind) {
     lost_ += now - due - kMostBehind;
@@ -26,6 +27,7 @@ core::Time Pace::allowed(Real now, core::Time reached) {
 }
 
 Pace::Real Pace::when(core::Time time) const {
+  if (std::isinf(factor_)) return Real::min();
   constexpr double kLongest = 1e18;  // ns, 31 years
   const double ns = static_cast<double>((time - virtual_).count()) / 1000 / factor_;
   return real_ + nanoseconds(static_cast<std::int64_t>(std::min(std::ceil(ns), kLongest)));

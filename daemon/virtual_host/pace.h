@@ -14,7 +14,7 @@ class Pace {
   using Real = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::milliseconds kMostBehind{100};
 
-  /// @param factor virtual per real time, > 0
+  /// @param factor virtual per real time, > 0; infinite: as fast as the machine and the programs are
   Pace(double factor, Real now) : factor_(factor), real_(now) {}
 
   double factor() const { return factor_; }

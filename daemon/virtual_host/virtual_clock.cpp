@@ -10,7 +10,8 @@ namespace {
 /// gone.
 class VirtualTimer final : public event_loop::Timer {
  public:
-  VirtualTimer(sim::VirtualRing& ring, std::function<void()> on_time) : ring_(ring), on_time_(std::move(on_time)) {}
+  VirtualTimer(sim::VirtualRing& ring, VirtualClock& clock, std::function<void()> on_time)
+      : ring_(ring), clock_(clock), on_time_(std::move(on_time)) {}
 
   void expires_at(Time when) override {
     const std::uint64_t turn = ++*turn_;
@@ -18,6 +19,7 @@ class VirtualTimer final : public event_loop::Timer {
     ring_.at(VirtualClock::ring_time(when), [this, turn, current = std::weak_ptr<std::uint64_t>(turn_)] {
       const auto alive = current.lock();
       if (!alive || *alive != turn) return;
+      clock_.on_expired();
       const auto call = on_time_;  // it may destroy this
       call();
     });
@@ -26,6 +28,7 @@ class VirtualTimer final : public event_loop::Timer {
 
  private:
   sim::VirtualRing& ring_;
+  VirtualClock& clock_;
   std::function<void()> on_time_;
   std::shared_ptr<std::uint64_t> turn_ = std::make_shared<std::uint64_t>(0);
 };
@@ -43,7 +46,7 @@ event_loop::NodeClock::Time VirtualClock::now() const {
 }
 
 std::unique_ptr<event_loop::Timer> VirtualClock::timer(std::function<void()> on_time) {
-  return std::make_unique<VirtualTimer>(ring_, std::move(on_time));
+  return std::make_unique<VirtualTimer>(ring_, *this, std::move(on_time));
 }
 
 }  // namespace limb_ring::virtual_host

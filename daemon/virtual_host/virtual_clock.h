@@ -11,6 +11,9 @@ class VirtualClock final : public event_loop::NodeClock {
   /// @param ring outlives this and its timers
   explicit VirtualClock(sim::VirtualRing& ring) : ring_(ring) {}
 
+  /// Called where a timer has run out.
+  std::function<void()> on_expired = [] {};
+
   /// Rounded up: who waits until then finds that it has come.
   static Time at(core::Time when);
   static core::Time ring_time(Time when) { return core::Time{} + when.time_since_epoch(); }

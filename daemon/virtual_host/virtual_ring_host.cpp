@@ -1,5 +1,7 @@
 #include "virtual_host/virtual_ring_host.h"
 
+#include <algorithm>
+
 #include "setup/core_settings.h"
 
 namespace limb_ring::virtual_host {
@@ -13,6 +15,8 @@ namespace {
 constexpr milliseconds kTurn{2};
 /// The clock is read once in so many instants.
 constexpr unsigned kInstantsPerLook = 64;
+/// Nobody waits for an instant: so far the ring goes on at once.
+constexpr std::chrono::milliseconds kLongestStep{10};
 
 /// The simulation has a controller for every number up to the largest id; those that are no node's are never alive.
 core::Settings settings_of(const config::RingConfig& ring, const core::Settings& given) {
@@ -32,18 +36,25 @@ sim::VirtualRingOptions options_of(const config::RingConfig& ring) {
 
 }  // namespace
 
-VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring)
+VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring,
+                                 const Lockstep::Options& options)
     : io_(io),
       config_(ring),
       ring_(options_of(ring)),
       clock_(ring_),
       faults_(ring_, 0),  // every fault whose damage is random comes with a seed of its own
       drivers_(ring_.size(), nullptr),
+      lockstep_(ring_, ring, options),
+      trace_(ring_),
       wake_(io, [] {}) {
+  clock_.on_expired = [this] { lockstep_.has_news(); };
   for (const wire::NodeId id : ring_.order())
     ring_.set_cpu_reads(id, false);  // they are given what waits for them by their nodes
   for (const config::NodeConfig& node : ring.nodes) add(node);
-  ring_.on_event = [this](wire::NodeId id, const core::Event& event) { drivers_[id]->on_event(event); };
+  ring_.on_event = [this](wire::NodeId id, const core::Event& event) {
+    if (std::holds_alternative<core::PinPulled>(event.what)) lockstep_.has_news();
+    drivers_[id]->on_event(event);
+  };
   ring_.on_given_out = [this](wire::NodeId id) { drivers_[id]->on_given_out(); };
   ring_.add_observer(*this);
 }
@@ -57,6 +68,8 @@ void VirtualRingHost::add(const config::NodeConfig& node) {
     drivers_[node.id] = driver.get();
     return driver;
   };
+  base.turns = &lockstep_;
+  base.on_cpu_changed = [this, id = node.id](const runtime::CpuStatus& cpu) { lockstep_.cpu_changed(id, cpu); };
   base.log_prefix = node.name + ": ";
   nodes_.push_back(std::make_unique<runtime::Node>(io_, config_, node, base));
 }
@@ -66,6 +79,7 @@ void VirtualRingHost::start() {
 }
 
 void VirtualRingHost::stop(const std::function<void()>& done) {
+  if (std::exchange(stopping_, true)) return;
   const auto left = std::make_shared<std::size_t>(nodes_.size());
   for (const auto& node : nodes_)
     node->stop([left, done] {
@@ -75,27 +89,54 @@ void VirtualRingHost::stop(const std::function<void()>& done) {
 
 // ---- time -----------------------------------------------------------------------------------
 
-void VirtualRingHost::run(Pace& pace) {
+void VirtualRingHost::run(Pace& pace, core::Time end) {
   while (!io_.stopped()) {
     io_.poll();
-    advance(pace.allowed(steady_clock::now(), ring_.now()));
-    if (io_.poll() != 0 || io_.stopped()) continue;
-    const core::Time next = ring_.next_instant();
-    if (next == core::kNever || pace.when(next) <= steady_clock::now()) continue;
-    wake_.expires_at(pace.when(next));
-    io_.run_one();
+    if (stopping_) {  // time stands
+      io_.run_one();
+      continue;
+    }
+    if (io_.stopped() || !all_wait()) continue;
+    if (ring_.now() >= end) {
+      stop([this] { io_.stop(); });
+      continue;
+    }
+    const core::Time most = std::min({end, lockstep_.next_wake(), lockstep_.held_at()});
+    advance(std::min(most, pace.allowed(steady_clock::now(), ring_.now())));
+    if (!lockstep_.has_news_now()) sleep_until(pace.when(std::min(most, ring_.next_instant())));
   }
 }
 
+bool VirtualRingHost::all_wait() {
+  if (lockstep_.somebody_acts()) {
+    lockstep_.listen();
+    return false;
+  }
+  lockstep_.take_news();
+  ring_.run_until(ring_.now());  // what was asked for in this instant
+  if (lockstep_.take_news() || lockstep_.give_turn()) return false;
+  if (lockstep_.held_at() > ring_.now()) return true;
+  if (!lockstep_.attach_those_due()) io_.run_one();
+  return false;
+}
+
+// What is posted to the event loop, or is for a program, comes before the next instant.
 void VirtualRingHost::advance(core::Time until) {
   const auto end = steady_clock::now() + kTurn;
   unsigned instants = 0;
   const auto over = [&] {
     if (lines_changed_) look_at_lines();
-    return ++instants % kInstantsPerLook == 0 && steady_clock::now() >= end;
+    return lockstep_.has_news_now() || (++instants % kInstantsPerLook == 0 && steady_clock::now() >= end);
   };
-  if (until < ring_.now()) return;
+  if (until <= ring_.now()) return;
+  if (until == core::kNever) until = ring_.now() + kLongestStep;
   if (!ring_.run_until(over, until - ring_.now())) ring_.run_until(until);
+}
+
+void VirtualRingHost::sleep_until(Pace::Real when) {
+  if (when <= steady_clock::now() || io_.poll() != 0) return;
+  wake_.expires_at(when);
+  io_.run_one();
 }
 
 // ---- from the ring --------------------------------------------------------------------------

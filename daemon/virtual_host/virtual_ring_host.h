@@ -7,6 +7,8 @@
 
 #include "event_loop/packet_timer.h"
 #include "runtime/node.h"
+#include "sim/trace.h"
+#include "virtual_host/lockstep.h"
 #include "virtual_host/pace.h"
 #include "virtual_host/virtual_node.h"
 
@@ -18,17 +20,20 @@ class VirtualRingHost final : private sim::Observer {
  public:
   /// @param ring every line has a rate; all outlive this
   /// @throw std::exception where a node is held by another process, or a socket cannot be had
-  VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring);
+  VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring, const Lockstep::Options& options);
   ~VirtualRingHost() override;
 
   /// Starts the CPUs.
   void start();
-  /// Lets time go on, no faster than `pace`, until the event loop is stopped.
-  void run(Pace& pace);
+  /// Lets time go on, no faster than `pace`, until the event loop is stopped; at `end`, stop() is called.
+  void run(Pace& pace, core::Time end);
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(const std::function<void()>& done);
 
   core::Time now() const { return ring_.now(); }
+  /// Of all that happened on the ring.
+  std::uint64_t trace_hash() const { return trace_.hash(); }
+  const Lockstep& lockstep() const { return lockstep_; }
 
  private:
   void add(const config::NodeConfig& node);
@@ -37,7 +42,11 @@ class VirtualRingHost final : private sim::Observer {
   void input_changes(wire::NodeId node, core::Line line, core::Time now) override;
   void incident(wire::NodeId node, sim::Incident incident, core::Time now, core::Line line) override;
 
+  /// Until now no program acts, and none is to have its turn. @return false where one is, or is waited for
+  bool all_wait();
   void advance(core::Time until);
+  /// Whatever comes, or until real time has come so far.
+  void sleep_until(Pace::Real when);
   void look_at_lines();
 
   boost::asio::io_context& io_;
@@ -47,8 +56,11 @@ class VirtualRingHost final : private sim::Observer {
   sim::VirtualLineFaults faults_;
   std::vector<VirtualNode*> drivers_;  ///< by id; null where there is no such node
   std::vector<std::unique_ptr<runtime::Node>> nodes_;
+  Lockstep lockstep_;
+  sim::Trace trace_;
   event_loop::PacketTimer wake_;
   bool lines_changed_ = true;
+  bool stopping_ = false;
 };
 
 }  // namespace limb_ring::virtual_host

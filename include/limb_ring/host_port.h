@@ -103,6 +103,10 @@ struct ConnectOptions {
   /// A Result may come up to 20 ms late, with the next packet or whatever else comes: for who sends at a fixed rate and
   /// waits for no Result. It spares both processes a wake-up per send.
   bool results_may_wait = false;
+  /// role cpu, on a ring with a virtual clock (`ringctl up --clock virtual`): its time goes on only while this program
+  /// waits, in receive(), wait(), ask() or sleep_until(). False: it does not wait for this program, as it does for no
+  /// tool; for a CPU that waits elsewhere, such as in poll().
+  bool lockstep = true;
   /// How long to go on trying while the daemon is not there yet.
   std::chrono::milliseconds timeout{2000};
 };
@@ -123,6 +127,17 @@ class HostPort {
   std::uint8_t id() const;          ///< of the node this port belongs to
   const std::string& name() const;  ///< its name
   const std::string& ring() const;  ///< the ring's name
+
+  /// @name The ring's clock
+  /// A program that takes its time and its waits from here alone runs on a live ring and on a virtual one.
+  ///@{
+  /// CLOCK_MONOTONIC; on a virtual ring the time since its start. In lockstep it stands still until this program waits.
+  std::chrono::nanoseconds now() const;
+  /// The same instant for stamps: since 1970 (CLOCK_REALTIME); on a virtual ring as now().
+  std::chrono::nanoseconds stamp() const;
+  /// Returns at that time of now(), or when the connection has ended. Messages stay for receive().
+  void sleep_until(std::chrono::nanoseconds time);
+  ///@}
 
   /// Sends 1 to 512 bytes to a node (0 to 254) or kBroadcast, at priority 0 (highest) to 3.
   /// @return token of the Result. Bad arguments give a Result `rejected` with the reason.
@@ -146,11 +161,11 @@ class HostPort {
   /// that is itself waiting does not).
   void alive();
 
-  /// The next message, waiting up to `timeout`; nothing where none came, or after Disconnected.
-  /// Interrupts come first, then in order of arrival; a packet's turn goes to the one of highest
-  /// priority that is here. A CPU is given at most 8 packets ahead of receive(): further ones wait
-  /// in the network controller, which refuses more when its receive buffers are full.
-  std::optional<Message> receive(std::chrono::milliseconds timeout);
+  /// The next message, waiting up to `timeout` (of now(); a tool's waits are of the machine's clock); nothing where
+  /// none came, or after Disconnected. Interrupts come first, then in order of arrival; a packet's turn goes to the one
+  /// of highest priority that is here. A CPU is given at most 8 packets ahead of receive(): further ones wait in the
+  /// network controller, which refuses more when its receive buffers are full.
+  std::optional<Message> receive(std::chrono::nanoseconds timeout);
   /// The Reply to a request, waiting up to `timeout`; other messages stay for receive().
   /// @throw HostPortError on time-out, lost connection, or a reply holding "error".
   std::string ask(const std::string& json, std::chrono::milliseconds timeout);
@@ -160,7 +175,7 @@ class HostPort {
 
   bool connected() const;
   /// Readable when receive() may have something; for poll() or an event loop. A message that is
-  /// already buffered does not show here: receive(0) until empty first.
+  /// already buffered does not show here: receive(0) until empty first. Not for a CPU in lockstep.
   int fd() const;
 
  private:

@@ -50,7 +50,7 @@ Greeting some_greeting() {
 
 TEST(HostMessage, GreetingBeginsWithMagicAndVersion) {
   const Bytes golden{0,   0,   0,    21,   1,           // size, type
-                     'L', 'R', 'H',  'P',  0,    2,     // magic, version
+                     'L', 'R', 'H',  'P',  0,    3,     // magic, version
                      1,   3,   0,    0,    0x12, 0x67,  // cpu, restarted by owner and results may wait, pid
                      0,   1,   0x11, 0x70, 0,    2,    'a', 'b'};
   Greeting greeting = some_greeting();
@@ -120,11 +120,18 @@ TEST(HostMessage, RequestObserveAliveAndCreditComeThrough) {
   EXPECT_EQ(to_daemon<Credit>(credit).count, 300);
 }
 
+TEST(HostMessage, TurnsAndTheirEndsComeThrough) {
+  EXPECT_EQ(to_client<Turn>(encoded(Turn{std::chrono::hours(1)})).now, std::chrono::hours(1));
+  EXPECT_EQ(to_daemon<Waiting>(encoded(Waiting{std::chrono::nanoseconds::max()})).until,
+            std::chrono::nanoseconds::max());
+}
+
 TEST(HostMessage, WelcomeAndRefusedComeThrough) {
   const Bytes welcome = encoded(Welcome{12, "left_knee", "humanoid"});
   EXPECT_EQ(to_client<Welcome>(welcome).id, 12);
   EXPECT_EQ(to_client<Welcome>(welcome).name, "left_knee");
   EXPECT_EQ(to_client<Welcome>(welcome).ring, "humanoid");
+  EXPECT_EQ(to_client<Welcome>(encoded(Welcome{12, "a", "b", ClockKind::lockstep})).clock, ClockKind::lockstep);
   const Bytes refused = encoded(Refused{"no"});
   EXPECT_EQ(to_client<Refused>(refused).reason, "no");
 }
@@ -194,7 +201,7 @@ std::vector<std::pair<Bytes, std::size_t>> messages_and_fixed_sizes() {
           {encoded(PullRequest{1, 2}), 5},
           {encoded(JsonRequest{1, "{}"}), 4},
           {encoded(Credit{1}), 2},
-          {encoded(Welcome{1, "knee", "ring"}), 13},
+          {encoded(Welcome{1, "knee", "ring"}), 14},
           {encoded(PacketView{1, 2, 3, 4, kDataView}), 5},
           {encoded(limb_ring::Interrupt{}), 3},
           {encoded(limb_ring::Result{1, Outcome::lost, nanoseconds{1}, 1, "why"}), 16},

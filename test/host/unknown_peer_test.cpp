@@ -96,6 +96,13 @@ TEST_F(UnknownPeer, SayingNothingIsDisconnectedAfterAWhile) {
   EXPECT_EQ(server->counters().never_greeted, 1u);
 }
 
+TEST_F(UnknownPeer, ThatEndsATurnWhichItHasNotIsSentAway) {
+  RawClient client("r", "3");
+  client.say(client::Greeting{});
+  client.say(client::Waiting{});
+  EXPECT_THAT(shown_out(client), HasSubstr("no message"));
+}
+
 TEST_F(UnknownPeer, SayingRandomMessagesHarmsNobody) {
   const unsigned seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -151,7 +158,7 @@ TEST_F(UnknownPeer, OfAnotherVersionIsToldBoth) {
   client::Greeting greeting;
   greeting.version = 7;
   client.say(greeting);
-  EXPECT_THAT(shown_out(client), AllOf(HasSubstr("version 2"), HasSubstr("version 7")));
+  EXPECT_THAT(shown_out(client), AllOf(HasSubstr("version 3"), HasSubstr("version 7")));
 }
 
 TEST_F(UnknownPeer, BeyondTheLimitOfClientsIsToldTheLimit) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace limb_ring::virtual_host {
 namespace {
 
@@ -35,6 +37,12 @@ TEST(Pace, ARingThatIsFarBehindDoesNotCatchUpWithAllOfIt) {
 TEST(Pace, WaitsForNeverForYears) {
   Pace pace(0.001, kStart);
   EXPECT_GT(pace.when(core::kNever), kStart + 24h * 365);
+}
+
+TEST(Pace, WithoutALimitNothingWaits) {
+  Pace pace(std::numeric_limits<double>::infinity(), kStart);
+  EXPECT_EQ(pace.allowed(kStart, at(1h)), core::kNever);
+  EXPECT_LT(pace.when(at(24h)), kStart);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "app/ringctl/ring_plan.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include "app/ringctl/problems.h"
@@ -33,6 +34,8 @@ std::string ring_name(const UpRequest& request, const config::RingConfig& config
   return name;
 }
 
+std::string pace_text(double pace) { return std::isinf(pace) ? "max" : std::to_string(pace); }
+
 std::vector<std::string> daemon_arguments(const UpRequest& request, const std::string& ring, std::size_t nodes) {
   std::vector<std::string> arguments;
   if (request.config.empty())
@@ -41,7 +44,9 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
     arguments = {"--config", std::filesystem::absolute(request.config).string()};
   arguments.insert(arguments.end(), {"--ring", ring});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
-  if (request.pace) arguments.insert(arguments.end(), {"--clock", "virtual", "--pace", std::to_string(*request.pace)});
+  if (!request.clock) return arguments;
+  arguments.insert(arguments.end(), {"--clock", "virtual", "--pace", pace_text(request.clock->pace)});
+  if (request.clock->lasts_s > 0) arguments.insert(arguments.end(), {"--for", std::to_string(request.clock->lasts_s)});
   return arguments;
 }
 
@@ -74,7 +79,7 @@ RingPlan plan_ring(const UpRequest& request) {
   const config::RingConfig config = load(request);
   RingPlan plan;
   plan.ring = ring_name(request, config);
-  plan.is_virtual = request.pace.has_value();
+  plan.is_virtual = request.clock.has_value();
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   for (const auto& node : config.nodes)
     plan.nodes.push_back({{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});

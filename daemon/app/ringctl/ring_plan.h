@@ -9,13 +9,19 @@
 
 namespace limb_ring::ringctl {
 
+/// A virtual ring's.
+struct VirtualClock {
+  double pace = 1;     ///< its time per real time; infinite: as fast as can be
+  double lasts_s = 0;  ///< the ring ends then; 0: it does not
+};
+
 /// What `ringctl up` was asked for.
 struct UpRequest {
-  std::string config;          ///< path of a YAML file; empty: a plain ring of `nodes`
-  unsigned nodes = 0;          ///< with `config` 0, or the file's number
-  std::string ring;            ///< name instead of the file's; a plain ring's default is "plain"
-  std::string transport;       ///< unix, shm or udp instead of the file's; empty: as the file says
-  std::optional<double> pace;  ///< on a virtual clock, which goes on so many times as fast as real time
+  std::string config;                 ///< path of a YAML file; empty: a plain ring of `nodes`
+  unsigned nodes = 0;                 ///< with `config` 0, or the file's number
+  std::string ring;                   ///< name instead of the file's; a plain ring's default is "plain"
+  std::string transport;              ///< unix, shm or udp instead of the file's; empty: as the file says
+  std::optional<VirtualClock> clock;  ///< none: the machine's
 };
 
 struct PlannedNode {
@@ -28,7 +34,7 @@ struct RingPlan {
   std::string ring;
   std::vector<PlannedNode> nodes;
   std::vector<std::string> arguments;  ///< of every ringd, without --node
-  bool is_virtual = false;
+  bool is_virtual = false;             ///< one daemon for all nodes
 
   /// Command line of the daemon of one node, without the program.
   std::vector<std::string> arguments_of(const NodeName& node) const;

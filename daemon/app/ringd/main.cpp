@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <iostream>
@@ -59,19 +60,29 @@ int run(const config::RingConfig& ring, const config::NodeConfig& config) {
   return 0;
 }
 
-int run_virtual(const config::RingConfig& given, double factor) {
+void report(const virtual_host::VirtualRingHost& host, const virtual_host::Pace& pace) {
+  const double seconds = std::chrono::duration<double>(host.now().time_since_epoch()).count();
+  if (pace.lost().count() > 0)
+    spdlog::info("the machine was too slow for pace {}: {:.1f} s were not made up for", pace.factor(),
+                 std::chrono::duration<double>(pace.lost()).count());
+  const std::string not_repeatable = host.lockstep().not_repeatable();
+  spdlog::info("trace hash {} of {:.9f} s{}", sim::hash_text(host.trace_hash()), seconds,
+               not_repeatable.empty() ? "" : "; not repeatable: " + not_repeatable);
+}
+
+int run_virtual(const config::RingConfig& given, const ringd::Options& options) {
   set_up_log(given.ring);
   const config::RingConfig ring = sim::with_assumed_lines(given, sim::kUsualRate, sim::kUsualRelayDelay);
   boost::asio::io_context io(1);
-  virtual_host::VirtualRingHost host(io, ring);
+  virtual_host::VirtualRingHost host(io, ring, {});
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   end_on_signals(signals, io, host);
   host.start();
-  virtual_host::Pace pace(factor, std::chrono::steady_clock::now());
-  host.run(pace);
-  if (pace.lost().count() > 0)
-    spdlog::info("the machine was too slow for pace {}: {:.1f} s were not made up for", factor,
-                 std::chrono::duration<double>(pace.lost()).count());
+  virtual_host::Pace pace(options.pace, std::chrono::steady_clock::now());
+  const core::Time end =
+      options.lasts_s > 0 ? core::Time{} + std::chrono::nanoseconds(std::llround(options.lasts_s * 1e9)) : core::kNever;
+  host.run(pace, end);
+  report(host, pace);
   return 0;
 }
 
@@ -94,7 +105,7 @@ int main(int argc, char** argv) {
     const config::RingConfig ring = ringd::ring_of(*options);
     if (options->clock == "machine") return run(ring, ringd::node_of(*options, ring));
     ringd::check_virtual(*options);
-    return run_virtual(ring, options->pace);
+    return run_virtual(ring, *options);
   } catch (const ringd::UsageError& error) {
     return complain(error.what(), 2);
   } catch (const config::ConfigError& error) {

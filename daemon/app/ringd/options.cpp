@@ -50,8 +50,14 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
              "virtual: all nodes of the ring in this one process, on a clock of their own, with the lines' rates "
              "and delays of the configuration (where it gives none: 1 Gbit/s, 512 ns)")
           ->transform(cli::one_of({"machine", "virtual"}));
-  app.add_option("--pace", o.pace, "With --clock virtual: its time per real time, 0.001 to 1000; default 1")
-      ->transform(cli::real(0.001, 1000))
+  app.add_option(
+         "--pace", o.pace,
+         "With --clock virtual: its time per real time, 0.001 to 1000, or max: as fast as the machine and the CPUs "
+         "are; default 1")
+      ->transform(cli::pace())
+      ->needs(clock);
+  app.add_option("--for", o.lasts_s, "With --clock virtual: the ring ends by itself after so many seconds of its time")
+      ->transform(cli::seconds(0.001, 1e9))
       ->needs(clock);
   app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
   try {

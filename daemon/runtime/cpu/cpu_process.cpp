@@ -76,9 +76,12 @@ void CpuProcess::start_found(const std::string& path) {
   process::SpawnRequest child = request();
   child.path = path;
   child_.start(child, [this](const process::ExitStatus& status) { child_ended(status); });
+  started_at_ = clock_.now();
   watch_boot();
   changed();
 }
+
+milliseconds CpuProcess::ran() const { return std::chrono::duration_cast<milliseconds>(clock_.now() - started_at_); }
 
 void CpuProcess::could_not_start(const process::ExitStatus& why) {
   did_not_boot(why.text);
@@ -106,7 +109,7 @@ void CpuProcess::child_ended(const process::ExitStatus& status) {
     did_not_boot(status.text);
   else
     return ended_by_itself(status);
-  restart_later(child_.age());
+  restart_later(ran());
 }
 
 void CpuProcess::ended_by_itself(const process::ExitStatus& status) {
@@ -114,7 +117,7 @@ void CpuProcess::ended_by_itself(const process::ExitStatus& status) {
   counts_.last_exit = status.text;
   failed_ = !status.clean;
   spdlog::warn("{}CPU {} ended by itself: {}", options_.log_prefix, options_.cpu.command.front(), status.text);
-  if (options_.cpu.restart_on_exit) restart_later(child_.age());
+  if (options_.cpu.restart_on_exit) restart_later(ran());
   changed();
 }
 

@@ -108,6 +108,7 @@ class CpuProcess {
   void child_ended(const process::ExitStatus& status);
   void ended_by_itself(const process::ExitStatus& status);
   void did_not_boot(const std::string& why);
+  std::chrono::milliseconds ran() const;
   void restart_later(std::chrono::milliseconds ran);
   void restart_due();
   CpuActionResult reset_child();
@@ -130,6 +131,7 @@ class CpuProcess {
   process::BackOff back_off_;
   boost::asio::steady_timer boot_timer_, stop_timer_;
   std::unique_ptr<event_loop::Timer> restart_timer_, silence_timer_;
+  Time started_at_{};  ///< the last child
   Time silence_at_{};  ///< when that one runs out
   std::optional<AttachedCpu> attached_;
   process::ProcessHandle killed_;  ///< an attached process on its way out

@@ -31,6 +31,7 @@ struct UpOptions {
   bool respawn = false;
   std::string clock = "machine";
   double pace = 1;
+  double lasts_s = 0;
   double timeout_s = 10;
 };
 
@@ -48,7 +49,8 @@ std::string wait_until_closed(const RingPlan& plan, live::LaunchedRing& daemons,
   for (;;) {
     const auto waiting = watch.first_not_ready();
     daemons.reap();
-    if (const live::LaunchedDaemon* dead = daemons.first_ended()) return dead->exit_reason();
+    const live::LaunchedDaemon* dead = daemons.first_ended();
+    if (dead != nullptr) return plan.is_virtual && dead->ended()->clean ? "" : dead->exit_reason();
     if (!waiting) return {};
     if (steady_clock::now() >= deadline)
       return "not closed in time; " + waiting->lack + daemons.all()[plan.is_virtual ? 0 : waiting->index].last_lines();
@@ -168,7 +170,7 @@ void read_clock(UpOptions& options) {
   if (options.clock == "machine") return;
   if (options.respawn) throw UsageError("--clock virtual and --respawn do not go together yet");
   if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
-  options.request.pace = options.pace;
+  options.request.clock = VirtualClock{options.pace, options.lasts_s};
 }
 
 }  // namespace
@@ -201,9 +203,18 @@ void add_up(CLI::App& app, Context& context) {
               "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. Default: machine")
           ->transform(cli::one_of({"machine", "virtual"}));
   command
-      ->add_option("--pace", options->pace,
-                   "With --clock virtual: how fast its time goes on beside real time, 0.001 to 1000; default 1")
-      ->transform(cli::real(0.001, 1000))
+      ->add_option(
+          "--pace", options->pace,
+          "With --clock virtual: how fast its time goes on beside real time, 0.001 to 1000, or max: as fast as "
+          "the machine and the CPUs are; default 1")
+      ->transform(cli::pace())
+      ->needs(clock);
+  command
+      ->add_option(
+          "--for", options->lasts_s,
+          "With --clock virtual: the ring ends by itself after so many seconds of its time, and tells its trace "
+          "hash")
+      ->transform(cli::seconds(0.001, 1e9))
       ->needs(clock);
   command->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
       ->transform(cli::seconds(0.1, 600.0));

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+namespace limb_ring::host {
+
+class Session;
+
+/// Whoever keeps the virtual clock that the clients of a host port in lockstep go by.
+class TurnKeeper {
+ public:
+  virtual ~TurnKeeper() = default;
+  /// Of the ring's clock.
+  virtual std::chrono::nanoseconds now() const = 0;
+  /// The CPU of a node has greeted. `attach` is called once, now or when its boot is over in the ring's time.
+  virtual void greeted(std::uint8_t node, std::function<void()> attach) = 0;
+  /// That CPU is attached, and waits for its first turn.
+  virtual void joined(std::uint8_t node, const std::shared_ptr<Session>& session) = 0;
+  /// Something is there for a client in lockstep.
+  virtual void has_news() = 0;
+  /// A client that the clock does not wait for has changed something.
+  virtual void disturbed() = 0;
+};
+
+}  // namespace limb_ring::host

@@ -1,0 +1,145 @@
+#include "virtual_host/lockstep.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "process/process_state.h"
+
+namespace limb_ring::virtual_host {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+namespace {
+
+/// So long one program is listened to before the others, which do not act, are looked at.
+constexpr milliseconds kPatience{2};
+
+double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
+
+}  // namespace
+
+nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch()); }
+
+// ---- who comes ------------------------------------------------------------------------------
+
+void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
+  news_ = true;
+  const auto boot = boots_.find(node);
+  if (boot != boots_.end()) {
+    boot->second.attach = std::move(attach);
+    return;
+  }
+  disturbed_ = true;  // nobody knew when it would come
+  attach();
+}
+
+bool Lockstep::attach_those_due() {
+  std::vector<std::function<void()>> due;
+  for (const auto& [node, boot] : boots_) {
+    if (boot.at > ring_.now()) continue;
+    if (!boot.attach) return false;
+    due.push_back(boot.attach);
+  }
+  for (auto it = boots_.begin(); it != boots_.end();)
+    it = it->second.at > ring_.now() ? std::next(it) : boots_.erase(it);
+  for (const auto& attach : due) attach();
+  return true;
+}
+
+void Lockstep::joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) {
+  session->end_turn(nanoseconds{0});  // its first turn comes at once
+  programs_[{node, session->info().id}] = {session, {}, false};
+  news_ = true;
+}
+
+// One that is new boots; the one that was there before is ending.
+void Lockstep::cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
+  const bool boots = cpu.kind == runtime::CpuKind::child && cpu.state == wire::CpuState::booting && cpu.pid > 0;
+  if (!boots) {
+    boots_.erase(node);
+  } else if (std::exchange(pids_[node], cpu.pid) != cpu.pid) {
+    boots_[node] = {ring_.now() + options_.boot_time, {}};
+  } else {
+    boots_.emplace(node, Boot{ring_.now(), {}});
+  }
+  news_ = true;
+}
+
+// ---- whose turn it is -----------------------------------------------------------------------
+
+void Lockstep::forget_gone() {
+  for (auto it = programs_.begin(); it != programs_.end();)
+    it = it->second.session->open() ? std::next(it) : programs_.erase(it);
+}
+
+Lockstep::Program* Lockstep::acting() {
+  forget_gone();
+  for (auto& [key, program] : programs_) {
+    if (program.session->has_turn() && !program.stuck) return &program;
+    if (!program.session->has_turn() && std::exchange(program.stuck, false))
+      spdlog::info("{}: its CPU goes on, at {:.9f} s", config_.find(key.first)->name, seconds(ring_.now()));
+  }
+  return nullptr;
+}
+
+void Lockstep::listen() {
+  Program* program = acting();
+  if (program == nullptr) return;
+  program->session->listen(kPatience);
+  if (!program->session->open() || !program->session->has_turn()) return;
+  const bool stopped = process::is_stopped(program->session->info().pid);
+  if (!stopped && steady_clock::now() - program->turn_since < options_.stall) return;
+  const auto found = std::find_if(programs_.begin(), programs_.end(),
+                                  [program](const auto& entry) { return &entry.second == program; });
+  is_stuck(found->first.first, *program);
+}
+
+void Lockstep::is_stuck(std::uint8_t node, Program& program) {
+  program.stuck = true;
+  const pid_t pid = program.session->info().pid;
+  if (process::is_stopped(pid))
+    return spdlog::warn("{}: its CPU, pid {}, is stopped, at {:.9f} s of the ring's time; the ring goes on without it",
+                        config_.find(node)->name, pid, seconds(ring_.now()));
+  somebody_was_stuck_ = true;
+  spdlog::warn(
+      "{}: its CPU ({}, pid {}) is stuck at {:.9f} s of the ring's time: it has not waited again for {} ms; the "
+      "ring goes on without it",
+      config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), options_.stall.count());
+}
+
+bool Lockstep::give_turn() {
+  for (auto& [key, program] : programs_) {
+    host::Session& session = *program.session;
+    if (!session.open() || session.has_turn()) continue;
+    if (!session.has_news() && session.waits_until() > now()) continue;
+    program.turn_since = steady_clock::now();
+    session.begin_turn(now());
+    return true;
+  }
+  return false;
+}
+
+core::Time Lockstep::next_wake() const {
+  nanoseconds earliest = nanoseconds::max();
+  for (const auto& [key, program] : programs_)
+    if (!program.session->has_turn()) earliest = std::min(earliest, program.session->waits_until());
+  return earliest == nanoseconds::max() ? core::kNever : core::Time{} + earliest;
+}
+
+core::Time Lockstep::held_at() const {
+  core::Time earliest = core::kNever;
+  for (const auto& [node, boot] : boots_) earliest = std::min(earliest, boot.at);
+  return earliest;
+}
+
+std::string Lockstep::not_repeatable() const {
+  std::string why;
+  if (disturbed_) why = "a program that the clock does not wait for has come, or has sent something";
+  if (somebody_was_stuck_) why += std::string(why.empty() ? "" : ", and ") + "a CPU was stuck";
+  return why;
+}
+
+}  // namespace limb_ring::virtual_host

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "config/ring_config.h"
+#include "host/session.h"
+#include "host/turn_keeper.h"
+#include "runtime/cpu/cpu_status.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::virtual_host {
+
+/// Who goes by the ring's clock, and whose turn it is. One program acts at a time, in the order of the nodes; time goes
+/// on when all wait. A CPU that boots, or whose process is ending, holds the clock at an instant that does not depend
+/// on how long that really takes.
+class Lockstep final : public host::TurnKeeper {
+ public:
+  struct Options {
+    std::chrono::milliseconds stall{5000};    ///< of real time: who takes longer over a turn is stuck
+    std::chrono::milliseconds boot_time{20};  ///< of the ring's time, from a CPU's start to its first turn
+  };
+
+  /// All outlive this. No CPU before its boot_time is over.
+  Lockstep(sim::VirtualRing& ring, const config::RingConfig& config, const Options& options)
+      : ring_(ring), config_(config), options_(options) {}
+
+  // From the host ports.
+  std::chrono::nanoseconds now() const override;
+  void greeted(std::uint8_t node, std::function<void()> attach) override;
+  void joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) override;
+  void has_news() override { news_ = true; }
+  void disturbed() override { disturbed_ = true; }
+  /// What is known of the CPU process of a node has changed.
+  void cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu);
+
+  /// Something has happened that somebody is to learn of before time goes on; forgets it.
+  bool take_news() { return std::exchange(news_, false); }
+  bool has_news_now() const { return news_; }
+  /// A program acts: time stands.
+  bool somebody_acts() { return acting() != nullptr; }
+  /// Takes what it says, waiting for it a little. One that takes too long is stuck from then on.
+  void listen();
+  /// Gives the next program its turn that has something, or has waited until now. @return false where there is none
+  bool give_turn();
+  /// Time goes on to there at most; kNever: as far as the ring likes.
+  core::Time next_wake() const;
+  /// A CPU boots or ends, and time stands at that instant until it has.
+  core::Time held_at() const;
+  /// Attaches those whose boot is over by now, in the order of the nodes, once all of them have come.
+  /// @return false where one is still waited for
+  bool attach_those_due();
+
+  /// Why a run like this one would be another: empty where nothing is known that would make it so.
+  std::string not_repeatable() const;
+
+ private:
+  using Instant = std::chrono::steady_clock::time_point;
+  struct Program {
+    std::shared_ptr<host::Session> session;
+    Instant turn_since{};
+    bool stuck = false;
+  };
+  struct Boot {
+    core::Time at{};
+    std::function<void()> attach;  ///< empty until it has greeted
+  };
+  using Key = std::pair<std::uint8_t, host::ClientId>;
+
+  Program* acting();
+  void is_stuck(std::uint8_t node, Program& program);
+  void forget_gone();
+
+  sim::VirtualRing& ring_;
+  const config::RingConfig& config_;
+  Options options_;
+  std::map<Key, Program> programs_;
+  std::map<std::uint8_t, Boot> boots_;  ///< of nodes whose CPU boots or ends
+  std::map<std::uint8_t, pid_t> pids_;  ///< the last one known
+  bool news_ = false;
+  bool disturbed_ = false;
+  bool somebody_was_stuck_ = false;
+};
+
+}  // namespace limb_ring::virtual_host

@@ -1,0 +1,87 @@
+"""CPUs in lockstep with a virtual ring: the same programs, the same trace, whatever else the machine does."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+
+import ring_process
+from ring_process import RingTest, plain_nodes
+
+CPUS = os.environ.get('RING_TEST_CPUS', '')   # where the CPUs of these tests are
+LEG = os.path.join(ring_process.CONFIG, 'leg8.yaml')
+
+
+class Lockstep(RingTest):
+    def run_for(self, seconds, config=LEG, prefix=(), pace='max'):
+        """Log of a virtual ring that has run for so many seconds of its time."""
+        done = subprocess.run([*prefix, ring_process.program('ringd'), '--config', config, '--ring', self.ring,
+                               '--clock', 'virtual', '--pace', pace, '--for', str(seconds)],
+                              env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, universal_newlines=True, timeout=ring_process.GUARD)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        return done.stdout
+
+    def trace_of(self, log):
+        self.assertNotIn('not repeatable', log)
+        return re.search(r'trace hash ([0-9a-f]{16}) of ', log).group(1)
+
+    def busy(self):
+        for _ in range(2 * os.cpu_count()):
+            self.start('busy', [sys.executable, '-c', 'while True: pass'])
+
+    def test_the_same_trace_on_one_core_on_all_and_beside_busy_processes(self):
+        first = self.trace_of(self.run_for(2))
+        self.assertEqual(self.trace_of(self.run_for(2)), first)
+        one_core = ('taskset', '-c', str(min(os.sched_getaffinity(0))))
+        self.assertEqual(self.trace_of(self.run_for(2, prefix=one_core)), first, 'on one core')
+        self.busy()
+        for _ in range(3):
+            self.assertEqual(self.trace_of(self.run_for(2, prefix=('nice',))), first, 'beside busy processes')
+        self.assertNotEqual(self.trace_of(self.run_for(2.2)), first)
+
+    def test_a_program_that_sends_what_the_wall_clock_says_has_another_trace_each_time(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = {'command': [os.path.join(CPUS, 'wall_clock_cpu')]}
+        config = self.write_ring(nodes)
+        self.assertNotEqual(self.trace_of(self.run_for(1, config)), self.trace_of(self.run_for(1, config)))
+
+    def test_a_cpu_that_loops_is_named_and_reset_and_the_ring_goes_on(self):
+        nodes = plain_nodes(3)
+        nodes[1].update(cpu={'command': ['limb_firmware', '--hang-after', '0.5s'], 'alive_period': '50ms'},
+                        joints=[{'name': 'knee'}])
+        nodes[2]['cpu'] = {'command': ['limb_firmware']}
+        config = self.write_ring(nodes, timeouts={'beacon': '50ms'},
+                                 supervisor={'policy': 'auto', 'grace': '100ms', 'backoff': '50ms'})
+        logs = [self.run_for(1, config) for _ in range(2)]
+        for log in logs:
+            stuck = re.search(r"node1: its CPU \(limb_firmware, pid \d+\) is stuck at (\S+) s of the ring's time", log)
+            # It booted at 20 ms.
+            self.assertEqual(stuck.group(1), '0.520000000')
+            self.assertIn('INT0 from node 0: reset', log)
+            self.assertIn('boot 2', log)
+            self.assertIn('not repeatable: a CPU was stuck', log)
+        hashes = [re.search(r'trace hash (\S+)', log).group(1) for log in logs]
+        self.assertEqual(hashes[0], hashes[1], 'it stuck, was found and reset at the same instants')
+
+    def test_a_cpu_that_ends_does_so_at_an_instant_of_the_ring(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = {'command': [os.path.join(CPUS, 'short_lived_cpu')]}
+        config = self.write_ring(nodes)
+        logs = [self.run_for(2, config) for _ in range(3)]
+        self.assertEqual(len({self.trace_of(log) for log in logs}), 1)
+        self.assertIn('ended by itself: exit 3', logs[0])
+
+    def test_a_tool_that_sends_makes_a_run_not_repeatable(self):
+        run = self.start('ring', [ring_process.program('ringd'), '--config', LEG, '--ring', self.ring,
+                                  '--clock', 'virtual'])
+        self.wait_closed(range(8))
+        self.ctl_json('--ring', self.ring, 'send', '--from', '0', '--to', '2', '--data', 'x')
+        run.send_signal(signal.SIGTERM)
+        self.assertEqual(self.wait_exit(run), 0)
+        self.assertIn('not repeatable: a program that the clock does not wait for', self.log_of(run))
+
+
+if __name__ == '__main__':
+    ring_process.main()
