@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mutants/mutation.h"
+#include "study/explore/exploration.h"
 #include "study/soak/random_faults.h"
 
 namespace limb_ring::study {
@@ -61,6 +62,36 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"CancelsNothing", Mutation::cancels_nothing, Promise::true_result},
                     Case{"NeverHeals", Mutation::never_heals, Promise::whole_again}),
     [](const auto& made) { return made.param.name; });
+
+struct ExploredCase {
+  const char* name;
+  Mutation mutation;
+  World world;
+  unsigned faults;
+};
+
+struct Explored : testing::TestWithParam<ExploredCase> {};
+
+TEST_P(Explored, AreFoundByTryingEveryFaultAtEachPlace) {
+  core::mutation = GetParam().mutation;
+  Exploration exploration(GetParam().world, GetParam().faults);
+  exploration.run([] {});
+  core::mutation = Mutation::none;
+  ASSERT_TRUE(exploration.found());
+  EXPECT_EQ(exploration.found()->choices.size(), GetParam().faults);
+}
+
+constexpr World kThree{3, 2, true, false};
+INSTANTIATE_TEST_SUITE_P(Each, Explored,
+                         testing::Values(ExploredCase{"ResultTwice", Mutation::result_twice, kThree, 0},
+                                         ExploredCase{"ShortRoundTrips", Mutation::short_round_trips, kThree, 0},
+                                         ExploredCase{"SaysDelivered", Mutation::says_delivered, kThree, 1},
+                                         ExploredCase{"TakesDamaged", Mutation::takes_damaged, kThree, 1},
+                                         ExploredCase{"ForgetsDuplicates", Mutation::forgets_duplicates, kThree, 1},
+                                         ExploredCase{"PassesOrphans", Mutation::passes_orphans, kThree, 1},
+                                         ExploredCase{"CountsOneTry", Mutation::counts_one_try, kThree, 1},
+                                         ExploredCase{"NeverHeals", Mutation::never_heals, kThree, 1}),
+                         [](const auto& made) { return made.param.name; });
 
 /// All nodes always have large packets to send, on lines of 1 Gbit/s.
 std::optional<sim::Violation> violation_of_a_full_ring(Mutation mutation) {

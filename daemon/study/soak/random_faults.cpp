@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "study/soak/mended_ring.h"
+
 namespace limb_ring::study {
 
 using core::Duration;
@@ -79,18 +81,7 @@ void RandomFaults::make_ring() {
   options.byte_time = paced_ ? Duration{8ns} : Duration{0};
   options.keep_logs = false;
   options.adjust = [this](core::Settings& s) {
-    s.send_timeout_least = paced_ ? Duration{0} : Duration{100us};
-    s.refused_for = 2ms;
-    s.refused_backoff = 20us;
-    s.refused_backoff_most = 300us;
-    s.queue_timeout = 20ms;
-    s.stall = 50us;
-    s.beacon = 1ms;
-    s.break_grace = s.fold_permission = 300us;
-    s.receive_buffers = 3;
-    s.send_queue = 6;
-    s.fold_back = fold_back_;
-    s.wired = {true, false, true, true, true, true, true, true};
+    set_short_times(s, paced_, fold_back_);
     differ(s);
   };
   ring_ = std::make_unique<sim::VirtualRing>(options);
@@ -116,12 +107,7 @@ void RandomFaults::tap_all(Line line) {
 // ---- lines ----------------------------------------------------------------------------------
 
 void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
-  if (quiet_) {
-    const bool control = slice.kind != wire::SliceKind::interrupt && slice.bytes.size >= 13 &&
-                         slice.bytes[slice.bytes.size - 5] >> 2 == 1;
-    const bool part = slice.kind == wire::SliceKind::start;  // its end tells
-    if (!control && !part) ++slices_when_quiet_;
-  }
+  if (quiet_ && is_traffic(slice)) ++slices_when_quiet_;
   if (!quiet_ && once_in(drop_)) return;
   if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, line, slice, arriving);
   std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
@@ -141,7 +127,7 @@ void RandomFaults::run() {
     note_violation();
   }
   if (!violation_) calm_down();
-  if (!violation_) check_whole();
+  if (!violation_) violation_ = not_whole(*ring_);
   if (!violation_) check_silence();
   if (!violation_ && is_wide_) send_when_mended();
 }
@@ -284,25 +270,11 @@ void RandomFaults::calm_down() {
   note_violation();
 }
 
-void RandomFaults::check_whole() {
-  for (const NodeId id : order_) {
-    const core::Membership& m = ring_->node(id).membership();
-    if (m.state() == core::NodeState::up && m.ring_size() == nodes_) continue;
-    violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
-                                "node " + std::to_string(id) + " is " + to_string(m.state()) + " in a ring of " +
-                                    std::to_string(m.ring_size()) + " after all was mended"};
-    return;
-  }
-}
-
-// Traffic has ended long ago: whatever still goes round, and is no beacon, would do so for ever.
 void RandomFaults::check_silence() {
   slices_when_quiet_ = 0;
   ring_->run_for(20ms);
   note_violation();
-  if (slices_when_quiet_ == 0 || violation_) return;
-  violation_ = sim::Violation{sim::Promise::whole_again, ring_->now(),
-                              std::to_string(slices_when_quiet_) + " slices that are no beacon's still circulate"};
+  if (!violation_) violation_ = not_silent(*ring_, slices_when_quiet_);
 }
 
 // All bounds are in force again.

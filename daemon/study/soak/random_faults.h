@@ -66,7 +66,6 @@ class RandomFaults {
   void kill_or_start(wire::NodeId node);
   void freeze_or_thaw(wire::NodeId node);
   void calm_down();
-  void check_whole();
   void check_silence();
   void note_violation();
 

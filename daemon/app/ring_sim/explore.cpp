@@ -1,0 +1,133 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "app/ring_sim/commands.h"
+#include "app/ring_sim/problems.h"
+#include "app/ring_sim/progress.h"
+#include "cli/values.h"
+#include "sim/trace.h"
+#include "study/explore/exploration.h"
+
+namespace limb_ring::ring_sim {
+
+namespace {
+
+struct ExploreOptions {
+  study::World world;
+  unsigned faults = 1;
+  unsigned places = 1'000'000;
+  std::optional<std::string> only;  ///< the strikes of one run
+  app::Format format = app::Format::text;
+};
+
+std::string arguments(const ExploreOptions& options) {
+  const study::World& world = options.world;
+  return "--nodes " + std::to_string(world.nodes) + " --sends " + std::to_string(world.sends) +
+         (world.paced ? "" : " --rate unlimited") + (world.fold_back ? " --redundancy foldback" : "");
+}
+
+std::string violation_text(const ExploreOptions& options, const std::vector<study::Choice>& choices,
+                           const sim::Violation& broken) {
+  return std::string("promise broken: ") + to_string(broken.promise) + "\nat " +
+         std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what +
+         "\nagain with: ring_sim explore " + arguments(options) + " --only '" + study::to_text(choices) + "'\n";
+}
+
+/// The strikes of --only; every node in them is one of the ring.
+std::vector<study::Choice> choices_of(const ExploreOptions& options) {
+  try {
+    const std::vector<study::Choice> choices = study::choices_from(*options.only);
+    for (const study::Choice& choice : choices)
+      if (choice.strike.node >= options.world.nodes)
+        throw std::invalid_argument("there is no node " + std::to_string(choice.strike.node) + ", only 0 to " +
+                                    std::to_string(options.world.nodes - 1));
+    return choices;
+  } catch (const std::invalid_argument& problem) {
+    throw UsageError(std::string("--only: ") + problem.what());
+  }
+}
+
+int run_one(const ExploreOptions& options) {
+  const std::vector<study::Choice> choices = choices_of(options);
+  study::ExploredRun run(options.world, choices);
+  sim::Trace trace(run.ring());
+  run.run();
+  if (run.violation()) {
+    std::cerr << violation_text(options, choices, *run.violation());
+    return kBroken;
+  }
+  app::Row row{{"places", run.places()}, {"trace", sim::hash_text(trace.hash())}};
+  std::cout << app::format_rows({row}, options.format);
+  if (options.format == app::Format::text) std::cout << "No promise was broken.\n";
+  return kDone;
+}
+
+int run_all(const ExploreOptions& options) {
+  study::Exploration exploration(options.world, options.faults, options.places);
+  Progress progress;
+  exploration.run([&] { progress.tell(std::to_string(exploration.runs()) + " runs, no promise broken"); });
+  if (const auto& found = exploration.found()) {
+    std::cerr << violation_text(options, found->choices, found->violation);
+    return kBroken;
+  }
+  const app::Row row{{"nodes", options.world.nodes},
+                     {"sends", options.world.sends},
+                     {"faults", options.faults},
+                     {"places", std::min(exploration.places(), options.places)},
+                     {"runs", exploration.runs()}};
+  std::cout << app::format_rows({row}, options.format);
+  if (options.format == app::Format::text)
+    std::cout << "These are all with faults at these places. No promise was broken.\n";
+  return kDone;
+}
+
+}  // namespace
+
+void add_explore(CLI::App& app, Context& context) {
+  auto options = std::make_shared<ExploreOptions>();
+  study::World& world = options->world;
+  CLI::App* command = add_command(
+      app, "explore",
+      "Not a sample but all: a small ring with a few sends, once with each fault at each place where it can fall "
+      "(each slice that leaves a node is one), and with each further fault behind that; every promise of the ring "
+      "checked at every event; stops at the first that is broken. Faults: that slice lost, damaged in its first, "
+      "middle or last byte, doubled (not with fold-back) or late; a node restarted or frozen, a line cut, for 3 ms; "
+      "and, counted like a fault, an INTP sent by a node just then. Between two strikes at least one slice leaves. "
+      "States that were met before are not recognised.");
+  command->add_option("--nodes", world.nodes, "Nodes of the ring, 2 to 6; default 3")->transform(cli::whole(2, 6));
+  command
+      ->add_option("--sends", world.sends, "Sends asked for at once, DATPs and broadcasts by turns, 1 to 6; default 2")
+      ->transform(cli::whole(1, 6));
+  command
+      ->add_option("--faults", options->faults,
+                   "At most so many in a run, 0 to 3; default 1. Each one more takes some hundred times as long")
+      ->transform(cli::whole(0, 3));
+  command
+      ->add_option("--places", options->places,
+                   "Faults fall at the first so many places of a run alone, 1 to 1000000; default: at all")
+      ->transform(cli::whole(1, 1'000'000));
+  command
+      ->add_option_function<std::string>(
+          "--rate", [&world](const std::string& rate) { world.paced = rate == "1Gbit/s"; },
+          "Of the lines: 1Gbit/s (default), so that packets leave in slices; unlimited, so that they leave whole")
+      ->transform(cli::one_of({"1Gbit/s", "unlimited"}));
+  command
+      ->add_option_function<std::string>(
+          "--redundancy", [&world](const std::string& what) { world.fold_back = what == "foldback"; },
+          "none (default) or foldback: a second line; then a cut is of the cable, and there are 3 nodes at least")
+      ->transform(cli::one_of({"none", "foldback"}));
+  command->add_option("--only", options->only, "One run alone, with these strikes: 12:lost,20:restart:1; '' is none");
+  add_format(*command, options->format);
+  command->callback([&context, options] {
+    context.action = [options] {
+      if (options->world.fold_back && options->world.nodes < 3)
+        throw UsageError("--redundancy foldback: a ring of 2 has no way round a break; --nodes 3 or more");
+      return options->only ? run_one(*options) : run_all(*options);
+    };
+  });
+}
+
+}  // namespace limb_ring::ring_sim

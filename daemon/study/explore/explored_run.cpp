@@ -1,0 +1,162 @@
+#include "study/explore/explored_run.h"
+
+#include <algorithm>
+#include <array>
+
+#include "study/soak/mended_ring.h"
+
+namespace limb_ring::study {
+
+using core::Line;
+using wire::NodeId;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr auto kLasts = 3ms;      ///< a freeze, a cut: longer than it takes to find either
+constexpr auto kLongest = 100ms;  ///< until all sends have ended, which takes 20 ms for one that cannot leave
+constexpr auto kMending = 60ms;
+constexpr auto kSilence = 10ms;
+
+}  // namespace
+
+ExploredRun::ExploredRun(const World& world, std::vector<Choice> choices)
+    : world_(world), choices_(std::move(choices)) {
+  make_ring();
+}
+
+void ExploredRun::make_ring() {
+  sim::VirtualRingOptions options;
+  options.nodes = world_.nodes;
+  options.byte_time = world_.paced ? core::Duration{8ns} : core::Duration{0};
+  options.keep_logs = false;
+  options.adjust = [this](core::Settings& s) { set_short_times(s, world_.paced, world_.fold_back); };
+  ring_ = std::make_unique<sim::VirtualRing>(options);
+  invariants_ = std::make_unique<sim::Invariants>(*ring_);
+  lines_ = std::make_unique<sim::VirtualLineFaults>(*ring_, 1);
+  ring_->on_event = [this](NodeId, const core::Event& event) {
+    const auto* end = std::get_if<core::SendEnded>(&event.what);
+    if (end != nullptr && waiting_ != 0) --waiting_;
+  };
+  for (const NodeId id : ring_->order())
+    for (const Line line : ring_->lines())
+      ring_->tap(
+          id,
+          [this, id, line](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
+            pass(id, line, slice, arriving);
+          },
+          line);
+}
+
+void ExploredRun::run() {
+  ring_->join();
+  for (unsigned nth = 0; nth < world_.sends; ++nth) ask(nth);
+  open_ = true;
+  ring_->run_until([this] { return waiting_ == 0 || invariants_->violation().has_value(); }, kLongest);
+  open_ = false;
+  ring_->run_for(kMending);
+  invariants_->finish();
+  note_violation();
+  if (!violation_) violation_ = not_whole(*ring_);
+  quiet_ = true;
+  if (!violation_) ring_->run_for(kSilence);
+  if (!violation_) note_violation();
+  if (!violation_) violation_ = not_silent(*ring_, slices_when_quiet_);
+}
+
+void ExploredRun::ask(unsigned nth) {
+  ++waiting_;
+  const NodeId source = ring_->order()[nth % world_.nodes];
+  const NodeId before = core::node_after(ring_->order(), source, world_.nodes - 1);
+  const NodeId destination = nth % 2 == 0 ? before : NodeId{wire::kBroadcast};
+  ring_->send(source, destination, std::vector<std::uint8_t>(7, static_cast<std::uint8_t>(nth)),
+              static_cast<std::uint8_t>(nth % 4));
+}
+
+// ---- strikes --------------------------------------------------------------------------------
+
+void ExploredRun::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
+  if (quiet_ && is_traffic(slice)) ++slices_when_quiet_;
+  if (!open_) return lines_->pass(id, line, slice, arriving);
+  const unsigned place = places_++;
+  if (struck_ == choices_.size() || choices_[struck_].place != place) return lines_->pass(id, line, slice, arriving);
+  strike(choices_[struck_++].strike, id, line, slice, arriving);
+}
+
+void ExploredRun::strike(const Strike& what, NodeId id, Line line, const wire::Slice& slice,
+                         wire::SliceWriter& arriving) {
+  switch (what.kind) {
+    case Strike::Kind::lost:
+      return;
+    case Strike::Kind::header_damaged:
+      return damage(0, id, line, slice, arriving);
+    case Strike::Kind::data_damaged:
+      return damage(slice.bytes.size / 2, id, line, slice, arriving);
+    case Strike::Kind::end_damaged:
+      return damage(slice.bytes.size - 1, id, line, slice, arriving);
+    case Strike::Kind::doubled:
+      begin_line_fault(fault::Name::duplicate, id, line);
+      break;
+    case Strike::Kind::late:
+      begin_line_fault(fault::Name::stall, id, line);
+      break;
+    default:  // in this very instant, once the slice is on its way
+      ring_->at(ring_->now(), [this, what] { strike_node(what); });
+  }
+  lines_->pass(id, line, slice, arriving);
+}
+
+void ExploredRun::damage(std::size_t at, NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
+  if (slice.bytes.empty()) return lines_->pass(id, line, slice, arriving);
+  std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
+  std::copy(slice.bytes.begin(), slice.bytes.end(), bytes.begin());
+  bytes[at] ^= 0x10;
+  lines_->pass(id, line, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
+}
+
+// No copy may outlive the time-out of a try, so a line holds back for a part of it only. (protocol.md section 6.1)
+void ExploredRun::begin_line_fault(fault::Name name, NodeId id, Line line) {
+  const auto longest = ring_->settings(id).send_timeout() / 32;
+  fault::Fault fault;
+  fault.name = name;
+  fault.nodes = {id};
+  fault.second_line = line == Line::second;
+  fault.once_in = 1;
+  fault.packets = name == fault::Name::duplicate ? 1 : 0;
+  fault.delay = fault.lasts = std::chrono::duration_cast<std::chrono::nanoseconds>(longest);
+  lines_->begin(fault);
+}
+
+void ExploredRun::strike_node(const Strike& what) {
+  const NodeId node = what.node;
+  switch (what.kind) {
+    case Strike::Kind::restart:
+      return restart(node);
+    case Strike::Kind::freeze:
+      return freeze(node);
+    case Strike::Kind::cut:
+      return cut(node);
+    default:
+      if (!ring_->alive(node)) return;
+      ring_->interrupt(node, core::node_after(ring_->order(), node, 1), 2);
+      ++waiting_;
+  }
+}
+
+void ExploredRun::restart(NodeId node) {
+  if (ring_->alive(node)) ring_->kill(node);
+  ring_->start(node);
+}
+
+void ExploredRun::freeze(NodeId node) {
+  if (!ring_->alive(node)) return;
+  ring_->freeze(node);
+  ring_->at(ring_->now() + kLasts, [this, node] { ring_->thaw(node); });
+}
+
+void ExploredRun::cut(NodeId node) {
+  world_.fold_back ? ring_->cut_cable(node) : ring_->cut(node);
+  ring_->at(ring_->now() + kLasts, [this, node] { world_.fold_back ? ring_->heal_cable(node) : ring_->heal(node); });
+}
+
+}  // namespace limb_ring::study

@@ -1,0 +1,46 @@
+#include "study/soak/mended_ring.h"
+
+namespace limb_ring::study {
+
+using core::Duration;
+using namespace std::chrono_literals;
+
+void set_short_times(core::Settings& settings, bool paced, bool fold_back) {
+  settings.send_timeout_least = paced ? Duration{0} : Duration{100us};
+  settings.refused_for = 2ms;
+  settings.refused_backoff = 20us;
+  settings.refused_backoff_most = 300us;
+  settings.queue_timeout = 20ms;
+  settings.stall = 50us;
+  settings.beacon = 1ms;
+  settings.break_grace = settings.fold_permission = 300us;
+  settings.receive_buffers = 3;
+  settings.send_queue = 6;
+  settings.fold_back = fold_back;
+  settings.wired = {true, false, true, true, true, true, true, true};
+}
+
+bool is_traffic(const wire::Slice& slice) {
+  const bool control =
+      slice.kind != wire::SliceKind::interrupt && slice.bytes.size >= 13 && slice.bytes[slice.bytes.size - 5] >> 2 == 1;
+  return !control && slice.kind != wire::SliceKind::start;
+}
+
+std::optional<sim::Violation> not_whole(sim::VirtualRing& ring) {
+  for (const wire::NodeId id : ring.order()) {
+    const core::Membership& m = ring.node(id).membership();
+    if (m.state() == core::NodeState::up && m.ring_size() == ring.order().size()) continue;
+    return sim::Violation{sim::Promise::whole_again, ring.now(),
+                          "node " + std::to_string(id) + " is " + to_string(m.state()) + " in a ring of " +
+                              std::to_string(m.ring_size()) + " after all was mended"};
+  }
+  return std::nullopt;
+}
+
+std::optional<sim::Violation> not_silent(const sim::VirtualRing& ring, std::uint64_t slices) {
+  if (slices == 0) return std::nullopt;
+  return sim::Violation{sim::Promise::whole_again, ring.now(),
+                        std::to_string(slices) + " slices that are no beacon's still circulate"};
+}
+
+}  // namespace limb_ring::study
