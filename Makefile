@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo tests test soak mutants traces bench bench-sim chaos fault-table install-dissector deps clean format
+.PHONY: help all build demo tests test soak mutants fuzz traces bench bench-sim chaos fault-table install-dissector deps clean format
 all: build
 
 help: ## This list
@@ -58,6 +58,15 @@ soak: build ## Random faults by seed under the virtual clock (SEEDS=10000)
 mutants: deps ## Changes a copy of the core at random places; do the tests notice? (COUNT=20 SEED=1)
 	$(PYTHON) test/mutants/try_mutants $(if $(COUNT),--count $(COUNT)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
 
+# Everything that reads bytes or text from outside, given anything; in a build of its own, by clang's libFuzzer.
+SECONDS ?= 60
+fuzz: deps ## Gives all parsers anything, for 60 s each (SECONDS=60 FUZZ_ARGS="--target slices"; needs clang)
+	@command -v clang++ > /dev/null || { echo "make fuzz needs clang++ and its libFuzzer: apt-get install clang"; exit 2; }
+	cmake -S . -B $(BUILD)-fuzz -DLIMB_RING_ROS=OFF -DLIMB_RING_FUZZ=ON -DLIMB_RING_SANITIZE=address,undefined \
+	  -DCMAKE_CXX_COMPILER=clang++ -DPYTHON_EXECUTABLE=$(PYTHON)
+	cmake --build $(BUILD)-fuzz -j$(JOBS) --target fuzz
+	$(PYTHON) test/fuzz/run_fuzz --build $(BUILD)-fuzz --seconds $(SECONDS) $(FUZZ_ARGS)
+
 # What the virtual ring does, as hashes: the same before and after a change that is to change nothing.
 traces: build ## What the virtual ring does, as hashes
 	@$(PYTHON) scripts/traces --programs $(BUILD)/devel/lib/limb_ring --seeds 2000
@@ -95,4 +104,4 @@ install-dissector: ## The Wireshark dissector, for this user
 	@scripts/install_dissector
 
 clean: ## Removes all builds
-	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-bench
+	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-fuzz $(BUILD)-bench

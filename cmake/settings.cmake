@@ -12,6 +12,9 @@ if(LIMB_RING_SANITIZE)
   add_compile_options(-fsanitize=${LIMB_RING_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LIMB_RING_SANITIZE})
 endif()
+if(LIMB_RING_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
 
 # Optimised as a whole where a program is linked (GCC): a hop is many small functions in many files,
 # and a fifth of its time goes into calling them. Tests are linked without it.
