@@ -153,13 +153,23 @@ std::optional<Message> HostPort::receive(std::chrono::nanoseconds timeout) {
 }
 
 std::string HostPort::ask(const std::string& json, std::chrono::milliseconds timeout) {
-  const auto deadline = impl_->deadline_in(timeout);
-  const std::uint32_t token = request(json);
+  try {
+    return reply(request(json), timeout);
+  } catch (const HostPortTimeout& late) {
+    throw HostPortTimeout(late.what() + (": " + json));
+  }
+}
+
+std::string HostPort::reply(std::uint32_t token, std::chrono::milliseconds timeout) {
+  impl_->connection.stay_alive();
   client::Inbox& inbox = impl_->connection.inbox();
-  const auto reply = impl_->read_until([&] { return inbox.take_reply(token); }, deadline);
+  const auto reply = impl_->read_until([&] { return inbox.take_reply(token); }, impl_->deadline_in(timeout));
+  if (!reply && !impl_->connection.outstanding(token)) {
+    throw HostPortError("token " + std::to_string(token) + ": no reply is outstanding (was it received already?)");
+  }
   if (!reply) {
-    throw HostPortError("node " + name() + " of ring " + ring() + " did not answer within " +
-                        std::to_string(timeout.count()) + " ms: " + json);
+    throw HostPortTimeout("node " + name() + " of ring " + ring() + " did not answer within " +
+                          std::to_string(timeout.count()) + " ms");
   }
   const std::string error = client::error_of(reply->json);
   if (!error.empty()) throw HostPortError(error);
@@ -174,8 +184,8 @@ Result HostPort::wait(std::uint32_t token, std::chrono::milliseconds timeout) {
   if (!impl_->connection.outstanding(token)) {
     throw HostPortError("token " + std::to_string(token) + ": no result is outstanding (was it received already?)");
   }
-  throw HostPortError("token " + std::to_string(token) + ": no result within " + std::to_string(timeout.count()) +
-                      " ms");
+  throw HostPortTimeout("token " + std::to_string(token) + ": no result within " + std::to_string(timeout.count()) +
+                        " ms");
 }
 
 bool HostPort::connected() const { return impl_->connection.connected(); }

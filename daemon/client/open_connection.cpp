@@ -20,6 +20,7 @@ constexpr std::chrono::seconds kWelcomeDeadline{2};
 
 struct Target {
   std::string ring;
+  std::string rings;  // the folder of all rings
   std::string directory;
   std::string path;
 };
@@ -35,15 +36,15 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string only_running_ring(Clock::time_point deadline) {
-  std::vector<std::string> rings = running_rings();
+std::string only_running_ring(const std::string& runtime, Clock::time_point deadline) {
+  std::vector<std::string> rings = running_rings(runtime);
   while (rings.empty() && Clock::now() < deadline) {
     std::this_thread::sleep_for(kBetweenTries);
-    rings = running_rings();
+    rings = running_rings(runtime);
   }
   if (rings.size() == 1) return rings.front();
   if (rings.empty()) {
-    throw HostPortError("no ring is running (looked in " + rings_directory() + ")");
+    throw HostPortTimeout("no ring is running (looked in " + rings_directory(runtime) + ")");
   }
   throw HostPortError("several rings are running: " + joined(rings) + "; name one (option ring, or LIMB_RING_RING)");
 }
@@ -51,7 +52,7 @@ std::string only_running_ring(Clock::time_point deadline) {
 std::string ring_of(const ConnectOptions& options, Clock::time_point deadline) {
   if (!options.ring.empty()) return options.ring;
   const std::string given = environment("LIMB_RING_RING");
-  return given.empty() ? only_running_ring(deadline) : given;
+  return given.empty() ? only_running_ring(options.runtime, deadline) : given;
 }
 
 std::string node_of(const ConnectOptions& options) {
@@ -64,8 +65,8 @@ Target find_target(const ConnectOptions& options, Clock::time_point deadline) {
   const std::string node = node_of(options);
   const std::string ring = ring_of(options, deadline);
   try {
-    const std::string directory = ring_directory(ring);
-    return {ring, directory, socket_path(directory, node, "host")};
+    const std::string directory = ring_directory(ring, options.runtime);
+    return {ring, rings_directory(options.runtime), directory, socket_path(directory, node, "host")};
   } catch (const std::invalid_argument& problem) {
     throw HostPortError(problem.what());
   }
@@ -87,7 +88,7 @@ void refuse_foreign_daemon(const UnixSocket& socket, const std::string& path) {
 
 /// Connects; nothing where nobody listens yet, with `problem` saying so.
 std::optional<UnixSocket> open_socket(const Target& target, std::string& problem) {
-  refuse_foreign_folder(rings_directory());
+  refuse_foreign_folder(target.rings);
   refuse_foreign_folder(target.directory);
   std::optional<UnixSocket> socket = UnixSocket::connect(target.path);
   if (socket) {
@@ -114,7 +115,7 @@ std::optional<Connection> try_once(const Target& target, const ConnectOptions& o
     case Connection::Handshake::refused:
       throw HostPortError(target.path + ": " + connection.reason());
     case Connection::Handshake::timed_out:
-      throw HostPortError(target.path + ": the daemon does not answer (is it stopped?)");
+      throw HostPortTimeout(target.path + ": the daemon does not answer (is it stopped?)");
     case Connection::Handshake::closed:
       break;
   }
@@ -130,7 +131,7 @@ Connection open_connection(const ConnectOptions& options, Clock::time_point dead
     std::string problem;
     std::optional<Connection> connection = try_once(target, options, deadline, problem);
     if (connection) return std::move(*connection);
-    if (Clock::now() >= deadline) throw HostPortError(problem);
+    if (Clock::now() >= deadline) throw HostPortTimeout(problem);
     std::this_thread::sleep_for(kBetweenTries);
   }
 }

@@ -80,18 +80,19 @@ bool any_daemon_answers(const fs::path& folder) {
 
 }  // namespace
 
-std::string rings_directory() {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && *runtime != '\0') return std::string(runtime) + "/limb_ring";
+std::string rings_directory(const std::string& runtime) {
+  if (!runtime.empty()) return runtime + "/limb_ring";
+  const char* told = std::getenv("XDG_RUNTIME_DIR");
+  if (told != nullptr && *told != '\0') return std::string(told) + "/limb_ring";
   std::error_code error;
   const fs::path temporary = fs::temp_directory_path(error);
   const std::string base = error ? std::string("/tmp") : temporary.string();
   return base + "/limb_ring-" + std::to_string(geteuid());
 }
 
-std::string ring_directory(const std::string& ring) {
+std::string ring_directory(const std::string& ring, const std::string& runtime) {
   require_name("ring", ring);
-  return rings_directory() + "/" + ring;
+  return rings_directory(runtime) + "/" + ring;
 }
 
 std::string make_ring_directory(const std::string& ring) {
@@ -101,10 +102,10 @@ std::string make_ring_directory(const std::string& ring) {
   return folder;
 }
 
-std::vector<std::string> running_rings() {
+std::vector<std::string> running_rings(const std::string& runtime) {
   std::vector<std::string> rings;
   std::error_code error;
-  for (fs::directory_iterator it(rings_directory(), error), end; !error && it != end; it.increment(error)) {
+  for (fs::directory_iterator it(rings_directory(runtime), error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     if (name_fits(name) && any_daemon_answers(it->path())) rings.push_back(name);
   }

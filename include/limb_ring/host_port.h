@@ -86,6 +86,11 @@ struct HostPortError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What was waited for has not come in time. It may still come.
+struct HostPortTimeout : HostPortError {
+  using HostPortError::HostPortError;
+};
+
 enum class Role : std::uint8_t {
   tool,  ///< any number may send, pull inputs, ask and observe, each getting its own results
   cpu    ///< the node's CPU, one at a time: also receives packets and interrupts, and is reset
@@ -109,6 +114,8 @@ struct ConnectOptions {
   bool lockstep = true;
   /// How long to go on trying while the daemon is not there yet.
   std::chrono::milliseconds timeout{2000};
+  /// Folder in the place of $XDG_RUNTIME_DIR, for rings that keep apart; empty: the environment's.
+  std::string runtime;
 };
 
 /// The door between a node's network controller (ringd) and the programs beside it.
@@ -118,7 +125,7 @@ struct ConnectOptions {
 /// then the connection ends. It ends as well where 65536 messages are left without receive().
 class HostPort {
  public:
-  /// @throw HostPortError
+  /// @throw HostPortError, HostPortTimeout where the daemon is not there yet or does not answer
   static HostPort connect(const ConnectOptions& options);
   HostPort(HostPort&&) noexcept;
   HostPort& operator=(HostPort&&) noexcept;
@@ -167,10 +174,12 @@ class HostPort {
   /// network controller, which refuses more when its receive buffers are full.
   std::optional<Message> receive(std::chrono::nanoseconds timeout);
   /// The Reply to a request, waiting up to `timeout`; other messages stay for receive().
-  /// @throw HostPortError on time-out, lost connection, or a reply holding "error".
+  /// @throw HostPortTimeout; HostPortError on lost connection, or a reply holding "error".
   std::string ask(const std::string& json, std::chrono::milliseconds timeout);
+  /// The same for the token of a request().
+  std::string reply(std::uint32_t token, std::chrono::milliseconds timeout);
   /// The Result of a token, waiting up to `timeout`; other messages stay for receive().
-  /// @throw HostPortError on time-out.
+  /// @throw HostPortTimeout; HostPortError where no result of that token is outstanding.
   Result wait(std::uint32_t token, std::chrono::milliseconds timeout);
 
   bool connected() const;

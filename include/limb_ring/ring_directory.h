@@ -9,12 +9,13 @@ namespace limb_ring {
 /// Where the sockets of the rings of this user live (ours):
 /// `$XDG_RUNTIME_DIR/limb_ring`, or where that is not set `limb_ring-UID` below the system's
 /// temporary folder. Never created here, only named.
-std::string rings_directory();
+/// @param runtime folder in the place of $XDG_RUNTIME_DIR; empty: the environment says it
+std::string rings_directory(const std::string& runtime = {});
 
 /// The folder of one ring: `rings_directory()/RING`.
 /// @throw std::invalid_argument where the name is empty, longer than 32 characters, or holds
 ///        anything but letters, digits, '-', '_' and '.' (no leading '.').
-std::string ring_directory(const std::string& ring);
+std::string ring_directory(const std::string& ring, const std::string& runtime = {});
 
 /// Creates the folder of a ring (and those above it) with mode 0700.
 /// @throw std::runtime_error naming the folder where it belongs to another user, is a link, is
@@ -22,7 +23,7 @@ std::string ring_directory(const std::string& ring);
 std::string make_ring_directory(const std::string& ring);
 
 /// Rings with at least one daemon that answers, by name, sorted.
-std::vector<std::string> running_rings();
+std::vector<std::string> running_rings(const std::string& runtime = {});
 
 /// Path of a node's socket: `DIRECTORY/NODE.host` and the like; NODE is an id or a name (ringd
 /// links the name to the id).

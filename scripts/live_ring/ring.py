@@ -4,10 +4,10 @@ import os
 import resource
 import signal
 
-from live_ring.launcher import Launcher, free_udp_ports, plain_nodes
+from live_ring import built
+from limb_ring.launcher import Launcher, free_udp_ports, plain_nodes
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-BUILT = os.path.join(ROOT, 'build', 'devel', 'lib', 'limb_ring')
+BUILT = built.PROGRAMS
 NODES = 16
 SUPERVISOR = 0
 NOTIFY = 3        # the factor that interrupts of the traffic have

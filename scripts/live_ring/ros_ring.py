@@ -7,7 +7,7 @@ import tempfile
 import threading
 import time
 
-from live_ring.processes import send_signal, session_members
+from live_ring.sessions import send_signal, session_members
 
 GUARD = 60.0     # s that each step may take; a busy machine is slow
 

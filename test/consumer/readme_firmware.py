@@ -10,7 +10,7 @@ import sys
 
 HEADING = '### Your own firmware'
 PRINTED = {'ring.yaml', 'CMakeLists.txt', 'echo_cpu.cpp'}
-BESIDE = ['joint_cpu.cpp']   # what the CMakeLists.txt builds as well, and README links to
+BESIDE = ['joint_cpu.cpp', 'echo_cpu.py', 'joint_cpu.py']   # what README links to
 GUARD = 240  # s
 
 
@@ -48,6 +48,12 @@ def main():
     found = blocks(section(os.path.join(source, 'README.md')))
     write_files(found, os.path.join(source, 'examples'), folder)
     commands, = (block for language, block in found if language == 'sh')
+    run(commands, programs, folder)
+    without_build = commands.split('\n', 1)[1]
+    run(re.sub(r'build/(\w+)', r'"$PYTHON_EXECUTABLE" \1.py', without_build), programs, folder)
+
+
+def run(commands, programs, folder):
     environment = {key: value for key, value in os.environ.items() if not key.startswith('LIMB_RING')}
     environment['PATH'] = programs + ':' + environment['PATH']
     # `wait`: the CPUs end with the ring.

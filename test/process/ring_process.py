@@ -11,8 +11,9 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
 from live_ring.host_port import HostPort  # noqa: E402
-from live_ring.launcher import Launcher, free_udp_ports, plain_nodes  # noqa: E402,F401
-from live_ring.processes import is_gone, process_state  # noqa: E402,F401
+from live_ring import built  # noqa: E402,F401
+from limb_ring.launcher import Launcher, free_udp_ports, plain_nodes  # noqa: E402,F401
+from limb_ring.processes import is_gone, process_state  # noqa: E402,F401
 
 PROGRAMS = os.environ.get('RING_TEST_PROGRAMS', '')
 CONFIG = os.environ.get('RING_TEST_CONFIG', '')

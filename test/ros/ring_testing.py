@@ -1,16 +1,13 @@
 """What the rostests share: waiting for conditions, the newest message of a topic, the ring's status."""
 import os
 import signal
-import sys
 import threading
 import time
 
 import rospy
 
 from limb_ring.msg import RingStatus
-
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from live_ring.processes import is_gone, process_state  # noqa: E402,F401
+from limb_ring.processes import is_gone, process_state  # noqa: F401
 
 GUARD = 60.0  # s; generous, since a ring shares few cores with other tests
 

@@ -1,5 +1,5 @@
 """Rings of real daemons in a folder of their own: every program that is started here sees no other ring, has a log, and
-ends with the launcher. For scripts/chaos, scripts/fault_table and the process tests alike."""
+ends with the launcher. Ring stands on it, and so do the scripts and process tests of limb_ring itself."""
 import os
 import random
 import shutil
@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 import time
 
-from live_ring.processes import is_gone
+from .processes import is_gone
 
 KILLED = 60.0  # s that a killed process may take to be gone; a busy machine is slow
 STEP = 0.02    # s

@@ -1,18 +1,5 @@
-"""What the kernel says of processes, and signals to them."""
+"""What roslaunch has started: all processes of its session, and signals to them."""
 import os
-
-
-def process_state(pid):
-    """'T' stopped, 'Z' ended but not waited for ...; '' where there is none."""
-    try:
-        with open('/proc/%d/stat' % pid) as stat:
-            return stat.read().rsplit(')', 1)[1].split()[0]
-    except OSError:
-        return ''
-
-
-def is_gone(pid):
-    return process_state(pid) in ('', 'Z', 'X')
 
 
 def session_members(session):

@@ -1,0 +1,63 @@
+#!/usr/bin/python3
+"""joint_cpu.cpp in Python: obeys joint commands, and sends the state of one joint to node 0 a hundred times a second.
+joint_cpu.py [RING NODE]"""
+import sys
+
+import limb_ring
+from limb_ring import Interrupt, JointCommand, JointState, Packet
+
+PERIOD = 0.01      # s
+SILENCE = 0.2e9    # ns without a command, then the joint holds still
+STEP = 2.0 * PERIOD    # rad in a period: 2 rad/s
+
+
+class Joint:
+    def __init__(self):
+        self.position = self.goal = 0.0    # rad
+        self.commanded_ns = self.stopped_ns = 0   # stamp of the last command obeyed; when a stop came, 0: none
+        self.sequence = self.refused = 0
+        self.refused_one = False
+
+    def obey(self, command, now):
+        late = abs(now - command.stamp_ns) > command.valid_for_us * 1000
+        held = self.stopped_ns and not (command.resume and command.stamp_ns > self.stopped_ns)
+        if late or held or command.stamp_ns <= self.commanded_ns or len(command.joints) > 1:
+            self.refused, self.refused_one = (self.refused + 1) & 0xFFFF, True
+            return
+        self.commanded_ns, self.stopped_ns = command.stamp_ns, 0
+        if command.joints and command.joints[0].position is not None:
+            self.goal = command.joints[0].position
+
+    def next_state(self, now):
+        commanded = not self.stopped_ns and now - self.commanded_ns < SILENCE
+        step = max(-STEP, min(STEP, self.goal - self.position)) if commanded else 0.0
+        self.position += step
+        state = JointState([JointState.Joint(self.position, step / PERIOD)], sequence=self.sequence, stamp_ns=now)
+        state.mode.commanded, state.mode.safe, state.mode.hold = commanded, not commanded, not commanded
+        state.mode.stopped, state.mode.command_refused = bool(self.stopped_ns), self.refused_one
+        state.refused, self.refused_one = self.refused, False
+        self.sequence = (self.sequence + 1) & 0xFFFF
+        return state
+
+
+def main():
+    ring, node = sys.argv[1:3] if len(sys.argv) > 2 else ('', '')
+    joint = Joint()
+    with limb_ring.HostPort.connect(ring=ring, node=node, role='cpu', alive_period=0.1) as port:
+        due = port.now()   # the ring's clock: it may be a virtual one
+        while port.connected:
+            message = port.receive(max(0.0, due - port.now()))
+            if isinstance(message, Packet) and isinstance(message.payload, JointCommand):
+                joint.obey(message.payload, port.stamp_ns())
+            elif isinstance(message, Interrupt) and message.action == 'stop':
+                joint.stopped_ns = port.stamp_ns()
+            if port.now() >= due:
+                due += PERIOD
+                port.send(0, joint.next_state(port.stamp_ns()), priority=0)
+
+
+if __name__ == '__main__':
+    try:
+        main()
+    except limb_ring.HostPortError as problem:
+        sys.exit('joint_cpu: %s' % problem)

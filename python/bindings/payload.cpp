@@ -1,0 +1,194 @@
+// The formats inside packets: limb_ring/payload. What cannot be written or read is a ValueError that says why.
+#include <chrono>
+
+#include "bindings.h"
+#include "limb_ring/payload/announcement.h"
+#include "limb_ring/payload/fragmenter.h"
+#include "limb_ring/payload/joint_command.h"
+#include "limb_ring/payload/joint_state.h"
+#include "limb_ring/payload/packet_type.h"
+#include "limb_ring/payload/reassembler.h"
+#include "limb_ring/payload/sensor_reading.h"
+
+namespace limb_ring::python {
+namespace {
+
+using namespace payload;
+using std::optional;
+
+template <typename T>
+py::bytes encoded(const T& value) {
+  const auto bytes = encode(value);
+  if (!bytes) throw py::value_error(to_string(bytes.error()));
+  return to_bytes(*bytes);
+}
+
+template <typename T>
+T decoded(const Decoded<T>& value) {
+  if (!value) throw py::value_error(to_string(value.error()));
+  return *value;
+}
+
+std::int64_t stamp_or_now(optional<std::int64_t> stamp_ns) {
+  if (stamp_ns) return *stamp_ns;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+void bind_joint_state(py::module& module) {
+  using State = JointState;
+  py::class_<State> state(module, "JointState", "What a node's joints do, from its CPU to the body, on channel 2");
+  py::class_<State::Mode>(state, "Mode", "What the joints of the node are about")
+      .def(py::init<>())
+      .def_readwrite("commanded", &State::Mode::commanded, "at least one joint obeys a command")
+      .def_readwrite("safe", &State::Mode::safe, "at least one joint is in its safe state")
+      .def_readwrite("hold", &State::Mode::hold, "... and holds its position")
+      .def_readwrite("damp", &State::Mode::damp, "... and lets its velocity decay")
+      .def_readwrite("stopped", &State::Mode::stopped, "a stop is latched until a command resumes")
+      .def_readwrite("command_refused", &State::Mode::command_refused, "a command was refused since the last state")
+      .def_readwrite("saturated", &State::Mode::saturated, "a value was out of range and cut to it");
+  py::class_<State::Joint>(state, "Joint")
+      .def(py::init([](double position, double velocity, double effort) {
+             return State::Joint{position, velocity, effort};
+           }),
+           py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("effort") = 0.0)
+      .def_readwrite("position", &State::Joint::position, "rad")
+      .def_readwrite("velocity", &State::Joint::velocity, "rad/s")
+      .def_readwrite("effort", &State::Joint::effort, "N m");
+  state
+      .def(py::init([](std::vector<State::Joint> joints, std::uint16_t sequence, optional<std::int64_t> stamp_ns) {
+             State value;
+             value.joints = std::move(joints);
+             value.sequence = sequence;
+             value.stamp_ns = stamp_or_now(stamp_ns);
+             return value;
+           }),
+           py::arg("joints") = std::vector<State::Joint>{}, py::arg("sequence") = 0, py::arg("stamp_ns") = py::none())
+      .def_readwrite("sequence", &State::sequence)
+      .def_readwrite("stamp_ns", &State::stamp_ns, "CLOCK_REALTIME when sampled; default: now")
+      .def_readwrite("mode", &State::mode)
+      .def_readwrite("refused", &State::refused, "commands refused since the CPU's start")
+      .def_readwrite("joints", &State::joints, "in the order of the YAML; assign a list, do not append")
+      .def("encode", &encoded<State>)
+      .def_static("decode", [](const std::string& bytes) { return decoded(decode_joint_state(view(bytes))); });
+}
+
+void bind_joint_command(py::module& module) {
+  using Command = JointCommand;
+  py::class_<Command> command(module, "JointCommand", "What a node's joints shall do, to its CPU, on channel 2");
+  py::class_<Command::Joint>(command, "Joint", "None: not commanded")
+      .def(py::init([](optional<double> position, optional<double> velocity, optional<double> effort) {
+             return Command::Joint{position, velocity, effort};
+           }),
+           py::arg("position") = py::none(), py::arg("velocity") = py::none(), py::arg("effort") = py::none())
+      .def_readwrite("position", &Command::Joint::position, "rad")
+      .def_readwrite("velocity", &Command::Joint::velocity, "rad/s")
+      .def_readwrite("effort", &Command::Joint::effort, "N m");
+  command
+      .def(py::init([](std::vector<Command::Joint> joints, double valid_for, bool resume, std::uint16_t sequence,
+                       optional<std::int64_t> stamp_ns) {
+             if (!(valid_for >= 0 && valid_for <= 4294)) throw py::value_error("valid_for: 0 to 4294 s are possible");
+             Command value;
+             value.joints = std::move(joints);
+             value.valid_for_us = static_cast<std::uint32_t>(valid_for * 1e6);
+             value.resume = resume;
+             value.sequence = sequence;
+             value.stamp_ns = stamp_or_now(stamp_ns);
+             return value;
+           }),
+           py::arg("joints") = std::vector<Command::Joint>{}, py::arg("valid_for") = 0.1, py::arg("resume") = false,
+           py::arg("sequence") = 0, py::arg("stamp_ns") = py::none())
+      .def_readwrite("sequence", &Command::sequence)
+      .def_readwrite("stamp_ns", &Command::stamp_ns, "CLOCK_REALTIME when commanded; default: now")
+      .def_readwrite("valid_for_us", &Command::valid_for_us)
+      .def_readwrite("resume", &Command::resume, "ends a latched stop")
+      .def_readonly("saturated", &Command::saturated)
+      .def_readwrite("joints", &Command::joints, "in the order of the YAML; assign a list, do not append")
+      .def("encode", &encoded<Command>)
+      .def_static("decode", [](const std::string& bytes) { return decoded(decode_joint_command(view(bytes))); });
+}
+
+void bind_sensor_reading(py::module& module) {
+  using Reading = SensorReading;
+  py::class_<Reading>(module, "SensorReading", "One sample of an IMU or a force and torque sensor, on channel 2")
+      .def(py::init([](const std::string& kind, std::array<double, 3> linear, std::array<double, 3> angular,
+                       std::uint8_t sensor, std::uint16_t sequence, optional<std::int64_t> stamp_ns) {
+             if (kind != "imu" && kind != "force") throw py::value_error("kind: 'imu' or 'force', not '" + kind + "'");
+             Reading value;
+             value.kind = kind == "imu" ? Reading::Kind::imu : Reading::Kind::force;
+             value.linear = linear;
+             value.angular = angular;
+             value.sensor = sensor;
+             value.sequence = sequence;
+             value.stamp_ns = stamp_or_now(stamp_ns);
+             return value;
+           }),
+           py::arg("kind"), py::arg("linear"), py::arg("angular"), py::arg("sensor") = 0, py::arg("sequence") = 0,
+           py::arg("stamp_ns") = py::none())
+      .def_property_readonly("kind", [](const Reading& r) { return r.kind == Reading::Kind::imu ? "imu" : "force"; })
+      .def_readwrite("sequence", &Reading::sequence)
+      .def_readwrite("stamp_ns", &Reading::stamp_ns, "CLOCK_REALTIME when sampled; default: now")
+      .def_readwrite("sensor", &Reading::sensor, "its place among the node's sensors, from 0")
+      .def_readonly("saturated", &Reading::saturated)
+      .def_readwrite("linear", &Reading::linear, "x, y, z: m/s^2 or N")
+      .def_readwrite("angular", &Reading::angular, "x, y, z: rad/s or N m")
+      .def("encode", &encoded<Reading>)
+      .def_static("decode", [](const std::string& bytes) { return decoded(decode_sensor_reading(view(bytes))); });
+}
+
+void bind_topics(py::module& module) {
+  py::class_<Announcement>(module, "Announcement", "What a topic is called and made of, before its first data")
+      .def(py::init([](const std::string& name, const std::string& datatype, const std::string& md5sum,
+                       const std::string& definition, bool latching) {
+             return Announcement{name, datatype, md5sum, definition, latching};
+           }),
+           py::arg("name"), py::arg("datatype"), py::arg("md5sum"), py::arg("definition"), py::arg("latching") = false)
+      .def_readonly("name", &Announcement::name)
+      .def_readonly("datatype", &Announcement::datatype)
+      .def_readonly("md5sum", &Announcement::md5sum)
+      .def_readonly("definition", &Announcement::definition)
+      .def_readonly("latching", &Announcement::latching)
+      .def("encode", &encoded<Announcement>)
+      .def_static("decode", [](const std::string& bytes) { return decoded(decode_announcement(view(bytes))); });
+  py::class_<Fragmenter>(module, "Fragmenter", "Cuts messages of one topic into packets for channel 3")
+      .def(py::init<std::uint8_t>(), py::arg("topic"))
+      .def(
+          "packets",
+          [](Fragmenter& fragmenter, const std::string& message, bool announcement) {
+            const auto kind = announcement ? Fragment::Kind::announcement : Fragment::Kind::data;
+            if (!fragmenter.start(kind, {message.begin(), message.end()}))
+              throw py::value_error("a message has at most " + std::to_string(kMaxMessage) + " bytes");
+            py::list packets;
+            while (!fragmenter.done()) packets.append(to_bytes(fragmenter.next()));
+            return packets;
+          },
+          py::arg("message"), py::arg("announcement") = false, "the packets of the next message, each as bytes");
+  py::class_<Reassembler>(module, "Reassembler", "Puts fragments together again")
+      .def(py::init<>())
+      .def(
+          "take",
+          [](Reassembler& reassembler, std::uint8_t source, const std::string& packet) -> py::object {
+            const auto message = reassembler.take(source, view(packet));
+            if (!message || message->kind != Fragment::Kind::data) return py::none();
+            return py::make_tuple(message->topic, to_bytes(message->bytes));
+          },
+          py::arg("source"), py::arg("packet"), "(topic, bytes) where the packet completes a message of data")
+      .def("announcement", [](const Reassembler& reassembler, std::uint8_t source, std::uint8_t topic) -> py::object {
+        const Announcement* found = reassembler.announcement(source, topic);
+        return found != nullptr ? py::cast(*found) : py::none();
+      });
+}
+
+}  // namespace
+
+void bind_payload(py::module& module) {
+  module.attr("USER_CHANNEL") = kUserChannel;
+  module.attr("JOINT_CHANNEL") = kJointChannel;
+  module.attr("TOPIC_CHANNEL") = kTopicChannel;
+  bind_joint_state(module);
+  bind_joint_command(module);
+  bind_sensor_reading(module);
+  bind_topics(module);
+}
+
+}  // namespace limb_ring::python

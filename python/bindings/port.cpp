@@ -1,0 +1,168 @@
+// HostPort: every wait has a deadline, lets other Python threads run, and ends by Ctrl-C.
+#include <algorithm>
+
+#include "bindings.h"
+
+namespace limb_ring::python {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+/// How long a wait may leave a signal of Python's unseen.
+constexpr milliseconds kSlice{50};
+constexpr double kLongest = 1e6;  // s
+
+nanoseconds wanted(double timeout) {
+  if (!(timeout >= 0)) throw py::value_error("timeout: 0 s or more is needed, not " + std::to_string(timeout));
+  return std::chrono::ceil<nanoseconds>(std::chrono::duration<double>(std::min(timeout, kLongest)));
+}
+
+milliseconds whole(nanoseconds time) { return std::chrono::ceil<milliseconds>(time); }
+
+void look_for_signals() {
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+/// Calls `step(slice)` without the GIL until it says true or the time is over. The time is that of its waits, so that
+/// it is the ring's where the ring has a clock of its own.
+template <typename Step>
+bool in_slices(nanoseconds left, Step step) {
+  for (;;) {
+    const nanoseconds slice = std::min<nanoseconds>(left, kSlice);
+    bool done = false;
+    {
+      py::gil_scoped_release others_may_run;
+      done = step(slice);
+    }
+    look_for_signals();
+    left -= slice;
+    if (done || left <= nanoseconds{0}) return done;
+  }
+}
+
+HostPort connect(const std::string& ring, const std::string& node, const std::string& role, double timeout,
+                 double alive_period, bool restarted_by_owner, bool results_may_wait, bool lockstep,
+                 const std::string& runtime) {
+  ConnectOptions options;
+  options.ring = ring;
+  options.node = node;
+  if (role != "tool" && role != "cpu") throw py::value_error("role: 'tool' or 'cpu' is needed, not '" + role + "'");
+  options.role = role == "cpu" ? Role::cpu : Role::tool;
+  options.alive_period = whole(wanted(alive_period));
+  options.restarted_by_owner = restarted_by_owner;
+  options.results_may_wait = results_may_wait;
+  options.lockstep = lockstep;
+  options.runtime = runtime;
+  std::optional<HostPort> port;
+  std::string problem;
+  in_slices(wanted(timeout), [&](nanoseconds slice) {
+    options.timeout = whole(slice);
+    try {
+      port = HostPort::connect(options);
+    } catch (const HostPortTimeout& late) {
+      problem = late.what();
+    }
+    return port.has_value();
+  });
+  if (!port) throw HostPortTimeout(problem);
+  return std::move(*port);
+}
+
+std::optional<Message> receive(HostPort& port, double timeout) {
+  std::optional<Message> message;
+  in_slices(wanted(timeout), [&](nanoseconds slice) {
+    message = port.receive(slice);
+    return message || !port.connected();
+  });
+  return message;
+}
+
+Result wait(HostPort& port, std::uint32_t token, double timeout) {
+  std::optional<Result> result;
+  in_slices(wanted(timeout), [&](nanoseconds slice) {
+    try {
+      result = port.wait(token, whole(slice));
+    } catch (const HostPortTimeout&) {
+    }
+    return result.has_value();
+  });
+  if (result) return *result;
+  throw HostPortTimeout("token " + std::to_string(token) + ": no result within " + std::to_string(timeout) + " s");
+}
+
+void sleep_until(HostPort& port, std::int64_t until_ns) {
+  const std::chrono::nanoseconds until{until_ns};
+  for (bool on = true; on;) {
+    {
+      py::gil_scoped_release others_may_run;
+      port.sleep_until(std::min<nanoseconds>(until, port.now() + kSlice));
+      on = port.connected() && port.now() < until;
+    }
+    look_for_signals();
+  }
+}
+
+std::string reply_to(HostPort& port, std::uint32_t token, double timeout) {
+  std::optional<std::string> reply;
+  in_slices(wanted(timeout), [&](nanoseconds slice) {
+    try {
+      reply = port.reply(token, whole(slice));
+    } catch (const HostPortTimeout&) {
+    }
+    return reply.has_value();
+  });
+  if (reply) return *reply;
+  throw HostPortTimeout("node " + port.name() + " of ring " + port.ring() + " did not answer within " +
+                        std::to_string(timeout) + " s");
+}
+
+/// The port of a `with`, which may be closed before Python forgets it.
+struct Port {
+  std::optional<HostPort> port;
+
+  HostPort& open() {
+    if (!port) throw HostPortError("this host port is closed");
+    return *port;
+  }
+};
+
+}  // namespace
+
+void bind_port(py::module& module) {
+  const auto error = py::register_exception<HostPortError>(module, "HostPortError", PyExc_RuntimeError);
+  const auto both = py::make_tuple(error, py::reinterpret_borrow<py::object>(PyExc_TimeoutError));
+  py::register_exception<HostPortTimeout>(module, "HostPortTimeout", both.ptr());
+
+  py::class_<Port>(module, "Port")
+      .def(py::init([](const std::string& ring, const std::string& node, const std::string& role, double timeout,
+                       double alive_period, bool restarted_by_owner, bool results_may_wait, bool lockstep,
+                       const std::string& runtime) {
+        return Port{
+            connect(ring, node, role, timeout, alive_period, restarted_by_owner, results_may_wait, lockstep, runtime)};
+      }))
+      .def_property_readonly("id", [](Port& p) { return p.open().id(); })
+      .def_property_readonly("name", [](Port& p) { return p.open().name(); })
+      .def_property_readonly("ring", [](Port& p) { return p.open().ring(); })
+      .def_property_readonly("connected", [](Port& p) { return p.port && p.port->connected(); })
+      .def("fileno", [](Port& p) { return p.open().fd(); })
+      .def("close", [](Port& p) { p.port.reset(); })
+      .def("send",
+           [](Port& p, std::uint8_t to, const std::string& data, std::uint8_t priority, std::uint8_t channel) {
+             return p.open().send(to, view(data).data, data.size(), priority, channel);
+           })
+      .def("interrupt", [](Port& p, std::uint8_t to, std::uint8_t factor,
+                           bool force) { return p.open().interrupt(to, factor, force); })
+      .def("pull", [](Port& p, std::uint8_t input) { return p.open().pull(input); })
+      .def("request", [](Port& p, const std::string& json) { return p.open().request(json); })
+      .def("observe", [](Port& p, const std::string& json) { p.open().observe(json); })
+      .def("now_ns", [](Port& p) { return p.open().now().count(); })
+      .def("stamp_ns", [](Port& p) { return p.open().stamp().count(); })
+      .def("sleep_until", [](Port& p, std::int64_t until_ns) { sleep_until(p.open(), until_ns); })
+      .def("alive", [](Port& p) { p.open().alive(); })
+      .def("receive", [](Port& p, double timeout) { return receive(p.open(), timeout); })
+      .def("wait", [](Port& p, std::uint32_t token, double timeout) { return wait(p.open(), token, timeout); })
+      .def("reply", [](Port& p, std::uint32_t token, double timeout) { return reply_to(p.open(), token, timeout); });
+}
+
+}  // namespace limb_ring::python

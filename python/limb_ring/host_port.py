@@ -1,0 +1,177 @@
+"""The door between a node's network controller and the programs beside it (limb_ring/host_port.h)."""
+import json
+import time
+
+from . import _client
+from ._client import (JOINT_CHANNEL, Disconnected, HostPortError, HostPortTimeout, JointCommand, JointState, Reply,
+                      Result, SensorReading)
+
+_FORMATS = {1: JointState, 2: JointCommand, 3: SensorReading, 4: SensorReading}   # by a packet's first byte
+
+
+def payload_of(packet):
+    """The JointState, JointCommand or SensorReading in a Packet; None where it holds none."""
+    known = _FORMATS.get(packet.data[0]) if packet.channel == JOINT_CHANNEL else None
+    try:
+        return known and known.decode(packet.data)
+    except ValueError:
+        return None
+
+
+_client.Packet.payload = property(payload_of)
+
+
+class HostPort:
+    """A tool or CPU at a node: `with HostPort.connect(ring='robot', node='knee') as port:`. For one thread. Times are in
+    seconds. Every wait has a deadline, lets other threads run, and ends by Ctrl-C."""
+
+    def __init__(self, port):
+        self._port = port
+        self._kept = []   # what next_of() has passed over
+
+    @classmethod
+    def connect(cls, ring='', node='', role='tool', timeout=2.0, alive_period=0.0, restarted_by_owner=False,
+                results_may_wait=False, lockstep=True, runtime=''):
+        """
+        @param ring its name; '': LIMB_RING_RING, else the only ring running
+        @param node id or name; '': LIMB_RING_NODE
+        @param role 'tool', or 'cpu': the node's CPU, which gets packets and interrupts
+        @param timeout how long to go on trying while the daemon is not there yet
+        @param alive_period role cpu: promises to call something here at least so often; 0: no promise
+        @param lockstep role cpu, on a virtual ring: its time goes on only while this program waits in a call of this
+        @param runtime folder in the place of XDG_RUNTIME_DIR
+        @raise HostPortError what went wrong, and what would be right; HostPortTimeout where the daemon is not there"""
+        return cls(_client.Port(ring, str(node), role, timeout, alive_period, restarted_by_owner, results_may_wait,
+                                lockstep, runtime))
+
+    @property
+    def id(self):
+        return self._port.id
+
+    @property
+    def name(self):
+        return self._port.name
+
+    @property
+    def ring(self):
+        return self._port.ring
+
+    @property
+    def connected(self):
+        return self._port.connected
+
+    def fileno(self):
+        """For select and event loops; what is buffered already does not show: receive(0) until None first."""
+        return self._port.fileno()
+
+    def close(self):
+        self._port.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    # ---- the ring's clock -----------------------------------------------------------------
+
+    def now(self):
+        """CLOCK_MONOTONIC; on a virtual ring the time since its start. s"""
+        return self._port.now_ns() / 1e9
+
+    def stamp_ns(self):
+        """The same instant for stamps of payloads: since 1970; on a virtual ring since its start. ns"""
+        return self._port.stamp_ns()
+
+    def sleep_until(self, time_s):
+        """Returns at that time of now(), or when the connection has ended. Messages stay for receive()."""
+        self._port.sleep_until(round(time_s * 1e9))
+
+    # ---- out: each returns the token of its Result ----------------------------------------
+
+    def send(self, to, data, priority=2, channel=None):
+        """
+        @param to id of a node, or BROADCAST
+        @param data 1 to 512 bytes; or a JointState, JointCommand or SensorReading
+        @param channel default: 2 for one of these, else 0"""
+        typed = hasattr(data, 'encode') and not isinstance(data, str)
+        content = data.encode() if typed else bytes(data)
+        if channel is None:
+            channel = JOINT_CHANNEL if typed else 0
+        return self._port.send(to, content, priority, channel)
+
+    def interrupt(self, to, factor, force=False):
+        """Pulls pin `factor`, 0 to 7, of a node. A broadcast that would reset all needs `force`."""
+        return self._port.interrupt(to, factor, force)
+
+    def pull(self, number):
+        """Pulls this node's interrupt input, 0 to 7."""
+        return self._port.pull(number)
+
+    def request(self, order):
+        """Asks the daemon; the answer is a Reply with this token. @param order {'do': ...}, see requests.md"""
+        return self._port.request(json.dumps(order))
+
+    def request_text(self, text):
+        """The same, in JSON."""
+        return self._port.request(text)
+
+    def observe(self, *kinds, **more):
+        """From now on these kinds of events come as Observed. `packets={...}`: packets on the lines as CapturedPacket;
+        `packets=None`: none any more."""
+        order = dict(more, kinds=kinds) if kinds or 'packets' not in more else more
+        self._port.observe(json.dumps(order))
+
+    def alive(self):
+        """Says that the CPU is alive, as any call does that sends, receives or waits."""
+        self._port.alive()
+
+    # ---- in -------------------------------------------------------------------------------
+
+    def receive(self, timeout):
+        """The next message: Packet, Interrupt, Result, Reply, Observed, ObservedLost, CapturedPacket, CaptureCounts or
+        Disconnected; None where none came, or after Disconnected."""
+        return self._kept.pop(0) if self._kept else self._port.receive(timeout)
+
+    def wait(self, token, timeout=10.0):
+        """The Result of a token; other messages stay for receive(). @raise HostPortTimeout, HostPortError"""
+        kept = self._take(lambda message: isinstance(message, Result) and message.token == token)
+        return kept or self._port.wait(token, timeout)
+
+    def ask(self, order, timeout=10.0):
+        """Asks the daemon and waits: a dict. @raise HostPortError with the daemon's words; HostPortTimeout"""
+        return self.answer(self.request(order), timeout)
+
+    def answer(self, token, timeout=10.0):
+        """The answer to a request(): a dict. @raise as ask()"""
+        kept = self._take(lambda message: isinstance(message, Reply) and message.token == token)
+        answer = kept.content if kept else json.loads(self._port.reply(token, timeout))
+        if 'error' in answer:
+            raise HostPortError(answer['error'])
+        return answer
+
+    def next_of(self, kind, timeout=10.0):
+        """The next message of a class; others stay for receive(). @raise HostPortTimeout, HostPortError at the end"""
+        return self.find(lambda message: isinstance(message, kind), timeout, 'no %s came' % kind.__name__)
+
+    def find(self, wanted, timeout=10.0, missing='it did not come'):
+        """The next message for which wanted(message); others stay for receive(). @raise as next_of()"""
+        kept = self._take(wanted)
+        deadline = time.monotonic() + timeout
+        while kept is None:
+            message = self._port.receive(max(0.0, deadline - time.monotonic()))
+            if message is not None and wanted(message):
+                return message
+            if message is not None:
+                self._kept.append(message)
+            if isinstance(message, Disconnected) or not self.connected:
+                raise HostPortError('%s; the connection has ended' % missing)
+            if message is None and time.monotonic() >= deadline:
+                raise HostPortTimeout('%s within %g s' % (missing, timeout))
+        return kept
+
+    def _take(self, wanted):
+        for index, message in enumerate(self._kept):
+            if wanted(message):
+                return self._kept.pop(index)
+        return None

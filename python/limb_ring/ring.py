@@ -1,0 +1,231 @@
+"""A whole ring: started, asked, broken and ended through ringctl, its packets through host ports."""
+import json
+import os
+import shutil
+import subprocess
+
+from . import _client
+from .host_port import HostPort
+from .launcher import Launcher
+
+_PREFIX = os.path.abspath(os.path.join(os.path.dirname(__file__), *['..'] * 4))   # PREFIX/lib/python3/dist-packages/limb_ring
+
+
+class RingError(RuntimeError):
+    """It did not happen; the words are ringctl's."""
+
+
+class RingTimeout(RingError, TimeoutError):
+    """It did not happen in time."""
+
+
+def programs_folder():
+    """Where ringd and ringctl are: LIMB_RING_PROGRAMS, beside this package, or on PATH."""
+    found = shutil.which('ringctl')
+    beside = os.path.join(_PREFIX, 'lib', 'limb_ring')
+    for folder in (os.environ.get('LIMB_RING_PROGRAMS'), beside, found and os.path.dirname(found)):
+        if folder and os.access(os.path.join(folder, 'ringctl'), os.X_OK):
+            return os.path.realpath(folder)
+    raise RingError('ringctl is neither beside this package nor on PATH; set LIMB_RING_PROGRAMS to its folder')
+
+
+def find_config(name, beside=''):
+    """Path of a ring's file: in the folder `beside`, in the working folder, or one that comes with limb_ring."""
+    ours = os.path.join(_PREFIX, 'share', 'limb_ring', 'config')
+    tried = [os.path.join(folder, name) for folder in (beside or '.', '.', ours)]
+    for path in tried:
+        if os.path.isfile(path):
+            return os.path.abspath(path)
+    raise RingError('no file %s; looked for %s' % (name, ', '.join(dict.fromkeys(tried))))
+
+
+class Ring:
+    """`with Ring('leg8.yaml') as ring:` has a ring of its own, in a folder of its own, which meets no other and ends with
+    the block, with all that was started in it. Nodes go by name or id, times are in seconds, every call has a deadline."""
+
+    def __init__(self, config, clock='machine', pace=None, programs=None, timeout=30.0):
+        """
+        @param config YAML file (see find_config), or a dict of the same; 2 to 255: so many plain nodes
+        @param clock 'machine', or 'virtual': the whole ring in one process, as `ringctl up --clock`
+        @param pace with 'virtual': how fast its time goes beside real time
+        @param timeout until the ring has to be closed"""
+        self._config, self._clock, self._pace, self._timeout = config, clock, pace, timeout
+        self._programs = programs
+        self._launcher, self._ports, self._ids = None, [], {}
+        self._attached = None   # (name, runtime) of a ring that somebody else has started
+
+    @classmethod
+    def attach(cls, name='', runtime=''):
+        """A ring that is running already, such as that of ring.launch; it is left running."""
+        ring = cls(None)
+        ring._attached = name, runtime
+        return ring
+
+    # ---- up and down ----------------------------------------------------------------------
+
+    def up(self):
+        """@raise RingError with the words of ringctl, such as what is wrong in the file"""
+        if self._attached or self._launcher:
+            return self
+        self._launcher = Launcher(self._programs or programs_folder())
+        try:
+            self.ctl('up', *self._what(), '--detach', '--timeout', self._timeout, *self._clock_options(),
+                     timeout=self._timeout + 30)
+        except BaseException:
+            self._end()
+            raise
+        return self
+
+    def _what(self):
+        if isinstance(self._config, int):
+            return '--nodes', self._config
+        if isinstance(self._config, dict):
+            return self._launcher.write('ring.yaml', json.dumps(self._config)),   # which is YAML too
+        return find_config(self._config),
+
+    def _clock_options(self):
+        options = [] if self._clock == 'machine' else ['--clock', self._clock]
+        return options if self._pace is None else options + ['--pace', self._pace]
+
+    def down(self):
+        for port in self._ports:
+            port.close()
+        self._ports.clear()
+        if self._launcher:
+            try:
+                self.ctl('down')
+            except RingError:
+                pass   # nobody is left to be asked; what is left of it ends here
+            finally:
+                self._end()
+
+    def _end(self):
+        self._launcher.end()
+        self._launcher.remove()
+        self._launcher = None
+        self._ids.clear()
+
+    def __enter__(self):
+        return self.up()
+
+    def __exit__(self, *_):
+        self.down()
+
+    @property
+    def environment(self):
+        """For programs that shall see this ring: XDG_RUNTIME_DIR."""
+        if self._launcher:
+            return self._launcher.environment
+        return dict(os.environ, XDG_RUNTIME_DIR=self._runtime()) if self._runtime() else dict(os.environ)
+
+    def _runtime(self):
+        if self._launcher:
+            return self._launcher.runtime
+        if not self._attached:
+            raise RingError('this ring is down')
+        return self._attached[1]
+
+    def start(self, command, name='program'):
+        """Starts a program in this ring's environment, such as own firmware; it ends with the ring. A Popen; its output
+        is in the file `.log`."""
+        if not self._launcher:
+            raise RingError('programs are started in a ring that is up and our own')
+        return self._launcher.start(name, [str(word) for word in command])
+
+    # ---- ringctl --------------------------------------------------------------------------
+
+    def ctl(self, *words, timeout=30.0):
+        """`ringctl WORDS`: what it printed. @raise RingError where it ended with another exit code than 0, RingTimeout"""
+        runtime = self._runtime()
+        folder = self._launcher.programs if self._launcher else programs_folder()
+        name = ['--ring', self._attached[0]] if self._attached and self._attached[0] else []
+        command = [os.path.join(folder, 'ringctl'), *name, *(str(word) for word in words)]
+        environment = dict(os.environ, XDG_RUNTIME_DIR=runtime) if runtime else None
+        try:
+            done = subprocess.run(command, env=self._launcher.environment if self._launcher else environment,
+                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  universal_newlines=True, timeout=timeout, check=False)
+        except subprocess.TimeoutExpired:
+            raise RingTimeout('ringctl %s: no answer within %g s' % (' '.join(command[1:]), timeout)) from None
+        if done.returncode != 0:
+            said = done.stderr.strip() or done.stdout.strip()
+            raise RingError('ringctl %s: exit code %d: %s' % (' '.join(command[1:]), done.returncode, said))
+        return done.stdout
+
+    def status(self):
+        """What `ringctl status --json` says."""
+        return json.loads(self.ctl('status', '--json'))
+
+    def node(self, node):
+        """The row of one node: 'state', 'ring_size', 'cpu', 'counters' ..."""
+        for row in self.status()['nodes']:
+            if node in (row['id'], row.get('name')):
+                return row
+        raise RingError('no node %s in this ring' % node)
+
+    def cpu(self, node):
+        """'state', 'boots', 'pid' of a node's CPU."""
+        return self.node(node)['cpu']
+
+    def wait(self, node, state, timeout=10.0):
+        """Until a node or its CPU is so, in the words of `ringctl status`: 'up', 'down', 'running', 'hung' ...
+        @raise RingError that says what it is instead"""
+        self.ctl('wait', node, state, '--timeout', timeout, timeout=timeout + 10)
+
+    def wait_up(self, timeout=10.0):
+        """Until all nodes are up and the CPUs that ringd starts run."""
+        self.ctl('wait', 'up', '--timeout', timeout, timeout=timeout + 10)
+
+    def fault(self, kind, of, **options):
+        """As `ringctl fault`: fault('cut', 'hip:knee'), fault('hang', 'knee', duration='2s'), fault('drop', 'hip:knee',
+        once_in=10, seed=4). Returns when it has taken effect."""
+        words = []
+        for name, value in options.items():
+            words += ['--' + {'duration': 'for'}.get(name, name.replace('_', '-')), value]
+        self.ctl('fault', kind, of, *words)
+
+    def clear_faults(self, timeout=30.0):
+        """Heals, wakes and starts all; returns when the ring is whole again."""
+        self.ctl('fault', 'clear', '--timeout', timeout, timeout=timeout + 10)
+
+    def reset(self, node, timeout=10.0):
+        """Resets a node's CPU by an interrupt; returns when it has booted again. @raise RingError where it has not"""
+        self.ctl('reset', node, '--timeout', timeout, timeout=timeout + 10)
+
+    def stop(self):
+        self.ctl('stop')
+
+    def resume(self):
+        self.ctl('resume')
+
+    # ---- packets --------------------------------------------------------------------------
+
+    def port(self, node, role='tool', **options):
+        """A HostPort at a node, closed when the ring goes down; options as HostPort.connect(). On a virtual ring a
+        CPU here is not in lockstep unless told `lockstep=True`: what a test does elsewhere would hold the ring up."""
+        options.setdefault('lockstep', False)
+        name = self._attached[0] if self._attached else ''
+        port = HostPort.connect(ring=name, node=node, role=role, runtime=self._runtime(), **options)
+        self._ports.append(port)
+        return port
+
+    def id_of(self, node):
+        if isinstance(node, int):
+            return node
+        if node == 'all':
+            return _client.BROADCAST
+        if node not in self._ids:
+            self._ids = {row.get('name'): row['id'] for row in self.status()['nodes']}
+        if node not in self._ids:
+            raise RingError('no node %s in this ring' % node)
+        return self._ids[node]
+
+    def send(self, source, to, data, priority=2, channel=None, timeout=10.0):
+        """Sends from one node to another, or to 'all': the Result. @param data bytes, or a JointCommand and the like"""
+        with self.port(source) as port:
+            return port.wait(port.send(self.id_of(to), data, priority, channel), timeout)
+
+    def interrupt(self, source, to, factor, force=False, timeout=10.0):
+        """Sends an interrupt packet from one node to another: the Result."""
+        with self.port(source) as port:
+            return port.wait(port.interrupt(self.id_of(to), factor, force), timeout)

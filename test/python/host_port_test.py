@@ -1,0 +1,157 @@
+"""HostPort on a live ring: what is sent, received and refused, deadlines, other threads, Ctrl-C."""
+import os
+import select
+import signal
+import threading
+import time
+
+import pytest
+
+import limb_ring
+from limb_ring import BROADCAST, HostPort, HostPortError, HostPortTimeout, JointCommand, JointState, Packet, Result
+
+RING = {'ring': 'ports', 'nodes': [
+    {'id': 0, 'name': 'body', 'cpu': 'attached', 'pins': {'3': 'notify'}},
+    {'id': 1, 'name': 'knee', 'cpu': 'attached', 'inputs': {'0': {'to': 'body', 'factor': 3}}},
+    {'id': 2, 'name': 'spare'}]}
+needs_ring = pytest.mark.ring(RING)
+
+
+@needs_ring
+def test_packets_go_from_cpu_to_cpu(ring):
+    body, knee = ring.port('body', role='cpu'), ring.port('knee', role='cpu')
+    assert (knee.id, knee.name, knee.ring) == (1, 'knee', 'ports')
+    result = body.wait(body.send(1, b'hello', priority=1, channel=4))
+    assert (result.outcome, result.why, result.tries, result.round_trip > 0) == ('delivered', '', 1, True)
+    packet = knee.next_of(Packet)
+    assert (packet.source, packet.destination, packet.priority, packet.channel) == (0, 1, 1, 4)
+    assert (packet.data, packet.payload) == (b'hello', None)
+    body.send(BROADCAST, bytes(512))
+    assert knee.next_of(Packet).data == bytes(512)
+
+
+@needs_ring
+def test_payloads_are_sent_and_received_as_what_they_are(ring):
+    body, knee = ring.port('body', role='cpu'), ring.port('knee', role='cpu')
+    body.send(1, JointCommand([JointCommand.Joint(position=0.25)]))
+    told = knee.next_of(Packet).payload
+    assert isinstance(told, JointCommand) and told.joints[0].position == 0.25
+    knee.send(0, JointState([JointState.Joint(0.25, 0, 0)]))
+    assert body.next_of(Packet).payload.joints[0].position == 0.25
+    knee.send(0, b'\1 is the first byte of a state', channel=2)
+    assert body.next_of(Packet).payload is None
+
+
+@needs_ring
+def test_what_next_of_passes_over_is_kept(ring):
+    body, knee = ring.port('body', role='cpu'), ring.port('knee', role='cpu')
+    sent = knee.send(0, b'from the knee')
+    first, second = body.send(2, b'one'), body.send(2, b'two')
+    asked = body.request({'do': 'status'})
+    assert body.next_of(Result).token == first
+    assert body.next_of(Packet).data == b'from the knee'
+    body.next_of(limb_ring.Reply)
+    assert body.wait(second).outcome == 'delivered'
+    assert knee.wait(sent).outcome == 'delivered'
+    with pytest.raises(HostPortError, match='no reply is outstanding'):
+        body.answer(asked, timeout=1)
+
+
+@needs_ring
+def test_interrupts_and_pulled_inputs(ring):
+    body, knee = ring.port('body', role='cpu'), ring.port('knee')
+    assert knee.wait(knee.interrupt(0, 3)).outcome == 'delivered'
+    pulled = body.next_of(limb_ring.Interrupt)
+    assert (pulled.action, pulled.source, pulled.factor) == ('notify', 1, 3)
+    assert knee.wait(knee.pull(0)).outcome == 'delivered'
+    assert body.next_of(limb_ring.Interrupt).factor == 3
+    refused = knee.wait(knee.interrupt(2, 7))
+    assert (refused.outcome, refused.why) == ('refused', 'pin_unwired')
+    assert 'INT7' in refused.reason
+
+
+@needs_ring
+def test_bad_arguments_are_results_that_say_so(ring):
+    port = ring.port('body')
+    assert port.wait(port.send(1, b'')).why == 'bad_size'
+    assert port.wait(port.send(1, b'x', channel=64)).why == 'bad_channel'
+    assert 'factors are 0 to 7' in port.wait(port.interrupt(1, 9)).reason
+
+
+@needs_ring
+def test_the_daemon_says_no_in_its_own_words(ring):
+    port = ring.port('body')
+    with pytest.raises(HostPortError, match="no request 'dance'"):
+        port.ask({'do': 'dance'})
+    cpu = ring.port('body', role='cpu')
+    with pytest.raises(HostPortError, match='has a CPU already'):
+        ring.port('body', role='cpu', timeout=30)   # at once: waiting would not help
+    assert cpu.connected
+    port.observe('weather')
+    assert 'weather' in port.next_of(limb_ring.Observed).content['error']
+
+
+@needs_ring
+def test_every_wait_ends_at_its_deadline(ring):
+    port = ring.port('body')
+    assert port.receive(0) is None
+    assert port.receive(0.01) is None
+    with pytest.raises(HostPortTimeout, match='no Packet came within 0.01 s'):
+        port.next_of(Packet, timeout=0.01)
+    with pytest.raises(TimeoutError):
+        HostPort.connect(ring='no_such', node=3, timeout=0.05)
+    with pytest.raises(ValueError, match='timeout'):
+        port.receive(-1)
+    with pytest.raises(ValueError, match="'tool' or 'cpu'"):
+        HostPort.connect(ring='no_such', node=3, role='boss')
+
+
+@needs_ring
+def test_a_daemon_that_is_frozen_is_said_to_be_so(ring):
+    port = ring.port('spare')
+    ring.fault('freeze', 'spare')
+    with pytest.raises(HostPortTimeout, match='did not answer within 0.1'):
+        port.ask({'do': 'status'}, timeout=0.1)
+    with pytest.raises(HostPortTimeout, match='is it stopped'):
+        ring.port('spare', timeout=0.1)
+    ring.fault('thaw', 'spare')
+
+
+@needs_ring
+def test_a_lost_connection_ends_every_send_and_says_so(ring):
+    port = ring.port('spare')
+    ring.fault('kill', 'spare')
+    assert port.wait(port.send(0, b'x')).outcome == 'cancelled'
+    assert port.next_of(limb_ring.Disconnected).reason
+    assert port.receive(1) is None and not port.connected
+    port.close()
+    with pytest.raises(HostPortError, match='closed'):
+        port.send(0, b'x')
+
+
+@needs_ring
+def test_other_threads_run_while_one_waits(ring):
+    body, knee = ring.port('body', role='cpu'), ring.port('knee')
+    helper = threading.Thread(target=lambda: knee.send(0, b'from another thread'))
+    helper.start()
+    assert body.next_of(Packet, timeout=30).data == b'from another thread'
+    helper.join()
+
+
+@needs_ring
+def test_it_works_in_an_event_loop(ring):
+    body, knee = ring.port('body', role='cpu'), ring.port('knee')
+    knee.send(0, b'x')
+    assert select.select([body], [], [], 30)[0] == [body]
+    assert body.receive(0).data == b'x'
+
+
+@needs_ring
+def test_ctrl_c_ends_a_wait(ring):
+    port = ring.port('body')
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        port.receive(60)
+    assert time.monotonic() - begun < 30   # long before its deadline
+    assert port.ask({'do': 'status'})['state'] == 'up'

@@ -1,0 +1,112 @@
+"""Ring and the fixtures of pytest_plugin."""
+import os
+import sys
+import textwrap
+
+import pytest
+
+import limb_ring
+from limb_ring import Ring, RingError, find_config
+from limb_ring.processes import is_gone
+
+pytest_plugins = ['pytester']
+
+BOTH_CLOCKS = pytest.mark.parametrize('clock', ['machine', 'virtual'])
+
+
+def plain(name, **knee):
+    return {'ring': name, 'nodes': [{'id': 0, 'name': 'body'}, dict({'id': 1, 'name': 'knee'}, **knee)]}
+
+
+@BOTH_CLOCKS
+def test_a_joint_that_hangs_is_reset(make_ring, clock):
+    ring = make_ring('leg8.yaml', clock=clock)
+    ring.wait('left_knee', 'running')
+    boots = ring.cpu('left_knee')['boots']
+    ring.fault('hang', 'left_knee')
+    assert ring.cpu('left_knee')['stopped']
+    ring.reset('left_knee')
+    assert ring.cpu('left_knee')['boots'] == boots + 1
+    assert ring.send('head', 'left_knee', b'hello').outcome == 'delivered'
+
+
+@BOTH_CLOCKS
+def test_a_broken_wire_is_waited_for_and_mended(make_ring, clock):
+    ring = make_ring(plain('wire'), clock=clock)
+    ring.fault('cut', 'body:knee')
+    ring.wait('body', 'open_chain')
+    assert ring.send('knee', 'body', b'x').outcome == 'unconfirmed'
+    ring.clear_faults()
+    ring.wait_up()
+    assert ring.send('body', 'knee', b'x').outcome == 'delivered'
+
+
+@BOTH_CLOCKS
+def test_interrupts_stops_and_own_programs(make_ring, clock):
+    ring = make_ring(plain('own', cpu='attached'), clock=clock)
+    cpu = ring.start([sys.executable, '-c', textwrap.dedent('''
+        import limb_ring
+        with limb_ring.HostPort.connect(role='cpu', node='knee') as port:
+            packet = port.next_of(limb_ring.Packet, timeout=60)
+            port.wait(port.send(packet.source, packet.data[::-1]))
+            port.next_of(limb_ring.Disconnected, timeout=60)''')])
+    ring.wait('knee', 'running')
+    tool = ring.port('knee')
+    tool.observe('received', 'sent')
+    assert ring.send('body', 'knee', b'abc').outcome == 'delivered'
+    assert tool.next_of(limb_ring.Observed).content
+    assert ring.interrupt('body', 'knee', 7).why == 'pin_unwired'
+    ring.down()
+    assert cpu.wait(60) == 0, open(cpu.log).read() if os.path.exists(cpu.log) else ''
+
+
+def test_two_rings_of_one_name_meet_nowhere():
+    with Ring(plain('same')) as one, Ring(plain('same')) as other:
+        one.fault('kill', 'knee')
+        assert other.node('knee')['state'] == 'up'
+        with pytest.raises(RingError, match='down'):
+            one.wait('knee', 'up', timeout=0.1)
+
+
+def test_nothing_is_left_of_a_ring():
+    with Ring(3) as ring:
+        folder = ring.environment['XDG_RUNTIME_DIR']
+        pids = [row['pid'] for row in ring.status()['nodes']]
+    assert not os.path.exists(folder)
+    assert all(is_gone(pid) for pid in pids)
+    with pytest.raises(RingError, match='is down'):
+        ring.status()
+
+
+def test_a_ring_that_somebody_else_has_started_goes_on():
+    with Ring(plain('theirs')) as theirs:
+        with Ring.attach('theirs', runtime=theirs.environment['XDG_RUNTIME_DIR']) as ring:
+            assert ring.send('body', 'knee', b'x').outcome == 'delivered'
+        theirs.wait_up()
+
+
+def test_what_is_wrong_is_said_in_the_words_of_ringctl():
+    with pytest.raises(RingError, match="nodes.1..id.*another node's id"):
+        Ring({'ring': 'x', 'nodes': [{'id': 0, 'name': 'a'}, {'id': 0, 'name': 'b'}]}).up()
+    with pytest.raises(RingError, match='no file nowhere.yaml'):
+        Ring('nowhere.yaml').up()
+    with Ring(plain('wrong')) as ring:
+        with pytest.raises(RingError, match='no node elbow'):
+            ring.send('body', 'elbow', b'x')
+        with pytest.raises(RingError, match='exit code 2'):
+            ring.fault('melt', 'knee')
+
+
+def test_files_that_come_with_the_package_are_found():
+    assert os.path.basename(find_config('humanoid16.yaml')) == 'humanoid16.yaml'
+
+
+@pytest.mark.ring(plain('marked'))
+def test_the_fixture_has_the_ring_of_its_mark(ring):
+    with ring.port('body') as port:
+        assert port.ring == 'marked'
+
+
+def test_the_fixture_without_a_mark_says_what_it_needs(pytester):
+    pytester.makepyfile('def test_it(ring): pass')
+    pytester.runpytest_subprocess('-p', 'no:cacheprovider').stdout.fnmatch_lines(['*needs a mark that says which*'])
