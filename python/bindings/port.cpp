@@ -1,5 +1,7 @@
 // HostPort: every wait has a deadline, lets other Python threads run, and ends by Ctrl-C.
 #include <algorithm>
+#include <atomic>
+#include <memory>
 
 #include "bindings.h"
 
@@ -119,13 +121,39 @@ std::string reply_to(HostPort& port, std::uint32_t token, double timeout) {
 
 /// The port of a `with`, which may be closed before Python forgets it.
 struct Port {
-  std::optional<HostPort> port;
+  explicit Port(HostPort opened) : port(std::move(opened)) {}
 
-  HostPort& open() {
-    if (!port) throw HostPortError("this host port is closed");
-    return *port;
-  }
+  std::optional<HostPort> port;
+  std::atomic<bool> in_use{false};
 };
+
+/// A port in use by one thread: a HostPort is for one, and while it waits others run.
+class Use {
+ public:
+  explicit Use(Port& port) : port_(port) {
+    if (port_.in_use.exchange(true)) throw HostPortError("this host port is in use by another thread");
+    if (port_.port) return;
+    port_.in_use = false;
+    throw HostPortError("this host port is closed");
+  }
+  ~Use() { port_.in_use = false; }
+  Use(const Use&) = delete;
+  Use& operator=(const Use&) = delete;
+
+  HostPort* operator->() { return &*port_.port; }
+  HostPort& operator*() { return *port_.port; }
+
+ private:
+  Port& port_;
+};
+
+bool is_connected(Port& port) { return port.port && Use(port)->connected(); }
+
+void close(Port& port) {
+  if (!port.port) return;
+  const Use use(port);
+  port.port.reset();
+}
 
 }  // namespace
 
@@ -134,35 +162,49 @@ void bind_port(py::module& module) {
   const auto both = py::make_tuple(error, py::reinterpret_borrow<py::object>(PyExc_TimeoutError));
   py::register_exception<HostPortTimeout>(module, "HostPortTimeout", both.ptr());
 
+  // What may wait for the daemon lets other threads run. The waits of receive() and its kind do so by themselves.
+  using LetOthersRun = py::call_guard<py::gil_scoped_release>;
   py::class_<Port>(module, "Port")
       .def(py::init([](const std::string& ring, const std::string& node, const std::string& role, double timeout,
                        double alive_period, bool restarted_by_owner, bool results_may_wait, bool lockstep,
                        const std::string& runtime) {
-        return Port{
-            connect(ring, node, role, timeout, alive_period, restarted_by_owner, results_may_wait, lockstep, runtime)};
+        return std::make_unique<Port>(
+            connect(ring, node, role, timeout, alive_period, restarted_by_owner, results_may_wait, lockstep, runtime));
       }))
-      .def_property_readonly("id", [](Port& p) { return p.open().id(); })
-      .def_property_readonly("name", [](Port& p) { return p.open().name(); })
-      .def_property_readonly("ring", [](Port& p) { return p.open().ring(); })
-      .def_property_readonly("connected", [](Port& p) { return p.port && p.port->connected(); })
-      .def("fileno", [](Port& p) { return p.open().fd(); })
-      .def("close", [](Port& p) { p.port.reset(); })
-      .def("send",
-           [](Port& p, std::uint8_t to, const std::string& data, std::uint8_t priority, std::uint8_t channel) {
-             return p.open().send(to, view(data).data, data.size(), priority, channel);
-           })
-      .def("interrupt", [](Port& p, std::uint8_t to, std::uint8_t factor,
-                           bool force) { return p.open().interrupt(to, factor, force); })
-      .def("pull", [](Port& p, std::uint8_t input) { return p.open().pull(input); })
-      .def("request", [](Port& p, const std::string& json) { return p.open().request(json); })
-      .def("observe", [](Port& p, const std::string& json) { p.open().observe(json); })
-      .def("now_ns", [](Port& p) { return p.open().now().count(); })
-      .def("stamp_ns", [](Port& p) { return p.open().stamp().count(); })
-      .def("sleep_until", [](Port& p, std::int64_t until_ns) { sleep_until(p.open(), until_ns); })
-      .def("alive", [](Port& p) { p.open().alive(); })
-      .def("receive", [](Port& p, double timeout) { return receive(p.open(), timeout); })
-      .def("wait", [](Port& p, std::uint32_t token, double timeout) { return wait(p.open(), token, timeout); })
-      .def("reply", [](Port& p, std::uint32_t token, double timeout) { return reply_to(p.open(), token, timeout); });
+      .def_property_readonly("id", [](Port& p) { return Use(p)->id(); })
+      .def_property_readonly("name", [](Port& p) { return Use(p)->name(); })
+      .def_property_readonly("ring", [](Port& p) { return Use(p)->ring(); })
+      .def_property_readonly("connected", &is_connected)
+      .def("fileno", [](Port& p) { return Use(p)->fd(); })
+      .def("close", &close)
+      .def(
+          "send",
+          [](Port& p, std::uint8_t to, const std::string& data, std::uint8_t priority, std::uint8_t channel) {
+            return Use(p)->send(to, view(data).data, data.size(), priority, channel);
+          },
+          LetOthersRun())
+      .def(
+          "interrupt",
+          [](Port& p, std::uint8_t to, std::uint8_t factor, bool force) {
+            return Use(p)->interrupt(to, factor, force);
+          },
+          LetOthersRun())
+      .def(
+          "pull", [](Port& p, std::uint8_t input) { return Use(p)->pull(input); }, LetOthersRun())
+      .def(
+          "request", [](Port& p, const std::string& json) { return Use(p)->request(json); }, LetOthersRun())
+      .def(
+          "observe", [](Port& p, const std::string& json) { Use(p)->observe(json); }, LetOthersRun())
+      .def(
+          "now_ns", [](Port& p) { return Use(p)->now().count(); }, LetOthersRun())
+      .def(
+          "stamp_ns", [](Port& p) { return Use(p)->stamp().count(); }, LetOthersRun())
+      .def(
+          "alive", [](Port& p) { Use(p)->alive(); }, LetOthersRun())
+      .def("sleep_until", [](Port& p, std::int64_t until_ns) { sleep_until(*Use(p), until_ns); })
+      .def("receive", [](Port& p, double timeout) { return receive(*Use(p), timeout); })
+      .def("wait", [](Port& p, std::uint32_t token, double timeout) { return wait(*Use(p), token, timeout); })
+      .def("reply", [](Port& p, std::uint32_t token, double timeout) { return reply_to(*Use(p), token, timeout); });
 }
 
 }  // namespace limb_ring::python

@@ -122,6 +122,10 @@ class HostPort:
         order = dict(more, kinds=kinds) if kinds or 'packets' not in more else more
         self._port.observe(json.dumps(order))
 
+    def observe_text(self, text):
+        """The same, in JSON."""
+        self._port.observe(text)
+
     def alive(self):
         """Says that the CPU is alive, as any call does that sends, receives or waits."""
         self._port.alive()
@@ -133,16 +137,16 @@ class HostPort:
         Disconnected; None where none came, or after Disconnected."""
         return self._kept.pop(0) if self._kept else self._port.receive(timeout)
 
-    def wait(self, token, timeout=10.0):
+    def wait(self, token, timeout=30.0):
         """The Result of a token; other messages stay for receive(). @raise HostPortTimeout, HostPortError"""
         kept = self._take(lambda message: isinstance(message, Result) and message.token == token)
         return kept or self._port.wait(token, timeout)
 
-    def ask(self, order, timeout=10.0):
+    def ask(self, order, timeout=30.0):
         """Asks the daemon and waits: a dict. @raise HostPortError with the daemon's words; HostPortTimeout"""
         return self.answer(self.request(order), timeout)
 
-    def answer(self, token, timeout=10.0):
+    def answer(self, token, timeout=30.0):
         """The answer to a request(): a dict. @raise as ask()"""
         kept = self._take(lambda message: isinstance(message, Reply) and message.token == token)
         answer = kept.content if kept else json.loads(self._port.reply(token, timeout))
@@ -150,11 +154,11 @@ class HostPort:
             raise HostPortError(answer['error'])
         return answer
 
-    def next_of(self, kind, timeout=10.0):
+    def next_of(self, kind, timeout=30.0):
         """The next message of a class; others stay for receive(). @raise HostPortTimeout, HostPortError at the end"""
         return self.find(lambda message: isinstance(message, kind), timeout, 'no %s came' % kind.__name__)
 
-    def find(self, wanted, timeout=10.0, missing='it did not come'):
+    def find(self, wanted, timeout=30.0, missing='it did not come'):
         """The next message for which wanted(message); others stay for receive(). @raise as next_of()"""
         kept = self._take(wanted)
         deadline = time.monotonic() + timeout
@@ -164,11 +168,22 @@ class HostPort:
                 return message
             if message is not None:
                 self._kept.append(message)
-            if isinstance(message, Disconnected) or not self.connected:
+            if isinstance(message, Disconnected) or message is None and not self.connected:
                 raise HostPortError('%s; the connection has ended' % missing)
             if message is None and time.monotonic() >= deadline:
                 raise HostPortTimeout('%s within %g s' % (missing, timeout))
         return kept
+
+    def received(self, kind):
+        """All messages of a class that are here by now; others stay for receive()."""
+        while True:
+            message = self._port.receive(0)
+            if message is None:
+                break
+            self._kept.append(message)
+        found = [message for message in self._kept if isinstance(message, kind)]
+        self._kept = [message for message in self._kept if not isinstance(message, kind)]
+        return found
 
     def _take(self, wanted):
         for index, message in enumerate(self._kept):

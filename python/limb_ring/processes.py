@@ -1,5 +1,4 @@
 """What the kernel says of processes."""
-import os
 
 
 def process_state(pid):

@@ -8,7 +8,8 @@ import struct
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-from live_ring import host_port, payload  # noqa: E402
+from live_ring import built, payload  # noqa: E402,F401
+from limb_ring import Disconnected, HostPort, HostPortError, Packet  # noqa: E402
 
 SPEAKS_EVERY = 0.1   # s
 NOTE = struct.Struct('>BIBB')   # source, number, destination, priority
@@ -20,27 +21,24 @@ def path_of(folder, node):
 
 
 def note_of(packet):
-    known = payload.read(packet['data'])
-    return NOTE.pack(*known, packet['destination'], packet['priority']) if known else DAMAGED
+    known = payload.read(packet.data)
+    return NOTE.pack(*known, packet.destination, packet.priority) if known else DAMAGED
 
 
 def main():
-    ring, node = os.environ['LIMB_RING_RING'], os.environ['LIMB_RING_NODE']
-    socket = os.path.join(os.environ['XDG_RUNTIME_DIR'], 'limb_ring', ring, node + '.host')
-    port = host_port.HostPort.connect(socket, ring, role=host_port.CPU)
-    notes = os.open(path_of(sys.argv[1], node), os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
+    port = HostPort.connect(role='cpu')
+    notes = os.open(path_of(sys.argv[1], os.environ['LIMB_RING_NODE']), os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
     while True:
-        try:
-            kind, value = port.receive(SPEAKS_EVERY)
-        except TimeoutError:
-            port.connection.sendall(host_port.frame(host_port.ALIVE))
-            continue
-        if kind == host_port.PACKET:
-            os.write(notes, note_of(value))
+        message = port.receive(SPEAKS_EVERY)
+        port.alive()
+        if isinstance(message, Packet):
+            os.write(notes, note_of(message))
+        elif isinstance(message, Disconnected):
+            raise HostPortError(message.reason)
 
 
 if __name__ == '__main__':
     try:
         main()
-    except OSError as problem:   # the daemon has gone
+    except (OSError, HostPortError) as problem:   # the daemon has gone
         sys.exit('counting_cpu: %s' % problem)

@@ -2,7 +2,8 @@
 damaged, nothing twice, nothing out of order, no interrupt more often than it was sent."""
 from collections import Counter
 
-from live_ring import host_port, payload
+from live_ring import built, payload  # noqa: F401
+from limb_ring import BROADCAST
 
 NEVER_ARRIVED = ('no such node', 'refused', 'rejected')
 # An INTP doubled by a link in the moment its target joins may be told as this though it pulled the pin: accepted.
@@ -32,17 +33,17 @@ class Promises:
                         source)
         self.arrived[node].add(what)
         self.owed[node].discard(what)
-        flow = (node, source, priority, destination == host_port.BROADCAST)
+        flow = (node, source, priority, destination == BROADCAST)
         if self.last.get(flow, 0) > number:
             self.broken('node %d was given packet %d of node %d, priority %d, after %d', node, number, source, priority,
                         self.last[flow])
         self.last[flow] = number
 
     def message(self, node, packet):
-        known = payload.read(packet['data'])
-        if known is None or known[0] != packet['source']:
-            return self.broken('node %d was given a damaged packet of node %d', node, packet['source'])
-        self.packet(node, *known, packet['destination'], packet['priority'])
+        known = payload.read(packet.data)
+        if known is None or known[0] != packet.source:
+            return self.broken('node %d was given a damaged packet of node %d', node, packet.source)
+        self.packet(node, *known, packet.destination, packet.priority)
 
     def pin(self, node, source):
         self.pulled[(source, node)] += 1
@@ -54,7 +55,7 @@ class Promises:
                 self.may_pull[(send.source, send.to)] += 1
             return
         what = (send.source, send.number)
-        for node in [] if send.to == host_port.BROADCAST else [send.to]:
+        for node in [] if send.to == BROADCAST else [send.to]:
             if outcome in NEVER_ARRIVED:
                 self.never[node].add(what)
                 if what in self.arrived[node]:

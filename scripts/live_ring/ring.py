@@ -54,8 +54,9 @@ class LiveRing:
         """Out of that node, as `fault` takes it."""
         return '%s -> %s' % (self.name_of(node), self.name_of(node + 1))
 
-    def socket_of(self, node):
-        return self.launcher.socket_of(self.name, node)
+    @property
+    def runtime(self):
+        return self.launcher.runtime
 
     # ---- processes ------------------------------------------------------------------------
 

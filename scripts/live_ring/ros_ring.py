@@ -1,5 +1,4 @@
 """A ring with ROS: a roslaunch with a master of its own, and the ring as its topics show it. For scripts/demo."""
-import os
 import signal
 import socket
 import subprocess
@@ -26,7 +25,7 @@ class Launch:
     """roslaunch with a master of its own, ended with all it started."""
 
     def __init__(self, port, ring):
-        self.port = port
+        self.port, self.ring = port, ring
         self.log = tempfile.NamedTemporaryFile('w', prefix='limb_ring_demo_', suffix='.log',
                                                delete=False)
         self.process = subprocess.Popen(

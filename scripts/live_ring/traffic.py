@@ -3,10 +3,11 @@ import random
 import time
 from collections import Counter
 
-from live_ring import counting_cpu, host_port, payload
+from live_ring import counting_cpu, payload
 from live_ring.port import Port
 from live_ring.promises import Promises
 from live_ring.ring import NOTIFY
+from limb_ring import BROADCAST, Interrupt, Packet, Result
 
 WINDOW = 8               # sends of one node that have not ended
 BROADCASTS_ONE_IN = 20
@@ -60,18 +61,17 @@ class Traffic:
     def connect(self, station):
         if not self.ring.can_answer(station.node):
             return
-        role = host_port.CPU if self.is_cpu(station.node) else host_port.TOOL
-        station.port = Port.open(self.loop, self.ring.socket_of(station.node), self.ring.name,
-                                 lambda _, kind, value: self.handle(station, kind, value),
-                                 lambda _: self.gone(station), role)
+        role = 'cpu' if self.is_cpu(station.node) else 'tool'
+        station.port = Port.open(self.ring, station.node, self.loop, lambda message: self.handle(station, message),
+                                 lambda: self.gone(station), role)
         station.incarnation += station.port is not None
 
     def gone(self, station):
         station.port = None
         station.incarnation += 1
         self.promises.connection_lost(station.node)
-        for send in list(station.under_way.values()):
-            self.end(send, 'cancelled')   # as the client library says by itself
+        if station.under_way:   # before it says that the connection has ended, the library ends them all
+            self.promises.broken('node %d was never told how %d sends ended', station.node, len(station.under_way))
         station.under_way.clear()
 
     # ---- out ------------------------------------------------------------------------------
@@ -79,39 +79,37 @@ class Traffic:
     def send(self, station):
         to = station.chance.choice([node for node in self.targets if node != station.node])
         if station.chance.randrange(INTERRUPTS_ONE_IN) == 0:
-            return self.order(station, to, True, station.port.interrupt, to, NOTIFY)
+            return self.order(station, to, True, station.port.host.interrupt, to, NOTIFY)
         if station.chance.randrange(BROADCASTS_ONE_IN) == 0:
-            to = host_port.BROADCAST
+            to = BROADCAST
         data = payload.make(station.node, station.number + 1, station.chance)
-        self.order(station, to, False, station.port.send, to, data, station.chance.randrange(4))
+        self.order(station, to, False, station.port.host.send, to, data, station.chance.randrange(4))
 
     def order(self, station, to, interrupt, say, *arguments):
         station.number += not interrupt
-        incarnation = 0 if to == host_port.BROADCAST else self.stations[to].incarnation
+        incarnation = 0 if to == BROADCAST else self.stations[to].incarnation
         send = Send(station.node, station.number, to, interrupt, incarnation)
-        token = station.port.order(say, *arguments)
-        if token:   # else it has not gone out: the daemon had ended
-            station.under_way[token] = send
-            self.recent.append(send)
+        station.under_way[say(*arguments)] = send
+        self.recent.append(send)
 
     # ---- in -------------------------------------------------------------------------------
 
-    def handle(self, station, kind, value):
-        if kind == host_port.PACKET:
-            self.promises.message(station.node, value)
-        elif kind == host_port.PULLED and value['action'] == 'notify':
-            self.promises.pin(station.node, value['source'])
-        elif kind == host_port.RESULT:
-            send = station.under_way.pop(value['token'], None)
+    def handle(self, station, message):
+        if isinstance(message, Packet):
+            self.promises.message(station.node, message)
+        elif isinstance(message, Interrupt) and message.action == 'notify':
+            self.promises.pin(station.node, message.source)
+        elif isinstance(message, Result):
+            send = station.under_way.pop(message.token, None)
             if send is None:
                 return self.promises.broken('node %d was told a second time how send %d ended: %s', station.node,
-                                            value['token'], value['outcome'])
-            self.end(send, value['outcome'])
+                                            message.token, message.outcome)
+            self.end(send, message.outcome)
 
     def end(self, send, outcome):
         send.outcome = outcome
         self.results[outcome] += 1
-        there = not send.interrupt and send.to != host_port.BROADCAST and self.is_cpu(send.to)
+        there = not send.interrupt and send.to != BROADCAST and self.is_cpu(send.to)
         connected = there and self.stations[send.to].port and self.stations[send.to].incarnation == send.incarnation
         self.promises.ended(send, outcome, connected)
 
@@ -150,7 +148,7 @@ class Traffic:
         nor arrived."""
         self.read_files()
         return [send for send in self.recent
-                if from_ns <= send.asked_ns < to_ns and not send.interrupt and send.to != host_port.BROADCAST and
+                if from_ns <= send.asked_ns < to_ns and not send.interrupt and send.to != BROADCAST and
                 not concerns(send.source, send.to) and send.outcome != 'delivered' and
                 (send.source, send.number) not in self.promises.arrived[send.to]]
 

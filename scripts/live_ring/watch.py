@@ -1,9 +1,10 @@
 """What the nodes say of themselves as it happens: the observe stream, with the daemons' own times."""
+import functools
 import time
 
-from live_ring import host_port
 from live_ring.port import Port
 from live_ring.ring import NODES
+from limb_ring import Observed, ObservedLost, Reply
 
 KINDS = ('state', 'ring', 'link', 'noise', 'cpu', 'watchdog', 'sent')
 
@@ -28,11 +29,10 @@ class Watch:
     def connect(self):
         for node, seen in self.nodes.items():
             if seen.port is None and self.ring.can_answer(node):
-                handler = lambda port, kind, value, node=node: self.handle(node, kind, value)  # noqa: E731
-                seen.port = Port.open(self.loop, self.ring.socket_of(node), self.ring.name, handler,
-                                      lambda _, node=node: self.gone(node))
+                seen.port = Port.open(self.ring, node, self.loop, functools.partial(self.handle, node),
+                                      functools.partial(self.gone, node))
                 if seen.port:
-                    seen.port.order(seen.port.observe, *KINDS)
+                    seen.port.host.observe(*KINDS)
                     self.ask(node, {'do': 'status'})
 
     def gone(self, node):
@@ -41,20 +41,20 @@ class Watch:
     def ask(self, node, order):
         """The key under which `answers` will have the reply; None where the node is not there."""
         port = self.nodes[node].port
-        token = port and port.order(port.request, order)
-        return (node, token) if token else None
+        return (node, port.host.request(order)) if port else None
 
-    def handle(self, node, kind, value):
-        if kind == host_port.REPLY:
-            token, answer = value
-            self.answers[(node, token)] = answer
+    def handle(self, node, message):
+        if isinstance(message, Reply):
+            answer = message.content
+            self.answers[(node, message.token)] = answer
             if 'ring_size' in answer:
                 self.note_status(self.nodes[node], answer)
-        elif kind == host_port.OBSERVED_LOST:
-            self.lost += value
-        elif kind == host_port.OBSERVED:
-            self.events[value['kind']].append((node, value))
-            self.note(self.nodes[node], value)
+        elif isinstance(message, ObservedLost):
+            self.lost += message.count
+        elif isinstance(message, Observed):
+            event = message.content
+            self.events[event['kind']].append((node, event))
+            self.note(self.nodes[node], event)
 
     @staticmethod
     def note_status(seen, row):

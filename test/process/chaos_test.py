@@ -8,7 +8,7 @@ import struct
 
 import ring_process
 from ring_process import RingTest, plain_nodes
-from live_ring import host_port
+from limb_ring import Packet, Result
 
 RECEIVER, SENDERS, NODES = 2, (0, 4), 5
 OUTSTANDING = 16
@@ -24,24 +24,27 @@ class Sender:
         self.node, self.port = node, port
         self.ended = {}  # token -> outcome
         self.doubled = []
+        self.sent = 0
 
     def top_up(self):
-        while self.port.token - len(self.ended) < OUTSTANDING:
+        while self.sent - len(self.ended) < OUTSTANDING:
             self.send()
 
     def send(self, priority=2):
-        number = self.port.token + 1  # the token it will have
-        return self.port.send(RECEIVER, struct.pack('>BI', self.node, number), priority)
+        self.sent += 1
+        token = self.port.send(RECEIVER, struct.pack('>BI', self.node, self.sent), priority)
+        assert token == self.sent  # tokens count from 1: a packet's number is that of its result
+        return token
 
     def take_results(self):
-        for result in self.port.received(host_port.RESULT):
-            if result['token'] in self.ended:
-                self.doubled.append(result['token'])
-            self.ended[result['token']] = result['outcome']
+        for result in self.port.received(Result):
+            if result.token in self.ended:
+                self.doubled.append(result.token)
+            self.ended[result.token] = result.outcome
 
     def done(self):
         self.take_results()
-        return len(self.ended) == self.port.token
+        return len(self.ended) == self.sent
 
 
 class Chaos(RingTest):
@@ -49,12 +52,12 @@ class Chaos(RingTest):
         nodes = plain_nodes(NODES)
         nodes[RECEIVER]['cpu'] = 'attached'
         self.daemons = self.start_ring(nodes, timeouts=SHIPPED)
-        self.cpu = self.port(RECEIVER, role=host_port.CPU)
+        self.cpu = self.port(RECEIVER, role='cpu')
         self.senders = [Sender(node, self.port(node)) for node in SENDERS]
         self.arrived = {node: [] for node in SENDERS}
 
     def run_traffic(self, sends):
-        goal = sum(sender.port.token for sender in self.senders) + sends
+        goal = sum(sender.sent for sender in self.senders) + sends
         self.wait('%d sends' % sends, lambda: self.turn() >= goal)
 
     def turn(self):
@@ -65,8 +68,8 @@ class Chaos(RingTest):
         return sum(len(sender.ended) for sender in self.senders)
 
     def take_packets(self):
-        for packet in self.cpu.received(host_port.PACKET):
-            node, number = struct.unpack('>BI', packet['data'])
+        for packet in self.cpu.received(Packet):
+            node, number = struct.unpack('>BI', packet.data)
             self.arrived[node].append(number)
 
     def finish(self):

@@ -5,7 +5,7 @@ import signal
 
 import ring_process
 from ring_process import RingTest, is_gone, plain_nodes, process_state
-from live_ring import host_port
+from limb_ring import HostPortError, Packet
 
 
 def limb_at(node, count=3):
@@ -43,9 +43,8 @@ class Reset(RingTest):
         self.assertNotEqual(cpu['pid'], old)
         self.assertEqual(cpu['boots'], silent['boots'] + 1)
         self.assertTrue(is_gone(old))
-        done = ping.next_of(host_port.REPLY, timeout=ring_process.GUARD)
-        self.assertEqual(done[0], run)
-        self.assertEqual((done[1]['sent'], done[1]['delivered']), (3000, 3000))
+        done = ping.answer(run, timeout=ring_process.GUARD)
+        self.assertEqual((done['sent'], done['delivered']), (3000, 3000))
 
     def test_interrupt_packet_alone_resets_a_hung_cpu(self):
         self.start_ring(limb_at(2))
@@ -75,7 +74,7 @@ class Reset(RingTest):
         self.start_ring(limb_at(1), limits={'receive_buffers': 4})
         self.hang(1)
         port = self.port(0)
-        taken = [port.result(port.send(1, b'stale'))['outcome'] for _ in range(12)]
+        taken = [port.wait(port.send(1, b'stale')).outcome for _ in range(12)]
         self.assertEqual(taken, ['delivered'] * 12)  # 8 in the CPU's socket, 4 in the buffers
         self.assertTrue(self.ctl_json('reset', 1, '--from', 0, '--timeout', 30)['success'])
         row = self.row(1)
@@ -164,12 +163,12 @@ class Presence(RingTest):
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = 'attached'
         self.start_ring(nodes)
-        cpu = self.port(1, role=host_port.CPU)
-        with self.assertRaises(ConnectionRefusedError) as refused:
-            self.port(1, role=host_port.CPU)
+        cpu = self.port(1, role='cpu')
+        with self.assertRaises(HostPortError) as refused:
+            self.port(1, role='cpu')
         self.assertIn('CPU', str(refused.exception))
         self.ctl_json('send', '--from', 0, '--to', 1, '--data', 'still here')
-        self.assertEqual(cpu.next_of(host_port.PACKET)['data'], b'still here')
+        self.assertEqual(cpu.next_of(Packet).data, b'still here')
 
 
 if __name__ == '__main__':

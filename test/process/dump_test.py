@@ -11,13 +11,14 @@ import time
 
 import ring_process
 from ring_process import GUARD, RingTest, plain_nodes, program
+from limb_ring import Result
 
 
 class Looking(RingTest):
     def sends(self, source, to, data=b'look', priority=2):
         port = self.port(source)
         port.send(to, data, priority=priority)
-        self.assertEqual(port.result()['outcome'], 'delivered')
+        self.assertEqual(port.next_of(Result).outcome, 'delivered')
         port.close()
 
     def dump_until_done(self, *arguments):

@@ -137,14 +137,14 @@ class Cpus(FaultTest):
         self.start_ring(plain_nodes(2), limits={'receive_buffers': 2}, timeouts={'refused': '50ms'})
         self.begin('not_reading', 'node1')
         port = self.port(0)
-        outcomes = [port.result(port.send(1, b'x'))['outcome'] for _ in range(4)]
+        outcomes = [port.wait(port.send(1, b'x')).outcome for _ in range(4)]
         self.assertEqual(outcomes, ['delivered', 'delivered', 'refused', 'refused'])
         self.fault('resume', 'node1')
-        self.assertEqual(port.result(port.send(1, b'x'))['outcome'], 'delivered')
+        self.assertEqual(port.wait(port.send(1, b'x')).outcome, 'delivered')
         slow = self.begin('slow', 'node1', '--every', '10s')
-        self.wait('full again', lambda: port.result(port.send(1, b'x'))['outcome'] == 'refused')
+        self.wait('full again', lambda: port.wait(port.send(1, b'x')).outcome == 'refused')
         self.fault('remove', slow[0])
-        self.assertEqual(port.result(port.send(1, b'x'))['outcome'], 'delivered')
+        self.assertEqual(port.wait(port.send(1, b'x')).outcome, 'delivered')
 
     def test_a_babbling_cpu_is_counted_and_does_not_starve_the_others(self):
         self.start_ring(plain_nodes(3))

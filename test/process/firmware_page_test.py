@@ -8,6 +8,7 @@ import unittest
 
 import ring_process
 from ring_process import RingTest, plain_nodes
+from limb_ring import Packet
 
 PAGE = os.path.join(os.path.dirname(ring_process.CONFIG), 'docs', 'firmware.md')
 
@@ -28,17 +29,17 @@ class FirmwarePage(RingTest):
         nodes[0]['cpu'] = 'attached'
         nodes[1].update(cpu='attached', joints=[dict(name='knee', lower=-2, upper=2, velocity=4, effort=10)])
         self.start_ring(nodes)
-        body = self.port(0, role=1)
+        body = self.port(0, role='cpu')
         self.start('cpu', [sys.executable, self.write('foreign_cpu.py', program_of(PAGE)), self.ring, 'node1'])
         self.assertEqual(self.wait_cpu(1, 'running')['state'], 'running')
-        self.assertEqual(body.result(body.send(1, command_to(0.75), channel=2))['outcome'], 'delivered')
+        self.assertEqual(body.wait(body.send(1, command_to(0.75), channel=2)).outcome, 'delivered')
         self.wait('a state at 0.75 rad', lambda: self.position_in(body) == 0.75)
 
     @staticmethod
     def position_in(body):
-        packet = body.next_of(0x83)
-        count, = struct.unpack_from('>B', packet['data'], 13)
-        return struct.unpack_from('>i', packet['data'], 16)[0] / 1e6 if (packet['channel'], count) == (2, 1) else None
+        packet = body.next_of(Packet)
+        state = packet.payload
+        return state.joints[0].position if state and len(state.joints) == 1 else None
 
 
 if __name__ == '__main__':

@@ -5,7 +5,11 @@ import signal
 
 import ring_process
 from ring_process import RingTest, plain_nodes
-from live_ring import host_port
+from limb_ring import Interrupt
+
+
+def fields(interrupt):
+    return interrupt.action, interrupt.source, interrupt.factor
 
 
 class Pins(RingTest):
@@ -14,9 +18,9 @@ class Pins(RingTest):
         nodes[0]['inputs'] = {'3': {'to': 'node2', 'factor': 4}}
         nodes[2].update(cpu='attached', pins={'4': 'notify'})
         self.start_ring(nodes)
-        cpu = self.port(2, role=host_port.CPU)
+        cpu = self.port(2, role='cpu')
         self.assertEqual(self.ctl_json('pull', 'node0', 3)['delivered'], 1)
-        self.assertEqual(cpu.next_of(host_port.PULLED), {'action': 'notify', 'source': 0, 'factor': 4})
+        self.assertEqual(fields(cpu.next_of(Interrupt)), ('notify', 0, 4))
         unwired = self.ctl_json('pull', 'node0', 5, code=1)['results'][0]
         self.assertEqual(unwired['outcome'], 'rejected')
         self.assertNotEqual(unwired['reason'], '')
@@ -26,12 +30,12 @@ class Pins(RingTest):
         for node in nodes:
             node['cpu'] = 'attached'
         self.start_ring(nodes)
-        cpus = [self.port(node, role=host_port.CPU) for node in range(3)]
+        cpus = [self.port(node, role='cpu') for node in range(3)]
         self.assertEqual(self.ctl_json('stop', '--from', 1)['outcome'], 'delivered')
         for cpu in cpus:  # the sender's too
-            self.assertEqual(cpu.next_of(host_port.PULLED), {'action': 'stop', 'source': 1, 'factor': 1})
+            self.assertEqual(fields(cpu.next_of(Interrupt)), ('stop', 1, 1))
         self.ctl_json('stop', 'node2', '--from', 0)
-        self.assertEqual(cpus[2].next_of(host_port.PULLED)['source'], 0)
+        self.assertEqual(cpus[2].next_of(Interrupt).source, 0)
 
     def test_pin_wired_to_nothing_refuses(self):
         self.start_ring(plain_nodes(2))
@@ -78,12 +82,12 @@ class Pins(RingTest):
         nodes = plain_nodes(3)
         nodes[2].update(cpu='attached', pins={'3': 'notify'})
         self.start_ring(nodes)
-        cpu = self.port(2, role=host_port.CPU)
+        cpu = self.port(2, role='cpu')
         sender = self.port(0)
         tokens = [sender.interrupt(2, 3) for _ in range(40)]
-        self.assertEqual([sender.result(t)['outcome'] for t in tokens], ['delivered'] * 40)
+        self.assertEqual([sender.wait(t).outcome for t in tokens], ['delivered'] * 40)
         for _ in range(40):
-            self.assertEqual(cpu.next_of(host_port.PULLED)['factor'], 3)
+            self.assertEqual(cpu.next_of(Interrupt).factor, 3)
         self.assertEqual(self.counters(2)['pins_pulled'], 40)
 
 

@@ -6,6 +6,7 @@ import subprocess
 
 import ring_process
 from ring_process import RingTest, plain_nodes
+from limb_ring import Result
 
 
 class Lifecycle(RingTest):
@@ -39,23 +40,23 @@ class Lifecycle(RingTest):
                 daemons[1].kill()
             if turn == 300:
                 self.ringd(os.path.join(self.folder, 'ring.yaml'), 1)
-            results.append(port.result())
+            results.append(port.next_of(Result))
             tokens.append(port.send(3, b'%d' % turn))
         self.wait_closed(range(4))
-        results += [port.result() for _ in range(32)]
-        self.assertEqual(sorted(r['token'] for r in results), tokens)
-        outcomes = {r['outcome'] for r in results}
+        results += [port.next_of(Result) for _ in range(32)]
+        self.assertEqual(sorted(r.token for r in results), tokens)
+        outcomes = {r.outcome for r in results}
         self.assertLessEqual(outcomes, {'delivered', 'lost', 'unconfirmed'})
-        self.assertGreater(sum(r['outcome'] == 'delivered' for r in results), 300)
-        self.assertEqual(port.result(port.send(1, b'again'))['outcome'], 'delivered')
+        self.assertGreater(sum(r.outcome == 'delivered' for r in results), 300)
+        self.assertEqual(port.wait(port.send(1, b'again')).outcome, 'delivered')
 
     def test_sends_to_a_dead_node_end_and_no_such_node_is_said(self):
         daemons = self.start_ring(plain_nodes(3))
         daemons[1].kill()
         self.wait_closed([0, 2])
         port = self.port(0)
-        self.assertEqual(port.result(port.send(1, b'hello'))['outcome'], 'no such node')
-        self.assertEqual(port.result(port.interrupt(1, 2))['outcome'], 'no such node')
+        self.assertEqual(port.wait(port.send(1, b'hello')).outcome, 'no such node')
+        self.assertEqual(port.wait(port.interrupt(1, 2)).outcome, 'no such node')
 
     def test_frozen_node_is_bypassed_and_comes_back_by_a_new_hello(self):
         daemons = self.start_ring(plain_nodes(4), timeouts={'silence': '200ms'})
@@ -107,7 +108,7 @@ class Lifecycle(RingTest):
         self.wait_closed([0, 1])
         port = self.port(1)
         for _ in range(3000):  # a line each: far more than a pipe holds
-            self.assertEqual(port.result(port.interrupt(0, 2))['outcome'], 'delivered')
+            self.assertEqual(port.wait(port.interrupt(0, 2)).outcome, 'delivered')
         while 'lines left out' not in unread.stderr.readline().decode():
             port.interrupt(0, 2)
         unread.terminate()

@@ -37,8 +37,9 @@ class BrokenPromises(unittest.TestCase):
         self.promises = Promises(range(3))
 
     def arrive(self, node, source, number, to=None, priority=2, packet=None):
-        self.promises.message(node, {'source': source, 'destination': node if to is None else to, 'priority': priority,
-                                     'data': packet or data(source, number)})
+        self.promises.message(node, types.SimpleNamespace(
+            source=source, destination=node if to is None else to, priority=priority,
+            data=packet or data(source, number)))
 
     def end(self, number, outcome, interrupt=False):
         self.promises.ended(Send(0, number, 1, interrupt, incarnation=1), outcome, can_be_owed=True)

@@ -2,14 +2,14 @@
 
 import ring_process
 from ring_process import RingTest, plain_nodes
-from live_ring import host_port
+from limb_ring import CaptureCounts, CapturedPacket, Observed, Result
 
 CONTROL = 1
 
 
 def fields(packet):
     """Of a whole packet: its source, destination and last trailer byte, and its payload."""
-    data = packet['bytes']
+    data = packet.bytes
     return {'kind': 'interrupt' if data[0] & 0x20 else 'data', 'hop': data[2], 'source': data[3],
             'destination': data[-6], 'last': data[-5], 'payload': data[4:-8]}
 
@@ -17,36 +17,36 @@ def fields(packet):
 class Packets(RingTest):
     def observe(self, node, **choice):
         observer = self.port(node)
-        observer.observe_packets(**choice)
-        self.assertEqual(observer.next_of(host_port.CAPTURE_COUNTS)['seen'], 0)
+        observer.observe(packets=choice)
+        self.assertEqual(observer.next_of(CaptureCounts).seen, 0)
         return observer
 
     def user_packet(self, observer):
-        return observer._find(lambda kind, value: kind == host_port.CAPTURED and
-                              fields(value)['last'] >> 2 != CONTROL, 30)[1]
+        return observer.find(lambda message: isinstance(message, CapturedPacket) and
+                             fields(message)['last'] >> 2 != CONTROL)
 
     def test_a_packet_is_seen_on_its_way_with_all_its_bytes(self):
         self.start_ring(plain_nodes(3))
         observer = self.observe(1, at=['in', 'out'], kinds=['data'])
         sender = self.port(0)
         sender.send(2, b'look at me', priority=3)
-        self.assertEqual(sender.result()['outcome'], 'delivered')
+        self.assertEqual(sender.next_of(Result).outcome, 'delivered')
         seen = [self.user_packet(observer) for _ in range(2)]
-        self.assertEqual([p['line'] for p in seen], [(0, 1), (1, 2)])
-        self.assertEqual([p['input'] for p in seen], [True, False])
+        self.assertEqual([p.line for p in seen], [(0, 1), (1, 2)])
+        self.assertEqual([p.input for p in seen], [True, False])
         self.assertEqual([fields(p)['hop'] for p in seen], [0, 1])
         for packet in seen:
             self.assertEqual(fields(packet)['payload'], b'look at me')
             self.assertEqual((fields(packet)['source'], fields(packet)['destination']), (0, 2))
-            self.assertFalse(packet['crc_bad'] or packet['own'] or packet['retry'])
-        self.assertLessEqual(seen[0]['steady_ns'], seen[1]['steady_ns'])
+            self.assertFalse(packet.crc_bad or packet.own or packet.retry)
+        self.assertLessEqual(seen[0].steady_ns, seen[1].steady_ns)
 
     def test_a_node_sees_its_own_packet_leave_and_come_home(self):
         self.start_ring(plain_nodes(3))
         observer = self.observe(0, at=['in', 'out'], kinds=['interrupt'])
         self.ctl('interrupt', '--from', 0, '--to', 1, 5)
-        seen = [observer.next_of(host_port.CAPTURED) for _ in range(2)]
-        self.assertEqual([(p['input'], p['own'], fields(p)['hop']) for p in seen],
+        seen = [observer.next_of(CapturedPacket) for _ in range(2)]
+        self.assertEqual([(p.input, p.own, fields(p)['hop']) for p in seen],
                          [(False, True, 0), (True, True, 2)])
 
     def test_only_what_was_asked_for_comes_and_the_rest_is_counted(self):
@@ -56,15 +56,16 @@ class Packets(RingTest):
         for _ in range(10):
             for node, priority in ((0, 1), (2, 1), (2, 3)):
                 ports[node].send(1, b'x', priority=priority)
-                self.assertEqual(ports[node].result()['outcome'], 'delivered')
-        observer.end_observing()
+                self.assertEqual(ports[node].next_of(Result).outcome, 'delivered')
+        observer.observe(packets=None)
         observer.ask({'do': 'latch'})
-        seen = observer.received(host_port.CAPTURED)
+        seen = observer.received(CapturedPacket)
         self.assertEqual([(fields(p)['source'], fields(p)['last'] & 3) for p in seen], [(2, 1)] * 5)
-        counts = observer.received(host_port.CAPTURE_COUNTS)[-1]
-        self.assertEqual((counts['given'], counts['sampled_out'], counts['lost']), (5, 5, 0))
-        self.assertGreaterEqual(counts['filtered'], 20)
-        self.assertEqual(counts['seen'], sum(counts[name] for name in host_port.COUNTS[1:]))
+        counts = observer.received(CaptureCounts)[-1]
+        self.assertEqual((counts.given, counts.sampled_out, counts.lost), (5, 5, 0))
+        self.assertGreaterEqual(counts.filtered, 20)
+        self.assertEqual(counts.seen,
+                         counts.filtered + counts.sampled_out + counts.limited + counts.lost + counts.given)
 
     def test_a_slow_observer_loses_and_is_told_while_the_ring_loses_nothing(self):
         self.start_ring(plain_nodes(2))
@@ -76,13 +77,13 @@ class Packets(RingTest):
         # It reads again: what it missed is told, and nothing is missing beside that.
         observer.ask({'do': 'latch'})
         self.ctl_json('ping', '--from', 0, '--to', 1, '--count', 1, '--size', 512)
-        observer.end_observing()
+        observer.observe(packets=None)
         observer.ask({'do': 'latch'})
-        seen = observer.received(host_port.CAPTURED)
-        counts = observer.received(host_port.CAPTURE_COUNTS)[-1]
-        self.assertEqual(len(seen), counts['given'])
-        self.assertGreater(counts['lost'], 0)
-        self.assertEqual(sum(p['lost_before'] for p in seen), counts['lost'])
+        seen = observer.received(CapturedPacket)
+        counts = observer.received(CaptureCounts)[-1]
+        self.assertEqual(len(seen), counts.given)
+        self.assertGreater(counts.lost, 0)
+        self.assertEqual(sum(p.lost_before for p in seen), counts.lost)
 
     def test_a_wrong_order_is_answered_with_what_would_be_right(self):
         self.start_ring(plain_nodes(2))
@@ -92,8 +93,8 @@ class Packets(RingTest):
                               ({'priority': [4]}, ['priority', '0 to 3']),
                               ({'source': ['nobody']}, ['nobody', 'node1']),
                               ({'sample': 0}, ['sample', 'from 1'])):
-            observer.observe_packets(**choice)
-            error = observer.next_of(host_port.OBSERVED)['error']
+            observer.observe(packets=choice)
+            error = observer.next_of(Observed).content['error']
             for word in words:
                 self.assertIn(word, error)
 

@@ -103,7 +103,7 @@ class Stop(LimbRing):
 
     def test_only_the_cpu_itself_says_that_it_has_stopped(self):
         self.start_limbs()
-        self.assertIn('no request', self.port(0).ask({'do': 'stop_latched', 'latched': True})['error'])
+        self.assert_refused('no request', self.port(0), {'do': 'stop_latched', 'latched': True})
 
 
 class Reasons(RingTest):
@@ -123,7 +123,7 @@ class Reasons(RingTest):
         self.start_ring(nodes, timeouts={'refused': '50ms'})
         self.wait('a beacon', lambda: any(peer['id'] == 1 for peer in self.row(0)['heard']))
         port = self.port(0)
-        self.assertEqual(port.result(port.send(1, b'x'))['reason'], 'probably no CPU is there (by its last beacon)')
+        self.assertEqual(port.wait(port.send(1, b'x')).reason, 'probably no CPU is there (by its last beacon)')
         ping = port.ask({'do': 'ping', 'to': 1, 'count': 2}, timeout=ring_process.GUARD)
         self.assertEqual(ping['reasons'], {'probably no CPU is there (by its last beacon)': 2})
 
@@ -132,7 +132,7 @@ class Reasons(RingTest):
         sent = self.ctl_json('interrupt', '--from', 0, '--to', 1, 7, code=1)['results'][0]
         self.assertEqual((sent['outcome'], sent['reason_code']), ('refused', 'pin_unwired'))
         port = self.port(0)
-        self.assertEqual(port.result(port.interrupt(1, 7))['reason'], 'pin INT7 of node1 is wired to nothing')
+        self.assertEqual(port.wait(port.interrupt(1, 7)).reason, 'pin INT7 of node1 is wired to nothing')
 
     def test_a_node_that_is_gone_is_no_such_node_for_a_reason(self):
         daemons = self.start_ring(plain_nodes(3))
@@ -144,7 +144,7 @@ class Reasons(RingTest):
     def test_bad_arguments_say_which(self):
         self.start_ring(plain_nodes(2))
         port = self.port(0)
-        self.assertIn('factors are 0 to 7', port.result(port.interrupt(1, 9))['reason'])
+        self.assertIn('factors are 0 to 7', port.wait(port.interrupt(1, 9)).reason)
         forced = self.ctl_json('interrupt', '--from', 0, '--to', 'all', 0, code=1)['results'][0]
         self.assertEqual(forced['reason_code'], 'needs_force')
 

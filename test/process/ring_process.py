@@ -10,8 +10,8 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts'))
-from live_ring.host_port import HostPort  # noqa: E402
 from live_ring import built  # noqa: E402,F401
+from limb_ring import HostPort, HostPortError  # noqa: E402
 from limb_ring.launcher import Launcher, free_udp_ports, plain_nodes  # noqa: E402,F401
 from limb_ring.processes import is_gone, process_state  # noqa: E402,F401
 
@@ -113,22 +113,23 @@ class RingTest(unittest.TestCase):
     # ---- what the ring says ---------------------------------------------------------------
 
     def port(self, node, **options):
-        port = HostPort.connect(self.socket_of(node), self.ring, **options)
+        port = HostPort.connect(ring=self.ring, node=node, runtime=self.runtime, **options)
         self.addCleanup(port.close)
         return port
+
+    def assert_refused(self, words, port, order):
+        """The daemon says no, in these words."""
+        with self.assertRaisesRegex(HostPortError, words) as refused:
+            port.ask(order)
+        self.assertNotIsInstance(refused.exception, TimeoutError)
 
     def row(self, node):
         """A node's status row; None while its daemon does not answer."""
         try:
-            port = HostPort.connect(self.socket_of(node), self.ring)
-        except (OSError, ConnectionError):
+            with HostPort.connect(ring=self.ring, node=node, runtime=self.runtime, timeout=0) as port:
+                return port.ask({'do': 'status'}, timeout=2)
+        except HostPortError:
             return None
-        try:
-            return port.ask({'do': 'status'}, timeout=2)
-        except (OSError, ConnectionError, TimeoutError):
-            return None
-        finally:
-            port.close()
 
     def counters(self, node):
         return self.row(node)['counters']

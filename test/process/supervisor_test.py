@@ -5,7 +5,7 @@ import signal
 
 import ring_process
 from ring_process import RingTest, is_gone, plain_nodes, process_state
-from live_ring import host_port
+from limb_ring import Observed
 
 # Short enough to wait for, long enough for a CPU that a busy machine lets wait.
 ALIVE = '300ms'
@@ -43,7 +43,7 @@ class Supervisor(RingTest):
     def next_finding(self, observer, verdict):
         """Of the supervisor; on a busy machine it may have found something else before."""
         while True:
-            what = observer.next_of(host_port.OBSERVED)
+            what = observer.next_of(Observed).content
             if what['verdict'] == verdict:
                 return what
 
@@ -65,9 +65,8 @@ class Supervisor(RingTest):
         cpu = self.wait_cpu(1, 'running')
         self.assertEqual((cpu['boots'], cpu['resets'], cpu['last_reset']), (boots + 1, 1, 'INT0 from node 0'))
         self.assertTrue(is_gone(old))
-        done = ping.next_of(host_port.REPLY, timeout=ring_process.GUARD)
-        self.assertEqual(done[0], run)
-        self.assertEqual((done[1]['sent'], done[1]['delivered']), (3000, 3000))
+        done = ping.answer(run, timeout=ring_process.GUARD)
+        self.assertEqual((done['sent'], done['delivered']), (3000, 3000))
         log = self.log_of(daemons[0])
         for verdict in ('hung: silent for', 'hung: reset 1 of 2 ordered', 'alive: reset confirmed'):
             self.assertEqual(log.count('CPU of node 1 (node1) ' + verdict), 1, log)

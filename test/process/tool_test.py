@@ -4,7 +4,7 @@ import os
 
 import ring_process
 from ring_process import RingTest, plain_nodes
-from live_ring import host_port
+from limb_ring import BROADCAST, Disconnected, Observed, Packet, Result
 
 
 class Tools(RingTest):
@@ -14,11 +14,10 @@ class Tools(RingTest):
         tokens = [[client.send(1 + i % 2, b'%d' % i) for i in range(8 + c)]
                   for c, client in enumerate(clients)]
         for client, sent in zip(clients, tokens):
-            results = [client.result() for _ in sent]
-            self.assertEqual([r['token'] for r in results], sent)
-            self.assertEqual({r['outcome'] for r in results}, {'delivered'})
-            with self.assertRaises(TimeoutError):
-                client.receive(timeout=0.05)
+            results = [client.next_of(Result) for _ in sent]
+            self.assertEqual([r.token for r in results], sent)
+            self.assertEqual({r.outcome for r in results}, {'delivered'})
+            self.assertIsNone(client.receive(0.05))
 
     def test_client_that_leaves_takes_its_sends_along(self):
         nodes = plain_nodes(2)
@@ -38,9 +37,9 @@ class Tools(RingTest):
         port = self.port(0)
         for _ in range(10):
             port.send(1, b'full')
-        result = port.result()
-        self.assertEqual(result['outcome'], 'rejected')
-        self.assertIn('queue', result['reason'])
+        result = port.next_of(Result)
+        self.assertEqual(result.outcome, 'rejected')
+        self.assertIn('queue', result.reason)
 
     def test_observer_sees_what_happens(self):
         nodes = plain_nodes(3)
@@ -50,29 +49,29 @@ class Tools(RingTest):
         observer.observe('pin', 'state', 'link', 'cpu')
         observer.ask({'do': 'latch'})  # answered after it has become one
         self.ctl_json('interrupt', '--from', 0, '--to', 1, 3)
-        seen = observer.next_of(host_port.OBSERVED)
+        seen = observer.next_of(Observed).content
         self.assertEqual((seen['kind'], seen['factor'], seen['source']), ('pin', 3, 0))
-        cpu = self.port(1, role=host_port.CPU)
-        self.assertEqual(observer.next_of(host_port.OBSERVED)['state'], 'running')
+        cpu = self.port(1, role='cpu')
+        self.assertEqual(observer.next_of(Observed).content['state'], 'running')
         daemons[2].kill()
-        self.assertEqual(observer.next_of(host_port.OBSERVED)['kind'], 'link')
+        self.assertEqual(observer.next_of(Observed).content['kind'], 'link')
         cpu.close()
 
     def test_observer_is_told_of_noise_and_of_the_rings_size(self):
         daemons = self.start_ring(plain_nodes(3), timeouts={'first_successor': '50ms', 'break_grace': '50ms'})
         observer = self.port(1)
         observer.observe('ring', 'noise')
-        self.assertEqual(observer.next_of(host_port.OBSERVED)['ring_size'], 3)
+        self.assertEqual(observer.next_of(Observed).content['ring_size'], 3)
         self.port(0).ask({'do': 'fault', 'fault': 'corrupt node0 -> node1 packets=1 seed=1'})
-        self.assertEqual(observer.next_of(host_port.OBSERVED)['crc_errors'], 1)
+        self.assertEqual(observer.next_of(Observed).content['crc_errors'], 1)
         daemons[2].kill()
-        self.assertEqual(observer.next_of(host_port.OBSERVED)['ring_size'], 2)
+        self.assertEqual(observer.next_of(Observed).content['ring_size'], 2)
 
     def test_observer_with_a_wrong_filter_is_told(self):
         self.start_ring(plain_nodes(2))
         observer = self.port(0)
         observer.observe('weather')
-        self.assertIn('weather', observer.next_of(host_port.OBSERVED)['error'])
+        self.assertIn('weather', observer.next_of(Observed).content['error'])
 
     def test_status_holds_what_is_promised(self):
         daemons = self.start_ring(plain_nodes(3))
@@ -99,11 +98,10 @@ class Tools(RingTest):
         nodes[1]['cpu'] = 'attached'
         daemons = self.start_ring(nodes, timeouts={'refused': '60s', 'queue': '60s'})
         port = self.port(0)
-        port.send(1, b'waits')
+        waits = port.send(1, b'waits')
         daemons[0].terminate()
-        with self.assertRaises(ConnectionError):
-            while True:
-                port.receive()
+        self.assertTrue(port.next_of(Disconnected).reason)
+        self.assertEqual(port.wait(waits).outcome, 'cancelled')
         self.assertEqual(self.wait_exit(daemons[0]), 0)
 
     def test_packet_to_oneself_and_packet_to_all(self):
@@ -111,16 +109,17 @@ class Tools(RingTest):
         for node in nodes:
             node['cpu'] = 'attached'
         self.start_ring(nodes)
-        cpus = [self.port(node, role=host_port.CPU) for node in range(3)]
+        cpus = [self.port(node, role='cpu') for node in range(3)]
         own = cpus[0].send(0, b'to me', priority=1, channel=5)
-        self.assertEqual(cpus[0].result(own)['outcome'], 'delivered')
-        self.assertEqual(cpus[0].next_of(host_port.PACKET),
-                         {'source': 0, 'destination': 0, 'priority': 1, 'channel': 5, 'data': b'to me'})
-        cpus[0].send(host_port.BROADCAST, b'to all')
+        self.assertEqual(cpus[0].wait(own).outcome, 'delivered')
+        packet = cpus[0].next_of(Packet)
+        self.assertEqual((packet.source, packet.destination, packet.priority, packet.channel), (0, 0, 1, 5))
+        self.assertEqual(packet.data, b'to me')
+        cpus[0].send(BROADCAST, b'to all')
         for cpu in cpus[1:]:
-            self.assertEqual(cpu.next_of(host_port.PACKET)['data'], b'to all')
+            self.assertEqual(cpu.next_of(Packet).data, b'to all')
         with self.assertRaises(TimeoutError):
-            cpus[0].next_of(host_port.PACKET, timeout=0.05)  # not received by its source
+            cpus[0].next_of(Packet, timeout=0.05)  # not received by its source
 
 
 if __name__ == '__main__':

@@ -6,6 +6,7 @@ import re
 
 import ring_process
 from ring_process import RingTest, free_udp_ports, plain_nodes
+from limb_ring import Result
 
 SEEN_SOON = {'silence': '500ms'}  # UDP tells of no end
 
@@ -140,21 +141,21 @@ class SlowLine(RingTest):
         for _ in range(10):
             data = port.send(2, bytes(512))
             interrupt = port.interrupt(2, 2)
-            self.assertEqual([port.result()['token'], port.result()['token']], [interrupt, data])
+            self.assertEqual([port.next_of(Result).token, port.next_of(Result).token], [interrupt, data])
         self.assertGreater(self.counters(0)['embedded_interrupts'], 0)
 
     def test_interrupt_overtakes_the_data_of_others(self):
         sender, other = self.port(3), self.port(0)
         data = [sender.send(2, bytes(512)) for _ in range(20)]
         interrupt = other.interrupt(2, 2)
-        self.assertEqual(other.result(interrupt)['outcome'], 'delivered')
-        self.assertEqual([sender.result(t)['outcome'] for t in data], ['delivered'] * 20)
+        self.assertEqual(other.wait(interrupt).outcome, 'delivered')
+        self.assertEqual([sender.wait(t).outcome for t in data], ['delivered'] * 20)
 
     def test_higher_priority_ends_first(self):
         port = self.port(0)
         tokens = [port.send(2, bytes(512), priority=3) for _ in range(6)]
         urgent = port.send(2, b'urgent', priority=0)
-        order = [port.result()['token'] for _ in range(7)]
+        order = [port.next_of(Result).token for _ in range(7)]
         self.assertLess(order.index(urgent), order.index(tokens[2]))
         self.assertEqual([t for t in order if t != urgent], tokens)
 

@@ -4,9 +4,10 @@ import random
 import socket
 import struct
 
+import host_port_wire
 import ring_process
 from ring_process import RingTest, free_udp_ports, plain_nodes
-from live_ring import host_port
+from limb_ring import HostPortError, Observed
 
 LINK_HEADER = '>HBBQQIBB'  # daemon/link/link_header.h
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = range(1, 7)
@@ -63,11 +64,11 @@ class UnknownPeer(RingTest):
     def test_garbage_on_the_host_port(self):
         self.quiet_ring()
         pieces = [b'GET / HTTP/1.1\r\n\r\n', b'\0' * 100, b'\xff' * 100, garbage(5000),
-                  host_port.frame(99, b'what'), host_port.frame(host_port.SEND, b'\1'),
+                  host_port_wire.frame(99, b'what'), host_port_wire.frame(host_port_wire.SEND, b'\1'),
                   struct.pack('>IB', 0x7fffffff, 1), struct.pack('>I', 0),
-                  host_port.greeting(self.ring) + host_port.frame(77),
-                  host_port.greeting(self.ring) * 2,
-                  host_port.greeting(self.ring) + struct.pack('>IB', 2 ** 20, 2)]
+                  host_port_wire.greeting(self.ring) + host_port_wire.frame(77),
+                  host_port_wire.greeting(self.ring) * 2,
+                  host_port_wire.greeting(self.ring) + struct.pack('>IB', 2 ** 20, 2)]
         for piece in pieces:
             self.say(self.socket_of(1), piece)
         self.assertEqual(self.counters(1)['host_garbage'], len(pieces))
@@ -76,22 +77,22 @@ class UnknownPeer(RingTest):
     def test_half_open_connection_at_the_host_port_is_closed(self):
         self.quiet_ring()
         peer = self.connect(self.socket_of(1))
-        peer.sendall(host_port.greeting(self.ring)[:7])
+        peer.sendall(host_port_wire.greeting(self.ring)[:7])
         self.assertIn(b'greeting', self.read_to_end(peer))
         self.assertEqual(self.counters(1)['host_garbage'], 1)
         self.assert_undisturbed()
 
     def test_wrong_ring_and_version_are_told_so(self):
         self.quiet_ring()
-        for data, expected in ((host_port.greeting('another'), b'another'),
-                               (host_port.greeting(self.ring, version=9), b'version')):
+        for data, expected in ((host_port_wire.greeting('another'), b'another'),
+                               (host_port_wire.greeting(self.ring, version=9), b'version')):
             self.assertIn(expected, self.say(self.socket_of(1), data))
         self.assertEqual(self.counters(1)['host_refused'], 2)
 
     def test_too_many_clients_are_refused(self):
         self.quiet_ring(limits={'clients': 4})
         clients = [self.port(1) for _ in range(3)]
-        with self.assertRaises((ConnectionRefusedError, ConnectionError)):
+        with self.assertRaises(HostPortError):
             for _ in range(4):
                 clients.append(self.port(1))
         clients.pop().close()
@@ -106,33 +107,35 @@ class UnknownPeer(RingTest):
                port.send(1, b'x', channel=1), port.send(1, b'x', channel=64),
                port.interrupt(1, 8), port.pull(8)]
         for token in bad:
-            result = port.result(token)
-            self.assertEqual(result['outcome'], 'rejected')
-            self.assertNotEqual(result['reason'], '')
+            result = port.wait(token)
+            self.assertEqual(result.outcome, 'rejected')
+            self.assertNotEqual(result.reason, '')
         for order in ({'do': 'dance'}, {}, {'do': 'ping', 'to': 77}, {'do': 'ping', 'to': 1, 'size': 513},
                       {'do': 'ping', 'to': 1, 'count': -1}, {'do': 'reset'}):
-            self.assertIn('error', port.ask(order))
-        self.assertEqual(port.result(port.send(1, b'good'))['outcome'], 'delivered')
+            self.assert_refused('', port, order)
+        self.assertEqual(port.wait(port.send(1, b'good')).outcome, 'delivered')
 
     def test_json_nested_without_end_is_answered_and_the_daemon_stays(self):
         self.quiet_ring()
         port = self.port(0)
-        nest = b'[' * 32600 + b']' * 32600
-        for order in (nest, b'{"do":"ping","to":%s}' % nest, b'{"do":"ping","to":1,"count":%s}' % nest,
-                      b'{"do":"status","x":%s}' % nest):
-            self.assertIn('nested too deep', port.reply_to(port.request_text(order))['error'])
-        port.connection.sendall(host_port.frame(host_port.OBSERVE, b'{"kinds":%s}' % nest))
-        self.assertIn('nested too deep', port.next_of(host_port.OBSERVED)['error'])
+        nest = '[' * 32600 + ']' * 32600
+        for order in (nest, '{"do":"ping","to":%s}' % nest, '{"do":"ping","to":1,"count":%s}' % nest,
+                      '{"do":"status","x":%s}' % nest):
+            with self.assertRaisesRegex(HostPortError, 'nested too deep'):
+                port.answer(port.request_text(order))
+        port.observe_text('{"kinds":%s}' % nest)
+        self.assertIn('nested too deep', port.next_of(Observed).content['error'])
         self.assert_undisturbed()
 
     def test_client_that_does_not_read_is_bounded(self):
         self.quiet_ring()
-        port = self.port(0)
-        order = host_port.frame(host_port.REQUEST, struct.pack('>I', 5) + b'{"do": "status"}')
+        peer = self.connect(self.socket_of(0))
+        peer.sendall(host_port_wire.greeting(self.ring))
+        order = host_port_wire.frame(host_port_wire.REQUEST, struct.pack('>I', 5) + b'{"do": "status"}')
         with self.assertRaises(OSError):
-            port.connection.settimeout(ring_process.GUARD)
+            peer.settimeout(ring_process.GUARD)
             for _ in range(100000):
-                port.connection.sendall(order)
+                peer.sendall(order)
         self.wait('counted', lambda: self.counters(0)['host_slow_clients'] == 1)
         self.assert_undisturbed()
 

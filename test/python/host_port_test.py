@@ -139,6 +139,28 @@ def test_other_threads_run_while_one_waits(ring):
 
 
 @needs_ring
+def test_a_second_thread_is_told_that_a_port_is_in_use(ring):
+    body, knee, told = ring.port('body', role='cpu'), ring.port('knee'), []
+
+    def disturb():
+        while not told:
+            try:
+                body.receive(0)
+            except HostPortError as refused:
+                told.append(str(refused))
+        knee.send(0, b'go on')
+    disturber = threading.Thread(target=disturb)
+    disturber.start()
+    while not told:
+        try:
+            body.receive(0.05)
+        except HostPortError as refused:
+            told.append(str(refused))
+    disturber.join()
+    assert 'in use by another thread' in told[0]
+
+
+@needs_ring
 def test_it_works_in_an_event_loop(ring):
     body, knee = ring.port('body', role='cpu'), ring.port('knee')
     knee.send(0, b'x')

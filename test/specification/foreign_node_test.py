@@ -86,7 +86,7 @@ class ForeignNode(WithAForeignNode):
         self.node.stop()
         self.wait('bypassed', lambda: self.daemons_see(2, 'up'))
         port = self.port(0)
-        self.assertEqual(port.result(port.send(FOREIGN, b'x'))['outcome'], 'no such node')
+        self.assertEqual(port.wait(port.send(FOREIGN, b'x')).outcome, 'no such node')
         self.start_node(self.unix_line())
         self.assert_all_reach_all()
 
@@ -104,13 +104,13 @@ class ForeignNode(WithAForeignNode):
     def test_data_priority_and_channel_arrive(self):
         self.close_unix_ring()
         port = self.port(1)
-        self.assertEqual(port.result(port.send(FOREIGN, b'knee!', priority=1, channel=4))['outcome'], 'delivered')
+        self.assertEqual(port.wait(port.send(FOREIGN, b'knee!', priority=1, channel=4)).outcome, 'delivered')
         self.assertEqual(self.node.received, [(1, 1, 4, b'knee!')])
 
     def test_interrupts_pull_pins_both_ways(self):
         self.close_unix_ring()
         port = self.port(0)
-        self.assertEqual(port.result(port.interrupt(FOREIGN, 3))['outcome'], 'delivered')
+        self.assertEqual(port.wait(port.interrupt(FOREIGN, 3)).outcome, 'delivered')
         self.assertEqual(self.node.pins, [(3, 0)])
         self.assertEqual(self.outcome(self.node.interrupt(0, 2)), 'delivered')  # pin 2: sync
         self.assertEqual(self.outcome(self.node.interrupt(0, 7)), 'refused')    # wired to nothing
@@ -166,7 +166,7 @@ class FoldingForeignNode(WithAForeignNode):
         self.assert_all_reach_all()
 
     def fault(self, node, text):
-        return lambda: self.assertNotIn('error', self.port(node).ask({'do': 'fault', 'fault': text}))
+        return lambda: self.port(node).ask({'do': 'fault', 'fault': text})
 
     def set_cut(self, value):
         def change():
