@@ -7,7 +7,7 @@ if(PROJECT_BINARY_DIR STREQUAL ${PROJECT_SOURCE_DIR}/build)
   file(CREATE_LINK build/devel ${PROJECT_SOURCE_DIR}/devel RESULT ignored SYMBOLIC)
 endif()
 find_package(catkin REQUIRED COMPONENTS
-  roscpp sensor_msgs geometry_msgs std_msgs topic_tools message_generation diagnostic_msgs
+  roscpp rosgraph_msgs sensor_msgs geometry_msgs std_msgs topic_tools message_generation diagnostic_msgs
   diagnostic_updater visualization_msgs tf2_ros)
 file(GLOB msg_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/msg msg/*.msg)
 file(GLOB srv_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/srv srv/*.srv)

@@ -1,10 +1,16 @@
 #include "ros_bridge/bridge.h"
 
+#include <rosgraph_msgs/Clock.h>
+
+#include <utility>
+
 namespace limb_ring::bridge {
 namespace {
 
 // Ten times per alive_period of the bridge.
 const ros::WallDuration kAlive{0.1};
+/// Of real time, from the first joint states on.
+constexpr std::chrono::seconds kControllerWithin{30};
 
 void tell_connection(const ConnectOptions& daemon, const std::string& problem) {
   if (!problem.empty())
@@ -44,6 +50,11 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
     ROS_WARN("interrupt %u from node %u: %s", interrupt.factor, interrupt.source,
              interrupt.action == Interrupt::Action::stop ? "stop" : "notice");
   });
+  if (parameters_.tells_time) port_.on_time([this](std::chrono::nanoseconds now) { tell_time(now); });
+  if (parameters_.ring.bridge.lockstep) {
+    joints_.before_publishing([this] { await_controller(); });
+    joints_.on_published([this](ros::Time stamp) { await_answer(stamp); });
+  }
   status_.on_status([this](const RingStatus& status) { diagnostics_.take(status); });
   port_.start();
   status_.start();
@@ -64,6 +75,36 @@ void Bridge::make_topics() {
     if (topics[i].from == own)
       topics_in_.push_back(
           std::make_unique<TopicIn>(nodes_, static_cast<std::uint8_t>(i), topics[i], port_, counters_));
+}
+
+void Bridge::tell_time(std::chrono::nanoseconds now) {
+  if (!clock_) clock_ = nodes_.advertise<rosgraph_msgs::Clock>("/clock", 100);
+  rosgraph_msgs::Clock message;
+  message.clock.fromNSec(static_cast<std::uint64_t>(now.count()));
+  clock_.publish(message);
+}
+
+/// Once: the first joint states are for it already.
+void Bridge::await_controller() {
+  if (!port_.in_lockstep() || std::exchange(awaited_controller_, true)) return;
+  if (port_.hold_time_until([this] { return joints_.is_heard() && commands_.has_sender(); }, kControllerWithin)) return;
+  ROS_WARN("bridge.lockstep: nobody hears joint_states and sends joint_commands within %lld s: time goes on without",
+           static_cast<long long>(kControllerWithin.count()));
+}
+
+/// The ring's time stands until a controller has answered the joint states of that stamp.
+void Bridge::await_answer(ros::Time stamp) {
+  if (!port_.in_lockstep() || (gave_up_ && commands_.latest() == given_up_at_)) return;
+  const auto answered = [this, stamp] { return commands_.latest() >= stamp; };
+  const auto patience = parameters_.ring.virtual_clock.stall;
+  if (port_.hold_time_until(answered, patience)) return;
+  gave_up_ = true;
+  given_up_at_ = commands_.latest();
+  ROS_WARN(
+      "bridge.lockstep: no joint_commands with the stamp of the joint_states of %.6f s, or a later one, within %lld "
+      "ms: "
+      "time goes on without, until the next command; is the controller there, and does it stamp its commands?",
+      stamp.toSec(), static_cast<long long>(patience.count()));
 }
 
 void Bridge::on_boot(std::uint8_t node) {

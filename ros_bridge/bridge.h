@@ -31,6 +31,9 @@ class Bridge {
 
  private:
   void make_topics();
+  void tell_time(std::chrono::nanoseconds now);
+  void await_controller();
+  void await_answer(ros::Time stamp);
   void on_boot(std::uint8_t node);
 
   ros::NodeHandle nodes_;
@@ -47,6 +50,11 @@ class Bridge {
   FramesOut frames_;
   std::unique_ptr<Services> services_;
   ros::WallTimer alive_;
+  ros::Publisher clock_;  ///< ring thread
+  /// Ring thread: the latest command when none came in time; none is awaited until the next.
+  ros::Time given_up_at_;
+  bool gave_up_ = false;
+  bool awaited_controller_ = false;
 };
 
 }  // namespace limb_ring::bridge

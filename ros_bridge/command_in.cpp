@@ -28,11 +28,15 @@ void CommandIn::on_command(const sensor_msgs::JointState::ConstPtr& message) {
   counters_.add("commands_in");
   try {
     auto split = split_command(*message, joints_);
-    for (auto& part : split.parts) stamp(part.command);
     if (!split.unknown.empty()) warn_unknown(split.unknown);
-    const bool posted = port_.post([this, parts = std::move(split.parts)] {
-      for (const auto& part : parts) offer(part);
-    });
+    const bool posted = port_.post(
+        [this, parts = std::move(split.parts), came = Throttle::Clock::now(), at = message->header.stamp]() mutable {
+          latest_ = std::max(latest_, at);
+          for (auto& part : parts) {
+            stamp(part.command, came);
+            offer(part);
+          }
+        });
     if (!posted) counters_.add("commands_dropped_busy");
   } catch (const std::invalid_argument& error) {
     counters_.add("commands_refused");
@@ -40,8 +44,8 @@ void CommandIn::on_command(const sensor_msgs::JointState::ConstPtr& message) {
   }
 }
 
-void CommandIn::stamp(payload::JointCommand& command) const {
-  command.stamp_ns = static_cast<std::int64_t>(ros::WallTime::now().toNSec());
+void CommandIn::stamp(payload::JointCommand& command, Throttle::Clock::time_point came) const {
+  command.stamp_ns = port_.stamp_of(came);
   command.valid_for_us = valid_for_us_;
 }
 
@@ -89,10 +93,10 @@ void CommandIn::on_result(std::uint8_t node, const Result& result) {
 }
 
 bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {
-  return port_.post([this, node, done = std::move(done)] {
+  return port_.post([this, node, done = std::move(done), came = Throttle::Clock::now()] {
     payload::JointCommand command;
     command.resume = true;
-    stamp(command);
+    stamp(command, came);
     send(node, command, [this, node, done](const Result& result) {
       on_result(node, result);
       done(result);

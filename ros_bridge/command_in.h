@@ -35,7 +35,8 @@ class Throttle {
 };
 
 /// `joint_commands` from ROS, spread over the nodes that own the joints: one packet per node,
-/// channel 2, priority 0, stamped with the wall clock and expiring after `timeouts.command`.
+/// channel 2, priority 0, stamped with the wall clock (a virtual ring's, where it is one) and expiring after
+/// `timeouts.command`.
 ///
 /// At most two commands to a node are under way. A newer one replaces the one that waits: an old
 /// command is worth nothing. A node whose joints are silent gets none: its controller would refuse
@@ -50,6 +51,10 @@ class CommandIn {
   /// Any thread: ends a latched stop of a node; `done` is called once, from the ring thread.
   /// False where the ring thread has too much to do.
   bool resume(std::uint8_t node, RingPort::OnResult done);
+  /// Any thread: somebody would send commands.
+  bool has_sender() const { return subscriber_.getNumPublishers() != 0; }
+  /// Ring thread only: the latest stamp that a command had.
+  ros::Time latest() const { return latest_; }
 
  private:
   /// What has been sent to one node and not yet come back, and what waits for that.
@@ -59,13 +64,15 @@ class CommandIn {
     std::uint16_t sequence = 0;
   };
   void on_command(const sensor_msgs::JointState::ConstPtr& message);
-  void stamp(payload::JointCommand& command) const;
+  /// @param came by the steady clock
+  void stamp(payload::JointCommand& command, Throttle::Clock::time_point came) const;
   void warn_unknown(const std::vector<std::string>& names);
   void offer(const CommandSplit::Part& part);
   void send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done);
   void on_result(std::uint8_t node, const Result& result);
 
   JointMap joints_;
+  ros::Time latest_;  ///< ring thread
   std::uint32_t valid_for_us_;
   RingPort& port_;
   Speaks speaks_;

@@ -53,7 +53,7 @@ void JointDataOut::take_state(const Packet& packet) {
   if (!state) return counters_.add("joint_packets_malformed");
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    if (!store_.take(packet.source, *state, JointStore::Clock::now())) return counters_.add("joint_packets_unfit");
+    if (!store_.take(packet.source, *state, port_.now())) return counters_.add("joint_packets_unfit");
   }
   counters_.add("states_in");
   publish_sample(packet.source, *state);
@@ -87,10 +87,14 @@ void JointDataOut::publish_states() {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     if (!port_.connected()) store_.forget();
-    snapshot = store_.snapshot(JointStore::Clock::now());
+    snapshot = store_.snapshot(port_.now());
     silent_ = snapshot.silent;
   }
-  if (!snapshot.fresh.empty()) states_.publish(to_joint_state(snapshot));
+  if (snapshot.fresh.empty()) return;
+  const sensor_msgs::JointState states = to_joint_state(snapshot);
+  publishing_();
+  states_.publish(states);
+  published_(states.header.stamp);
 }
 
 std::vector<std::string> JointDataOut::silent_joints() const {
@@ -105,7 +109,7 @@ JointStore::Received JointDataOut::received(std::uint8_t node) const {
 
 bool JointDataOut::speaks(std::uint8_t node) const {
   std::lock_guard<std::mutex> lock(mutex_);
-  return store_.speaks(node, JointStore::Clock::now());
+  return store_.speaks(node, port_.now());
 }
 
 }  // namespace limb_ring::bridge

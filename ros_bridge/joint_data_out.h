@@ -20,6 +20,12 @@ class JointDataOut {
  public:
   JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate, RingPort& port, Counters& counters);
 
+  /// Any thread: somebody hears `joint_states`.
+  bool is_heard() const { return states_.getNumSubscribers() != 0; }
+  /// Before the port starts: called on the ring thread before each `joint_states`.
+  void before_publishing(std::function<void()> handler) { publishing_ = std::move(handler); }
+  /// The same after each, with its stamp.
+  void on_published(std::function<void(ros::Time)> handler) { published_ = std::move(handler); }
   /// Any thread: as of the last `joint_states`.
   std::vector<std::string> silent_joints() const;
   /// Any thread.
@@ -41,6 +47,8 @@ class JointDataOut {
   JointStore store_;
   std::vector<std::string> silent_;
   ros::Publisher states_;
+  std::function<void()> publishing_ = [] {};
+  std::function<void(ros::Time)> published_ = [](ros::Time) {};
   struct Sensor {
     std::string name;
     config::SensorConfig::Kind kind;

@@ -69,11 +69,11 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   if (!ring.empty()) config::rename_ring(parameters.ring, ring);
   parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
   own.getParam("frames", parameters.frames);
+  parameters.tells_time = own.param("clock", false);
   parameters.daemon.ring = parameters.ring.ring;
   const config::NodeConfig& node = bridge_node(parameters.ring, text_parameter(own, "node"));
   parameters.daemon.node = node.name;
   parameters.daemon.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
-  parameters.daemon.lockstep = false;  // its threads wait elsewhere too
   parameters.daemon.alive_period = kAlivePeriod;
   parameters.daemon.restarted_by_owner = own.param("respawn", false);
   parameters.daemon.timeout = std::chrono::milliseconds(0);

@@ -15,6 +15,7 @@ struct Parameters {
   /// are status, events and services, but no joint data and no topics.
   ConnectOptions daemon;
   double rate = 50.0;          ///< Hz of joint_states
+  bool tells_time = false;     ///< publishes /clock where the ring is virtual
   XmlRpc::XmlRpcValue frames;  ///< what `ring_frames` shows, see FrameFilter
 };
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 namespace limb_ring::bridge {
 namespace {
@@ -14,6 +15,8 @@ using namespace std::chrono_literals;
 
 constexpr auto kRetry = 200ms;        // between tries to connect
 constexpr auto kLongestWait = 100ms;  // so that alive() is passed on
+constexpr auto kLook = 10ms;          // at what nobody tells of
+constexpr auto kClockPeriod = 1ms;    // of a virtual ring's time, as it is told
 constexpr std::size_t kPostLimit = 1024;
 constexpr int kMessagesAtOnce = 256;  // then posted work and ticks have their turn
 
@@ -81,10 +84,11 @@ void RingPort::run() {
     wait_for_something();
     // Everything that talks to the daemon is below; a connection that breaks ends up here.
     try {
+      tell_time();
       take_messages();
       run_posted();
       run_ticks();
-      if (port_ && post_alive_.exchange(false)) port_->alive();
+      if (post_alive_.exchange(false) && port_ && !in_lockstep()) port_->alive();
     } catch (const HostPortError& error) {
       lost(error.what());
     }
@@ -97,10 +101,46 @@ void RingPort::try_connect() {
   next_try_ = Clock::now() + kRetry;
   try {
     port_.emplace(HostPort::connect(options_));
+    if (in_lockstep()) restart_ticks();
     report("");
   } catch (const HostPortError& error) {
     report(error.what());
   }
+}
+
+RingPort::Clock::time_point RingPort::now() const {
+  return in_lockstep() ? Clock::time_point(port_->now()) : Clock::now();
+}
+
+std::int64_t RingPort::stamp_of(Clock::time_point came) const {
+  const bool is_virtual = in_lockstep();
+  const std::chrono::nanoseconds ago = is_virtual ? 0ns : std::chrono::nanoseconds(Clock::now() - came);
+  const std::chrono::nanoseconds stamp =
+      port_ ? port_->stamp() : std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch());
+  return (stamp - ago).count();
+}
+
+void RingPort::restart_ticks() {
+  for (Tick& tick : ticks_) tick.due = now() + tick.period;
+}
+
+void RingPort::tell_time() {
+  if (!time_ || !in_lockstep()) return;
+  const auto time = port_->now();
+  if (std::exchange(told_time_, time) != time) time_(time);
+}
+
+bool RingPort::hold_time_until(const std::function<bool()>& condition, std::chrono::milliseconds patience) {
+  const auto deadline = Clock::now() + patience;
+  while (!condition() && !stopping_) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    if (left <= 0ms) return false;
+    pollfd bell{wake_, POLLIN, 0};
+    const auto wait = std::min<std::chrono::milliseconds>(left, kLook);
+    if (poll(&bell, 1, static_cast<int>(wait.count())) > 0) quiet_bell(wake_);
+    run_posted();
+  }
+  return true;
 }
 
 void RingPort::report(const std::string& problem) {
@@ -110,13 +150,19 @@ void RingPort::report(const std::string& problem) {
 }
 
 RingPort::Clock::time_point RingPort::next_deadline() const {
-  auto deadline = Clock::now() + kLongestWait;
+  auto deadline = now() + kLongestWait;
+  if (in_lockstep() && time_) deadline = now() + kClockPeriod;
   for (const Tick& tick : ticks_) deadline = std::min(deadline, tick.due);
   if (!port_) deadline = std::min(deadline, next_try_);
   return deadline;
 }
 
+// In lockstep what is posted waits for the next turn, a millisecond of the ring's time later at most.
 void RingPort::wait_for_something() {
+  if (in_lockstep()) {
+    if (!more_to_take_) message_ = port_->receive(std::max<Clock::duration>(0ns, next_deadline() - now()));
+    return;
+  }
   pollfd fds[2] = {{wake_, POLLIN, 0}, {port_ ? port_->fd() : -1, POLLIN, 0}};
   const auto wait = more_to_take_ ? 0ns : std::max<Clock::duration>(0ns, next_deadline() - Clock::now());
   const timespec timeout{wait / 1s, (wait % 1s).count()};
@@ -128,7 +174,7 @@ void RingPort::wait_for_something() {
 void RingPort::take_messages() {
   more_to_take_ = false;
   for (int i = 0; port_ && i < kMessagesAtOnce; ++i) {
-    auto message = port_->receive(0ms);
+    auto message = message_ ? std::exchange(message_, std::nullopt) : port_->receive(0ms);
     if (!message) return;
     take(std::move(*message));
   }
@@ -149,7 +195,10 @@ void RingPort::take(Message message) {
 }
 
 void RingPort::lost(const std::string& reason) {
+  const bool was_virtual = in_lockstep();
   port_.reset();
+  message_.reset();
+  if (was_virtual) restart_ticks();
   more_to_take_ = false;
   next_try_ = Clock::now() + kRetry;
   auto open = std::move(results_);
@@ -173,7 +222,7 @@ void RingPort::run_posted() {
 
 void RingPort::run_ticks() {
   for (Tick& tick : ticks_) {
-    const auto now = Clock::now();
+    const auto now = this->now();
     if (now < tick.due) continue;
     tick.call();
     // Late ticks are left out, not made up for: nobody wants old states in a burst.

@@ -48,7 +48,9 @@ class RingPort {
   void on_packet(std::uint8_t channel, OnPacket handler) { packets_[channel] = std::move(handler); }
   void on_interrupt(OnInterrupt handler) { interrupt_ = std::move(handler); }
   void on_connection(OnConnection handler) { connection_.push_back(std::move(handler)); }
-  /// Called at absolute deadlines, after everything that has come in was taken: what has arrived
+  /// Called on a virtual ring alone, where its time has gone on, before anything that has come by then.
+  void on_time(std::function<void(std::chrono::nanoseconds)> handler) { time_ = std::move(handler); }
+  /// Called at absolute deadlines of now(), after everything that has come in was taken: what has arrived
   /// while this process was not scheduled is not judged as missing.
   void every(Clock::duration period, std::function<void()> tick);
   void start();
@@ -62,6 +64,16 @@ class RingPort {
   /// Any thread: this process is alive; passed on to the daemon.
   void alive() { post_alive_ = true; }
 
+  /// Ring thread only: the steady clock's time, or the ring's where that is virtual.
+  Clock::time_point now() const;
+  /// Ring thread only: the stamp of what came at that time of the steady clock: since 1970, or now() on a virtual ring.
+  std::int64_t stamp_of(Clock::time_point came) const;
+  /// Ring thread only: waits, in real time, until `condition` holds, which posted work may bring about; the ring's time
+  /// stands meanwhile. @return false where it did not within `patience`
+  bool hold_time_until(const std::function<bool()>& condition, std::chrono::milliseconds patience);
+
+  /// Ring thread only: the ring is virtual, and its time stands while this thread acts.
+  bool in_lockstep() const { return port_ && port_->in_lockstep(); }
   /// Ring thread only.
   bool connected() const { return port_.has_value(); }
   /// Ring thread only. `on_result` is called once, later, never from within send().
@@ -74,6 +86,8 @@ class RingPort {
     std::function<void()> call;
   };
   void run();
+  void restart_ticks();
+  void tell_time();
   void try_connect();
   void wait_for_something();
   void take_messages();
@@ -89,11 +103,14 @@ class RingPort {
   OnInterrupt interrupt_;
   std::vector<OnConnection> connection_;
   std::vector<Tick> ticks_;
+  std::function<void(std::chrono::nanoseconds)> time_;
 
   std::optional<HostPort> port_;
   std::string problem_ = "not tried yet";
   Clock::time_point next_try_{};
   bool more_to_take_ = false;
+  std::optional<Message> message_;          ///< that has ended a wait in lockstep
+  std::chrono::nanoseconds told_time_{-1};  ///< by time_
   std::unordered_map<std::uint32_t, OnResult> results_;
   std::vector<OnResult> unsendable_;  // asked for while not connected
 

@@ -141,6 +141,8 @@ std::chrono::nanoseconds HostPort::stamp() const {
   return std::chrono::system_clock::now().time_since_epoch();
 }
 
+bool HostPort::in_lockstep() const { return impl_->connection.clock() == client::ClockKind::lockstep; }
+
 void HostPort::sleep_until(std::chrono::nanoseconds time) {
   impl_->connection.stay_alive();
   if (impl_->connection.clock() != client::ClockKind::ring) return impl_->connection.sleep_until(time);

@@ -19,6 +19,10 @@ const Section<BridgeConfig>& bridge_section() {
       real_option("rate", &BridgeConfig::rate, {1, 1000, "Hz"}, "How often joint_states is sent."),
       list_option("topics", &BridgeConfig::topics, topic_section(), kMostTopics, check_topic,
                   "ROS topics that cross the ring unmodified, from one bridge to another."),
+      flag_option(
+          "lockstep", &BridgeConfig::lockstep,
+          "On a virtual ring: after joint_states its time stands until joint_commands of that stamp or a later one "
+          "have come, for `virtual: {stall}` of real time at most."),
   };
   return section;
 }

@@ -87,6 +87,10 @@ const Section<CpuConfig>& cpu_section() {
       time_option("alive_period", &CpuConfig::alive_period, 0ms, 60s,
                   "It says something to ringd at least so often (limb_firmware keeps to it); silent for three of "
                   "these, or of those it promised itself if longer, it is hung. 0s: not watched by the supervisor."),
+      time_option("turnaround", &CpuConfig::turnaround, 0ns, 1s,
+                  "On a virtual ring: what it sends in a turn enters the node so long after the turn began."),
+      time_option("jitter", &CpuConfig::jitter, 0ns, 1s,
+                  "On a virtual ring: and up to so much later, drawn for each turn, by `virtual: {seed}`."),
   };
   return section;
 }

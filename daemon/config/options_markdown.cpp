@@ -42,8 +42,9 @@ std::string options_markdown() {
          table("`nodes[].joints[]`", joint_section()) + table("`nodes[].sensors[]`", sensor_section()) +
          table("`nodes[].pins`", pins_section()) + table("`nodes[].inputs`", inputs_section()) +
          table("`nodes[].inputs`, each", input_section()) + table("`nodes[].link`", link_section()) +
-         table("`supervisor`", supervisor_section()) + table("`bridge`", bridge_section()) +
-         table("`bridge.topics[]`", topic_section()) + table("`traffic[]`", traffic_section());
+         table("`supervisor`", supervisor_section()) + table("`virtual`", virtual_clock_section()) +
+         table("`bridge`", bridge_section()) + table("`bridge.topics[]`", topic_section()) +
+         table("`traffic[]`", traffic_section());
 }
 
 }  // namespace limb_ring::config

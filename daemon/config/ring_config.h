@@ -40,6 +40,8 @@ struct CpuConfig {
   /// Silent for so many alive periods, it counts as hung. (ours)
   static constexpr int kSilentPeriods = 3;
   milliseconds alive_period{0};  ///< it says something at least so often; 0: it is not watched
+  nanoseconds turnaround{0};     ///< on a virtual ring: from a turn to what it sends in it
+  nanoseconds jitter{0};         ///< ... and up to so much more, drawn for each turn
 };
 
 struct JointConfig {
@@ -153,6 +155,14 @@ struct TrafficConfig {
 struct BridgeConfig {
   double rate = 50.0;  ///< Hz of joint_states
   std::vector<TopicConfig> topics;
+  bool lockstep = false;  ///< on a virtual ring: time waits for the answer to joint_states
+};
+
+/// Of a ring on a virtual clock (ringctl up --clock virtual).
+struct VirtualClockConfig {
+  milliseconds boot_time{20};  ///< from a CPU's start to its first turn, by the ring's clock
+  milliseconds stall{5000};    ///< real time: who takes longer over a turn is stuck
+  std::uint32_t seed = 1;      ///< of the CPUs' jitter
 };
 
 struct Realtime {
@@ -173,6 +183,7 @@ struct RingConfig {
   enum class Redundancy { none, foldback } redundancy = Redundancy::none;
   Limits limits;
   Timeouts timeouts;
+  VirtualClockConfig virtual_clock;
   LinkConfig links;  ///< what the nodes' links are where they do not say otherwise
   Firmware firmware;
   BridgeConfig bridge;

@@ -74,6 +74,8 @@ const Section<RingConfig>& ring_section() {
        "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
       section_option("supervisor", &RingConfig::supervisor, supervisor_section(),
                      "Who watches the CPUs that have an `alive_period`, and what is done about a hung one."),
+      section_option("virtual", &RingConfig::virtual_clock, virtual_clock_section(),
+                     "The ring on a virtual clock (ringctl up --clock virtual)."),
       section_option("bridge", &RingConfig::bridge, bridge_section(), "The ROS side of the ring."),
       traffic_option(),
   };

@@ -14,6 +14,7 @@ const Section<LinkConfig>& links_section();
 const Section<Firmware>& firmware_section();
 const Section<Realtime>& realtime_section();
 const Section<SupervisorConfig>& supervisor_section();
+const Section<VirtualClockConfig>& virtual_clock_section();
 const Section<BridgeConfig>& bridge_section();
 const Section<TopicConfig>& topic_section();
 /// The entry `traffic`, a list.

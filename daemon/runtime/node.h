@@ -37,6 +37,8 @@ struct NodeBase {
   std::function<void()> start_anew;
   std::optional<cpu_set_t> cpu_cores;  ///< for the CPU's processes; empty: as this one
   host::TurnKeeper* turns = nullptr;   ///< of a virtual clock
+  /// What clients call for passes through it; null: nothing does.
+  std::function<std::unique_ptr<host::HostHandler>(host::HostHandler& calls)> make_filter;
   /// The CPU's state, pid or boots have changed; may be empty.
   std::function<void(const CpuStatus&)> on_cpu_changed;
   std::string log_prefix;  ///< of what is logged of this node alone
@@ -67,6 +69,7 @@ class Node {
   NodeDriver& engine_;
   EventRouter router_;
   ClientCalls calls_;
+  std::unique_ptr<host::HostHandler> filter_;  ///< before them; null: none
   host::HostServer host_;
   Observers observers_;
   PacketObservers packet_observers_;

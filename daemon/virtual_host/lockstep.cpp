@@ -16,10 +16,19 @@ namespace {
 
 /// So long one program is listened to before the others, which do not act, are looked at.
 constexpr milliseconds kPatience{2};
+/// Of real time, from the ring's start: ROS nodes take some seconds.
+constexpr std::chrono::seconds kAttachedWithin{30};
 
 double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
 
 }  // namespace
+
+// The bridge is to be there from the start, since a controller is.
+Lockstep::Lockstep(sim::VirtualRing& ring, const config::RingConfig& config) : ring_(ring), config_(config) {
+  for (const config::NodeConfig& node : config.nodes)
+    if (config.bridge.lockstep && node.cpu.kind == config::CpuConfig::Kind::attached)
+      boots_[node.id] = {core::Time{} + config.virtual_clock.boot_time, {}};
+}
 
 nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch()); }
 
@@ -36,7 +45,20 @@ void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
   attach();
 }
 
+/// It is started by others, and has not come.
+bool Lockstep::is_late(std::uint8_t node) const {
+  return config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached &&
+         steady_clock::now() - begun_ > kAttachedWithin;
+}
+
 bool Lockstep::attach_those_due() {
+  for (auto it = boots_.begin(); it != boots_.end();) {
+    const bool gone = !it->second.attach && is_late(it->first);
+    if (gone)
+      spdlog::warn("{}: bridge.lockstep: its CPU, the bridge, has not come within {} s; time goes on without it",
+                   config_.find(it->first)->name, kAttachedWithin.count());
+    it = gone ? boots_.erase(it) : std::next(it);
+  }
   std::vector<std::function<void()>> due;
   for (const auto& [node, boot] : boots_) {
     if (boot.at > ring_.now()) continue;
@@ -59,9 +81,9 @@ void Lockstep::joined(std::uint8_t node, const std::shared_ptr<host::Session>& s
 void Lockstep::cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
   const bool boots = cpu.kind == runtime::CpuKind::child && cpu.state == wire::CpuState::booting && cpu.pid > 0;
   if (!boots) {
-    boots_.erase(node);
+    if (cpu.kind == runtime::CpuKind::child) boots_.erase(node);
   } else if (std::exchange(pids_[node], cpu.pid) != cpu.pid) {
-    boots_[node] = {ring_.now() + options_.boot_time, {}};
+    boots_[node] = {ring_.now() + config_.virtual_clock.boot_time, {}};
   } else {
     boots_.emplace(node, Boot{ring_.now(), {}});
   }
@@ -90,11 +112,18 @@ void Lockstep::listen() {
   if (program == nullptr) return;
   program->session->listen(kPatience);
   if (!program->session->open() || !program->session->has_turn()) return;
-  const bool stopped = process::is_stopped(program->session->info().pid);
-  if (!stopped && steady_clock::now() - program->turn_since < options_.stall) return;
   const auto found = std::find_if(programs_.begin(), programs_.end(),
                                   [program](const auto& entry) { return &entry.second == program; });
-  is_stuck(found->first.first, *program);
+  const std::uint8_t node = found->first.first;
+  const bool stopped = process::is_stopped(program->session->info().pid);
+  if (stopped || steady_clock::now() - program->turn_since >= patience_with(node)) is_stuck(node, *program);
+}
+
+/// A bridge waits for its controller, with limits of its own.
+milliseconds Lockstep::patience_with(std::uint8_t node) const {
+  const milliseconds stall = config_.virtual_clock.stall;
+  const bool bridge = config_.bridge.lockstep && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
+  return bridge ? kAttachedWithin + 3 * stall : stall;
 }
 
 void Lockstep::is_stuck(std::uint8_t node, Program& program) {
@@ -107,7 +136,7 @@ void Lockstep::is_stuck(std::uint8_t node, Program& program) {
   spdlog::warn(
       "{}: its CPU ({}, pid {}) is stuck at {:.9f} s of the ring's time: it has not waited again for {} ms; the "
       "ring goes on without it",
-      config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), options_.stall.count());
+      config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), patience_with(node).count());
 }
 
 bool Lockstep::give_turn() {

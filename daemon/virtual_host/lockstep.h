@@ -20,14 +20,8 @@ namespace limb_ring::virtual_host {
 /// on how long that really takes.
 class Lockstep final : public host::TurnKeeper {
  public:
-  struct Options {
-    std::chrono::milliseconds stall{5000};    ///< of real time: who takes longer over a turn is stuck
-    std::chrono::milliseconds boot_time{20};  ///< of the ring's time, from a CPU's start to its first turn
-  };
-
   /// All outlive this. No CPU before its boot_time is over.
-  Lockstep(sim::VirtualRing& ring, const config::RingConfig& config, const Options& options)
-      : ring_(ring), config_(config), options_(options) {}
+  Lockstep(sim::VirtualRing& ring, const config::RingConfig& config);
 
   // From the host ports.
   std::chrono::nanoseconds now() const override;
@@ -71,16 +65,18 @@ class Lockstep final : public host::TurnKeeper {
   };
   using Key = std::pair<std::uint8_t, host::ClientId>;
 
+  bool is_late(std::uint8_t node) const;
+  std::chrono::milliseconds patience_with(std::uint8_t node) const;
   Program* acting();
   void is_stuck(std::uint8_t node, Program& program);
   void forget_gone();
 
   sim::VirtualRing& ring_;
   const config::RingConfig& config_;
-  Options options_;
   std::map<Key, Program> programs_;
   std::map<std::uint8_t, Boot> boots_;  ///< of nodes whose CPU boots or ends
   std::map<std::uint8_t, pid_t> pids_;  ///< the last one known
+  Instant begun_ = std::chrono::steady_clock::now();
   bool news_ = false;
   bool disturbed_ = false;
   bool somebody_was_stuck_ = false;

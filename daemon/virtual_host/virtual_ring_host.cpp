@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "setup/core_settings.h"
+#include "virtual_host/turnaround.h"
 
 namespace limb_ring::virtual_host {
 
@@ -15,6 +16,8 @@ namespace {
 constexpr milliseconds kTurn{2};
 /// The clock is read once in so many instants.
 constexpr unsigned kInstantsPerLook = 64;
+/// So often those that are waited for are looked at, should nothing come.
+constexpr milliseconds kTick{100};
 /// Nobody waits for an instant: so far the ring goes on at once.
 constexpr std::chrono::milliseconds kLongestStep{10};
 
@@ -36,15 +39,14 @@ sim::VirtualRingOptions options_of(const config::RingConfig& ring) {
 
 }  // namespace
 
-VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring,
-                                 const Lockstep::Options& options)
+VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring)
     : io_(io),
       config_(ring),
       ring_(options_of(ring)),
       clock_(ring_),
       faults_(ring_, 0),  // every fault whose damage is random comes with a seed of its own
       drivers_(ring_.size(), nullptr),
-      lockstep_(ring_, ring, options),
+      lockstep_(ring_, ring),
       trace_(ring_),
       wake_(io, [] {}) {
   clock_.on_expired = [this] { lockstep_.has_news(); };
@@ -69,6 +71,11 @@ void VirtualRingHost::add(const config::NodeConfig& node) {
     return driver;
   };
   base.turns = &lockstep_;
+  if (node.cpu.turnaround.count() + node.cpu.jitter.count() != 0)
+    base.make_filter = [this, &node](host::HostHandler& calls) {
+      const std::uint64_t seed = std::uint64_t{config_.virtual_clock.seed} << 8 | node.id;
+      return std::make_unique<Turnaround>(calls, ring_, node.cpu, seed);
+    };
   base.on_cpu_changed = [this, id = node.id](const runtime::CpuStatus& cpu) { lockstep_.cpu_changed(id, cpu); };
   base.log_prefix = node.name + ": ";
   nodes_.push_back(std::make_unique<runtime::Node>(io_, config_, node, base));
@@ -116,7 +123,7 @@ bool VirtualRingHost::all_wait() {
   ring_.run_until(ring_.now());  // what was asked for in this instant
   if (lockstep_.take_news() || lockstep_.give_turn()) return false;
   if (lockstep_.held_at() > ring_.now()) return true;
-  if (!lockstep_.attach_those_due()) io_.run_one();
+  if (!lockstep_.attach_those_due()) sleep_until(steady_clock::now() + kTick);
   return false;
 }
 

@@ -20,7 +20,7 @@ class VirtualRingHost final : private sim::Observer {
  public:
   /// @param ring every line has a rate; all outlive this
   /// @throw std::exception where a node is held by another process, or a socket cannot be had
-  VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring, const Lockstep::Options& options);
+  VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring);
   ~VirtualRingHost() override;
 
   /// Starts the CPUs.

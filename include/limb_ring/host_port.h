@@ -142,6 +142,8 @@ class HostPort {
   std::chrono::nanoseconds now() const;
   /// The same instant for stamps: since 1970 (CLOCK_REALTIME); on a virtual ring as now().
   std::chrono::nanoseconds stamp() const;
+  /// On a virtual ring, as ConnectOptions::lockstep has it.
+  bool in_lockstep() const;
   /// Returns at that time of now(), or when the connection has ended. Messages stay for receive().
   void sleep_until(std::chrono::nanoseconds time);
   ///@}

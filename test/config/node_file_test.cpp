@@ -39,6 +39,9 @@ TEST(NodeFile, CpuIsNoneAttachedOrACommand) {
 
 TEST(NodeFile, CpuDeclaresAnAlivePeriodOrIsNotWatched) {
   EXPECT_EQ(node_of("    cpu: {command: [a]}\n").cpu.alive_period, milliseconds{0});
+  const CpuConfig slow = node_of("    cpu: {command: [a], turnaround: 40us, jitter: 5us}\n").cpu;
+  EXPECT_EQ(slow.turnaround, std::chrono::microseconds{40});
+  EXPECT_EQ(slow.jitter, std::chrono::microseconds{5});
   EXPECT_EQ(node_of("    cpu: {command: [a], alive_period: 200ms}\n").cpu.alive_period, milliseconds{200});
   const CpuConfig attached = node_of("    cpu: {attached: true, alive_period: 1s}\n").cpu;
   EXPECT_EQ(attached.kind, CpuConfig::Kind::attached);

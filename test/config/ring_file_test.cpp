@@ -20,6 +20,17 @@ TEST(RingFile, WithNothingButNodesHasTheDefaults) {
   EXPECT_EQ(ring.realtime.fifo, 0);
 }
 
+TEST(RingFile, SetsTheVirtualClock) {
+  EXPECT_EQ(read(two_nodes()).virtual_clock.boot_time, 20ms);
+  EXPECT_FALSE(read(two_nodes()).bridge.lockstep);
+  const RingConfig ring =
+      read(two_nodes("virtual: {boot_time: 5ms, stall: 1s, seed: 9}\nbridge: {lockstep: true}\n"));
+  EXPECT_EQ(ring.virtual_clock.boot_time, 5ms);
+  EXPECT_EQ(ring.virtual_clock.stall, 1s);
+  EXPECT_EQ(ring.virtual_clock.seed, 9u);
+  EXPECT_TRUE(ring.bridge.lockstep);
+}
+
 TEST(RingFile, SetsLimitsAndTimeouts) {
   const RingConfig ring =
       read(two_nodes("limits: {insertion_buffer: 2, interrupt_buffer: 3, send_queue: 4, receive_buffers: 5, "

@@ -74,7 +74,7 @@ int run_virtual(const config::RingConfig& given, const ringd::Options& options) 
   set_up_log(given.ring);
   const config::RingConfig ring = sim::with_assumed_lines(given, sim::kUsualRate, sim::kUsualRelayDelay);
   boost::asio::io_context io(1);
-  virtual_host::VirtualRingHost host(io, ring, {});
+  virtual_host::VirtualRingHost host(io, ring);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   end_on_signals(signals, io, host);
   host.start();

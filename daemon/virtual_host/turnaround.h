@@ -1,0 +1,48 @@
+#pragma once
+
+#include <random>
+#include <set>
+
+#include "config/ring_config.h"
+#include "host/host_handler.h"
+#include "sim/virtual_ring.h"
+
+namespace limb_ring::virtual_host {
+
+/// What a CPU in lockstep sends enters its node later than its turn began, as the computing of a real one takes time.
+/// All else passes at once.
+class Turnaround final : public host::HostHandler {
+ public:
+  /// All but `cpu` outlive this.
+  Turnaround(host::HostHandler& calls, sim::VirtualRing& ring, const config::CpuConfig& cpu, std::uint64_t seed)
+      : calls_(calls), ring_(ring), cpu_(cpu), random_(seed) {}
+
+  std::optional<std::string> on_attach(const host::ClientInfo& client) override;
+  void on_detach(const host::ClientInfo& client) override;
+  void on_send(host::ClientId client, const client::SendRequest& request) override;
+  void on_interrupt(host::ClientId client, const client::InterruptRequest& request) override;
+  void on_pull(host::ClientId client, const client::PullRequest& request) override;
+  void on_request(host::ClientId client, const client::JsonRequest& request) override {
+    calls_.on_request(client, request);
+  }
+  void on_observe(host::ClientId client, const client::ObserveRequest& request) override {
+    calls_.on_observe(client, request);
+  }
+  void on_alive(host::ClientId client) override { calls_.on_alive(client); }
+  void on_credit(host::ClientId client) override { calls_.on_credit(client); }
+
+ private:
+  core::Time entry();
+  template <class Call>
+  void later(host::ClientId client, Call call);
+
+  host::HostHandler& calls_;
+  sim::VirtualRing& ring_;
+  config::CpuConfig cpu_;
+  std::mt19937_64 random_;
+  std::set<host::ClientId> late_;  ///< CPUs in lockstep that are attached
+  core::Time turn_{core::Duration{-1}};
+  core::Time entry_{};
+};
+
+}  // namespace limb_ring::virtual_host
