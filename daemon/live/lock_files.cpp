@@ -6,7 +6,9 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
+#include "limb_ring/ring_directory.h"
 #include "process/unique_fd.h"
 
 namespace limb_ring::live {
@@ -21,6 +23,15 @@ std::vector<fs::path> files_in(const std::string& folder) {
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     files.push_back(it->path());
   return files;
+}
+
+/// Whose lock file that is; nothing where it is none.
+std::optional<std::uint8_t> node_of(const fs::path& file) {
+  const std::string digits = file.stem();
+  const bool number =
+      !digits.empty() && digits.size() <= 3 && digits.find_first_not_of("0123456789") == std::string::npos;
+  if (file.extension() != ".lock" || !number || std::stoi(digits) > 254) return std::nullopt;
+  return static_cast<std::uint8_t>(std::stoi(digits));
 }
 
 /// The kernel frees a lock when its holder ends, so a lock that cannot be had has a living holder. This asks for the
@@ -74,8 +85,16 @@ bool Holder::is_virtual() const {
 std::vector<HeldNode> held_nodes(const std::string& folder) {
   std::vector<HeldNode> held;
   for (const fs::path& file : files_in(folder))
-    if (file.extension() == ".lock" && is_held(file)) held.push_back({file.string(), pid_in(file)});
+    if (const auto node = node_of(file); node && is_held(file)) held.push_back({*node, file.string(), pid_in(file)});
   return held;
+}
+
+std::vector<std::string> held_rings() {
+  std::vector<std::string> rings;
+  for (const fs::path& folder : files_in(rings_directory()))
+    if (!held_nodes(folder).empty()) rings.push_back(folder.filename());
+  std::sort(rings.begin(), rings.end());
+  return rings;
 }
 
 void remove_leftovers(const std::string& folder) {

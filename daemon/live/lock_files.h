@@ -25,12 +25,16 @@ Holder holder_of(const std::string& folder, std::uint8_t node);
 
 /// A node held by a daemon that lives, as its lock file says.
 struct HeldNode {
+  std::uint8_t node = 0;
   std::string lock;  ///< path of the lock file
   pid_t pid = -1;    ///< of the daemon; -1 where the file does not tell
 };
 
 /// Nodes of a ring's folder that are held right now. No daemon: an empty list.
 std::vector<HeldNode> held_nodes(const std::string& folder);
+
+/// Rings of this user of which a node is held right now, by name, sorted; also where no daemon answers.
+std::vector<std::string> held_rings();
 
 /// Removes what daemons that are gone have left in a ring's folder, and the folder.
 /// @pre no node of it is held

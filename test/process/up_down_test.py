@@ -109,6 +109,21 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl('down', second).returncode, 0)
         self.assertEqual(self.ctl('down').returncode, 0)
 
+    def test_all_rings_are_listed_and_ended(self):
+        self.assertEqual(self.ctl_json('list'), [])
+        self.assertIn('no ring is running', self.ctl('list').stdout)
+        first, second = self.ring, self.ring + 'b'
+        self.up('--nodes', 2)
+        self.ring = second
+        self.up('--nodes', 3, '--clock', 'virtual')
+        os.kill(self.ctl_json('--ring', first, 'status')['nodes'][1]['pid'], signal.SIGSTOP)   # it is listed, too
+        self.assertEqual(self.ctl_json('list'), [{'ring': first, 'nodes': 2, 'clock': 'live'},
+                                                 {'ring': second, 'nodes': 3, 'clock': 'virtual'}])
+        self.assertEqual(self.ctl('down', '--all', second).returncode, 2)
+        self.assertEqual(self.ctl('down', '--all').returncode, 0)
+        self.assertEqual(self.ctl_json('list'), [])
+        self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
+
     def up_respawning(self, *arguments):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--respawn',
                                *(str(argument) for argument in arguments)])

@@ -26,6 +26,7 @@ namespace {
 void add_commands(CLI::App& app, Context& context) {
   add_up(app, context);
   add_down(app, context);
+  add_list(app, context);
   add_status(app, context);
   add_wait(app, context);
   add_send(app, context);

@@ -23,6 +23,7 @@ void add_json(CLI::App& command, bool& json);
 // One subcommand each, in a file of its name.
 void add_up(CLI::App& app, Context& context);
 void add_down(CLI::App& app, Context& context);
+void add_list(CLI::App& app, Context& context);
 void add_status(CLI::App& app, Context& context);
 void add_wait(CLI::App& app, Context& context);
 void add_send(CLI::App& app, Context& context);

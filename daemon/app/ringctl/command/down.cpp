@@ -71,8 +71,7 @@ bool end_ring(const std::string& ring, const std::string& folder) {
   return wait_until_gone(folder, progress);
 }
 
-int run(const std::string& name) {
-  const std::string ring = choose_ring(name);
+int run(const std::string& ring) {
   const std::string folder = ring_directory(ring);
   if (live::held_nodes(folder).empty()) {
     live::remove_leftovers(folder);
@@ -87,15 +86,28 @@ int run(const std::string& name) {
   return kDone;
 }
 
+/// @return kDone too where there is none
+int run_all() {
+  const std::vector<std::string> rings = live::held_rings();
+  for (const std::string& ring : rings) run(ring);
+  if (rings.empty()) std::cout << "no ring is running" << std::endl;
+  return kDone;
+}
+
 }  // namespace
 
 void add_down(CLI::App& app, Context& context) {
   auto ring = std::make_shared<std::string>();
   CLI::App* command =
       add_command(app, "down", "End a ring: ask its daemons to, then SIGTERM, then SIGKILL; tidy its folder");
-  command->add_option("RING", *ring, "Its name; default: the only one running");
-  command->callback(
-      [&context, ring] { context.action = [&context, ring] { return run(ring->empty() ? context.ring : *ring); }; });
+  auto all = std::make_shared<bool>(false);
+  CLI::Option* name = command->add_option("RING", *ring, "Its name; default: the only one running");
+  command->add_flag("--all", *all, "All rings of this user")->excludes(name);
+  command->callback([&context, ring, all] {
+    context.action = [&context, ring, all] {
+      return *all ? run_all() : run(choose_ring(ring->empty() ? context.ring : *ring));
+    };
+  });
 }
 
 }  // namespace limb_ring::ringctl

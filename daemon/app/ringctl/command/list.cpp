@@ -1,0 +1,44 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/common/text_table.h"
+#include "app/ringctl/command/commands.h"
+#include "app/ringctl/problems.h"
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+int run(bool json) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  std::vector<std::vector<std::string>> rows{{"ring", "nodes", "clock"}};
+  for (const std::string& ring : live::held_rings()) {
+    const std::string folder = ring_directory(ring);
+    const std::vector<live::HeldNode> nodes = live::held_nodes(folder);
+    if (nodes.empty()) continue;  // it ended meanwhile
+    const char* clock = live::holder_of(folder, nodes.front().node).is_virtual() ? "virtual" : "live";
+    rows.push_back({ring, std::to_string(nodes.size()), clock});
+    all.push_back({{"ring", ring}, {"nodes", nodes.size()}, {"clock", clock}});
+  }
+  if (json)
+    std::cout << all.dump(2) << std::endl;
+  else
+    std::cout << (all.empty() ? "no ring is running\n" : app::text_table(rows)) << std::flush;
+  return kDone;
+}
+
+}  // namespace
+
+void add_list(CLI::App& app, Context& context) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command =
+      add_command(app, "list", "All rings of this user: how many nodes are held by a daemon, and on which clock");
+  add_json(*command, *json);
+  command->callback([&context, json] { context.action = [json] { return run(*json); }; });
+}
+
+}  // namespace limb_ring::ringctl
