@@ -48,7 +48,7 @@ class Ring:
         @param config YAML file (see find_config), or a dict of the same; 2 to 255: so many plain nodes
         @param clock 'machine', or 'virtual': the whole ring in one process, as `ringctl up --clock`
         @param pace with 'virtual': how fast its time goes beside real time
-        @param timeout until the ring has to be closed"""
+        @param timeout until the ring has to be closed, and the CPUs that ringd starts have to run"""
         self._config, self._clock, self._pace, self._timeout = config, clock, pace, timeout
         self._programs = programs
         self._launcher, self._ports, self._ids = None, [], {}

@@ -16,3 +16,12 @@ def test_the_tests_of_the_readme_pass(tmp_path):
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=100)
     assert done.returncode == 0, done.stdout
     assert '%d passed' % len(re.findall(r'^def test_', ''.join(block for block, _ in blocks), re.M)) in done.stdout
+
+
+def test_its_example_of_a_host_port_does_what_its_comment_says():
+    with open(os.environ['LIMB_RING_README']) as readme:
+        block, = re.findall(r'^```python\n(with limb_ring.*?)^```', readme.read(), re.M | re.S)
+    said, = re.findall(r'# (<.*>)', block)
+    done = subprocess.run([sys.executable, '-c', 'import limb_ring\n' + block], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, universal_newlines=True, timeout=100)
+    assert done.stdout.strip() == said
