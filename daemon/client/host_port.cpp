@@ -23,8 +23,8 @@ constexpr std::chrono::milliseconds kPoll{1};
 constexpr std::chrono::seconds kClockAnswer{5};
 constexpr std::string_view kNow = "\"now_ns\":";
 
-std::chrono::nanoseconds at_most_longest(std::chrono::nanoseconds timeout) {
-  return std::min<std::chrono::nanoseconds>(timeout, kLongest);
+std::chrono::nanoseconds at_most_longest(std::chrono::milliseconds timeout) {
+  return std::min<std::chrono::milliseconds>(timeout, kLongest);
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ struct HostPort::Impl {
     return token;
   }
 
-  std::chrono::nanoseconds deadline_in(std::chrono::nanoseconds timeout) const {
+  std::chrono::nanoseconds deadline_in(std::chrono::milliseconds timeout) const {
     return connection.now() + at_most_longest(timeout);
   }
 
@@ -149,9 +149,9 @@ void HostPort::sleep_until(std::chrono::nanoseconds time) {
   while (connected() && impl_->now() < time) std::this_thread::sleep_for(kPoll);
 }
 
-std::optional<Message> HostPort::receive(std::chrono::nanoseconds timeout) {
+std::optional<Message> HostPort::receive_within(std::chrono::nanoseconds timeout) {
   impl_->connection.stay_alive();
-  return impl_->read_until([this] { return impl_->connection.take(); }, impl_->deadline_in(timeout));
+  return impl_->read_until([this] { return impl_->connection.take(); }, impl_->connection.now() + timeout);
 }
 
 std::string HostPort::ask(const std::string& json, std::chrono::milliseconds timeout) {

@@ -174,7 +174,12 @@ class HostPort {
   /// none came, or after Disconnected. Interrupts come first, then in order of arrival; a packet's turn goes to the one
   /// of highest priority that is here. A CPU is given at most 8 packets ahead of receive(): further ones wait in the
   /// network controller, which refuses more when its receive buffers are full.
-  std::optional<Message> receive(std::chrono::nanoseconds timeout);
+  template <typename Rep, typename Period>
+  std::optional<Message> receive(std::chrono::duration<Rep, Period> timeout) {
+    constexpr std::chrono::hours kLongest{24 * 365};  // more than that would not fit nanoseconds
+    if (timeout > kLongest) return receive_within(kLongest);
+    return receive_within(std::chrono::duration_cast<std::chrono::nanoseconds>(timeout));
+  }
   /// The Reply to a request, waiting up to `timeout`; other messages stay for receive().
   /// @throw HostPortTimeout; HostPortError on lost connection, or a reply holding "error".
   std::string ask(const std::string& json, std::chrono::milliseconds timeout);
@@ -190,6 +195,8 @@ class HostPort {
   int fd() const;
 
  private:
+  std::optional<Message> receive_within(std::chrono::nanoseconds timeout);
+
   struct Impl;
   explicit HostPort(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

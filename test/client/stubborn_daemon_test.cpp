@@ -112,6 +112,14 @@ TEST_F(StubbornDaemon, SayingAMessageByteByByteIsUnderstood) {
   EXPECT_EQ(next<Observed>(port).json, "in pieces");
 }
 
+TEST_F(StubbornDaemon, IsWaitedForAsLongAsMillisecondsGo) {
+  HostPort port = connect();
+  auto received = std::async(std::launch::async, [&] { return port.receive(milliseconds::max()); });
+  EXPECT_EQ(received.wait_for(milliseconds{20}), std::future_status::timeout) << "it did not wait";
+  daemon.say(Observed{"at last"});
+  EXPECT_TRUE(received.get());
+}
+
 TEST_F(StubbornDaemon, NotReadingEndsTheConnectionInsteadOfHangingTheClient) {
   HostPort port = connect();
   const std::vector<std::uint8_t> data(512);
