@@ -23,8 +23,7 @@ TEST(RingFile, WithNothingButNodesHasTheDefaults) {
 TEST(RingFile, SetsTheVirtualClock) {
   EXPECT_EQ(read(two_nodes()).virtual_clock.boot_time, 20ms);
   EXPECT_FALSE(read(two_nodes()).bridge.lockstep);
-  const RingConfig ring =
-      read(two_nodes("virtual: {boot_time: 5ms, stall: 1s, seed: 9}\nbridge: {lockstep: true}\n"));
+  const RingConfig ring = read(two_nodes("virtual: {boot_time: 5ms, stall: 1s, seed: 9}\nbridge: {lockstep: true}\n"));
   EXPECT_EQ(ring.virtual_clock.boot_time, 5ms);
   EXPECT_EQ(ring.virtual_clock.stall, 1s);
   EXPECT_EQ(ring.virtual_clock.seed, 9u);
