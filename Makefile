@@ -74,7 +74,7 @@ traces: build ## What the virtual ring does, as hashes
 # Random faults on a live ring of 16, by SEED (drawn and printed where not given), for MINUTES.
 MINUTES ?= 1
 SEED ?=
-TRANSPORT ?= unix
+TRANSPORT ?= shm
 REDUNDANCY ?= none
 LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --redundancy $(REDUNDANCY) \
             --programs $(BUILD)/devel/lib/limb_ring

@@ -21,6 +21,9 @@ class MemoryDownstream final : public UnixDownstream {
   bool greet(const LinkHeader& connect) override;
   std::ptrdiff_t put(wire::ByteView slices, std::string& reason) override;
   std::uint32_t wait_for_room() override;
+  /// As much as a UNIX line's socket holds of small packets: the queue is no larger than one lap of a closed ring, to
+  /// stay in the cache, and where a ring opens all nodes send at once what has waited. (ours)
+  std::size_t may_wait() const override { return 256 * 1024; }
 
   std::size_t capacity_;
   std::optional<QueueMemory> memory_;

@@ -23,7 +23,7 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
                  Owner& owner, OutputCounters& counters);
   bool start() override;
   void write(wire::ByteView slices) override;
-  bool drained() const override { return !failed_ && backlog_.empty(); }
+  bool drained() const override { return !failed_ && backlog_.size() <= may_wait(); }
   void tick() override { read(); }
   void ask_again() override {}
   void close() override;
@@ -33,6 +33,8 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
   virtual bool greet(const LinkHeader& connect);
   /// Sends what there is room for. @return how much; -1 and `reason` where the line has failed
   virtual std::ptrdiff_t put(wire::ByteView slices, std::string& reason);
+  /// So many bytes may wait here before the line takes no more: none, since a socket holds enough.
+  virtual std::size_t may_wait() const { return 0; }
   /// What there was no room for waits. @return the events that say there is room
   virtual std::uint32_t wait_for_room();
 

@@ -22,7 +22,7 @@ def at_least(least, kind):
 def parser(text):
     result = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     result.add_argument('--seed', type=at_least(0, int), default=secrets.randbelow(SEEDS), help='default: drawn')
-    result.add_argument('--transport', choices=('unix', 'shm', 'udp'), default='unix')
+    result.add_argument('--transport', choices=('unix', 'shm', 'udp'), default='shm')
     result.add_argument('--redundancy', choices=('none', 'foldback'), default='none', help='default: none')
     result.add_argument('--programs', default=os.environ.get('RING_TEST_PROGRAMS') or BUILT, metavar='FOLDER',
                         help='where ringd is; default: the build beside this script')

@@ -40,8 +40,9 @@ class LiveRing:
             child = node['id'] in self.child_nodes
             node['cpu'] = {'command': child_command(self.folder), 'alive_period': '200ms'} if child else 'attached'
             node['pins'] = {str(NOTIFY): 'notify'}
+            node['link'] = {'transport': self.transport}
             if first:
-                node['link'] = {'transport': 'udp', 'port': first + node['id']}
+                node['link']['port'] = first + node['id']
         ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes,
                 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
                 'supervisor': {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}}

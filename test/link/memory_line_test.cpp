@@ -209,6 +209,9 @@ TEST_F(MemoryOutputToHand, WakesTheReaderThatSleeps) {
 TEST_F(MemoryOutputToHand, KeepsWhatThereIsNoRoomForUntilThereIs) {
   QueueReader reader(*memory);
   write(20);
+  EXPECT_EQ(rig.node(0).output->counters().blocked, 1u);
+  EXPECT_TRUE(rig.node(0).output->ready()) << "a ring that opens sends at once what has waited in all nodes";
+  write(600);
   EXPECT_FALSE(rig.node(0).output->ready());
   std::vector<std::uint8_t> space(64 * 1024);
   std::size_t all = 0;
@@ -222,7 +225,7 @@ TEST_F(MemoryOutputToHand, KeepsWhatThereIsNoRoomForUntilThereIs) {
     return rig.node(0).said.ready == 1;
   }));
   all += static_cast<std::size_t>(reader.take(space.data(), space.size()));
-  EXPECT_EQ(all, 20u * (524 + 4));
+  EXPECT_EQ(all, 620u * (524 + 4));
 }
 
 TEST_F(MemoryOutputToHand, EndsTheLineOnAnIndexThatCannotBe) {
