@@ -1,5 +1,7 @@
 #include "sim_tools/virtual_line_faults.h"
 
+#include <algorithm>
+
 namespace limb_ring::sim {
 
 using core::Line;
@@ -71,6 +73,14 @@ void VirtualLineFaults::pass(NodeId id, Line line, const wire::Slice& slice, wir
   faults.pass(slice, ring_.now());
   faults.take(ring_.now(), arriving);
   poll_later(id, line);
+}
+
+void VirtualLineFaults::pass_damaged(NodeId id, Line line, const wire::Slice& slice, std::size_t at, std::uint8_t bits,
+                                     wire::SliceWriter& arriving) {
+  std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
+  std::copy(slice.bytes.begin(), slice.bytes.end(), bytes.begin());
+  bytes[at] ^= bits;
+  pass(id, line, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
 }
 
 // Slices held back on a line are lost with it, and do not go onto the line that takes its place.

@@ -36,6 +36,9 @@ class VirtualLineFaults : public Observer {
 
   /// For a tap of the caller's own: what comes out of the line now.
   void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
+  /// The same, with these bits of one byte flipped. @pre at < slice.bytes.size
+  void pass_damaged(wire::NodeId id, core::Line line, const wire::Slice& slice, std::size_t at, std::uint8_t bits,
+                    wire::SliceWriter& arriving);
   void incident(wire::NodeId id, Incident incident, core::Time now, core::Line line) override;
 
  private:

@@ -80,15 +80,23 @@ std::optional<Message> receive(HostPort& port, double timeout) {
   return message;
 }
 
-Result wait(HostPort& port, std::uint32_t token, double timeout) {
-  std::optional<Result> result;
+/// What ask(milliseconds) returns; nothing where it has timed out in every slice.
+template <typename Answer, typename Ask>
+std::optional<Answer> answer_in_slices(double timeout, Ask ask) {
+  std::optional<Answer> answer;
   in_slices(wanted(timeout), [&](nanoseconds slice) {
     try {
-      result = port.wait(token, whole(slice));
+      answer = ask(whole(slice));
     } catch (const HostPortTimeout&) {
     }
-    return result.has_value();
+    return answer.has_value();
   });
+  return answer;
+}
+
+Result wait(HostPort& port, std::uint32_t token, double timeout) {
+  const auto result =
+      answer_in_slices<Result>(timeout, [&](std::chrono::milliseconds slice) { return port.wait(token, slice); });
   if (result) return *result;
   throw HostPortTimeout("token " + std::to_string(token) + ": no result within " + std::to_string(timeout) + " s");
 }
@@ -106,14 +114,8 @@ void sleep_until(HostPort& port, std::int64_t until_ns) {
 }
 
 std::string reply_to(HostPort& port, std::uint32_t token, double timeout) {
-  std::optional<std::string> reply;
-  in_slices(wanted(timeout), [&](nanoseconds slice) {
-    try {
-      reply = port.reply(token, whole(slice));
-    } catch (const HostPortTimeout&) {
-    }
-    return reply.has_value();
-  });
+  const auto reply =
+      answer_in_slices<std::string>(timeout, [&](std::chrono::milliseconds slice) { return port.reply(token, slice); });
   if (reply) return *reply;
   throw HostPortTimeout("node " + port.name() + " of ring " + port.ring() + " did not answer within " +
                         std::to_string(timeout) + " s");

@@ -37,11 +37,17 @@ class Relay {
   void input_gap(Time now) { break_off(counters_.broken_off_packets, now); }
 
   /// The output now leads to `successor`: nodes between it and this one are bypassed.
-  void set_successor(NodeId successor) { bypassed_ = between(settings_.id, successor); }
+  void set_successor(NodeId successor) {
+    if (successor_ == successor) return;  // asked with every slice where the ring folds back
+    successor_ = successor;
+    bypassed_ = between(settings_.id, successor);
+  }
   /// What comes in was turned back at `node`. Nodes between it and this one are beyond the break: what still comes of
   /// them has passed here before the line broke. Nothing: the input is the first line. (ours,
   /// protocol.md section 4.9)
   void set_turned_back_at(std::optional<NodeId> node) {
+    if (turned_back_at_ == node) return;
+    turned_back_at_ = node;
     cut_off_ = node ? between(*node, settings_.id) : std::bitset<256>{};
   }
 
@@ -81,8 +87,9 @@ class Relay {
   const Duration stall_;  ///< the longest pause between two slices of a DATP
   Incoming incoming_;
   Fate fate_ = Fate::discard;  ///< of what is coming in
-  std::bitset<256> bypassed_;
-  std::bitset<256> cut_off_;
+  std::optional<NodeId> successor_, turned_back_at_;
+  std::bitset<256> bypassed_;  ///< by the output, up to successor_
+  std::bitset<256> cut_off_;   ///< by the fold, from turned_back_at_
 };
 
 }  // namespace limb_ring::core

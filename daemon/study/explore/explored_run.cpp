@@ -1,8 +1,5 @@
 #include "study/explore/explored_run.h"
 
-#include <algorithm>
-#include <array>
-
 #include "study/soak/mended_ring.h"
 
 namespace limb_ring::study {
@@ -108,10 +105,7 @@ void ExploredRun::strike(const Strike& what, NodeId id, Line line, const wire::S
 
 void ExploredRun::damage(std::size_t at, NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
   if (slice.bytes.empty()) return lines_->pass(id, line, slice, arriving);
-  std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
-  std::copy(slice.bytes.begin(), slice.bytes.end(), bytes.begin());
-  bytes[at] ^= 0x10;
-  lines_->pass(id, line, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
+  lines_->pass_damaged(id, line, slice, at, 0x10, arriving);
 }
 
 // No copy may outlive the time-out of a try, so a line holds back for a part of it only. (protocol.md section 6.1)

@@ -110,10 +110,9 @@ void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::Sl
   if (quiet_ && is_traffic(slice)) ++slices_when_quiet_;
   if (!quiet_ && once_in(drop_)) return;
   if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, line, slice, arriving);
-  std::array<std::uint8_t, wire::kMaxSliceSize> bytes;
-  std::copy(slice.bytes.begin(), slice.bytes.end(), bytes.begin());
-  bytes[random(static_cast<unsigned>(slice.bytes.size))] ^= static_cast<std::uint8_t>(1 + random(255));
-  lines_->pass(id, line, {slice.kind, {bytes.data(), slice.bytes.size}}, arriving);
+  const auto bits = static_cast<std::uint8_t>(1 + random(255));
+  const std::size_t at = random(static_cast<unsigned>(slice.bytes.size));
+  lines_->pass_damaged(id, line, slice, at, bits, arriving);
 }
 
 // ---- what happens ---------------------------------------------------------------------------
