@@ -100,7 +100,10 @@ void Connection::sleep_until(std::chrono::nanoseconds time) {
 
 // For as long as it takes: other programs may be debugged.
 void Connection::await_turn() {
-  for (read(); connected_ && !my_turn_; read()) socket_.wait(POLLIN, Clock::time_point::max());
+  while (connected_ && !my_turn_) {
+    socket_.wait(POLLIN, Clock::time_point::max());
+    read();
+  }
 }
 
 std::chrono::nanoseconds Connection::now() const {

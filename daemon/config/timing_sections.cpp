@@ -78,8 +78,8 @@ const Section<Realtime>& realtime_section() {
   static const Section<Realtime> section{
       {"cores", "[]", "auto, or a list of CPU cores, each 0 to 1023",
        "The daemons run on these cores only; all on one is the fastest for one packet. auto: each on one core, "
-       "neighbours "
-       "together: the fastest under load. Empty: anywhere.",
+       "neighbours together: the fastest under load. Empty: anywhere; with --clock virtual the ring and its CPUs "
+       "share the core they start on.",
        read_cores},
       integer_option("fifo", &Realtime::fifo, {0, 99}, "SCHED_FIFO priority of the daemons; 0 is off."),
       flag_option("lock_memory", &Realtime::lock_memory, "Keep the daemons' memory from being paged out (mlockall)."),

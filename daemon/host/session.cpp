@@ -16,8 +16,6 @@ namespace {
 /// that floods us does not hold up the ring.
 constexpr std::size_t kReadSize = 8 * 1024;
 
-constexpr std::uint32_t kForInput = EPOLLIN | EPOLLRDHUP;
-
 std::string reason_of(SessionOwner::End how) {
   switch (how) {
     case SessionOwner::End::closed:
@@ -34,6 +32,12 @@ std::string reason_of(SessionOwner::End how) {
 
 bool not_now(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
+/// A poll() with a time-out has the kernel set a timer, which on a virtual machine costs more than all else.
+void limit_wait(int socket, std::chrono::microseconds patience) {
+  const timeval limit{0, static_cast<suseconds_t>(patience.count())};
+  ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+}
+
 }  // namespace
 
 Session::Session(boost::asio::io_context& io, process::UniqueFd socket, ClientInfo info, SessionOwner& owner)
@@ -43,7 +47,7 @@ Session::Session(boost::asio::io_context& io, process::UniqueFd socket, ClientIn
       gather_timer_(io),
       info_(info),
       owner_(&owner),
-      watch_(io, socket_.get(), kForInput, [this](std::uint32_t events) { on_ready(events); }) {}
+      watch_(io, socket_.get(), EPOLLIN | EPOLLRDHUP, [this](std::uint32_t events) { on_ready(events); }) {}
 
 void Session::start() { wait_for_greeting(); }
 
@@ -62,7 +66,10 @@ void Session::greeted() {
 void Session::attach(const ClientInfo& info, TurnKeeper* turns) {
   attached_ = true;
   info_ = info;
-  if (info.lockstep) turns_ = turns;
+  if (!info.lockstep) return;
+  turns_ = turns;
+  limit_wait(socket_.get(), kPatience);
+  watch_.set_events(input_events());
   greeting_timer_.cancel();
 }
 
@@ -77,26 +84,40 @@ void Session::begin_turn(std::chrono::nanoseconds now) {
 
 void Session::end_turn(std::chrono::nanoseconds until) {
   has_turn_ = false;
+  if (!std::exchange(waited_for_, true)) watch_.set_events(input_events());
   // What has been gathered goes out with its next turn.
   waits_until_ = queued() > 0 ? std::min(until, turns_->now() + kGatherResults) : until;
 }
 
-void Session::listen(std::chrono::milliseconds patience) {
+bool Session::listen() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
-  pollfd entry{socket_.get(), POLLIN, 0};
-  if (open() && ::poll(&entry, 1, static_cast<int>(patience.count())) > 0) read();
+  const ssize_t got = ::recv(socket_.get(), in_.space(kReadSize), kReadSize, 0);
+  if (got < 0 && not_now(errno)) return false;
+  take(got);
+  return true;
+}
+
+void Session::wait_no_more() {
+  waited_for_ = false;
+  watch_.set_events(input_events());
+}
+
+std::uint32_t Session::input_events() const {
+  const bool by_listen = turns_ != nullptr && waited_for_;
+  return by_listen ? EPOLLRDHUP : EPOLLIN | EPOLLRDHUP;
 }
 
 void Session::on_ready(std::uint32_t events) {
   const auto self = shared_from_this();  // the owner may let go of us in its call
   if ((events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0) ending_ = true;
   if ((events & EPOLLOUT) != 0) flush();
-  if (open()) read();
+  if (open() && !(has_turn_ && waited_for_)) read();
 }
 
+void Session::read() { take(::recv(socket_.get(), in_.space(kReadSize), kReadSize, MSG_DONTWAIT)); }
+
 // The end is told once; what came before it may take more than one read.
-void Session::read() {
-  const ssize_t got = ::recv(socket_.get(), in_.space(kReadSize), kReadSize, MSG_DONTWAIT);
+void Session::take(ssize_t got) {
   const bool ended = got == 0 || (got < 0 && !not_now(errno) && errno != EINTR);
   if (got > 0) in_.added(static_cast<std::size_t>(got));
   take_frames();
@@ -187,7 +208,7 @@ void Session::flush_within(std::chrono::milliseconds time) {
 void Session::flush() {
   flush_under_way_ = false;
   if (!open()) return;
-  watch_.set_events(kForInput);
+  watch_.set_events(input_events());
   const int error = write_now();
   if (error != 0 && !not_now(error)) return fail(SessionOwner::End::closed);
   if (queued() > 0) return wait_writable();
@@ -208,7 +229,7 @@ int Session::write_now() {
 void Session::wait_writable() {
   drop_written();
   flush_under_way_ = true;
-  watch_.set_events(kForInput | EPOLLOUT);
+  watch_.set_events(input_events() | EPOLLOUT);
 }
 
 /// Moving the rest to the front costs: done only where at least as much has gone.

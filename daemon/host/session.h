@@ -46,6 +46,8 @@ class Session : public std::enable_shared_from_this<Session> {
   static constexpr std::chrono::milliseconds kGatherResults{20};
   static constexpr std::size_t kCapturedLot = 32 * 1024;
   static constexpr std::chrono::seconds kGreetingDeadline{2};
+  /// So long one client in lockstep is listened to before the others, which do not act, are looked at.
+  static constexpr std::chrono::milliseconds kPatience{2};
 
   /// @throw std::system_error where it cannot be waited for
   Session(boost::asio::io_context& io, process::UniqueFd socket, ClientInfo info, SessionOwner& owner);
@@ -78,8 +80,10 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Something is there that it wants to know at once.
   bool has_news() const { return has_news_; }
   std::chrono::nanoseconds waits_until() const { return waits_until_; }
-  /// Waits in real time, for so long at most, until it says something, and takes that.
-  void listen(std::chrono::milliseconds patience);
+  /// Waits in real time until it says something, and takes that. @return false where nothing came within kPatience
+  bool listen();
+  /// It has taken too long: what it says is taken whenever it comes, and no more from listen() alone.
+  void wait_no_more();
   ///@}
 
   bool open() const { return owner_ != nullptr; }
@@ -93,7 +97,9 @@ class Session : public std::enable_shared_from_this<Session> {
   void wait_for_greeting();
   void on_ready(std::uint32_t events);
   void read();
+  void take(ssize_t got);
   void take_frames();
+  std::uint32_t input_events() const;
   /// @return false where there is no session any more
   template <typename Kind>
   bool append(const Kind& message) {
@@ -129,6 +135,8 @@ class Session : public std::enable_shared_from_this<Session> {
   TurnKeeper* turns_ = nullptr;  ///< of a client in lockstep
   bool greeted_ = false;         ///< and is not attached yet
   bool has_turn_ = false;
+  /// In lockstep: it is read by listen() alone, so that those who act at once are heard in their order.
+  bool waited_for_ = true;
   bool has_news_ = false;
   std::chrono::nanoseconds waits_until_ = std::chrono::nanoseconds::max();
   bool ending_ = false;  ///< the other end has gone; what it sent before is still to be read

@@ -55,4 +55,12 @@ void apply_realtime(const config::RingConfig& ring, std::size_t place) {
   if (realtime.lock_memory) lock_memory();
 }
 
+void keep_on_one_core(const config::RingConfig& ring) {
+  const int here = sched_getcpu();
+  if (!ring.realtime.cores.empty())
+    pin_to(ring.realtime.cores);
+  else if (here >= 0)
+    pin_to({static_cast<unsigned>(here)});
+}
+
 }  // namespace limb_ring::runtime

@@ -13,4 +13,9 @@ unsigned core_of(std::size_t place, std::size_t nodes, const std::vector<unsigne
 /// @param place of this node in ring order
 void apply_realtime(const config::RingConfig& ring, std::size_t place);
 
+/// Pins this process, which holds a whole virtual ring, and the CPUs that it starts to the core it is on: they act one
+/// after the other, and to wake another core costs more than what most of them do. `realtime.cores`, a list, is obeyed
+/// instead.
+void keep_on_one_core(const config::RingConfig& ring);
+
 }  // namespace limb_ring::runtime

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "process/process_state.h"
 
@@ -14,8 +15,8 @@ using std::chrono::steady_clock;
 
 namespace {
 
-/// So long one program is listened to before the others, which do not act, are looked at.
-constexpr milliseconds kPatience{2};
+/// So long they are heard before what else there is has its turn.
+constexpr milliseconds kHearing{2};
 /// Of real time, from the ring's start: ROS nodes take some seconds.
 constexpr std::chrono::seconds kAttachedWithin{30};
 
@@ -97,10 +98,11 @@ void Lockstep::forget_gone() {
     it = it->second.session->open() ? std::next(it) : programs_.erase(it);
 }
 
-Lockstep::Program* Lockstep::acting() {
+Lockstep::Entry* Lockstep::acting() {
   forget_gone();
-  for (auto& [key, program] : programs_) {
-    if (program.session->has_turn() && !program.stuck) return &program;
+  for (Entry& entry : programs_) {
+    auto& [key, program] = entry;
+    if (program.session->has_turn() && !program.stuck) return &entry;
     if (!program.session->has_turn() && std::exchange(program.stuck, false))
       spdlog::info("{}: its CPU goes on, at {:.9f} s", config_.find(key.first)->name, seconds(ring_.now()));
   }
@@ -108,15 +110,19 @@ Lockstep::Program* Lockstep::acting() {
 }
 
 void Lockstep::listen() {
-  Program* program = acting();
-  if (program == nullptr) return;
-  program->session->listen(kPatience);
-  if (!program->session->open() || !program->session->has_turn()) return;
-  const auto found = std::find_if(programs_.begin(), programs_.end(),
-                                  [program](const auto& entry) { return &entry.second == program; });
-  const std::uint8_t node = found->first.first;
-  const bool stopped = process::is_stopped(program->session->info().pid);
-  if (stopped || steady_clock::now() - program->turn_since >= patience_with(node)) is_stuck(node, *program);
+  const Instant end = steady_clock::now() + kHearing;
+  while (Entry* entry = acting())
+    if (!hear(*entry) || steady_clock::now() >= end) return;
+}
+
+/// @return false where it says nothing yet
+bool Lockstep::hear(Entry& entry) {
+  auto& [key, program] = entry;
+  const bool heard = program.session->listen();
+  if (!program.session->open() || !program.session->has_turn()) return true;
+  const bool stopped = !heard && process::is_stopped(program.session->info().pid);
+  if (stopped || steady_clock::now() - program.turn_since >= patience_with(key.first)) is_stuck(key.first, program);
+  return heard;
 }
 
 /// A bridge waits for its controller, with limits of its own.
@@ -128,6 +134,7 @@ milliseconds Lockstep::patience_with(std::uint8_t node) const {
 
 void Lockstep::is_stuck(std::uint8_t node, Program& program) {
   program.stuck = true;
+  program.session->wait_no_more();
   const pid_t pid = program.session->info().pid;
   if (process::is_stopped(pid))
     return spdlog::warn("{}: its CPU, pid {}, is stopped, at {:.9f} s of the ring's time; the ring goes on without it",
@@ -139,16 +146,17 @@ void Lockstep::is_stuck(std::uint8_t node, Program& program) {
       config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), patience_with(node).count());
 }
 
-bool Lockstep::give_turn() {
+bool Lockstep::give_turns() {
+  std::optional<std::uint8_t> given;
   for (auto& [key, program] : programs_) {
     host::Session& session = *program.session;
-    if (!session.open() || session.has_turn()) continue;
+    if (given == key.first || !session.open() || session.has_turn()) continue;
     if (!session.has_news() && session.waits_until() > now()) continue;
     program.turn_since = steady_clock::now();
     session.begin_turn(now());
-    return true;
+    given = key.first;
   }
-  return false;
+  return given.has_value();
 }
 
 core::Time Lockstep::next_wake() const {

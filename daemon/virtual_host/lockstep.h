@@ -15,9 +15,9 @@
 
 namespace limb_ring::virtual_host {
 
-/// Who goes by the ring's clock, and whose turn it is. One program acts at a time, in the order of the nodes; time goes
-/// on when all wait. A CPU that boots, or whose process is ending, holds the clock at an instant that does not depend
-/// on how long that really takes.
+/// Who goes by the ring's clock, and whose turn it is. What programs do in an instant counts in the order of the nodes;
+/// time goes on when all wait. A CPU that boots, or whose process is ending, holds the clock at an instant that does
+/// not depend on how long that really takes.
 class Lockstep final : public host::TurnKeeper {
  public:
   /// All outlive this. No CPU before its boot_time is over.
@@ -37,10 +37,11 @@ class Lockstep final : public host::TurnKeeper {
   bool has_news_now() const { return news_; }
   /// A program acts: time stands.
   bool somebody_acts() { return acting() != nullptr; }
-  /// Takes what it says, waiting for it a little. One that takes too long is stuck from then on.
+  /// Takes what they say, one after the other, waiting for it a little. One that takes too long is stuck from then on.
   void listen();
-  /// Gives the next program its turn that has something, or has waited until now. @return false where there is none
-  bool give_turn();
+  /// Gives those programs a turn that have something, or have waited until now: one of each node, since what another
+  /// node's does meanwhile is seen later in any case. @return false where there is none
+  bool give_turns();
   /// Time goes on to there at most; kNever: as far as the ring likes.
   core::Time next_wake() const;
   /// A CPU boots or ends, and time stands at that instant until it has.
@@ -67,7 +68,9 @@ class Lockstep final : public host::TurnKeeper {
 
   bool is_late(std::uint8_t node) const;
   std::chrono::milliseconds patience_with(std::uint8_t node) const;
-  Program* acting();
+  using Entry = std::pair<const Key, Program>;
+  Entry* acting();
+  bool hear(Entry& entry);
   void is_stuck(std::uint8_t node, Program& program);
   void forget_gone();
 

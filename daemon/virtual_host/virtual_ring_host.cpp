@@ -121,7 +121,11 @@ bool VirtualRingHost::all_wait() {
   }
   lockstep_.take_news();
   ring_.run_until(ring_.now());  // what was asked for in this instant
-  if (lockstep_.take_news() || lockstep_.give_turn()) return false;
+  if (lockstep_.take_news()) return false;
+  if (lockstep_.give_turns()) {
+    lockstep_.listen();
+    return false;
+  }
   if (lockstep_.held_at() > ring_.now()) return true;
   if (!lockstep_.attach_those_due()) sleep_until(steady_clock::now() + kTick);
   return false;

@@ -41,6 +41,30 @@ class Lockstep(RingTest):
             self.assertEqual(self.trace_of(self.run_for(2, prefix=('nice',))), first, 'beside busy processes')
         self.assertNotEqual(self.trace_of(self.run_for(2.2)), first)
 
+    def test_sixteen_processes_that_all_talk_leave_one_trace_in_ten_runs(self):
+        nodes = [dict(node, cpu={'command': [os.path.join(CPUS, 'talking_cpu')]}) for node in plain_nodes(16)]
+        all_cores = sorted(os.sched_getaffinity(0))
+        one_core = self.write_ring(nodes, realtime={'cores': all_cores[:1]})
+        traces = [self.trace_of(self.run_for(0.2, one_core)) for _ in range(3)]
+        free = self.write_ring(nodes, realtime={'cores': all_cores})
+        traces += [self.trace_of(self.run_for(0.2, free)) for _ in range(3)]
+        self.busy()
+        traces += [self.trace_of(self.run_for(0.2, free, prefix=('nice',))) for _ in range(4)]
+        self.assertEqual(len(set(traces)), 1, traces)
+
+    def test_the_ring_and_its_cpus_share_a_core_unless_the_configuration_names_others(self):
+        all_cores = os.sched_getaffinity(0)
+        for realtime, expected in ({}, 1), ({'cores': sorted(all_cores)}, len(all_cores)):
+            config = self.write_ring([dict(node, cpu={'command': ['limb_firmware']}) for node in plain_nodes(2)],
+                                     realtime=realtime)
+            run = self.start('ring', [ring_process.program('ringd'), '--config', config, '--clock', 'virtual'])
+            self.wait_closed(range(2))
+            cpus = [node['cpu']['pid'] for node in self.ctl_json('--ring', self.ring, 'status')['nodes']]
+            for pid in [run.pid, *cpus]:
+                self.assertEqual(len(os.sched_getaffinity(pid)), expected)
+            run.send_signal(signal.SIGTERM)
+            self.assertEqual(self.wait_exit(run), 0)
+
     def test_a_program_that_sends_what_the_wall_clock_says_has_another_trace_each_time(self):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = {'command': [os.path.join(CPUS, 'wall_clock_cpu')]}

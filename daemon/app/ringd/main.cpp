@@ -73,6 +73,7 @@ void report(const virtual_host::VirtualRingHost& host, const virtual_host::Pace&
 int run_virtual(const config::RingConfig& given, const ringd::Options& options) {
   set_up_log(given.ring);
   const config::RingConfig ring = sim::with_assumed_lines(given, sim::kUsualRate, sim::kUsualRelayDelay);
+  runtime::keep_on_one_core(ring);
   boost::asio::io_context io(1);
   virtual_host::VirtualRingHost host(io, ring);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
