@@ -34,10 +34,15 @@ HostServer::HostServer(boost::asio::io_context& io, HostOptions options, HostHan
 HostServer::~HostServer() { close(); }
 
 void HostServer::accept() {
-  listener_.acceptor().async_accept([this](boost::system::error_code error, Listener::Socket socket) {
-    if (error == boost::asio::error::operation_aborted) return;
+  listener_.acceptor().async_accept([this, alive = alive_](boost::system::error_code error, Listener::Socket socket) {
+    if (error == boost::asio::error::operation_aborted || !*alive) return;
     if (error) return accept_again_later();
-    admit(process::UniqueFd(socket.release(error)));
+    process::UniqueFd client(socket.release(error));
+    if (frozen_) {
+      came_while_frozen_ = std::move(client);
+      return;
+    }
+    admit(std::move(client));
     accept();
   });
 }
@@ -45,8 +50,8 @@ void HostServer::accept() {
 /// Too many open files, most likely: trying at once would only burn the processor.
 void HostServer::accept_again_later() {
   accept_timer_.expires_after(kAcceptPause);
-  accept_timer_.async_wait([this](boost::system::error_code error) {
-    if (!error) accept();
+  accept_timer_.async_wait([this, alive = alive_](boost::system::error_code error) {
+    if (!error && *alive) accept();
   });
 }
 
@@ -180,9 +185,23 @@ void HostServer::disconnect(ClientId client, const std::string& reason) {
   retire(*session);
 }
 
+void HostServer::freeze() {
+  frozen_ = true;
+  for (const auto& [id, session] : sessions_) session->freeze();
+}
+
+void HostServer::thaw() {
+  frozen_ = false;
+  for (const auto& [id, session] : std::map(sessions_)) session->thaw();  // one may end
+  if (!came_while_frozen_.valid()) return;
+  admit(std::move(came_while_frozen_));
+  accept();
+}
+
 void HostServer::close(const std::string& reason) {
   *alive_ = false;
   accept_timer_.cancel();
+  came_while_frozen_.reset();
   listener_.close();
   for (const auto& [id, session] : sessions_) session->end(reason);
   sessions_.clear();

@@ -73,6 +73,12 @@ class HostServer final : private SessionOwner {
 
   /// Ends a client's connection; on_detach() follows from the event loop.
   void disconnect(ClientId client, const std::string& reason);
+  /// @name As if the process stood still: nobody is heard or answered, and nobody learns of it
+  ///@{
+  void freeze();
+  /// What came meanwhile is taken.
+  void thaw();
+  ///@}
   /// Ends all, the handler is called no more.
   void close(const std::string& reason = "ringd has ended");
 
@@ -118,6 +124,8 @@ class HostServer final : private SessionOwner {
   SessionPtr cpu_;
   ClientId last_id_ = 0;
   HostCounters counters_;
+  bool frozen_ = false;
+  process::UniqueFd came_while_frozen_;  ///< the next ones wait in the kernel
   /// False once closed: what was posted before must not call the handler then.
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

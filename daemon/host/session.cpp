@@ -54,7 +54,9 @@ void Session::start() { wait_for_greeting(); }
 void Session::wait_for_greeting() {
   greeting_timer_.expires_after(kGreetingDeadline);
   greeting_timer_.async_wait([self = shared_from_this()](boost::system::error_code error) {
-    if (!error && !self->attached_) self->fail(SessionOwner::End::never_greeted);
+    if (error || self->attached_) return;
+    if (self->frozen_) return self->wait_for_greeting();  // it may have greeted
+    self->fail(SessionOwner::End::never_greeted);
   });
 }
 
@@ -110,11 +112,18 @@ std::uint32_t Session::input_events() const {
 void Session::on_ready(std::uint32_t events) {
   const auto self = shared_from_this();  // the owner may let go of us in its call
   if ((events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0) ending_ = true;
+  if (frozen_) return;
   if ((events & EPOLLOUT) != 0) flush();
   if (open() && !(has_turn_ && waited_for_)) read();
 }
 
 void Session::read() { take(::recv(socket_.get(), in_.space(kReadSize), kReadSize, MSG_DONTWAIT)); }
+
+void Session::thaw() {
+  frozen_ = false;
+  if (open() && std::exchange(flush_under_way_, false)) flush();
+  if (open()) watch_.call_again();
+}
 
 // The end is told once; what came before it may take more than one read.
 void Session::take(ssize_t got) {
@@ -206,6 +215,7 @@ void Session::flush_within(std::chrono::milliseconds time) {
 }
 
 void Session::flush() {
+  if (frozen_) return;  // thaw() does it
   flush_under_way_ = false;
   if (!open()) return;
   watch_.set_events(input_events());

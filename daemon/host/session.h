@@ -86,6 +86,10 @@ class Session : public std::enable_shared_from_this<Session> {
   void wait_no_more();
   ///@}
 
+  /// Neither reads nor writes, until thaw(): then all at once.
+  void freeze() { frozen_ = true; }
+  void thaw();
+
   bool open() const { return owner_ != nullptr; }
   bool attached() const { return attached_; }
   /// True where the other end has gone, though we may not have read so far.
@@ -139,6 +143,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool waited_for_ = true;
   bool has_news_ = false;
   std::chrono::nanoseconds waits_until_ = std::chrono::nanoseconds::max();
+  bool frozen_ = false;
   bool ending_ = false;  ///< the other end has gone; what it sent before is still to be read
   event_loop::Watch watch_;
 };

@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds kPatience{10'000};
 }  // namespace
 
 void CpuFaults::wait(std::function<bool()> condition, const std::string& otherwise, const Done& done) {
-  wait_until(io_, std::move(condition), kPatience, [otherwise, done](bool met) { done(met ? "" : otherwise); });
+  wait_until(io_, alive_, std::move(condition), kPatience, [otherwise, done](bool met) { done(met ? "" : otherwise); });
 }
 
 void CpuFaults::hang(const Done& done) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "runtime/babbling_cpu.h"
@@ -45,6 +46,7 @@ class CpuFaults {
   NodeDriver& engine_;
   CpuSocket& cpu_;
   BabblingCpu babbling_;
+  std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by waits
 };
 
 }  // namespace limb_ring::runtime

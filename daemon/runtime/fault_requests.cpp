@@ -57,6 +57,12 @@ void power_cycle(const FaultTargets& to) {
 
 }  // namespace
 
+fault::RingNodes fault_nodes(const config::RingConfig& ring) {
+  fault::RingNodes nodes;
+  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
+  return nodes;
+}
+
 void begin_fault(const FaultTargets& to, const json& request, const Answer& answer) {
   const Fault fault = fault_in(request, to.faults.nodes());
   require_own(fault, to);

@@ -11,6 +11,9 @@ namespace limb_ring::runtime {
 
 using Answer = std::function<void(const nlohmann::json&)>;
 
+/// As faults name them.
+fault::RingNodes fault_nodes(const config::RingConfig& ring);
+
 /// What requests about faults are for.
 struct FaultTargets {
   const config::RingConfig& ring;

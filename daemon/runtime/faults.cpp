@@ -165,7 +165,7 @@ LineBreaker& Faults::breaker_of(const Fault& fault) {
 
 void Faults::wait_for(const LineBreaker& line, const Done& done) {
   wait_until(
-      io_, [&line] { return line.mended(); }, kLinePatience, [done](bool) { done(""); });
+      io_, alive_, [&line] { return line.mended(); }, kLinePatience, [done](bool) { done(""); });
 }
 
 /// Those that have ended by themselves, and a hang that somebody else has ended.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "fault/parse.h"
@@ -68,6 +69,7 @@ class Faults {
   CpuFaults cpu_;
   Id last_id_ = 0;
   std::map<Id, Active> active_;
+  std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by waits
 };
 
 }  // namespace limb_ring::runtime

@@ -15,15 +15,15 @@ FolderWatch::FolderWatch(boost::asio::io_context& io, Folder folder) : timer_(io
 
 void FolderWatch::start() {
   timer_.expires_after(kPeriod);
-  timer_.async_wait([this](const boost::system::error_code& error) {
-    if (error || stopped_) return;
+  timer_.async_wait([this, stopped = stopped_](const boost::system::error_code& error) {
+    if (error || *stopped) return;
     check();
     start();
   });
 }
 
 void FolderWatch::stop() {
-  stopped_ = true;
+  *stopped_ = true;
   timer_.cancel();
 }
 

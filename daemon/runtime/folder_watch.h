@@ -3,6 +3,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
+#include <memory>
 
 namespace limb_ring::runtime {
 
@@ -20,6 +21,7 @@ class FolderWatch {
   };
 
   FolderWatch(boost::asio::io_context& io, Folder folder);
+  ~FolderWatch() { stop(); }
   void start();
   void stop();
 
@@ -28,8 +30,8 @@ class FolderWatch {
 
   boost::asio::steady_timer timer_;
   Folder folder_;
-  bool stopped_ = false;
-  bool told_ = false;  ///< that it cannot be made
+  std::shared_ptr<bool> stopped_ = std::make_shared<bool>(false);  ///< outlived by a call that is due
+  bool told_ = false;                                              ///< that it cannot be made
 };
 
 }  // namespace limb_ring::runtime

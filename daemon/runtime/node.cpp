@@ -16,12 +16,6 @@ CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig&
   return options;
 }
 
-fault::RingNodes fault_nodes(const config::RingConfig& ring) {
-  fault::RingNodes nodes;
-  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
-  return nodes;
-}
-
 host::HostOptions host_options(const config::RingConfig& ring, const config::NodeConfig& node,
                                const std::string& directory, host::TurnKeeper* turns) {
   return {directory, ring.ring, node.id, node.name, ring.limits.clients, turns};
@@ -31,15 +25,15 @@ host::HostOptions host_options(const config::RingConfig& ring, const config::Nod
 
 Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& config,
            const NodeBase& base)
-    : folder_(ring, config),
+    : folder_(base.folder ? base.folder : std::make_shared<NodeFolder>(ring, config)),
       start_anew_(base.start_anew),
-      driver_(base.make_driver(folder_, router_)),
+      driver_(base.make_driver(*folder_, router_)),
       engine_(*driver_),
-      router_({config, base.log_prefix, reasons_, engine_, host_, folder_, cpu_, pins_, traffic_, interrupts_, faults_,
+      router_({config, base.log_prefix, reasons_, engine_, host_, *folder_, cpu_, pins_, traffic_, interrupts_, faults_,
                round_trips_, observers_}),
       calls_({ring, engine_, host_, cpu_, requests_, observers_, packet_observers_}),
       filter_(base.make_filter ? base.make_filter(calls_) : nullptr),
-      host_(io, host_options(ring, config, folder_.path(), base.turns), filter_ ? *filter_ : calls_),
+      host_(io, host_options(ring, config, folder_->path(), base.turns), filter_ ? *filter_ : calls_),
       observers_(host_, engine_.clock()),
       packet_observers_(wire::NodeId{config.id}, engine_, host_),
       cpu_(io, cpu_options(ring, config, base), engine_, host_,
@@ -87,6 +81,12 @@ void Node::stop(std::function<void()> done) {
   cpu_.stop(std::move(done));
 }
 
+void Node::die() {
+  faults_.stop();
+  host_.close("");
+  cpu_.kill();
+}
+
 void Node::power_cycle() {
   faults_.stop();
   cpu_.kill();
@@ -94,9 +94,9 @@ void Node::power_cycle() {
 }
 
 FolderWatch::Folder Node::folder_to_watch() {
-  return {[this] { return folder_.is_in_place() && host_.is_in_place(); },
+  return {[this] { return folder_->is_in_place() && host_.is_in_place(); },
           [this] {
-            folder_.make_again();
+            folder_->make_again();
             engine_.listen_again();
             host_.listen_again();
           },

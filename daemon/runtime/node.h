@@ -31,6 +31,8 @@ namespace limb_ring::runtime {
 
 /// What differs between a daemon and a node of a virtual ring, which shares its process with the others.
 struct NodeBase {
+  /// Null: the node makes its own, and holds the node as long as it lives.
+  std::shared_ptr<NodeFolder> folder;
   /// Of the node whose files these are. The listener is not to be called before the driver is made.
   std::function<std::unique_ptr<NodeDriver>(const NodeFolder&, EngineListener&)> make_driver;
   /// Starts this process anew, as if the node's power went off and on; null: that cannot be done.
@@ -57,13 +59,23 @@ class Node {
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(std::function<void()> done);
 
+  /// @name Faults of a node that shares its process with others
+  ///@{
+  /// As if the process were killed: clients lose their connections without a word, a child CPU dies, an attached one
+  /// goes on. All that is left to be done with this is to destroy it.
+  void die();
+  /// As if the process were stopped: whoever connects or asks waits. The driver and its clock are the caller's to stop.
+  void freeze() { host_.freeze(); }
+  void thaw() { host_.thaw(); }
+  ///@}
+
  private:
   /// No link is closed, its child CPU is killed, and the same program is started again.
   /// @throw std::system_error where it cannot be started
   void power_cycle();
   FolderWatch::Folder folder_to_watch();
 
-  NodeFolder folder_;
+  std::shared_ptr<NodeFolder> folder_;
   std::function<void()> start_anew_;
   std::unique_ptr<NodeDriver> driver_;
   NodeDriver& engine_;

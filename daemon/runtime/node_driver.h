@@ -48,9 +48,10 @@ class NodeDriver {
   virtual core::NetworkController& controller() = 0;
   virtual const core::NetworkController& controller() const = 0;
   virtual event_loop::NodeClock& clock() = 0;
-  /// By the controller's time, which is 0 at the driver's start: one instant for all that a batch, and what follows
-  /// from it, sets off.
+  /// By the controller's time: one instant for all that a batch, and what follows from it, sets off.
   virtual core::Time now() const = 0;
+  /// When it was made, by the same.
+  virtual core::Time started() const { return core::Time{}; }
   /// By its clock, rounded up: a timer never comes before its time.
   virtual event_loop::NodeClock::Time steady(core::Time when) const = 0;
 

@@ -153,7 +153,7 @@ json status_row(const StatusSources& from) {
            {"cpu", cpu_json(from.cpu, engine.now())},
            {"ring_size", membership.ring_size()},
            {"boot", membership.boot()},
-           {"uptime_s", std::chrono::duration<double>(engine.now().time_since_epoch()).count()},
+           {"uptime_s", std::chrono::duration<double>(engine.now() - engine.started()).count()},
            {"input", {{"state", ends.from ? "up" : "down"}, {"from", ends.from ? json(*ends.from) : json()}}},
            {"output",
             {{"state", ends.to ? "up" : "down"},

@@ -11,11 +11,12 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPeriod{2};
 
 struct Wait : std::enable_shared_from_this<Wait> {
-  Wait(boost::asio::io_context& io, std::function<bool()> what, steady_clock::time_point end,
+  Wait(boost::asio::io_context& io, std::weak_ptr<void> whose, std::function<bool()> what, steady_clock::time_point end,
        std::function<void(bool)> tell)
-      : condition(std::move(what)), deadline(end), done(std::move(tell)), timer(io) {}
+      : owner(std::move(whose)), condition(std::move(what)), deadline(end), done(std::move(tell)), timer(io) {}
 
   void poll() {
+    if (owner.expired()) return;
     if (condition()) return done(true);
     if (steady_clock::now() >= deadline) return done(false);
     timer.expires_after(kPeriod);
@@ -24,6 +25,7 @@ struct Wait : std::enable_shared_from_this<Wait> {
     });
   }
 
+  std::weak_ptr<void> owner;
   std::function<bool()> condition;
   steady_clock::time_point deadline;
   std::function<void(bool)> done;
@@ -32,9 +34,9 @@ struct Wait : std::enable_shared_from_this<Wait> {
 
 }  // namespace
 
-void wait_until(boost::asio::io_context& io, std::function<bool()> condition, std::chrono::milliseconds patience,
-                std::function<void(bool)> done) {
-  std::make_shared<Wait>(io, std::move(condition), steady_clock::now() + patience, std::move(done))->poll();
+void wait_until(boost::asio::io_context& io, const std::shared_ptr<void>& owner, std::function<bool()> condition,
+                std::chrono::milliseconds patience, std::function<void(bool)> done) {
+  std::make_shared<Wait>(io, owner, std::move(condition), steady_clock::now() + patience, std::move(done))->poll();
 }
 
 }  // namespace limb_ring::runtime
