@@ -8,7 +8,6 @@
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
-#include "process/process_state.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -19,7 +18,7 @@ constexpr std::size_t kAskers = 16;
 
 std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono::milliseconds timeout) {
   const live::Holder holder = live::holder_of(ring_directory(ring), id);
-  if (!holder.held || process::is_stopped(holder.pid)) return std::nullopt;
+  if (!holder.held || holder.frozen) return std::nullopt;
   try {
     ConnectOptions options;
     options.ring = ring;

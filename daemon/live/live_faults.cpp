@@ -47,6 +47,14 @@ LiveFault from_json(const json& row, const std::string& node) {
   return fault;
 }
 
+/// @throw NotDone with all of them, where there is one
+void require_all(const std::vector<std::string>& problems) {
+  std::string wrong;
+  for (const std::string& problem : problems)
+    if (!problem.empty()) wrong += (wrong.empty() ? "" : "; ") + problem;
+  if (!wrong.empty()) throw NotDone(wrong);
+}
+
 Fault for_one(Fault fault, wire::NodeId node) {
   fault.nodes = {node};
   return fault;
@@ -57,13 +65,27 @@ Fault for_one(Fault fault, wire::NodeId node) {
 // ---- beginning ------------------------------------------------------------------------------
 
 std::vector<Begun> LiveFaults::begin(const Fault& fault) const {
+  if (fault::word_of(fault.name).of == Of::node && daemons_.is_virtual()) return begin_on_virtual_ring(fault);
   std::vector<Begun> begun(fault.nodes.size());
-  const auto problems =
-      at_the_same_time(fault.nodes, [&](std::size_t i) { begun[i] = begin_at(fault, fault.nodes[i]); });
-  std::string wrong;
-  for (const std::string& problem : problems)
-    if (!problem.empty()) wrong += (wrong.empty() ? "" : "; ") + problem;
-  if (!wrong.empty()) throw NotDone(wrong);
+  require_all(at_the_same_time(fault.nodes, [&](std::size_t i) { begun[i] = begin_at(fault, fault.nodes[i]); }));
+  return begun;
+}
+
+// The ring does it to all nodes at one instant, keeps the notes, and thaws after a time of its own.
+std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault) const {
+  daemons_.ask_ring({{"do", "fault"}, {"fault", fault::to_words(fault, daemons_.nodes())}});
+  const bool comes_up = fault.name == Name::start || fault.name == Name::power_cycle;
+  const bool ends = fault.name == Name::freeze && fault.lasts.count() != 0;
+  require_all(at_the_same_time(fault.nodes, [&](std::size_t i) {
+    if (comes_up) daemons_.wait_for_hello(fault.nodes[i]);
+    if (ends) wait_until_thawed(fault.nodes[i]);
+  }));
+  const bool lasts = fault.name == Name::kill || (fault.name == Name::freeze && !ends);
+  std::vector<Begun> begun;
+  for (const wire::NodeId node : fault.nodes) {
+    const std::string id = daemons_.node(node).name + '.' + fault::word_of(fault.name).word;
+    begun.push_back({lasts ? id : "", fault::to_words(for_one(fault, node), daemons_.nodes())});
+  }
   return begun;
 }
 
@@ -115,6 +137,11 @@ void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
 void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const {
   std::this_thread::sleep_for(lasts);
   if (node_fault(node)) revive(node);
+}
+
+// Time may be slow there, or be made to stand.
+void LiveFaults::wait_until_thawed(wire::NodeId node) const {
+  while (daemons_.is_stopped(node)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {

@@ -42,11 +42,13 @@ class LiveFaults {
   std::vector<std::string> clear() const;
 
  private:
+  std::vector<Begun> begin_on_virtual_ring(const fault::Fault& fault) const;
   Begun begin_at(const fault::Fault& fault, wire::NodeId node) const;
   void note(wire::NodeId node, const std::string& words) const;
   void kill(wire::NodeId node, const std::string& words) const;
   void begin_at_node(const fault::Fault& fault, wire::NodeId node) const;
   Begun begin_at_daemon(const fault::Fault& fault, wire::NodeId node) const;
+  void wait_until_thawed(wire::NodeId node) const;
   void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const;
   void revive(wire::NodeId node) const;
   void clear_at(wire::NodeId node) const;

@@ -8,7 +8,10 @@
 #include <fstream>
 #include <optional>
 
+#include "fault/name.h"
 #include "limb_ring/ring_directory.h"
+#include "live/node_notes.h"
+#include "process/process_state.h"
 #include "process/unique_fd.h"
 
 namespace limb_ring::live {
@@ -56,6 +59,18 @@ std::vector<std::string> rest_of(std::istream& file) {
   return lines;
 }
 
+bool are_of_virtual_ring(const std::vector<std::string>& arguments) {
+  const auto clock = std::find(arguments.begin(), arguments.end(), "--clock");
+  const bool as_two = clock != arguments.end() && clock + 1 != arguments.end() && *(clock + 1) == "virtual";
+  return as_two || std::find(arguments.begin(), arguments.end(), "--clock=virtual") != arguments.end();
+}
+
+/// A virtual ring notes what holds of its nodes; empty: it runs.
+std::string noted_fault(const std::string& folder, std::uint8_t node) {
+  const auto note = note_of(folder, wire::NodeId{node});
+  return note ? note->name() : "";
+}
+
 bool is_leftover(const fs::path& file) {
   const std::array<const char*, 8> ours{".boot", ".fault", ".host", ".link", ".link2", ".lock", ".log", ".sock"};
   return std::any_of(ours.begin(), ours.end(), [&](const char* extension) { return file.extension() == extension; });
@@ -67,19 +82,18 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   const fs::path lock = fs::path(folder) / (std::to_string(node) + ".lock");
   Holder holder;
   holder.pid = pid_in(lock);
-  holder.held = is_held(lock);
   std::ifstream file(lock);
   std::string pid;
   std::getline(file, pid);
   std::getline(file, holder.program);
   std::getline(file, holder.folder);
   holder.arguments = rest_of(file);
+  const bool lives = is_held(lock);
+  holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);
+  const std::string fault = holder.on_virtual_ring ? noted_fault(folder, node) : "";
+  holder.held = lives && fault != fault::word_of(fault::Name::kill).word;
+  holder.frozen = holder.held && (fault == fault::word_of(fault::Name::freeze).word || process::is_stopped(holder.pid));
   return holder;
-}
-
-bool Holder::is_virtual() const {
-  const auto clock = std::find(arguments.begin(), arguments.end(), "--clock");
-  return clock != arguments.end() && clock + 1 != arguments.end() && *(clock + 1) == "virtual";
 }
 
 std::vector<HeldNode> held_nodes(const std::string& folder) {

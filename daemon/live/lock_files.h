@@ -14,13 +14,13 @@ struct Holder {
   std::string program;                 ///< path
   std::string folder;                  ///< it works in
   std::vector<std::string> arguments;  ///< without the program's name
-  bool held = false;                   ///< it lives, perhaps stopped
-
-  /// One process holds all nodes of the ring, on a virtual clock.
-  bool is_virtual() const;
+  bool held = false;                   ///< it lives, perhaps stopped; on a virtual ring: and the node is not killed
+  bool frozen = false;                 ///< held, and stopped: answers nobody
+  bool on_virtual_ring = false;        ///< one process lives that has all nodes of the ring, this one perhaps killed
 };
 
-/// Reads the lock file of one node in a ring's folder. All fields are empty where there never was a daemon.
+/// Reads the lock file of one node in a ring's folder, and on a virtual ring its note (node_notes.h). All fields are
+/// empty where there never was a daemon.
 Holder holder_of(const std::string& folder, std::uint8_t node);
 
 /// A node held by a daemon that lives, as its lock file says.

@@ -61,6 +61,19 @@ HostPort RunningDaemons::connect(wire::NodeId id) const {
 
 json RunningDaemons::ask(wire::NodeId id, const json& request) const {
   HostPort port = connect(id);
+  return ask_through(port, request);
+}
+
+json RunningDaemons::ask_ring(const json& request) const {
+  ConnectOptions options;
+  options.ring = ring_;
+  options.node = std::to_string(wire::kBroadcast);
+  options.timeout = milliseconds(0);
+  HostPort port = HostPort::connect(options);
+  return ask_through(port, request);
+}
+
+json RunningDaemons::ask_through(HostPort& port, const json& request) const {
   try {
     return json::parse(port.ask(request.dump(), kAnswer));
   } catch (const HostPortError& error) {
@@ -69,22 +82,17 @@ json RunningDaemons::ask(wire::NodeId id, const json& request) const {
   }
 }
 
-bool RunningDaemons::is_stopped(wire::NodeId id) const {
-  const Holder holder = this->holder(id);
-  return holder.held && process::is_stopped(holder.pid);
-}
+bool RunningDaemons::is_stopped(wire::NodeId id) const { return holder(id).frozen; }
 
-/// All of its nodes would be hit.
-void RunningDaemons::require_process_of_its_own(wire::NodeId id) const {
-  if (holder(id).held && holder(id).is_virtual())
-    throw NotDone("node " + node(id).name + ": ring " + ring_ +
-                  " is on a virtual clock, in one process: its nodes cannot be killed, started, frozen, thawed or "
-                  "power-cycled; faults of lines and CPUs can be had there");
+/// A signal would hit all of its nodes.
+bool RunningDaemons::done_in_virtual_ring(fault::Name what, wire::NodeId id) const {
+  if (!holder(id).on_virtual_ring) return false;
+  ask_ring({{"do", "fault"}, {"fault", fault::word_of(what).word + (' ' + node(id).number)}});
+  return true;
 }
 
 // The pid is that of the lock's holder: no other process is hit.
 void RunningDaemons::signal(wire::NodeId id, int number) const {
-  require_process_of_its_own(id);
   const Holder holder = this->holder(id);
   if (!holder.held || holder.pid <= 0)
     throw NotDone("node " + node(id).name + " of ring " + ring_ + " has no daemon on this host that runs");
@@ -93,6 +101,7 @@ void RunningDaemons::signal(wire::NodeId id, int number) const {
 }
 
 void RunningDaemons::kill(wire::NodeId id) const {
+  if (done_in_virtual_ring(fault::Name::kill, id)) return;
   const pid_t pid = holder(id).pid;
   signal(id, SIGKILL);
   // A supervisor of the process may have started the next daemon, which then holds the lock.
@@ -101,18 +110,20 @@ void RunningDaemons::kill(wire::NodeId id) const {
 }
 
 void RunningDaemons::freeze(wire::NodeId id) const {
+  if (done_in_virtual_ring(fault::Name::freeze, id)) return;
   signal(id, SIGSTOP);
   if (!wait_for([&] { return is_stopped(id); }, kSignalled)) throw NotDone("node " + node(id).name + " does not stop");
 }
 
 void RunningDaemons::thaw(wire::NodeId id) const {
+  if (done_in_virtual_ring(fault::Name::thaw, id)) return;
   signal(id, SIGCONT);
   if (!wait_for([&] { return !is_stopped(id); }, kSignalled))
     throw NotDone("node " + node(id).name + " does not go on");
 }
 
 void RunningDaemons::start(wire::NodeId id) const {
-  require_process_of_its_own(id);
+  if (done_in_virtual_ring(fault::Name::start, id)) return;
   const Holder last = holder(id);
   if (last.held) throw NotDone("node " + node(id).name + " runs already, pid " + std::to_string(last.pid));
   if (last.program.empty())
@@ -138,7 +149,7 @@ std::uint64_t RunningDaemons::boot_of(wire::NodeId id) const {
 
 // The daemon sends no answer, because it ends. A higher boot number shows that it has come back.
 void RunningDaemons::power_cycle(wire::NodeId id) const {
-  require_process_of_its_own(id);
+  if (done_in_virtual_ring(fault::Name::power_cycle, id)) return wait_for_hello(id);
   HostPort port = connect(id);
   const std::uint64_t before = json::parse(port.ask(R"({"do": "status"})", kAnswer)).value("boot", std::uint64_t{0});
   const json request{{"do", "fault"}, {"fault", "power_cycle " + node(id).number}};

@@ -25,6 +25,12 @@ class RunningDaemons {
   HostPort connect(wire::NodeId node) const;
   nlohmann::json ask(wire::NodeId node, const nlohmann::json& request) const;
 
+  /// One process has all nodes, on a virtual clock.
+  bool is_virtual() const { return holder(nodes_.front().id).on_virtual_ring; }
+  /// Asks that process for something that is of no node alone. @pre is_virtual()
+  nlohmann::json ask_ring(const nlohmann::json& request) const;
+
+  /// On a virtual ring the following four are done to the node in the simulation.
   /// SIGKILL; gone when this returns.
   void kill(wire::NodeId node) const;
   /// SIGSTOP and SIGCONT, of the daemon alone: its CPU goes on.
@@ -39,7 +45,8 @@ class RunningDaemons {
 
  private:
   std::uint64_t boot_of(wire::NodeId node) const;
-  void require_process_of_its_own(wire::NodeId node) const;
+  nlohmann::json ask_through(HostPort& port, const nlohmann::json& request) const;
+  bool done_in_virtual_ring(fault::Name what, wire::NodeId node) const;
   void signal(wire::NodeId node, int number) const;
 
   std::string ring_;

@@ -17,7 +17,7 @@ namespace {
 
 /// So long they are heard before what else there is has its turn.
 constexpr milliseconds kHearing{2};
-/// Of real time, from the ring's start: ROS nodes take some seconds.
+/// Of real time, from the node's start: ROS nodes take some seconds.
 constexpr std::chrono::seconds kAttachedWithin{30};
 
 double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
@@ -26,9 +26,12 @@ double seconds(core::Time time) { return std::chrono::duration<double>(time.time
 
 // The bridge is to be there from the start, since a controller is.
 Lockstep::Lockstep(sim::VirtualRing& ring, const config::RingConfig& config) : ring_(ring), config_(config) {
-  for (const config::NodeConfig& node : config.nodes)
-    if (config.bridge.lockstep && node.cpu.kind == config::CpuConfig::Kind::attached)
-      boots_[node.id] = {core::Time{} + config.virtual_clock.boot_time, {}};
+  for (const config::NodeConfig& node : config.nodes) expect_bridge(node.id);
+}
+
+void Lockstep::expect_bridge(std::uint8_t node) {
+  if (config_.bridge.lockstep && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached)
+    boots_[node] = {ring_.now() + config_.virtual_clock.boot_time};
 }
 
 nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch()); }
@@ -47,14 +50,14 @@ void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
 }
 
 /// It is started by others, and has not come.
-bool Lockstep::is_late(std::uint8_t node) const {
+bool Lockstep::is_late(std::uint8_t node, const Boot& boot) const {
   return config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached &&
-         steady_clock::now() - begun_ > kAttachedWithin;
+         steady_clock::now() - boot.since > kAttachedWithin;
 }
 
 bool Lockstep::attach_those_due() {
   for (auto it = boots_.begin(); it != boots_.end();) {
-    const bool gone = !it->second.attach && is_late(it->first);
+    const bool gone = !it->second.attach && !is_frozen(it->first) && is_late(it->first, it->second);
     if (gone)
       spdlog::warn("{}: bridge.lockstep: its CPU, the bridge, has not come within {} s; time goes on without it",
                    config_.find(it->first)->name, kAttachedWithin.count());
@@ -62,12 +65,12 @@ bool Lockstep::attach_those_due() {
   }
   std::vector<std::function<void()>> due;
   for (const auto& [node, boot] : boots_) {
-    if (boot.at > ring_.now()) continue;
+    if (boot.at > ring_.now() || is_frozen(node)) continue;
     if (!boot.attach) return false;
     due.push_back(boot.attach);
   }
   for (auto it = boots_.begin(); it != boots_.end();)
-    it = it->second.at > ring_.now() ? std::next(it) : boots_.erase(it);
+    it = it->second.at > ring_.now() || is_frozen(it->first) ? std::next(it) : boots_.erase(it);
   for (const auto& attach : due) attach();
   return true;
 }
@@ -84,11 +87,29 @@ void Lockstep::cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
   if (!boots) {
     if (cpu.kind == runtime::CpuKind::child) boots_.erase(node);
   } else if (std::exchange(pids_[node], cpu.pid) != cpu.pid) {
-    boots_[node] = {ring_.now() + config_.virtual_clock.boot_time, {}};
+    boots_[node] = {ring_.now() + config_.virtual_clock.boot_time};
   } else {
-    boots_.emplace(node, Boot{ring_.now(), {}});
+    boots_.emplace(node, Boot{ring_.now()});
   }
   news_ = true;
+}
+
+void Lockstep::node_died(std::uint8_t node) {
+  boots_.erase(node);
+  frozen_.erase(node);
+  pids_.erase(node);
+}
+
+// One that has booted meanwhile, or was acting, has its time from now on.
+void Lockstep::node_thawed(std::uint8_t node) {
+  frozen_.erase(node);
+  const auto boot = boots_.find(node);
+  if (boot != boots_.end()) {
+    boot->second.at = std::max(boot->second.at, ring_.now());
+    boot->second.since = steady_clock::now();
+  }
+  for (auto& [key, program] : programs_)
+    if (key.first == node) program.turn_since = steady_clock::now();
 }
 
 // ---- whose turn it is -----------------------------------------------------------------------
@@ -102,6 +123,7 @@ Lockstep::Entry* Lockstep::acting() {
   forget_gone();
   for (Entry& entry : programs_) {
     auto& [key, program] = entry;
+    if (is_frozen(key.first)) continue;
     if (program.session->has_turn() && !program.stuck) return &entry;
     if (!program.session->has_turn() && std::exchange(program.stuck, false))
       spdlog::info("{}: its CPU goes on, at {:.9f} s", config_.find(key.first)->name, seconds(ring_.now()));
@@ -150,7 +172,7 @@ bool Lockstep::give_turns() {
   std::optional<std::uint8_t> given;
   for (auto& [key, program] : programs_) {
     host::Session& session = *program.session;
-    if (given == key.first || !session.open() || session.has_turn()) continue;
+    if (given == key.first || is_frozen(key.first) || !session.open() || session.has_turn()) continue;
     if (!session.has_news() && session.waits_until() > now()) continue;
     program.turn_since = steady_clock::now();
     session.begin_turn(now());
@@ -162,13 +184,15 @@ bool Lockstep::give_turns() {
 core::Time Lockstep::next_wake() const {
   nanoseconds earliest = nanoseconds::max();
   for (const auto& [key, program] : programs_)
-    if (!program.session->has_turn()) earliest = std::min(earliest, program.session->waits_until());
+    if (!program.session->has_turn() && !is_frozen(key.first))
+      earliest = std::min(earliest, program.session->waits_until());
   return earliest == nanoseconds::max() ? core::kNever : core::Time{} + earliest;
 }
 
 core::Time Lockstep::held_at() const {
   core::Time earliest = core::kNever;
-  for (const auto& [node, boot] : boots_) earliest = std::min(earliest, boot.at);
+  for (const auto& [node, boot] : boots_)
+    if (!is_frozen(node)) earliest = std::min(earliest, boot.at);
   return earliest;
 }
 

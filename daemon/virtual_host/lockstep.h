@@ -32,6 +32,17 @@ class Lockstep final : public host::TurnKeeper {
   /// What is known of the CPU process of a node has changed.
   void cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu);
 
+  /// @name Faults of whole nodes, called while no program acts
+  ///@{
+  /// Its clients are gone, and nobody boots there.
+  void node_died(std::uint8_t node);
+  /// It has started: its CPU, where others start that, is waited for as at the ring's start.
+  void node_started(std::uint8_t node) { expect_bridge(node); }
+  /// Its programs have no turns, and time does not wait for them.
+  void node_frozen(std::uint8_t node) { frozen_.insert(node); }
+  void node_thawed(std::uint8_t node);
+  ///@}
+
   /// Something has happened that somebody is to learn of before time goes on; forgets it.
   bool take_news() { return std::exchange(news_, false); }
   bool has_news_now() const { return news_; }
@@ -62,11 +73,14 @@ class Lockstep final : public host::TurnKeeper {
   };
   struct Boot {
     core::Time at{};
-    std::function<void()> attach;  ///< empty until it has greeted
+    std::function<void()> attach = {};  ///< empty until it has greeted
+    Instant since = std::chrono::steady_clock::now();
   };
   using Key = std::pair<std::uint8_t, host::ClientId>;
 
-  bool is_late(std::uint8_t node) const;
+  void expect_bridge(std::uint8_t node);
+  bool is_late(std::uint8_t node, const Boot& boot) const;
+  bool is_frozen(std::uint8_t node) const { return frozen_.count(node) != 0; }
   std::chrono::milliseconds patience_with(std::uint8_t node) const;
   using Entry = std::pair<const Key, Program>;
   Entry* acting();
@@ -79,7 +93,7 @@ class Lockstep final : public host::TurnKeeper {
   std::map<Key, Program> programs_;
   std::map<std::uint8_t, Boot> boots_;  ///< of nodes whose CPU boots or ends
   std::map<std::uint8_t, pid_t> pids_;  ///< the last one known
-  Instant begun_ = std::chrono::steady_clock::now();
+  std::set<std::uint8_t> frozen_;
   bool news_ = false;
   bool disturbed_ = false;
   bool somebody_was_stuck_ = false;

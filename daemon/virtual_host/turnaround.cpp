@@ -27,7 +27,7 @@ core::Time Turnaround::entry() {
 template <class Call>
 void Turnaround::later(host::ClientId client, Call call) {
   if (late_.count(client) == 0) return call();
-  ring_.at(entry(), [this, client, call] {
+  clock_.call_at(entry(), [this, client, call] {
     if (late_.count(client) != 0) call();
   });
 }

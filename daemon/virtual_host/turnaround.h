@@ -5,7 +5,7 @@
 
 #include "config/ring_config.h"
 #include "host/host_handler.h"
-#include "sim/virtual_ring.h"
+#include "virtual_host/virtual_clock.h"
 
 namespace limb_ring::virtual_host {
 
@@ -13,9 +13,10 @@ namespace limb_ring::virtual_host {
 /// All else passes at once.
 class Turnaround final : public host::HostHandler {
  public:
-  /// All but `cpu` outlive this.
-  Turnaround(host::HostHandler& calls, sim::VirtualRing& ring, const config::CpuConfig& cpu, std::uint64_t seed)
-      : calls_(calls), ring_(ring), cpu_(cpu), random_(seed) {}
+  /// All but `cpu` outlive this. @param clock of the node
+  Turnaround(host::HostHandler& calls, sim::VirtualRing& ring, VirtualClock& clock, const config::CpuConfig& cpu,
+             std::uint64_t seed)
+      : calls_(calls), ring_(ring), clock_(clock), cpu_(cpu), random_(seed) {}
 
   std::optional<std::string> on_attach(const host::ClientInfo& client) override;
   void on_detach(const host::ClientInfo& client) override;
@@ -38,6 +39,7 @@ class Turnaround final : public host::HostHandler {
 
   host::HostHandler& calls_;
   sim::VirtualRing& ring_;
+  VirtualClock& clock_;
   config::CpuConfig cpu_;
   std::mt19937_64 random_;
   std::set<host::ClientId> late_;  ///< CPUs in lockstep that are attached

@@ -6,20 +6,20 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-/// What it has asked the ring for cannot be taken back: it then finds that it is another's turn, or that the timer is
+/// What it has asked the clock for cannot be taken back: it then finds that it is another's turn, or that the timer is
 /// gone.
 class VirtualTimer final : public event_loop::Timer {
  public:
-  VirtualTimer(sim::VirtualRing& ring, VirtualClock& clock, std::function<void()> on_time)
-      : ring_(ring), clock_(clock), on_time_(std::move(on_time)) {}
+  VirtualTimer(VirtualClock& clock, const std::function<void()>& on_expired, std::function<void()> on_time)
+      : clock_(clock), on_expired_(on_expired), on_time_(std::move(on_time)) {}
 
   void expires_at(Time when) override {
     const std::uint64_t turn = ++*turn_;
     if (when == Time::max()) return;
-    ring_.at(VirtualClock::ring_time(when), [this, turn, current = std::weak_ptr<std::uint64_t>(turn_)] {
+    clock_.call_at(VirtualClock::ring_time(when), [this, turn, current = std::weak_ptr<std::uint64_t>(turn_)] {
       const auto alive = current.lock();
       if (!alive || *alive != turn) return;
-      clock_.on_expired();
+      on_expired_();
       const auto call = on_time_;  // it may destroy this
       call();
     });
@@ -27,8 +27,8 @@ class VirtualTimer final : public event_loop::Timer {
   void cancel() override { ++*turn_; }
 
  private:
-  sim::VirtualRing& ring_;
   VirtualClock& clock_;
+  const std::function<void()>& on_expired_;
   std::function<void()> on_time_;
   std::shared_ptr<std::uint64_t> turn_ = std::make_shared<std::uint64_t>(0);
 };
@@ -46,7 +46,25 @@ event_loop::NodeClock::Time VirtualClock::now() const {
 }
 
 std::unique_ptr<event_loop::Timer> VirtualClock::timer(std::function<void()> on_time) {
-  return std::make_unique<VirtualTimer>(ring_, *this, std::move(on_time));
+  return std::make_unique<VirtualTimer>(*this, on_expired_, std::move(on_time));
+}
+
+void VirtualClock::call_at(core::Time when, std::function<void()> call) {
+  ring_.at(when, [weak = std::weak_ptr<VirtualClock*>(self_), call = std::move(call)] {
+    const auto self = weak.lock();
+    if (self) (*self)->due(call);
+  });
+}
+
+void VirtualClock::due(const std::function<void()>& call) {
+  if (frozen_) return missed_.push_back(call);
+  call();
+}
+
+void VirtualClock::thaw() {
+  frozen_ = false;
+  const auto self = self_;  // a call may destroy this
+  for (const auto& call : std::exchange(missed_, {})) due(call);
 }
 
 }  // namespace limb_ring::virtual_host

@@ -1,18 +1,22 @@
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <vector>
+
 #include "event_loop/node_clock.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::virtual_host {
 
-/// The clock of a virtual ring, counted from its start, for what else goes by the machine's.
+/// The clock of a virtual ring, counted from its start, for what at one of its nodes else goes by the machine's.
 class VirtualClock final : public event_loop::NodeClock {
  public:
-  /// @param ring outlives this and its timers
-  explicit VirtualClock(sim::VirtualRing& ring) : ring_(ring) {}
-
-  /// Called where a timer has run out.
-  std::function<void()> on_expired = [] {};
+  /// @param ring outlives this, and this its timers
+  /// @param on_expired called where a timer has run out
+  explicit VirtualClock(
+      sim::VirtualRing& ring, std::function<void()> on_expired = [] {})
+      : ring_(ring), on_expired_(std::move(on_expired)) {}
 
   /// Rounded up: who waits until then finds that it has come.
   static Time at(core::Time when);
@@ -22,9 +26,23 @@ class VirtualClock final : public event_loop::NodeClock {
   std::int64_t wall_ns(Time when) override { return when.time_since_epoch().count(); }
   /// Runs out in the ring's own time, before any node acts in that instant.
   std::unique_ptr<event_loop::Timer> timer(std::function<void()> on_time) override;
+  /// The same, once, and not to be taken back; nothing is called once this clock is gone.
+  void call_at(core::Time when, std::function<void()> call);
+
+  /// @name A node that stands still: what runs out meanwhile is called when it goes on
+  ///@{
+  void freeze() { frozen_ = true; }
+  void thaw();
+  ///@}
 
  private:
+  void due(const std::function<void()>& call);
+
   sim::VirtualRing& ring_;
+  std::function<void()> on_expired_;
+  bool frozen_ = false;
+  std::vector<std::function<void()>> missed_;  ///< in the order in which they were due
+  std::shared_ptr<VirtualClock*> self_ = std::make_shared<VirtualClock*>(this);
 };
 
 }  // namespace limb_ring::virtual_host

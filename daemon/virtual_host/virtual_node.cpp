@@ -12,7 +12,13 @@ bool VirtualBreaker::mended() const {
 }
 
 VirtualNode::VirtualNode(const VirtualWorld& world, wire::NodeId id, runtime::EngineListener& listener)
-    : world_(world), id_(id), listener_(listener), first_(world, id, Line::first), second_(world, id, Line::second) {}
+    : world_(world),
+      clock_(world.ring, world.on_expired),
+      id_(id),
+      listener_(listener),
+      first_(world, id, Line::first),
+      second_(world, id, Line::second),
+      started_(world.ring.now()) {}
 
 LineEnds VirtualNode::ends(Line line) const {
   const auto number = [](std::optional<wire::NodeId> node) {
@@ -59,7 +65,7 @@ void VirtualNode::look_at_lines() {
 }
 
 void VirtualNode::tell_change(Line line, const LineEnds& before, const LineEnds& after) {
-  const event_loop::NodeClock::Time now = world_.clock.now();
+  const event_loop::NodeClock::Time now = clock_.now();
   if (before.from && before.from != after.from) {
     if (tap_ != nullptr) tap_->on_input_gap(now);
     if (line == Line::first) input_lost_at_ = world_.ring.now();

@@ -9,8 +9,8 @@ namespace limb_ring::virtual_host {
 /// What all nodes of a virtual ring share.
 struct VirtualWorld {
   sim::VirtualRing& ring;
-  VirtualClock& clock;
   sim::VirtualLineFaults& faults;
+  std::function<void()> on_expired;  ///< called where a timer of a node has run out
 };
 
 /// The line out of a node of a virtual ring.
@@ -42,7 +42,7 @@ class VirtualNode final : public runtime::NodeDriver {
 
   core::NetworkController& controller() override { return world_.ring.controller(id_); }
   const core::NetworkController& controller() const override { return world_.ring.controller(id_); }
-  event_loop::NodeClock& clock() override { return world_.clock; }
+  VirtualClock& clock() override { return clock_; }
   core::Time now() const override { return world_.ring.now(); }
   event_loop::NodeClock::Time steady(core::Time when) const override { return VirtualClock::at(when); }
 
@@ -62,6 +62,7 @@ class VirtualNode final : public runtime::NodeDriver {
   }
   core::Time input_lost_at() const override { return input_lost_at_; }
   core::Time broken_since() const override { return broken_since_; }
+  core::Time started() const override { return started_; }
 
   /// @name From the ring
   ///@{
@@ -79,6 +80,7 @@ class VirtualNode final : public runtime::NodeDriver {
   void say(core::Line line, const std::string& what);
 
   VirtualWorld world_;
+  VirtualClock clock_;
   wire::NodeId id_;
   runtime::EngineListener& listener_;
   VirtualBreaker first_, second_;
@@ -86,6 +88,7 @@ class VirtualNode final : public runtime::NodeDriver {
   runtime::LineTap* tap_ = nullptr;
   core::Time input_lost_at_{};
   core::Time broken_since_{};
+  core::Time started_;
   link::InputCounters no_input_;  ///< there are no links
   link::OutputCounters no_output_;
   bool closed_ = false;

@@ -1,6 +1,7 @@
 #include "virtual_host/virtual_ring_host.h"
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
 
 #include "setup/core_settings.h"
 #include "virtual_host/turnaround.h"
@@ -29,6 +30,11 @@ core::Settings settings_of(const config::RingConfig& ring, const core::Settings&
   return settings;
 }
 
+/// Who asks for the whole ring asks at the address of all nodes.
+host::HostOptions port_options(const config::RingConfig& ring, const std::string& folder) {
+  return {folder, ring.ring, wire::kBroadcast, "", ring.limits.clients};
+}
+
 sim::VirtualRingOptions options_of(const config::RingConfig& ring) {
   sim::VirtualRingOptions options;
   options.order = setup::order_of(ring);
@@ -43,16 +49,23 @@ VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::Ring
     : io_(io),
       config_(ring),
       ring_(options_of(ring)),
-      clock_(ring_),
       faults_(ring_, 0),  // every fault whose damage is random comes with a seed of its own
       drivers_(ring_.size(), nullptr),
       lockstep_(ring_, ring),
       trace_(ring_),
       wake_(io, [] {}) {
-  clock_.on_expired = [this] { lockstep_.has_news(); };
   for (const wire::NodeId id : ring_.order())
     ring_.set_cpu_reads(id, false);  // they are given what waits for them by their nodes
-  for (const config::NodeConfig& node : ring.nodes) add(node);
+  for (const config::NodeConfig& node : ring.nodes) {
+    folders_[node.id] = std::make_shared<runtime::NodeFolder>(ring, node);
+    add(node);
+  }
+  // All nodes are held by now: nobody else's files are in these places.
+  const fault::RingNodes names = runtime::fault_nodes(ring);
+  NodePower& power = *this;
+  node_faults_.emplace(ring_, power, names, folders_.begin()->second->path());
+  port_.emplace(io, port_options(ring, folders_.begin()->second->path()), names,
+                RingRequests{[this](const fault::Fault& fault, auto done) { begin_at_nodes(fault, std::move(done)); }});
   ring_.on_event = [this](wire::NodeId id, const core::Event& event) {
     if (std::holds_alternative<core::PinPulled>(event.what)) lockstep_.has_news();
     drivers_[id]->on_event(event);
@@ -64,9 +77,21 @@ VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::Ring
 VirtualRingHost::~VirtualRingHost() = default;
 
 void VirtualRingHost::add(const config::NodeConfig& node) {
+  nodes_[node.id] = std::make_unique<runtime::Node>(io_, config_, node, base_of(node));
+}
+
+runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
   runtime::NodeBase base;
+  base.folder = folders_.at(node.id);
+  base.start_anew = [this, &node] {
+    fault::Fault fault;
+    fault.name = fault::Name::power_cycle;
+    fault.nodes = {wire::NodeId{node.id}};
+    begin_at_nodes(fault, [](const std::string&) {});
+  };
   base.make_driver = [this, &node](const runtime::NodeFolder&, runtime::EngineListener& listener) {
-    auto driver = std::make_unique<VirtualNode>(VirtualWorld{ring_, clock_, faults_}, wire::NodeId{node.id}, listener);
+    const VirtualWorld world{ring_, faults_, [this] { lockstep_.has_news(); }};
+    auto driver = std::make_unique<VirtualNode>(world, wire::NodeId{node.id}, listener);
     drivers_[node.id] = driver.get();
     return driver;
   };
@@ -74,24 +99,76 @@ void VirtualRingHost::add(const config::NodeConfig& node) {
   if (node.cpu.turnaround.count() + node.cpu.jitter.count() != 0)
     base.make_filter = [this, &node](host::HostHandler& calls) {
       const std::uint64_t seed = std::uint64_t{config_.virtual_clock.seed} << 8 | node.id;
-      return std::make_unique<Turnaround>(calls, ring_, node.cpu, seed);
+      return std::make_unique<Turnaround>(calls, ring_, drivers_[node.id]->clock(), node.cpu, seed);
     };
   base.on_cpu_changed = [this, id = node.id](const runtime::CpuStatus& cpu) { lockstep_.cpu_changed(id, cpu); };
   base.log_prefix = node.name + ": ";
-  nodes_.push_back(std::make_unique<runtime::Node>(io_, config_, node, base));
+  return base;
 }
 
 void VirtualRingHost::start() {
-  for (const auto& node : nodes_) node->start();
+  for (const auto& [id, node] : nodes_) node->start();
 }
 
 void VirtualRingHost::stop(const std::function<void()>& done) {
   if (std::exchange(stopping_, true)) return;
+  port_->close();
+  if (nodes_.empty()) return boost::asio::post(io_, done);  // all are dead
   const auto left = std::make_shared<std::size_t>(nodes_.size());
-  for (const auto& node : nodes_)
+  for (const auto& [id, node] : nodes_)
     node->stop([left, done] {
       if (--*left == 0) done();
     });
+}
+
+// ---- faults of whole nodes ------------------------------------------------------------------
+
+void VirtualRingHost::begin_at_nodes(const fault::Fault& fault, std::function<void(const std::string&)> done) {
+  lockstep_.disturbed();
+  lockstep_.has_news();
+  ring_.at(ring_.now(), [this, fault, done = std::move(done)] { done(node_faults_->begin(fault)); });
+}
+
+void VirtualRingHost::off(wire::NodeId id) {
+  nodes_.at(id)->die();
+  drivers_[id] = nullptr;
+  nodes_.erase(id);
+  ring_.kill(id);
+  for (const core::Line line : ring_.lines()) faults_.clear(id, line);
+  lockstep_.node_died(id);
+  lockstep_.has_news();
+}
+
+std::string VirtualRingHost::on(wire::NodeId id) {
+  ring_.start(id);
+  try {
+    if (!folders_.at(id)->is_in_place()) folders_.at(id)->make_again();
+    add(*config_.find(id));
+  } catch (const std::exception& problem) {
+    drivers_[id] = nullptr;
+    ring_.kill(id);
+    return problem.what();
+  }
+  nodes_.at(id)->start();
+  lockstep_.node_started(id);
+  lockstep_.has_news();
+  return "";
+}
+
+void VirtualRingHost::freeze(wire::NodeId id) {
+  ring_.freeze(id);
+  drivers_[id]->clock().freeze();
+  nodes_.at(id)->freeze();
+  lockstep_.node_frozen(id);
+  lockstep_.has_news();
+}
+
+void VirtualRingHost::thaw(wire::NodeId id) {
+  ring_.thaw(id);
+  lockstep_.node_thawed(id);
+  lockstep_.has_news();
+  nodes_.at(id)->thaw();
+  drivers_[id]->clock().thaw();
 }
 
 // ---- time -----------------------------------------------------------------------------------

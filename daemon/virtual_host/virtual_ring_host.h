@@ -2,21 +2,25 @@
 
 #include <boost/asio/io_context.hpp>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "event_loop/packet_timer.h"
 #include "runtime/node.h"
 #include "sim/trace.h"
 #include "virtual_host/lockstep.h"
+#include "virtual_host/node_faults.h"
 #include "virtual_host/pace.h"
+#include "virtual_host/ring_port.h"
 #include "virtual_host/virtual_node.h"
 
 namespace limb_ring::virtual_host {
 
 /// A whole ring in one process, on a virtual clock: its lines are simulated, its nodes have the host ports and CPUs of
 /// daemons, for the same clients.
-class VirtualRingHost final : private sim::Observer {
+class VirtualRingHost final : private sim::Observer, private NodePower {
  public:
   /// @param ring every line has a rate; all outlive this
   /// @throw std::exception where a node is held by another process, or a socket cannot be had
@@ -30,6 +34,11 @@ class VirtualRingHost final : private sim::Observer {
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(const std::function<void()>& done);
 
+  /// What is to be done to whole nodes at an instant of the ring's; see there when.
+  NodeFaults& node_faults() { return *node_faults_; }
+  /// Does a fault of nodes at this instant, as soon as no program acts; `done` is told why not, or nothing.
+  void begin_at_nodes(const fault::Fault& fault, std::function<void(const std::string& problem)> done);
+
   core::Time now() const { return ring_.now(); }
   /// Of all that happened on the ring.
   std::uint64_t trace_hash() const { return trace_.hash(); }
@@ -37,6 +46,11 @@ class VirtualRingHost final : private sim::Observer {
 
  private:
   void add(const config::NodeConfig& node);
+  runtime::NodeBase base_of(const config::NodeConfig& node);
+  void off(wire::NodeId node) override;
+  std::string on(wire::NodeId node) override;
+  void freeze(wire::NodeId node) override;
+  void thaw(wire::NodeId node) override;
   void arrives(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void leaves(wire::NodeId node, const wire::Slice& slice, core::Time now) override;
   void input_changes(wire::NodeId node, core::Line line, core::Time now) override;
@@ -52,12 +66,14 @@ class VirtualRingHost final : private sim::Observer {
   boost::asio::io_context& io_;
   const config::RingConfig& config_;
   sim::VirtualRing ring_;
-  VirtualClock clock_;
   sim::VirtualLineFaults faults_;
-  std::vector<VirtualNode*> drivers_;  ///< by id; null where there is no such node
-  std::vector<std::unique_ptr<runtime::Node>> nodes_;
+  std::vector<VirtualNode*> drivers_;                                     ///< by id; null where there is no such node
+  std::map<std::uint8_t, std::shared_ptr<runtime::NodeFolder>> folders_;  ///< a dead node is held all the same
+  std::map<std::uint8_t, std::unique_ptr<runtime::Node>> nodes_;          ///< those that are not dead
   Lockstep lockstep_;
   sim::Trace trace_;
+  std::optional<NodeFaults> node_faults_;
+  std::optional<RingPort> port_;
   event_loop::PacketTimer wake_;
   bool lines_changed_ = true;
   bool stopping_ = false;

@@ -130,7 +130,7 @@ const std::map<std::string, Parts> kMayInclude{
      {"wire", "capture", "core", "fault", "link", "config", "setup", "host", "client", "payload", "statistics",
       "watchdog", "process", "event_loop", "limb_ring"}},
     {"virtual_host",
-     {"wire", "core", "fault", "link", "config", "setup", "host", "process", "runtime", "sim", "sim_tools",
+     {"wire", "core", "fault", "link", "config", "setup", "host", "live", "process", "runtime", "sim", "sim_tools",
       "event_loop", "limb_ring"}},
     {"live", {"fault", "wire", "process", "limb_ring"}},
     {"ask", {"live", "payload", "process", "limb_ring"}},

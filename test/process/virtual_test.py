@@ -4,28 +4,11 @@ import os
 import signal
 
 import ring_process
-from ring_process import RingTest, plain_nodes
+from ring_process import plain_nodes
+from virtual_process import VirtualTest
 
 
-class Virtual(RingTest):
-    def up(self, nodes, *more, **sections):
-        config = self.write_ring(nodes, **sections)
-        done = self.ctl('up', config, '--clock', 'virtual', '--detach', '--timeout', 60, *more)
-        self.addCleanup(self.ctl, 'down', self.ring)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return config
-
-    def ring_ctl(self, *arguments):
-        done = self.ctl('--ring', self.ring, *arguments)
-        self.assertEqual(done.returncode, 0, '%s\n%s' % (arguments, done.stdout + done.stderr))
-        return done.stdout
-
-    def limbs(self):
-        nodes = plain_nodes(4)
-        nodes[1].update(cpu={'command': ['limb_firmware'], 'alive_period': '300ms'}, joints=[{'name': 'knee'}])
-        nodes[2]['cpu'] = {'command': ['echo_cpu']}
-        return nodes
-
+class Virtual(VirtualTest):
     def test_tools_and_cpus_work_as_on_a_live_ring(self):
         self.up(self.limbs())
         rows = self.ctl_json('--ring', self.ring, 'status')['nodes']
@@ -63,14 +46,6 @@ class Virtual(RingTest):
         os.kill(before['pid'], signal.SIGSTOP)
         self.wait('it to run again', lambda: self.row(1)['cpu']['boots'] > before['boots'])
         self.assertGreaterEqual(self.row(0)['supervisor']['watched'][0]['hangs'], 1)
-
-    def test_faults_of_whole_nodes_are_refused(self):
-        self.up(plain_nodes(3))
-        for fault in ('kill', 'freeze', 'power_cycle'):
-            done = self.ctl('--ring', self.ring, 'fault', fault, 'node1')
-            self.assertEqual(done.returncode, 1, fault)
-            self.assertIn('virtual clock', done.stderr)
-        self.assertTrue(self.is_closed(range(3)))
 
     def test_its_time_goes_on_at_the_pace_asked_for(self):
         self.up(plain_nodes(3), '--pace', '50')

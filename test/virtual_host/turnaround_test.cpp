@@ -59,8 +59,9 @@ struct TurnaroundTest : testing::Test {
   }
   std::vector<std::chrono::nanoseconds> instants_of(std::uint64_t seed) {
     sim::VirtualRing own{sim::VirtualRingOptions{}};
+    VirtualClock its_clock(own);
     Calls entered(own);
-    Turnaround turnaround(entered, own, cpu(10us, 5us), seed);
+    Turnaround turnaround(entered, own, its_clock, cpu(10us, 5us), seed);
     attach(turnaround, true);
     for (int i = 0; i < 20; ++i) {
       send(turnaround, "x");
@@ -70,12 +71,13 @@ struct TurnaroundTest : testing::Test {
   }
 
   sim::VirtualRing ring{sim::VirtualRingOptions{}};
+  VirtualClock clock{ring};
   Calls calls{ring};
   host::ClientInfo info;
 };
 
 TEST_F(TurnaroundTest, WhatIsSentInATurnEntersInOrderAndLater) {
-  Turnaround turnaround(calls, ring, cpu(40us, 0us), 1);
+  Turnaround turnaround(calls, ring, clock, cpu(40us, 0us), 1);
   attach(turnaround, true);
   send(turnaround, "a");
   turnaround.on_interrupt(1, {});
@@ -87,14 +89,14 @@ TEST_F(TurnaroundTest, WhatIsSentInATurnEntersInOrderAndLater) {
 }
 
 TEST_F(TurnaroundTest, WhatAToolSendsEntersAtOnce) {
-  Turnaround turnaround(calls, ring, cpu(40us, 0us), 1);
+  Turnaround turnaround(calls, ring, clock, cpu(40us, 0us), 1);
   attach(turnaround, false);
   send(turnaround, "a");
   EXPECT_THAT(calls.at, ElementsAre(0us));
 }
 
 TEST_F(TurnaroundTest, ACpuThatIsGoneSendsNothingMore) {
-  Turnaround turnaround(calls, ring, cpu(40us, 0us), 1);
+  Turnaround turnaround(calls, ring, clock, cpu(40us, 0us), 1);
   attach(turnaround, true);
   send(turnaround, "a");
   turnaround.on_detach(info);

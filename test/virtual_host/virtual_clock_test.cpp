@@ -40,6 +40,29 @@ TEST_F(Clock, ATimerThatIsSetAgainOrCancelledOrGoneDoesNotCallForItsOldInstant) 
   EXPECT_EQ(calls, std::vector<Time>{Time(5ms)});
 }
 
+TEST_F(Clock, WhatRunsOutWhileANodeStandsStillIsCalledWhenItGoesOn) {
+  const auto first = timer(), second = timer(), cancelled = timer();
+  first->expires_at(Time(3ms));
+  second->expires_at(Time(9ms));
+  cancelled->expires_at(Time(3ms));
+  clock.freeze();
+  ring.run_until(core::Time{} + 5ms);
+  EXPECT_TRUE(calls.empty());
+  cancelled->cancel();
+  clock.thaw();
+  EXPECT_EQ(calls, std::vector<Time>{Time(5ms)});
+  ring.run_until(core::Time{} + 1s);
+  EXPECT_EQ(calls, (std::vector<Time>{Time(5ms), Time(9ms)}));
+}
+
+TEST_F(Clock, NothingIsCalledOnceItIsGone) {
+  auto gone = std::make_unique<VirtualClock>(ring);
+  gone->call_at(core::Time{} + 3ms, [this] { calls.push_back(Time{}); });
+  gone.reset();
+  ring.run_until(core::Time{} + 1s);
+  EXPECT_TRUE(calls.empty());
+}
+
 TEST_F(Clock, ATimerMayBeDestroyedByItsOwnCall) {
   std::unique_ptr<event_loop::Timer> own;
   own = clock.timer([&] { own.reset(); });

@@ -8,7 +8,6 @@
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
-#include "process/process_state.h"
 #include "wire/control_message.h"
 
 namespace limb_ring::ringctl {
@@ -77,7 +76,7 @@ json absent_row(const RingAccess& ring, const std::vector<std::optional<json>>& 
   const live::Holder holder = live::holder_of(folder, node.id);
   json row = down_row(node);
   if (holder.held) row["pid"] = holder.pid;
-  if (holder.held && process::is_stopped(holder.pid)) row["state"] = "frozen";
+  if (holder.frozen) row["state"] = "frozen";
   row["faults"] = faults_of_absent(folder, node.id, row["state"] == "frozen");
   const json heard = holder.pid > 0 ? json() : heard_of(ring, answers, node.id);
   if (heard.is_null()) return row;

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,9 +21,11 @@ int run(bool json) {
     const std::string folder = ring_directory(ring);
     const std::vector<live::HeldNode> nodes = live::held_nodes(folder);
     if (nodes.empty()) continue;  // it ended meanwhile
-    const char* clock = live::holder_of(folder, nodes.front().node).is_virtual() ? "virtual" : "live";
-    rows.push_back({ring, std::to_string(nodes.size()), clock});
-    all.push_back({{"ring", ring}, {"nodes", nodes.size()}, {"clock", clock}});
+    const auto count = std::count_if(nodes.begin(), nodes.end(),
+                                     [&](const auto& node) { return live::holder_of(folder, node.node).held; });
+    const char* clock = live::holder_of(folder, nodes.front().node).on_virtual_ring ? "virtual" : "live";
+    rows.push_back({ring, std::to_string(count), clock});
+    all.push_back({{"ring", ring}, {"nodes", count}, {"clock", clock}});
   }
   if (json)
     std::cout << all.dump(2) << std::endl;

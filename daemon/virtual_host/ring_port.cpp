@@ -1,0 +1,79 @@
+#include "virtual_host/ring_port.h"
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/request_fields.h"
+
+namespace limb_ring::virtual_host {
+
+using nlohmann::json;
+using runtime::RequestError;
+
+namespace {
+
+constexpr const char* kWhoseThisIs = "this is the host port of the whole ring, not of a node";
+
+}  // namespace
+
+RingPort::RingPort(boost::asio::io_context& io, host::HostOptions options, fault::RingNodes nodes,
+                   RingRequests requests)
+    : nodes_(std::move(nodes)), requests_(std::move(requests)), host_(io, std::move(options), *this) {}
+
+std::optional<std::string> RingPort::on_attach(const host::ClientInfo& client) {
+  if (client.role == Role::cpu) return std::string(kWhoseThisIs) + ": it has no CPU";
+  return std::nullopt;
+}
+
+// ---- what only a node does ------------------------------------------------------------------
+
+void RingPort::reject(host::ClientId client, std::uint32_t token) {
+  Result result;
+  result.token = token;
+  result.outcome = Outcome::rejected;
+  result.why = Reason::not_in_ring;
+  result.reason = kWhoseThisIs;
+  host_.result(client, result);
+}
+
+void RingPort::on_send(host::ClientId client, const client::SendRequest& request) { reject(client, request.token); }
+
+void RingPort::on_interrupt(host::ClientId client, const client::InterruptRequest& request) {
+  reject(client, request.token);
+}
+
+void RingPort::on_pull(host::ClientId client, const client::PullRequest& request) { reject(client, request.token); }
+
+void RingPort::on_observe(host::ClientId client, const client::ObserveRequest&) {
+  host_.observed(client, json{{"error", std::string(kWhoseThisIs) + ": it sees no packets"}}.dump());
+}
+
+// ---- requests -------------------------------------------------------------------------------
+
+void RingPort::on_request(host::ClientId client, const client::JsonRequest& request) {
+  const auto answer = [this, client, token = request.token](const json& reply) {
+    host_.reply(client, token, reply.dump());
+  };
+  try {
+    const json what =
+        runtime::object_in(std::string(request.json), "a request is a JSON object {\"do\": \"...\", ...}");
+    if (what.value("do", json()) != "fault") throw RequestError(std::string(kWhoseThisIs) + ": there is fault");
+    begin_fault(what, answer);
+  } catch (const std::exception& error) {
+    answer({{"error", error.what()}});
+  }
+}
+
+void RingPort::begin_fault(const json& request, const std::function<void(const json&)>& answer) {
+  if (!request.contains("fault") || !request["fault"].is_string())
+    throw RequestError("fault is missing: a text as 'ringctl fault' takes it, 'kill knee'");
+  const fault::Fault fault = fault::from_words(request["fault"].get<std::string>(), nodes_);
+  if (fault::word_of(fault.name).of != fault::Of::node)
+    throw RequestError(std::string(fault::word_of(fault.name).word) +
+                       ": a fault of a line or CPU is begun at the node where it is");
+  const std::string words = fault::to_words(fault, nodes_);
+  requests_.fault(fault, [answer, words](const std::string& problem) {
+    answer(problem.empty() ? json{{"fault", words}} : json{{"error", problem}});
+  });
+}
+
+}  // namespace limb_ring::virtual_host

@@ -1,0 +1,178 @@
+"""Faults of whole nodes on a virtual ring: the words, answers and files of a live one, done to nodes in the simulation."""
+
+import os
+import signal
+
+import ring_process
+from fault_process import FaultTest
+from limb_ring import HostPortError
+from ring_process import is_gone, plain_nodes
+from virtual_process import VirtualTest
+
+
+class Nodes(VirtualTest, FaultTest):
+    def test_a_killed_node_is_gone_when_answered_is_listed_and_started_again(self):
+        self.up(plain_nodes(4))
+        port = self.port(2)
+        boot = self.row(2)['boot']
+        self.assertEqual(self.begin('kill', 'node2'), ['node2.kill'])
+        self.assertIsNone(self.row(2))
+        with self.assertRaises(HostPortError):
+            port.ask({'do': 'status'})
+        self.wait_closed([0, 1, 3])
+        self.assertEqual(self.listed()['node2.kill']['fault'], 'kill node2')
+        status = self.ctl('status').stdout
+        self.assertRegex(status, r'(?m)^ *2 +node2 +down ')
+        self.assertIn('fault on purpose node2.kill: kill node2', status)
+        self.assertEqual(self.ctl_json('list')[0]['nodes'], 3)
+        for word in ('freeze', 'thaw', 'kill', 'power_cycle'):
+            self.assertIn('dead', self.fault(word, 'node2', code=1))
+        self.fault('start', 'node2')
+        self.wait_closed(range(4))
+        self.assertEqual(self.listed(), {})
+        self.assertGreater(self.row(2)['boot'], boot)
+        self.assertIn('runs already', self.fault('start', 'node2', code=1))
+
+    def test_its_cpu_dies_with_it_and_another_one_boots(self):
+        self.up(self.limbs())
+        cpu = self.wait_cpu(1, 'running')['pid']
+        self.begin('kill', 'node1')
+        self.assertTrue(is_gone(cpu))
+        self.fault('start', 'node1')
+        row = self.wait_cpu(1, 'running')
+        self.assertEqual(row['boots'], 1, 'as of a daemon that has just started')
+        self.assertNotEqual(row['pid'], cpu)
+
+    def test_an_attached_cpu_outlives_its_node_and_may_come_again(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = 'attached'
+        self.up(nodes)
+        cpu = self.port(1, role='cpu')
+        self.wait_cpu(1, 'running')
+        self.begin('kill', 'node1')
+        with self.assertRaises(HostPortError):
+            cpu.ask({'do': 'status'})
+        self.fault('start', 'node1')
+        self.assertEqual(self.row(1)['cpu']['state'], 'absent')
+        again = self.port(1, role='cpu')
+        self.wait_cpu(1, 'running')
+        port = self.port(0)
+        self.assertEqual(port.wait(port.send(1, b'x')).outcome, 'delivered')
+        self.assertEqual(again.receive(ring_process.GUARD).data, b'x')
+
+    def test_a_frozen_node_answers_nobody_is_shown_as_frozen_and_goes_on_when_thawed(self):
+        self.up(self.limbs())
+        cpu = self.wait_cpu(1, 'running')
+        port = self.port(1)
+        before = self.row(1)
+        self.assertEqual(self.begin('freeze', 'node1'), ['node1.freeze'])
+        asked = port.request({'do': 'status'})
+        self.wait_closed([0, 2, 3])
+        self.assertRegex(self.ctl('status').stdout, r'(?m)^ *1 +node1 +frozen ')
+        self.assertIn('is frozen', self.fault('cut', 'node1:node2', code=1))
+        self.assertIn('is frozen', self.fault('power_cycle', 'node1', code=1))
+        self.assertEqual(list(self.listed()), ['node1.freeze'])
+        self.assertIn('delivered', self.ctl('send', '--from', '0', '--to', '2', '--data', 'x').stdout)
+        self.fault('thaw', 'node1')
+        self.assertEqual(port.answer(asked)['name'], 'node1')
+        self.wait_closed(range(4))
+        self.assertEqual(self.listed(), {})
+        self.assertEqual(self.wait_cpu(1, 'running')['pid'], cpu['pid'])
+        self.assertGreater(self.row(1)['boot'], before['boot'], 'it has joined again')
+
+    def test_a_freeze_for_a_time_is_of_the_rings_time_and_over_when_answered(self):
+        self.up(plain_nodes(3), '--pace', '100')
+        boot, start = self.row(2)['boot'], self.row(0)['uptime_s']
+        self.assertEqual(self.fault('freeze', 'node2', '--for', '20s'), 'done: freeze node2 for=20s\n')
+        self.assertGreaterEqual(self.row(0)['uptime_s'] - start, 20)
+        self.wait_closed(range(3))
+        self.assertGreater(self.row(2)['boot'], boot)
+
+    def test_a_frozen_node_may_be_killed_and_started(self):
+        self.up(plain_nodes(3))
+        self.begin('freeze', 'node1')
+        self.begin('kill', 'node1')
+        self.assertEqual(list(self.listed()), ['node1.kill'])
+        self.fault('remove', 'node1.kill')
+        self.wait_closed(range(3))
+
+    def test_a_power_cycle_gives_a_new_boot_number_a_new_cpu_and_ends_faults(self):
+        self.up(self.limbs())
+        cpu, boot = self.wait_cpu(1, 'running')['pid'], self.row(1)['boot']
+        self.begin('drop', 'node1:node2', '--once-in', 1000)
+        self.begin('cut', 'node1:node2')
+        self.fault('power_cycle', 'node1')
+        self.assertGreater(self.row(1)['boot'], boot)
+        self.assertTrue(is_gone(cpu))
+        self.assertEqual(self.listed(), {})
+        self.wait_closed(range(4))
+        self.assertNotEqual(self.wait_cpu(1, 'running')['pid'], cpu)
+        self.assertEqual(self.ping(0, 2)['delivered'], 20)
+        boots = [self.row(i)['boot'] for i in range(4)]
+        self.fault('power_cycle', 'all')
+        self.wait_closed(range(4))
+        for i in range(4):
+            self.assertGreater(self.row(i)['boot'], boots[i])
+
+    def test_a_request_to_the_node_itself_cycles_its_power_too(self):
+        self.up(plain_nodes(3))
+        boot = self.row(1)['boot']
+        with self.assertRaises(HostPortError):
+            self.port(1).ask({'do': 'fault', 'fault': 'power_cycle node1'})
+        self.wait('it is back', lambda: (self.row(1) or {'boot': 0})['boot'] > boot)
+
+    def test_clear_ends_everything(self):
+        self.up(self.limbs())
+        self.wait_cpu(2, 'running')
+        self.begin('kill', 'node1')
+        self.begin('freeze', 'node2')
+        self.begin('drop', 'node3:node0', '--once-in', 1000)
+        self.assertEqual(sorted(self.listed()), ['node1.kill', 'node2.freeze', 'node3.1'])
+        self.fault('clear')
+        self.assertEqual(self.listed(), {})
+        self.wait_closed(range(4))
+
+    def test_all_are_killed_and_the_ring_can_be_taken_down(self):
+        config = self.up(plain_nodes(3))
+        pid = self.row(0)['pid']
+        self.begin('kill', 'all')
+        self.assertEqual(self.ctl('status').returncode, 3)
+        self.assertEqual(self.ctl_json('list')[0]['nodes'], 0)
+        again = self.ctl('up', config, '--clock', 'virtual', '--detach')
+        self.assertIn('running already', again.stderr)
+        self.assertEqual(self.ctl('--ring', self.ring, 'down').returncode, 0)
+        self.assertTrue(is_gone(pid))
+        self.assertFalse(os.path.exists(self.ring_folder()))
+
+    def test_a_ring_with_a_frozen_and_a_killed_node_goes_down_at_once(self):
+        self.up(self.limbs())
+        pid = self.row(0)['pid']
+        self.begin('freeze', 'node1')
+        self.begin('kill', 'node2')
+        self.assertEqual(self.ctl('--ring', self.ring, 'down').returncode, 0)
+        self.assertTrue(is_gone(pid))
+
+    def test_nothing_of_a_ring_that_was_killed_itself_is_left(self):
+        config = self.up(plain_nodes(3))
+        pid = self.row(0)['pid']
+        self.begin('kill', 'node1')
+        os.kill(pid, signal.SIGKILL)
+        self.wait('it is gone', lambda: is_gone(pid))
+        self.up_again(config)
+        self.wait_closed(range(3))
+        self.assertEqual(self.listed(), {})
+
+    def test_the_rings_own_port_refuses_what_is_of_nodes(self):
+        self.up(plain_nodes(3))
+        port = self.port(255)
+        self.assertEqual(port.wait(port.send(1, b'x')).outcome, 'rejected')
+        self.assert_refused('a node', port, {'do': 'status'})
+        self.assert_refused('fault is missing', port, {'do': 'fault'})
+        self.assert_refused('begun at the node', port, {'do': 'fault', 'fault': 'hang node1'})
+        self.assert_refused('unknown|no node', port, {'do': 'fault', 'fault': 'kill node7'})
+        with self.assertRaisesRegex(HostPortError, 'no CPU'):
+            self.port(255, role='cpu')
+
+
+if __name__ == '__main__':
+    ring_process.main()
