@@ -2,8 +2,8 @@
 
 #include <iostream>
 
+#include "app/capture_text/packet_bytes.h"
 #include "app/common/out_file.h"
-#include "app/ringctl/packet_bytes.h"
 #include "app/ringctl/problems.h"
 
 namespace limb_ring::ringctl {
@@ -14,20 +14,20 @@ constexpr const char* kStandardOutput = "standard output";
 
 class TextSink final : public CaptureSink {
  public:
-  TextSink(const capture::RingNames& names, const PacketTextOptions& options) : text_(names, options) {}
+  TextSink(const capture::RingNames& names, const app::PacketTextOptions& options) : text_(names, options) {}
   void packet(const CapturedPacket& packet) override { std::cout << text_.line(packet) << '\n'; }
   void event(const capture::CapturedEvent& event) override { std::cout << text_.line(event) << '\n'; }
   bool flush() override { return flush_to(std::cout, kStandardOutput); }
 
  private:
-  PacketText text_;
+  app::PacketText text_;
 };
 
 class JsonSink final : public CaptureSink {
  public:
   explicit JsonSink(capture::RingNames names) : names_(std::move(names)) {}
-  void packet(const CapturedPacket& packet) override { std::cout << packet_json(packet, names_) << '\n'; }
-  void event(const capture::CapturedEvent& event) override { std::cout << event_json(event, names_) << '\n'; }
+  void packet(const CapturedPacket& packet) override { std::cout << app::packet_json(packet, names_) << '\n'; }
+  void event(const capture::CapturedEvent& event) override { std::cout << app::event_json(event, names_) << '\n'; }
   bool flush() override { return flush_to(std::cout, kStandardOutput); }
 
  private:
@@ -39,7 +39,7 @@ class FileSink final : public CaptureSink {
   FileSink(const capture::RingNames& names, const std::string& path)
       : path_(path == "-" ? kStandardOutput : path), out_(open(path) ? file_ : std::cout), writer_(out_, names) {}
   void packet(const CapturedPacket& packet) override {
-    writer_.packet(packet.time_ns, packet.info, bytes_of(packet), packet.lost_before);
+    writer_.packet(packet.time_ns, packet.info, app::bytes_of(packet), packet.lost_before);
   }
   void event(const capture::CapturedEvent& event) override { writer_.event(event.time_ns, event.node, event.what); }
   bool flush() override { return flush_to(out_, path_); }
@@ -66,7 +66,7 @@ bool CaptureSink::flush_to(std::ostream& out, const std::string& path) {
   return problem_.empty();
 }
 
-std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const PacketTextOptions& options) {
+std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const app::PacketTextOptions& options) {
   return std::make_unique<TextSink>(names, options);
 }
 

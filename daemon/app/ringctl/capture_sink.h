@@ -3,7 +3,7 @@
 #include <fstream>
 #include <memory>
 
-#include "app/ringctl/packet_text.h"
+#include "app/capture_text/packet_text.h"
 
 namespace limb_ring::ringctl {
 
@@ -27,7 +27,7 @@ class CaptureSink {
 };
 
 /// Lines of text on standard output.
-std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const PacketTextOptions& options);
+std::unique_ptr<CaptureSink> text_sink(const capture::RingNames& names, const app::PacketTextOptions& options);
 /// Lines of JSON on standard output.
 std::unique_ptr<CaptureSink> json_sink(const capture::RingNames& names);
 /// pcapng in a file, or on standard output where the path is "-". @throw UsageError

@@ -3,7 +3,7 @@
 #include <map>
 #include <tuple>
 
-#include "app/ringctl/packet_bytes.h"
+#include "app/capture_text/packet_bytes.h"
 #include "capture/filter.h"
 #include "wire/data_packet.h"
 
@@ -36,7 +36,7 @@ class Planner {
 
  private:
   void sort(CapturedPacket packet) {
-    const PacketView view{{}, packet.info, bytes_of(packet)};
+    const PacketView view{{}, packet.info, app::bytes_of(packet)};
     if (!view.whole() || packet.info.crc_bad) {
       ++plan_.broken;
       return;
@@ -50,14 +50,14 @@ class Planner {
   }
 
   void choose_place(const CapturedPacket& packet) {
-    const wire::NodeId source = fields_of(packet).source();
+    const wire::NodeId source = app::fields_of(packet).source();
     const auto [place, added] = places_.emplace(source, place_of(packet));
     const bool out_of_it = packet.info.from == source, had_that = std::get<1>(place->second) == source;
     if (!added && out_of_it && !had_that) place->second = place_of(packet);
   }
 
   void take(const CapturedPacket& packet) {
-    const wire::PacketFields fields = fields_of(packet);
+    const wire::PacketFields fields = app::fields_of(packet);
     if (places_[fields.source()] != place_of(packet)) {
       ++plan_.elsewhere;
       return;

@@ -1,6 +1,6 @@
 #include "app/ringctl/trace_words.h"
 
-#include "app/ringctl/packet_text.h"
+#include "app/capture_text/packet_text.h"
 #include "wire/data_packet.h"
 
 namespace limb_ring::ringctl {
@@ -99,7 +99,8 @@ std::string title_of(const PacketTrace& trace, const RingNames& names) {
                       kind_of(trace.code, trace.trailer);
   if (wire::code_of(trace.code).interrupt || !trace.trailer) return title;
   return title + "  p" + to_string(wire::priority_of(trace.trailer->last)) + " " +
-         channel_name(wire::channel_of(trace.trailer->last)) + "  " + to_string(trace.size - wire::kOverhead) + " B";
+         app::channel_name(wire::channel_of(trace.trailer->last)) + "  " + to_string(trace.size - wire::kOverhead) +
+         " B";
 }
 
 std::string end_words(const PacketTrace& trace, const RingNames& names) {

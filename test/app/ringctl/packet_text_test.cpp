@@ -1,5 +1,5 @@
 // The lines of `ringctl dump`.
-#include "app/ringctl/packet_text.h"
+#include "app/capture_text/packet_text.h"
 #include "app/ringctl/live_dump.h"
 
 #include <gmock/gmock.h>
@@ -13,6 +13,11 @@
 namespace limb_ring::ringctl {
 namespace {
 
+using app::event_json;
+using app::packet_json;
+using app::PacketText;
+using app::PacketTextOptions;
+using app::Stamps;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;

@@ -1,6 +1,6 @@
 #include "app/ringctl/command/channel.h"
 
-#include "app/ringctl/packet_text.h"
+#include "app/capture_text/packet_text.h"
 #include "cli/values.h"
 #include "config/names.h"
 #include "wire/data_packet.h"
@@ -11,7 +11,7 @@ CLI::Validator channel(bool control) {
   return CLI::Validator(
       [control](std::string& text) -> std::string {
         std::vector<std::string> names;
-        for (const auto& [name, number] : named_channels()) {
+        for (const auto& [name, number] : app::named_channels()) {
           names.push_back(name);
           if (text == name) text = std::to_string(number);
         }

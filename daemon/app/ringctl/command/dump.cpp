@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "app/capture_text/packet_bytes.h"
 #include "app/common/colour.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/capture_names.h"
@@ -13,7 +14,6 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
-#include "app/ringctl/packet_bytes.h"
 #include "app/ringctl/problems.h"
 #include "cli/values.h"
 
@@ -24,7 +24,7 @@ namespace {
 struct DumpOptions {
   std::vector<std::string> nodes;
   FilterWords filter;
-  PacketTextOptions text;
+  app::PacketTextOptions text;
   std::uint64_t count = 0;
   std::string write, read;
   bool events = false, json = false, log = false;
@@ -33,7 +33,7 @@ struct DumpOptions {
 std::unique_ptr<CaptureSink> sink_of(const DumpOptions& options, const capture::RingNames& names) {
   if (!options.write.empty()) return file_sink(names, options.write);
   if (options.json) return json_sink(names);
-  PacketTextOptions text = options.text;
+  app::PacketTextOptions text = options.text;
   text.colour = app::colour_wanted(STDOUT_FILENO);
   return text_sink(names, text);
 }
@@ -80,7 +80,7 @@ DumpTotals show_records(capture::PcapngReader& reader, const DumpOptions& option
       continue;
     }
     const auto& packet = std::get<CapturedPacket>(*record);
-    const wire::ByteView bytes = bytes_of(packet);
+    const wire::ByteView bytes = app::bytes_of(packet);
     if (!selection.takes({std::chrono::nanoseconds(packet.time_ns), packet.info, bytes})) continue;
     sink.packet(packet);
     if (++totals.shown == options.count) break;
@@ -142,7 +142,8 @@ void add_filter(CLI::App& command, FilterWords& words) {
 
 void add_options(CLI::App& command, DumpOptions& options) {
   command.add_option("NODE", options.nodes, "Nodes to look at, id or name, or all; default: the supervisor");
-  const std::map<std::string, Stamps> stamps{{"a", Stamps::absolute}, {"d", Stamps::delta}, {"z", Stamps::zero}};
+  const std::map<std::string, app::Stamps> stamps{
+      {"a", app::Stamps::absolute}, {"d", app::Stamps::delta}, {"z", app::Stamps::zero}};
   command.add_option("-t,--time", options.text.stamps, "Times: a absolute, d since the one before, z since the first")
       ->transform(cli::word_of(stamps));
   command.add_flag("-d,--decode", options.text.decode, "Hellos, beacons, joints, sensors and topics in words");

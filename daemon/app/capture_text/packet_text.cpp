@@ -1,15 +1,15 @@
-#include "app/ringctl/packet_text.h"
+#include "app/capture_text/packet_text.h"
 
 #include <algorithm>
 #include <cstdio>
 
+#include "app/capture_text/packet_bytes.h"
+#include "app/capture_text/payload_words.h"
 #include "app/common/colour.h"
-#include "app/ringctl/packet_bytes.h"
-#include "app/ringctl/payload_words.h"
 #include "capture/filter.h"
 #include "wire/data_packet.h"
 
-namespace limb_ring::ringctl {
+namespace limb_ring::app {
 
 namespace {
 
@@ -138,15 +138,12 @@ std::string PacketText::line(const CapturedPacket& packet) {
   const std::string time = stamp(packet.time_ns) + "  ";
   if (!options_.colour) return time + text;
   const bool control = capture::kind_of({{}, packet.info, bytes_of(packet)}) == capture::Kind::control;
-  const char* colour = broken(packet.info)    ? app::kRed
-                       : is_interrupt(packet) ? app::kMagenta
-                       : control              ? app::kDim
-                                              : "";
-  return time + colour + text + app::kPlain;
+  const char* colour = broken(packet.info) ? kRed : is_interrupt(packet) ? kMagenta : control ? kDim : "";
+  return time + colour + text + kPlain;
 }
 
 std::string PacketText::line(const capture::CapturedEvent& event) {
   return stamp(event.time_ns) + "  * " + names_.of(event.node) + ": " + event.what;
 }
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::app

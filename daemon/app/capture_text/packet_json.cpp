@@ -1,11 +1,11 @@
 #include <nlohmann/json.hpp>
 
-#include "app/ringctl/packet_bytes.h"
-#include "app/ringctl/packet_text.h"
-#include "app/ringctl/payload_words.h"
+#include "app/capture_text/packet_bytes.h"
+#include "app/capture_text/packet_text.h"
+#include "app/capture_text/payload_words.h"
 #include "wire/data_packet.h"
 
-namespace limb_ring::ringctl {
+namespace limb_ring::app {
 
 using capture::RingNames;
 using nlohmann::json;
@@ -59,4 +59,4 @@ std::string event_json(const capture::CapturedEvent& event, const RingNames& nam
   return json{{"time_ns", event.time_ns}, {"node", names.of(event.node)}, {"event", event.what}}.dump();
 }
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::app

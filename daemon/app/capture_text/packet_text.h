@@ -6,7 +6,7 @@
 
 #include "capture/pcapng_reader.h"
 
-namespace limb_ring::ringctl {
+namespace limb_ring::app {
 
 /// How `ringctl dump` shows times, as candump's -t.
 enum class Stamps : char { absolute = 'a', delta = 'd', zero = 'z' };
@@ -52,4 +52,4 @@ std::string channel_name(std::uint8_t channel);
 /// The names of the channels that have one, by number: user, control, joint, topic.
 const std::map<std::string, std::uint8_t>& named_channels();
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::app

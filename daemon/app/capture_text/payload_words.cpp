@@ -1,4 +1,4 @@
-#include "app/ringctl/payload_words.h"
+#include "app/capture_text/payload_words.h"
 
 #include "app/common/text_table.h"
 #include "limb_ring/payload/announcement.h"
@@ -9,7 +9,7 @@
 #include "wire/control_message.h"
 #include "wire/data_packet.h"
 
-namespace limb_ring::ringctl {
+namespace limb_ring::app {
 
 namespace {
 
@@ -56,8 +56,8 @@ std::string words(const payload::JointState& state) {
   std::string text = "joint state " + to_string(state.sequence) + modes(state.mode);
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const auto& values = state.joints[i];
-    text += joint(i) + " at " + app::number(values.position, 4) + " rad, " + app::number(values.velocity, 4) +
-            " rad/s, " + app::number(values.effort, 3) + " N m";
+    text += joint(i) + " at " + number(values.position, 4) + " rad, " + number(values.velocity, 4) + " rad/s, " +
+            number(values.effort, 3) + " N m";
   }
   return text;
 }
@@ -68,16 +68,16 @@ std::string words(const payload::JointCommand& command) {
   for (std::size_t i = 0; i < command.joints.size(); ++i) {
     const auto& values = command.joints[i];
     std::string wanted;
-    if (values.position) wanted += " " + app::number(*values.position, 4) + " rad";
-    if (values.velocity) wanted += " " + app::number(*values.velocity, 4) + " rad/s";
-    if (values.effort) wanted += " " + app::number(*values.effort, 3) + " N m";
+    if (values.position) wanted += " " + number(*values.position, 4) + " rad";
+    if (values.velocity) wanted += " " + number(*values.velocity, 4) + " rad/s";
+    if (values.effort) wanted += " " + number(*values.effort, 3) + " N m";
     if (!wanted.empty()) text += joint(i) + wanted;
   }
   return text;
 }
 
 std::string triple(const std::array<double, 3>& values, const char* unit) {
-  return app::number(values[0], 3) + " " + app::number(values[1], 3) + " " + app::number(values[2], 3) + " " + unit;
+  return number(values[0], 3) + " " + number(values[1], 3) + " " + number(values[2], 3) + " " + unit;
 }
 
 std::string words(const payload::SensorReading& reading) {
@@ -135,4 +135,4 @@ std::string hex_words(ByteView data) {
   return text;
 }
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::app
