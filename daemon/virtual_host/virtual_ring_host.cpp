@@ -106,6 +106,12 @@ runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
   return base;
 }
 
+void VirtualRingHost::capture(std::ostream& out) {
+  capture::RingNames names{config_.ring, {}};
+  for (const config::NodeConfig& node : config_.nodes) names.nodes[wire::NodeId{node.id}] = node.name;
+  capture_.emplace(ring_, out, names);
+}
+
 void VirtualRingHost::start() {
   for (const auto& [id, node] : nodes_) node->start();
 }

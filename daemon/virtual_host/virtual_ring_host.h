@@ -5,11 +5,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <vector>
 
 #include "event_loop/packet_timer.h"
 #include "runtime/node.h"
 #include "sim/trace.h"
+#include "sim_tools/ring_capture.h"
 #include "virtual_host/lockstep.h"
 #include "virtual_host/node_faults.h"
 #include "virtual_host/pace.h"
@@ -27,6 +29,8 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring);
   ~VirtualRingHost() override;
 
+  /// Writes all packets on its lines there, as pcapng, in its time. @param out outlives this
+  void capture(std::ostream& out);
   /// Starts the CPUs.
   void start();
   /// Lets time go on, no faster than `pace`, until the event loop is stopped; at `end`, stop() is called.
@@ -74,6 +78,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   sim::Trace trace_;
   std::optional<NodeFaults> node_faults_;
   std::optional<RingPort> port_;
+  std::optional<sim::RingCapture> capture_;
   event_loop::PacketTimer wake_;
   bool lines_changed_ = true;
   bool stopping_ = false;

@@ -14,10 +14,10 @@ LEG = os.path.join(ring_process.CONFIG, 'leg8.yaml')
 
 
 class Lockstep(RingTest):
-    def run_for(self, seconds, config=LEG, prefix=(), pace='max'):
+    def run_for(self, seconds, config=LEG, prefix=(), pace='max', more=()):
         """Log of a virtual ring that has run for so many seconds of its time."""
         done = subprocess.run([*prefix, ring_process.program('ringd'), '--config', config, '--ring', self.ring,
-                               '--clock', 'virtual', '--pace', pace, '--for', str(seconds)],
+                               '--clock', 'virtual', '--pace', pace, '--for', str(seconds), *more],
                               env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, universal_newlines=True, timeout=ring_process.GUARD)
         self.assertEqual(done.returncode, 0, done.stdout)
@@ -26,6 +26,10 @@ class Lockstep(RingTest):
     def trace_of(self, log):
         self.assertNotIn('not repeatable', log)
         return re.search(r'trace hash ([0-9a-f]{16}) of ', log).group(1)
+
+    def compare_traces(self, *paths):
+        return subprocess.run([ring_process.program('ring_sim'), 'compare-traces', *paths], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, universal_newlines=True, timeout=ring_process.GUARD)
 
     def busy(self):
         for _ in range(2 * os.cpu_count()):
@@ -69,7 +73,31 @@ class Lockstep(RingTest):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = {'command': [os.path.join(CPUS, 'wall_clock_cpu')]}
         config = self.write_ring(nodes)
-        self.assertNotEqual(self.trace_of(self.run_for(1, config)), self.trace_of(self.run_for(1, config)))
+        captures = [os.path.join(self.folder, 'a.pcapng'), os.path.join(self.folder, 'b.pcapng')]
+        traces = [self.trace_of(self.run_for(1, config, more=('--capture', path))) for path in captures]
+        self.assertNotEqual(*traces)
+        done = self.compare_traces(*captures)
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        same, *lines = done.stdout.splitlines()
+        self.assertRegex(same, r'the first \d+ packets and events are the same, then they differ \(bytes from \d+\):')
+        for path, line in zip(captures, lines):
+            self.assertRegex(line, '^' + re.escape(path) + r'  \(000\.020\d+\)  node1 -> node2 +DATP +node1 -> node0 ')
+
+    def test_a_capture_is_the_same_where_the_trace_is(self):
+        captures = [os.path.join(self.folder, 'a.pcapng'), os.path.join(self.folder, 'b.pcapng')]
+        for path in captures:
+            self.run_for(0.5, more=('--capture', path))
+        done = self.compare_traces(*captures)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r'^the same: [1-9]\d+ packets and events\n$')
+
+    def test_compare_traces_says_what_it_cannot_read(self):
+        for text, problem in (None, 'cannot be read'), ('no capture', 'no pcapng'):
+            path = os.path.join(self.folder, 'x.pcapng') if text is None else self.write('y.pcapng', text)
+            done = self.compare_traces(path, path)
+            self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+            self.assertIn(path, done.stderr)
+            self.assertIn(problem, done.stderr)
 
     def test_a_cpu_that_loops_is_named_and_reset_and_the_ring_goes_on(self):
         nodes = plain_nodes(3)

@@ -5,6 +5,7 @@
 
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
+#include "capture/pcapng_reader.h"
 #include "cli/command_line.h"
 #include "cli/values.h"
 #include "config/config_error.h"
@@ -100,6 +101,8 @@ int act(const Context& context, int argc, char** argv) {
     return failed(problem, kUsage);
   } catch (const config::ConfigError& problem) {
     return failed(problem, kUsage);
+  } catch (const capture::CaptureFileError& problem) {
+    return failed(problem, kUsage);
   } catch (const std::exception& problem) {
     return failed(problem, kBroken);
   }
@@ -115,6 +118,7 @@ int run_command_line(int argc, char** argv) {
   add_table(app, context);
   add_run(app, context);
   add_compare(app, context);
+  add_compare_traces(app, context);
   add_plan(app, context);
   add_soak(app, context);
   add_explore(app, context);

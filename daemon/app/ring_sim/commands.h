@@ -33,6 +33,7 @@ void add_run(CLI::App& app, Context& context);
 void add_soak(CLI::App& app, Context& context);
 void add_explore(CLI::App& app, Context& context);
 void add_compare(CLI::App& app, Context& context);
+void add_compare_traces(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);
 
 }  // namespace limb_ring::ring_sim

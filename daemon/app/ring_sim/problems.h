@@ -7,15 +7,16 @@ namespace limb_ring::ring_sim {
 /// What ring_sim ends with; every --help says so too.
 enum ExitCode : int {
   kDone = 0,
-  /// A promise of the ring was broken, a plan does not fit onto it, gnuplot is missing or fails, or a disk is full.
+  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, gnuplot is missing or fails,
+  /// or a disk is full.
   kBroken = 1,
   /// Wrong arguments, a configuration that is refused, or a folder that cannot be written.
   kUsage = 2
 };
 
 constexpr const char* kExitCodesHelp =
-    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, gnuplot is missing or "
-    "fails, or a disk is full; 2 wrong arguments or configuration, or a folder that cannot be written.";
+    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, gnuplot "
+    "is missing or fails, or a disk is full; 2 wrong arguments or configuration, or a folder that cannot be written.";
 
 /// Ends ring_sim with kUsage.
 struct UsageError : std::runtime_error {

@@ -47,6 +47,8 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   if (!request.clock) return arguments;
   arguments.insert(arguments.end(), {"--clock", "virtual", "--pace", pace_text(request.clock->pace)});
   if (request.clock->lasts_s > 0) arguments.insert(arguments.end(), {"--for", std::to_string(request.clock->lasts_s)});
+  if (!request.clock->capture.empty())
+    arguments.insert(arguments.end(), {"--capture", std::filesystem::absolute(request.clock->capture).string()});
   return arguments;
 }
 

@@ -11,8 +11,9 @@ namespace limb_ring::ringctl {
 
 /// A virtual ring's.
 struct VirtualClock {
-  double pace = 1;     ///< its time per real time; infinite: as fast as can be
-  double lasts_s = 0;  ///< the ring ends then; 0: it does not
+  double pace = 1;      ///< its time per real time; infinite: as fast as can be
+  double lasts_s = 0;   ///< the ring ends then; 0: it does not
+  std::string capture;  ///< file for all packets on its lines; empty: none
 };
 
 /// What `ringctl up` was asked for.

@@ -78,12 +78,20 @@ int run_virtual(const config::RingConfig& given, const ringd::Options& options) 
   virtual_host::VirtualRingHost host(io, ring);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   end_on_signals(signals, io, host);
+  std::ofstream capture;
+  if (!options.capture.empty()) {
+    const std::string problem = app::open_for_writing(capture, options.capture);
+    if (!problem.empty()) throw ringd::UsageError("--capture " + problem);
+    host.capture(capture);
+  }
   host.start();
   virtual_host::Pace pace(options.pace, std::chrono::steady_clock::now());
   const core::Time end =
       options.lasts_s > 0 ? core::Time{} + std::chrono::nanoseconds(std::llround(options.lasts_s * 1e9)) : core::kNever;
   host.run(pace, end);
   report(host, pace);
+  const std::string problem = capture.is_open() ? app::finish_writing(capture, options.capture) : "";
+  if (!problem.empty()) throw std::runtime_error(problem);
   return 0;
 }
 

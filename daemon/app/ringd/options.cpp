@@ -59,6 +59,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--for", o.lasts_s, "With --clock virtual: the ring ends by itself after so many seconds of its time")
       ->transform(cli::seconds(0.001, 1e9))
       ->needs(clock);
+  app.add_option("--capture", o.capture, "With --clock virtual: write the packets on all lines there, as pcapng")
+      ->needs(clock);
   app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
   try {
     const auto asked = cli::read(app, own_arguments(argc, argv));

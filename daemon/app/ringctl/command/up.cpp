@@ -32,6 +32,7 @@ struct UpOptions {
   std::string clock = "machine";
   double pace = 1;
   double lasts_s = 0;
+  std::string capture;
   double timeout_s = 10;
 };
 
@@ -170,7 +171,7 @@ void read_clock(UpOptions& options) {
   if (options.clock == "machine") return;
   if (options.respawn) throw UsageError("--clock virtual and --respawn do not go together yet");
   if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
-  options.request.clock = VirtualClock{options.pace, options.lasts_s};
+  options.request.clock = VirtualClock{options.pace, options.lasts_s, options.capture};
 }
 
 }  // namespace
@@ -215,6 +216,11 @@ void add_up(CLI::App& app, Context& context) {
           "With --clock virtual: the ring ends by itself after so many seconds of its time, and tells its trace "
           "hash")
       ->transform(cli::seconds(0.001, 1e9))
+      ->needs(clock);
+  command
+      ->add_option("--capture", options->capture,
+                   "With --clock virtual: write the packets on all lines there, as pcapng; 'ring_sim compare-traces' "
+                   "finds where two runs part")
       ->needs(clock);
   command->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
       ->transform(cli::seconds(0.1, 600.0));
