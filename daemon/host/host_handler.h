@@ -39,6 +39,8 @@ class HostHandler {
   virtual void on_interrupt(ClientId client, const client::InterruptRequest& request) = 0;
   virtual void on_pull(ClientId client, const client::PullRequest& request) = 0;
   virtual void on_request(ClientId client, const client::JsonRequest& request) = 0;
+  /// Whether such a request does more than to ask.
+  virtual bool changes_something(const client::JsonRequest&) const { return false; }
   virtual void on_observe(ClientId client, const client::ObserveRequest& request) = 0;
   /// A sign of life: called for every message of a client, before the message's own call.
   virtual void on_alive(ClientId client) = 0;

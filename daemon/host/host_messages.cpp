@@ -13,7 +13,9 @@ namespace {
 /// A CPU asks for a few packets at a time; one that asks for more gets this many.
 constexpr unsigned kMaxCredit = 64;
 
-bool changes_something(const client::ToDaemon& message) {
+bool changes_something(const client::ToDaemon& message, const HostHandler& handler) {
+  const auto* request = std::get_if<client::JsonRequest>(&message);
+  if (request != nullptr) return handler.changes_something(*request);
   return std::holds_alternative<client::SendRequest>(message) ||
          std::holds_alternative<client::InterruptRequest>(message) ||
          std::holds_alternative<client::PullRequest>(message);
@@ -22,7 +24,8 @@ bool changes_something(const client::ToDaemon& message) {
 }  // namespace
 
 void HostServer::on_message(Session& session, const client::ToDaemon& message) {
-  if (options_.turns != nullptr && !session.info().lockstep && changes_something(message)) options_.turns->disturbed();
+  if (options_.turns != nullptr && !session.info().lockstep && changes_something(message, handler_))
+    options_.turns->disturbed();
   if (session.attached()) handler_.on_alive(session.info().id);
   std::visit([&](const auto& kind) { on(session, kind); }, message);
 }

@@ -268,6 +268,7 @@ void Session::end(const std::string& reason) {
 void Session::fail(SessionOwner::End how) {
   if (!open()) return;
   SessionOwner& owner = *owner_;
+  ended_by_client_ = how == SessionOwner::End::closed;
   end(reason_of(how));
   owner.on_end(*this, how);
 }

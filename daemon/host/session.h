@@ -91,6 +91,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void thaw();
 
   bool open() const { return owner_ != nullptr; }
+  /// It was the client that has ended it.
+  bool ended_by_client() const { return ended_by_client_; }
   bool attached() const { return attached_; }
   /// True where the other end has gone, though we may not have read so far.
   bool hung_up() const;
@@ -144,6 +146,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool has_news_ = false;
   std::chrono::nanoseconds waits_until_ = std::chrono::nanoseconds::max();
   bool frozen_ = false;
+  bool ended_by_client_ = false;
   bool ending_ = false;  ///< the other end has gone; what it sent before is still to be read
   event_loop::Watch watch_;
 };

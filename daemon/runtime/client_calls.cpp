@@ -58,6 +58,10 @@ void ClientCalls::on_request(host::ClientId client, const client::JsonRequest& r
                       });
 }
 
+bool ClientCalls::changes_something(const client::JsonRequest& request) const {
+  return Requests::changes_something(std::string(request.json));
+}
+
 void ClientCalls::on_observe(host::ClientId client, const client::ObserveRequest& request) {
   try {
     const ObserveFilter filter = read_observe_filter(to_.ring, std::string(request.json));

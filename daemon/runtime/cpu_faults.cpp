@@ -22,8 +22,12 @@ void CpuFaults::hang(const Done& done) {
   const pid_t pid = cpu_.status().pid;
   const CpuActionResult sent = cpu_.signal(SIGSTOP);
   if (!sent.done) return done(sent.message);
-  wait([pid] { return process::is_stopped(pid) || process::is_gone(pid); },
-       "pid " + std::to_string(pid) + " does not stop", done);
+  stopping_ = pid;
+  const auto stopped = [this, pid] {
+    if (process::is_stopped(pid) || process::is_gone(pid)) stopping_ = -1;
+    return stopping_ != pid;  // also where it was woken before
+  };
+  wait(stopped, "pid " + std::to_string(pid) + " does not stop", done);
 }
 
 // A stopped process would be hit only when it goes on.
@@ -45,7 +49,8 @@ void CpuFaults::reset(const Done& done) {
 
 void CpuFaults::wake(const Done& done) {
   const pid_t pid = cpu_.status().pid;
-  if (!process::is_stopped(pid)) return done("");
+  if (!hangs()) return done("");
+  stopping_ = -1;
   cpu_.signal(SIGCONT);
   wait([pid] { return !process::is_stopped(pid); }, "pid " + std::to_string(pid) + " does not go on", done);
 }
@@ -56,6 +61,9 @@ void CpuFaults::read_on() {
   engine_.pump();
 }
 
-bool CpuFaults::hangs() const { return process::is_stopped(cpu_.status().pid); }
+bool CpuFaults::hangs() const {
+  const pid_t pid = cpu_.status().pid;
+  return pid > 0 && (pid == stopping_ || process::is_stopped(pid));
+}
 
 }  // namespace limb_ring::runtime

@@ -34,7 +34,7 @@ class CpuFaults {
   void read_on();
   void be_quiet() { babbling_.stop(); }
 
-  /// Its process is stopped, by us or by others.
+  /// Its process is stopped, by us, perhaps just now, or by others.
   bool hangs() const;
   std::uint64_t babbled() const { return babbling_.sent(); }
   void on_ended(const core::SendEnded& ended) { babbling_.on_ended(ended); }
@@ -46,6 +46,7 @@ class CpuFaults {
   NodeDriver& engine_;
   CpuSocket& cpu_;
   BabblingCpu babbling_;
+  pid_t stopping_ = -1;                                     ///< it was sent SIGSTOP, which has not taken effect yet
   std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by waits
 };
 

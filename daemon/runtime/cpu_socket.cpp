@@ -106,6 +106,7 @@ void CpuSocket::on_cpu_changed() { report(); }
 
 void CpuSocket::report() {
   const CpuStatus now = status();
+  if (now.unsettled) return changed_();
   reported_.boots = now.boots;
   reported_.state = now.state;
   reported_.comes_back = now.kind != CpuKind::attached || now.restarted_by_owner;

@@ -67,7 +67,7 @@ void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
     case Name::crash:
       return cpu_.crash(over);
     case Name::hang:
-      return cpu_.hang(listed);
+      return begin_hang(fault, begun);
     case Name::slow:
       cpu_.slow(fault.every);
       break;
@@ -79,6 +79,17 @@ void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
       break;
   }
   listed("");
+}
+
+// It lasts from now on, though the process stops a little later.
+void Faults::begin_hang(const Fault& fault, const Begun& begun) {
+  const Id id = add(fault);
+  end_later(id);
+  cpu_.hang([this, id, begun](const std::string& problem) {
+    const bool hangs = problem.empty();
+    if (!hangs && active_.erase(id) != 0 && id == last_id_) --last_id_;
+    begun(hangs ? id : 0, problem);
+  });
 }
 
 void Faults::end_later(Id id) {

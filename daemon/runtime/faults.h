@@ -53,6 +53,7 @@ class Faults {
   Id add(const fault::Fault& fault);
   void begin_line(const fault::Fault& fault, const Begun& begun);
   void begin_cpu(const fault::Fault& fault, const Begun& begun);
+  void begin_hang(const fault::Fault& fault, const Begun& begun);
   void end_later(Id id);
   void mend(fault::Name name, const Done& done);
   void mend_cpu(const Done& done);

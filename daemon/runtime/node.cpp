@@ -12,6 +12,8 @@ CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig&
       {"LIMB_RING_RING", ring.ring}, {"LIMB_RING_NODE", std::to_string(node.id)}, {"LIMB_RING_CONFIG", ring.path}};
   options.boot_timeout = ring.timeouts.cpu_boot;
   options.affinity = base.cpu_cores;
+  options.boots_for = base.cpu_boots_for;
+  options.on_signal = base.on_cpu_signal;
   options.log_prefix = base.log_prefix;
   return options;
 }
@@ -38,8 +40,9 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       packet_observers_(wire::NodeId{config.id}, engine_, host_),
       cpu_(io, cpu_options(ring, config, base), engine_, host_,
            [this, tell = base.on_cpu_changed] {
-             router_.on_cpu_changed();
-             if (tell) tell(cpu_.status());
+             const CpuStatus cpu = cpu_.status();
+             if (!cpu.unsettled) router_.on_cpu_changed();
+             if (tell) tell(cpu);
            }),
       pins_(config.pins, cpu_),
       traffic_(engine_),

@@ -43,7 +43,9 @@ struct NodeBase {
   std::function<std::unique_ptr<host::HostHandler>(host::HostHandler& calls)> make_filter;
   /// The CPU's state, pid or boots have changed; may be empty.
   std::function<void(const CpuStatus&)> on_cpu_changed;
-  std::string log_prefix;  ///< of what is logged of this node alone
+  std::chrono::nanoseconds cpu_boots_for{0};      ///< CpuOptions::boots_for
+  std::function<void(int number)> on_cpu_signal;  ///< CpuOptions::on_signal
+  std::string log_prefix;                         ///< of what is logged of this node alone
 };
 
 /// One node of a ring, complete: builds its parts, hands each what it needs, starts and stops them. What clients call
@@ -58,6 +60,7 @@ class Node {
   void start();
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(std::function<void()> done);
+  Faults& faults() { return faults_; }
 
   /// @name Faults of a node that shares its process with others
   ///@{

@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <map>
+#include <set>
 
 #include "limb_ring/host_port.h"
 #include "runtime/request_fields.h"
@@ -48,6 +49,13 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
   } catch (const std::exception& error) {
     answer({{"error", error.what()}});
   }
+}
+
+bool Requests::changes_something(const std::string& text) {
+  static const std::set<std::string> changing{"clear_faults", "fault", "ping", "remove_fault", "reset", "stop", "sync"};
+  const Json request = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const Json what = request.is_object() ? request.value("do", Json()) : Json();
+  return what.is_string() && changing.count(what.get<std::string>()) != 0;
 }
 
 void Requests::clock(const Json&, const Answer& answer) {

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <csignal>
 #include <optional>
 
 #include "process/process_state.h"
@@ -31,8 +32,11 @@ Lockstep::Lockstep(sim::VirtualRing& ring, const config::RingConfig& config) : r
 
 void Lockstep::expect_bridge(std::uint8_t node) {
   if (config_.bridge.lockstep && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached)
-    boots_[node] = {ring_.now() + config_.virtual_clock.boot_time};
+    boots_[node] = {boot_end()};
 }
+
+/// Of a CPU that begins to boot now: as exact as the clock of its node.
+core::Time Lockstep::boot_end() const { return core::Time{} + now() + config_.virtual_clock.boot_time; }
 
 nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch()); }
 
@@ -41,6 +45,7 @@ nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_
 void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
   news_ = true;
   const auto boot = boots_.find(node);
+  if (boot != boots_.end() && boot->second.ends) return attach();  // which is refused
   if (boot != boots_.end()) {
     boot->second.attach = std::move(attach);
     return;
@@ -49,28 +54,38 @@ void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
   attach();
 }
 
-/// It is started by others, and has not come.
+/// It is started by others, and has not come; or was to end, and has not.
 bool Lockstep::is_late(std::uint8_t node, const Boot& boot) const {
-  return config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached &&
-         steady_clock::now() - boot.since > kAttachedWithin;
+  const bool by_others = config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
+  if (boot.attach || !waits_for_boot(node) || !(boot.ends || by_others)) return false;
+  const nanoseconds patience = boot.ends ? nanoseconds(config_.virtual_clock.stall) : nanoseconds(kAttachedWithin);
+  return steady_clock::now() - boot.since > patience;
+}
+
+void Lockstep::give_up(std::uint8_t node, const Boot& boot) const {
+  const std::string& name = config_.find(node)->name;
+  if (boot.ends)
+    spdlog::warn("{}: its CPU was to end and has not within {} ms; time goes on", name,
+                 config_.virtual_clock.stall.count());
+  else
+    spdlog::warn("{}: bridge.lockstep: its CPU, the bridge, has not come within {} s; time goes on without it", name,
+                 kAttachedWithin.count());
 }
 
 bool Lockstep::attach_those_due() {
   for (auto it = boots_.begin(); it != boots_.end();) {
-    const bool gone = !it->second.attach && !is_frozen(it->first) && is_late(it->first, it->second);
-    if (gone)
-      spdlog::warn("{}: bridge.lockstep: its CPU, the bridge, has not come within {} s; time goes on without it",
-                   config_.find(it->first)->name, kAttachedWithin.count());
+    const bool gone = is_late(it->first, it->second);
+    if (gone) give_up(it->first, it->second);
     it = gone ? boots_.erase(it) : std::next(it);
   }
   std::vector<std::function<void()>> due;
   for (const auto& [node, boot] : boots_) {
-    if (boot.at > ring_.now() || is_frozen(node)) continue;
+    if (boot.at > ring_.now() || !waits_for_boot(node)) continue;
     if (!boot.attach) return false;
     due.push_back(boot.attach);
   }
   for (auto it = boots_.begin(); it != boots_.end();)
-    it = it->second.at > ring_.now() || is_frozen(it->first) ? std::next(it) : boots_.erase(it);
+    it = it->second.at > ring_.now() || !waits_for_boot(it->first) ? std::next(it) : boots_.erase(it);
   for (const auto& attach : due) attach();
   return true;
 }
@@ -83,13 +98,32 @@ void Lockstep::joined(std::uint8_t node, const std::shared_ptr<host::Session>& s
 
 // One that is new boots; the one that was there before is ending.
 void Lockstep::cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
-  const bool boots = cpu.kind == runtime::CpuKind::child && cpu.state == wire::CpuState::booting && cpu.pid > 0;
-  if (!boots) {
-    if (cpu.kind == runtime::CpuKind::child) boots_.erase(node);
+  const bool child = cpu.kind == runtime::CpuKind::child;
+  const bool boots = child && cpu.state == wire::CpuState::booting && cpu.pid > 0;
+  const auto known = boots_.find(node);
+  const bool ends = known != boots_.end() && known->second.ends;
+  if (cpu.ending || cpu.pid <= 0) hung_.erase(node);
+  if (cpu.ending) {
+    boots_[node] = {ring_.now(), true};
+  } else if (!boots) {
+    if (ends ? cpu.pid <= 0 : child) boots_.erase(node);
   } else if (std::exchange(pids_[node], cpu.pid) != cpu.pid) {
-    boots_[node] = {ring_.now() + config_.virtual_clock.boot_time};
+    boots_[node] = {boot_end()};
+    hung_.erase(node);
   } else {
     boots_.emplace(node, Boot{ring_.now()});
+  }
+  news_ = true;
+}
+
+void Lockstep::cpu_signalled(std::uint8_t node, int number) {
+  const bool fatal = number == SIGKILL || number == SIGSEGV || number == SIGABRT;
+  if (number == SIGSTOP) hung_.insert(node);
+  if (number == SIGCONT && hung_.erase(node) != 0) goes_on(node);
+  if (fatal) {
+    boots_[node] = {ring_.now(), true};
+    for (auto& [key, program] : programs_)
+      if (key.first == node && program.session->info().role == Role::cpu) program.dies = true;
   }
   news_ = true;
 }
@@ -97,33 +131,53 @@ void Lockstep::cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
 void Lockstep::node_died(std::uint8_t node) {
   boots_.erase(node);
   frozen_.erase(node);
+  hung_.erase(node);
   pids_.erase(node);
 }
 
-// One that has booted meanwhile, or was acting, has its time from now on.
 void Lockstep::node_thawed(std::uint8_t node) {
   frozen_.erase(node);
+  goes_on(node);
+}
+
+// One that has booted meanwhile, or was acting, has its time from now on.
+void Lockstep::goes_on(std::uint8_t node) {
   const auto boot = boots_.find(node);
   if (boot != boots_.end()) {
     boot->second.at = std::max(boot->second.at, ring_.now());
     boot->second.since = steady_clock::now();
   }
   for (auto& [key, program] : programs_)
-    if (key.first == node) program.turn_since = steady_clock::now();
+    if (key.first == node) {
+      program.turn_since = steady_clock::now();
+      program.stuck = false;
+    }
 }
 
 // ---- whose turn it is -----------------------------------------------------------------------
 
 void Lockstep::forget_gone() {
-  for (auto it = programs_.begin(); it != programs_.end();)
-    it = it->second.session->open() ? std::next(it) : programs_.erase(it);
+  for (auto it = programs_.begin(); it != programs_.end();) {
+    const host::Session& session = *it->second.session;
+    if (session.ended_by_client() && !session.has_turn() && !it->second.dies) left_ = true;
+    it = session.open() ? std::next(it) : programs_.erase(it);
+  }
+}
+
+/// It has no turns, and time does not wait for it.
+bool Lockstep::is_away(const Entry& entry) const {
+  const auto& [key, program] = entry;
+  if (frozen_.count(key.first) != 0) return true;
+  if (program.session->info().role != Role::cpu) return false;
+  const auto boot = boots_.find(key.first);
+  return hung_.count(key.first) != 0 || (boot != boots_.end() && boot->second.ends);
 }
 
 Lockstep::Entry* Lockstep::acting() {
   forget_gone();
   for (Entry& entry : programs_) {
     auto& [key, program] = entry;
-    if (is_frozen(key.first)) continue;
+    if (is_away(entry)) continue;
     if (program.session->has_turn() && !program.stuck) return &entry;
     if (!program.session->has_turn() && std::exchange(program.stuck, false))
       spdlog::info("{}: its CPU goes on, at {:.9f} s", config_.find(key.first)->name, seconds(ring_.now()));
@@ -158,6 +212,7 @@ void Lockstep::is_stuck(std::uint8_t node, Program& program) {
   program.stuck = true;
   program.session->wait_no_more();
   const pid_t pid = program.session->info().pid;
+  left_ = left_ || process::is_stopped(pid);
   if (process::is_stopped(pid))
     return spdlog::warn("{}: its CPU, pid {}, is stopped, at {:.9f} s of the ring's time; the ring goes on without it",
                         config_.find(node)->name, pid, seconds(ring_.now()));
@@ -170,9 +225,10 @@ void Lockstep::is_stuck(std::uint8_t node, Program& program) {
 
 bool Lockstep::give_turns() {
   std::optional<std::uint8_t> given;
-  for (auto& [key, program] : programs_) {
+  for (Entry& entry : programs_) {
+    auto& [key, program] = entry;
     host::Session& session = *program.session;
-    if (given == key.first || is_frozen(key.first) || !session.open() || session.has_turn()) continue;
+    if (given == key.first || is_away(entry) || !session.open() || session.has_turn()) continue;
     if (!session.has_news() && session.waits_until() > now()) continue;
     program.turn_since = steady_clock::now();
     session.begin_turn(now());
@@ -183,23 +239,28 @@ bool Lockstep::give_turns() {
 
 core::Time Lockstep::next_wake() const {
   nanoseconds earliest = nanoseconds::max();
-  for (const auto& [key, program] : programs_)
-    if (!program.session->has_turn() && !is_frozen(key.first))
-      earliest = std::min(earliest, program.session->waits_until());
+  for (const Entry& entry : programs_) {
+    const host::Session& session = *entry.second.session;
+    if (!session.has_turn() && !is_away(entry)) earliest = std::min(earliest, session.waits_until());
+  }
   return earliest == nanoseconds::max() ? core::kNever : core::Time{} + earliest;
 }
 
 core::Time Lockstep::held_at() const {
   core::Time earliest = core::kNever;
   for (const auto& [node, boot] : boots_)
-    if (!is_frozen(node)) earliest = std::min(earliest, boot.at);
+    if (waits_for_boot(node)) earliest = std::min(earliest, boot.at);
   return earliest;
 }
 
 std::string Lockstep::not_repeatable() const {
   std::string why;
-  if (disturbed_) why = "a program that the clock does not wait for has come, or has sent something";
-  if (somebody_was_stuck_) why += std::string(why.empty() ? "" : ", and ") + "a CPU was stuck";
+  const auto add = [&why](bool holds, const char* what) {
+    if (holds) why += std::string(why.empty() ? "" : ", and ") + what;
+  };
+  add(disturbed_, "a program that the clock does not wait for has come, or has changed something");
+  add(somebody_was_stuck_, "a CPU was stuck");
+  add(left_, "a CPU ended or was stopped while it waited");
   return why;
 }
 

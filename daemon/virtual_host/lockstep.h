@@ -31,6 +31,9 @@ class Lockstep final : public host::TurnKeeper {
   void disturbed() override { disturbed_ = true; }
   /// What is known of the CPU process of a node has changed.
   void cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu);
+  /// That process was sent a signal: stopped, it is out of the lockstep at this very instant, and continued, in it
+  /// again; one that ends it holds the clock until it has.
+  void cpu_signalled(std::uint8_t node, int number);
 
   /// @name Faults of whole nodes, called while no program acts
   ///@{
@@ -70,19 +73,25 @@ class Lockstep final : public host::TurnKeeper {
     std::shared_ptr<host::Session> session;
     Instant turn_since{};
     bool stuck = false;
+    bool dies = false;  ///< was sent a signal that ends it
   };
   struct Boot {
     core::Time at{};
+    bool ends = false;                  ///< the process there was before is ending
     std::function<void()> attach = {};  ///< empty until it has greeted
     Instant since = std::chrono::steady_clock::now();
   };
   using Key = std::pair<std::uint8_t, host::ClientId>;
+  using Entry = std::pair<const Key, Program>;
 
   void expect_bridge(std::uint8_t node);
   bool is_late(std::uint8_t node, const Boot& boot) const;
-  bool is_frozen(std::uint8_t node) const { return frozen_.count(node) != 0; }
+  core::Time boot_end() const;
+  void give_up(std::uint8_t node, const Boot& boot) const;
+  bool waits_for_boot(std::uint8_t node) const { return frozen_.count(node) + hung_.count(node) == 0; }
+  bool is_away(const Entry& entry) const;
+  void goes_on(std::uint8_t node);
   std::chrono::milliseconds patience_with(std::uint8_t node) const;
-  using Entry = std::pair<const Key, Program>;
   Entry* acting();
   bool hear(Entry& entry);
   void is_stuck(std::uint8_t node, Program& program);
@@ -94,9 +103,11 @@ class Lockstep final : public host::TurnKeeper {
   std::map<std::uint8_t, Boot> boots_;  ///< of nodes whose CPU boots or ends
   std::map<std::uint8_t, pid_t> pids_;  ///< the last one known
   std::set<std::uint8_t> frozen_;
+  std::set<std::uint8_t> hung_;  ///< nodes whose CPU was stopped
   bool news_ = false;
   bool disturbed_ = false;
   bool somebody_was_stuck_ = false;
+  bool left_ = false;  ///< a CPU has ended, or was stopped, by others
 };
 
 }  // namespace limb_ring::virtual_host

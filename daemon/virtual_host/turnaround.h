@@ -26,6 +26,9 @@ class Turnaround final : public host::HostHandler {
   void on_request(host::ClientId client, const client::JsonRequest& request) override {
     calls_.on_request(client, request);
   }
+  bool changes_something(const client::JsonRequest& request) const override {
+    return calls_.changes_something(request);
+  }
   void on_observe(host::ClientId client, const client::ObserveRequest& request) override {
     calls_.on_observe(client, request);
   }

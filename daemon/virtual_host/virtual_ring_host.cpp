@@ -102,6 +102,8 @@ runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
       return std::make_unique<Turnaround>(calls, ring_, drivers_[node.id]->clock(), node.cpu, seed);
     };
   base.on_cpu_changed = [this, id = node.id](const runtime::CpuStatus& cpu) { lockstep_.cpu_changed(id, cpu); };
+  base.on_cpu_signal = [this, id = node.id](int number) { lockstep_.cpu_signalled(id, number); };
+  base.cpu_boots_for = config_.virtual_clock.boot_time;
   base.log_prefix = node.name + ": ";
   return base;
 }
@@ -133,6 +135,28 @@ void VirtualRingHost::begin_at_nodes(const fault::Fault& fault, std::function<vo
   lockstep_.disturbed();
   lockstep_.has_news();
   ring_.at(ring_.now(), [this, fault, done = std::move(done)] { done(node_faults_->begin(fault)); });
+}
+
+// What follows from it comes before time goes on.
+void VirtualRingHost::at(core::Time when, std::function<void()> action) {
+  ring_.at(when, [this, action = std::move(action)] {
+    action();
+    lockstep_.has_news();
+  });
+}
+
+void VirtualRingHost::begin(const fault::Fault& fault, const std::function<void(const std::string&)>& done) {
+  if (fault::word_of(fault.name).of == fault::Of::node) return done(node_faults_->begin(fault));
+  for (const wire::NodeId id : fault.nodes) {
+    fault::Fault one = fault;
+    one.nodes = {id};
+    const auto node = nodes_.find(id);
+    if (node == nodes_.end() || node_faults_->is_frozen(id)) {
+      done("node " + config_.find(id)->name + (node == nodes_.end() ? " is dead" : " is frozen"));
+      continue;
+    }
+    node->second->faults().begin(one, [done](runtime::Faults::Id, const std::string& problem) { done(problem); });
+  }
 }
 
 void VirtualRingHost::off(wire::NodeId id) {

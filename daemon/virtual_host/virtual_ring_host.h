@@ -38,8 +38,14 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(const std::function<void()>& done);
 
-  /// What is to be done to whole nodes at an instant of the ring's; see there when.
-  NodeFaults& node_faults() { return *node_faults_; }
+  /// Does it at that instant of the ring's: no program acts then.
+  void at(core::Time when, std::function<void()> action);
+  /// Does a fault now, of whatever it is. @pre within an action, see at(); where it takes a seed, it has one
+  /// @param done told for each of its nodes, perhaps later, why not, or nothing; a reset is done when the CPU has
+  /// booted
+  void begin(const fault::Fault& fault, const std::function<void(const std::string& problem)>& done);
+  /// Dead or frozen ones.
+  const NodeFaults& node_faults() const { return *node_faults_; }
   /// Does a fault of nodes at this instant, as soon as no program acts; `done` is told why not, or nothing.
   void begin_at_nodes(const fault::Fault& fault, std::function<void(const std::string& problem)> done);
 

@@ -26,7 +26,8 @@ CpuProcess::CpuProcess(boost::asio::io_context& io, event_loop::NodeClock& clock
       boot_timer_(io),
       stop_timer_(io),
       restart_timer_(clock.timer([this] { restart_due(); })),
-      silence_timer_(clock.timer([this] { silence_due(); })) {}
+      silence_timer_(clock.timer([this] { silence_due(); })),
+      end_timer_(clock.timer([this] { see_end(); })) {}
 
 CpuProcess::~CpuProcess() = default;
 
@@ -63,7 +64,8 @@ process::SpawnRequest CpuProcess::request() const {
 }
 
 void CpuProcess::start_child() {
-  child_killed_ = boot_failed_ = false;
+  child_killed_ = boot_failed_ = has_booted_ = false;
+  end_.reset();
   const auto& command = options_.cpu.command;
   const std::string name = command.empty() ? "" : command.front();
   const std::string path = process::find_program(name, options_.program_folder);
@@ -100,9 +102,20 @@ void CpuProcess::boot_timed_out() {
 
 void CpuProcess::child_ended(const process::ExitStatus& status) {
   boot_timer_.cancel();
-  if (attached_ && attached_->process().ended()) attached_.reset();
+  const bool was_cpu = attached_ && attached_->process().ended();
+  if (was_cpu && !on_virtual_ring()) attached_.reset();
   if (stopping_) return stopped();
   if (child_killed_) return start_child();
+  end_ = status;
+  if (was_cpu && on_virtual_ring()) return;  // detached() is to come
+  const Time seen = has_booted_ ? Time::min() : started_at_ + options_.boots_for;
+  if (clock_.now() < seen) return end_timer_->expires_at(seen);
+  see_end();
+}
+
+void CpuProcess::see_end() {
+  if (!end_ || stopping_) return;
+  const process::ExitStatus status = *std::exchange(end_, std::nullopt);
   if (boot_failed_)
     did_not_boot("did not attach to the host port within " + std::to_string(options_.boot_timeout.count()) + " ms");
   else if (!status.executed)
@@ -147,6 +160,7 @@ bool CpuProcess::attached(pid_t pid, bool restarted_by_owner, milliseconds alive
   if (stopping_ || dying || process.ended()) return false;
   attached_.emplace(std::move(process), restarted_by_owner, alive_period, clock_.now());
   boot_timer_.cancel();
+  has_booted_ = true;
   failed_ = silent_ = false;
   ++counts_.boots;
   watch_silence();
@@ -158,6 +172,7 @@ void CpuProcess::detached(pid_t pid) {
   if (!attached_ || attached_->pid() != pid) return;
   attached_.reset();
   silence_timer_->cancel();
+  if (end_) return see_end();
   if (child_.running() && !stopping_) watch_boot();
   changed();
 }
@@ -209,6 +224,7 @@ CpuActionResult CpuProcess::reset_child() {
       child_.running() ? "killed pid " + std::to_string(child_.pid()) + ", " : "it was not running, ";
   back_off_.reset();
   restart_timer_->cancel();
+  end_timer_->cancel();
   failed_ = false;
   child_killed_ = child_.running();
   if (child_killed_)
@@ -239,6 +255,7 @@ CpuActionResult CpuProcess::signal(int number) {
   const process::ProcessHandle child(attached_ ? -1 : child_.pid(), options_.by);
   const process::ProcessHandle& process = attached_ ? attached_->process() : child;
   if (!process.signal(number)) return {false, false, "no CPU to send signal " + name + " to"};
+  if (options_.on_signal) options_.on_signal(number);
   return {true, false, "sent signal " + name + " to pid " + std::to_string(process.pid())};
 }
 
@@ -257,6 +274,7 @@ void CpuProcess::stop(std::function<void()> done) {
   boot_timer_.cancel();
   restart_timer_->cancel();
   silence_timer_->cancel();
+  end_timer_->cancel();
   commands_.stop();
   if (!child_.running()) {
     boost::asio::post(io_, [this, alive = std::weak_ptr(alive_)] {
@@ -296,7 +314,7 @@ CpuKind CpuProcess::kind() const {
 
 wire::CpuState CpuProcess::state() const {
   if (attached_) return silent_ ? wire::CpuState::silent : wire::CpuState::running;
-  if (child_.running()) return wire::CpuState::booting;
+  if (child_.running() || end_) return wire::CpuState::booting;
   if (kind() == CpuKind::none) return wire::CpuState::none;
   return failed_ ? wire::CpuState::failed : wire::CpuState::absent;
 }
@@ -308,6 +326,8 @@ CpuStatus CpuProcess::status() const {
   status.kind = kind();
   status.state = state();
   status.pid = pid();
+  status.unsettled = on_virtual_ring() && child_.running() && has_booted_ && !child_killed_ && !attached_;
+  status.ending = child_.running() && (child_killed_ || boot_failed_);
   if (!attached_) return status;
   status.silent = attached_->silent_for(clock_.now());
   status.alive_period = attached_->alive_period();

@@ -48,6 +48,11 @@ struct CpuOptions {
   std::chrono::milliseconds stop_timeout{500};       ///< from SIGTERM to SIGKILL
   std::chrono::milliseconds command_timeout{10000};  ///< of a pin's command
   process::BackOff::Limits back_off;
+  /// Not 0: on a virtual ring. By the clock no child attaches sooner, and one that ends sooner is seen to end then; and
+  /// the end of one that is attached is seen when its connection has ended, too: one instant, in whatever order.
+  std::chrono::nanoseconds boots_for{0};
+  /// The CPU's process has been sent that signal; may be empty.
+  std::function<void(int number)> on_signal;
   std::string log_prefix;
   /// Cores of the CPU's processes, where the daemon has pinned itself to one; empty: as ours.
   std::optional<cpu_set_t> affinity;
@@ -106,6 +111,8 @@ class CpuProcess {
   void could_not_start(const process::ExitStatus& why);
   void boot_timed_out();
   void child_ended(const process::ExitStatus& status);
+  void see_end();
+  bool on_virtual_ring() const { return options_.boots_for.count() != 0; }
   void ended_by_itself(const process::ExitStatus& status);
   void did_not_boot(const std::string& why);
   std::chrono::milliseconds ran() const;
@@ -130,14 +137,16 @@ class CpuProcess {
   PinCommands commands_;
   process::BackOff back_off_;
   boost::asio::steady_timer boot_timer_, stop_timer_;
-  std::unique_ptr<event_loop::Timer> restart_timer_, silence_timer_;
+  std::unique_ptr<event_loop::Timer> restart_timer_, silence_timer_, end_timer_;
   Time started_at_{};  ///< the last child
   Time silence_at_{};  ///< when that one runs out
   std::optional<AttachedCpu> attached_;
-  process::ProcessHandle killed_;  ///< an attached process on its way out
-  bool child_killed_ = false;      ///< ... and the child: started again when it is gone
-  bool boot_failed_ = false;       ///< the child is being killed because it did not attach
-  bool failed_ = false;            ///< the last child ended badly
+  process::ProcessHandle killed_;           ///< an attached process on its way out
+  std::optional<process::ExitStatus> end_;  ///< of the child, not seen yet
+  bool has_booted_ = false;                 ///< the child has attached
+  bool child_killed_ = false;               ///< ... and the child: started again when it is gone
+  bool boot_failed_ = false;                ///< the child is being killed because it did not attach
+  bool failed_ = false;                     ///< the last child ended badly
   bool silent_ = false;
   bool stopping_ = false;
   bool event_posted_ = false;
