@@ -40,7 +40,13 @@ std::string NodeFaults::begin(const Fault& fault) {
     const std::string problem = why_not(fault.name, node);
     if (!problem.empty()) return problem;
   }
+  const std::string problem = fault.name == Name::kill || fault.name == Name::freeze ? note(fault) : "";
+  if (!problem.empty()) return problem;
   spdlog::warn("fault on purpose: {}", fault::to_words(fault, nodes_));
+  return carry_out(fault);
+}
+
+std::string NodeFaults::carry_out(const Fault& fault) {
   if (fault.name == Name::power_cycle) return power_cycle(fault);
   std::string problem;
   for (const NodeId node : fault.nodes) {
@@ -56,17 +62,21 @@ std::string NodeFaults::begin(const Fault& fault) {
 std::string NodeFaults::power_cycle(const Fault& fault) {
   for (const NodeId node : fault.nodes) kill(node);
   std::string problem;
-  for (const NodeId node : fault.nodes)
-    if (problem.empty()) problem = start(node);
+  for (const NodeId node : fault.nodes) {
+    const std::string why = start(node);
+    if (why.empty()) continue;
+    problem = why;
+    Fault dead;
+    dead.name = Name::kill;
+    dead.nodes = {node};
+    note(dead);
+  }
   return problem;
 }
 
 void NodeFaults::kill(NodeId node) {
   power_.off(node);
   states_[node].state = State::dead;
-  Fault what;
-  what.name = Name::kill;
-  note(what, node);
 }
 
 std::string NodeFaults::start(NodeId node) {
@@ -82,7 +92,6 @@ void NodeFaults::freeze(NodeId node, const Fault& fault) {
   Node& frozen = states_[node];
   frozen.state = State::frozen;
   const unsigned nth = ++frozen.freezes;
-  note(fault, node);
   if (fault.lasts.count() == 0) return;
   ring_.at(ring_.now() + core::Duration(fault.lasts), [this, node, nth] {
     if (is_frozen(node) && states_[node].freezes == nth) thaw(node);
@@ -96,10 +105,20 @@ void NodeFaults::thaw(NodeId node) {
   power_.thaw(node);
 }
 
-void NodeFaults::note(Fault fault, NodeId node) const {
-  fault.nodes = {node};
-  const std::string problem = live::write_note(folder_, node, fault::to_words(fault, nodes_));
-  if (!problem.empty()) spdlog::warn("{}", problem);
+/// Before it is done: what cannot be noted is not done, since nobody would see it.
+std::string NodeFaults::note(const Fault& fault) const {
+  for (const NodeId node : fault.nodes) {
+    Fault one = fault;
+    one.nodes = {node};
+    const std::string problem = live::write_note(folder_, node, fault::to_words(one, nodes_));
+    if (!problem.empty()) return forget_new_notes(fault), problem;
+  }
+  return "";
+}
+
+void NodeFaults::forget_new_notes(const Fault& fault) const {
+  for (const NodeId node : fault.nodes)
+    if (state(node) == State::runs) live::remove_note(folder_, node);
 }
 
 }  // namespace limb_ring::virtual_host

@@ -45,12 +45,14 @@ class NodeFaults {
 
   State state(wire::NodeId node) const;
   std::string why_not(fault::Name what, wire::NodeId node) const;
+  std::string carry_out(const fault::Fault& fault);
   std::string power_cycle(const fault::Fault& fault);
   std::string start(wire::NodeId node);
   void kill(wire::NodeId node);
   void freeze(wire::NodeId node, const fault::Fault& fault);
   void thaw(wire::NodeId node);
-  void note(fault::Fault fault, wire::NodeId node) const;
+  std::string note(const fault::Fault& fault) const;
+  void forget_new_notes(const fault::Fault& fault) const;
   const std::string& name_of(wire::NodeId node) const;
 
   sim::VirtualRing& ring_;

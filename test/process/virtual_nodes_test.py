@@ -174,5 +174,43 @@ class Nodes(VirtualTest, FaultTest):
             self.port(255, role='cpu')
 
 
+class Respawn(VirtualTest):
+    def up_respawning(self, config, *more):
+        up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', config, '--clock', 'virtual',
+                               '--respawn', *more])
+        self.wait('said so', lambda: 'is closed' in self.log_of(up))
+        return up
+
+    def test_a_virtual_ring_that_dies_is_started_again_whole(self):
+        up = self.up_respawning(self.write_ring(self.limbs()))
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'kill', 'node0').returncode, 0)
+        before = self.row(1)['pid']
+        os.kill(before, signal.SIGKILL)
+        self.wait('another one', lambda: (self.row(1) or {'pid': before})['pid'] != before)
+        self.wait_closed(range(4))
+        self.wait_cpu(1, 'running')
+        self.assertIn('the virtual ring ended: signal 9 (Killed)', self.log_of(up))
+        self.assertIn('the virtual ring is started again', self.log_of(up))
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+        self.assertEqual(list(self.launcher.daemons_left()), [])
+
+    def test_nodes_that_are_killed_or_all_that_is_taken_down_stay_so(self):
+        up = self.up_respawning(self.write_ring(plain_nodes(3)))
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'kill', 'node1').returncode, 0)
+        self.wait_closed([0, 2])
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        self.wait('said so', lambda: 'was taken down' in self.log_of(up))
+        self.assertIsNone(up.poll())
+        self.assertNotIn('is started again', self.log_of(up))
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+
+    def test_a_ring_that_is_to_end_by_itself_is_not_respawned(self):
+        done = self.ctl('up', self.write_ring(plain_nodes(3)), '--clock', 'virtual', '--respawn', '--for', '1s')
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('--for and --respawn', done.stderr)
+
+
 if __name__ == '__main__':
     ring_process.main()

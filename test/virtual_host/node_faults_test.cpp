@@ -114,6 +114,13 @@ TEST_F(NodeFaultsTest, AFrozenNodeIsKilledForGood) {
   EXPECT_THAT(power.done, ElementsAre("freeze 1", "off 1"));
 }
 
+TEST_F(NodeFaultsTest, WhatCannotBeNotedIsNotDone) {
+  ASSERT_TRUE(std::filesystem::create_directory(folder + "/2.fault"));  // nobody can write there
+  EXPECT_THAT(begin("kill hip knee"), HasSubstr("2.fault: Is a directory"));
+  EXPECT_THAT(power.done, ElementsAre());
+  EXPECT_EQ(noted(1), "");
+}
+
 TEST_F(NodeFaultsTest, NotesOfAnEarlierRingAreRemoved) {
   ASSERT_EQ(live::write_note(folder, NodeId{2}, "kill knee"), "");
   const NodeFaults next(ring, power, nodes, folder);

@@ -21,6 +21,10 @@ constexpr milliseconds kDownTakes{8000};
 
 void tell(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }
 
+std::string label_of(const live::LaunchedDaemon& daemon) {
+  return daemon.all ? "the virtual ring" : "node " + label({daemon.id, daemon.name});
+}
+
 }  // namespace
 
 Respawn::Respawn(live::LaunchedRing& daemons) : daemons_(daemons), folder_(ring_directory(daemons.ring())) {
@@ -57,20 +61,20 @@ void Respawn::consider(std::size_t index) {
   const live::LaunchedDaemon& daemon = daemons_.all()[index];
   const NodeName name{daemon.id, daemon.name};
   const live::Holder holder = live::holder_of(folder_, name.id);
-  if (holder.held)  // 'ringctl fault start'
+  if (holder.held || holder.on_virtual_ring)  // 'ringctl fault start', or another 'ringctl up'
     node.due = Clock::now() + kDownTakes;
   else if (holder.pid < 0)
     node.plan = Plan::stays_down;
   else if (Clock::now() < node.due)
     return;
-  else if (!live::is_killed(folder_, wire::NodeId{name.id}))
+  else if (daemon.all || !live::is_killed(folder_, wire::NodeId{name.id}))
     start(index);
   else if (!std::exchange(node.told, true))
     tell("node " + label(name) + " was killed on purpose; 'ringctl fault start " + name.name + "' starts it again");
 }
 
 void Respawn::start(std::size_t index) {
-  tell("node " + label({daemons_.all()[index].id, daemons_.all()[index].name}) + " is started again");
+  tell(label_of(daemons_.all()[index]) + " is started again");
   daemons_.start_again(index);
   nodes_[index].plan = Plan::runs;
   nodes_[index].started = Clock::now();

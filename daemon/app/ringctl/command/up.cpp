@@ -169,7 +169,8 @@ int run(const UpOptions& options) {
 
 void read_clock(UpOptions& options) {
   if (options.clock == "machine") return;
-  if (options.respawn) throw UsageError("--clock virtual and --respawn do not go together yet");
+  if (options.respawn && options.lasts_s > 0)
+    throw UsageError("--for and --respawn do not go together: a ring that has run for so long is to stay down");
   if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
   options.request.clock = VirtualClock{options.pace, options.lasts_s, options.capture};
 }
@@ -194,7 +195,8 @@ void add_up(CLI::App& app, Context& context) {
   command
       ->add_flag("--respawn", options->respawn,
                  "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
-                 "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files")
+                 "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files. With --clock "
+                 "virtual: the whole ring, at 0 s of its time and with all its nodes")
       ->excludes("--detach");
   CLI::Option* clock =
       command
