@@ -3,6 +3,7 @@
 #include <map>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
 
@@ -10,17 +11,7 @@ using nlohmann::json;
 
 namespace {
 
-std::string name_of(const std::vector<json>& rows, const json& id) {
-  for (const json& row : rows)
-    if (row["id"] == id) return row["name"].get<std::string>();
-  return id.dump();
-}
-
 bool has(const json& row, const char* member) { return row.contains(member) && row[member].is_object(); }
-
-std::string arrow(const std::vector<json>& rows, const json& before, const json& behind) {
-  return name_of(rows, before) + " -> " + name_of(rows, behind);
-}
 
 /// The node behind a break knows best; where it does not answer, any other that was told.
 std::string broken_lines(const std::vector<json>& rows) {
@@ -31,7 +22,7 @@ std::string broken_lines(const std::vector<json>& rows) {
     const bool knows = row["id"] == line["behind"];
     if (!knows && lines.count(line["behind"]) != 0) continue;
     lines[line["behind"]] =
-        "broken line " + arrow(rows, line["before"], line["behind"]) + " since " +
+        "broken line " + line_name(rows, line["before"], line["behind"]) + " since " +
         app::number(line["since_s"].get<double>()) + " s" +
         (line.contains("announced_ms") ? ", announced after " + app::number(line["announced_ms"].get<double>()) + " ms"
                                        : "") +
@@ -56,7 +47,7 @@ std::string broken_second_lines(const std::vector<json>& rows) {
     const json& row = rows[place];
     if (!has(row, "fold") || row["fold"]["second_input"] != "down") continue;
     if (const json* from = answering_after(rows, place))
-      text += "broken second line " + arrow(rows, (*from)["id"], row["id"]) + ": no folding back there\n";
+      text += "broken second line " + line_name(rows, (*from)["id"], row["id"]) + ": no folding back there\n";
   }
   return text;
 }
@@ -81,7 +72,7 @@ std::string noisy_line(const std::vector<json>& rows, const json& row) {
   const std::int64_t seen = counter(row, "crc_errors");
   const std::int64_t damaged = seen - passed_on_damaged(rows, from);
   if (damaged <= seen / kUnderWay) return {};
-  return "noisy line " + arrow(rows, from, row["id"]) + ": " +
+  return "noisy line " + line_name(rows, from, row["id"]) + ": " +
          app::counted(static_cast<std::uint64_t>(damaged), "packet") + " came in damaged\n";
 }
 

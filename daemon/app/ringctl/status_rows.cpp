@@ -21,18 +21,11 @@ bool latched(const json& row) {
   return row.contains(place) && row.at(place) == true;
 }
 
-std::string name_of(const std::vector<json>& rows, const json& id) {
-  for (const json& row : rows)
-    if (row.value("id", json()) == id) return row.value("name", id.dump());
-  return id.dump();
-}
-
 /// ": line A -> B broken"; every node in the chain knows it.
 std::string broken_line(const std::vector<json>& rows) {
   for (const json& row : rows) {
     const json line = row.value("broken_line", json());
-    if (line.is_object())
-      return ": line " + name_of(rows, line.at("before")) + " -> " + name_of(rows, line.at("behind")) + " broken";
+    if (line.is_object()) return ": line " + line_name(rows, line.at("before"), line.at("behind")) + " broken";
   }
   return "";
 }
@@ -45,6 +38,16 @@ json faults_of_absent(const std::string& folder, std::uint8_t node, bool frozen)
 }
 
 }  // namespace
+
+std::string node_name(const std::vector<json>& rows, const json& id) {
+  for (const json& row : rows)
+    if (row.value("id", json()) == id) return row.value("name", id.dump());
+  return id.dump();
+}
+
+std::string line_name(const std::vector<json>& rows, const json& before, const json& behind) {
+  return node_name(rows, before) + " -> " + node_name(rows, behind);
+}
 
 json down_row(const NodeName& node) {
   return {{"id", node.id},

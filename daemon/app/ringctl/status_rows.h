@@ -24,6 +24,11 @@ std::vector<nlohmann::json> status_rows(const RingAccess& ring);
 
 /// @name What a row means, in the words that status, top and wait share
 ///@{
+/// The name of the node with that id, or the id where it has no row.
+std::string node_name(const std::vector<nlohmann::json>& rows, const nlohmann::json& id);
+/// "left_hip -> left_knee", by their ids.
+std::string line_name(const std::vector<nlohmann::json>& rows, const nlohmann::json& before,
+                      const nlohmann::json& behind);
 /// Does the node's network controller take part in a closed ring?
 bool is_up(const nlohmann::json& row);
 /// "running", "stopped", "hung" ...: the supervisor's word where it says hung, since the node's own network
