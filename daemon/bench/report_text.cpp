@@ -36,6 +36,13 @@ json own_rate_json(const Report& report) {
           {"cpu_percent", rounded(rate.ring_percent)}};
 }
 
+json virtual_rate_json(const VirtualRate& rate) {
+  return {{"state_rate", rate.state_rate},
+          {"samples", rate.samples},
+          {"left_out", rate.left_out},
+          {"times_real_time", rounded(rate.times_real_time)}};
+}
+
 json percent(const std::optional<double>& value) { return value ? json(rounded(*value)) : json(); }
 
 std::string label(const Row& row) {
@@ -90,6 +97,14 @@ void print_own_rate(std::ostream& out, const Report& report) {
       << rate.ring_percent << " % of a core\n";
 }
 
+void print_virtual_rates(std::ostream& out, const Report& report) {
+  if (report.virtual_rates.empty()) return;
+  out << "humanoid16 with firmware and a controller on a virtual clock, one core, states and commands of all joints\n";
+  for (const VirtualRate& rate : report.virtual_rates)
+    out << "  at " << rate.state_rate << " Hz: " << rate.samples << " samples, " << rate.left_out << " left out, "
+        << rate.times_real_time << " times real time\n";
+}
+
 }  // namespace
 
 json to_json(const Report& report) {
@@ -105,6 +120,8 @@ json to_json(const Report& report) {
   all["process_switch_us"] = rounded(report.costs.process_switch);
   all["spin_nodes"] = report.spin_nodes;
   all["humanoid_1khz"] = own_rate_json(report);
+  all["humanoid_virtual"] = json::array();
+  for (const VirtualRate& rate : report.virtual_rates) all["humanoid_virtual"].push_back(virtual_rate_json(rate));
   return all;
 }
 
@@ -123,6 +140,7 @@ std::string to_text(const Report& report) {
   print_idle(out, "plain ring", report.idle_plain_percent);
   print_idle(out, "humanoid16 with its CPUs", report.idle_humanoid_percent);
   print_own_rate(out, report);
+  print_virtual_rates(out, report);
   out << std::setprecision(2) << "here a system call takes " << report.costs.system_call
       << " us; a switch to another process, with two of them, " << report.costs.process_switch << " us\n";
   return out.str();

@@ -18,6 +18,7 @@ namespace limb_ring::bench {
 namespace {
 
 constexpr Pinning kPinnings[] = {Pinning::one_core, Pinning::free};
+constexpr unsigned kVirtualRates[] = {100, 1000};  // Hz
 constexpr Sending kSendings[] = {Sending::one, Sending::all};
 
 std::string words(Pinning pinning) { return pinning == Pinning::one_core ? "one core" : "unpinned"; }
@@ -178,6 +179,8 @@ Report run_suite(const Setup& setup, const live::PrivateFolder& folder) {
   const OwnRateResult own_rate = measure_own_rate(setup, folder);
   report.own_rate_skipped = own_rate.skipped;
   if (own_rate.skipped.empty()) report.own_rate = own_rate.measured;
+  for (const unsigned rate : kVirtualRates)
+    if (!setup.humanoid.empty()) report.virtual_rates.push_back(measure_virtual_rate(setup, folder, rate));
   return report;
 }
 

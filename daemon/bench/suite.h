@@ -8,6 +8,7 @@
 #include "bench/own_rate.h"
 #include "bench/setup.h"
 #include "bench/system_costs.h"
+#include "bench/virtual_rate.h"
 #include "live/private_folder.h"
 
 namespace limb_ring::bench {
@@ -32,7 +33,8 @@ struct Report {
   std::optional<double> idle_plain_percent;  ///< of one core, all processes together
   std::optional<double> idle_humanoid_percent;
   std::optional<OwnRate> own_rate;
-  std::string own_rate_skipped;  ///< why; empty where it was measured
+  std::string own_rate_skipped;            ///< why; empty where it was measured
+  std::vector<VirtualRate> virtual_rates;  ///< none where there is no humanoid
   SystemCosts costs;
 
   const Row* find(const std::string& what, Pinning pinning, Sending sending) const;

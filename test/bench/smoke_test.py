@@ -78,6 +78,15 @@ class SmallBenchmark(unittest.TestCase):
     def test_the_idle_ring_takes_some_of_a_core(self):
         self.assertGreater(self.report["idle_cpu_percent"]["plain"], 0)
 
+    def test_the_virtual_humanoid_leaves_no_sample_out(self):
+        if not self.report["humanoid_virtual"]:
+            self.skipTest("no humanoid16.yaml")
+        self.assertEqual([row["state_rate"] for row in self.report["humanoid_virtual"]], [100, 1000])
+        for row in self.report["humanoid_virtual"]:
+            self.assertGreater(row["samples"], 0.1 * row["state_rate"] * 14)   # nodes with joints
+            self.assertEqual(row["left_out"], 0)
+            self.assertGreater(row["times_real_time"], 0)
+
     def test_leaves_nothing_behind(self):
         self.assertEqual(glob.glob(self.folder.name + "/*"), [])
 
