@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 
 #include <unistd.h>
 
+#include "firmware/command_log.h"
 #include "firmware/stop_signal.h"
 
 namespace limb_ring::firmware {
@@ -18,9 +20,14 @@ constexpr milliseconds kSignalSeen{100};
 /// One run of the CPU: what a turn of the loop needs.
 class Run {
  public:
-  Run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after)
+  Run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, const RunOptions& options)
       : port_(port), cpu_(cpu), speak_every_(alive_period / 4) {
-    if (hang_after) hang_at_ = port_.now() + *hang_after;
+    if (options.hang_after) hang_at_ = port_.now() + *options.hang_after;
+    if (options.endless_loop_at && !port_.in_lockstep())
+      throw std::runtime_error(
+          "--endless-loop-at is an instant of a virtual ring's clock (ringctl up --clock virtual)");
+    if (options.endless_loop_at > port_.now()) loop_at_ = options.endless_loop_at;
+    if (!options.command_log.empty()) log_.emplace(options.command_log);
   }
 
   int loop() {
@@ -47,7 +54,12 @@ class Run {
     }
   }
 
-  void take(const Packet& packet) { cpu_.receive(packet, read_clocks(port_)); }
+  void take(const Packet& packet) {
+    const auto now = read_clocks(port_);
+    const auto obeyed = cpu_.limb().count(Verdict::obey);
+    cpu_.receive(packet, now);
+    if (log_ && cpu_.limb().count(Verdict::obey) != obeyed) log_->note(packet, now);
+  }
   void take(const Interrupt& interrupt) { cpu_.receive(interrupt, read_clocks(port_)); }
   void take(const Result& result) { cpu_.receive(result); }
   void take(const Disconnected& end) {
@@ -77,6 +89,11 @@ class Run {
   }
 
   void obey() {
+    if (loop_at_ && port_.now() >= *loop_at_) {
+      std::fprintf(stderr, "limb_firmware %s: is caught in an endless loop on purpose (pid %d)\n", port_.name().c_str(),
+                   static_cast<int>(getpid()));
+      loop_endlessly();
+    }
     const auto& order = cpu_.fault_command();
     const bool overdue = hang_at_ && port_.now() >= *hang_at_;
     if (overdue || (order && order->kind == FaultCommand::Kind::hang)) {
@@ -95,6 +112,7 @@ class Run {
     nanoseconds until = std::min(speak_at_, now + kSignalSeen);
     if (const auto due = cpu_.due()) until = std::min(until, *due);
     if (hang_at_) until = std::min(until, *hang_at_);
+    if (loop_at_) until = std::min(until, *loop_at_);
     message_ = port_.receive(std::max(until - now, nanoseconds(0)));
   }
 
@@ -102,6 +120,8 @@ class Run {
   NodeCpu& cpu_;
   nanoseconds speak_every_;
   std::optional<nanoseconds> hang_at_;
+  std::optional<nanoseconds> loop_at_;
+  std::optional<CommandLog> log_;
   std::optional<int> exit_code_;
   nanoseconds speak_at_{0};
   std::optional<Message> message_;  ///< that has ended the wait
@@ -112,8 +132,8 @@ class Run {
 
 Timestamps read_clocks(const HostPort& port) { return {port.now(), port.stamp().count()}; }
 
-int run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, std::optional<nanoseconds> hang_after) {
-  return Run(port, cpu, alive_period, hang_after).loop();
+int run(HostPort& port, NodeCpu& cpu, nanoseconds alive_period, const RunOptions& options) {
+  return Run(port, cpu, alive_period, options).loop();
 }
 
 }  // namespace limb_ring::firmware

@@ -30,7 +30,8 @@ int run_cpu(const firmware::Options& options) {
   HostPort port = connect(options, setup);
   firmware::catch_stop_signals();
   firmware::NodeCpu cpu(setup.cpu, firmware::read_clocks(port));
-  const int code = firmware::run(port, cpu, setup.alive_period, options.hang_after);
+  const int code =
+      firmware::run(port, cpu, setup.alive_period, {options.hang_after, options.endless_loop_at, options.command_log});
   std::fprintf(stderr, "limb_firmware %s: %s\n", port.name().c_str(), cpu.summary().c_str());
   return code;
 }

@@ -11,8 +11,10 @@ struct Options {
   std::string ring;    ///< --ring, else LIMB_RING_RING, else the configuration's, else the only one
   std::string node;    ///< --node, else LIMB_RING_NODE: id or name
   std::string config;  ///< --config, else LIMB_RING_CONFIG; empty: a plain ring, no joints
-  std::optional<std::chrono::nanoseconds> hang_after;  ///< --hang-after
-  std::string print;                                   ///< to be printed instead of a run: --help, --version
+  std::optional<std::chrono::nanoseconds> hang_after;       ///< --hang-after
+  std::optional<std::chrono::nanoseconds> endless_loop_at;  ///< --endless-loop-at, on the ring's virtual clock
+  std::string command_log;                                  ///< --command-log; empty: none
+  std::string print;                                        ///< to be printed instead of a run: --help, --version
 };
 
 /// what() names the argument and what would be right.

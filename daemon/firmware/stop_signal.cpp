@@ -1,6 +1,7 @@
 #include "firmware/stop_signal.h"
 
 #include <csignal>
+#include <cstdlib>
 
 #include <unistd.h>
 
@@ -23,11 +24,26 @@ void catch_stop_signals() {
 
 bool stop_requested() { return requested != 0; }
 
-void hang() {
+namespace {
+
+void ignore_signals() {
   sigset_t all;
   sigfillset(&all);
   sigprocmask(SIG_BLOCK, &all, nullptr);
+}
+
+}  // namespace
+
+void hang() {
+  ignore_signals();
   for (;;) pause();
+}
+
+void loop_endlessly() {
+  ignore_signals();
+  for (volatile bool forever = true; forever;) {
+  }
+  std::abort();  // not reached
 }
 
 }  // namespace limb_ring::firmware

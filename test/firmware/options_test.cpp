@@ -50,6 +50,14 @@ TEST_F(OptionsTest, ComeFromTheCommandLine) {
   EXPECT_EQ(parse({"--node", "1", "--hang-after", "20ms"}).hang_after, nanoseconds(20ms));
 }
 
+TEST_F(OptionsTest, PlantAnEndlessLoopAndLogCommands) {
+  const auto options = parse({"--node", "1", "--endless-loop-at", "20s", "--command-log", "/tmp/commands"});
+  EXPECT_EQ(options.endless_loop_at, nanoseconds(20s));
+  EXPECT_EQ(options.command_log, "/tmp/commands");
+  EXPECT_FALSE(parse({"--node", "1"}).endless_loop_at);
+  EXPECT_THAT(refusal({"--node", "1", "--endless-loop-at", "-1"}), HasSubstr("--endless-loop-at"));
+}
+
 TEST_F(OptionsTest, ElseFromTheEnvironmentThatTheDaemonGives) {
   setenv("LIMB_RING_CONFIG", "b.yaml", 1);
   setenv("LIMB_RING_NODE", "12", 1);

@@ -32,9 +32,12 @@ class ProgramTest : public HostTest {
   }
 
   std::string config() const { return folder.path() + "/ring.yaml"; }
-  void start(std::vector<std::string> arguments = {}) {
+  void launch(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {LIMB_FIRMWARE, "--node", "left_knee", "--config", config()});
     child = std::make_unique<Child>(std::move(arguments), folder.path() + "/stderr");
+  }
+  void start(std::vector<std::string> arguments = {}) {
+    launch(std::move(arguments));
     until([this] { return server->cpu_can_take(); });
   }
   void until_ended() {
@@ -139,6 +142,35 @@ TEST_F(ProgramTest, HangsWhenToldAndThenNotEvenSigtermEndsIt) {
 TEST_F(ProgramTest, HangsAfterTheTimeGiven) {
   start({"--hang-after", "0.05"});
   until([this] { return child->said().find("hangs on purpose") != std::string::npos; });
+}
+
+TEST_F(ProgramTest, LogsEachCommandThatItObeys) {
+  const std::string log = folder.path() + "/commands";
+  start({"--command-log", log});
+  const std::int64_t stamp = wall_ns();
+  give(2, *encode(move_to(0.5, stamp)));
+  give(2, *encode(move_to(0.5, stamp - 60'000'000'000)));  // too old: not obeyed
+  until([this] { return last && last->refused == 1; });
+  std::ifstream file(log);
+  std::int64_t came = 0, sent = 0, more = 0;
+  ASSERT_TRUE(file >> came >> sent);
+  EXPECT_EQ(sent, stamp);
+  EXPECT_GE(came, stamp);
+  EXPECT_FALSE(file >> more);
+}
+
+TEST_F(ProgramTest, RefusesALogThatCannotBeWritten) {
+  launch({"--command-log", folder.path() + "/no/folder/commands"});
+  until_ended();
+  EXPECT_EQ(child->code(), 2);
+  EXPECT_THAT(child->said(), HasSubstr("--command-log: "));
+}
+
+TEST_F(ProgramTest, RefusesAnInstantOfAVirtualClockOnALiveRing) {
+  launch({"--endless-loop-at", "20s"});
+  until_ended();
+  EXPECT_EQ(child->code(), 2);
+  EXPECT_THAT(child->said(), HasSubstr("ringctl up --clock virtual"));
 }
 
 TEST_F(ProgramTest, EndsCleanlyOnSigtermAndSigint) {
