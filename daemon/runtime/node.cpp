@@ -60,7 +60,8 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
            interrupts_,
            reasons_,
            {ring, config, engine_, faults_, base.start_anew ? [this] { power_cycle(); } : std::function<void()>()},
-           {ring, config, engine_, cpu_, host_, faults_, round_trips_, supervisor_}}),
+           {ring, config, engine_, cpu_, host_, faults_, round_trips_, supervisor_},
+           base.clock}),
       folder_watch_(io, folder_to_watch()) {
   if (config::supervisor_of(ring).id == config.id)
     supervisor_.emplace(ring, engine_, interrupts_, sightings_,

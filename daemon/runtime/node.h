@@ -39,6 +39,7 @@ struct NodeBase {
   std::function<void()> start_anew;
   std::optional<cpu_set_t> cpu_cores;  ///< for the CPU's processes; empty: as this one
   host::TurnKeeper* turns = nullptr;   ///< of a virtual clock
+  ClockControl* clock = nullptr;       ///< the same, as clients steer it
   /// What clients call for passes through it; null: nothing does.
   std::function<std::unique_ptr<host::HostHandler>(host::HostHandler& calls)> make_filter;
   /// The CPU's state, pid or boots have changed; may be empty.

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "limb_ring/host_port.h"
+#include "runtime/clock_requests.h"
 #include "runtime/request_fields.h"
 #include "runtime/round_trips.h"
 
@@ -40,11 +41,15 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
     const auto fault_handler = fault_handlers.find(request["do"].get<std::string>());
     if (fault_handler != fault_handlers.end()) return fault_handler->second(to_.faults, request, answer);
     if (request["do"] == "stop_latched" && of_cpu) return stop_latched(request, answer);
+    const Answer while_here = [answer, here = std::weak_ptr<void>(here_)](const Json& reply) {
+      if (!here.expired()) answer(reply);
+    };
+    if (answer_clock_request(to_.virtual_clock, request["do"].get<std::string>(), request, while_here)) return;
     const auto handler = handlers.find(request["do"].get<std::string>());
     if (handler == handlers.end())
       throw RequestError("no request '" + request["do"].get<std::string>() +
-                         "'; there are clear_faults, clock, config, fault, faults, latch, ping, remove_fault, reset, "
-                         "shutdown, status, stop, sync");
+                         "'; there are allow, clear_faults, clock, config, fault, faults, latch, pace, pause, ping, "
+                         "remove_fault, reset, run, shutdown, status, step, stop, sync");
     (this->*handler->second)(request, answer);
   } catch (const std::exception& error) {
     answer({{"error", error.what()}});
@@ -59,7 +64,9 @@ bool Requests::changes_something(const std::string& text) {
 }
 
 void Requests::clock(const Json&, const Answer& answer) {
-  answer({{"now_ns", to_.engine.clock().now().time_since_epoch().count()}});
+  Json now{{"now_ns", to_.engine.clock().now().time_since_epoch().count()}};
+  if (to_.virtual_clock != nullptr) add_state(*to_.virtual_clock, now);
+  answer(now);
 }
 
 void Requests::config(const Json&, const Answer& answer) {

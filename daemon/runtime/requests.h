@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "config/ring_config.h"
+#include "runtime/clock_control.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/daemon_interrupts.h"
 #include "runtime/fault_requests.h"
@@ -31,6 +33,7 @@ class Requests {
     const SendReasons& reasons;
     FaultTargets faults;
     StatusSources status;
+    ClockControl* virtual_clock;  ///< null on a live ring
   };
   explicit Requests(Targets targets) : to_(std::move(targets)) {}
 
@@ -56,6 +59,7 @@ class Requests {
   Json end_of(const core::SendEnded& ended) const;
 
   Targets to_;
+  std::shared_ptr<void> here_ = std::make_shared<char>();  ///< gone with this: a virtual node may die before an answer
 };
 
 }  // namespace limb_ring::runtime

@@ -15,6 +15,16 @@ core::Duration scaled(nanoseconds real, double factor) {
 
 }  // namespace
 
+void Pace::set_factor(double factor, Real now, core::Time reached) {
+  factor_ = factor;
+  restart(now, reached);
+}
+
+void Pace::restart(Real now, core::Time reached) {
+  real_ = now;
+  virtual_ = reached;
+}
+
 core::Time Pace::allowed(Real now, core::Time reached) {
   if (std::isinf(factor_)) return core::kNever;
   const Real due = when(reached);

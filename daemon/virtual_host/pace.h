@@ -18,6 +18,10 @@ class Pace {
   Pace(double factor, Real now) : factor_(factor), real_(now) {}
 
   double factor() const { return factor_; }
+  /// From now on; the ring is at `reached`.
+  void set_factor(double factor, Real now, core::Time reached);
+  /// Its time has stood until now: that is not to be made up for.
+  void restart(Real now, core::Time reached);
   /// The ring may go on so far by now, and is at `reached`.
   core::Time allowed(Real now, core::Time reached);
   /// When it may go on so far.

@@ -52,6 +52,7 @@ VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::Ring
       faults_(ring_, 0),  // every fault whose damage is random comes with a seed of its own
       drivers_(ring_.size(), nullptr),
       lockstep_(ring_, ring),
+      steering_(ring_),
       trace_(ring_),
       wake_(io, [] {}) {
   for (const wire::NodeId id : ring_.order())
@@ -96,6 +97,7 @@ runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
     return driver;
   };
   base.turns = &lockstep_;
+  base.clock = &steering_;
   if (node.cpu.turnaround.count() + node.cpu.jitter.count() != 0)
     base.make_filter = [this, &node](host::HostHandler& calls) {
       const std::uint64_t seed = std::uint64_t{config_.virtual_clock.seed} << 8 | node.id;
@@ -204,6 +206,7 @@ void VirtualRingHost::thaw(wire::NodeId id) {
 // ---- time -----------------------------------------------------------------------------------
 
 void VirtualRingHost::run(Pace& pace, core::Time end) {
+  steering_.use(pace);
   while (!io_.stopped()) {
     io_.poll();
     if (stopping_) {  // time stands
@@ -215,7 +218,11 @@ void VirtualRingHost::run(Pace& pace, core::Time end) {
       stop([this] { io_.stop(); });
       continue;
     }
-    const core::Time most = std::min({end, lockstep_.next_wake(), lockstep_.held_at()});
+    if (steering_.holds()) {
+      sleep_until(steady_clock::now() + kTick);
+      continue;
+    }
+    const core::Time most = std::min({end, lockstep_.next_wake(), lockstep_.held_at(), steering_.limit()});
     advance(std::min(most, pace.allowed(steady_clock::now(), ring_.now())));
     if (!lockstep_.has_news_now()) sleep_until(pace.when(std::min(most, ring_.next_instant())));
   }

@@ -16,6 +16,7 @@
 #include "virtual_host/node_faults.h"
 #include "virtual_host/pace.h"
 #include "virtual_host/ring_port.h"
+#include "virtual_host/steering.h"
 #include "virtual_host/virtual_node.h"
 
 namespace limb_ring::virtual_host {
@@ -35,6 +36,8 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   void start();
   /// Lets time go on, no faster than `pace`, until the event loop is stopped; at `end`, stop() is called.
   void run(Pace& pace, core::Time end);
+  /// Before it runs: its time goes on no further than a client allows.
+  void follow() { steering_.follow(); }
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(const std::function<void()>& done);
 
@@ -81,6 +84,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   std::map<std::uint8_t, std::shared_ptr<runtime::NodeFolder>> folders_;  ///< a dead node is held all the same
   std::map<std::uint8_t, std::unique_ptr<runtime::Node>> nodes_;          ///< those that are not dead
   Lockstep lockstep_;
+  Steering steering_;
   sim::Trace trace_;
   std::optional<NodeFaults> node_faults_;
   std::optional<RingPort> port_;

@@ -45,7 +45,8 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   arguments.insert(arguments.end(), {"--ring", ring});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
   if (!request.clock) return arguments;
-  arguments.insert(arguments.end(), {"--clock", "virtual", "--pace", pace_text(request.clock->pace)});
+  arguments.insert(arguments.end(), {"--clock", request.clock->follows ? "follow" : "virtual", "--pace",
+                                     pace_text(request.clock->pace)});
   if (request.clock->lasts_s > 0) arguments.insert(arguments.end(), {"--for", std::to_string(request.clock->lasts_s)});
   if (!request.clock->capture.empty())
     arguments.insert(arguments.end(), {"--capture", std::filesystem::absolute(request.clock->capture).string()});

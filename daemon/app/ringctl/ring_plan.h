@@ -11,9 +11,10 @@ namespace limb_ring::ringctl {
 
 /// A virtual ring's.
 struct VirtualClock {
-  double pace = 1;      ///< its time per real time; infinite: as fast as can be
-  double lasts_s = 0;   ///< the ring ends then; 0: it does not
-  std::string capture;  ///< file for all packets on its lines; empty: none
+  double pace = 1;       ///< its time per real time; infinite: as fast as can be
+  double lasts_s = 0;    ///< the ring ends then; 0: it does not
+  std::string capture;   ///< file for all packets on its lines; empty: none
+  bool follows = false;  ///< it goes on as far as a client allows
 };
 
 /// What `ringctl up` was asked for.

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstring>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "app/common/out_file.h"
@@ -85,7 +86,10 @@ int run_virtual(const config::RingConfig& given, const ringd::Options& options) 
     host.capture(capture);
   }
   host.start();
-  virtual_host::Pace pace(options.pace, std::chrono::steady_clock::now());
+  const bool follows = options.clock == "follow";
+  if (follows) host.follow();
+  const double usual = follows ? std::numeric_limits<double>::infinity() : 1;
+  virtual_host::Pace pace(options.pace.value_or(usual), std::chrono::steady_clock::now());
   const core::Time end =
       options.lasts_s > 0 ? core::Time{} + std::chrono::nanoseconds(std::llround(options.lasts_s * 1e9)) : core::kNever;
   host.run(pace, end);

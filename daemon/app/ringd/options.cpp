@@ -48,12 +48,13 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       app.add_option(
              "--clock", o.clock,
              "virtual: all nodes of the ring in this one process, on a clock of their own, with the lines' rates "
-             "and delays of the configuration (where it gives none: 1 Gbit/s, 512 ns)")
-          ->transform(cli::one_of({"machine", "virtual"}));
+             "and delays of the configuration (where it gives none: 1 Gbit/s, 512 ns). follow: the same, and its time "
+             "goes on no further than a client allows, such as ring_bridge by /clock")
+          ->transform(cli::one_of({"machine", "virtual", "follow"}));
   app.add_option(
          "--pace", o.pace,
          "With --clock virtual: its time per real time, 0.001 to 1000, or max: as fast as the machine and the CPUs "
-         "are; default 1")
+         "are; default 1, of follow max")
       ->transform(cli::pace())
       ->needs(clock);
   app.add_option("--for", o.lasts_s, "With --clock virtual: the ring ends by itself after so many seconds of its time")

@@ -18,7 +18,7 @@ struct Options {
   std::string ring;               ///< another name for the ring
   std::string transport;          ///< unix, shm or udp for every link
   std::string clock = "machine";  ///< or virtual: the whole ring is in this process
-  double pace = 1;                ///< of the virtual clock: its time per real time; infinite: as fast as the machine is
+  std::optional<double> pace;     ///< of the virtual clock: its time per real time; infinite: as fast as the machine is
   double lasts_s = 0;             ///< of the virtual clock: the ring ends by itself then; 0: it does not
   std::string capture;            ///< of the virtual clock: file for all packets on the lines; empty: none
   bool list_options = false;      ///< print config/OPTIONS.md and end

@@ -36,6 +36,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_stop(app, context);
   add_resume(app, context);
   add_reset(app, context);
+  add_clock(app, context);
   add_ping(app, context);
   add_observe(app, context);
   add_dump(app, context);

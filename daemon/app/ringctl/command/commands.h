@@ -33,6 +33,7 @@ void add_sync(CLI::App& app, Context& context);
 void add_stop(CLI::App& app, Context& context);
 void add_resume(CLI::App& app, Context& context);
 void add_reset(CLI::App& app, Context& context);
+void add_clock(CLI::App& app, Context& context);  ///< pace, pause, step, run
 void add_ping(CLI::App& app, Context& context);
 void add_observe(CLI::App& app, Context& context);
 void add_dump(CLI::App& app, Context& context);

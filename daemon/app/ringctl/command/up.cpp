@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -24,13 +25,14 @@ using std::chrono::steady_clock;
 namespace {
 
 constexpr milliseconds kGrace{3000};
+constexpr double kForever = 1e6;  // s
 
 struct UpOptions {
   UpRequest request;
   bool detach = false;
   bool respawn = false;
   std::string clock = "machine";
-  double pace = 1;
+  std::optional<double> pace;
   double lasts_s = 0;
   std::string capture;
   double timeout_s = 10;
@@ -172,7 +174,10 @@ void read_clock(UpOptions& options) {
   if (options.respawn && options.lasts_s > 0)
     throw UsageError("--for and --respawn do not go together: a ring that has run for so long is to stay down");
   if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
-  options.request.clock = VirtualClock{options.pace, options.lasts_s, options.capture};
+  const bool follows = options.clock == "follow";
+  const double usual = follows ? std::numeric_limits<double>::infinity() : 1;
+  options.request.clock = VirtualClock{options.pace.value_or(usual), options.lasts_s, options.capture, follows};
+  if (follows) options.timeout_s = kForever;  // the outer clock may stand for as long as it likes
 }
 
 }  // namespace
@@ -203,13 +208,15 @@ void add_up(CLI::App& app, Context& context) {
           ->add_option(
               "--clock", options->clock,
               "virtual: the whole ring in one process, on a clock of its own, with the rates and delays of "
-              "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. Default: machine")
-          ->transform(cli::one_of({"machine", "virtual"}));
+              "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. follow: the same, and "
+              "its "
+              "time goes on as far as a client allows, such as ring_bridge by /clock; no --timeout. Default: machine")
+          ->transform(cli::one_of({"machine", "virtual", "follow"}));
   command
       ->add_option(
           "--pace", options->pace,
           "With --clock virtual: how fast its time goes on beside real time, 0.001 to 1000, or max: as fast as "
-          "the machine and the CPUs are; default 1")
+          "the machine and the CPUs are; default 1, of follow max")
       ->transform(cli::pace())
       ->needs(clock);
   command

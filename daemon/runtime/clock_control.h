@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+
+namespace limb_ring::runtime {
+
+/// What clients may ask of a ring's virtual clock: none of it changes what happens on the ring at which instant.
+class ClockControl {
+ public:
+  using nanoseconds = std::chrono::nanoseconds;
+  struct State {
+    nanoseconds now{0};
+    double pace = 1;  ///< the ring's time per real time; infinite: as fast as the machine and the programs are
+    bool paused = false;
+    bool follows = false;       ///< it goes on no further than allow() has said
+    nanoseconds allowed{0};     ///< where it follows
+    nanoseconds outer_zero{0};  ///< where it follows: what the outer clock shows at 0 of the ring's
+  };
+
+  virtual ~ClockControl() = default;
+  virtual State state() const = 0;
+  virtual void set_pace(double factor) = 0;
+  virtual void pause() = 0;
+  /// Goes on after a pause.
+  virtual void run() = 0;
+  /// Pauses so much later than now; `done` is called once, when it has, or somebody has asked for something else.
+  virtual void step(nanoseconds time, std::function<void()> done) = 0;
+  /// The outer clock has come so far. @return false where this ring does not follow one
+  virtual bool allow(nanoseconds until, nanoseconds outer_zero) = 0;
+};
+
+}  // namespace limb_ring::runtime

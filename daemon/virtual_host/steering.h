@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "runtime/clock_control.h"
+#include "sim/virtual_ring.h"
+#include "virtual_host/pace.h"
+
+namespace limb_ring::virtual_host {
+
+/// How far the time of a virtual ring may go on now, as clients have asked: paused, by steps, no further than an outer
+/// clock; and at which pace.
+class Steering final : public runtime::ClockControl {
+ public:
+  /// @param ring outlives this
+  explicit Steering(sim::VirtualRing& ring) : ring_(ring) {}
+  /// Time goes on at this pace, which outlives the run.
+  void use(Pace& pace) { pace_ = &pace; }
+  /// Time stands until allow().
+  void follow() { follows_ = true; }
+
+  // From clients.
+  State state() const override;
+  void set_pace(double factor) override;
+  void pause() override;
+  void run() override;
+  void step(nanoseconds time, std::function<void()> done) override;
+  bool allow(nanoseconds until, nanoseconds outer_zero) override;
+
+  core::Time limit() const;
+  /// All wait at the ring's time. @return whether that is as far as it may go for now
+  bool holds();
+
+ private:
+  void end_steps();
+
+  sim::VirtualRing& ring_;
+  Pace* pace_ = nullptr;
+  core::Time pause_at_ = core::kNever;
+  std::vector<std::function<void()>> steps_;  ///< who waits for pause_at_
+  bool follows_ = false;
+  core::Time allowed_{};
+  nanoseconds outer_zero_{0};
+};
+
+}  // namespace limb_ring::virtual_host

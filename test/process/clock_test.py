@@ -1,0 +1,111 @@
+"""The time of a virtual ring, steered from outside: at another pace, paused, by steps; and a ring that follows a clock."""
+
+import json
+import os
+import re
+import signal
+
+import ring_process
+from ring_process import RingTest, plain_nodes
+
+LEG = os.path.join(ring_process.CONFIG, 'leg8.yaml')
+MS = 10 ** 6   # ns
+
+
+class Clock(RingTest):
+    def up(self, config, *more):
+        done = self.ctl('up', config, '--clock', 'virtual', '--detach', '--timeout', 60, *more)
+        self.addCleanup(self.ctl, 'down', self.ring)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def clock(self, *words):
+        """What the clock says after `ringctl WORDS`."""
+        return self.ctl_json('--ring', self.ring, *words)
+
+    def refused(self, code, *words):
+        done = self.ctl(*words)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stderr
+
+    def test_stands_goes_by_steps_and_goes_on(self):
+        self.up(self.write_ring(plain_nodes(3)))
+        stands = self.clock('pause')
+        self.assertTrue(stands['paused'])
+        self.assertEqual(self.clock('pause')['now_ns'], stands['now_ns'])
+        self.assertEqual(self.row(1)['state'], 'up', 'it answers all the same')
+        for step, length in (('1ms', MS), ('1500us', 1500000), ('2', 2000 * MS), ('1ns', 1)):
+            before = self.clock('pause')['now_ns']
+            after = self.clock('step', step)
+            self.assertEqual((after['now_ns'] - before, after['paused']), (length, True))
+        self.assertIn('ring %s stands at ' % self.ring, self.ctl('step', '1ms', self.ring).stdout)
+        self.assertIn(' goes on from ', self.ctl('run', self.ring).stdout)
+        gone_on = self.clock('pause')
+        self.assertGreater(gone_on['now_ns'], stands['now_ns'])
+
+    def test_what_is_sent_while_it_stands_goes_with_a_step(self):
+        self.up(self.write_ring(plain_nodes(3)))
+        self.clock('pause')
+        send = self.start('send', [ring_process.program('ringctl'), '--ring', self.ring, 'send', '--from', '0', '--to', '1',
+                                   '--data', 'x'])
+        self.wait('its result', lambda: self.clock('step', '1ms') and send.poll() is not None)
+        self.assertEqual(send.wait(), 0, self.log_of(send))
+
+    def test_changes_its_pace(self):
+        self.up(self.write_ring(plain_nodes(3)))
+        self.assertEqual(self.clock('pace', '0.25')['pace'], 0.25)
+        self.assertEqual(self.clock('pace', 'max')['pace'], 'max')
+        before = self.clock('pace', 'max')['now_ns']
+        self.wait('a minute of its time', lambda: self.clock('pace', 'max')['now_ns'] > before + 60000 * MS)
+
+    def test_wrong_words_and_a_live_ring_are_refused(self):
+        self.assertIn("'0' is not a number, 0.001 to 1000", self.refused(2, 'pace', '0'))
+        self.assertIn('is not a time', self.refused(2, 'step', '0'))
+        self.refused(2, 'pace')
+        self.refused(2, 'step')
+        self.refused(3, 'pause', 'no_such_ring')
+        done = self.ctl('up', self.write_ring(plain_nodes(3)), '--detach')
+        self.addCleanup(self.ctl, 'down', self.ring)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for words in (('pause',), ('run',), ('step', '1ms'), ('pace', '2')):
+            self.assertIn('--clock virtual', self.refused(1, '--ring', self.ring, *words))
+
+    def test_stopped_and_stepped_it_leaves_the_same_trace(self):
+        def run(steer):
+            ring = self.start('ring', [ring_process.program('ringd'), '--config', LEG, '--ring', self.ring,
+                                       '--clock', 'virtual', '--pace', '4', '--for', '4'])
+            if steer:
+                self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'pause').returncode == 0)
+                for step in ('1ms', '7us', '123456ns'):
+                    self.clock('step', step)
+                self.clock('pace', 'max')
+                self.clock('run')
+            self.assertEqual(self.wait_exit(ring), 0)
+            self.assertNotIn('not repeatable', self.log_of(ring))
+            return re.search(r'trace hash (\S+) of 4\.0', self.log_of(ring)).group(1)
+        self.assertEqual(run(False), run(True))
+
+    def test_a_ring_that_follows_goes_as_far_as_it_is_allowed(self):
+        ring = self.start('ring', [ring_process.program('ringd'), '--config', LEG, '--ring', self.ring, '--clock', 'follow'])
+        self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'pause').returncode == 0)
+        self.clock('run')
+        with self.port(0) as port:
+            self.assertEqual(port.ask({'do': 'clock'})['now_ns'], 0, 'nobody has allowed any time')
+            allowed = port.ask({'do': 'allow', 'until_ns': 300 * MS, 'outer_zero_ns': -5})
+            self.assertEqual((allowed['allowed_ns'], allowed['outer_zero_ns'], allowed['pace']), (300 * MS, -5, 'max'))
+            self.wait('that time', lambda: port.ask({'do': 'clock'})['now_ns'] == 300 * MS)
+            self.assertEqual(port.ask({'do': 'clock'})['now_ns'], 300 * MS, 'and no further')
+            for wrong in ({}, {'until_ns': -1, 'outer_zero_ns': 0}, {'until_ns': 1}, {'until_ns': 1, 'outer_zero_ns': 'x'}):
+                with self.assertRaises(ring_process.HostPortError):
+                    port.ask(dict(wrong, do='allow'))
+        ring.send_signal(signal.SIGTERM)
+        self.assertEqual(self.wait_exit(ring), 0)
+        self.assertNotIn('not repeatable', self.log_of(ring))
+
+    def test_a_ring_that_follows_none_says_so(self):
+        self.up(self.write_ring(plain_nodes(3)))
+        with self.port(0) as port, self.assertRaisesRegex(ring_process.HostPortError, '--clock follow'):
+            port.ask({'do': 'allow', 'until_ns': 1, 'outer_zero_ns': 0})
+
+
+if __name__ == '__main__':
+    ring_process.main()
