@@ -9,8 +9,6 @@ namespace {
 
 // Ten times per alive_period of the bridge.
 const ros::WallDuration kAlive{0.1};
-/// Of real time, from the first joint states on.
-constexpr std::chrono::seconds kControllerWithin{30};
 
 void tell_connection(const ConnectOptions& daemon, const std::string& problem) {
   if (!problem.empty())
@@ -34,16 +32,17 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
     : nodes_(std::move(nodes)),
       parameters_(std::move(parameters)),
       port_(parameters_.daemon),
-      joints_(nodes_, parameters_.ring, parameters_.rate, port_, counters_),
+      joints_(nodes_, parameters_.ring, parameters_.rate, port_, counters_, parameters_.sample_log),
       topics_out_(nodes_, parameters_.ring, parameters_.ring.find(parameters_.daemon.node)->id, port_, counters_),
       commands_(
           nodes_, parameters_.ring, port_, [this](std::uint8_t node) { return joints_.speaks(node); }, counters_),
+      controllers_(parameters_.ring, port_, joints_, commands_),
       diagnostics_(nodes_, parameters_.ring),
-      events_(nodes_, parameters_.ring, parameters_.daemon, counters_),
+      events_(nodes_, parameters_.ring, parameters_.daemon, counters_, port_.ros_clock()),
       status_(nodes_, parameters_.ring, parameters_.daemon, port_, joints_, events_, counters_,
               [this](std::uint8_t node) { on_boot(node); }),
-      frames_(nodes_, parameters_.ring, parameters_.daemon, frame_filter(parameters_), counters_),
-      services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.daemon, commands_)) {
+      frames_(nodes_, parameters_.ring, parameters_.daemon, frame_filter(parameters_), counters_, port_.ros_clock()),
+      services_(std::make_unique<Services>(nodes_, parameters_.ring, parameters_.daemon, port_, commands_)) {
   make_topics();
   port_.on_connection([daemon = parameters_.daemon](const auto& problem) { tell_connection(daemon, problem); });
   port_.on_interrupt([](const Interrupt& interrupt) {
@@ -51,10 +50,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
              interrupt.action == Interrupt::Action::stop ? "stop" : "notice");
   });
   if (parameters_.tells_time) port_.on_time([this](std::chrono::nanoseconds now) { tell_time(now); });
-  if (parameters_.ring.bridge.lockstep) {
-    joints_.before_publishing([this] { await_controller(); });
-    joints_.on_published([this](ros::Time stamp) { await_answer(stamp); });
-  }
+  if (parameters_.follows) follower_.emplace(nodes_, parameters_.daemon, port_.ros_clock());
   status_.on_status([this](const RingStatus& status) { diagnostics_.take(status); });
   port_.start();
   status_.start();
@@ -64,6 +60,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
 
 // Services first: their calls under way still need the ring. Then the ring thread, before what it calls into.
 Bridge::~Bridge() {
+  follower_.reset();
   services_.reset();
   port_.stop();
 }
@@ -82,29 +79,6 @@ void Bridge::tell_time(std::chrono::nanoseconds now) {
   rosgraph_msgs::Clock message;
   message.clock.fromNSec(static_cast<std::uint64_t>(now.count()));
   clock_.publish(message);
-}
-
-/// Once: the first joint states are for it already.
-void Bridge::await_controller() {
-  if (!port_.in_lockstep() || std::exchange(awaited_controller_, true)) return;
-  if (port_.hold_time_until([this] { return joints_.is_heard() && commands_.has_sender(); }, kControllerWithin)) return;
-  ROS_WARN("bridge.lockstep: nobody hears joint_states and sends joint_commands within %lld s: time goes on without",
-           static_cast<long long>(kControllerWithin.count()));
-}
-
-/// The ring's time stands until a controller has answered the joint states of that stamp.
-void Bridge::await_answer(ros::Time stamp) {
-  if (!port_.in_lockstep() || (gave_up_ && commands_.latest() == given_up_at_)) return;
-  const auto answered = [this, stamp] { return commands_.latest() >= stamp; };
-  const auto patience = parameters_.ring.virtual_clock.stall;
-  if (port_.hold_time_until(answered, patience)) return;
-  gave_up_ = true;
-  given_up_at_ = commands_.latest();
-  ROS_WARN(
-      "bridge.lockstep: no joint_commands with the stamp of the joint_states of %.6f s, or a later one, within %lld "
-      "ms: "
-      "time goes on without, until the next command; is the controller there, and does it stamp its commands?",
-      stamp.toSec(), static_cast<long long>(patience.count()));
 }
 
 void Bridge::on_boot(std::uint8_t node) {

@@ -3,9 +3,12 @@
 #include <ros/ros.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "ros_bridge/clock_follower.h"
 #include "ros_bridge/command_in.h"
+#include "ros_bridge/controllers.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/diagnostics_out.h"
 #include "ros_bridge/events_out.h"
@@ -32,8 +35,6 @@ class Bridge {
  private:
   void make_topics();
   void tell_time(std::chrono::nanoseconds now);
-  void await_controller();
-  void await_answer(ros::Time stamp);
   void on_boot(std::uint8_t node);
 
   ros::NodeHandle nodes_;
@@ -43,6 +44,7 @@ class Bridge {
   JointDataOut joints_;
   TopicOut topics_out_;
   CommandIn commands_;
+  Controllers controllers_;
   std::vector<std::unique_ptr<TopicIn>> topics_in_;
   DiagnosticsOut diagnostics_;
   EventsOut events_;
@@ -51,10 +53,7 @@ class Bridge {
   std::unique_ptr<Services> services_;
   ros::WallTimer alive_;
   ros::Publisher clock_;  ///< ring thread
-  /// Ring thread: the latest command when none came in time; none is awaited until the next.
-  ros::Time given_up_at_;
-  bool gave_up_ = false;
-  bool awaited_controller_ = false;
+  std::optional<ClockFollower> follower_;
 };
 
 }  // namespace limb_ring::bridge

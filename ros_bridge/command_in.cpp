@@ -20,27 +20,36 @@ CommandIn::CommandIn(ros::NodeHandle& nodes, const config::RingConfig& ring, Rin
       valid_for_us_(static_cast<std::uint32_t>(std::chrono::microseconds(ring.timeouts.command).count())),
       port_(port),
       speaks_(std::move(speaks)),
-      counters_(counters),
-      subscriber_(
-          nodes.subscribe("joint_commands", 10, &CommandIn::on_command, this, ros::TransportHints().tcpNoDelay())) {}
+      counters_(counters) {
+  subscribe(nodes, "joint_commands");
+  for (const std::string& topic : ring.bridge.lockstep) subscribe(nodes, topic);
+}
 
-void CommandIn::on_command(const sensor_msgs::JointState::ConstPtr& message) {
+void CommandIn::subscribe(ros::NodeHandle& nodes, const std::string& topic) {
+  if (subscribers_.count(topic) != 0) return;
+  const boost::function<void(const Event&)> call = [this, topic](const Event& event) { on_command(topic, event); };
+  subscribers_[topic] = nodes.subscribe<sensor_msgs::JointState>(topic, 10, call, ros::VoidConstPtr(),
+                                                                 ros::TransportHints().tcpNoDelay());
+}
+
+void CommandIn::on_command(const std::string& topic, const Event& event) {
+  const sensor_msgs::JointState::ConstPtr& message = event.getMessage();
   counters_.add("commands_in");
   try {
     auto split = split_command(*message, joints_);
-    if (!split.unknown.empty()) warn_unknown(split.unknown);
-    const bool posted = port_.post(
-        [this, parts = std::move(split.parts), came = Throttle::Clock::now(), at = message->header.stamp]() mutable {
-          latest_ = std::max(latest_, at);
-          for (auto& part : parts) {
-            stamp(part.command, came);
-            offer(part);
-          }
-        });
+    if (!split.unknown.empty()) warn_unknown(topic, split.unknown);
+    const bool posted = port_.post([this, parts = std::move(split.parts), came = Throttle::Clock::now(),
+                                    heard = Heard{topic, event.getPublisherName(), message->header.stamp}]() mutable {
+      heard_(heard);
+      for (auto& part : parts) {
+        stamp(part.command, came);
+        offer(part);
+      }
+    });
     if (!posted) counters_.add("commands_dropped_busy");
   } catch (const std::invalid_argument& error) {
     counters_.add("commands_refused");
-    if (refusal_.allow()) ROS_WARN("%s: command refused: %s", subscriber_.getTopic().c_str(), error.what());
+    if (refusal_.allow()) ROS_WARN("%s: command refused: %s", topic.c_str(), error.what());
   }
 }
 
@@ -49,11 +58,11 @@ void CommandIn::stamp(payload::JointCommand& command, Throttle::Clock::time_poin
   command.valid_for_us = valid_for_us_;
 }
 
-void CommandIn::warn_unknown(const std::vector<std::string>& names) {
+void CommandIn::warn_unknown(const std::string& topic, const std::vector<std::string>& names) {
   counters_.add("commands_unknown_joint", names.size());
   for (const auto& name : names) {
     if (warned_.size() >= kWarnedLimit || !warned_.insert(name).second) continue;
-    ROS_WARN("%s: no node of the ring owns joint '%s'; there are: %s", subscriber_.getTopic().c_str(), name.c_str(),
+    ROS_WARN("%s: no node of the ring owns joint '%s'; there are: %s", topic.c_str(), name.c_str(),
              joints_.names().c_str());
   }
 }

@@ -34,9 +34,9 @@ class Throttle {
   Clock::time_point next_{};
 };
 
-/// `joint_commands` from ROS, spread over the nodes that own the joints: one packet per node,
-/// channel 2, priority 0, stamped with the wall clock (a virtual ring's, where it is one) and expiring after
-/// `timeouts.command`.
+/// `joint_commands` from ROS, and the other topics of `bridge: {lockstep}`, spread over the nodes that own the joints:
+/// one packet per node, channel 2, priority 0, stamped with the wall clock (a virtual ring's, where it is one) and
+/// expiring after `timeouts.command`.
 ///
 /// At most two commands to a node are under way. A newer one replaces the one that waits: an old
 /// command is worth nothing. A node whose joints are silent gets none: its controller would refuse
@@ -51,10 +51,16 @@ class CommandIn {
   /// Any thread: ends a latched stop of a node; `done` is called once, from the ring thread.
   /// False where the ring thread has too much to do.
   bool resume(std::uint8_t node, RingPort::OnResult done);
-  /// Any thread: somebody would send commands.
-  bool has_sender() const { return subscriber_.getNumPublishers() != 0; }
-  /// Ring thread only: the latest stamp that a command had.
-  ros::Time latest() const { return latest_; }
+  /// Any thread: somebody would send commands on that topic, one of `bridge: {lockstep}`.
+  bool has_sender(const std::string& topic) const { return subscribers_.at(topic).getNumPublishers() != 0; }
+  /// A command, before it is sent on.
+  struct Heard {
+    std::string topic;   ///< as `bridge: {lockstep}` has it
+    std::string sender;  ///< the ROS node
+    ros::Time stamp;
+  };
+  /// Before the port starts: called on the ring thread for each command.
+  void on_heard(std::function<void(const Heard&)> handler) { heard_ = std::move(handler); }
 
  private:
   /// What has been sent to one node and not yet come back, and what waits for that.
@@ -63,16 +69,17 @@ class CommandIn {
     std::optional<payload::JointCommand> waiting;
     std::uint16_t sequence = 0;
   };
-  void on_command(const sensor_msgs::JointState::ConstPtr& message);
+  using Event = ros::MessageEvent<const sensor_msgs::JointState>;
+  void subscribe(ros::NodeHandle& nodes, const std::string& topic);
+  void on_command(const std::string& topic, const Event& event);
   /// @param came by the steady clock
   void stamp(payload::JointCommand& command, Throttle::Clock::time_point came) const;
-  void warn_unknown(const std::vector<std::string>& names);
+  void warn_unknown(const std::string& topic, const std::vector<std::string>& names);
   void offer(const CommandSplit::Part& part);
   void send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done);
   void on_result(std::uint8_t node, const Result& result);
 
   JointMap joints_;
-  ros::Time latest_;  ///< ring thread
   std::uint32_t valid_for_us_;
   RingPort& port_;
   Speaks speaks_;
@@ -80,7 +87,8 @@ class CommandIn {
   std::set<std::string> warned_;
   Throttle refusal_{std::chrono::seconds(1)};
   std::map<std::uint8_t, NodeCommands> by_node_;  // ring thread only
-  ros::Subscriber subscriber_;
+  std::function<void(const Heard&)> heard_ = [](const Heard&) {};
+  std::map<std::string, ros::Subscriber> subscribers_;  ///< by topic
 };
 
 }  // namespace limb_ring::bridge

@@ -15,8 +15,9 @@ std::vector<const config::NodeConfig*> all_nodes(const config::RingConfig& ring)
 }
 
 EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon,
-                     Counters& counters)
+                     Counters& counters, const RosClock& clock)
     : counters_(counters),
+      clock_(clock),
       conversion_(ring),
       publisher_(nodes.advertise<RingEvent>("ring_events", kEventsQueue)),
       listener_(all_nodes(ring), daemon, kOrder,
@@ -24,7 +25,10 @@ EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, con
 
 void EventsOut::take(const config::NodeConfig& node, const Message& message) {
   if (const auto* seen = std::get_if<Observed>(&message)) {
-    for (const RingEvent& event : conversion_.events_of(node, seen->json)) publisher_.publish(event);
+    for (RingEvent& event : conversion_.events_of(node, seen->json)) {
+      event.header.stamp = clock_.to_ros(static_cast<std::int64_t>(event.header.stamp.toNSec()));
+      publisher_.publish(event);
+    }
   } else if (const auto* lost = std::get_if<ObservedLost>(&message)) {
     counters_.add("events_lost", lost->count);
   } else if (std::holds_alternative<Disconnected>(message)) {

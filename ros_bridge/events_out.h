@@ -5,6 +5,7 @@
 #include "ros_bridge/counters.h"
 #include "ros_bridge/event_conversion.h"
 #include "ros_bridge/ring_listener.h"
+#include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {
 
@@ -12,7 +13,8 @@ namespace limb_ring::bridge {
 /// the time, since events are rare: a subscriber misses only what was before it came.
 class EventsOut {
  public:
-  EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, Counters& counters);
+  EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, Counters& counters,
+            const RosClock& clock);
   /// Whether the events of the node with this id are heard here, as of now. From any thread.
   bool hears(std::uint8_t node) const { return listener_.hears(node); }
 
@@ -20,6 +22,7 @@ class EventsOut {
   void take(const config::NodeConfig& node, const Message& message);
 
   Counters& counters_;
+  const RosClock& clock_;
   EventConversion conversion_;
   ros::Publisher publisher_;
   RingListener listener_;  // last: its thread uses the others

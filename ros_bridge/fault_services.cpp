@@ -16,7 +16,8 @@ fault::RingNodes nodes_of(const config::RingConfig& ring) {
 
 // As in services.cpp: a service that just fails gives its caller no reason.
 template <typename Response, typename Call>
-bool answered(Response& response, Call call) {
+bool answered(RingPort& port, Response& response, Call call) {
+  const RingPort::TimeGoesOn time_goes_on(port);
   try {
     response.success = true;
     call();
@@ -33,8 +34,9 @@ void append(std::string& text, const std::string& more, const char* between) {
 
 }  // namespace
 
-FaultServices::FaultServices(ros::NodeHandle& nodes, const config::RingConfig& ring, const std::string& own)
-    : ring_nodes_(nodes_of(ring)), own_(own), faults_(ring.ring, ring_nodes_) {
+FaultServices::FaultServices(ros::NodeHandle& nodes, const config::RingConfig& ring, const std::string& own,
+                             RingPort& port)
+    : ring_nodes_(nodes_of(ring)), own_(own), port_(port), faults_(ring.ring, ring_nodes_) {
   servers_ = {nodes.advertiseService("inject_fault", &FaultServices::inject, this),
               nodes.advertiseService("clear_faults", &FaultServices::clear, this),
               nodes.advertiseService("list_faults", &FaultServices::list, this)};
@@ -52,7 +54,7 @@ void FaultServices::require_survival(const fault::Fault& fault) const {
 }
 
 bool FaultServices::inject(InjectFault::Request& request, InjectFault::Response& response) {
-  return answered(response, [&] {
+  return answered(port_, response, [&] {
     const fault::Fault fault = fault::from_words(request.fault, ring_nodes_);
     require_survival(fault);
     for (const live::Begun& begun : faults_.begin(fault)) {
@@ -63,7 +65,7 @@ bool FaultServices::inject(InjectFault::Request& request, InjectFault::Response&
 }
 
 bool FaultServices::clear(ClearFaults::Request& request, ClearFaults::Response& response) {
-  return answered(response, [&] {
+  return answered(port_, response, [&] {
     if (!request.id.empty()) return faults_.remove(request.id);
     for (const std::string& problem : faults_.clear()) append(response.message, problem, "; ");
     response.success = response.message.empty();
@@ -71,7 +73,7 @@ bool FaultServices::clear(ClearFaults::Request& request, ClearFaults::Response& 
 }
 
 bool FaultServices::list(ListFaults::Request&, ListFaults::Response& response) {
-  return answered(response, [&] {
+  return answered(port_, response, [&] {
     for (const live::LiveFault& fault : faults_.list()) {
       response.ids.push_back(fault.id);
       response.faults.push_back(fault.words);

@@ -10,6 +10,7 @@
 
 #include "config/ring_config.h"
 #include "live/live_faults.h"
+#include "ros_bridge/ring_port.h"
 
 namespace limb_ring::bridge {
 
@@ -19,7 +20,7 @@ namespace limb_ring::bridge {
 class FaultServices {
  public:
   /// @param nodes calls come by its queue @param own the bridge's node
-  FaultServices(ros::NodeHandle& nodes, const config::RingConfig& ring, const std::string& own);
+  FaultServices(ros::NodeHandle& nodes, const config::RingConfig& ring, const std::string& own, RingPort& port);
 
  private:
   bool inject(InjectFault::Request& request, InjectFault::Response& response);
@@ -29,6 +30,7 @@ class FaultServices {
 
   fault::RingNodes ring_nodes_;
   std::string own_;
+  RingPort& port_;  ///< its time goes on during a call
   live::LiveFaults faults_;
   std::vector<ros::ServiceServer> servers_;
 };

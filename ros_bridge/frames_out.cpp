@@ -10,8 +10,8 @@ constexpr std::uint32_t kFramesQueue = 1000;  // a second of them, by default
 }  // namespace
 
 FramesOut::FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon,
-                     FrameFilter filter, Counters& counters)
-    : ring_(ring), daemon_(daemon), filter_(std::move(filter)), counters_(counters) {
+                     FrameFilter filter, Counters& counters, const RosClock& clock)
+    : ring_(ring), daemon_(daemon), filter_(std::move(filter)), counters_(counters), clock_(clock) {
   // Called by the spinner, as topics are: never while this is being made.
   const auto changed = [this](const ros::SingleSubscriberPublisher&) { on_subscribers(); };
   publisher_ = nodes.advertise<Frame>("ring_frames", kFramesQueue, changed, changed);
@@ -44,6 +44,7 @@ void FramesOut::publish(const config::NodeConfig& node, const CapturedPacket& pa
   CaptureCounts& counts = counts_[node.id];
   counts.lost += packet.lost_before;
   Frame frame = to_frame(packet, node, ring_);
+  frame.header.stamp = clock_.to_ros(packet.time_ns);
   frame.filtered = counts.filtered;
   frame.sampled_out = counts.sampled_out;
   frame.limited = counts.limited;

@@ -8,6 +8,7 @@
 #include "ros_bridge/counters.h"
 #include "ros_bridge/frame_filter.h"
 #include "ros_bridge/ring_listener.h"
+#include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {
 
@@ -16,7 +17,7 @@ namespace limb_ring::bridge {
 class FramesOut {
  public:
   FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, FrameFilter filter,
-            Counters& counters);
+            Counters& counters, const RosClock& clock);
 
  private:
   void on_subscribers();
@@ -27,6 +28,7 @@ class FramesOut {
   ConnectOptions daemon_;
   FrameFilter filter_;
   Counters& counters_;
+  const RosClock& clock_;
   ros::Publisher publisher_;
   std::map<std::uint8_t, CaptureCounts> counts_;  // by node; of the listening thread
   std::unique_ptr<RingListener> listener_;        // last: its thread uses the others

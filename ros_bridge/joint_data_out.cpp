@@ -1,5 +1,7 @@
 #include "ros_bridge/joint_data_out.h"
 
+#include <stdexcept>
+
 #include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/conversions.h"
 
@@ -19,14 +21,18 @@ bool is_kind(payload::SensorReading::Kind read, Kind configured) {
 }  // namespace
 
 JointDataOut::JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate, RingPort& port,
-                           Counters& counters)
+                           Counters& counters, const std::string& sample_log)
     : port_(port),
       counters_(counters),
       store_(ring),
       states_(nodes.advertise<sensor_msgs::JointState>("joint_states", 10)) {
   advertise_samples(nodes, ring);
   port_.on_packet(payload::kJointChannel, [this](const Packet& packet) { on_packet(packet); });
-  port_.every(period_of(rate), [this] { publish_states(); });
+  port_.every(
+      period_of(rate), [this] { publish_states(); }, ring.bridge.phase);
+  if (!sample_log.empty()) log_.open(sample_log);
+  if (!sample_log.empty() && !log_)
+    throw std::invalid_argument("parameter ~sample_log: " + sample_log + " cannot be written");
 }
 
 void JointDataOut::advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring) {
@@ -63,7 +69,7 @@ void JointDataOut::publish_sample(std::uint8_t node, const payload::JointState& 
   const Sampled& sampled = sampled_.at(node);
   if (sampled.states.getNumSubscribers() == 0) return;
   JointStore::Snapshot sample;
-  sample.oldest_stamp_ns = state.stamp_ns;
+  sample.oldest_stamp_ns = port_.ros_clock().outer(state.stamp_ns);
   for (std::size_t i = 0; i < sampled.joints.size(); ++i) sample.fresh.push_back({sampled.joints[i], state.joints[i]});
   sampled.states.publish(to_joint_state(sample));
 }
@@ -76,10 +82,12 @@ void JointDataOut::take_reading(const Packet& packet) {
     return counters_.add("joint_packets_unfit");
   const Sensor& sensor = sensors[reading->sensor];
   counters_.add("readings_in");
+  payload::SensorReading stamped = *reading;
+  stamped.stamp_ns = port_.ros_clock().outer(reading->stamp_ns);
   if (sensor.kind == Kind::imu)
-    sensor.publisher.publish(to_imu(*reading, sensor.name));
+    sensor.publisher.publish(to_imu(stamped, sensor.name));
   else
-    sensor.publisher.publish(to_wrench(*reading, sensor.name));
+    sensor.publisher.publish(to_wrench(stamped, sensor.name));
 }
 
 void JointDataOut::publish_states() {
@@ -91,10 +99,19 @@ void JointDataOut::publish_states() {
     silent_ = snapshot.silent;
   }
   if (snapshot.fresh.empty()) return;
-  const sensor_msgs::JointState states = to_joint_state(snapshot);
   publishing_();
+  if (log_.is_open()) note(snapshot);
+  snapshot.oldest_stamp_ns = port_.ros_clock().outer(snapshot.oldest_stamp_ns);
+  const sensor_msgs::JointState states = to_joint_state(snapshot);
   states_.publish(states);
   published_(states.header.stamp);
+}
+
+// "NOW NODE:STAMP NODE:STAMP ...", times in ns of the clock of stamps.
+void JointDataOut::note(const JointStore::Snapshot& snapshot) {
+  log_ << port_.stamp_of(RingPort::Clock::now());
+  for (const auto& sample : snapshot.samples) log_ << ' ' << int{sample.node} << ':' << sample.stamp_ns;
+  log_ << std::endl;
 }
 
 std::vector<std::string> JointDataOut::silent_joints() const {

@@ -2,6 +2,7 @@
 
 #include <ros/ros.h>
 
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <string>
@@ -15,10 +16,13 @@ namespace limb_ring::bridge {
 
 /// Joint states and sensor readings from the ring to ROS: `joint_states` at a set rate, of all
 /// joints that are not silent; `states/NODE` (where somebody listens) and `sensors/NAME` as each
-/// sample comes. Stamps are those of the samples, by the wall clock of the node that took them.
+/// sample comes. Stamps are those of the samples, by the clock of stamps of the node that took them.
 class JointDataOut {
  public:
-  JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate, RingPort& port, Counters& counters);
+  /// @param sample_log path of a file for which samples each `joint_states` holds; empty: none
+  /// @throw std::invalid_argument where that cannot be written
+  JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& ring, double rate, RingPort& port, Counters& counters,
+               const std::string& sample_log = "");
 
   /// Any thread: somebody hears `joint_states`.
   bool is_heard() const { return states_.getNumSubscribers() != 0; }
@@ -38,6 +42,7 @@ class JointDataOut {
   void take_state(const Packet& packet);
   void take_reading(const Packet& packet);
   void publish_states();
+  void note(const JointStore::Snapshot& snapshot);
   void advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring);
   void publish_sample(std::uint8_t node, const payload::JointState& state);
 
@@ -47,6 +52,7 @@ class JointDataOut {
   JointStore store_;
   std::vector<std::string> silent_;
   ros::Publisher states_;
+  std::ofstream log_;  ///< closed where there is none
   std::function<void()> publishing_ = [] {};
   std::function<void(ros::Time)> published_ = [](ros::Time) {};
   struct Sensor {

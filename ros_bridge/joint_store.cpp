@@ -60,6 +60,7 @@ JointStore::Snapshot JointStore::snapshot(Clock::time_point now) const {
     }
     const bool first = snapshot.fresh.empty();
     snapshot.oldest_stamp_ns = first ? node.state.stamp_ns : std::min(snapshot.oldest_stamp_ns, node.state.stamp_ns);
+    snapshot.samples.push_back({id, node.state.stamp_ns});
     for (std::size_t i = 0; i < node.joints.size(); ++i)
       snapshot.fresh.push_back({node.joints[i], node.state.joints[i]});
   }

@@ -23,9 +23,14 @@ class JointStore {
     std::string name;
     payload::JointState::Joint state;
   };
+  struct Sample {
+    std::uint8_t node;
+    std::int64_t stamp_ns;
+  };
   struct Snapshot {
     std::vector<Joint> fresh;          ///< in the configuration's order
     std::int64_t oldest_stamp_ns = 0;  ///< of the samples in `fresh`; wall clock
+    std::vector<Sample> samples;       ///< that `fresh` is made of
     std::vector<std::string> silent;   ///< joints left out
   };
   /// What has come from one node.

@@ -1,9 +1,11 @@
 #include "ros_bridge/parameters.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "config/load_ring.h"
+#include "config/names.h"
 #include "config/plain_ring.h"
 
 namespace limb_ring::bridge {
@@ -28,6 +30,14 @@ std::string candidates(const config::RingConfig& ring) {
   for (const auto& node : ring.nodes)
     if (node.cpu.kind == CpuKind::attached) names += (names.empty() ? "" : ", ") + node.name;
   return names.empty() ? "none; give one of them 'cpu: attached'" : names;
+}
+
+/// The first word where it is not given.
+std::string word_parameter(const ros::NodeHandle& own, const std::string& name, const std::vector<std::string>& words) {
+  const std::string given = own.param(name, words.front());
+  if (std::find(words.begin(), words.end(), given) == words.end())
+    throw std::invalid_argument("parameter ~" + name + " is '" + given + "'; it must be " + config::join(words));
+  return given;
 }
 
 double rate_parameter(const ros::NodeHandle& own, double configured) {
@@ -69,7 +79,10 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   if (!ring.empty()) config::rename_ring(parameters.ring, ring);
   parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
   own.getParam("frames", parameters.frames);
-  parameters.tells_time = own.param("clock", false);
+  const std::string clock = word_parameter(own, "clock", {"none", "tell", "follow"});
+  parameters.tells_time = clock == "tell";
+  parameters.follows = clock == "follow";
+  parameters.sample_log = text_parameter(own, "sample_log");
   parameters.daemon.ring = parameters.ring.ring;
   const config::NodeConfig& node = bridge_node(parameters.ring, text_parameter(own, "node"));
   parameters.daemon.node = node.name;

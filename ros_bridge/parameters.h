@@ -16,6 +16,8 @@ struct Parameters {
   ConnectOptions daemon;
   double rate = 50.0;          ///< Hz of joint_states
   bool tells_time = false;     ///< publishes /clock where the ring is virtual
+  bool follows = false;        ///< lets a virtual ring's time go on as far as /clock has come
+  std::string sample_log;      ///< path of a file that says which samples each joint_states holds; empty: none
   XmlRpc::XmlRpcValue frames;  ///< what `ring_frames` shows, see FrameFilter
 };
 

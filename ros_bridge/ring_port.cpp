@@ -12,6 +12,7 @@ namespace limb_ring::bridge {
 namespace {
 
 using namespace std::chrono_literals;
+using std::chrono::nanoseconds;
 
 constexpr auto kRetry = 200ms;        // between tries to connect
 constexpr auto kLongestWait = 100ms;  // so that alive() is passed on
@@ -54,8 +55,21 @@ RingPort::~RingPort() {
   close(wake_);
 }
 
-void RingPort::every(Clock::duration period, std::function<void()> tick) {
-  ticks_.push_back({period, Clock::now() + period, std::move(tick)});
+RingPort::TimeGoesOn::TimeGoesOn(RingPort& port) : port_(port) {
+  ++port_.letting_go_;
+  ring_bell(port_.wake_);
+}
+
+void RingPort::every(Clock::duration period, std::function<void()> tick, std::optional<nanoseconds> phase) {
+  ticks_.push_back({period, phase, {}, std::move(tick)});
+  ticks_.back().due = first_due(ticks_.back(), Clock::now());
+}
+
+RingPort::Clock::time_point RingPort::first_due(const Tick& tick, Clock::time_point now) {
+  if (!tick.phase) return now + tick.period;
+  const Clock::duration since = now.time_since_epoch() - *tick.phase;
+  const auto periods = since.count() < 0 ? 0 : since / tick.period + 1;
+  return Clock::time_point(periods * tick.period + *tick.phase);
 }
 
 void RingPort::start() {
@@ -121,26 +135,28 @@ std::int64_t RingPort::stamp_of(Clock::time_point came) const {
 }
 
 void RingPort::restart_ticks() {
-  for (Tick& tick : ticks_) tick.due = now() + tick.period;
+  for (Tick& tick : ticks_) tick.due = first_due(tick, now());
 }
 
 void RingPort::tell_time() {
-  if (!time_ || !in_lockstep()) return;
+  if (!in_lockstep()) return ros_clock_.set_ring(RosClock::kMachine);
   const auto time = port_->now();
-  if (std::exchange(told_time_, time) != time) time_(time);
+  ros_clock_.set_ring(time.count());
+  if (std::exchange(told_time_, time) != time && time_) time_(time);
 }
 
-bool RingPort::hold_time_until(const std::function<bool()>& condition, std::chrono::milliseconds patience) {
+RingPort::Held RingPort::hold_time_until(const std::function<bool()>& condition, std::chrono::milliseconds patience) {
   const auto deadline = Clock::now() + patience;
   while (!condition() && !stopping_) {
+    if (letting_go_ != 0) return Held::let_go;
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-    if (left <= 0ms) return false;
+    if (left <= 0ms) return Held::in_vain;
     pollfd bell{wake_, POLLIN, 0};
     const auto wait = std::min<std::chrono::milliseconds>(left, kLook);
     if (poll(&bell, 1, static_cast<int>(wait.count())) > 0) quiet_bell(wake_);
     run_posted();
   }
-  return true;
+  return Held::fulfilled;
 }
 
 void RingPort::report(const std::string& problem) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "limb_ring/host_port.h"
+#include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {
 
@@ -52,7 +53,8 @@ class RingPort {
   void on_time(std::function<void(std::chrono::nanoseconds)> handler) { time_ = std::move(handler); }
   /// Called at absolute deadlines of now(), after everything that has come in was taken: what has arrived
   /// while this process was not scheduled is not judged as missing.
-  void every(Clock::duration period, std::function<void()> tick);
+  /// @param phase so long after the multiples of the period on now(); none: counted from the start
+  void every(Clock::duration period, std::function<void()> tick, std::optional<std::chrono::nanoseconds> phase = {});
   void start();
   /// @}
 
@@ -66,11 +68,26 @@ class RingPort {
 
   /// Ring thread only: the steady clock's time, or the ring's where that is virtual.
   Clock::time_point now() const;
+  /// Any thread: the clock of what is published. On a virtual ring it is as far as the ring thread has seen.
+  RosClock& ros_clock() { return ros_clock_; }
+  const RosClock& ros_clock() const { return ros_clock_; }
   /// Ring thread only: the stamp of what came at that time of the steady clock: since 1970, or now() on a virtual ring.
   std::int64_t stamp_of(Clock::time_point came) const;
+  enum class Held : std::uint8_t { fulfilled, in_vain, let_go };
   /// Ring thread only: waits, in real time, until `condition` holds, which posted work may bring about; the ring's time
-  /// stands meanwhile. @return false where it did not within `patience`
-  bool hold_time_until(const std::function<bool()>& condition, std::chrono::milliseconds patience);
+  /// stands meanwhile. In vain where it did not within `patience`; let go where somebody keeps a TimeGoesOn.
+  Held hold_time_until(const std::function<bool()>& condition, std::chrono::milliseconds patience);
+  /// While one is kept, the ring's time is not held: for who waits for something that takes the ring's time.
+  class TimeGoesOn {
+   public:
+    explicit TimeGoesOn(RingPort& port);
+    TimeGoesOn(const TimeGoesOn&) = delete;
+    TimeGoesOn& operator=(const TimeGoesOn&) = delete;
+    ~TimeGoesOn() { --port_.letting_go_; }
+
+   private:
+    RingPort& port_;
+  };
 
   /// Ring thread only: the ring is virtual, and its time stands while this thread acts.
   bool in_lockstep() const { return port_ && port_->in_lockstep(); }
@@ -82,9 +99,11 @@ class RingPort {
  private:
   struct Tick {
     Clock::duration period;
+    std::optional<std::chrono::nanoseconds> phase;
     Clock::time_point due;
     std::function<void()> call;
   };
+  static Clock::time_point first_due(const Tick& tick, Clock::time_point now);
   void run();
   void restart_ticks();
   void tell_time();
@@ -111,6 +130,7 @@ class RingPort {
   bool more_to_take_ = false;
   std::optional<Message> message_;          ///< that has ended a wait in lockstep
   std::chrono::nanoseconds told_time_{-1};  ///< by time_
+  RosClock ros_clock_;
   std::unordered_map<std::uint32_t, OnResult> results_;
   std::vector<OnResult> unsendable_;  // asked for while not connected
 
@@ -118,6 +138,7 @@ class RingPort {
   std::deque<std::function<void()>> posted_;
   std::atomic<bool> post_alive_{false};
   std::atomic<bool> stopping_{false};
+  std::atomic<int> letting_go_{0};  ///< of TimeGoesOn
   int wake_ = -1;
   std::thread thread_;
 };

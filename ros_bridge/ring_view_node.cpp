@@ -19,7 +19,9 @@ constexpr const char* kHelp =
     "ring_view: markers of a ring and its robot for RViz. Usually started by view.launch.\n"
     "Parameters: ~config: YAML file of the ring; robot_description: URDF of the robot, may be missing\n";
 
-ros::Time wall_now() {
+/// By /clock where that is told, as RViz and tf go by it; else by the machine's clock.
+ros::Time now_for_tf() {
+  if (ros::Time::isSimTime() && !ros::Time::now().isZero()) return ros::Time::now();
   const auto now = ros::WallTime::now();
   return {now.sec, now.nsec};
 }
@@ -36,13 +38,13 @@ class RingView {
     status_in_ = nodes.subscribe("ring_status", 1, &RingView::show, this);
     states_in_ = nodes.subscribe("joint_states", 1, &RingView::take_joints, this);
     timer_ =
-        nodes.createWallTimer(kFrame, [this](const ros::WallTimerEvent&) { held_.publish(joints_.all(wall_now())); });
+        nodes.createWallTimer(kFrame, [this](const ros::WallTimerEvent&) { held_.publish(joints_.all(now_for_tf())); });
   }
 
  private:
   void place_robot() {
     geometry_msgs::TransformStamped robot;
-    robot.header.stamp = wall_now();
+    robot.header.stamp = now_for_tf();
     robot.header.frame_id = kRingFrame;
     robot.child_frame_id = limbs_.root();
     robot.transform.rotation.w = 1;

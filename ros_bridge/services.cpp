@@ -52,7 +52,8 @@ void fill(Response& response, const std::string& outcome, double round_trip, con
 
 // Whatever goes wrong becomes the answer: a service that just fails gives its caller no reason.
 template <typename Response, typename Call>
-bool answered(Response& response, Call call) {
+bool answered(RingPort& port, Response& response, Call call) {
+  const RingPort::TimeGoesOn time_goes_on(port);  // also where it waits for a controller: what is asked for takes time
   try {
     call();
   } catch (const std::exception& error) {
@@ -64,9 +65,14 @@ bool answered(Response& response, Call call) {
 
 }  // namespace
 
-Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon,
+Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon, RingPort& port,
                    CommandIn& commands)
-    : ring_(ring), daemon_(std::move(daemon)), commands_(commands), nodes_(nodes), threads_(kThreads, &queue_) {
+    : ring_(ring),
+      daemon_(std::move(daemon)),
+      port_(port),
+      commands_(commands),
+      nodes_(nodes),
+      threads_(kThreads, &queue_) {
   daemon_.role = Role::tool;
   daemon_.alive_period = 0ms;
   daemon_.timeout = kServiceConnect;
@@ -75,7 +81,7 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
               nodes_.advertiseService("send_interrupt", &Services::send_interrupt, this),
               nodes_.advertiseService("stop", &Services::stop, this),
               nodes_.advertiseService("resume", &Services::resume, this)};
-  faults_.emplace(nodes_, ring_, daemon_.node);
+  faults_.emplace(nodes_, ring_, daemon_.node, port_);
   threads_.start();
 }
 
@@ -95,7 +101,7 @@ std::uint8_t Services::destination(const std::string& node) const {
 }
 
 bool Services::reset_node(ResetNode::Request& request, ResetNode::Response& response) {
-  return answered(response, [&] {
+  return answered(port_, response, [&] {
     const auto id = one_node(request.node);
     const auto timeout = reset_timeout(request.timeout);
     const std::uint8_t own = HostPort::connect(daemon_).id();
@@ -111,7 +117,7 @@ bool Services::reset_node(ResetNode::Request& request, ResetNode::Response& resp
 }
 
 bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Response& response) {
-  return answered(response, [&] {
+  return answered(port_, response, [&] {
     if (request.factor > 7)
       throw std::invalid_argument("factor " + std::to_string(request.factor) + "; it must be 0 to 7");
     const auto to = destination(request.node);
@@ -122,7 +128,7 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
 }
 
 bool Services::stop(Stop::Request& request, Stop::Response& response) {
-  return answered(response, [&] {
+  return answered(port_, response, [&] {
     json ask_stop = {{"do", "stop"}};
     if (!request.node.empty() && request.node != "all") ask_stop["node"] = std::to_string(one_node(request.node));
     auto port = HostPort::connect(daemon_);
@@ -163,7 +169,7 @@ Result Services::resume_one(std::uint8_t node) {
 }
 
 bool Services::resume(Resume::Request& request, Resume::Response& response) {
-  return answered(response, [&] {
+  return answered(port_, response, [&] {
     const auto ids = nodes_to_resume(request.node.empty() ? kBroadcast : destination(request.node));
     if (ids.empty())
       throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");

@@ -25,7 +25,8 @@ namespace limb_ring::bridge {
 class Services {
  public:
   /// `daemon` says how to reach the daemon of this bridge's node; its role is ignored.
-  Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon, CommandIn& commands);
+  Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon, RingPort& port,
+           CommandIn& commands);
   ~Services();
 
  private:
@@ -46,6 +47,7 @@ class Services {
 
   const config::RingConfig& ring_;
   ConnectOptions daemon_;
+  RingPort& port_;  ///< its time goes on during a call
   CommandIn& commands_;
   ros::CallbackQueue queue_;
   ros::NodeHandle nodes_;

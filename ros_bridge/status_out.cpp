@@ -18,6 +18,7 @@ StatusOut::StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, con
                      OnBoot on_boot)
     : ring_(ring),
       own_node_(daemon.node),
+      clock_(port.ros_clock()),
       watch_(ring, daemon),
       joints_(joints),
       events_(events),
@@ -88,8 +89,7 @@ void StatusOut::publish() {
 }
 
 void StatusOut::fill_header(RingStatus& status) {
-  const auto now = ros::WallTime::now();
-  status.header.stamp = ros::Time(now.sec, now.nsec);
+  status.header.stamp = clock_.now();
   status.ring = ring_.ring;
   status.node = own_node_;
   status.message = last_problem_;

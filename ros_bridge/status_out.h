@@ -45,6 +45,7 @@ class StatusOut {
 
   const config::RingConfig& ring_;
   std::string own_node_;
+  const RosClock& clock_;
   RingWatch watch_;
   const JointDataOut& joints_;
   const EventsOut& events_;

@@ -1,9 +1,16 @@
+#include <algorithm>
+
 #include "config/sections.h"
 
 namespace limb_ring::config {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr std::size_t kMostTopics = 255;
+constexpr std::size_t kMostControllers = 16;
+constexpr TimeRange kPhases{0s, 1s, nanoseconds(1)};
+constexpr const char* kControllers = "true (joint_commands), false, or a list of up to 16 topics of joint commands";
 
 void check_topic(const Entry& entry, const TopicConfig& topic) {
   if (topic.from == topic.to) entry.refuse("the topic goes from a node to itself", "two nodes, each with a bridge");
@@ -12,17 +19,45 @@ void check_topic(const Entry& entry, const TopicConfig& topic) {
                  "size and rate, or neither of them");
 }
 
+std::vector<std::string> read_controllers(const Entry& entry) {
+  if (entry.is_scalar()) {
+    const std::string text = entry.text(kControllers);
+    if (text != "true" && text != "false") entry.refuse_value("is unknown", kControllers);
+    return text == "true" ? std::vector<std::string>{"joint_commands"} : std::vector<std::string>{};
+  }
+  std::vector<std::string> topics;
+  for (const Entry& item : entry.items(kControllers, kMostControllers)) {
+    topics.push_back(read_name(item, is_topic_name, kTopicNameRule));
+    if (std::count(topics.begin(), topics.end(), topics.back()) != 1)
+      item.refuse_value("is listed twice", "each topic once");
+  }
+  return topics;
+}
+
+Option<BridgeConfig> controllers_option() {
+  return {"lockstep", "false", kControllers,
+          "On a virtual ring: after joint_states its time stands until an answer, joint commands of that stamp or a "
+          "later one, has come on each topic, for `virtual: {stall}` of real time at most.",
+          [](const Entry& entry, BridgeConfig& bridge) { bridge.lockstep = read_controllers(entry); }};
+}
+
+Option<BridgeConfig> phase_option() {
+  return {
+      "phase", "none", allowed(kPhases),
+      "joint_states go out so long after the multiples of their period on the clock, at which limb_firmware samples: "
+      "with enough of it each holds the samples of its own period. none: counted from the bridge's start.",
+      [](const Entry& entry, BridgeConfig& bridge) { bridge.phase = read_time(entry, kPhases); }};
+}
+
 }  // namespace
 
 const Section<BridgeConfig>& bridge_section() {
   static const Section<BridgeConfig> section{
       real_option("rate", &BridgeConfig::rate, {1, 1000, "Hz"}, "How often joint_states is sent."),
+      phase_option(),
       list_option("topics", &BridgeConfig::topics, topic_section(), kMostTopics, check_topic,
                   "ROS topics that cross the ring unmodified, from one bridge to another."),
-      flag_option(
-          "lockstep", &BridgeConfig::lockstep,
-          "On a virtual ring: after joint_states its time stands until joint_commands of that stamp or a later one "
-          "have come, for `virtual: {stall}` of real time at most."),
+      controllers_option(),
   };
   return section;
 }

@@ -154,8 +154,11 @@ struct TrafficConfig {
 
 struct BridgeConfig {
   double rate = 50.0;  ///< Hz of joint_states
+  std::optional<nanoseconds>
+      phase;  ///< joint_states so long after the multiples of its period; none: from its start on
   std::vector<TopicConfig> topics;
-  bool lockstep = false;  ///< on a virtual ring: time waits for the answer to joint_states
+  /// On a virtual ring time waits for an answer to joint_states on each of these topics of joint commands.
+  std::vector<std::string> lockstep;
 };
 
 /// Of a ring on a virtual clock (ringctl up --clock virtual).

@@ -31,7 +31,7 @@ Lockstep::Lockstep(sim::VirtualRing& ring, const config::RingConfig& config) : r
 }
 
 void Lockstep::expect_bridge(std::uint8_t node) {
-  if (config_.bridge.lockstep && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached)
+  if (!config_.bridge.lockstep.empty() && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached)
     boots_[node] = {boot_end()};
 }
 
@@ -204,7 +204,8 @@ bool Lockstep::hear(Entry& entry) {
 /// A bridge waits for its controller, with limits of its own.
 milliseconds Lockstep::patience_with(std::uint8_t node) const {
   const milliseconds stall = config_.virtual_clock.stall;
-  const bool bridge = config_.bridge.lockstep && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
+  const bool bridge =
+      !config_.bridge.lockstep.empty() && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
   return bridge ? kAttachedWithin + 3 * stall : stall;
 }
 

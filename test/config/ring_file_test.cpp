@@ -22,12 +22,22 @@ TEST(RingFile, WithNothingButNodesHasTheDefaults) {
 
 TEST(RingFile, SetsTheVirtualClock) {
   EXPECT_EQ(read(two_nodes()).virtual_clock.boot_time, 20ms);
-  EXPECT_FALSE(read(two_nodes()).bridge.lockstep);
+  EXPECT_TRUE(read(two_nodes()).bridge.lockstep.empty());
   const RingConfig ring = read(two_nodes("virtual: {boot_time: 5ms, stall: 1s, seed: 9}\nbridge: {lockstep: true}\n"));
   EXPECT_EQ(ring.virtual_clock.boot_time, 5ms);
   EXPECT_EQ(ring.virtual_clock.stall, 1s);
   EXPECT_EQ(ring.virtual_clock.seed, 9u);
-  EXPECT_TRUE(ring.bridge.lockstep);
+  EXPECT_EQ(ring.bridge.lockstep, std::vector<std::string>{"joint_commands"});
+}
+
+TEST(RingFile, NamesTheTopicsOfControllersInLockstep) {
+  using Topics = std::vector<std::string>;
+  const RingConfig ring = read(two_nodes("bridge: {lockstep: [arms/commands, legs], phase: 150us}\n"));
+  EXPECT_EQ(ring.bridge.lockstep, (Topics{"arms/commands", "legs"}));
+  EXPECT_EQ(ring.bridge.phase, 150us);
+  EXPECT_TRUE(read(two_nodes("bridge: {lockstep: false}\n")).bridge.lockstep.empty());
+  EXPECT_TRUE(read(two_nodes("bridge: {lockstep: []}\n")).bridge.lockstep.empty());
+  EXPECT_FALSE(read(two_nodes()).bridge.phase);
 }
 
 TEST(RingFile, SetsLimitsAndTimeouts) {

@@ -32,6 +32,14 @@ TEST(WrongEntry, UnknownWithinASection) {
               StartsWith("ring.yaml:6:12: entry 'firmware.colour': is unknown; allowed: state_rate"));
 }
 
+TEST(WrongEntry, ForControllersInLockstep) {
+  EXPECT_THAT(
+      refusal_of(two_nodes("bridge: {lockstep: arms}\n")),
+      AllOf(StartsWith("ring.yaml:6:20: entry 'bridge.lockstep': 'arms' is unknown"), HasSubstr("a list of up to 16")));
+  EXPECT_THAT(refusal_of(two_nodes("bridge: {lockstep: [arms, arms]}\n")), HasSubstr("'arms' is listed twice"));
+  EXPECT_THAT(refusal_of(two_nodes("bridge: {lockstep: [{}]}\n")), HasSubstr("entry 'bridge.lockstep[0]'"));
+}
+
 TEST(WrongEntry, ThatHasBecomeThreeNamesThem) {
   EXPECT_THAT(refusal_of(two_nodes("timeouts: {bypass: 200ms}\n")),
               Eq("ring.yaml:6:20: entry 'timeouts.bypass': is three entries now; allowed: first_successor, "

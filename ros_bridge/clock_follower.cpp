@@ -1,0 +1,95 @@
+#include "ros_bridge/clock_follower.h"
+
+#include <nlohmann/json.hpp>
+
+namespace limb_ring::bridge {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+constexpr auto kConnect = 1s;
+constexpr auto kAnswer = 10s;
+constexpr auto kRetry = 200ms;
+constexpr double kSecond = 1e9;  // ns
+
+}  // namespace
+
+ClockFollower::ClockFollower(const ros::NodeHandle& nodes, ConnectOptions daemon, RosClock& clock)
+    : daemon_(std::move(daemon)), clock_(clock), nodes_(nodes), spinner_(1, &queue_) {
+  daemon_.role = Role::tool;
+  daemon_.alive_period = 0ms;
+  daemon_.timeout = kConnect;
+  nodes_.setCallbackQueue(&queue_);
+  subscriber_ = nodes_.subscribe("/clock", 10, &ClockFollower::on_clock, this, ros::TransportHints().tcpNoDelay());
+  spinner_.start();
+  thread_ = std::thread([this] { run(); });
+}
+
+ClockFollower::~ClockFollower() {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+  spinner_.stop();
+}
+
+void ClockFollower::on_clock(const rosgraph_msgs::Clock& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  newest_ns_ = static_cast<std::int64_t>(message.clock.toNSec());
+  wake_.notify_all();
+}
+
+std::optional<std::int64_t> ClockFollower::await_time() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  wake_.wait(lock, [this] { return stopping_ || newest_ns_; });
+  return stopping_ ? std::nullopt : std::exchange(newest_ns_, std::nullopt);
+}
+
+void ClockFollower::run() {
+  std::string told;
+  while (!stopping_) {
+    try {
+      HostPort port = HostPort::connect(daemon_);
+      take_over(port);
+      while (const auto time_ns = await_time()) pass_on(port, *time_ns);
+    } catch (const std::exception& problem) {
+      if (std::exchange(told, problem.what()) != problem.what())
+        ROS_WARN("the ring's clock does not follow /clock: %s (trying again)", problem.what());
+      std::unique_lock<std::mutex> lock(mutex_);
+      wake_.wait_for(lock, kRetry, [this] { return stopping_.load(); });
+    }
+  }
+}
+
+void ClockFollower::take_over(HostPort& port) {
+  const json state = json::parse(port.ask(R"({"do": "clock"})", kAnswer));
+  const std::int64_t allowed_ns = state.value("allowed_ns", std::int64_t{0});
+  if (zero_ns_ || allowed_ns == 0) return;
+  zero_ns_ = state.value("outer_zero_ns", std::int64_t{0});
+  last_ns_ = *zero_ns_ + allowed_ns;
+  clock_.set_outer_zero(*zero_ns_);
+}
+
+void ClockFollower::pass_on(HostPort& port, std::int64_t time_ns) {
+  if (!zero_ns_) {
+    zero_ns_ = time_ns;
+    ROS_INFO("the ring's clock follows /clock; its 0 is %.6f s there", static_cast<double>(time_ns) / kSecond);
+  } else if (time_ns < last_ns_) {
+    const std::int64_t reached_ns = last_ns_ - *zero_ns_;
+    ROS_WARN(
+        "/clock has jumped back, from %.6f s to %.6f s: the ring goes on from where it is, %.6f s after its start, and "
+        "its stamps follow /clock",
+        static_cast<double>(last_ns_) / kSecond, static_cast<double>(time_ns) / kSecond,
+        static_cast<double>(reached_ns) / kSecond);
+    zero_ns_ = time_ns - reached_ns;
+  }
+  clock_.set_outer_zero(*zero_ns_);
+  last_ns_ = time_ns;
+  const json allow{{"do", "allow"}, {"until_ns", time_ns - *zero_ns_}, {"outer_zero_ns", *zero_ns_}};
+  port.ask(allow.dump(), kAnswer);
+}
+
+}  // namespace limb_ring::bridge

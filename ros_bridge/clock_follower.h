@@ -1,0 +1,53 @@
+#pragma once
+
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <rosgraph_msgs/Clock.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "limb_ring/host_port.h"
+#include "ros_bridge/ros_clock.h"
+
+namespace limb_ring::bridge {
+
+/// Lets the time of a virtual ring go on as far as `/clock` has come, which somebody else publishes (Gazebo, rosbag
+/// play
+/// --clock): `ringctl up --clock follow`. 0 of the ring's clock is the first `/clock` that was heard; where that
+/// stands, the ring does. Where it jumps back the ring goes on from where it is, and its stamps follow `/clock`.
+class ClockFollower {
+ public:
+  /// @param daemon says how to reach the daemon of the bridge's node; its role is ignored @param clock outlives this
+  ClockFollower(const ros::NodeHandle& nodes, ConnectOptions daemon, RosClock& clock);
+  ~ClockFollower();
+
+ private:
+  void on_clock(const rosgraph_msgs::Clock& message);
+  void run();
+  /// The next time that has not been passed on; nothing where this ends.
+  std::optional<std::int64_t> await_time();
+  void pass_on(HostPort& port, std::int64_t time_ns);
+  /// Of a bridge that was here before.
+  void take_over(HostPort& port);
+
+  ConnectOptions daemon_;
+  RosClock& clock_;
+  std::optional<std::int64_t> zero_ns_;  ///< of `/clock`, where the ring's is 0
+  std::int64_t last_ns_ = 0;             ///< of `/clock`, as passed on
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<std::int64_t> newest_ns_;
+  std::atomic<bool> stopping_{false};
+  ros::CallbackQueue queue_;
+  ros::NodeHandle nodes_;
+  ros::AsyncSpinner spinner_;
+  ros::Subscriber subscriber_;
+  std::thread thread_;
+};
+
+}  // namespace limb_ring::bridge

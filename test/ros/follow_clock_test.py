@@ -1,0 +1,84 @@
+#!/usr/bin/python3
+"""A ring on a virtual clock that follows a /clock given by somebody else: here the test, as Gazebo or a bag would."""
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Clock, Log
+from sensor_msgs.msg import Imu, JointState
+
+from limb_ring.msg import Frame, RingEvent, RingStatus
+from ring_testing import Newest, wait_for
+
+START = 1000.0   # s, of the outer clock
+STEP = 0.01      # s
+
+
+def seconds(message):
+    return message.header.stamp.to_sec()
+
+
+class OuterClock:
+    """Publishes /clock, in steps, while it runs."""
+
+    def __init__(self, start):
+        self.now, self.running, self.ended = start, True, False
+        self.publisher = rospy.Publisher('/clock', Clock, queue_size=10, tcp_nodelay=True)
+        self.thread = threading.Thread(target=self.run)
+        self.thread.start()
+
+    def run(self):
+        while not self.ended:
+            if self.running:
+                self.now += STEP
+            self.publisher.publish(Clock(rospy.Time.from_sec(self.now)))
+            time.sleep(0.005)
+
+    def end(self):
+        self.ended = True
+        self.thread.join()
+
+
+class FollowClock(unittest.TestCase):
+    def test_goes_as_far_as_the_outer_clock_pauses_with_it_and_survives_a_jump_back(self):
+        said = []
+        rospy.Subscriber('/rosout', Log, lambda line: said.append(line.msg))
+        joints = Newest('joint_states', JointState)
+        others = [Newest(topic, kind) for topic, kind in (
+            ('sensors/knee_imu', Imu), ('ring_status', RingStatus), ('ring_events', RingEvent), ('ring_frames', Frame),
+            ('/diagnostics', DiagnosticArray))]
+        clock = OuterClock(START)
+        self.addCleanup(clock.end)
+
+        joints.wait(lambda states: seconds(states) > START + 2, 'two seconds of the outer clock')
+        self.assertLessEqual(seconds(joints.get()), clock.now)
+        for newest in others:
+            newest.wait(lambda message: START <= seconds(message) <= clock.now, 'stamps of the outer clock')
+
+        clock.running = False   # what is under way comes to its end there
+        self.settled(joints, clock)
+        self.assertLessEqual(seconds(joints.get()), clock.now)
+        clock.running = True
+        joints.wait(lambda states: seconds(states) > START + 4, 'the clock to be followed again')
+
+        clock.now = 5.0
+        wait_for(lambda: [line for line in said if line.startswith('/clock has jumped back, from 10')], 'a word about the jump')
+        joints.wait(lambda states: 6 < seconds(states) <= clock.now, 'stamps of the clock as it is now')
+        self.assertEqual(joints.get().name, ['knee'])
+
+    def settled(self, joints, clock):
+        """Nothing new while the bridge goes on to be asked: ten of its statuses are published in the meantime."""
+        status = Newest('ring_status', RingStatus)
+        wait_for(lambda: clock.now - seconds(joints.get()) < 3 * STEP, 'the last joint states')
+        status.wait_for_more(2, 'statuses')
+        before = joints.count()
+        status.wait_for_more(3, 'statuses')
+        self.assertEqual(joints.count(), before, 'time stands')
+
+
+if __name__ == '__main__':
+    rospy.init_node('follow_clock_test')
+    rostest.rosrun('limb_ring', 'follow_clock', FollowClock)
