@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo tests test soak mutants fuzz traces bench bench-sim chaos fault-table install-dissector deps clean format
+.PHONY: help all build demo virtual-demo tests test soak mutants fuzz traces bench bench-sim chaos fault-table install-dissector deps clean format
 all: build
 
 help: ## This list
@@ -35,6 +35,10 @@ build: deps $(BUILD)/CMakeCache.txt ## Builds all programs
 demo: deps $(BUILD)/CMakeCache.txt ## Builds what it needs; a humanoid walks, hangs and is reset (DURATION=20)
 	$(BUILD_TARGET) demo_programs
 	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/demo $(if $(DURATION),--duration $(DURATION))
+
+virtual-demo: deps $(BUILD)/CMakeCache.txt ## The same on a virtual clock, twice the same, beside its bound (DURATION=20)
+	$(BUILD_TARGET) demo_programs
+	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/virtual_demo $(if $(DURATION),--duration $(DURATION))
 
 tests: build ## Builds the tests
 	$(BUILD_TARGET) tests

@@ -24,12 +24,12 @@ def free_port():
 class Launch:
     """roslaunch with a master of its own, ended with all it started."""
 
-    def __init__(self, port, ring):
+    def __init__(self, port, ring, file='demo.launch', *arguments):
         self.port, self.ring = port, ring
         self.log = tempfile.NamedTemporaryFile('w', prefix='limb_ring_demo_', suffix='.log',
                                                delete=False)
         self.process = subprocess.Popen(
-            ['roslaunch', '-p', str(port), 'limb_ring', 'demo.launch', 'ring:=' + ring],
+            ['roslaunch', '-p', str(port), 'limb_ring', file, 'ring:=' + ring, *arguments],
             stdout=self.log, stderr=subprocess.STDOUT, start_new_session=True)
 
     def wait_for_master(self):

@@ -60,6 +60,11 @@ ring_rostest(virtual_clock 180)
 ring_rostest(controllers 240)
 ring_rostest(follow_clock 240)
 ring_rostest(topics 300)
+# Eight seconds of the ring's time, twice.
+add_test(NAME virtual_demo COMMAND ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/virtual_demo --duration 8
+         --programs $<TARGET_FILE_DIR:ringd>)
+set_tests_properties(virtual_demo PROPERTIES TIMEOUT 300 RUN_SERIAL TRUE
+  ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home;PYTHONDONTWRITEBYTECODE=1;LIMB_RING_DEMO_ENTERED=1")
 ring_rostest(scenario 300)
 ring_rostest(side_by_side 300)
 recording_rostest(walking_recording 300 icub_walking/walking.csv)
