@@ -1,6 +1,7 @@
 #include "ros_bridge/controllers.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace limb_ring::bridge {
 namespace {
@@ -39,6 +40,11 @@ void Controllers::await_first() {
              return commands_.has_sender(controller.topic);
            });
   };
+  if (!are_there() && !std::exchange(told_, true))
+    ROS_INFO(
+        "bridge.lockstep: the ring's time stands until joint_states are heard and somebody sends %s, for %lld s at "
+        "most",
+        topics().c_str(), static_cast<long long>(kFirstWithin.count() / 1000));
   const Held held = port_.hold_time_until(are_there, kFirstWithin);
   if (held == Held::let_go) return;  // the next joint states are the first then
   awaited_first_ = true;
@@ -63,6 +69,12 @@ void Controllers::await_answers(ros::Time stamp) {
   if (port_.hold_time_until(all_done, patience_) == Held::let_go) return;
   for (Controller& controller : controllers_)
     if (!has_answered(controller)) give_up(controller, patience_);
+}
+
+std::string Controllers::topics() const {
+  std::string all;
+  for (const Controller& controller : controllers_) all += (all.empty() ? "" : ", ") + controller.topic;
+  return all;
 }
 
 bool Controllers::has_answered(const Controller& controller) const { return controller.answered || controller.missing; }
@@ -96,6 +108,7 @@ void Controllers::give_up(Controller& controller, milliseconds patience) {
   if (controller.too_old)
     what += "; its command has the stamp " + seconds(*controller.too_old) +
             ", and needs that of the joint_states that it answers, or a later one";
+  port_.request(nlohmann::json({{"do", "went_on_without"}, {"whom", who + " on " + controller.topic}}).dump());
   ROS_WARN("bridge.lockstep, %s: %s%s: time goes on without it, until its next command", controller.topic.c_str(),
            who.c_str(), what.c_str());
 }

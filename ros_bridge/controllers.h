@@ -33,6 +33,7 @@ class Controllers {
   void on_command(const CommandIn::Heard& command);
   bool has_answered(const Controller& controller) const;
   bool has_gone(const Controller& controller) const;
+  std::string topics() const;
   void give_up(Controller& controller, std::chrono::milliseconds patience);
 
   std::chrono::milliseconds patience_;
@@ -42,6 +43,7 @@ class Controllers {
   std::vector<Controller> controllers_;
   ros::Time awaited_;  ///< stamp of the joint_states that were published last
   bool awaited_first_ = false;
+  bool told_ = false;  ///< that time stands
 };
 
 }  // namespace limb_ring::bridge

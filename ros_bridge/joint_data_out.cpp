@@ -68,6 +68,7 @@ void JointDataOut::take_state(const Packet& packet) {
 void JointDataOut::publish_sample(std::uint8_t node, const payload::JointState& state) {
   const Sampled& sampled = sampled_.at(node);
   if (sampled.states.getNumSubscribers() == 0) return;
+  port_.tell_time();
   JointStore::Snapshot sample;
   sample.oldest_stamp_ns = port_.ros_clock().outer(state.stamp_ns);
   for (std::size_t i = 0; i < sampled.joints.size(); ++i) sample.fresh.push_back({sampled.joints[i], state.joints[i]});
@@ -82,6 +83,8 @@ void JointDataOut::take_reading(const Packet& packet) {
     return counters_.add("joint_packets_unfit");
   const Sensor& sensor = sensors[reading->sensor];
   counters_.add("readings_in");
+  if (sensor.publisher.getNumSubscribers() == 0) return;
+  port_.tell_time();
   payload::SensorReading stamped = *reading;
   stamped.stamp_ns = port_.ros_clock().outer(reading->stamp_ns);
   if (sensor.kind == Kind::imu)
@@ -99,6 +102,7 @@ void JointDataOut::publish_states() {
     silent_ = snapshot.silent;
   }
   if (snapshot.fresh.empty()) return;
+  port_.tell_time();
   publishing_();
   if (log_.is_open()) note(snapshot);
   snapshot.oldest_stamp_ns = port_.ros_clock().outer(snapshot.oldest_stamp_ns);

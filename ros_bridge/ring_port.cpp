@@ -98,7 +98,7 @@ void RingPort::run() {
     wait_for_something();
     // Everything that talks to the daemon is below; a connection that breaks ends up here.
     try {
-      tell_time();
+      notice_time();
       take_messages();
       run_posted();
       run_ticks();
@@ -115,6 +115,7 @@ void RingPort::try_connect() {
   next_try_ = Clock::now() + kRetry;
   try {
     port_.emplace(HostPort::connect(options_));
+    told_time_ = port_->now() - kClockPeriod;
     if (in_lockstep()) restart_ticks();
     report("");
   } catch (const HostPortError& error) {
@@ -138,11 +139,16 @@ void RingPort::restart_ticks() {
   for (Tick& tick : ticks_) tick.due = first_due(tick, now());
 }
 
-void RingPort::tell_time() {
+void RingPort::notice_time() {
   if (!in_lockstep()) return ros_clock_.set_ring(RosClock::kMachine);
+  ros_clock_.set_ring(port_->now().count());
+  if (port_->now() >= told_time_ + kClockPeriod) tell_time();
+}
+
+void RingPort::tell_time() {
+  if (!time_ || !in_lockstep()) return;
   const auto time = port_->now();
-  ros_clock_.set_ring(time.count());
-  if (std::exchange(told_time_, time) != time && time_) time_(time);
+  if (std::exchange(told_time_, time) != time) time_(time);
 }
 
 RingPort::Held RingPort::hold_time_until(const std::function<bool()>& condition, std::chrono::milliseconds patience) {
@@ -167,7 +173,7 @@ void RingPort::report(const std::string& problem) {
 
 RingPort::Clock::time_point RingPort::next_deadline() const {
   auto deadline = now() + kLongestWait;
-  if (in_lockstep() && time_) deadline = now() + kClockPeriod;
+  if (in_lockstep() && time_) deadline = std::max(now(), Clock::time_point(told_time_ + kClockPeriod));
   for (const Tick& tick : ticks_) deadline = std::min(deadline, tick.due);
   if (!port_) deadline = std::min(deadline, next_try_);
   return deadline;

@@ -49,7 +49,7 @@ class RingPort {
   void on_packet(std::uint8_t channel, OnPacket handler) { packets_[channel] = std::move(handler); }
   void on_interrupt(OnInterrupt handler) { interrupt_ = std::move(handler); }
   void on_connection(OnConnection handler) { connection_.push_back(std::move(handler)); }
-  /// Called on a virtual ring alone, where its time has gone on, before anything that has come by then.
+  /// Called on a virtual ring alone, each millisecond of its time, and where tell_time() asks for it.
   void on_time(std::function<void(std::chrono::nanoseconds)> handler) { time_ = std::move(handler); }
   /// Called at absolute deadlines of now(), after everything that has come in was taken: what has arrived
   /// while this process was not scheduled is not judged as missing.
@@ -89,12 +89,19 @@ class RingPort {
     RingPort& port_;
   };
 
+  /// Ring thread only: before something is published. on_time() is called, unless it was in this instant.
+  void tell_time();
+
   /// Ring thread only: the ring is virtual, and its time stands while this thread acts.
   bool in_lockstep() const { return port_ && port_->in_lockstep(); }
   /// Ring thread only.
   bool connected() const { return port_.has_value(); }
   /// Ring thread only. `on_result` is called once, later, never from within send().
   void send(const Outgoing& packet, OnResult on_result);
+  /// Ring thread only: asks the daemon for something (daemon/host/requests.md), whose answer nobody wants.
+  void request(const std::string& json) {
+    if (port_) port_->request(json);
+  }
 
  private:
   struct Tick {
@@ -106,7 +113,7 @@ class RingPort {
   static Clock::time_point first_due(const Tick& tick, Clock::time_point now);
   void run();
   void restart_ticks();
-  void tell_time();
+  void notice_time();
   void try_connect();
   void wait_for_something();
   void take_messages();

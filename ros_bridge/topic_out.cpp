@@ -17,7 +17,7 @@ topic_tools::ShapeShifter shape_of(const payload::Announcement& type) {
 
 TopicOut::TopicOut(ros::NodeHandle& nodes, const config::RingConfig& ring, std::uint8_t own_id, RingPort& port,
                    Counters& counters)
-    : nodes_(nodes), counters_(counters) {
+    : nodes_(nodes), port_(port), counters_(counters) {
   for (std::size_t i = 0; i < ring.bridge.topics.size(); ++i)
     if (ring.bridge.topics[i].to == own_id) outputs_[static_cast<std::uint8_t>(i)].topic = ring.bridge.topics[i];
   port.on_packet(payload::kTopicChannel, [this](const Packet& packet) { on_packet(packet); });
@@ -48,6 +48,7 @@ void TopicOut::on_message(Output& output, std::vector<std::uint8_t> bytes) {
   auto shape = shape_of(output.type);
   ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   shape.read(stream);
+  port_.tell_time();
   output.publisher.publish(shape);
   counters_.add("topic_" + output.topic.output + "_received");
 }

@@ -30,6 +30,7 @@ class TopicOut {
   void show_counters();
 
   ros::NodeHandle nodes_;
+  RingPort& port_;
   Counters& counters_;
   payload::Reassembler reassembler_;
   std::map<std::uint8_t, Output> outputs_;  // by the topic's place in the configuration

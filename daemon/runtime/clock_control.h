@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <functional>
+#include <string>
 
 namespace limb_ring::runtime {
 
@@ -28,6 +29,8 @@ class ClockControl {
   virtual void step(nanoseconds time, std::function<void()> done) = 0;
   /// The outer clock has come so far. @return false where this ring does not follow one
   virtual bool allow(nanoseconds until, nanoseconds outer_zero) = 0;
+  /// Time has gone on without somebody who should have been waited for: the run would be another one next time.
+  virtual void went_on_without(const std::string& whom) = 0;
 };
 
 }  // namespace limb_ring::runtime

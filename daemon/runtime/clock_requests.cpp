@@ -52,6 +52,13 @@ void step(ClockControl& clock, const Json& request, const Answer& answer) {
   clock.step(nanoseconds_in(request, "time_ns", 1, kLongest), [&clock, answer] { answer(state_of(clock)); });
 }
 
+void went_on_without(ClockControl& clock, const Json& request, const Answer& answer) {
+  const auto whom = request.find("whom");
+  if (whom == request.end() || !whom->is_string()) throw RequestError("'whom' is missing or no text");
+  clock.went_on_without(whom->get<std::string>());
+  answer(Json::object());
+}
+
 void allow(ClockControl& clock, const Json& request, const Answer& answer) {
   const nanoseconds until = nanoseconds_in(request, "until_ns", 0, kLongest);
   const auto zero = request.find("outer_zero_ns");
@@ -66,8 +73,9 @@ void allow(ClockControl& clock, const Json& request, const Answer& answer) {
 
 bool answer_clock_request(ClockControl* clock, const std::string& what, const Json& request, const Answer& answer) {
   using Handler = void (*)(ClockControl&, const Json&, const Answer&);
-  static const std::map<std::string, Handler> handlers{
-      {"allow", allow}, {"pace", set_pace}, {"pause", pause}, {"run", run}, {"step", step}};
+  static const std::map<std::string, Handler> handlers{{"allow", allow}, {"pace", set_pace},
+                                                       {"pause", pause}, {"run", run},
+                                                       {"step", step},   {"went_on_without", went_on_without}};
   const auto handler = handlers.find(what);
   if (handler == handlers.end()) return false;
   if (clock == nullptr)

@@ -8,7 +8,8 @@
 
 namespace limb_ring::runtime {
 
-/// `allow`, `pace`, `pause`, `run`, `step`: answers one of these. @return false where it is none of them
+/// `allow`, `pace`, `pause`, `run`, `step`, `went_on_without`: answers one of these. @return false where it is none of
+/// them
 /// @param clock null on a live ring @throw RequestError
 bool answer_clock_request(ClockControl* clock, const std::string& what, const nlohmann::json& request,
                           const Answer& answer);

@@ -49,7 +49,7 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
     if (handler == handlers.end())
       throw RequestError("no request '" + request["do"].get<std::string>() +
                          "'; there are allow, clear_faults, clock, config, fault, faults, latch, pace, pause, ping, "
-                         "remove_fault, reset, run, shutdown, status, step, stop, sync");
+                         "remove_fault, reset, run, shutdown, status, step, stop, sync, went_on_without");
     (this->*handler->second)(request, answer);
   } catch (const std::exception& error) {
     answer({{"error", error.what()}});

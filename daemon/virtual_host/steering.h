@@ -27,7 +27,10 @@ class Steering final : public runtime::ClockControl {
   void run() override;
   void step(nanoseconds time, std::function<void()> done) override;
   bool allow(nanoseconds until, nanoseconds outer_zero) override;
+  void went_on_without(const std::string& whom) override { left_behind_ = whom; }
 
+  /// Who was not waited for, last; empty: nobody.
+  const std::string& left_behind() const { return left_behind_; }
   core::Time limit() const;
   /// All wait at the ring's time. @return whether that is as far as it may go for now
   bool holds();
@@ -42,6 +45,7 @@ class Steering final : public runtime::ClockControl {
   bool follows_ = false;
   core::Time allowed_{};
   nanoseconds outer_zero_{0};
+  std::string left_behind_;
 };
 
 }  // namespace limb_ring::virtual_host

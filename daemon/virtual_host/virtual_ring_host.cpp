@@ -203,6 +203,12 @@ void VirtualRingHost::thaw(wire::NodeId id) {
   drivers_[id]->clock().thaw();
 }
 
+std::string VirtualRingHost::not_repeatable() const {
+  const std::string why = lockstep_.not_repeatable();
+  if (steering_.left_behind().empty()) return why;
+  return why + (why.empty() ? "" : ", and ") + "time went on without " + steering_.left_behind();
+}
+
 // ---- time -----------------------------------------------------------------------------------
 
 void VirtualRingHost::run(Pace& pace, core::Time end) {

@@ -55,7 +55,8 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   core::Time now() const { return ring_.now(); }
   /// Of all that happened on the ring.
   std::uint64_t trace_hash() const { return trace_.hash(); }
-  const Lockstep& lockstep() const { return lockstep_; }
+  /// Why a run like this one would be another: empty where nothing is known that would make it so.
+  std::string not_repeatable() const;
 
  private:
   void add(const config::NodeConfig& node);

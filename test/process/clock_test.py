@@ -101,6 +101,17 @@ class Clock(RingTest):
         self.assertEqual(self.wait_exit(ring), 0)
         self.assertNotIn('not repeatable', self.log_of(ring))
 
+    def test_a_run_that_went_on_without_a_controller_says_so(self):
+        ring = self.start('ring', [ring_process.program('ringd'), '--config', LEG, '--ring', self.ring, '--clock', 'virtual'])
+        self.wait('the ring', lambda: self.ctl('--ring', self.ring, 'pause').returncode == 0)
+        with self.port(0) as port:
+            with self.assertRaisesRegex(ring_process.HostPortError, 'whom'):
+                port.ask({'do': 'went_on_without'})
+            port.ask({'do': 'went_on_without', 'whom': 'the controller /legs'})
+        ring.send_signal(signal.SIGTERM)
+        self.assertEqual(self.wait_exit(ring), 0)
+        self.assertIn('not repeatable: time went on without the controller /legs', self.log_of(ring))
+
     def test_a_ring_that_follows_none_says_so(self):
         self.up(self.write_ring(plain_nodes(3)))
         with self.port(0) as port, self.assertRaisesRegex(ring_process.HostPortError, '--clock follow'):

@@ -58,12 +58,12 @@ class Controllers(unittest.TestCase):
         return process
 
     def await_goals(self, heard, count=100):
+        for joint, (_, angle) in CONTROLLERS.items():
+            wait_for(lambda: heard.count() and abs(heard.since(-1)[0][1].get(joint, 9) - angle) < 0.01, joint + ' at its goal')
         begin = heard.count()
         states = wait_for(lambda: heard.since(begin) if heard.count() >= begin + count else None, 'a second of states')
         stamps = [stamp for stamp, _ in states]
         self.assertEqual({b - a for a, b in zip(stamps, stamps[1:])}, {10 ** 7}, 'every 10 ms, none left out')
-        for joint, (_, angle) in CONTROLLERS.items():
-            wait_for(lambda: abs(heard.since(-1)[0][1].get(joint, 9) - angle) < 0.01, joint + ' at its goal')
 
     def test_two_controllers_and_what_becomes_of_one_that_dies(self):
         heard = Heard()

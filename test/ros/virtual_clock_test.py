@@ -5,7 +5,7 @@ import unittest
 
 import rospy
 import rostest
-from rosgraph_msgs.msg import Clock
+from rosgraph_msgs.msg import Clock, Log
 from sensor_msgs.msg import JointState
 
 from ring_testing import Newest, wait_for
@@ -17,7 +17,7 @@ class Controller:
     """Answers each joint_states with a command of the same stamp, while it is on."""
 
     def __init__(self):
-        self.on, self.states = True, []
+        self.on, self.stamped, self.states = True, True, []
         self.lock = threading.Lock()
         self.commands = rospy.Publisher('joint_commands', JointState, queue_size=10)
         rospy.Subscriber('joint_states', JointState, self.answer, tcp_nodelay=True)
@@ -28,7 +28,8 @@ class Controller:
         if not self.on:
             return
         command = JointState(name=list(GOAL), position=list(GOAL.values()))
-        command.header.stamp = states.header.stamp
+        if self.stamped:
+            command.header.stamp = states.header.stamp
         self.commands.publish(command)
 
     def all(self):
@@ -49,6 +50,11 @@ class VirtualClock(unittest.TestCase):
             self.assertAlmostEqual(angle, GOAL[name], 2)
         self.assertGreaterEqual(rospy.get_rostime().to_nsec(), stamps[0], 'nodes that use_sim_time follow')
 
+        # Without a stamp nobody knows what it answers.
+        said = []
+        rospy.Subscriber('/rosout', Log, lambda line: said.append(line.msg))
+        controller.stamped = False
+        wait_for(lambda: [line for line in said if 'its command has the stamp 0.000000 s' in line], 'a word about stamps')
         controller.on = False
         before = clock.get().clock
         wait_for(lambda: (clock.get().clock - before).to_sec() > 1, 'time that goes on without a controller')

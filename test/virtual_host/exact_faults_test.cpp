@@ -107,7 +107,7 @@ nodes:
     Pace pace(INFINITY, std::chrono::steady_clock::now());
     host.run(pace, core::Time{} + lasts);
     seen.hash = host.trace_hash();
-    seen.not_repeatable = host.lockstep().not_repeatable();
+    seen.not_repeatable = host.not_repeatable();
     std::ifstream file(beats);
     for (std::int64_t us = 0; file >> us;) seen.beats.push_back(us);
     return seen;

@@ -77,6 +77,12 @@ TEST_F(SteeringTest, FollowsAnOuterClockAndNoFurther) {
   EXPECT_FALSE(following.state().paused);
 }
 
+TEST_F(SteeringTest, RemembersWhoWasNotWaitedFor) {
+  EXPECT_EQ(steering.left_behind(), "");
+  steering.went_on_without("the controller /legs");
+  EXPECT_EQ(steering.left_behind(), "the controller /legs");
+}
+
 TEST_F(SteeringTest, ChangesThePace) {
   steering.use(pace);
   steering.set_pace(0.5);

@@ -66,7 +66,7 @@ void report(const virtual_host::VirtualRingHost& host, const virtual_host::Pace&
   if (pace.lost().count() > 0)
     spdlog::info("the machine was too slow for pace {}: {:.1f} s were not made up for", pace.factor(),
                  std::chrono::duration<double>(pace.lost()).count());
-  const std::string not_repeatable = host.lockstep().not_repeatable();
+  const std::string not_repeatable = host.not_repeatable();
   spdlog::info("trace hash {} of {:.9f} s{}", sim::hash_text(host.trace_hash()), seconds,
                not_repeatable.empty() ? "" : "; not repeatable: " + not_repeatable);
 }
