@@ -23,6 +23,14 @@ capture::RingNames names_of(const config::RingConfig& ring) {
   return names;
 }
 
+}  // namespace
+
+std::string expectation(const Condition& condition, nanoseconds within) {
+  return "when " + condition.words + " within " + config::format_time(within);
+}
+
+namespace {
+
 class Run {
  public:
   Run(const Scenario& scenario, std::uint64_t seed, Stage& stage) : scenario_(scenario), stage_(stage) {
@@ -78,7 +86,7 @@ class Run {
 
   bool wait_for(const Condition& condition, const Limit& limit) {
     const nanoseconds within = stage_.allowed(limit);
-    const std::string expected = "when " + condition.words + " within " + config::format_time(within);
+    const std::string expected = expectation(condition, within);
     const Duration from = stage_.now();
     bool reached = false;
     const auto done = [&] { return !watch() || (reached = holds(condition, stage_)); };

@@ -22,6 +22,9 @@ struct Unmet {
   std::string expected, seen;
 };
 
+/// How an Unmet names a step's `when`.
+std::string expectation(const Condition& condition, nanoseconds within);
+
 struct ScenarioRun {
   std::string name, path;
   std::uint64_t seed = 0;

@@ -43,6 +43,7 @@ void add_top(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_fault(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
-void add_scenario_list(CLI::App& scenario, Context& context);  ///< below `scenario`
+void add_scenario_list(CLI::App& scenario, Context& context);    ///< below `scenario`
+void add_scenario_shrink(CLI::App& scenario, Context& context);  ///< below `scenario`
 
 }  // namespace limb_ring::ringctl

@@ -128,6 +128,7 @@ void add_scenario(CLI::App& app, Context& context) {
   CLI::App* scenario = add_command(app, "scenario", "Faults by script, and whether the ring copes");
   scenario->require_subcommand(1);
   add_scenario_list(*scenario, context);
+  add_scenario_shrink(*scenario, context);
   CLI::App* command = add_command(*scenario, "run", "Run scenarios; exit code 1: an expectation was not met");
   command->add_option("FILE", options->files, "Scenarios, YAML")->required();
   auto* sim = command->add_flag("--sim", "Under a virtual clock, exact and the same everywhere: the default");

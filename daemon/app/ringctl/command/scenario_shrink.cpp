@@ -1,0 +1,71 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "app/common/out_file.h"
+#include "app/ringctl/command/commands.h"
+#include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
+#include "scenario/report.h"
+#include "scenario/shrink.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+struct ShrinkOptions {
+  scenario::ShrinkRequest request;
+  std::string out;
+};
+
+std::string words_of(const scenario::ScenarioSize& size) {
+  return std::to_string(size.faults) + " faults and " + std::to_string(size.sends) + " sends";
+}
+
+void write(const std::string& text, const std::string& path) {
+  if (path.empty()) {
+    std::cout << text;
+    return;
+  }
+  std::ofstream out;
+  std::string problem = app::open_for_writing(out, path);
+  out << text;
+  if (problem.empty()) problem = app::finish_writing(out, path);
+  if (!problem.empty()) throw NotDone(problem);
+}
+
+int run(ShrinkOptions& options) {
+  if (!options.out.empty()) options.request.beside = std::filesystem::absolute(options.out).parent_path().string();
+  Progress progress;
+  options.request.tell = [&progress](std::size_t runs) {
+    progress.tell("the smallest scenario: " + std::to_string(runs) + " tried");
+  };
+  const auto shrunk = scenario::shrink(options.request);
+  if (!shrunk)
+    throw NotDone(options.request.path + " is as expected under the virtual clock: there is nothing to find");
+  write(shrunk->text, options.out);
+  std::cerr << text_of(shrunk->run) << "\n"
+            << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
+            << " tried" << std::endl;
+  return kDone;
+}
+
+}  // namespace
+
+void add_scenario_shrink(CLI::App& scenario, Context& context) {
+  auto options = std::make_shared<ShrinkOptions>();
+  CLI::App* command = add_command(scenario, "shrink",
+                                  "Make a scenario that is not as expected as small as it can be, under the virtual "
+                                  "clock; exit code 1: it is as expected");
+  command->add_option("FILE", options->request.path, "The scenario, YAML")->required();
+  command->add_option("-o,--out", options->out, "Write the small one there instead of to standard output");
+  command->add_option("--seed", options->request.seed, "Instead of the file's own");
+  command->callback([&context, options] {
+    if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
+    context.action = [options] { return run(*options); };
+  });
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,214 @@
+#include "scenario/shrink.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "config/config_error.h"
+#include "config/yaml_file.h"
+#include "scenario/load_scenario.h"
+
+namespace limb_ring::scenario {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A place in the file: the numbers of entries, from the root down, of maps and sequences alike.
+using Place = std::vector<std::size_t>;
+
+YAML::Node child(const YAML::Node& node, std::size_t number) {
+  if (node.IsSequence()) return node[number];
+  auto entry = node.begin();
+  std::advance(entry, static_cast<std::ptrdiff_t>(number));
+  return entry->second;
+}
+
+std::string key_of(const YAML::Node& map, std::size_t number) {
+  auto entry = map.begin();
+  std::advance(entry, static_cast<std::ptrdiff_t>(number));
+  return entry->first.Scalar();
+}
+
+YAML::Node at(const YAML::Node& root, const Place& place) {
+  YAML::Node node = root;
+  for (const std::size_t number : place) node.reset(child(node, number));
+  return node;
+}
+
+/// Without so many of its entries. @pre it is a map or a sequence
+void take_out(YAML::Node node, std::size_t from, std::size_t count) {
+  YAML::Node rest(node.Type());
+  rest.SetStyle(node.Style());
+  std::size_t number = 0;
+  for (const auto& entry : node) {
+    const bool out = number >= from && number < from + count;
+    ++number;
+    if (out) continue;
+    if (node.IsMap())
+      rest.force_insert(entry.first, entry.second);
+    else
+      rest.push_back(entry);
+  }
+  node = rest;
+}
+
+/// What says what the scenario is, and how often something goes: without it that would be endless.
+bool has_to_stay(const std::string& key) { return key == "scenario" || key == "seed" || key == "count"; }
+
+ScenarioSize size_of(const Scenario& scenario) {
+  ScenarioSize size;
+  for (const Step& step : scenario.steps) {
+    if (std::holds_alternative<Fault>(step.action)) ++size.faults;
+    if (const auto* send = std::get_if<Send>(&step.action))
+      size.sends += send->from.size() * std::max<std::uint64_t>(send->count, 1);
+  }
+  return size;
+}
+
+/// Counters and times differ in a smaller ring.
+std::string without_numbers(const std::string& text) {
+  std::string words;
+  for (const char c : text) {
+    if (c < '0' || c > '9')
+      words += c;
+    else if (words.empty() || words.back() != '#')
+      words += '#';
+  }
+  return words;
+}
+
+/// Would what is missed within its time come to hold later? Without the cause of it, it never would.
+bool holds_later(Scenario scenario, std::uint64_t seed, const Unmet& missed) {
+  const auto is_missed = [&missed](const Step& step) {
+    return step.when && missed.expected == expectation(*step.when, step.within.sim);
+  };
+  const auto step = std::find_if(scenario.steps.begin(), scenario.steps.end(), is_missed);
+  if (step == scenario.steps.end()) return false;
+  step->within.sim = 10 * step->within.sim + std::chrono::seconds(1);
+  scenario.steps.erase(std::next(step), scenario.steps.end());
+  return !run_scenario(scenario, seed).unmet;
+}
+
+class Shrinker {
+ public:
+  explicit Shrinker(const ShrinkRequest& request) : request_(request) {}
+
+  std::optional<Shrunk> run() {
+    best_ = config::parse_yaml(config::read_file(request_.path), request_.path);
+    const Scenario scenario = load_scenario(request_.path);
+    result_.before = result_.after = size_of(scenario);
+    result_.run = run_scenario(scenario, request_.seed.value_or(scenario.seed));
+    if (!result_.run.unmet) return {};
+    wanted_ = *result_.run.unmet;
+    comes_late_ = holds_later(scenario, result_.run.seed, wanted_);
+    best_["seed"] = result_.run.seed;
+    while (leave_out({}) || lessen({})) {
+    }
+    result_.text = text();
+    return result_;
+  }
+
+ private:
+  /// It misses the same expectation in the same way.
+  bool fails_alike(const YAML::Node& candidate) {
+    try {
+      const Scenario scenario = parse_scenario(YAML::Dump(candidate), request_.path);
+      ScenarioRun run = run_scenario(scenario, scenario.seed);
+      request_.tell(++result_.runs);
+      const bool alike = run.unmet && run.unmet->expected == wanted_.expected &&
+                         without_numbers(run.unmet->seen) == without_numbers(wanted_.seen);
+      if (!alike || (comes_late_ && !holds_later(scenario, scenario.seed, wanted_))) return false;
+      result_.run = std::move(run);
+      result_.after = size_of(scenario);
+      return true;
+    } catch (const config::ConfigError&) {
+      return false;  // that entry is needed
+    }
+  }
+
+  template <class Edit>
+  bool try_edit(const Place& place, Edit edit) {
+    YAML::Node candidate = YAML::Clone(best_);
+    edit(at(candidate, place));
+    if (!fails_alike(candidate)) return false;
+    best_.reset(candidate);
+    return true;
+  }
+
+  /// Many at once first: most of a long scenario has nothing to do with it.
+  bool leave_out_of_sequence(const Place& place) {
+    bool any = false;
+    for (std::size_t count = at(best_, place).size(); count > 0; count /= 2) {
+      for (std::size_t from = 0; from < at(best_, place).size();) {
+        const bool out = try_edit(place, [=](YAML::Node node) { take_out(node, from, count); });
+        any = any || out;
+        if (!out) from += count;
+      }
+    }
+    return any;
+  }
+
+  bool leave_out_of_map(const Place& place) {
+    bool any = false;
+    for (std::size_t number = at(best_, place).size(); number-- > 0;) {
+      if (has_to_stay(key_of(at(best_, place), number))) continue;
+      any = try_edit(place, [=](YAML::Node node) { take_out(node, number, 1); }) || any;
+    }
+    return any;
+  }
+
+  bool leave_out(const Place& place) {
+    const YAML::Node node = at(best_, place);
+    bool any = node.IsSequence() && leave_out_of_sequence(place);
+    any = (node.IsMap() && leave_out_of_map(place)) || any;
+    return each_below(place, [this](const Place& below) { return leave_out(below); }) || any;
+  }
+
+  /// Whole numbers: the smallest first, then half as many.
+  bool lessen(const Place& place) {
+    const YAML::Node node = at(best_, place);
+    if (place.size() == 1 && key_of(best_, place[0]) == "seed") return false;
+    if (!node.IsScalar()) return each_below(place, [this](const Place& below) { return lessen(below); });
+    std::uint64_t number = 0;
+    if (!YAML::convert<std::uint64_t>::decode(node, number) || number < 2) return false;
+    for (const std::uint64_t less : {std::uint64_t{1}, number / 2})
+      if (try_edit(place, [less](YAML::Node scalar) { scalar = less; })) return true;
+    return false;
+  }
+
+  template <class Visit>
+  bool each_below(const Place& place, Visit visit) {
+    bool any = false;
+    const bool has_entries = at(best_, place).IsMap() || at(best_, place).IsSequence();
+    for (std::size_t number = 0; has_entries && number < at(best_, place).size(); ++number) {
+      Place below = place;
+      below.push_back(number);
+      any = visit(below) || any;
+    }
+    return any;
+  }
+
+  std::string text() {
+    if (best_["ring"]) {
+      const fs::path ring = fs::path(request_.path).parent_path() / best_["ring"].Scalar();
+      best_["ring"] = fs::absolute(ring).lexically_normal().lexically_proximate(fs::absolute(request_.beside)).string();
+    }
+    return "# " + request_.path + ", made as small as it could be.\n# Expected: " + wanted_.expected +
+           "\n# Seen:     " + result_.run.unmet->seen + "\n" + YAML::Dump(best_) + "\n";
+  }
+
+  const ShrinkRequest& request_;
+  YAML::Node best_;
+  Unmet wanted_;
+  bool comes_late_ = false;  ///< it is missed for its time alone
+  Shrunk result_;
+};
+
+}  // namespace
+
+std::optional<Shrunk> shrink(const ShrinkRequest& request) { return Shrinker(request).run(); }
+
+}  // namespace limb_ring::scenario
