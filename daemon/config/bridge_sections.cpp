@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kMostTopics = 255;
 constexpr std::size_t kMostControllers = 16;
-constexpr TimeRange kPhases{0s, 1s, nanoseconds(1)};
+constexpr TimeRange kBridgePhases{0s, 1s, nanoseconds(1)};
 constexpr const char* kControllers = "true (joint_commands), false, or a list of up to 16 topics of joint commands";
 
 void check_topic(const Entry& entry, const TopicConfig& topic) {
@@ -41,12 +41,12 @@ Option<BridgeConfig> controllers_option() {
           [](const Entry& entry, BridgeConfig& bridge) { bridge.lockstep = read_controllers(entry); }};
 }
 
-Option<BridgeConfig> phase_option() {
+Option<BridgeConfig> bridge_phase_option() {
   return {
-      "phase", "none", allowed(kPhases),
+      "phase", "none", allowed(kBridgePhases),
       "joint_states go out so long after the multiples of their period on the clock, at which limb_firmware samples: "
       "with enough of it each holds the samples of its own period. none: counted from the bridge's start.",
-      [](const Entry& entry, BridgeConfig& bridge) { bridge.phase = read_time(entry, kPhases); }};
+      [](const Entry& entry, BridgeConfig& bridge) { bridge.phase = read_time(entry, kBridgePhases); }};
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ Option<BridgeConfig> phase_option() {
 const Section<BridgeConfig>& bridge_section() {
   static const Section<BridgeConfig> section{
       real_option("rate", &BridgeConfig::rate, {1, 1000, "Hz"}, "How often joint_states is sent."),
-      phase_option(),
+      bridge_phase_option(),
       list_option("topics", &BridgeConfig::topics, topic_section(), kMostTopics, check_topic,
                   "ROS topics that cross the ring unmodified, from one bridge to another."),
       controllers_option(),
