@@ -12,10 +12,9 @@ constexpr std::uint8_t kPriority = 0;
 }  // namespace
 
 Result resume_cpu(HostPort& port, std::uint8_t node, std::chrono::milliseconds timeout) {
-  using namespace std::chrono;
   payload::JointCommand command;
   command.resume = true;
-  command.stamp_ns = duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count();
+  command.stamp_ns = port.stamp().count();
   command.valid_for_us = static_cast<std::uint32_t>(kValidFor.count());
   const auto bytes = payload::encode(command);  // no joints: nothing in it that could not be written
   return port.wait(port.send(node, *bytes, kPriority, payload::kJointChannel), timeout);
