@@ -42,12 +42,16 @@ void VirtualNode::on_given_out() {
 }
 
 void VirtualNode::on_arrival(const wire::Slice& slice, core::Time now) {
+  link::InputCounters& in = in_[index(world_.ring.input_line(id_))];
+  ++in.slices;
+  in.bytes += wire::kSliceHeaderSize + slice.bytes.size;
   if (tap_ == nullptr) return;
   const auto from = world_.ring.predecessor(id_, world_.ring.input_line(id_));
   tap_->on_input(slice, from.value_or(wire::kBroadcast), VirtualClock::at(now));
 }
 
 void VirtualNode::on_departure(const wire::Slice& slice, core::Time now) {
+  out_[index(world_.ring.output_line(id_))].bytes += wire::kSliceHeaderSize + slice.bytes.size;
   if (tap_ == nullptr) return;
   const auto to = world_.ring.successor(id_, world_.ring.output_line(id_));
   if (!to) return;

@@ -54,8 +54,8 @@ class VirtualNode final : public runtime::NodeDriver {
   void set_tap(runtime::LineTap* tap) override { tap_ = tap; }
 
   runtime::LineEnds ends(core::Line line) const override;
-  const link::InputCounters& input_counters(core::Line) const override { return no_input_; }
-  const link::OutputCounters& output_counters(core::Line) const override { return no_output_; }
+  const link::InputCounters& input_counters(core::Line line) const override { return in_[index(line)]; }
+  const link::OutputCounters& output_counters(core::Line line) const override { return out_[index(line)]; }
   runtime::LineBreaker& breaker(core::Line line) override { return line == core::Line::first ? first_ : second_; }
   const runtime::LineBreaker& breaker(core::Line line) const override {
     return line == core::Line::first ? first_ : second_;
@@ -76,6 +76,7 @@ class VirtualNode final : public runtime::NodeDriver {
   ///@}
 
  private:
+  static std::size_t index(core::Line line) { return static_cast<std::size_t>(line); }
   void tell_change(core::Line line, const runtime::LineEnds& before, const runtime::LineEnds& after);
   void say(core::Line line, const std::string& what);
 
@@ -89,8 +90,9 @@ class VirtualNode final : public runtime::NodeDriver {
   core::Time input_lost_at_{};
   core::Time broken_since_{};
   core::Time started_;
-  link::InputCounters no_input_;  ///< there are no links
-  link::OutputCounters no_output_;
+  /// There are no links: slices and bytes alone, as if they had gone through one.
+  std::array<link::InputCounters, 2> in_;
+  std::array<link::OutputCounters, 2> out_;
   bool closed_ = false;
   wire::SliceWriter framed_;
 };
