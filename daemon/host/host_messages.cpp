@@ -41,7 +41,7 @@ void HostServer::free_cpu_slot_of_the_dead() {
 }
 
 std::optional<std::string> HostServer::objection(const client::Greeting& greeting, const ClientInfo& info) {
-  const std::string node = "node " + std::to_string(options_.id) + " (" + options_.name + ")";
+  const std::string node = whose();
   if (greeting.version != client::kHostPortVersion) {
     return node + " speaks version " + std::to_string(client::kHostPortVersion) +
            " of the host port, this client version " + std::to_string(greeting.version);

@@ -75,11 +75,16 @@ void HostServer::admit(process::UniqueFd socket) {
   }
   if (sessions_.size() >= options_.max_clients) {
     ++counters_.refused_full;
-    return session->end("node " + std::to_string(options_.id) + " (" + options_.name + ") has " +
-                        std::to_string(options_.max_clients) + " clients already (limits.clients)");
+    return session->end(whose() + " has " + std::to_string(options_.max_clients) + " clients already (limits.clients)");
   }
   sessions_.emplace(info.id, session);
   session->start();
+}
+
+/// "node 3 (left_knee)"
+std::string HostServer::whose() const {
+  if (options_.name.empty()) return "ring " + options_.ring;
+  return "node " + std::to_string(options_.id) + " (" + options_.name + ")";
 }
 
 Session* HostServer::find(ClientId client) {

@@ -32,7 +32,7 @@ struct HostOptions {
   std::string directory;  ///< make_ring_directory()'s
   std::string ring;
   std::uint8_t id = 0;
-  std::string name;
+  std::string name;             ///< empty: this is no node, but a whole ring
   unsigned max_clients = 32;    ///< limits.clients
   TurnKeeper* turns = nullptr;  ///< of a virtual clock; null: the machine's
 };
@@ -96,6 +96,7 @@ class HostServer final : private SessionOwner {
   void retire(Session& session);
   void tell_detached();
   void free_cpu_slot_of_the_dead();
+  std::string whose() const;
   std::optional<std::string> objection(const client::Greeting& greeting, const ClientInfo& info);
 
   void on(Session& session, const client::Greeting& greeting);

@@ -60,9 +60,12 @@ std::vector<std::string> rest_of(std::istream& file) {
 }
 
 bool are_of_virtual_ring(const std::vector<std::string>& arguments) {
+  const auto has = [&arguments](const std::string& word) {
+    return std::find(arguments.begin(), arguments.end(), word) != arguments.end();
+  };
   const auto clock = std::find(arguments.begin(), arguments.end(), "--clock");
-  const bool as_two = clock != arguments.end() && clock + 1 != arguments.end() && *(clock + 1) == "virtual";
-  return as_two || std::find(arguments.begin(), arguments.end(), "--clock=virtual") != arguments.end();
+  const bool as_two = clock != arguments.end() && clock + 1 != arguments.end() && *(clock + 1) != "machine";
+  return as_two || has("--clock=virtual") || has("--clock=follow");
 }
 
 /// A virtual ring notes what holds of its nodes; empty: it runs.

@@ -86,7 +86,7 @@ bool RunningDaemons::is_stopped(wire::NodeId id) const { return holder(id).froze
 
 /// A signal would hit all of its nodes.
 bool RunningDaemons::done_in_virtual_ring(fault::Name what, wire::NodeId id) const {
-  if (!holder(id).on_virtual_ring) return false;
+  if (!is_virtual()) return false;
   ask_ring({{"do", "fault"}, {"fault", fault::word_of(what).word + (' ' + node(id).number)}});
   return true;
 }

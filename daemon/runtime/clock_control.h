@@ -12,7 +12,9 @@ class ClockControl {
   using nanoseconds = std::chrono::nanoseconds;
   struct State {
     nanoseconds now{0};
-    double pace = 1;  ///< the ring's time per real time; infinite: as fast as the machine and the programs are
+    double pace = 1;      ///< the ring's time per real time; infinite: as fast as the machine and the programs are
+    nanoseconds late{0};  ///< behind real time at that pace
+    nanoseconds lost{0};  ///< real time that the machine was too slow for, and that is not made up for
     bool paused = false;
     bool follows = false;       ///< it goes on no further than allow() has said
     nanoseconds allowed{0};     ///< where it follows

@@ -91,6 +91,8 @@ void add_state(const ClockControl& clock, Json& answer) {
   answer["now_ns"] = state.now.count();
   answer["pace"] = std::isinf(state.pace) ? Json("max") : Json(state.pace);
   answer["paused"] = state.paused;
+  answer["late_s"] = std::chrono::duration<double>(state.late).count();
+  answer["lost_s"] = std::chrono::duration<double>(state.lost).count();
   if (!state.follows) return;
   answer["allowed_ns"] = state.allowed.count();
   answer["outer_zero_ns"] = state.outer_zero.count();

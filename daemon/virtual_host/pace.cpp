@@ -36,6 +36,11 @@ core::Time Pace::allowed(Real now, core::Time reached) {
   return virtual_ + scaled(now - real_, factor_);
 }
 
+nanoseconds Pace::late(Real now, core::Time reached) const {
+  if (std::isinf(factor_)) return nanoseconds{0};
+  return std::max(nanoseconds{0}, nanoseconds(now - when(reached)));
+}
+
 Pace::Real Pace::when(core::Time time) const {
   if (std::isinf(factor_)) return Real::min();
   constexpr double kLongest = 1e18;  // ns, 31 years

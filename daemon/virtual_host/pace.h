@@ -26,6 +26,8 @@ class Pace {
   core::Time allowed(Real now, core::Time reached);
   /// When it may go on so far.
   Real when(core::Time time) const;
+  /// How late the ring is, being at `reached` now; 0: it is not, or goes as fast as it can.
+  std::chrono::nanoseconds late(Real now, core::Time reached) const;
   /// Real time that was not made up for.
   std::chrono::nanoseconds lost() const { return lost_; }
 

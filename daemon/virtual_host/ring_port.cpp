@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "limb_ring/ring_directory.h"
+#include "runtime/clock_requests.h"
 #include "runtime/request_fields.h"
 
 namespace limb_ring::virtual_host {
@@ -17,7 +19,22 @@ constexpr const char* kWhoseThisIs = "this is the host port of the whole ring, n
 
 RingPort::RingPort(boost::asio::io_context& io, host::HostOptions options, fault::RingNodes nodes,
                    RingRequests requests)
-    : nodes_(std::move(nodes)), requests_(std::move(requests)), host_(io, std::move(options), *this) {}
+    : nodes_(std::move(nodes)),
+      requests_(std::move(requests)),
+      host_(io, options, *this),
+      watch_(io, {[this] { return host_.is_in_place(); },
+                  [this, ring = options.ring] {
+                    make_ring_directory(ring);
+                    host_.listen_again();
+                  },
+                  [] {}}) {
+  watch_.start();
+}
+
+void RingPort::close() {
+  watch_.stop();
+  host_.close();
+}
 
 std::optional<std::string> RingPort::on_attach(const host::ClientInfo& client) {
   if (client.role == Role::cpu) return std::string(kWhoseThisIs) + ": it has no CPU";
@@ -56,11 +73,22 @@ void RingPort::on_request(host::ClientId client, const client::JsonRequest& requ
   try {
     const json what =
         runtime::object_in(std::string(request.json), "a request is a JSON object {\"do\": \"...\", ...}");
-    if (what.value("do", json()) != "fault") throw RequestError(std::string(kWhoseThisIs) + ": there is fault");
-    begin_fault(what, answer);
+    if (what.value("do", json()) == "fault") return begin_fault(what, answer);
+    answer_of_clock(what, answer);
   } catch (const std::exception& error) {
     answer({{"error", error.what()}});
   }
+}
+
+void RingPort::answer_of_clock(const json& request, const std::function<void(const json&)>& answer) {
+  const json what = request.value("do", json());
+  if (what == "clock") {
+    json state = json::object();
+    runtime::add_state(requests_.clock, state);
+    return answer(state);
+  }
+  if (!what.is_string() || !runtime::answer_clock_request(&requests_.clock, what.get<std::string>(), request, answer))
+    throw RequestError(std::string(kWhoseThisIs) + ": there are allow, clock, fault, pace, pause, run, step");
 }
 
 void RingPort::begin_fault(const json& request, const std::function<void(const json&)>& answer) {

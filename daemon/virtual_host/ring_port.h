@@ -5,6 +5,8 @@
 
 #include "fault/parse.h"
 #include "host/host_server.h"
+#include "runtime/clock_control.h"
+#include "runtime/folder_watch.h"
 
 namespace limb_ring::virtual_host {
 
@@ -12,6 +14,7 @@ namespace limb_ring::virtual_host {
 struct RingRequests {
   /// Does a fault of nodes; `done` is called once, with why not, or with nothing.
   std::function<void(const fault::Fault&, std::function<void(const std::string& problem)> done)> fault;
+  runtime::ClockControl& clock;
 };
 
 /// The host port of a virtual ring itself, ALL.host where its nodes have ID.host (ALL: wire::kBroadcast): it answers
@@ -21,7 +24,7 @@ class RingPort final : private host::HostHandler {
   /// @param nodes those of the ring. @throw std::exception where the socket cannot be had
   RingPort(boost::asio::io_context& io, host::HostOptions options, fault::RingNodes nodes, RingRequests requests);
 
-  void close() { host_.close(); }
+  void close();
 
  private:
   std::optional<std::string> on_attach(const host::ClientInfo& client) override;
@@ -34,12 +37,14 @@ class RingPort final : private host::HostHandler {
   void on_alive(host::ClientId) override {}
   void on_credit(host::ClientId) override {}
 
+  void answer_of_clock(const nlohmann::json& request, const std::function<void(const nlohmann::json&)>& answer);
   void begin_fault(const nlohmann::json& request, const std::function<void(const nlohmann::json&)>& answer);
   void reject(host::ClientId client, std::uint32_t token);
 
   fault::RingNodes nodes_;
   RingRequests requests_;
   host::HostServer host_;
+  runtime::FolderWatch watch_;
 };
 
 }  // namespace limb_ring::virtual_host

@@ -14,6 +14,8 @@ runtime::ClockControl::State Steering::state() const {
   state.now = std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch());
   state.pace = pace_ ? pace_->factor() : std::numeric_limits<double>::infinity();
   state.paused = pause_at_ <= ring_.now();
+  if (pace_ && !state.paused) state.late = pace_->late(steady_clock::now(), ring_.now());
+  if (pace_) state.lost = pace_->lost();
   state.follows = follows_;
   state.allowed = std::chrono::floor<nanoseconds>(allowed_.time_since_epoch());
   state.outer_zero = outer_zero_;

@@ -66,7 +66,8 @@ VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::Ring
   NodePower& power = *this;
   node_faults_.emplace(ring_, power, names, folders_.begin()->second->path());
   port_.emplace(io, port_options(ring, folders_.begin()->second->path()), names,
-                RingRequests{[this](const fault::Fault& fault, auto done) { begin_at_nodes(fault, std::move(done)); }});
+                RingRequests{[this](const fault::Fault& fault, auto done) { begin_at_nodes(fault, std::move(done)); },
+                             steering_});
   ring_.on_event = [this](wire::NodeId id, const core::Event& event) {
     if (std::holds_alternative<core::PinPulled>(event.what)) lockstep_.has_news();
     drivers_[id]->on_event(event);

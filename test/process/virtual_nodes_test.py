@@ -1,6 +1,7 @@
 """Faults of whole nodes on a virtual ring: the words, answers and files of a live one, done to nodes in the simulation."""
 
 import os
+import shutil
 import signal
 
 import ring_process
@@ -162,12 +163,26 @@ class Nodes(VirtualTest, FaultTest):
         self.wait_closed(range(3))
         self.assertEqual(self.listed(), {})
 
+    def test_a_ring_whose_folder_was_removed_can_be_asked_again(self):
+        self.up(plain_nodes(3))
+        shutil.rmtree(self.ring_folder())
+        self.wait('its own port', lambda: os.path.exists(self.socket_of(255)))
+        self.wait_closed(range(3))
+        self.begin('kill', 'node1')
+        self.wait_closed([0, 2])
+        shutil.rmtree(self.ring_folder())
+        self.wait('its own port', lambda: os.path.exists(self.socket_of(255)))
+        self.wait('the others', lambda: self.row(0) and self.row(2))
+        self.assertEqual(self.ctl('fault', 'start', 'node1').returncode, 0)
+        self.wait_closed(range(3))
+
     def test_the_rings_own_port_refuses_what_is_of_nodes(self):
         self.up(plain_nodes(3))
         port = self.port(255)
         self.assertEqual(port.wait(port.send(1, b'x')).outcome, 'rejected')
         self.assert_refused('a node', port, {'do': 'status'})
         self.assert_refused('fault is missing', port, {'do': 'fault'})
+        self.assertFalse(port.ask({'do': 'clock'})['paused'])
         self.assert_refused('begun at the node', port, {'do': 'fault', 'fault': 'hang node1'})
         self.assert_refused('unknown|no node', port, {'do': 'fault', 'fault': 'kill node7'})
         with self.assertRaisesRegex(HostPortError, 'no CPU'):

@@ -2,8 +2,10 @@
 
 import os
 import signal
+import socket
 
 import ring_process
+from host_port_wire import greeting
 from ring_process import plain_nodes
 from virtual_process import VirtualTest
 
@@ -16,8 +18,10 @@ class Virtual(VirtualTest):
         self.assertEqual([row['state'] for row in rows], ['up'] * 4)
         self.assertIn('delivered', self.ring_ctl('send', '--from', '0', '--to', '2', '--data', 'hello'))
         self.ring_ctl('sync', '--from', '0')
-        for what in ('stop', 'resume'):
-            self.ring_ctl(what)
+        self.ring_ctl('stop')
+        self.assertRegex(self.ring_ctl('status'), r'(?m)^ *1 .* latched ')
+        self.ring_ctl('resume')
+        self.ring_ctl('wait', 'up', '--timeout', 60)
         before = self.wait_cpu(1, 'running')
         self.ring_ctl('reset', 'node1')
         after = self.wait_cpu(1, 'running')
@@ -47,10 +51,59 @@ class Virtual(VirtualTest):
         self.wait('it to run again', lambda: self.row(1)['cpu']['boots'] > before['boots'])
         self.assertGreaterEqual(self.row(0)['supervisor']['watched'][0]['hangs'], 1)
 
+    def test_status_list_and_top_tell_the_clock(self):
+        self.up(self.limbs(), '--pace', '2')
+        self.assertRegex(self.ring_ctl('status').splitlines()[0], r'4 of 4 nodes up; virtual clock at \d+\.\d{3} s, pace 2')
+        clock = self.ctl_json('--ring', self.ring, 'status')['clock']
+        self.assertEqual((clock['pace'], clock['paused']), (2, False))
+        self.assertGreater(clock['now_s'], 0)
+        for figure in ('late_s', 'lost_s'):
+            self.assertGreaterEqual(clock[figure], 0)
+        row = [row for row in self.ctl_json('list') if row['ring'] == self.ring][0]
+        self.assertEqual((row['nodes'], row['clock'], row['pace']), (4, 'virtual', 2))
+        self.assertGreaterEqual(row['now_s'], clock['now_s'])
+        top = self.ctl_json('--ring', self.ring, 'top', '--once', '--interval', '0.2')
+        self.assertGreater(top['clock']['now_s'], row['now_s'])
+        self.ring_ctl('pause')
+        self.assertIn('virtual clock stands at', self.ring_ctl('top', '--once', '--interval', '0.1'))
+        self.ring_ctl('run')
+
+    def test_rates_are_of_the_rings_time_and_its_lines_have_a_load(self):
+        self.up(plain_nodes(3), '--pace', '20', timeouts={'beacon': '10ms'})
+        row = self.ctl_json('--ring', self.ring, 'top', '--once', '--interval', '0.5')['nodes'][1]
+        # Three nodes' beacons, a hundred in a second of the ring's time; twenty times as many in one of ours.
+        self.assertTrue(250 < row['packets_per_second'] < 350, row)
+        self.assertGreater(row['bytes_per_second'], 250 * 20)
+        self.assertGreater(row['load'], 0)
+
+    def test_a_ring_that_folds_back_goes_on_around_a_cut_line_and_beside_dead_nodes(self):
+        self.up(plain_nodes(6), redundancy='foldback')
+        self.ring_ctl('fault', 'cut', 'node2:node3')
+        self.wait('folded', lambda: all(self.row(node)['state'] == 'folded' for node in range(6)))
+        ping = self.ctl_json('--ring', self.ring, 'ping', 'node3', '--from', 'node2', '-c', '20', '-f', '-q')
+        self.assertEqual(ping['delivered'], 20)
+        self.ring_ctl('fault', 'power_cycle', 'node4')
+        self.wait('folded again', lambda: all(self.row(node)['state'] == 'folded' for node in range(6)))
+        self.ring_ctl('fault', 'kill', 'node5')
+        self.wait('five', lambda: all(self.row(node)['ring_size'] == 5 for node in range(5)))
+        self.ring_ctl('fault', 'clear')
+        self.wait_closed(range(6))
+
     def test_its_time_goes_on_at_the_pace_asked_for(self):
         self.up(plain_nodes(3), '--pace', '50')
         start = self.row(0)['uptime_s']
         self.wait('more time than a live ring would have had', lambda: self.row(0)['uptime_s'] > start + 2 * ring_process.GUARD)
+
+    def test_a_client_of_another_version_is_refused_by_nodes_and_by_the_ring(self):
+        self.up(plain_nodes(3))
+        for port, whose in (('1', 'node 1 (node1)'), ('255', 'ring ' + self.ring)):
+            connection = socket.socket(socket.AF_UNIX)
+            self.addCleanup(connection.close)
+            connection.connect(self.socket_of(port))
+            connection.settimeout(ring_process.GUARD)
+            connection.sendall(greeting(self.ring, version=2))
+            answer = connection.recv(4096)
+            self.assertIn((whose + ' speaks version 3 of the host port, this client version 2').encode(), answer)
 
     def test_wrong_use_is_told(self):
         config = self.up(plain_nodes(3))
@@ -62,7 +115,10 @@ class Virtual(VirtualTest):
         self.assertIn('held by pid', daemon.stderr)
         for arguments, word in ((['--pace', '0'], 'pace'), (['--clock', 'lunar'], 'virtual'),
                                 (['--clock', 'virtual', '--pace', '0'], '0.001'), (['--pace', '2'], 'clock'),
-                                (['--clock', 'virtual', '--transport', 'udp'], 'transport')):
+                                (['--clock', 'virtual', '--transport', 'udp'], 'transport'),
+                                (['--clock', 'virtual', '--pace', '-1'], 'pace'), (['--clock', 'virtual', '--pace', 'nan'], 'pace'),
+                                (['--clock', 'machine', '--pace', '2'], 'virtual'), (['--clock', 'machine', '--for', '1s'], 'virtual'),
+                                (['--for', '1s'], 'clock'), (['--clock', 'virtual', '--for', '0'], 'for')):
             done = self.ctl('up', config, *arguments)
             self.assertEqual(done.returncode, 2, arguments)
             self.assertIn(word, done.stderr)

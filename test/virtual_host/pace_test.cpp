@@ -34,6 +34,14 @@ TEST(Pace, ARingThatIsFarBehindDoesNotCatchUpWithAllOfIt) {
   EXPECT_EQ(pace.lost(), 4s - Pace::kMostBehind);
 }
 
+TEST(Pace, TellsHowLateTheRingIs) {
+  const Pace pace(2, kStart);
+  EXPECT_EQ(pace.late(kStart + 1s, at(2s)), 0ns);
+  EXPECT_EQ(pace.late(kStart + 1s, at(1s)), 500ms);
+  EXPECT_EQ(pace.late(kStart, at(1s)), 0ns) << "it is early";
+  EXPECT_EQ(Pace(std::numeric_limits<double>::infinity(), kStart).late(kStart + 1h, at(0s)), 0ns);
+}
+
 TEST(Pace, WaitsForNeverForYears) {
   Pace pace(0.001, kStart);
   EXPECT_GT(pace.when(core::kNever), kStart + 24h * 365);

@@ -44,11 +44,19 @@ bool comparable(const json& before, const json& now) {
   return now.contains("pid") && now["pid"].is_number() && before.value("pid", json()) == now["pid"];
 }
 
+/// By the node's own clock, which on a virtual ring is not the machine's.
+double elapsed(const StatusSample& before, const StatusSample& now, std::size_t index) {
+  const json then = before.rows[index].value("uptime_s", json()),
+             at_present = now.rows[index].value("uptime_s", json());
+  if (!then.is_number() || !at_present.is_number()) return now.at_s - before.at_s;
+  return at_present.get<double>() - then.get<double>();
+}
+
 /// Growth of a figure in a second; nothing where it cannot be known.
 template <typename Figure>
 std::optional<double> rate(const StatusSample& before, const StatusSample& now, std::size_t index, Figure figure) {
   if (index >= now.rows.size() || !comparable(before.rows[index], now.rows[index])) return std::nullopt;
-  const double seconds = now.at_s - before.at_s;
+  const double seconds = elapsed(before, now, index);
   const std::uint64_t then = figure(before.rows[index]), at_present = figure(now.rows[index]);
   if (seconds <= 0 || at_present < then) return std::nullopt;
   return static_cast<double>(at_present - then) / seconds;

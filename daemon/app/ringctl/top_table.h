@@ -9,7 +9,8 @@ namespace limb_ring::ringctl {
 /// A status row of every node (down_row() of one that does not answer), and when they were asked.
 struct StatusSample {
   std::vector<nlohmann::json> rows;
-  double at_s = 0;
+  double at_s = 0;                 ///< of the machine's clock; a row with "uptime_s" has a better one
+  nlohmann::json clock = nullptr;  ///< ring_clock()
 };
 
 /// What happened between two samples, a row for each node, rates where both have it:

@@ -92,6 +92,8 @@ void check_virtual(const Options& options) {
 }
 
 const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring) {
+  if (options.pace || options.lasts_s > 0 || !options.capture.empty())
+    throw UsageError("--pace, --for and --capture go with --clock virtual");
   if (options.node.empty() == !options.index)
     throw UsageError("one of --node (id or name) and --index (place in ring order) is needed; see ringd --help");
   if (options.index) {

@@ -4,6 +4,8 @@
 
 #include <sstream>
 
+#include "app/ringctl/ring_clock.h"
+
 namespace limb_ring::ringctl {
 namespace {
 
@@ -41,6 +43,25 @@ TEST(TopRows, SayNothingOfANodeThatHasRestarted) {
   StatusSample now = kNow;
   now.rows[0]["pid"] = 999;
   EXPECT_TRUE(top_rows(kBefore, now)[0]["packets_per_second"].is_null());
+}
+
+TEST(TopRows, AreOfTheNodesOwnTimeAndOfOneBoot) {
+  StatusSample before = kBefore, now = kNow;
+  before.rows[0]["uptime_s"] = 100.0;
+  now.rows[0]["uptime_s"] = 140.0;
+  EXPECT_EQ(top_rows(before, now)[0]["packets_per_second"], 5.0);
+  now.rows[0]["uptime_s"] = 1.0;  // it has started again, in the same process
+  EXPECT_TRUE(top_rows(before, now)[0]["packets_per_second"].is_null());
+}
+
+TEST(ClockWords, TellTheInstantThePaceAndWhatItIsBehind) {
+  json clock{{"now_s", 12.3456}, {"pace", 0.5}, {"paused", false}, {"late_s", 0.001}, {"lost_s", 0.0}};
+  EXPECT_EQ(clock_words(clock), "; virtual clock at 12.346 s, pace 0.5");
+  clock.update({{"pace", "max"}, {"late_s", 0.25}, {"lost_s", 3.0}});
+  EXPECT_EQ(clock_words(clock), "; virtual clock at 12.346 s, pace max, 0.250 s late, 3.000 s lost");
+  clock.update({{"paused", true}, {"late_s", 0.0}, {"lost_s", 0.0}, {"allowed_ns", 5}});
+  EXPECT_EQ(clock_words(clock), "; virtual clock stands at 12.346 s, pace max, following another");
+  EXPECT_EQ(clock_words(json()), "") << "the machine's";
 }
 
 TEST(TopTable, ShowsTheLoadOfALineInPercent) {

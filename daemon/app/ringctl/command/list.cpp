@@ -7,6 +7,7 @@
 #include "app/common/text_table.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_clock.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 
@@ -14,18 +15,26 @@ namespace limb_ring::ringctl {
 
 namespace {
 
+std::string figure(const nlohmann::json& clock, const char* name) {
+  return clock.is_object() ? app::number(clock[name].get<double>(), 3) : "-";
+}
+
 int run(bool json) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  std::vector<std::vector<std::string>> rows{{"ring", "nodes", "clock"}};
+  std::vector<std::vector<std::string>> rows{{"ring", "nodes", "clock", "at s", "pace", "late s", "lost s"}};
   for (const std::string& ring : live::held_rings()) {
     const std::string folder = ring_directory(ring);
     const std::vector<live::HeldNode> nodes = live::held_nodes(folder);
     if (nodes.empty()) continue;  // it ended meanwhile
     const auto count = std::count_if(nodes.begin(), nodes.end(),
                                      [&](const auto& node) { return live::holder_of(folder, node.node).held; });
-    const char* clock = live::holder_of(folder, nodes.front().node).on_virtual_ring ? "virtual" : "live";
-    rows.push_back({ring, std::to_string(count), clock});
-    all.push_back({{"ring", ring}, {"nodes", count}, {"clock", clock}});
+    const char* kind = live::holder_of(folder, nodes.front().node).on_virtual_ring ? "virtual" : "live";
+    const nlohmann::json clock = ring_clock(ring);
+    rows.push_back({ring, std::to_string(count), kind, figure(clock, "now_s"),
+                    clock.is_object() ? pace_text(clock["pace"]) : "-", figure(clock, "late_s"),
+                    figure(clock, "lost_s")});
+    all.push_back({{"ring", ring}, {"nodes", count}, {"clock", kind}});
+    for (const auto& entry : clock.items()) all.back()[entry.key()] = entry.value();
   }
   if (json)
     std::cout << all.dump(2) << std::endl;
@@ -38,8 +47,9 @@ int run(bool json) {
 
 void add_list(CLI::App& app, Context& context) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* command =
-      add_command(app, "list", "All rings of this user: how many nodes are held by a daemon, and on which clock");
+  CLI::App* command = add_command(app, "list",
+                                  "All rings of this user: how many nodes are held by a daemon; on which clock, and "
+                                  "of a virtual one where it is, how fast, and how far behind");
   add_json(*command, *json);
   command->callback([&context, json] { context.action = [json] { return run(*json); }; });
 }

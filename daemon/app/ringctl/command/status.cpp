@@ -9,6 +9,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_clock.h"
 #include "app/ringctl/screen.h"
 #include "app/ringctl/status_rows.h"
 #include "app/ringctl/status_table.h"
@@ -24,7 +25,9 @@ struct StatusOptions {
 
 void print_json(const RingAccess& ring, std::vector<nlohmann::json> rows) {
   for (auto& row : rows) row.erase("ring");  // once is enough
-  const nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
+  nlohmann::json all{{"ring", ring.ring()}, {"path", ring.path()}, {"nodes", rows}};
+  const nlohmann::json clock = ring_clock(ring.ring());
+  if (clock.is_object()) all["clock"] = clock;
   std::cout << all.dump(2) << '\n';
 }
 
@@ -34,7 +37,8 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
   style.colour = app::colour_wanted(STDOUT_FILENO);
   // What goes into a file or through a pipe is for grep: as wide as it is.
   if (::isatty(STDOUT_FILENO) == 1) style.width = Screen::size().columns;
-  std::cout << app::wrapped(headline(ring.ring(), rows), style.width) << status_table(rows, style)
+  const std::string heading = headline(ring.ring(), rows) + clock_words(ring_clock(ring.ring()));
+  std::cout << app::wrapped(heading, style.width) << status_table(rows, style)
             << app::wrapped(line_report(rows) + stop_report(rows) + supervision_text(rows), style.width);
 }
 

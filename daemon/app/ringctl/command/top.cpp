@@ -10,6 +10,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_clock.h"
 #include "app/ringctl/screen.h"
 #include "app/ringctl/signal_wait.h"
 #include "app/ringctl/status_rows.h"
@@ -47,6 +48,7 @@ class StatusPoll {
     std::vector<std::optional<nlohmann::json>> answers;
     for (std::size_t i = 0; i < ports_.size(); ++i) answers.push_back(answer(i, tokens[i], deadline));
     sample.rows = complete_rows(ring_, answers);
+    sample.clock = ring_clock(ring_.ring());
     return sample;
   }
 
@@ -100,8 +102,14 @@ TopStyle style() {
 
 std::string shown(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows,
                   const TopStyle& style) {
-  return top_table(headline(ring.ring(), now.rows), rows, style,
+  return top_table(headline(ring.ring(), now.rows) + clock_words(now.clock), rows, style,
                    line_report(now.rows) + stop_report(now.rows) + supervision_text(now.rows));
+}
+
+nlohmann::json json_of(const RingAccess& ring, const StatusSample& now, const std::vector<nlohmann::json>& rows) {
+  nlohmann::json all{{"ring", ring.ring()}, {"nodes", rows}};
+  if (now.clock.is_object()) all["clock"] = now.clock;
+  return all;
 }
 
 int once(const RingAccess& ring, const TopOptions& options) {
@@ -112,7 +120,7 @@ int once(const RingAccess& ring, const TopOptions& options) {
   const StatusSample now = poll.sample();
   const auto rows = top_rows(before, now);
   if (options.json)
-    std::cout << nlohmann::json{{"ring", ring.ring()}, {"nodes", rows}}.dump(2) << '\n';
+    std::cout << json_of(ring, now, rows).dump(2) << '\n';
   else
     std::cout << shown(ring, now, rows, style());
   return kDone;

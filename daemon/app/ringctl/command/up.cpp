@@ -162,7 +162,10 @@ int run(const UpOptions& options) {
     end(daemons, signals);
     throw NotDone("ring " + plan.ring + ": " + problem);
   }
-  announce(plan);
+  if (daemons.first_ended() == nullptr)
+    announce(plan);
+  else
+    std::cout << "ring " << plan.ring << " has ended: its time was over" << std::endl;
   if (options.detach) return kDone;
   const int code = stay(daemons, signals);
   end_restarted(plan.ring);
@@ -170,7 +173,11 @@ int run(const UpOptions& options) {
 }
 
 void read_clock(UpOptions& options) {
-  if (options.clock == "machine") return;
+  if (options.clock == "machine") {
+    if (options.pace || options.lasts_s > 0 || !options.capture.empty())
+      throw UsageError("--pace, --for and --capture go with --clock virtual");
+    return;
+  }
   if (options.respawn && options.lasts_s > 0)
     throw UsageError("--for and --respawn do not go together: a ring that has run for so long is to stay down");
   if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace limb_ring::ringctl {
+
+/// What a virtual ring says of its clock (daemon/host/requests.md), with "now_s" for "now_ns". Null where the ring goes
+/// by the machine's clock, or its process does not answer.
+nlohmann::json ring_clock(const std::string& ring);
+
+/// The same behind a headline: "; virtual clock at 12.345 s, pace 1, 0.020 s late, 3.100 s lost"; empty for null.
+std::string clock_words(const nlohmann::json& clock);
+
+/// "1", "0.1", "max"
+std::string pace_text(const nlohmann::json& pace);
+
+}  // namespace limb_ring::ringctl
