@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "cli/app_parts.h"
 #include "config/names.h"
 
 namespace limb_ring::cli {
@@ -12,20 +13,6 @@ namespace {
 constexpr int kDone = 0, kWrong = 2;
 
 using Words = std::vector<std::string>;
-
-/// Of options alone: a group of options is a subcommand without a name to CLI11.
-std::vector<const CLI::App*> parts_of(const CLI::App& app, bool named) {
-  std::vector<const CLI::App*> parts;
-  for (const CLI::App* part : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (part->get_name().empty() != named) parts.push_back(part);
-  return parts;
-}
-
-Words subcommands_of(const CLI::App& app) {
-  Words names;
-  for (const CLI::App* part : parts_of(app, true)) names.push_back(part->get_name());
-  return names;
-}
 
 /// The subcommand that was given, and of it, and so on.
 const CLI::App& deepest(const CLI::App& app) {
@@ -44,27 +31,6 @@ std::string see_help(const CLI::App& app) { return "'" + full_name(app) + " --he
 std::string guess(const std::string& word, const Words& known) {
   const std::string meant = config::closest(word, known);
   return meant.empty() ? ". " : ", did you mean '" + meant + "'? ";
-}
-
-void add_options(const CLI::App& app, std::vector<const CLI::Option*>& all) {
-  for (const CLI::Option* option : app.get_options()) all.push_back(option);
-  for (const CLI::App* group : parts_of(app, false)) add_options(*group, all);
-}
-
-/// Of a subcommand and of those above it.
-std::vector<const CLI::Option*> options_of(const CLI::App& app) {
-  std::vector<const CLI::Option*> all;
-  for (const CLI::App* at = &app; at != nullptr; at = at->get_parent()) add_options(*at, all);
-  return all;
-}
-
-Words option_names(const CLI::App& app) {
-  Words names;
-  for (const CLI::Option* option : options_of(app)) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
-  }
-  return names;
 }
 
 [[noreturn]] void no_such_subcommand(const CLI::App& app, const std::string& word) {
@@ -131,6 +97,12 @@ void take_help_for_a_word(Words& arguments) {
   arguments.push_back("--help");
 }
 
+std::string lines(const Words& words) {
+  std::string text;
+  for (const std::string& word : words) text += word + '\n';
+  return text;
+}
+
 void set_formatter(CLI::App& app, const std::shared_ptr<CLI::Formatter>& formatter) {
   app.formatter(formatter);
   for (CLI::App* part : app.get_subcommands([](CLI::App*) { return true; })) set_formatter(*part, formatter);
@@ -149,7 +121,9 @@ void label(CLI::App& app) {
 
 const char* version() { return LIMB_RING_VERSION; }
 
-std::optional<std::string> read(CLI::App& app, Words arguments) {
+std::optional<std::string> read(CLI::App& app, Words arguments, const NamesOf& names) {
+  if (!arguments.empty() && arguments[0] == "complete")
+    return lines(completions(app, {arguments.begin() + 1, arguments.end()}, names));
   if (!arguments.empty() && (arguments[0] == "--version" || arguments[0] == "version"))
     return app.get_name() + ' ' + version() + '\n';
   take_help_for_a_word(arguments);
@@ -168,9 +142,9 @@ std::optional<std::string> read(CLI::App& app, Words arguments) {
   return std::nullopt;
 }
 
-std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
+std::optional<int> parse(CLI::App& app, int argc, const char* const* argv, const NamesOf& names) {
   try {
-    const auto asked = read(app, Words(argv + 1, argv + std::max(argc, 1)));
+    const auto asked = read(app, Words(argv + 1, argv + std::max(argc, 1)), names);
     if (!asked) return std::nullopt;
     std::cout << *asked;
     return kDone;

@@ -2,13 +2,16 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
+#include <set>
 
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_access.h"
 #include "capture/pcapng_reader.h"
 #include "cli/command_line.h"
 #include "config/config_error.h"
 #include "limb_ring/host_port.h"
+#include "live/lock_files.h"
 
 namespace limb_ring::ringctl {
 
@@ -71,6 +74,20 @@ int act(const Context& context) {
   }
 }
 
+/// Of the rings that run, and of the nodes of the one meant.
+std::vector<std::string> names_for(const std::string& wanted) {
+  if (wanted == "RING" || wanted == "--ring") return live::held_rings();
+  std::vector<std::string> names;
+  const std::set<std::string> nodes{"NODE", "TO", "--to", "--from"};
+  if (nodes.count(wanted) == 0) return names;
+  try {
+    for (const NodeName& node : RingAccess::open(choose_ring("")).nodes()) names.push_back(node.name);
+  } catch (const std::exception&) {
+    return {};  // none runs, or several do
+  }
+  return names;
+}
+
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
@@ -80,7 +97,7 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   app.add_option("--ring", context.ring, "Name of the ring; default: the only one running");
   add_commands(app, context);
-  if (const auto end = cli::parse(app, argc, argv)) return *end;
+  if (const auto end = cli::parse(app, argc, argv, names_for)) return *end;
   return act(context);
 }
 

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace limb_ring::cli {
+
+/// @name What a command line may hold, as CLI11 knows it
+///@{
+/// The names of its subcommands.
+std::vector<std::string> subcommands_of(const CLI::App& app);
+/// Of a subcommand and of those above it, options and arguments.
+std::vector<const CLI::Option*> options_of(const CLI::App& app);
+/// "--ring", "-n": of its options and of those above it.
+std::vector<std::string> option_names(const CLI::App& app);
+///@}
+
+}  // namespace limb_ring::cli
