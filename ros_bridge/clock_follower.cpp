@@ -8,10 +8,10 @@ namespace {
 using namespace std::chrono_literals;
 using nlohmann::json;
 
-constexpr auto kConnect = 1s;
-constexpr auto kAnswer = 10s;
-constexpr auto kRetry = 200ms;
-constexpr double kSecond = 1e9;  // ns
+constexpr auto kFollowConnect = 1s;
+constexpr auto kFollowAnswer = 10s;
+constexpr auto kFollowRetry = 200ms;
+constexpr double kNsPerSecond = 1e9;  // ns
 
 }  // namespace
 
@@ -19,7 +19,7 @@ ClockFollower::ClockFollower(const ros::NodeHandle& nodes, ConnectOptions daemon
     : daemon_(std::move(daemon)), clock_(clock), nodes_(nodes), spinner_(1, &queue_) {
   daemon_.role = Role::tool;
   daemon_.alive_period = 0ms;
-  daemon_.timeout = kConnect;
+  daemon_.timeout = kFollowConnect;
   nodes_.setCallbackQueue(&queue_);
   subscriber_ = nodes_.subscribe("/clock", 10, &ClockFollower::on_clock, this, ros::TransportHints().tcpNoDelay());
   spinner_.start();
@@ -59,13 +59,13 @@ void ClockFollower::run() {
       if (std::exchange(told, problem.what()) != problem.what())
         ROS_WARN("the ring's clock does not follow /clock: %s (trying again)", problem.what());
       std::unique_lock<std::mutex> lock(mutex_);
-      wake_.wait_for(lock, kRetry, [this] { return stopping_.load(); });
+      wake_.wait_for(lock, kFollowRetry, [this] { return stopping_.load(); });
     }
   }
 }
 
 void ClockFollower::take_over(HostPort& port) {
-  const json state = json::parse(port.ask(R"({"do": "clock"})", kAnswer));
+  const json state = json::parse(port.ask(R"({"do": "clock"})", kFollowAnswer));
   const std::int64_t allowed_ns = state.value("allowed_ns", std::int64_t{0});
   if (zero_ns_ || allowed_ns == 0) return;
   zero_ns_ = state.value("outer_zero_ns", std::int64_t{0});
@@ -76,20 +76,20 @@ void ClockFollower::take_over(HostPort& port) {
 void ClockFollower::pass_on(HostPort& port, std::int64_t time_ns) {
   if (!zero_ns_) {
     zero_ns_ = time_ns;
-    ROS_INFO("the ring's clock follows /clock; its 0 is %.6f s there", static_cast<double>(time_ns) / kSecond);
+    ROS_INFO("the ring's clock follows /clock; its 0 is %.6f s there", static_cast<double>(time_ns) / kNsPerSecond);
   } else if (time_ns < last_ns_) {
     const std::int64_t reached_ns = last_ns_ - *zero_ns_;
     ROS_WARN(
         "/clock has jumped back, from %.6f s to %.6f s: the ring goes on from where it is, %.6f s after its start, and "
         "its stamps follow /clock",
-        static_cast<double>(last_ns_) / kSecond, static_cast<double>(time_ns) / kSecond,
-        static_cast<double>(reached_ns) / kSecond);
+        static_cast<double>(last_ns_) / kNsPerSecond, static_cast<double>(time_ns) / kNsPerSecond,
+        static_cast<double>(reached_ns) / kNsPerSecond);
     zero_ns_ = time_ns - reached_ns;
   }
   clock_.set_outer_zero(*zero_ns_);
   last_ns_ = time_ns;
   const json allow{{"do", "allow"}, {"until_ns", time_ns - *zero_ns_}, {"outer_zero_ns", *zero_ns_}};
-  port.ask(allow.dump(), kAnswer);
+  port.ask(allow.dump(), kFollowAnswer);
 }
 
 }  // namespace limb_ring::bridge

@@ -53,6 +53,8 @@ class CommandIn {
   bool resume(std::uint8_t node, RingPort::OnResult done);
   /// Any thread: somebody would send commands on that topic, one of `bridge: {lockstep}`.
   bool has_sender(const std::string& topic) const { return subscribers_.at(topic).getNumPublishers() != 0; }
+  /// The full name of that topic.
+  std::string resolved(const std::string& topic) const { return subscribers_.at(topic).getTopic(); }
   /// A command, before it is sent on.
   struct Heard {
     std::string topic;   ///< as `bridge: {lockstep}` has it

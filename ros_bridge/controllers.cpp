@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 /// Of real time, from the first joint states on.
 constexpr milliseconds kFirstWithin{30'000};
 
-std::string seconds(ros::Time time) {
+std::string stamp_in_words(ros::Time time) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6f s", time.toSec());
   return text;
@@ -32,20 +32,24 @@ Controllers::Controllers(const config::RingConfig& ring, RingPort& port, JointDa
   commands_.on_heard([this](const CommandIn::Heard& command) { on_command(command); });
 }
 
+/// roscpp knows a publisher before that knows us: it would publish its first answer to nobody.
+bool Controllers::are_there() {
+  const auto arrives = [this](const Controller& controller) {
+    return commands_.has_sender(controller.topic) &&
+           links_.answers_arrive(joints_.topic(), commands_.resolved(controller.topic));
+  };
+  return joints_.is_heard() && std::all_of(controllers_.begin(), controllers_.end(), arrives);
+}
+
 /// Once: the first joint states are for them already.
 void Controllers::await_first() {
   if (!port_.in_lockstep() || awaited_first_) return;
-  const auto are_there = [this] {
-    return joints_.is_heard() && std::all_of(controllers_.begin(), controllers_.end(), [this](const auto& controller) {
-             return commands_.has_sender(controller.topic);
-           });
-  };
   if (!are_there() && !std::exchange(told_, true))
     ROS_INFO(
         "bridge.lockstep: the ring's time stands until joint_states are heard and somebody sends %s, for %lld s at "
         "most",
         topics().c_str(), static_cast<long long>(kFirstWithin.count() / 1000));
-  const Held held = port_.hold_time_until(are_there, kFirstWithin);
+  const Held held = port_.hold_time_until([this] { return are_there(); }, kFirstWithin);
   if (held == Held::let_go) return;  // the next joint states are the first then
   awaited_first_ = true;
   if (held == Held::fulfilled) return;
@@ -102,11 +106,11 @@ void Controllers::give_up(Controller& controller, milliseconds patience) {
   if (controller.name.empty() && has_gone(controller))
     what = " has not come" + within;
   else if (has_gone(controller))
-    what = " has gone, at the joint_states of " + seconds(awaited_);
+    what = " has gone, at the joint_states of " + stamp_in_words(awaited_);
   else
-    what = " has not answered the joint_states of " + seconds(awaited_) + within;
+    what = " has not answered the joint_states of " + stamp_in_words(awaited_) + within;
   if (controller.too_old)
-    what += "; its command has the stamp " + seconds(*controller.too_old) +
+    what += "; its command has the stamp " + stamp_in_words(*controller.too_old) +
             ", and needs that of the joint_states that it answers, or a later one";
   port_.request(nlohmann::json({{"do", "went_on_without"}, {"whom", who + " on " + controller.topic}}).dump());
   ROS_WARN("bridge.lockstep, %s: %s%s: time goes on without it, until its next command", controller.topic.c_str(),

@@ -9,6 +9,7 @@
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/joint_data_out.h"
 #include "ros_bridge/ring_port.h"
+#include "ros_bridge/ros_links.h"
 
 namespace limb_ring::bridge {
 
@@ -29,6 +30,7 @@ class Controllers {
     std::optional<ros::Time> too_old;  ///< stamp of a command that has come instead of an answer
   };
   void await_first();
+  bool are_there();
   void await_answers(ros::Time stamp);
   void on_command(const CommandIn::Heard& command);
   bool has_answered(const Controller& controller) const;
@@ -40,6 +42,7 @@ class Controllers {
   RingPort& port_;
   JointDataOut& joints_;
   CommandIn& commands_;
+  RosLinks links_;
   std::vector<Controller> controllers_;
   ros::Time awaited_;  ///< stamp of the joint_states that were published last
   bool awaited_first_ = false;

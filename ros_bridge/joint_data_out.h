@@ -26,6 +26,8 @@ class JointDataOut {
 
   /// Any thread: somebody hears `joint_states`.
   bool is_heard() const { return states_.getNumSubscribers() != 0; }
+  /// The name of `joint_states`, resolved.
+  std::string topic() const { return states_.getTopic(); }
   /// Before the port starts: called on the ring thread before each `joint_states`.
   void before_publishing(std::function<void()> handler) { publishing_ = std::move(handler); }
   /// The same after each, with its stamp.
