@@ -136,6 +136,7 @@ void HostServer::on(Session& session, const client::Waiting& waiting) { session.
 
 void HostServer::on(Session& session, const client::Credit& credit) {
   if (&session != cpu_.get()) return;
+  if (options_.turns != nullptr) options_.turns->credited(options_.id, credit.count);
   const bool had_none = session.credit == 0;
   session.credit = std::min(session.credit + credit.count, kMaxCredit);
   if (had_none && session.credit > 0) handler_.on_credit(session.info().id);

@@ -23,6 +23,9 @@ class TurnKeeper {
   virtual void has_news() = 0;
   /// A client that the clock does not wait for has changed something.
   virtual void disturbed() = 0;
+  /// The CPU of a node can take so many packets more: the first time as many as it likes to have, later as many as it
+  /// has taken.
+  virtual void credited(std::uint8_t /*node*/, unsigned /*packets*/) {}
 };
 
 }  // namespace limb_ring::host

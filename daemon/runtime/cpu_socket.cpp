@@ -19,7 +19,7 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver
 
 void CpuSocket::start() {
   process_.start();
-  engine_.controller().set_cpu_present(is_sink());
+  engine_.set_cpu_present(is_sink());
   if (process_.status().kind != CpuKind::child) report();  // a child's start has told: on_cpu_changed()
 }
 
@@ -30,7 +30,7 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
   if (!process_.attached(client.pid, client.restarted_by_owner, alive_period))
     return "this process has ended or is being reset";
   reported_.spoke_at = engine_.now();  // its greeting was its first word
-  engine_.controller().set_cpu_present(true);
+  engine_.set_cpu_present(true);
   return std::nullopt;
 }
 
@@ -39,8 +39,8 @@ void CpuSocket::detach(const host::ClientInfo& client) {
   process_.detached(client.pid);
   if (host_.cpu() != nullptr && host_.cpu()->id != client.id) return;
   stop_.latched = false;
-  engine_.controller().set_cpu_present(false);
-  engine_.controller().cpu_reset(client.id, engine_.now());
+  engine_.set_cpu_present(false);
+  engine_.cpu_reset(client.id);
 }
 
 void CpuSocket::spoke() {
@@ -51,15 +51,13 @@ void CpuSocket::spoke() {
 
 void CpuSocket::hand_over() {
   core::ReceivedPacket packet;
-  core::NetworkController& controller = engine_.controller();
-  while (read_throttle_.may_take(engine_.now()) && (is_sink() || host_.cpu_can_take()) &&
-         controller.take(engine_.now(), packet)) {
+  while (read_throttle_.may_take(engine_.now()) && (is_sink() || host_.cpu_can_take()) && engine_.take(packet)) {
     read_throttle_.took(engine_.now());
     if (!is_sink())
       host_.give(
           client::PacketView{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()});
   }
-  if (read_throttle_.next() != core::kNever && controller.received_waiting() != 0)
+  if (read_throttle_.next() != core::kNever && engine_.controller().received_waiting() != 0)
     next_read_->expires_at(engine_.steady(read_throttle_.next()));
 }
 
@@ -67,7 +65,7 @@ CpuActionResult CpuSocket::reset(const std::string& reason) {
   if (is_sink()) {
     ++sink_boots_;
     ++sink_resets_;
-    engine_.controller().cpu_reset(core::kController, engine_.now());
+    engine_.cpu_reset(core::kController);
     report();
     return {true, true, "the built-in sink was reset"};
   }
@@ -80,8 +78,8 @@ void CpuSocket::drop_client() {
   if (host_.cpu() == nullptr) return;
   const host::ClientInfo client = *host_.cpu();
   stop_.latched = false;
-  engine_.controller().set_cpu_present(false);
-  engine_.controller().cpu_reset(client.id, engine_.now());
+  engine_.set_cpu_present(false);
+  engine_.cpu_reset(client.id);
   host_.disconnect(client.id, "the CPU was reset");
 }
 

@@ -36,6 +36,8 @@ void EventRouter::handle(const core::SendEnded& ended) {
       return to_.interrupts.on_ended(ended);
     case SendOwner::Kind::babbling_cpu:
       return to_.faults.on_ended(ended);
+    case SendOwner::Kind::ring_user:
+      return;  // it sees the events themselves
   }
 }
 

@@ -14,6 +14,7 @@ CpuOptions cpu_options(const config::RingConfig& ring, const config::NodeConfig&
   options.affinity = base.cpu_cores;
   options.boots_for = base.cpu_boots_for;
   options.on_signal = base.on_cpu_signal;
+  options.output = base.cpu_output;
   options.log_prefix = base.log_prefix;
   return options;
 }

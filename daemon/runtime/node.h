@@ -47,6 +47,7 @@ struct NodeBase {
   std::chrono::nanoseconds cpu_boots_for{0};      ///< CpuOptions::boots_for
   std::function<void(int number)> on_cpu_signal;  ///< CpuOptions::on_signal
   std::string log_prefix;                         ///< of what is logged of this node alone
+  int cpu_output = -1;  ///< descriptor for what the CPU's processes print; -1: as this process
 };
 
 /// One node of a ring, complete: builds its parts, hands each what it needs, starts and stops them. What clients call
@@ -59,6 +60,7 @@ class Node {
        const NodeBase& base);
 
   void start();
+  CpuStatus cpu_status() const { return cpu_.status(); }
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(std::function<void()> done);
   Faults& faults() { return faults_; }

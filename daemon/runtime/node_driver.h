@@ -47,6 +47,12 @@ class NodeDriver {
 
   virtual core::NetworkController& controller() = 0;
   virtual const core::NetworkController& controller() const = 0;
+  /// @name What the node's CPU does to the controller
+  ///@{
+  virtual bool take(core::ReceivedPacket& packet) { return controller().take(now(), packet); }
+  virtual void set_cpu_present(bool present) { controller().set_cpu_present(present); }
+  virtual void cpu_reset(core::Owner owner) { controller().cpu_reset(owner, now()); }
+  ///@}
   virtual event_loop::NodeClock& clock() = 0;
   /// By the controller's time: one instant for all that a batch, and what follows from it, sets off.
   virtual core::Time now() const = 0;

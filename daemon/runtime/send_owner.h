@@ -14,7 +14,8 @@ struct SendOwner {
     client,             ///< of the host port: a tool or the CPU, also where it pulls an interrupt input
     traffic,            ///< packets that the daemon makes to time them
     daemon_interrupts,  ///< interrupts that the daemon itself sends
-    babbling_cpu        ///< packets of a CPU that babbles on purpose
+    babbling_cpu,       ///< packets of a CPU that babbles on purpose
+    ring_user           ///< who asks a virtual ring itself, such as a scenario
   };
   Kind kind = Kind::client;
   host::ClientId client = 0;  ///< of a client: which; they count up from 1

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/virtual_ring.h"
+
 namespace limb_ring::sim {
 
 using core::Outcome;
@@ -77,6 +79,7 @@ Sent& Ledger::add(NodeId source, std::uint32_t token, std::uint8_t queue, bool i
   sent.asked = now;
   sent.asked_in_ring = in_ring;
   sent.queue = queue;
+  sent.queue_shared = s.others_send;
   for (const std::uint32_t other : s.waiting[queue]) {
     const Sent* waits = find(source, other);
     if (waits && (!waits->ended || waits->ended_at >= now)) ++sent.ahead;
@@ -173,7 +176,8 @@ void Ledger::note_passed_over(const Sent& leaving, Time since) {
     const bool refused = sent && sent->left && sent->refused_at <= since;
     if (waited(sent) && (!sent->left || refused)) passed_over_.note(*sent, leaving, since);
   }
-  if (leaving.interrupt()) return;
+  // Others may have a refused send at the head of a higher queue, which holds up ours.
+  if (leaving.interrupt() || source.others_send) return;
   for (std::uint8_t higher = 0; higher < leaving.queue; ++higher) {
     const auto& waiting = source.waiting[higher];
     const auto first = std::find_if(waiting.begin(), waiting.end(), [&](std::uint32_t token) {
@@ -302,7 +306,7 @@ void Ledger::cancel(NodeId source, Time now) {
 // ---- results --------------------------------------------------------------------------------
 
 const Sent* Ledger::end(NodeId source, const core::SendEnded& end, Time at) {
-  if (end.owner != 1) return nullptr;
+  if (end.owner != VirtualRing::kUser) return nullptr;
   Sent* sent = find(source, end.token);
   if (!sent) {
     if (end.token < sources_[source].first_token)

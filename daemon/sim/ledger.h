@@ -31,6 +31,7 @@ struct Sent {
   Time asked{};
   bool asked_in_ring = false;        ///< its node showed that users may send
   std::size_t ahead = 0;             ///< sends in its queue when it was asked for
+  bool queue_shared = false;         ///< others may have sends in it, too
   bool left = false;                 ///< it was on the line
   unsigned tries = 0;                ///< of it that were seen there
   bool repeated = false;             ///< one of them was a retry

@@ -90,7 +90,7 @@ const char* ResultJudge::against_rejected() const {
   if (sent_.tries != 0) return ", and it was on the line";
   switch (sent_.end.reject) {
     case Reject::queue_full:
-      return sent_.ahead >= settings_.send_queue ? nullptr : ", and the queue had room";
+      return sent_.queue_shared || sent_.ahead >= settings_.send_queue ? nullptr : ", and the queue had room";
     case Reject::no_way_out:
       return overdue() ? nullptr : ", and its time was not over";
     case Reject::bad_destination:

@@ -10,8 +10,6 @@ using wire::SliceWriter;
 
 namespace {
 
-constexpr core::Owner kUser = 1;  ///< who sends on all nodes
-
 /// One above the largest id.
 unsigned ids_of(const VirtualRingOptions& options) {
   if (options.order.empty()) return options.nodes;
@@ -267,13 +265,18 @@ void VirtualRing::give_out(NodeId id) {
     touch(id);
   }
   core::ReceivedPacket packet;
-  while (nodes_[id].cpu_reads && controller.take(now_, packet)) {
-    for (Observer* observer : observers_) observer->packet(id, packet);
-    if (options_.keep_logs) nodes_[id].log.packets.push_back(packet);
-    on_packet(id, packet);
-    touch(id);
+  while (nodes_[id].cpu_reads && take(id, packet)) {
   }
   on_given_out(id);
+}
+
+bool VirtualRing::take(NodeId id, core::ReceivedPacket& packet) {
+  if (!nodes_[id].controller->take(now_, packet)) return false;
+  for (Observer* observer : observers_) observer->packet(id, packet);
+  if (options_.keep_logs) nodes_[id].log.packets.push_back(packet);
+  on_packet(id, packet);
+  touch(id);
+  return true;
 }
 
 std::size_t VirtualRing::delay_line_of(Duration delay) {

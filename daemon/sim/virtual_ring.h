@@ -40,6 +40,9 @@ struct NodeLog {
 /// is bypassed at once, as the daemon's links do it.
 class VirtualRing {
  public:
+  /// Who sends on all nodes where the ring is asked to: no client of a host port has this number (runtime/send_owner.h).
+  static constexpr core::Owner kUser = 0xFFFFFF04;
+
   explicit VirtualRing(const VirtualRingOptions& options);
 
   Time now() const { return now_; }
@@ -69,11 +72,13 @@ class VirtualRing {
   NodeLog& log(NodeId id) { return nodes_[id].log; }
   bool alive(NodeId id) const { return nodes_[id].alive; }
 
-  /// Node `id` sends; @return the token its SendEnded will carry (owner 1)
+  /// Node `id` sends; @return the token its SendEnded will carry (owner kUser)
   std::uint32_t send(NodeId id, NodeId destination, const std::vector<std::uint8_t>& data, std::uint8_t priority = 0,
                      std::uint8_t channel = 0);
   std::uint32_t interrupt(NodeId id, NodeId destination, std::uint8_t factor);
   std::uint32_t pull(NodeId id, unsigned input);
+  /// Its CPU takes the next packet that waits for it. @return false where there is none
+  bool take(NodeId id, core::ReceivedPacket& packet);
   /// The CPU of node `id` is reset: its sends end, its receive buffers are emptied.
   void reset_cpu(NodeId id);
   /// It is there, or gone; a node that starts has one.

@@ -92,7 +92,7 @@ bool Lockstep::attach_those_due() {
 
 void Lockstep::joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) {
   session->end_turn(nanoseconds{0});  // its first turn comes at once
-  programs_[{node, session->info().id}] = {session, {}, false};
+  programs_[{node, session->info().id}] = {session, {}};
   news_ = true;
 }
 
@@ -197,7 +197,7 @@ bool Lockstep::hear(Entry& entry) {
   const bool heard = program.session->listen();
   if (!program.session->open() || !program.session->has_turn()) return true;
   const bool stopped = !heard && process::is_stopped(program.session->info().pid);
-  if (stopped || steady_clock::now() - program.turn_since >= patience_with(key.first)) is_stuck(key.first, program);
+  if (stopped || steady_clock::now() - program.turn_since >= patience_with(key.first)) gets_stuck(key.first, program);
   return heard;
 }
 
@@ -209,7 +209,12 @@ milliseconds Lockstep::patience_with(std::uint8_t node) const {
   return bridge ? kAttachedWithin + 3 * stall : stall;
 }
 
-void Lockstep::is_stuck(std::uint8_t node, Program& program) {
+bool Lockstep::is_stuck(std::uint8_t node) const {
+  const auto stuck = [node](const Entry& entry) { return entry.first.first == node && entry.second.stuck; };
+  return hung_.count(node) != 0 || std::any_of(programs_.begin(), programs_.end(), stuck);
+}
+
+void Lockstep::gets_stuck(std::uint8_t node, Program& program) {
   program.stuck = true;
   program.session->wait_no_more();
   const pid_t pid = program.session->info().pid;
@@ -222,6 +227,7 @@ void Lockstep::is_stuck(std::uint8_t node, Program& program) {
       "{}: its CPU ({}, pid {}) is stuck at {:.9f} s of the ring's time: it has not waited again for {} ms; the "
       "ring goes on without it",
       config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), patience_with(node).count());
+  on_stuck(node, process::program_of(pid));
 }
 
 bool Lockstep::give_turns() {

@@ -29,6 +29,7 @@ class Lockstep final : public host::TurnKeeper {
   void joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) override;
   void has_news() override { news_ = true; }
   void disturbed() override { disturbed_ = true; }
+  void credited(std::uint8_t node, unsigned packets) override { on_credited(node, packets); }
   /// What is known of the CPU process of a node has changed.
   void cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu);
   /// That process was sent a signal: stopped, it is out of the lockstep at this very instant, and continued, in it
@@ -64,6 +65,13 @@ class Lockstep final : public host::TurnKeeper {
   /// @return false where one is still waited for
   bool attach_those_due();
 
+  /// The program that is the CPU of that node does not answer, or is stopped.
+  bool is_stuck(std::uint8_t node) const;
+  /// As TurnKeeper::credited().
+  std::function<void(std::uint8_t node, unsigned packets)> on_credited = [](std::uint8_t, unsigned) {};
+  /// A program does not answer. @param program its name
+  std::function<void(std::uint8_t node, const std::string& program)> on_stuck = [](std::uint8_t, const std::string&) {};
+
   /// Why a run like this one would be another: empty where nothing is known that would make it so.
   std::string not_repeatable() const;
 
@@ -94,7 +102,7 @@ class Lockstep final : public host::TurnKeeper {
   std::chrono::milliseconds patience_with(std::uint8_t node) const;
   Entry* acting();
   bool hear(Entry& entry);
-  void is_stuck(std::uint8_t node, Program& program);
+  void gets_stuck(std::uint8_t node, Program& program);
   void forget_gone();
 
   sim::VirtualRing& ring_;

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "runtime/send_owner.h"
+
 namespace limb_ring::virtual_host {
 
 using core::Line;
@@ -25,6 +27,14 @@ LineEnds VirtualNode::ends(Line line) const {
     return node ? std::optional<std::uint8_t>(std::uint8_t{*node}) : std::nullopt;
   };
   return {number(world_.ring.predecessor(id_, line)), number(world_.ring.successor(id_, line))};
+}
+
+static_assert(runtime::SendOwner::of(runtime::SendOwner::Kind::ring_user).to_core() == sim::VirtualRing::kUser);
+
+// What was sent for the CPU by the ring's own user ends with the CPU.
+void VirtualNode::cpu_reset(core::Owner owner) {
+  controller().cpu_reset(owner, now());
+  world_.ring.reset_cpu(id_);
 }
 
 void VirtualNode::on_event(const core::Event& event) {

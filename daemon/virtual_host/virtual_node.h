@@ -42,6 +42,10 @@ class VirtualNode final : public runtime::NodeDriver {
 
   core::NetworkController& controller() override { return world_.ring.controller(id_); }
   const core::NetworkController& controller() const override { return world_.ring.controller(id_); }
+  /// Whoever observes the ring is told.
+  bool take(core::ReceivedPacket& packet) override { return world_.ring.take(id_, packet); }
+  void set_cpu_present(bool present) override { world_.ring.set_cpu_present(id_, present); }
+  void cpu_reset(core::Owner owner) override;
   VirtualClock& clock() override { return clock_; }
   core::Time now() const override { return world_.ring.now(); }
   event_loop::NodeClock::Time steady(core::Time when) const override { return VirtualClock::at(when); }

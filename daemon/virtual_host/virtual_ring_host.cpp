@@ -45,11 +45,13 @@ sim::VirtualRingOptions options_of(const config::RingConfig& ring) {
 
 }  // namespace
 
-VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring)
+VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring,
+                                 const VirtualRingHostOptions& options)
     : io_(io),
       config_(ring),
+      options_(options),
       ring_(options_of(ring)),
-      faults_(ring_, 0),  // every fault whose damage is random comes with a seed of its own
+      faults_(ring_, options.line_fault_seed),
       drivers_(ring_.size(), nullptr),
       lockstep_(ring_, ring),
       steering_(ring_),
@@ -104,9 +106,13 @@ runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
       const std::uint64_t seed = std::uint64_t{config_.virtual_clock.seed} << 8 | node.id;
       return std::make_unique<Turnaround>(calls, ring_, drivers_[node.id]->clock(), node.cpu, seed);
     };
-  base.on_cpu_changed = [this, id = node.id](const runtime::CpuStatus& cpu) { lockstep_.cpu_changed(id, cpu); };
+  base.on_cpu_changed = [this, id = node.id](const runtime::CpuStatus& cpu) {
+    lockstep_.cpu_changed(id, cpu);
+    on_cpu_changed(id, cpu);
+  };
   base.on_cpu_signal = [this, id = node.id](int number) { lockstep_.cpu_signalled(id, number); };
   base.cpu_boots_for = config_.virtual_clock.boot_time;
+  base.cpu_output = options_.cpu_output;
   base.log_prefix = node.name + ": ";
   return base;
 }
@@ -230,9 +236,21 @@ void VirtualRingHost::run(Pace& pace, core::Time end) {
       continue;
     }
     const core::Time most = std::min({end, lockstep_.next_wake(), lockstep_.held_at(), steering_.limit()});
-    advance(std::min(most, pace.allowed(steady_clock::now(), ring_.now())));
+    advance(std::min(most, pace.allowed(steady_clock::now(), ring_.now())), [] { return false; });
     if (!lockstep_.has_news_now()) sleep_until(pace.when(std::min(most, ring_.next_instant())));
   }
+}
+
+bool VirtualRingHost::run_until(const std::function<bool()>& done, core::Time end) {
+  bool is_done = false;
+  const auto check = [&] { return is_done = is_done || done(); };
+  while (!io_.stopped() && !is_done) {
+    io_.poll();
+    if (io_.stopped() || !all_wait() || check()) continue;
+    if (ring_.now() >= end) return false;
+    advance(std::min({end, lockstep_.next_wake(), lockstep_.held_at()}), check);
+  }
+  return is_done;
 }
 
 bool VirtualRingHost::all_wait() {
@@ -253,12 +271,12 @@ bool VirtualRingHost::all_wait() {
 }
 
 // What is posted to the event loop, or is for a program, comes before the next instant.
-void VirtualRingHost::advance(core::Time until) {
+void VirtualRingHost::advance(core::Time until, const std::function<bool()>& done) {
   const auto end = steady_clock::now() + kTurn;
   unsigned instants = 0;
   const auto over = [&] {
     if (lines_changed_) look_at_lines();
-    return lockstep_.has_news_now() || (++instants % kInstantsPerLook == 0 && steady_clock::now() >= end);
+    return done() || lockstep_.has_news_now() || (++instants % kInstantsPerLook == 0 && steady_clock::now() >= end);
   };
   if (until <= ring_.now()) return;
   if (until == core::kNever) until = ring_.now() + kLongestStep;

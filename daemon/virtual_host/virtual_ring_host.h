@@ -21,13 +21,19 @@
 
 namespace limb_ring::virtual_host {
 
+struct VirtualRingHostOptions {
+  std::uint64_t line_fault_seed = 0;  ///< of faults that come without a seed
+  int cpu_output = -1;                ///< descriptor for what CPUs print; -1: as this process
+};
+
 /// A whole ring in one process, on a virtual clock: its lines are simulated, its nodes have the host ports and CPUs of
 /// daemons, for the same clients.
 class VirtualRingHost final : private sim::Observer, private NodePower {
  public:
   /// @param ring every line has a rate; all outlive this
   /// @throw std::exception where a node is held by another process, or a socket cannot be had
-  VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring);
+  VirtualRingHost(boost::asio::io_context& io, const config::RingConfig& ring,
+                  const VirtualRingHostOptions& options = {});
   ~VirtualRingHost() override;
 
   /// Writes all packets on its lines there, as pcapng, in its time. @param out outlives this
@@ -38,6 +44,9 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   void run(Pace& pace, core::Time end);
   /// Before it runs: its time goes on no further than a client allows.
   void follow() { steering_.follow(); }
+  /// As fast as can be, until `done`, which is asked at every instant, or until `end`, all programs having done what
+  /// they do then; or the event loop is stopped. @return what `done` said last
+  bool run_until(const std::function<bool()>& done, core::Time end);
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(const std::function<void()>& done);
 
@@ -51,12 +60,24 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   const NodeFaults& node_faults() const { return *node_faults_; }
   /// Does a fault of nodes at this instant, as soon as no program acts; `done` is told why not, or nothing.
   void begin_at_nodes(const fault::Fault& fault, std::function<void(const std::string& problem)> done);
+  /// The state, pid or counts of a CPU have changed.
+  std::function<void(std::uint8_t node, const runtime::CpuStatus&)> on_cpu_changed = [](std::uint8_t,
+                                                                                        const runtime::CpuStatus&) {};
 
   core::Time now() const { return ring_.now(); }
   /// Of all that happened on the ring.
   std::uint64_t trace_hash() const { return trace_.hash(); }
   /// Why a run like this one would be another: empty where nothing is known that would make it so.
   std::string not_repeatable() const;
+  Lockstep& lockstep() { return lockstep_; }
+  const Lockstep& lockstep() const { return lockstep_; }
+  sim::VirtualRing& ring() { return ring_; }
+  sim::VirtualLineFaults& line_faults() { return faults_; }
+  /// Null where it is dead.
+  runtime::Node* node(wire::NodeId id) {
+    const auto found = nodes_.find(id);
+    return found == nodes_.end() ? nullptr : found->second.get();
+  }
 
  private:
   void add(const config::NodeConfig& node);
@@ -72,13 +93,14 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
 
   /// Until now no program acts, and none is to have its turn. @return false where one is, or is waited for
   bool all_wait();
-  void advance(core::Time until);
+  void advance(core::Time until, const std::function<bool()>& done);
   /// Whatever comes, or until real time has come so far.
   void sleep_until(Pace::Real when);
   void look_at_lines();
 
   boost::asio::io_context& io_;
   const config::RingConfig& config_;
+  VirtualRingHostOptions options_;
   sim::VirtualRing ring_;
   sim::VirtualLineFaults faults_;
   std::vector<VirtualNode*> drivers_;                                     ///< by id; null where there is no such node

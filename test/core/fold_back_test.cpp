@@ -27,7 +27,7 @@ void keep_sending(VirtualRing& ring, std::map<Outcome, unsigned>& ends) {
   const auto send = [&ring](NodeId id) { ring.send(id, static_cast<NodeId>((id + 5) % kNodes), pattern(512)); };
   ring.on_event = [&ends, send](NodeId id, const Event& event) {
     const auto* end = std::get_if<SendEnded>(&event.what);
-    if (!end || end->owner != 1) return;
+    if (!end || end->owner != sim::VirtualRing::kUser) return;
     ++ends[end->outcome];
     send(id);
   };
@@ -210,7 +210,8 @@ TEST_F(FoldBackTest, ANodeThatDiesAndReturnsCostsOthersNothing) {
   unsigned lost_by_others = 0;
   ring.on_event = [&, before = ring.on_event](NodeId id, const Event& event) {
     const auto* end = std::get_if<SendEnded>(&event.what);
-    if (end && end->owner == 1 && end->outcome == Outcome::lost && id != 4 && id != 7) ++lost_by_others;
+    if (end && end->owner == sim::VirtualRing::kUser && end->outcome == Outcome::lost && id != 4 && id != 7)
+      ++lost_by_others;
     before(id, event);
   };
   for (int times = 0; times < 10; ++times) {

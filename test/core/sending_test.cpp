@@ -116,7 +116,7 @@ TEST_F(Sending, CancelledEndsAtOnceAndIsNotRepeated) {
   const auto out = ring.send(0_id, 1_id, text("out"));
   const auto queued = ring.send(0_id, 1_id, text("queued"));
   ring.run_for(10us);
-  ring.node(0_id).cancel(1, ring.now());
+  ring.node(0_id).cancel(sim::VirtualRing::kUser, ring.now());
   EXPECT_EQ(outcome_of(ring, 0_id, out).outcome, Outcome::cancelled);
   EXPECT_EQ(outcome_of(ring, 0_id, queued).outcome, Outcome::cancelled);
   ring.run_for(1s);

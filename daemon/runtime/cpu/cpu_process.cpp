@@ -60,6 +60,7 @@ process::SpawnRequest CpuProcess::request() const {
   request.arguments = options_.cpu.command;
   request.environment = options_.environment;
   request.affinity = options_.affinity;
+  request.output = options_.output;
   return request;
 }
 

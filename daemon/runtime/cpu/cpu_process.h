@@ -56,6 +56,7 @@ struct CpuOptions {
   std::string log_prefix;
   /// Cores of the CPU's processes, where the daemon has pinned itself to one; empty: as ours.
   std::optional<cpu_set_t> affinity;
+  int output = -1;  ///< descriptor for what they print; -1: as this process
   process::ProcessHandle::By by = process::ProcessHandle::By::pidfd;
 };
 
