@@ -90,9 +90,8 @@ void Cpus::boot(NodeId id) {
 }
 
 void Cpus::started(NodeId id) {
-  Cpu& cpu = cpus_[id];
-  cpu.boots = 1;
-  resume(id);
+  cpus_[id].boots = 0;
+  reset(id);
 }
 
 watchdog::CpuSighting Cpus::sighting_of(NodeId id) const {

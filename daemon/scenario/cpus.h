@@ -38,7 +38,7 @@ class Cpus {
   void reset(NodeId id);
   /// It has crashed, and all packets for and from it are gone. It is started again after the daemon's first back-off.
   void crash(NodeId id);
-  /// Its node has come up, and the CPU has booted once.
+  /// Its node has come up, and the CPU boots for the first time.
   void started(NodeId id);
   /// As its own network controller sees it.
   watchdog::CpuSighting sighting_of(NodeId id) const;

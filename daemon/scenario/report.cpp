@@ -50,6 +50,13 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+/// Below the times.
+std::string trace_line(const ScenarioRun& run) {
+  if (!run.trace) return "";
+  const std::string why = run.trace->not_repeatable.empty() ? "" : "; not repeatable: " + run.trace->not_repeatable;
+  return std::string(milliseconds(nanoseconds{0}).size() + 2, ' ') + "trace hash " + run.trace->hash + why + '\n';
+}
+
 std::string test_case(const ScenarioRun& run) {
   const std::string file = std::filesystem::path(run.path).stem().string();
   std::string text = "    <testcase classname=\"scenarios\" name=\"" + escaped(file + ": " + run.name) + "\" time=\"" +
@@ -63,13 +70,13 @@ std::string test_case(const ScenarioRun& run) {
 }  // namespace
 
 std::string text_of(const ScenarioRun& run) {
-  const std::string where = run.live ? "live, " : "";
+  const std::string where = run.live ? "live, " : run.trace ? "virtual, " : "";
   std::string text = run.path + ": " + run.name + " (" + where + "seed " + std::to_string(run.seed) + ")\n";
   for (const LogLine& line : run.log) text += milliseconds(line.at) + "  " + line.words + '\n';
-  if (!run.unmet) return text + milliseconds(run.lasted) + "  end: all as expected\n";
+  if (!run.unmet) return text + milliseconds(run.lasted) + "  end: all as expected\n" + trace_line(run);
   const std::string indent(milliseconds(run.lasted).size() + 2, ' ');
   return text + milliseconds(run.unmet->at) + "  NOT as expected: " + run.unmet->expected + '\n' + indent +
-         "seen instead: " + run.unmet->seen + '\n';
+         "seen instead: " + run.unmet->seen + '\n' + trace_line(run);
 }
 
 std::string junit_of(const std::vector<ScenarioRun>& runs) {

@@ -1,5 +1,7 @@
 #include "scenario/scenario_run.h"
 
+#include <algorithm>
+
 #include "config/quantity.h"
 #include "scenario/conditions.h"
 #include "scenario/virtual_stage.h"
@@ -45,6 +47,7 @@ class Run {
     for (const Step& step : scenario_.steps)
       if (result_.unmet || !do_step(step)) break;
     result_.lasted = now();
+    count_sends();
     return std::move(result_);
   }
 
@@ -66,9 +69,19 @@ class Run {
     go_to(Duration{0});
   }
 
+  void count_sends() {
+    for (const Step& step : scenario_.steps) {
+      const auto* send = std::get_if<Send>(&step.action);
+      const auto same = [send](const SendResults& other) { return other.name == send->name; };
+      if (send && std::none_of(result_.sends.begin(), result_.sends.end(), same))
+        result_.sends.push_back({send->name, stage_.tally(send->name)});
+    }
+  }
+
   /// What has to hold at every poll. @return true where it does
   bool watch() {
     if (result_.unmet) return false;
+    for (const std::string& note : stage_.take_notes()) log(note);
     if (const auto broken = stage_.broken()) return fail(broken->expected, broken->seen);
     for (const Condition& condition : scenario_.always)
       if (!holds(condition, stage_)) return fail("always " + condition.words, seen(condition, stage_));

@@ -25,13 +25,27 @@ struct Unmet {
 /// How an Unmet names a step's `when`.
 std::string expectation(const Condition& condition, nanoseconds within);
 
+/// What became of the sends of one name.
+struct SendResults {
+  std::string name;
+  Tally tally;
+};
+
+/// Of all that happened on a virtual ring with real programs.
+struct RunTrace {
+  std::string hash;
+  std::string not_repeatable;  ///< why another run may have another hash; empty: nothing is known that would do that
+};
+
 struct ScenarioRun {
   std::string name, path;
   std::uint64_t seed = 0;
   bool live = false;
+  std::optional<RunTrace> trace;  ///< with real programs under a virtual clock
   std::vector<LogLine> log;
   std::optional<Unmet> unmet;  ///< the first; nothing after it was done
   nanoseconds lasted{0};
+  std::vector<SendResults> sends;  ///< in the scenario's order, at its end
 };
 
 /// Runs a scenario under a virtual clock; every promise of the ring is an expectation too. The same scenario

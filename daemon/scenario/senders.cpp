@@ -8,6 +8,7 @@ namespace {
 
 /// Of a babble that says none: more than a node of 16 gets through at 1 Gbit/s, so its queue is full. (ours)
 constexpr std::chrono::microseconds kBabblePeriod{10};
+constexpr wire::ChannelId kUserChannel{0};
 
 }  // namespace
 
@@ -42,24 +43,24 @@ void Senders::begin(const Send& send) {
   }
 }
 
-void Senders::babble(NodeId from, core::Duration every) {
+void Senders::babble(NodeId from, core::Duration every, std::function<bool()> over) {
   Send send;
   send.name = "babble";
   send.to = wire::kBroadcast;
   send.size = wire::kMaxPayload;
   send.every = every.count() == 0 ? kBabblePeriod : std::chrono::duration_cast<nanoseconds>(every);
-  ask_and_go_on(jobs_.emplace_back(Job{send, from, index_of(send.name), UINT64_MAX, cpus_.generation(from)}));
+  ask_and_go_on(jobs_.emplace_back(Job{send, from, index_of(send.name), UINT64_MAX, std::move(over)}));
 }
 
 void Senders::ask_and_go_on(Job& job) {
-  if (over(job)) return;
+  if (job.over && job.over()) return;
   ask(job);
   if (--job.left != 0) ring_.at(ring_.now() + core::Duration(job.send.every), [this, &job] { ask_and_go_on(job); });
 }
 
 void Senders::ask(const Job& job) {
   const Send& send = job.send;
-  if (!(send.input ? ring_.alive(job.from) : cpus_.sends(job.from))) return;
+  if (!(send.input ? ring_.alive(job.from) : cpu_sends_(job.from))) return;
   std::uint32_t token = 0;
   if (send.input) {
     const auto& wire = ring_.settings(job.from).inputs[*send.input];
@@ -73,6 +74,16 @@ void Senders::ask(const Job& job) {
     token = ring_.send(job.from, send.to, data, send.priority);
   }
   asked_[{job.from, token}] = {job.tally, ring_.now()};
+}
+
+// All bytes of its packets are the number of a send.
+std::optional<std::size_t> Senders::send_of(const core::ReceivedPacket& packet) const {
+  const std::size_t send = packet.data[0];
+  const auto is_it = [&](const Job& job) {
+    return job.tally == send && job.from == packet.source && job.send.size == packet.bytes().size;
+  };
+  const bool ours = packet.channel == kUserChannel && std::any_of(jobs_.begin(), jobs_.end(), is_it);
+  return ours ? std::optional(send) : std::nullopt;
 }
 
 void Senders::came(const core::Event& event, NodeId at) {

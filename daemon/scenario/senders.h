@@ -1,13 +1,16 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "scenario/cpus.h"
+#include "scenario/scenario.h"
 #include "scenario/tally.h"
+#include "sim/virtual_ring.h"
 
 namespace limb_ring::scenario {
 
@@ -15,20 +18,25 @@ namespace limb_ring::scenario {
 /// interrupt input is pulled whatever its CPU does.
 class Senders {
  public:
-  /// All must outlive this. @param seed decides where in its period a stream begins
-  Senders(sim::VirtualRing& ring, const Cpus& cpus, std::uint64_t seed) : ring_(ring), cpus_(cpus), random_(seed) {}
+  /// @param ring outlives this @param cpu_sends whether the CPU of a node runs, so that it asks for what it has to send
+  /// @param seed decides where in its period a stream begins
+  Senders(sim::VirtualRing& ring, std::function<bool(NodeId)> cpu_sends, std::uint64_t seed)
+      : ring_(ring), cpu_sends_(std::move(cpu_sends)), random_(seed) {}
   Senders(const Senders&) = delete;
   Senders& operator=(const Senders&) = delete;
 
   void begin(const Send& send);
-  /// Sends the largest packets to all at the highest priority, one each `every` (0: default), while the CPU babbles.
-  void babble(NodeId from, core::Duration every);
+  /// Sends the largest packets to all at the highest priority, one each `every` (0: default), until `over`.
+  void babble(NodeId from, core::Duration every, std::function<bool()> over);
   /// All zero where nothing of that name was sent yet.
   const Tally& tally(const std::string& name) const;
 
   /// What the ring gives out.
   void came(const core::Event& event, NodeId at);
-  void came(const core::ReceivedPacket& packet) { ++tallies_[packet.data[0]].taken; }
+  /// The send that a packet belongs to, as a number; nothing: a CPU's own.
+  std::optional<std::size_t> send_of(const core::ReceivedPacket& packet) const;
+  /// A CPU has taken a packet of that send.
+  void taken(std::size_t send) { ++tallies_[send].taken; }
 
  private:
   struct Asked {
@@ -41,16 +49,15 @@ class Senders {
     NodeId from;
     std::size_t tally;
     std::uint64_t left;
-    std::optional<std::uint64_t> generation{};  ///< of a babble: it ends with it
+    std::function<bool()> over{};  ///< of a babble
   };
 
-  bool over(const Job& job) const { return job.generation && *job.generation != cpus_.generation(job.from); }
   std::size_t index_of(const std::string& name);
   void ask_and_go_on(Job& job);
   void ask(const Job& job);
 
   sim::VirtualRing& ring_;
-  const Cpus& cpus_;
+  std::function<bool(NodeId)> cpu_sends_;
   std::mt19937_64 random_;
   std::vector<std::string> names_;
   std::vector<Tally> tallies_;

@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/membership/membership.h"
 #include "core/time.h"
@@ -52,6 +53,8 @@ class Stage : public StageView {
   virtual bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) = 0;
   /// What is expected of every ring, whatever the scenario says. @return the first expectation that was not met
   virtual std::optional<Failure> broken() const = 0;
+  /// What has happened since the last call that nobody asked for, for the report.
+  virtual std::vector<std::string> take_notes() { return {}; }
 
   /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
   virtual std::optional<Failure> apply(const Fault& fault) = 0;

@@ -8,18 +8,18 @@ using config::PinConfig;
 using fault::Name;
 
 VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed)
-    : scenario_(scenario),
-      ring_(sim::planned_ring(scenario.ring)),
-      members_(ring_->size()),
+    : VirtualStage(scenario, seed, sim::planned_ring(scenario.ring)) {}
+
+VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed, std::unique_ptr<sim::WatchedRing> ring)
+    : RingStage(scenario, *ring, seed),
+      ring_(std::move(ring)),
       frozen_(ring_->size(), false),
       cpus_(*ring_, scenario.boot_time),
-      senders_(*ring_, cpus_, seed),
       supervisor_(scenario.ring, *ring_, cpus_),
       lines_(*ring_, seed) {
-  for (unsigned id = 0; id < ring_->size(); ++id) members_[id] = &ring_->node(static_cast<NodeId>(id)).membership();
   ring_->on_event = [this](NodeId at, const core::Event& event) { came(event, at); };
   ring_->on_packet = [this](NodeId at, const core::ReceivedPacket& packet) {
-    senders_.came(packet);
+    if (const auto send = senders().send_of(packet)) senders().taken(*send);
     cpus_.took_packet(at);
   };
   lines_.tap_all();
@@ -27,48 +27,29 @@ VirtualStage::VirtualStage(const Scenario& scenario, std::uint64_t seed)
   for (const NodeId id : scenario.absent) ring_->kill(id);
 }
 
-// ---- view and time -------------------------------------------------------------------------
-
-std::optional<wire::Beacon> VirtualStage::heard(NodeId by, NodeId of) const {
-  const core::Peer& peer = members_[by]->peers()[of];
-  return peer.beacon_heard ? std::optional(peer.beacon) : std::nullopt;
-}
-
-std::uint64_t VirtualStage::counter(NodeId id, const std::string& name) const {
-  std::uint64_t count = 0;
-  ring_->counters(id).each([&](const char* each, const char*, std::uint64_t value) {
-    if (name == each) count = value;
-  });
-  return count;
-}
+// ---- time ----------------------------------------------------------------------------------
 
 std::optional<Stage::Failure> VirtualStage::begin() {
   const bool joined = ring_->join();
-  start_ = ring_->now();
+  start_counting();
   if (joined) return std::nullopt;
   return Failure{"every node joins", "not within 10 s"};
 }
 
 bool VirtualStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
-  const core::Time end = start_ + until;
+  const core::Time end = at(until);
   if (ring_->run_until(done, end - ring_->now())) return true;
   ring_->run_until(end);
   return done();
 }
 
-std::optional<Stage::Failure> VirtualStage::broken() const {
-  const auto& violation = ring_->violation();
-  if (!violation) return std::nullopt;
-  return Failure{std::string("the ring's promise: ") + sim::to_string(violation->promise), violation->what};
-}
-
 // ---- actions --------------------------------------------------------------------------------
 
 void VirtualStage::came(const core::Event& event, NodeId at) {
-  senders_.came(event, at);
+  senders().came(event, at);
   supervisor_.came(event, at);
   const auto* pin = std::get_if<core::PinPulled>(&event.what);
-  if (!pin || scenario_.ring.nodes[at].pins[pin->factor].action != PinConfig::Action::reset) return;
+  if (!pin || scenario().ring.nodes[at].pins[pin->factor].action != PinConfig::Action::reset) return;
   ring_->at(ring_->now(), [this, at] { cpus_.reset(at); });
 }
 
@@ -120,7 +101,9 @@ void VirtualStage::apply(const Fault& fault, NodeId id) {
     case Name::not_reading:
       return cpus_.stop_reading(id);
     case Name::babble:
-      return senders_.babble(id, fault.every);
+      return senders().babble(id, fault.every, [this, id, generation = cpus_.generation(id)] {
+        return cpus_.generation(id) != generation;
+      });
     default:
       return;  // of a line: never of a node
   }
@@ -130,7 +113,6 @@ void VirtualStage::start(NodeId id) {
   if (ring_->alive(id)) return;
   frozen_[id] = false;
   ring_->start(id);
-  members_[id] = &ring_->node(id).membership();
   cpus_.started(id);
   supervisor_.started(id);
 }
