@@ -99,8 +99,8 @@ class ScenarioLive(RingTest):
         self.assertEqual((done.returncode, done.stdout), (2, ''))
         self.assertIn('only under the virtual clock (--sim):\n  after: 6us', done.stderr)
         listed = self.ctl('scenario', 'list', self.folder).stdout.splitlines()
-        self.assertRegex(listed[1], r'^0.yaml +sim, live +a node dies$')
-        self.assertRegex(listed[2], r'^1.yaml +sim only +a story of microseconds$')
+        self.assertRegex(listed[1], r'^0.yaml +sim(, virtual)?, live +a node dies$')
+        self.assertRegex(listed[2], r'^1.yaml +sim(, virtual| only) +a story of microseconds$')
 
     def test_a_running_ring_of_the_user_is_not_met(self):
         up = self.ctl('--ring', self.ring, 'up', '--nodes', 4, '--detach', '--timeout', 60)

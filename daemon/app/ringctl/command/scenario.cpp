@@ -10,6 +10,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/live/play_live.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/virtual/play_virtual.h"
 #include "cli/values.h"
 #include "scenario/load_scenario.h"
 #include "scenario/only_virtual.h"
@@ -26,9 +27,18 @@ struct ScenarioOptions {
   std::vector<std::string> files;
   std::string junit, capture;
   std::optional<std::uint64_t> seed;
-  std::string transport;
+  std::string transport, log;
   bool live = false, json = false, outputs = false;
+  bool with_programs = false, scenario_cpus = false;  ///< under the virtual clock
 };
+
+app::Row results_of(const scenario::SendResults& send) {
+  app::Row row{{"name", send.name}, {"taken", send.tally.taken}};
+  for (std::size_t i = 0; i < send.tally.results.size(); ++i)
+    row[to_string(static_cast<core::Outcome>(i))] = send.tally.results[i];
+  row["worst_latency_ns"] = std::chrono::duration_cast<std::chrono::nanoseconds>(send.tally.worst).count();
+  return row;
+}
 
 app::Row row_of(const ScenarioRun& run) {
   app::Row row{{"file", run.path},
@@ -39,6 +49,12 @@ app::Row row_of(const ScenarioRun& run) {
                {"lasted_ns", run.lasted.count()}};
   row["expected"] = run.unmet ? app::Row(run.unmet->expected) : app::Row();
   row["seen"] = run.unmet ? app::Row(run.unmet->seen) : app::Row();
+  if (run.trace) {
+    row["trace_hash"] = run.trace->hash;
+    row["not_repeatable"] = run.trace->not_repeatable;
+  }
+  row["sends"] = app::Row::array();
+  for (const auto& send : run.sends) row["sends"].push_back(results_of(send));
   for (const auto& line : run.log) row["log"].push_back({{"at_ns", line.at.count()}, {"what", line.words}});
   return row;
 }
@@ -81,6 +97,7 @@ std::vector<Scenario> load(const ScenarioOptions& options) {
     scenarios.push_back(scenario::load_scenario(file));
     require_expectation(scenarios.back());
     if (options.live) require_live(scenarios.back(), options.transport);
+    if (options.with_programs) require_virtual(scenarios.back(), {options.scenario_cpus, options.log});
   }
   return scenarios;
 }
@@ -98,15 +115,20 @@ std::string verdict_of(const std::vector<ScenarioRun>& runs) {
   return all + (count == 0 ? "all as expected" : std::to_string(count) + " not as expected:" + unmet);
 }
 
+ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::ostream* capture) {
+  const std::uint64_t seed = options.seed.value_or(scenario.seed);
+  const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
+  if (options.live) return play_live(scenario, seed, options.transport);
+  if (options.with_programs) return play_virtual(scenario, seed, {options.scenario_cpus, options.log, capture, at});
+  return run_scenario(scenario, seed, capture, at);
+}
+
 int run(const ScenarioOptions& options) {
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options);
-  const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
   std::vector<ScenarioRun> runs;
   for (const Scenario& scenario : scenarios) {
-    const std::uint64_t seed = options.seed.value_or(scenario.seed);
-    runs.push_back(options.live ? play_live(scenario, seed, options.transport)
-                                : run_scenario(scenario, seed, capture.is_open() ? &capture : nullptr, at));
+    runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr));
     if (!options.json) std::cout << text_of(runs.back()) << std::endl;
   }
   if (!options.json && runs.size() > 1) std::cout << verdict_of(runs) << std::endl;
@@ -131,10 +153,21 @@ void add_scenario(CLI::App& app, Context& context) {
   add_scenario_shrink(*scenario, context);
   CLI::App* command = add_command(*scenario, "run", "Run scenarios; exit code 1: an expectation was not met");
   command->add_option("FILE", options->files, "Scenarios, YAML")->required();
-  auto* sim = command->add_flag("--sim", "Under a virtual clock, exact and the same everywhere: the default");
+  auto* sim = command->add_flag("--sim", "Under a virtual clock, with models of CPUs: the default");
+  auto* with_programs =
+      command->add_flag("--virtual", options->with_programs,
+                        "Under a virtual clock, with the programs of the ring's file as CPUs, in lockstep");
   auto* live = command->add_flag("--live", options->live,
                                  "On live daemons: a ring of its own for each scenario, which meets no other");
-  sim->excludes(live);
+  sim->excludes(live)->excludes(with_programs);
+  live->excludes(with_programs);
+  command
+      ->add_option("--log", options->log, "Add what the programs print and the nodes log to this file, with --virtual")
+      ->needs(with_programs);
+  command
+      ->add_flag("--scenario-cpus", options->scenario_cpus,
+                 "scenario_cpu as the CPU of every node, which takes packets and sends none, with --virtual")
+      ->needs(with_programs);
   command->add_option("--transport", options->transport, "unix, shm or udp for all lines, with --live")
       ->transform(cli::one_of({"unix", "shm", "udp"}))
       ->needs(live);

@@ -7,6 +7,7 @@
 #include "app/common/rows.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "program_stage/program_ring.h"
 #include "scenario/load_scenario.h"
 #include "scenario/only_virtual.h"
 
@@ -37,11 +38,15 @@ std::vector<std::string> files_in(const std::string& folder) {
 
 app::Row row_of(const std::string& file, bool json) {
   const auto scenario = scenario::load_scenario(file);
-  const auto reasons = only_virtual(scenario, "");
+  const auto not_live = only_virtual(scenario, "");
+  const auto not_virtual = program_stage::not_with_programs(scenario);
+  const std::string where =
+      std::string("sim") + (not_virtual.empty() ? ", virtual" : "") + (not_live.empty() ? ", live" : "");
   app::Row row{{"file", fs::path(file).filename().string()},
-               {"where", reasons.empty() ? "sim, live" : "sim only"},
+               {"where", where == "sim" ? "sim only" : where},
                {"scenario", scenario.name + (expects_something(scenario) ? "" : " (expects nothing)")}};
-  if (json) row["why_not_live"] = reasons;
+  if (json) row["why_not_live"] = not_live;
+  if (json) row["why_not_virtual"] = not_virtual;
   return row;
 }
 

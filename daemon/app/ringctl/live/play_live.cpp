@@ -8,10 +8,10 @@
 #include "app/common/out_file.h"
 #include "app/ringctl/live/live_stage.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/virtual/scenario_cpu.h"
 #include "config/quantity.h"
 #include "config/yaml_file.h"
 #include "live/private_folder.h"
-#include "process/find_program.h"
 
 namespace limb_ring::ringctl {
 
@@ -30,11 +30,8 @@ YAML::Node plain_file(const config::RingConfig& ring) {
 }
 
 YAML::Node story_cpu() {
-  const std::string program = process::find_program("scenario_cpu");
-  if (program.empty())
-    throw NotDone("no program scenario_cpu beside ringctl (" + process::own_folder() + ") or on PATH");
   YAML::Node cpu;
-  cpu["command"].push_back(program);
+  cpu["command"].push_back(scenario_cpu());
   cpu["alive_period"] = config::format_time(scenario::kAlivePeriod);
   return cpu;
 }

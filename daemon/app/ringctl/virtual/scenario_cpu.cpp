@@ -1,0 +1,15 @@
+#include "app/ringctl/virtual/scenario_cpu.h"
+
+#include "app/ringctl/problems.h"
+#include "process/find_program.h"
+
+namespace limb_ring::ringctl {
+
+std::string scenario_cpu() {
+  const std::string program = process::find_program("scenario_cpu");
+  if (program.empty())
+    throw NotDone("no program scenario_cpu beside ringctl (" + process::own_folder() + ") or on PATH");
+  return program;
+}
+
+}  // namespace limb_ring::ringctl

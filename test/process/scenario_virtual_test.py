@@ -1,0 +1,266 @@
+"""ringctl scenario run --virtual: scenarios on a virtual ring whose CPUs are real programs, in lockstep."""
+
+import glob
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+
+import ring_process
+from ring_process import RingTest
+
+CPUS = os.environ.get('RING_TEST_CPUS', '')   # where the CPUs of these tests are
+SCENARIOS = os.path.join(ring_process.CONFIG, '..', 'test', 'scenarios')
+
+STREAMS = '''steps:
+  - do: {send: {name: report, from: [one, three], to: two, size: 64, every: 1ms, count: 200}}
+  - at: 50ms
+    do: {hang: {nodes: two, for: 30ms}}
+  - at: 60ms
+    do: {drop: one -> two once_in=5 for=20ms}
+  - at: 100ms
+    do: {crash: three}
+  - at: 120ms
+    do: {reset: two}
+  - when: {cpu: two, is: running, boots: 2}
+    within: 300ms
+  - when: {cpu: three, is: running, boots: 2}
+    within: 200ms
+  - at: 400ms
+'''
+NOTHING = 'steps: [{at: 1ms}]\nnever: [{node: one, is: down}]\n'
+
+
+class ScenarioVirtual(RingTest):
+    def setUp(self):
+        super().setUp()
+        # Private folders lie in the test's own, and what is started is known by it.
+        self.temporary = os.path.join(self.folder, 'tmp')
+        os.mkdir(self.temporary)
+        self.environment['TMPDIR'] = self.temporary
+
+    def scenario(self, steps, nodes, **sections):
+        """File of a scenario on a ring of its own."""
+        config = self.write('ring.yaml', json.dumps(dict(sections, ring=self.ring, nodes=nodes)))   # which is YAML too
+        return self.write('story.yaml', 'scenario: a test\nring: %s\n%s' % (config, steps))
+
+    def play(self, file, *more, prefix=(), code=0):
+        """The report of a run, from its JSON."""
+        done = subprocess.run([*prefix, ring_process.program('ringctl'), 'scenario', 'run', '--virtual', file, '--json', *more],
+                              env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, universal_newlines=True, timeout=2 * ring_process.GUARD)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        self.assertEqual(os.listdir(self.temporary), [], 'nothing is left')
+        return json.loads(done.stdout)[0]
+
+    def sim(self, file):
+        return self.ctl_json('scenario', 'run', '--sim', file)[0]
+
+    @staticmethod
+    def said(run):
+        return '\n'.join('%.6f %s' % (line['at_ns'] / 1e6, line['what']) for line in run['log'])
+
+    @staticmethod
+    def results(run):
+        """By send, how many ended how; not how long they took."""
+        return {send['name']: {k: v for k, v in send.items() if k != 'worst_latency_ns'} for send in run['sends']}
+
+    @classmethod
+    def ended(cls, run):
+        """The same; of what is sent without end, which results there were: how many is a matter of when the run ends."""
+        results = cls.results(run)
+        for line in run['log']:
+            words = line['what']
+            if words.startswith('do {send:') and 'every:' in words and 'count:' not in words:
+                name = re.search('name: (\\w+)', words).group(1)
+                results[name] = sorted(outcome for outcome, count in results[name].items() if count)
+        return results
+
+    # ---- as with models of CPUs -----------------------------------------------------------
+
+    def test_every_scenario_ends_as_with_models_of_cpus(self):
+        files = sorted(glob.glob(os.path.join(SCENARIOS, '*.yaml')))
+        self.assertGreaterEqual(len(files), 40)
+        refused = []
+        for file in files:
+            done = self.ctl('scenario', 'run', '--virtual', '--scenario-cpus', file, '--json')
+            if done.returncode == 2:
+                self.assertIn('not with real programs', done.stderr)
+                refused.append(os.path.basename(file))
+                continue
+            with self.subTest(os.path.basename(file)):
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                run = json.loads(done.stdout)[0]
+                self.assertEqual(run['not_repeatable'], '')
+                self.assertEqual(self.ended(run), self.ended(self.sim(file)))
+        self.assertEqual(refused, [])
+
+    @staticmethod
+    def nodes():
+        """A ring whose ids are not their places."""
+        return [{'id': 7, 'name': 'one'}, {'id': 3, 'name': 'two', 'inputs': {'0': {'to': 'three', 'factor': 3}}},
+                {'id': 200, 'name': 'three', 'pins': {'3': 'notify'}}, {'id': 0, 'name': 'four'}]
+
+    def test_nodes_are_known_by_name_whatever_their_ids(self):
+        file = self.scenario('''steps:
+  - do: {send: {name: there, from: one, to: three, size: 64, count: 3}}
+  - do: {send: {name: pulled, from: two, input: 0}}
+  - when: {taken: there, at_least: 3, at_most: 3}
+    within: 1ms
+  - when: {taken: pulled, at_least: 1, at_most: 1}
+    within: 1ms
+  - do: {cut: three -> four}
+  - when: {located: three -> four}
+    within: 500ms
+  - do: {heal: three -> four}
+  - when: {node: all, is: up, ring_size: 4}
+    within: 500ms
+''', self.nodes())
+        run = self.play(file)
+        self.assertEqual(self.results(run), self.results(self.sim(file)))
+
+    def test_a_hung_cpu_takes_nothing_and_takes_it_when_it_goes_on(self):
+        self.play(self.scenario('''steps:
+  - do: {hang: two}
+  - do: {send: {name: x, from: one, to: two, size: 64, count: 5}}
+  - when: {results: x, are: delivered, at_least: 5}
+    within: 1ms
+  - after: 100ms
+    when: {taken: x, at_most: 0}
+    within: 0s
+  - do: {resume: two}
+  - when: {taken: x, at_least: 5, at_most: 5}
+    within: 1ms
+''', self.nodes()))
+
+    def test_the_supervisor_acts_in_all_three_ways(self):
+        file = os.path.join(SCENARIOS, '40-supervisor-resets-a-hung-knee.yaml')
+        for way in ('--sim', '--virtual', '--live'):
+            done = self.ctl('scenario', 'run', way, file)
+            self.assertEqual(done.returncode, 0, way + done.stdout + done.stderr)
+
+    # ---- repeatable -----------------------------------------------------------------------
+
+    def busy(self):
+        for _ in range(2 * os.cpu_count()):
+            self.start('busy', [sys.executable, '-c', 'while True: pass'])
+
+    def test_the_same_trace_on_one_core_on_all_and_beside_busy_processes(self):
+        nodes = self.nodes()
+        nodes[0].update(cpu={'command': ['limb_firmware'], 'turnaround': '20us', 'jitter': '30us'}, joints=[{'name': 'knee'}])
+        file = self.scenario(STREAMS, nodes)
+        first = self.play(file)
+        self.assertEqual(first['not_repeatable'], '')
+        one_core = ('taskset', '-c', str(min(os.sched_getaffinity(0))))
+        runs = [self.play(file), self.play(file, prefix=one_core)]
+        self.busy()
+        runs += [self.play(file, prefix=('nice',)) for _ in range(3)]
+        for run in runs:
+            self.assertEqual((run['trace_hash'], self.said(run)), (first['trace_hash'], self.said(first)))
+        self.assertNotEqual(self.play(file, '--seed', '2')['trace_hash'], first['trace_hash'])
+
+    # ---- own programs ---------------------------------------------------------------------
+
+    def own(self, program, **cpu):
+        nodes = self.nodes()
+        path = os.path.join(CPUS, program)
+        nodes[1]['cpu'] = dict(cpu, command=[path if os.path.exists(path) else program])
+        return nodes
+
+    def test_a_program_that_sticks_is_named_with_its_instant_and_reset(self):
+        nodes = self.nodes()
+        nodes[1].update(cpu={'command': ['limb_firmware', '--hang-after', '0.5s'], 'alive_period': '50ms'},
+                        joints=[{'name': 'knee'}])
+        file = self.scenario('''steps:
+  - when: {cpu: two, is: silent, boots: 1}
+    within: 1s
+  - when: {cpu: two, is: running, boots: 2}
+    within: 500ms
+''', nodes, supervisor={'policy': 'auto', 'grace': '100ms', 'backoff': '50ms'}, timeouts={'beacon': '50ms'},
+            virtual={'stall': '1s'})
+        runs = [self.play(file) for _ in range(2)]
+        for run in runs:
+            self.assertRegex(self.said(run), r'two: its CPU, limb_firmware, does not answer')
+            self.assertIn('a CPU was stuck', run['not_repeatable'])
+        self.assertEqual(self.said(runs[0]), self.said(runs[1]))
+
+    def test_a_program_that_ends_is_seen_at_its_instant(self):
+        run = self.play(self.scenario('''steps:
+  - when: {cpu: two, is: failed}
+    within: 1s
+  - when: {cpu: two, is: running, boots: 2}
+    within: 200ms
+''', self.own('short_lived_cpu')))
+        self.assertIn('two: its CPU has ended: exit 3', self.said(run))
+
+    def test_a_program_that_answers_late_misses_its_limit(self):
+        steps = '''steps:
+  - do: {send: {name: question, from: one, to: two, size: 16}}
+  - when: {counter: received_data, of: one, at_least: 1}
+    within: 1ms
+'''
+        nodes = self.own('echo_cpu')
+        self.play(self.scenario(steps, nodes))
+        nodes[1]['cpu']['turnaround'] = '2ms'
+        run = self.play(self.scenario(steps, nodes), code=1)
+        self.assertIn('within 1ms', run['expected'])
+
+    # ---- the end --------------------------------------------------------------------------
+
+    def started(self):
+        mark = ('TMPDIR=' + self.temporary).encode()
+        pids = []
+        for entry in os.listdir('/proc'):
+            try:
+                with open('/proc/%s/environ' % entry, 'rb') as environ, open('/proc/%s/comm' % entry) as comm:
+                    if mark in environ.read().split(b'\0') and comm.read().strip() == 'scenario_cpu':
+                        pids.append(int(entry))
+            except (OSError, ValueError):
+                continue
+        return [pid for pid in pids if not ring_process.is_gone(pid)]
+
+    def test_interrupted_or_killed_nothing_is_left(self):
+        file = self.scenario('steps: [{at: 1ms, do: {hang: one}}, {after: 3600s}, {after: 3600s}]\nnever: [{node: one, is: down}]\n', self.nodes())
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            run = self.start('run', [ring_process.program('ringctl'), 'scenario', 'run', '--virtual', file])
+            self.wait('a hung CPU', lambda: 'T' in [ring_process.process_state(pid) for pid in self.started()])
+            run.send_signal(number)
+            code = self.wait_exit(run)
+            self.wait('all gone', lambda: not self.started())
+            if number == signal.SIGKILL:
+                continue
+            self.assertEqual(code, 1)
+            self.assertIn('interrupted', self.log_of(run))
+            self.assertEqual(os.listdir(self.temporary), [])
+
+    # ---- wrong use ------------------------------------------------------------------------
+
+    def test_wrong_use_is_told(self):
+        file = self.scenario(NOTHING, self.nodes())
+        for more, words in ((['--live'], '--live'), (['--sim'], '--sim'), (['--transport', 'udp'], '--live')):
+            done = self.ctl('scenario', 'run', '--virtual', file, *more)
+            self.assertEqual(done.returncode, 2, more)
+            self.assertIn(words, done.stderr)
+        done = self.ctl('scenario', 'run', '--scenario-cpus', file)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('--virtual', done.stderr)
+
+    def test_a_program_that_is_not_there_is_told_before_anything_starts(self):
+        file = self.scenario(NOTHING, self.own('no_such_cpu'))
+        done = self.ctl('scenario', 'run', '--virtual', file)
+        self.assertEqual((done.returncode, done.stdout), (2, ''))
+        self.assertRegex(done.stderr, "two: no program '.*no_such_cpu'")
+        self.assertEqual(self.ctl('scenario', 'run', '--virtual', '--scenario-cpus', file).returncode, 0)
+
+    def test_a_program_that_is_no_cpu_fails_the_start(self):
+        nodes = self.nodes()
+        nodes[2]['cpu'] = {'command': ['sleep', '1000']}
+        file = self.scenario(NOTHING, nodes, timeouts={'cpu_boot': '2s'})
+        run = self.play(file, code=1)
+        self.assertRegex(run['seen'], 'its CPU is failed: did not attach to the host port')
+
+
+if __name__ == '__main__':
+    ring_process.main()
