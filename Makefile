@@ -75,15 +75,16 @@ fuzz: deps ## Gives all parsers anything, for 60 s each (SECONDS=60 FUZZ_ARGS="-
 traces: build ## What the virtual ring does, as hashes
 	@$(PYTHON) scripts/traces --programs $(BUILD)/devel/lib/limb_ring --seeds 2000
 
-# Random faults on a live ring of 16, by SEED (drawn and printed where not given), for MINUTES.
+# Random faults on a live ring of 16, or with CLOCK=virtual on a virtual one with real programs, by SEED (drawn and printed where not given), for MINUTES.
 MINUTES ?= 1
 SEED ?=
-TRANSPORT ?= shm
+TRANSPORT ?=
+CLOCK ?=
 REDUNDANCY ?= none
-LIVE_ARGS = $(if $(SEED),--seed $(SEED)) --transport $(TRANSPORT) --redundancy $(REDUNDANCY) \
+LIVE_ARGS = $(if $(SEED),--seed $(SEED)) $(if $(TRANSPORT),--transport $(TRANSPORT)) --redundancy $(REDUNDANCY) \
             --programs $(BUILD)/devel/lib/limb_ring
-chaos: build ## Random faults on a live ring of 16 (MINUTES=10 SEED=7 TRANSPORT=udp REDUNDANCY=foldback)
-	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(LIVE_ARGS)
+chaos: build ## Random faults on a live ring of 16 (MINUTES=10 SEED=7 TRANSPORT=udp REDUNDANCY=foldback CLOCK=virtual)
+	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(if $(CLOCK),--clock $(CLOCK)) $(LIVE_ARGS)
 
 # What the ring does about each fault, in figures: COUNT times each.
 COUNT ?= 20

@@ -22,7 +22,7 @@ def at_least(least, kind):
 def parser(text):
     result = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     result.add_argument('--seed', type=at_least(0, int), default=secrets.randbelow(SEEDS), help='default: drawn')
-    result.add_argument('--transport', choices=('unix', 'shm', 'udp'), default='shm')
+    result.add_argument('--transport', choices=('unix', 'shm', 'udp'), help='default: shm')
     result.add_argument('--redundancy', choices=('none', 'foldback'), default='none', help='default: none')
     result.add_argument('--programs', default=os.environ.get('RING_TEST_PROGRAMS') or BUILT, metavar='FOLDER',
                         help='where ringd is; default: the build beside this script')
@@ -38,6 +38,8 @@ def interrupt_no_more():
 def parse(options):
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     told = options.parse_args()
+    told.transport_given = told.transport is not None
+    told.transport = told.transport or 'shm'
     told.programs = os.path.abspath(told.programs)
     ringd = os.path.join(told.programs, 'ringd')
     if not os.access(ringd, os.X_OK):

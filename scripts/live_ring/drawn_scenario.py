@@ -1,0 +1,117 @@
+"""A scenario of random faults under traffic, by seed: what scripts/chaos plays on a virtual ring with real programs."""
+import json
+import random
+
+from live_ring import built  # noqa: F401
+from limb_ring.launcher import plain_nodes
+
+NODES = 16
+FIRMWARE = (3, 7, 11, 15)     # have limb_firmware; the others a CPU that takes packets
+NOTIFY = 3                    # the factor that interrupts of the traffic have
+ROUNDS = 5
+ONE_IN, MOST_AT_ONCE = 3, 3   # rounds have several faults
+GUARD = '30s'                 # of the ring's time, until it is whole again
+
+# What is told of a line, and of a CPU that somebody has to cure.
+OF_LINES = {'cut': '', 'stall': '', 'drop': 'once_in=20', 'corrupt': 'once_in=20', 'truncate': 'once_in=20',
+            'duplicate': 'once_in=10', 'delay': 'delay=2ms jitter=2ms', 'rate': 'rate=20Mbit/s',
+            'flap': 'every=400ms', 'reorder': 'once_in=20'}
+OF_CPUS = {'slow': 'every=5ms', 'not_reading': '', 'babble': 'every=1ms'}
+CURED = ('hang', 'crash', 'reset')     # by the supervisor, by the node, at once
+OF_NODES = {'kill': 'start', 'freeze': 'thaw'}
+
+
+def ring(redundancy):
+    """Its file; JSON is YAML too."""
+    nodes = plain_nodes(NODES)
+    for node in nodes:
+        node['pins'] = {str(NOTIFY): 'notify'}
+        if node['id'] in FIRMWARE:
+            node['cpu'] = {'command': ['limb_firmware'], 'alive_period': '200ms'}
+            node['joints'] = [{'name': 'joint%d' % node['id']}]
+    return json.dumps({'ring': 'chaos', 'redundancy': redundancy, 'nodes': nodes,
+                       'supervisor': {'node': 0, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}})
+
+
+def name(node):
+    return 'node%d' % (node % NODES)
+
+
+class DrawnScenario:
+    """kinds: of its faults; crashed: nodes whose CPU was told to end."""
+
+    def __init__(self, seed):
+        self.chance = random.Random(seed)
+        self.kinds, self.crashed, self.steps = [], set(), []
+        self.boots = [1] * NODES     # of each CPU since its node's start
+        self.traffic()
+        for _ in range(ROUNDS):
+            self.round()
+        self.steps.append({'after': '1s', 'when': self.whole(), 'within': '0s'})
+        self.seed = 1 + self.chance.randrange(10 ** 6)
+
+    def text(self, ring_file):
+        return json.dumps({'scenario': ', '.join(self.kinds), 'ring': ring_file, 'seed': self.seed, 'steps': self.steps})
+
+    @staticmethod
+    def whole():
+        return {'node': 'all', 'is': 'up', 'ring_size': NODES}
+
+    def do(self, what, told):
+        self.steps.append({'after': '%dms' % self.chance.randrange(10, 300), 'do': {what: told}})
+
+    def traffic(self):
+        for node in range(NODES):
+            for nth in range(2):
+                self.send('unicast%d' % nth, node, size=self.chance.randrange(1, 513))
+            self.send('interrupt', node, interrupt=NOTIFY)
+            if node % 4 == 0:
+                self.send('broadcast', node, to='all', size=self.chance.randrange(1, 513))
+
+    def send(self, what, node, **more):
+        to = self.chance.choice([other for other in range(NODES) if other != node])
+        send = dict({'name': '%s_%d' % (what, node), 'from': name(node), 'to': name(to), 'priority': self.chance.randrange(4),
+                     'every': '%dms' % self.chance.randrange(50, 150)}, **more)
+        if 'interrupt' in send:
+            del send['priority']
+        self.steps.append({'do': {'send': send}})
+
+    def round(self):
+        at_once = 2 + self.chance.randrange(MOST_AT_ONCE - 1) if self.chance.randrange(ONE_IN) == 0 else 1
+        mends, cpus = [], []
+        for node in self.chance.sample(range(NODES), at_once):
+            mends += self.chance.choice([self.line, self.cpu, self.node])(node, cpus)
+        self.chance.shuffle(mends)
+        for what, told in mends:
+            self.do(what, told)
+        self.steps.append({'when': self.whole(), 'within': GUARD})
+        # Only now: behind a broken line the supervisor cannot reach a CPU.
+        self.steps += [{'when': {'cpu': name(node), 'is': 'running', 'boots': self.boots[node]}, 'within': GUARD}
+                       for node in cpus]
+
+    def line(self, node, _):
+        kind = self.begin(sorted(OF_LINES))
+        line = '%s -> %s' % (name(node), name(node + 1))
+        self.do(kind, ('%s %s' % (line, OF_LINES[kind])).strip())
+        return [('heal', line)]
+
+    def cpu(self, node, cpus):
+        kind = self.begin(sorted(OF_CPUS) + sorted(CURED))
+        self.do(kind, ('%s %s' % (name(node), OF_CPUS.get(kind, ''))).strip())
+        cpus.append(node)
+        self.boots[node] += kind in CURED
+        if kind == 'crash':
+            self.crashed.add(name(node))
+        return [('resume', name(node))] if kind in OF_CPUS else []
+
+    def node(self, node, cpus):
+        kind = self.begin(sorted(OF_NODES) + ['power_cycle'])
+        self.do(kind, name(node))
+        cpus.append(node)
+        if kind != 'freeze':
+            self.boots[node] = 1
+        return [(OF_NODES[kind], name(node))] if kind in OF_NODES else []
+
+    def begin(self, kinds):
+        self.kinds.append(self.chance.choice(kinds))
+        return self.kinds[-1]
