@@ -12,9 +12,9 @@
 namespace limb_ring::capture {
 namespace {
 
-const RingNames kNames{"robot", {{1_id, "hip"}, {2_id, "knee"}}};
+const RingNames kTwoNodes{"robot", {{1_id, "hip"}, {2_id, "knee"}}};
 
-struct Seen {
+struct Written {
   std::int64_t time_ns = 1000;
   std::uint32_t lost_before = 0;
   CaptureInfo info;
@@ -24,16 +24,17 @@ struct Seen {
 /// A packet, an event, and what `last` writes.
 std::string file_with(const std::function<void(PcapngWriter&)>& last) {
   std::ostringstream out;
-  PcapngWriter writer(out, kNames);
+  PcapngWriter writer(out, kTwoNodes);
   writer.packet(500, {}, test::view(test::data_packet(2, 1, 1)));
   writer.event(700, 2_id, "killed");
   last(writer);
   return out.str();
 }
 
-std::string file_with(const Seen& seen) {
-  return file_with(
-      [&](PcapngWriter& writer) { writer.packet(seen.time_ns, seen.info, test::view(seen.bytes), seen.lost_before); });
+std::string file_with(const Written& packet) {
+  return file_with([&](PcapngWriter& writer) {
+    writer.packet(packet.time_ns, packet.info, test::view(packet.bytes), packet.lost_before);
+  });
 }
 
 CaptureComparison compared(const std::string& first, const std::string& second) {
@@ -42,20 +43,20 @@ CaptureComparison compared(const std::string& first, const std::string& second) 
   return compare(reader_a, reader_b);
 }
 
-std::string difference_of(const Seen& other) {
-  const CaptureComparison result = compared(file_with(Seen{}), file_with(other));
+std::string difference_of(const Written& other) {
+  const CaptureComparison result = compared(file_with(Written{}), file_with(other));
   EXPECT_EQ(result.equal, 2u);
   return result.first && result.second ? difference(*result.first, *result.second) : "none";
 }
 
 TEST(CaptureComparison, EqualCapturesAreTheSame) {
-  const CaptureComparison result = compared(file_with(Seen{}), file_with(Seen{}));
+  const CaptureComparison result = compared(file_with(Written{}), file_with(Written{}));
   EXPECT_TRUE(result.same());
   EXPECT_EQ(result.equal, 3u);
 }
 
 TEST(CaptureComparison, NamesWhatOfThePacketDiffers) {
-  Seen other;
+  Written other;
   other.time_ns = 1001;
   EXPECT_EQ(difference_of(other), "time");
   other = {};
@@ -71,7 +72,7 @@ TEST(CaptureComparison, NamesWhatOfThePacketDiffers) {
 
 TEST(CaptureComparison, NamesWhatOfItsInfoDiffers) {
   const auto with = [](const std::function<void(CaptureInfo&)>& change) {
-    Seen other;
+    Written other;
     change(other.info);
     return difference_of(other);
   };
@@ -94,11 +95,11 @@ TEST(CaptureComparison, EventsAreCompared) {
   EXPECT_EQ(difference_to(first), "none");
   EXPECT_EQ(difference_to(event(1002, 1_id, "frozen")), "time");
   EXPECT_EQ(difference_to(event(1000, 2_id, "thawed")), "node, event");
-  EXPECT_EQ(difference_to(file_with(Seen{})), "one is a packet, the other an event");
+  EXPECT_EQ(difference_to(file_with(Written{})), "one is a packet, the other an event");
 }
 
 TEST(CaptureComparison, OneThatEndsEarlierIsNotTheSame) {
-  const CaptureComparison result = compared(file_with(Seen{}), file_with([](PcapngWriter&) {}));
+  const CaptureComparison result = compared(file_with(Written{}), file_with([](PcapngWriter&) {}));
   EXPECT_EQ(result.equal, 2u);
   EXPECT_TRUE(result.first.has_value());
   EXPECT_FALSE(result.second.has_value());
