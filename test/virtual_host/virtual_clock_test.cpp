@@ -8,7 +8,7 @@ namespace limb_ring::virtual_host {
 namespace {
 
 using namespace std::chrono_literals;
-using Time = VirtualClock::Time;
+using NodeTime = VirtualClock::Time;
 
 struct Clock : testing::Test {
   std::unique_ptr<event_loop::Timer> timer() {
@@ -17,47 +17,47 @@ struct Clock : testing::Test {
 
   sim::VirtualRing ring{sim::VirtualRingOptions{}};
   VirtualClock clock{ring};
-  std::vector<Time> calls;
+  std::vector<NodeTime> calls;
 };
 
 TEST_F(Clock, ATimerRunsOutAtItsInstantOfTheRingsTime) {
   const auto one = timer();
-  one->expires_at(Time(3ms));
+  one->expires_at(NodeTime(3ms));
   ring.run_until(core::Time{} + 3ms - 1ns);
   EXPECT_TRUE(calls.empty());
   ring.run_until(core::Time{} + 1s);
-  EXPECT_EQ(calls, std::vector<Time>{Time(3ms)});
+  EXPECT_EQ(calls, std::vector<NodeTime>{NodeTime(3ms)});
 }
 
 TEST_F(Clock, ATimerThatIsSetAgainOrCancelledOrGoneDoesNotCallForItsOldInstant) {
   const auto later = timer(), cancelled = timer();
   auto gone = timer();
-  for (auto* each : {later.get(), cancelled.get(), gone.get()}) each->expires_at(Time(3ms));
-  later->expires_at(Time(5ms));
+  for (auto* each : {later.get(), cancelled.get(), gone.get()}) each->expires_at(NodeTime(3ms));
+  later->expires_at(NodeTime(5ms));
   cancelled->cancel();
   gone.reset();
   ring.run_until(core::Time{} + 1s);
-  EXPECT_EQ(calls, std::vector<Time>{Time(5ms)});
+  EXPECT_EQ(calls, std::vector<NodeTime>{NodeTime(5ms)});
 }
 
 TEST_F(Clock, WhatRunsOutWhileANodeStandsStillIsCalledWhenItGoesOn) {
   const auto first = timer(), second = timer(), cancelled = timer();
-  first->expires_at(Time(3ms));
-  second->expires_at(Time(9ms));
-  cancelled->expires_at(Time(3ms));
+  first->expires_at(NodeTime(3ms));
+  second->expires_at(NodeTime(9ms));
+  cancelled->expires_at(NodeTime(3ms));
   clock.freeze();
   ring.run_until(core::Time{} + 5ms);
   EXPECT_TRUE(calls.empty());
   cancelled->cancel();
   clock.thaw();
-  EXPECT_EQ(calls, std::vector<Time>{Time(5ms)});
+  EXPECT_EQ(calls, std::vector<NodeTime>{NodeTime(5ms)});
   ring.run_until(core::Time{} + 1s);
-  EXPECT_EQ(calls, (std::vector<Time>{Time(5ms), Time(9ms)}));
+  EXPECT_EQ(calls, (std::vector<NodeTime>{NodeTime(5ms), NodeTime(9ms)}));
 }
 
 TEST_F(Clock, NothingIsCalledOnceItIsGone) {
   auto gone = std::make_unique<VirtualClock>(ring);
-  gone->call_at(core::Time{} + 3ms, [this] { calls.push_back(Time{}); });
+  gone->call_at(core::Time{} + 3ms, [this] { calls.push_back(NodeTime{}); });
   gone.reset();
   ring.run_until(core::Time{} + 1s);
   EXPECT_TRUE(calls.empty());
@@ -66,15 +66,15 @@ TEST_F(Clock, NothingIsCalledOnceItIsGone) {
 TEST_F(Clock, ATimerMayBeDestroyedByItsOwnCall) {
   std::unique_ptr<event_loop::Timer> own;
   own = clock.timer([&] { own.reset(); });
-  own->expires_at(Time(1ms));
+  own->expires_at(NodeTime(1ms));
   ring.run_until(core::Time{} + 1s);
   EXPECT_EQ(own, nullptr);
 }
 
 TEST_F(Clock, AnInstantOfTheCoreIsRoundedUpSoThatATimerNeverComesBeforeIt) {
-  EXPECT_EQ(VirtualClock::at(core::Time{} + core::Duration(1)), Time(1ns));
-  EXPECT_EQ(VirtualClock::at(core::Time{} + 7ns), Time(7ns));
-  EXPECT_EQ(VirtualClock::at(core::kNever), Time::max());
+  EXPECT_EQ(VirtualClock::at(core::Time{} + core::Duration(1)), NodeTime(1ns));
+  EXPECT_EQ(VirtualClock::at(core::Time{} + 7ns), NodeTime(7ns));
+  EXPECT_EQ(VirtualClock::at(core::kNever), NodeTime::max());
 }
 
 }  // namespace
