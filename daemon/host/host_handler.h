@@ -31,6 +31,8 @@ class HostHandler {
  public:
   virtual ~HostHandler() = default;
 
+  /// A CPU in lockstep has greeted, and is attached when its boot is over in the ring's time.
+  virtual void on_greeted(pid_t /*pid*/) {}
   /// A client has greeted. @return a reason to refuse it
   virtual std::optional<std::string> on_attach(const ClientInfo& client) = 0;
   /// A client that was attached is gone. Results for it may still be given; they go nowhere.

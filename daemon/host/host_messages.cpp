@@ -76,6 +76,7 @@ void HostServer::attach_later(Session& session, const client::Greeting& greeting
     own.ring = ring;
     attach(*session, own);
   };
+  if (greeting.role == Role::cpu) handler_.on_greeted(session.info().pid);
   options_.turns->greeted(options_.id, attach_now);
 }
 

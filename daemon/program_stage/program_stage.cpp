@@ -78,6 +78,8 @@ std::string ProgramStage::first_not_ready() const {
     const runtime::CpuStatus cpu = host_->host.node(id_of(place))->cpu_status();
     if (cpu.state != CpuState::running || cpu.exits + cpu.failed_boots != 0)
       return name(place) + ": its CPU is " + to_string(cpu.state) + (cpu.last_exit.empty() ? "" : ": " + cpu.last_exit);
+  }
+  for (const NodeId place : there) {
     if (state(place) != core::NodeState::up || ring_size(place) != there.size())
       return name(place) + " is " + to_string(state(place)) + ", in a ring of " + std::to_string(ring_size(place));
     for (const NodeId of : there)
@@ -101,13 +103,13 @@ std::optional<scenario::Stage::Failure> ProgramStage::begin() {
   const auto has_ended = [](const Cpu& cpu) { return cpu.ends != 0; };
   const auto settled = [&] { return std::any_of(cpus_.begin(), cpus_.end(), has_ended) || first_not_ready().empty(); };
   run_until(settled, kToJoin, "");
+  if (const std::string lack = first_not_ready(); !lack.empty())
+    return Failure{"every node joins and its CPU runs, within " + std::to_string(kToJoin.count()) + " s", lack};
   // Not in the middle of beacons, which go out together since all have booted at once: what breaks there costs a
   // time-out.
   run_until([] { return false; }, now() + core::Duration(scenario().ring.timeouts.beacon) / 3, "");
   start_counting();
-  const std::string lack = first_not_ready();
-  if (lack.empty()) return std::nullopt;
-  return Failure{"every node joins and its CPU runs, within " + std::to_string(kToJoin.count()) + " s", lack};
+  return std::nullopt;
 }
 
 bool ProgramStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {

@@ -259,7 +259,7 @@ class ScenarioVirtual(RingTest):
         nodes[2]['cpu'] = {'command': ['sleep', '1000']}
         file = self.scenario(NOTHING, nodes, timeouts={'cpu_boot': '2s'})
         run = self.play(file, code=1)
-        self.assertRegex(run['seen'], 'its CPU is failed: did not attach to the host port')
+        self.assertIn('three: its CPU is failed: did not attach to the host port', run['seen'])
 
 
 if __name__ == '__main__':

@@ -79,6 +79,10 @@ class CpuProcess {
   /// event loop. An attached outside process is left alone.
   void stop(std::function<void()> done);
 
+  /// That process has connected, and will be attached: if it is the child, it has booted in time.
+  void greeted(pid_t pid) {
+    if (child_.owns(pid)) boot_timer_.cancel();
+  }
   /// A process took the CPU's place on the host port. `pid` by SO_PEERCRED.
   /// @return false where that process has ended or is being killed: close its connection.
   bool attached(pid_t pid, bool restarted_by_owner, std::chrono::milliseconds alive_period);
