@@ -58,8 +58,11 @@ std::string file_of(const ScenarioOrder& order, const Folder& folder) {
 }
 
 std::vector<std::string> arguments_of(const ScenarioOrder& order, const Folder& folder) {
-  std::vector<std::string> arguments{"scenario", "run", order.live ? "--live" : "--sim", "--junit",
-                                     folder.file("junit.xml")};
+  if (order.live && order.programs)
+    throw std::invalid_argument(
+        "give either live, for live daemons, or programs, for a virtual ring with real programs");
+  const char* where = order.live ? "--live" : order.programs ? "--virtual" : "--sim";
+  std::vector<std::string> arguments{"scenario", "run", where, "--junit", folder.file("junit.xml")};
   if (order.seed != 0) arguments.insert(arguments.end(), {"--seed", std::to_string(order.seed)});
   arguments.insert(arguments.end(), {"--", file_of(order, folder)});  // a path is no option
   return arguments;

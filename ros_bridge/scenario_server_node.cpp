@@ -18,8 +18,8 @@ constexpr const char* kHelp =
 
 bool run_scenario(RunScenario::Request& request, RunScenario::Response& response) {
   try {
-    const auto end =
-        limb_ring::bridge::play_scenario({request.path, request.text, request.live != 0, request.seed}, ros::ok);
+    const auto end = limb_ring::bridge::play_scenario(
+        {request.path, request.text, request.live != 0, request.programs != 0, request.seed}, ros::ok);
     response.exit_code = end.exit_code;
     response.report = end.report;
     response.junit = end.junit;

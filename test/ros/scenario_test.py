@@ -30,6 +30,12 @@ class ScenarioService(unittest.TestCase):
             suite = ElementTree.fromstring(answer.junit).find('testsuite')
             self.assertEqual((suite.get('tests'), suite.get('failures')), ('1', '0'))
 
+    def test_a_scenario_passes_with_real_programs_under_the_virtual_clock(self):
+        answer = self.run_scenario(text=STORY % (3, '20s'), programs=True, seed=7)
+        self.assertTrue(answer.success, answer.report)
+        self.assertIn('(virtual, seed 7)', answer.report)
+        self.assertIn('trace hash', answer.report)
+
     def test_an_expectation_that_is_not_met(self):
         answer = self.run_scenario(text=STORY % (2, '500ms'), live=True)
         self.assertFalse(answer.success)
@@ -38,7 +44,8 @@ class ScenarioService(unittest.TestCase):
         self.assertIn('<failure', answer.junit)
 
     def test_requests_that_are_wrong(self):
-        for request in ({}, {'path': '/none.yaml', 'text': 'x'}, {'path': '/none.yaml'}, {'text': 'steps: []'}):
+        for request in ({}, {'path': '/none.yaml', 'text': 'x'}, {'path': '/none.yaml'}, {'text': 'steps: []'},
+                        {'text': STORY % (3, '1s'), 'live': True, 'programs': True}):
             answer = self.run_scenario(**request)
             self.assertEqual((answer.success, answer.exit_code), (False, 2))
             self.assertNotEqual(answer.report, '')
