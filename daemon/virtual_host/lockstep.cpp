@@ -20,6 +20,8 @@ namespace {
 constexpr milliseconds kHearing{2};
 /// Of real time, from the node's start: ROS nodes take some seconds.
 constexpr std::chrono::seconds kAttachedWithin{30};
+/// Of real time: a process that was killed, or sent a signal that it may catch.
+constexpr std::chrono::seconds kEndsWithin{10};
 
 double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
 
@@ -58,15 +60,13 @@ void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
 bool Lockstep::is_late(std::uint8_t node, const Boot& boot) const {
   const bool by_others = config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
   if (boot.attach || !waits_for_boot(node) || !(boot.ends || by_others)) return false;
-  const nanoseconds patience = boot.ends ? nanoseconds(config_.virtual_clock.stall) : nanoseconds(kAttachedWithin);
-  return steady_clock::now() - boot.since > patience;
+  return steady_clock::now() - boot.since > (boot.ends ? kEndsWithin : kAttachedWithin);
 }
 
 void Lockstep::give_up(std::uint8_t node, const Boot& boot) const {
   const std::string& name = config_.find(node)->name;
   if (boot.ends)
-    spdlog::warn("{}: its CPU was to end and has not within {} ms; time goes on", name,
-                 config_.virtual_clock.stall.count());
+    spdlog::warn("{}: its CPU was to end and has not within {} s; time goes on", name, kEndsWithin.count());
   else
     spdlog::warn("{}: bridge.lockstep: its CPU, the bridge, has not come within {} s; time goes on without it", name,
                  kAttachedWithin.count());

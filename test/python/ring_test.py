@@ -42,6 +42,26 @@ def test_a_broken_wire_is_waited_for_and_mended(make_ring, clock):
 
 
 @BOTH_CLOCKS
+def test_nodes_die_freeze_and_come_again(make_ring, clock):
+    ring = make_ring({'ring': 'faulty', 'nodes': [{'id': id_} for id_ in range(4)]}, clock=clock)
+    ring.fault('kill', 'node2')
+    ring.wait('node2', 'down')
+    with pytest.raises(limb_ring.HostPortError):
+        ring.port('node2', timeout=0)
+    ring.fault('freeze', 'node1')
+    ring.wait('node1', 'frozen')
+    with pytest.raises(RingError, match='is frozen'):
+        ring.fault('cut', 'node1:node2')
+    ring.fault('start', 'node2')
+    ring.fault('thaw', 'node1')
+    ring.wait_up()
+    ring.fault('freeze', 'node3', duration='100ms')
+    ring.fault('power_cycle', 'all')
+    ring.wait_up()
+    assert ring.send('node0', 'node2', b'x').outcome == 'delivered'
+
+
+@BOTH_CLOCKS
 def test_interrupts_stops_and_own_programs(make_ring, clock):
     ring = make_ring(plain('own', cpu='attached'), clock=clock)
     cpu = ring.start([sys.executable, '-c', textwrap.dedent('''

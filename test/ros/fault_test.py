@@ -54,6 +54,18 @@ class Faults(unittest.TestCase):
         self.assertEqual(after.pid, before.pid)
         self.ring.wait_until_up()
 
+    def test_nodes_are_killed_frozen_and_come_again(self):
+        killed = self.begin('kill right_elbow')
+        self.ring.wait_for_node('right_elbow', lambda n: n.state == 'down', 'to be shown as down')
+        frozen = self.begin('freeze left_ankle')
+        self.ring.wait_for_node('left_ankle', lambda n: n.state == 'frozen', 'to be shown as frozen')
+        self.assertEqual(sorted(self.list().ids), sorted([killed.id, frozen.id]))
+        self.assertIn('is frozen', self.inject(fault='hang left_ankle').message)
+        self.assertTrue(self.clear(id=killed.id).success)
+        self.begin('thaw left_ankle')
+        self.assertEqual(self.list().ids, [])
+        self.ring.wait_until_up()
+
     def test_a_drawn_seed_is_told(self):
         answer = self.begin('corrupt left_hip -> left_hip_yaw once_in=1000')
         self.assertIn(' seed=', answer.message)

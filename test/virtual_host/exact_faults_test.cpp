@@ -85,7 +85,7 @@ struct ExactFaults : test::OwnFolder {
     const auto given = config::load_ring(write("ring.yaml", R"(
 ring: exact
 timeouts: {beacon: 20ms}
-virtual: {stall: 300ms}
+virtual: {stall: 1s}
 supervisor: {policy: auto, grace: 50ms, backoff: 20ms}
 nodes:
   - {id: 0, name: body}

@@ -11,6 +11,7 @@
 #include "app/ringctl/progress.h"
 #include "config/names.h"
 #include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
 
 namespace limb_ring::ringctl {
 
@@ -67,10 +68,15 @@ RingAccess described_by(const std::string& ring, const std::string& node) {
                     index_of(nodes, port.id()));
 }
 
+/// Frozen ones last: they let us wait.
 std::vector<std::string> whom_to_ask(const std::string& ring, const std::string& first) {
-  std::vector<std::string> nodes;
+  std::vector<std::string> nodes, frozen;
   if (!first.empty() && first != "all") nodes.push_back(first);
-  for (const std::uint8_t id : node_sockets(ring)) nodes.push_back(std::to_string(id));
+  for (const std::uint8_t id : node_sockets(ring)) {
+    const bool waits = live::holder_of(ring_directory(ring), id).frozen;
+    (waits ? frozen : nodes).push_back(std::to_string(id));
+  }
+  nodes.insert(nodes.end(), frozen.begin(), frozen.end());
   return nodes;
 }
 
