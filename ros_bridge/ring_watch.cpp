@@ -1,6 +1,7 @@
 #include "ros_bridge/ring_watch.h"
 
 #include "ros_bridge/status_conversion.h"
+#include "wire/control_message.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -62,6 +63,7 @@ std::string RingWatch::digest() {
 
 std::vector<NodeStatus> RingWatch::poll() {
   const auto own = ask(daemon_.node);
+  const auto fresh = wire::kMissedBeacons * ring_.timeouts.beacon;
   std::vector<NodeStatus> all;
   for (const auto& node : ring_.nodes) {
     NodeStatus status = unheard_node(node);
@@ -69,7 +71,7 @@ std::vector<NodeStatus> RingWatch::poll() {
     if (row) merge_status_row(*row, status);
     if (own)
       for (const auto& heard : heard_in(*own))
-        if (heard.is_object() && heard.value("id", -1) == node.id) merge_beacon(heard, status);
+        if (heard.is_object() && heard.value("id", -1) == node.id) merge_beacon(heard, fresh, status);
     all.push_back(std::move(status));
   }
   return all;

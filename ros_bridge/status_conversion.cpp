@@ -88,9 +88,12 @@ void merge_status_row(const json& row, NodeStatus& status) {
   take_counters(member(row, "counters"), status);
 }
 
-void merge_beacon(const json& heard, NodeStatus& status) {
-  if (status.state == "down") status.state = "up";
-  if (status.cpu_state == "unknown") take_text(heard, "cpu_state", status.cpu_state);
+void merge_beacon(const json& heard, std::chrono::milliseconds fresh, NodeStatus& status) {
+  double age_ms = 0;
+  take_number(heard, "age_ms", age_ms);
+  const bool is_heard = age_ms <= static_cast<double>(fresh.count());
+  if (is_heard && status.state == "down") status.state = "up";
+  if (is_heard && status.cpu_state == "unknown") take_text(heard, "cpu_state", status.cpu_state);
   if (status.cpu_boots == 0) take_number(heard, "cpu_boots", status.cpu_boots);
   take_number(heard, "hop", status.hop);
   take_number(heard, "age_ms", status.beacon_age, 1e-3);

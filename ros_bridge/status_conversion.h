@@ -2,6 +2,7 @@
 
 #include <limb_ring/NodeStatus.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "config/ring_config.h"
@@ -16,7 +17,7 @@ NodeStatus unheard_node(const config::NodeConfig& node);
 void merge_status_row(const nlohmann::json& row, NodeStatus& status);
 
 /// Fills in what the beacons of a node told another: an entry of a row's `heard`. A node heard
-/// of, but whose own row could not be had, is `up`.
-void merge_beacon(const nlohmann::json& heard, NodeStatus& status);
+/// of no longer than `fresh` ago, but whose own row could not be had, is `up`.
+void merge_beacon(const nlohmann::json& heard, std::chrono::milliseconds fresh, NodeStatus& status);
 
 }  // namespace limb_ring::bridge

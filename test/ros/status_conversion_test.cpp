@@ -7,6 +7,7 @@
 namespace limb_ring::bridge {
 namespace {
 
+using namespace std::chrono_literals;
 using nlohmann::json;
 using ::testing::ElementsAre;
 
@@ -54,12 +55,20 @@ TEST_F(Status, SurvivesARowOfWrongTypes) {
 TEST_F(Status, OfANodeOnAnotherHostComesFromItsBeacons) {
   merge_beacon(json::parse(R"({"id": 7, "cpu_boots": 4, "cpu_state": "silent", "hop": 9,
                                "age_ms": 20})"),
-               status);
+               100ms, status);
   EXPECT_EQ(status.state, "up");
   EXPECT_EQ(status.cpu_state, "silent");
   EXPECT_EQ(status.cpu_boots, 4u);
   EXPECT_EQ(status.hop, 9);
   EXPECT_DOUBLE_EQ(status.beacon_age, 0.02);
+}
+
+TEST_F(Status, OfANodeThatIsHeardNoMoreStaysDown) {
+  merge_beacon(json::parse(R"({"id": 7, "cpu_boots": 4, "cpu_state": "running", "hop": 9, "age_ms": 101})"), 100ms,
+               status);
+  EXPECT_EQ(status.state, "down");
+  EXPECT_EQ(status.cpu_state, "unknown");
+  EXPECT_DOUBLE_EQ(status.beacon_age, 0.101);
 }
 
 }  // namespace
