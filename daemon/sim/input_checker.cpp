@@ -151,7 +151,7 @@ void InputChecker::data_arrives(NodeId node, const PacketFields& packet, Time no
     const std::size_t least = n.buffers.least(wire::priority_of(packet.last()));
     const bool sure = least == n.buffers.most(wire::priority_of(packet.last()));
     const std::size_t buffers = n.settings.receive_buffers;
-    const std::size_t free = buffers - std::min(least, buffers);
+    const std::size_t free = n.receiver.cpu_present() ? buffers - std::min(least, buffers) : 0;
     const Answer answer = offer(node, packet, sent, received, at_end);
     fbc = due(answer, packet, free);
     if (!sure && (answer == Answer::takes || answer == Answer::repeats_taken)) fbc.fbc = ForwardingChecker::kAnyFbc;

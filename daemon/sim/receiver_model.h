@@ -46,6 +46,7 @@ class ReceiverModel {
   /// It was bypassed; with `forgets_peers` it starts all over.
   void start_over(bool forgets_peers, Time now);
   void set_cpu_present(bool present) { cpu_present_ = present; }
+  bool cpu_present() const { return cpu_present_; }
 
  private:
   enum class Verdict : std::uint8_t { none, taken, refused, unknown };

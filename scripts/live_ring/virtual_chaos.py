@@ -41,7 +41,7 @@ class VirtualChaos:
         self.results.update(sends)
         self.faults.update(drawn.kinds)
         self.say('%6.1f s  scenario %d: %s; %.1f s of the ring\'s time, %d sends have ended; trace hash %s' % (
-            self.seconds(), number, first['scenario'], first['lasted_ns'] / 1e9, sum(sends.values()), first['trace_hash']))
+            self.seconds(), number, ', '.join(drawn.kinds), first['lasted_ns'] / 1e9, sum(sends.values()), first['trace_hash']))
         self.problems += ['scenario %d: %s' % (number, problem) for problem in self.judge(drawn, first, second)]
 
     def play(self, file):

@@ -54,6 +54,15 @@ TEST(Faults, TruncateIsAnAbortOnTheLine) {
       "");
 }
 
+// Its CPU has gone since: no buffer of it is free, and the answer is that the packet was taken.
+TEST(Faults, ARetryOfWhatACrashedCpuHasTakenIsConfirmed) {
+  EXPECT_EQ(unmet_of(after_joining("{drop: {line: node3 -> node0, packets: 1}}",
+                                   kSend + "  - {after: 1ms, do: {crash: node2}}\n"
+                                           "  - {when: {results: x, are: delivered, at_least: 1}, within: 101ms}\n"
+                                           "  - {when: {taken: x, at_least: 1, at_most: 1}, within: 0s}\n")),
+            "");
+}
+
 TEST(Faults, KillAndStart) {
   EXPECT_EQ(unmet_of(after_joining("{kill: node3}",
                                    "  - {when: {node: node3, is: down}, within: 0s}\n"
