@@ -125,6 +125,24 @@ class Lockstep(RingTest):
         self.assertEqual(len({self.trace_of(log) for log in logs}), 1)
         self.assertIn('ended by itself: exit 3', logs[0])
 
+    def test_what_others_do_to_a_cpu_makes_a_run_not_repeatable_and_looking_does_not(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = {'command': ['limb_firmware']}
+        config = self.write_ring(nodes)
+        for act, word in ((lambda pid: self.ctl_json('--ring', self.ring, 'status'), ''),
+                          (lambda pid: self.ctl_json('--ring', self.ring, 'reset', 'node1'), 'changed something'),
+                          (lambda pid: os.kill(pid, signal.SIGKILL), 'ended or was stopped while it waited'),
+                          (lambda pid: os.kill(pid, signal.SIGSTOP), 'ended or was stopped while it waited')):
+            run = self.start('ring', [ring_process.program('ringd'), '--config', config, '--ring', self.ring,
+                                      '--clock', 'virtual'])
+            act(self.wait_cpu(1, 'running')['pid'])
+            if word.startswith('ended'):
+                self.wait('it is missed', lambda: 'stopped, at' in self.log_of(run) or 'ended by itself' in self.log_of(run))
+            run.send_signal(signal.SIGTERM)
+            self.assertEqual(self.wait_exit(run), 0)
+            self.assertIn(word, self.log_of(run))
+            self.assertEqual('not repeatable' in self.log_of(run), word != '', self.log_of(run))
+
     def test_a_tool_that_sends_makes_a_run_not_repeatable(self):
         run = self.start('ring', [ring_process.program('ringd'), '--config', LEG, '--ring', self.ring,
                                   '--clock', 'virtual'])
