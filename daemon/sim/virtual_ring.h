@@ -40,7 +40,8 @@ struct NodeLog {
 /// is bypassed at once, as the daemon's links do it.
 class VirtualRing {
  public:
-  /// Who sends on all nodes where the ring is asked to: no client of a host port has this number (runtime/send_owner.h).
+  /// Who sends on all nodes where the ring is asked to: no client of a host port has this number
+  /// (runtime/send_owner.h).
   static constexpr core::Owner kUser = 0xFFFFFF04;
 
   explicit VirtualRing(const VirtualRingOptions& options);

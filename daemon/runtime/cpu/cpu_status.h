@@ -31,10 +31,10 @@ struct CpuStatus {
   /// process runs, but has not attached to the host port yet. running: attached. silent: attached, but without a word
   /// for three of its alive periods. failed: ended badly, did not attach in time, or cannot be executed; see last_exit.
   wire::CpuState state = wire::CpuState::none;
-  pid_t pid = -1;                             ///< of the process attached, else of the child; -1: neither
-  bool ending = false;                        ///< that one is a child that was killed and has not gone yet
-  bool unsettled = false;  ///< on a virtual ring: a child has let go of the host port, and nobody knows why yet
-  std::uint32_t boots = 0;                    ///< times a CPU attached to the host port: higher means it really runs
+  pid_t pid = -1;           ///< of the process attached, else of the child; -1: neither
+  bool ending = false;      ///< that one is a child that was killed and has not gone yet
+  bool unsettled = false;   ///< on a virtual ring: a child has let go of the host port, and nobody knows why yet
+  std::uint32_t boots = 0;  ///< times a CPU attached to the host port: higher means it really runs
   std::chrono::milliseconds silent{0};        ///< since its last word; 0 where none is attached
   std::chrono::milliseconds alive_period{0};  ///< promised by it or for it (cpu: {alive_period}); 0: no promise
   bool restarted_by_owner = false;            ///< attached: somebody restarts it when it is killed
