@@ -18,27 +18,17 @@ namespace {
 
 /// So long they are heard before what else there is has its turn.
 constexpr milliseconds kHearing{2};
-/// Of real time, from the node's start: ROS nodes take some seconds.
-constexpr std::chrono::seconds kAttachedWithin{30};
-/// Of real time: a process that was killed, or sent a signal that it may catch.
-constexpr std::chrono::seconds kEndsWithin{10};
 
 double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
 
 }  // namespace
 
-// The bridge is to be there from the start, since a controller is.
-Lockstep::Lockstep(sim::VirtualRing& ring, const config::RingConfig& config) : ring_(ring), config_(config) {
-  for (const config::NodeConfig& node : config.nodes) expect_bridge(node.id);
+Lockstep::Lockstep(sim::VirtualRing& ring, const config::RingConfig& config)
+    : ring_(ring),
+      config_(config),
+      boots_(ring, config, [this](std::uint8_t node) { return frozen_.count(node) + hung_.count(node) != 0; }) {
+  for (const config::NodeConfig& node : config.nodes) boots_.expect_bridge(node.id);
 }
-
-void Lockstep::expect_bridge(std::uint8_t node) {
-  if (!config_.bridge.lockstep.empty() && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached)
-    boots_[node] = {boot_end()};
-}
-
-/// Of a CPU that begins to boot now: as exact as the clock of its node.
-core::Time Lockstep::boot_end() const { return core::Time{} + now() + config_.virtual_clock.boot_time; }
 
 nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch()); }
 
@@ -46,48 +36,9 @@ nanoseconds Lockstep::now() const { return std::chrono::floor<nanoseconds>(ring_
 
 void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
   news_ = true;
-  const auto boot = boots_.find(node);
-  if (boot != boots_.end() && boot->second.ends) return attach();  // which is refused
-  if (boot != boots_.end()) {
-    boot->second.attach = std::move(attach);
-    return;
-  }
+  if (boots_.greeted(node, attach)) return;
   disturbed_ = true;  // nobody knew when it would come
   attach();
-}
-
-/// It is started by others, and has not come; or was to end, and has not.
-bool Lockstep::is_late(std::uint8_t node, const Boot& boot) const {
-  const bool by_others = config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
-  if (boot.attach || !waits_for_boot(node) || !(boot.ends || by_others)) return false;
-  return steady_clock::now() - boot.since > (boot.ends ? kEndsWithin : kAttachedWithin);
-}
-
-void Lockstep::give_up(std::uint8_t node, const Boot& boot) const {
-  const std::string& name = config_.find(node)->name;
-  if (boot.ends)
-    spdlog::warn("{}: its CPU was to end and has not within {} s; time goes on", name, kEndsWithin.count());
-  else
-    spdlog::warn("{}: bridge.lockstep: its CPU, the bridge, has not come within {} s; time goes on without it", name,
-                 kAttachedWithin.count());
-}
-
-bool Lockstep::attach_those_due() {
-  for (auto it = boots_.begin(); it != boots_.end();) {
-    const bool gone = is_late(it->first, it->second);
-    if (gone) give_up(it->first, it->second);
-    it = gone ? boots_.erase(it) : std::next(it);
-  }
-  std::vector<std::function<void()>> due;
-  for (const auto& [node, boot] : boots_) {
-    if (boot.at > ring_.now() || !waits_for_boot(node)) continue;
-    if (!boot.attach) return false;
-    due.push_back(boot.attach);
-  }
-  for (auto it = boots_.begin(); it != boots_.end();)
-    it = it->second.at > ring_.now() || !waits_for_boot(it->first) ? std::next(it) : boots_.erase(it);
-  for (const auto& attach : due) attach();
-  return true;
 }
 
 void Lockstep::joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) {
@@ -96,23 +47,9 @@ void Lockstep::joined(std::uint8_t node, const std::shared_ptr<host::Session>& s
   news_ = true;
 }
 
-// One that is new boots; the one that was there before is ending.
 void Lockstep::cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
-  const bool child = cpu.kind == runtime::CpuKind::child;
-  const bool boots = child && cpu.state == wire::CpuState::booting && cpu.pid > 0;
-  const auto known = boots_.find(node);
-  const bool ends = known != boots_.end() && known->second.ends;
-  if (cpu.ending || cpu.pid <= 0) hung_.erase(node);
-  if (cpu.ending) {
-    boots_[node] = {ring_.now(), true};
-  } else if (!boots) {
-    if (ends ? cpu.pid <= 0 : child) boots_.erase(node);
-  } else if (std::exchange(pids_[node], cpu.pid) != cpu.pid) {
-    boots_[node] = {boot_end()};
-    hung_.erase(node);
-  } else {
-    boots_.emplace(node, Boot{ring_.now()});
-  }
+  const bool is_new = boots_.changed(node, cpu);
+  if (is_new || cpu.ending || cpu.pid <= 0) hung_.erase(node);
   news_ = true;
 }
 
@@ -121,7 +58,7 @@ void Lockstep::cpu_signalled(std::uint8_t node, int number) {
   if (number == SIGSTOP) hung_.insert(node);
   if (number == SIGCONT && hung_.erase(node) != 0) goes_on(node);
   if (fatal) {
-    boots_[node] = {ring_.now(), true};
+    boots_.ends(node);
     for (auto& [key, program] : programs_)
       if (key.first == node && program.session->info().role == Role::cpu) program.dies = true;
   }
@@ -129,10 +66,9 @@ void Lockstep::cpu_signalled(std::uint8_t node, int number) {
 }
 
 void Lockstep::node_died(std::uint8_t node) {
-  boots_.erase(node);
+  boots_.forget(node);
   frozen_.erase(node);
   hung_.erase(node);
-  pids_.erase(node);
 }
 
 void Lockstep::node_thawed(std::uint8_t node) {
@@ -142,11 +78,7 @@ void Lockstep::node_thawed(std::uint8_t node) {
 
 // One that has booted meanwhile, or was acting, has its time from now on.
 void Lockstep::goes_on(std::uint8_t node) {
-  const auto boot = boots_.find(node);
-  if (boot != boots_.end()) {
-    boot->second.at = std::max(boot->second.at, ring_.now());
-    boot->second.since = steady_clock::now();
-  }
+  boots_.goes_on(node);
   for (auto& [key, program] : programs_)
     if (key.first == node) {
       program.turn_since = steady_clock::now();
@@ -169,8 +101,7 @@ bool Lockstep::is_away(const Entry& entry) const {
   const auto& [key, program] = entry;
   if (frozen_.count(key.first) != 0) return true;
   if (program.session->info().role != Role::cpu) return false;
-  const auto boot = boots_.find(key.first);
-  return hung_.count(key.first) != 0 || (boot != boots_.end() && boot->second.ends);
+  return hung_.count(key.first) != 0 || boots_.is_ending(key.first);
 }
 
 Lockstep::Entry* Lockstep::acting() {
@@ -204,9 +135,7 @@ bool Lockstep::hear(Entry& entry) {
 /// A bridge waits for its controller, with limits of its own.
 milliseconds Lockstep::patience_with(std::uint8_t node) const {
   const milliseconds stall = config_.virtual_clock.stall;
-  const bool bridge =
-      !config_.bridge.lockstep.empty() && config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
-  return bridge ? kAttachedWithin + 3 * stall : stall;
+  return boots_.is_bridge(node) ? Boots::kAttachedWithin + 3 * stall : stall;
 }
 
 bool Lockstep::is_stuck(std::uint8_t node) const {
@@ -251,13 +180,6 @@ core::Time Lockstep::next_wake() const {
     if (!session.has_turn() && !is_away(entry)) earliest = std::min(earliest, session.waits_until());
   }
   return earliest == nanoseconds::max() ? core::kNever : core::Time{} + earliest;
-}
-
-core::Time Lockstep::held_at() const {
-  core::Time earliest = core::kNever;
-  for (const auto& [node, boot] : boots_)
-    if (waits_for_boot(node)) earliest = std::min(earliest, boot.at);
-  return earliest;
 }
 
 std::string Lockstep::not_repeatable() const {

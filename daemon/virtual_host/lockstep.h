@@ -12,6 +12,7 @@
 #include "host/turn_keeper.h"
 #include "runtime/cpu/cpu_status.h"
 #include "sim/virtual_ring.h"
+#include "virtual_host/boots.h"
 
 namespace limb_ring::virtual_host {
 
@@ -41,7 +42,7 @@ class Lockstep final : public host::TurnKeeper {
   /// Its clients are gone, and nobody boots there.
   void node_died(std::uint8_t node);
   /// It has started: its CPU, where others start that, is waited for as at the ring's start.
-  void node_started(std::uint8_t node) { expect_bridge(node); }
+  void node_started(std::uint8_t node) { boots_.expect_bridge(node); }
   /// Its programs have no turns, and time does not wait for them.
   void node_frozen(std::uint8_t node) { frozen_.insert(node); }
   void node_thawed(std::uint8_t node);
@@ -60,10 +61,9 @@ class Lockstep final : public host::TurnKeeper {
   /// Time goes on to there at most; kNever: as far as the ring likes.
   core::Time next_wake() const;
   /// A CPU boots or ends, and time stands at that instant until it has.
-  core::Time held_at() const;
-  /// Attaches those whose boot is over by now, in the order of the nodes, once all of them have come.
-  /// @return false where one is still waited for
-  bool attach_those_due();
+  core::Time held_at() const { return boots_.held_at(); }
+  /// As Boots.
+  bool attach_those_due() { return boots_.attach_those_due(); }
 
   /// The program that is the CPU of that node does not answer, or is stopped.
   bool is_stuck(std::uint8_t node) const;
@@ -83,20 +83,9 @@ class Lockstep final : public host::TurnKeeper {
     bool stuck = false;
     bool dies = false;  ///< was sent a signal that ends it
   };
-  struct Boot {
-    core::Time at{};
-    bool ends = false;                  ///< the process there was before is ending
-    std::function<void()> attach = {};  ///< empty until it has greeted
-    Instant since = std::chrono::steady_clock::now();
-  };
   using Key = std::pair<std::uint8_t, host::ClientId>;
   using Entry = std::pair<const Key, Program>;
 
-  void expect_bridge(std::uint8_t node);
-  bool is_late(std::uint8_t node, const Boot& boot) const;
-  core::Time boot_end() const;
-  void give_up(std::uint8_t node, const Boot& boot) const;
-  bool waits_for_boot(std::uint8_t node) const { return frozen_.count(node) + hung_.count(node) == 0; }
   bool is_away(const Entry& entry) const;
   void goes_on(std::uint8_t node);
   std::chrono::milliseconds patience_with(std::uint8_t node) const;
@@ -108,10 +97,9 @@ class Lockstep final : public host::TurnKeeper {
   sim::VirtualRing& ring_;
   const config::RingConfig& config_;
   std::map<Key, Program> programs_;
-  std::map<std::uint8_t, Boot> boots_;  ///< of nodes whose CPU boots or ends
-  std::map<std::uint8_t, pid_t> pids_;  ///< the last one known
   std::set<std::uint8_t> frozen_;
   std::set<std::uint8_t> hung_;  ///< nodes whose CPU was stopped
+  Boots boots_;
   bool news_ = false;
   bool disturbed_ = false;
   bool somebody_was_stuck_ = false;
