@@ -29,6 +29,12 @@ capture::RingNames plain_names(unsigned nodes) {
   return names;
 }
 
+capture::RingNames names_of(const config::RingConfig& ring) {
+  capture::RingNames names{ring.ring, {}};
+  for (const config::NodeConfig& node : ring.nodes) names.nodes.emplace(wire::NodeId{node.id}, node.name);
+  return names;
+}
+
 RingCapture::RingCapture(VirtualRing& ring, std::ostream& out, capture::RingNames names, CaptureAt at)
     : ring_(ring), writer_(out, std::move(names)) {
   const auto written = [this](const capture::PacketView& packet) { write(packet); };

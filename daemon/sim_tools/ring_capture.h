@@ -5,6 +5,7 @@
 
 #include "capture/packet_assembler.h"
 #include "capture/pcapng_writer.h"
+#include "config/ring_config.h"
 #include "sim/virtual_ring.h"
 
 namespace limb_ring::sim {
@@ -34,6 +35,8 @@ class RingCapture : public Observer {
   std::vector<capture::PacketAssembler> inputs_, outputs_;  ///< by node; outputs_ empty where not looked at
 };
 
+/// The nodes' names by their ids, as the ring's file has them.
+capture::RingNames names_of(const config::RingConfig& ring);
 /// Names of a ring of plain nodes: node0, node1 ...
 capture::RingNames plain_names(unsigned nodes);
 

@@ -117,11 +117,7 @@ runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
   return base;
 }
 
-void VirtualRingHost::capture(std::ostream& out) {
-  capture::RingNames names{config_.ring, {}};
-  for (const config::NodeConfig& node : config_.nodes) names.nodes[wire::NodeId{node.id}] = node.name;
-  capture_.emplace(ring_, out, names);
-}
+void VirtualRingHost::capture(std::ostream& out) { capture_.emplace(ring_, out, sim::names_of(config_)); }
 
 void VirtualRingHost::start() {
   for (const auto& [id, node] : nodes_) node->start();

@@ -184,5 +184,28 @@ class RingTest(unittest.TestCase):
                                                     self.log_of(process)[-6000:]), flush=True)
 
 
+class ScenarioTest(RingTest):
+    """Of runs that have private folders: these lie in the test's own, and what is started is known by it."""
+
+    def setUp(self):
+        super().setUp()
+        self.temporary = os.path.join(self.folder, 'tmp')
+        os.mkdir(self.temporary)
+        self.environment['TMPDIR'] = self.temporary
+
+    def started_by_runs(self, *programs):
+        """Pids of these programs that a run has started."""
+        mark = ('TMPDIR=' + self.temporary).encode()
+        pids = []
+        for entry in os.listdir('/proc'):
+            try:
+                with open('/proc/%s/environ' % entry, 'rb') as environ, open('/proc/%s/comm' % entry) as comm:
+                    if mark in environ.read().split(b'\0') and comm.read().strip() in programs:
+                        pids.append(int(entry))
+            except (OSError, ValueError):
+                continue
+        return [pid for pid in pids if not is_gone(pid)]
+
+
 def main():
     unittest.main(verbosity=2)

@@ -5,7 +5,7 @@ import signal
 import xml.etree.ElementTree
 
 import ring_process
-from ring_process import RingTest
+from ring_process import ScenarioTest
 
 KILL = '''scenario: a node dies
 nodes: 4
@@ -41,30 +41,13 @@ never: [{node: node0, is: down}]
 '''
 
 
-class ScenarioLive(RingTest):
-    def setUp(self):
-        super().setUp()
-        # Private folders lie in the test's own, and what is started is known by it.
-        self.temporary = os.path.join(self.folder, 'tmp')
-        os.mkdir(self.temporary)
-        self.environment['TMPDIR'] = self.temporary
-
+class ScenarioLive(ScenarioTest):
     def play(self, *files, more=()):
         paths = [self.write('%d.yaml' % i, text) for i, text in enumerate(files)]
         return self.ctl('scenario', 'run', '--live', *paths, *more)
 
     def started(self):
-        """Processes that a run has started."""
-        mark = ('TMPDIR=' + self.temporary).encode()
-        pids = []
-        for entry in os.listdir('/proc'):
-            try:
-                with open('/proc/%s/environ' % entry, 'rb') as environ, open('/proc/%s/comm' % entry) as comm:
-                    if mark in environ.read().split(b'\0') and comm.read().strip() in ('ringd', 'scenario_cpu'):
-                        pids.append(int(entry))
-            except (OSError, ValueError):
-                continue
-        return [pid for pid in pids if not ring_process.is_gone(pid)]
+        return self.started_by_runs('ringd', 'scenario_cpu')
 
     def assert_clean(self):
         self.assertEqual(self.started(), [])

@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 import ring_process
-from ring_process import RingTest
+from ring_process import ScenarioTest
 
 CPUS = os.environ.get('RING_TEST_CPUS', '')   # where the CPUs of these tests are
 SCENARIOS = os.path.join(ring_process.CONFIG, '..', 'test', 'scenarios')
@@ -33,14 +33,7 @@ STREAMS = '''steps:
 NOTHING = 'steps: [{at: 1ms}]\nnever: [{node: one, is: down}]\n'
 
 
-class ScenarioVirtual(RingTest):
-    def setUp(self):
-        super().setUp()
-        # Private folders lie in the test's own, and what is started is known by it.
-        self.temporary = os.path.join(self.folder, 'tmp')
-        os.mkdir(self.temporary)
-        self.environment['TMPDIR'] = self.temporary
-
+class ScenarioVirtual(ScenarioTest):
     def scenario(self, steps, nodes, **sections):
         """File of a scenario on a ring of its own."""
         config = self.write('ring.yaml', json.dumps(dict(sections, ring=self.ring, nodes=nodes)))   # which is YAML too
@@ -210,16 +203,7 @@ class ScenarioVirtual(RingTest):
     # ---- the end --------------------------------------------------------------------------
 
     def started(self):
-        mark = ('TMPDIR=' + self.temporary).encode()
-        pids = []
-        for entry in os.listdir('/proc'):
-            try:
-                with open('/proc/%s/environ' % entry, 'rb') as environ, open('/proc/%s/comm' % entry) as comm:
-                    if mark in environ.read().split(b'\0') and comm.read().strip() == 'scenario_cpu':
-                        pids.append(int(entry))
-            except (OSError, ValueError):
-                continue
-        return [pid for pid in pids if not ring_process.is_gone(pid)]
+        return self.started_by_runs('scenario_cpu')
 
     def test_interrupted_or_killed_nothing_is_left(self):
         file = self.scenario('steps: [{at: 1ms, do: {hang: one}}, {after: 3600s}, {after: 3600s}]\nnever: [{node: one, is: down}]\n', self.nodes())

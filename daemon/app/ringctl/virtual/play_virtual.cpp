@@ -38,12 +38,6 @@ void log_to(const std::string& path) {
   spdlog::flush_on(spdlog::level::info);
 }
 
-capture::RingNames names_of(const config::RingConfig& ring) {
-  capture::RingNames names{ring.ring, {}};
-  for (const auto& node : ring.nodes) names.nodes.emplace(wire::NodeId{node.id}, node.name);
-  return names;
-}
-
 }  // namespace
 
 void require_virtual(const scenario::Scenario& scenario, const VirtualPlay& play) {
@@ -63,7 +57,7 @@ scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint
   log_to(play.log);
   program_stage::ProgramStage stage(scenario, ring, seed, log.get());
   std::optional<sim::RingCapture> captured;
-  if (play.capture != nullptr) captured.emplace(stage.ring(), *play.capture, names_of(ring), play.at);
+  if (play.capture != nullptr) captured.emplace(stage.ring(), *play.capture, sim::names_of(ring), play.at);
   scenario::ScenarioRun run = run_scenario(scenario, seed, stage);
   run.trace = stage.trace();
   return run;
