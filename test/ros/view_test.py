@@ -38,6 +38,17 @@ class View(unittest.TestCase):
             self.assertEqual([m.id for m in message.markers if m.ns == space], list(range(16)))
         self.assertTrue(all(m.header.frame_id == 'ring' for m in message.markers if m.ns == 'nodes'))
 
+    def test_the_frames_of_the_robot_are_known(self):
+        parents = {}
+
+        def take(message):
+            parents.update({one.child_frame_id: one.header.frame_id for one in message.transforms})
+        fixed = rospy.Subscriber('/tf_static', TFMessage, take)  # of ring_view and of robot_state_publisher
+        wanted = {'base_link': 'ring', 'body': 'base_link', 'l_sole': 'l_ankle_roll_link', 'r_sole': 'r_ankle_roll_link',
+                  'head_imu': 'neck_yaw_link', 'left_foot_force': 'l_ankle_roll_link'}
+        wait_for(lambda: wanted.items() <= parents.items(), 'the frames that stay where they are')
+        fixed.unregister()
+
     def test_a_hung_limb_is_marked_where_it_is_and_keeps_its_pose(self):
         transforms, held = Newest('/tf', TFMessage), Newest('held_joint_states', JointState)
         self.fault('hang left_knee')
