@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "config/config_error.h"
+#include "config/urdf_joints.h"
 
 namespace limb_ring::config {
 
@@ -16,6 +17,7 @@ namespace limb_ring::config {
 struct Document {
   std::string name;                           ///< the file, for errors
   std::map<std::string, std::uint8_t> nodes;  ///< every node's id, by name and by id in digits
+  UrdfJoints urdf;                            ///< what it names as `urdf`
 };
 
 struct Member;

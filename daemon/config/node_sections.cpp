@@ -1,4 +1,5 @@
 #include "config/sections.h"
+#include "config/urdf_limits.h"
 
 namespace limb_ring::config {
 
@@ -27,7 +28,12 @@ void read_cpu(const Entry& entry, NodeConfig& node) {
   node.cpu.kind = word == "none" ? CpuConfig::Kind::none : CpuConfig::Kind::attached;
 }
 
+constexpr RealRange kVelocities{0.001, 1000, "rad/s"}, kEfforts{0.001, 2000, "N m"};
+
 void check_joint(const Entry& entry, const JointConfig& joint) {
+  for (const char* angle : {"lower", "upper"}) check_urdf_limit(entry, joint, angle, kAngleRange);
+  check_urdf_limit(entry, joint, "velocity", kVelocities);
+  check_urdf_limit(entry, joint, "effort", kEfforts);
   const std::string range = format_real(joint.lower) + " to " + format_real(joint.upper) + " rad";
   if (joint.lower >= joint.upper)
     entry.refuse("joint '" + joint.name + "' has the limits " + range, "lower less than upper");
@@ -48,6 +54,17 @@ Option<NodeConfig> id_option() {
 template <typename T>
 Option<T> part_name_option(const char* meaning) {
   return name_option("name", &T::name, is_part_name, kPartNameRule, kRequired, meaning);
+}
+
+/// With the name it is known what a URDF says of it, as the defaults of the joint's other entries.
+Option<JointConfig> joint_name_option() {
+  auto option =
+      part_name_option<JointConfig>("As in JointState messages, and in the `urdf`; each name once in a ring.");
+  option.read = [read_name = option.read](const Entry& entry, JointConfig& joint) {
+    read_name(entry, joint);
+    take_urdf_limits(entry, joint);
+  };
+  return option;
 }
 
 }  // namespace
@@ -97,12 +114,12 @@ const Section<CpuConfig>& cpu_section() {
 
 const Section<JointConfig>& joint_section() {
   static const Section<JointConfig> section{
-      part_name_option<JointConfig>("As in JointState messages; each name once in a ring."),
-      real_option("lower", &JointConfig::lower, {-100, 100, "rad"}, "Lower limit of the angle."),
-      real_option("upper", &JointConfig::upper, {-100, 100, "rad"}, "Upper limit of the angle."),
-      real_option("velocity", &JointConfig::velocity, {0.001, 1000, "rad/s"}, "Limit of the speed, both ways."),
-      real_option("effort", &JointConfig::effort, {0.001, 2000, "N m"}, "Limit of the torque, both ways."),
-      real_option("initial", &JointConfig::initial, {-100, 100, "rad"}, "Angle when the firmware starts."),
+      joint_name_option(),
+      real_option("lower", &JointConfig::lower, kAngleRange, "Lower limit of the angle."),
+      real_option("upper", &JointConfig::upper, kAngleRange, "Upper limit of the angle."),
+      real_option("velocity", &JointConfig::velocity, kVelocities, "Limit of the speed, both ways."),
+      real_option("effort", &JointConfig::effort, kEfforts, "Limit of the torque, both ways."),
+      real_option("initial", &JointConfig::initial, kAngleRange, "Angle when the firmware starts."),
       choice_option("safe", &JointConfig::safe, {"hold", "damp"},
                     "Safe state: hold the angle, or let go with damping."),
   };

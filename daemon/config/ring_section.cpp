@@ -1,5 +1,6 @@
 #include "config/plain_ring.h"
 #include "config/sections.h"
+#include "config/urdf_limits.h"
 
 namespace limb_ring::config {
 namespace {
@@ -53,8 +54,8 @@ void read_timeouts(const Entry& entry, RingConfig& ring) {
 
 }  // namespace
 
-// Read in this order: nodes take their links from `links`; the supervisor, the bridge's topics and
-// the traffic name nodes.
+// Read in this order: nodes take their links from `links`, and their joints' limits from `urdf`; the supervisor, the
+// bridge's topics and the traffic name nodes.
 const Section<RingConfig>& ring_section() {
   static const Section<RingConfig> section{
       name_option("ring", &RingConfig::ring, is_ring_name, kRingNameRule, kRequired,
@@ -70,6 +71,11 @@ const Section<RingConfig>& ring_section() {
                      "The limb nodes' program and its simulated servos."),
       section_option("realtime", &RingConfig::realtime, realtime_section(),
                      "What the daemons ask of the kernel; where refused they say so and go on."),
+      {"urdf", "none", "a path, from the folder of this file, or absolute, or package://PACKAGE/PATH",
+       "A URDF, from which the joints have their limits (`lower`, `upper`, `velocity`, `effort`), by their names. A "
+       "limit "
+       "that is given here as well is as it is here.",
+       [](const Entry& entry, RingConfig&) { read_urdf(entry); }},
       {"nodes", kRequired, "a list of 2 to 255 maps, see below",
        "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
       section_option("supervisor", &RingConfig::supervisor, supervisor_section(),

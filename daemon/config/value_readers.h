@@ -17,6 +17,7 @@ struct RealRange {
   double least, most;
   const char* unit;
 };
+constexpr RealRange kAngleRange{-100, 100, "rad"};  ///< of a joint
 struct TimeRange {
   std::chrono::nanoseconds least, most;
   std::chrono::nanoseconds grain;  ///< whole multiples of this
