@@ -43,6 +43,9 @@ void DiagnosticsOut::tell_bridge(DiagnosticStatusWrapper& out) const {
     out.summary(Level::WARN, counted);
   else
     out.summary(Level::OK, counted);
+  const auto stopped =
+      std::count_if(status_.nodes.begin(), status_.nodes.end(), [](const NodeStatus& node) { return node.stopped; });
+  if (stopped > 0) out.mergeSummary(Level::WARN, std::to_string(stopped) + " stopped until `resume`");
   out.add("ring", status_.ring);
   out.add("bridge at node", status_.node);
   out.add("ring size", status_.ring_size);

@@ -34,12 +34,11 @@ void append(std::string& text, const std::string& more, const char* between) {
 
 }  // namespace
 
-FaultServices::FaultServices(ros::NodeHandle& nodes, const config::RingConfig& ring, const std::string& own,
-                             RingPort& port)
+FaultServices::FaultServices(TwoNames& names, const config::RingConfig& ring, const std::string& own, RingPort& port)
     : ring_nodes_(nodes_of(ring)), own_(own), port_(port), faults_(ring.ring, ring_nodes_) {
-  servers_ = {nodes.advertiseService("inject_fault", &FaultServices::inject, this),
-              nodes.advertiseService("clear_faults", &FaultServices::clear, this),
-              nodes.advertiseService("list_faults", &FaultServices::list, this)};
+  names.advertise("inject_fault", &FaultServices::inject, this);
+  names.advertise("clear_faults", &FaultServices::clear, this);
+  names.advertise("list_faults", &FaultServices::list, this);
 }
 
 void FaultServices::require_survival(const fault::Fault& fault) const {

@@ -3,7 +3,6 @@
 #include <limb_ring/ClearFaults.h>
 #include <limb_ring/InjectFault.h>
 #include <limb_ring/ListFaults.h>
-#include <ros/ros.h>
 
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "config/ring_config.h"
 #include "live/live_faults.h"
 #include "ros_bridge/ring_port.h"
+#include "ros_bridge/two_names.h"
 
 namespace limb_ring::bridge {
 
@@ -19,8 +19,8 @@ namespace limb_ring::bridge {
 /// in its message.
 class FaultServices {
  public:
-  /// @param nodes calls come by its queue @param own the bridge's node
-  FaultServices(ros::NodeHandle& nodes, const config::RingConfig& ring, const std::string& own, RingPort& port);
+  /// @param own the bridge's node
+  FaultServices(TwoNames& names, const config::RingConfig& ring, const std::string& own, RingPort& port);
 
  private:
   bool inject(InjectFault::Request& request, InjectFault::Response& response);
@@ -32,7 +32,6 @@ class FaultServices {
   std::string own_;
   RingPort& port_;  ///< its time goes on during a call
   live::LiveFaults faults_;
-  std::vector<ros::ServiceServer> servers_;
 };
 
 }  // namespace limb_ring::bridge

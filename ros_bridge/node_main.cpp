@@ -26,6 +26,14 @@ int complain(const std::exception& error, int code) {
   return code;
 }
 
+/// The master would end that one, whoever is to start it again would end this one, and so on.
+bool is_name_taken() {
+  const std::string& name = ros::this_node::getName();
+  if (!ros::service::exists(name + "/get_loggers", /*print_failure_reason=*/false)) return false;
+  ROS_FATAL("node %s runs already; give this one a name or a namespace of its own", name.c_str());
+  return true;
+}
+
 int run_or_complain(const NodeProgram& program) {
   // ROS ends with the last NodeHandle, and rosconsole with it: this one lasts until the last message is out.
   const ros::NodeHandle until_all_is_said;
@@ -58,7 +66,7 @@ int run_node(int argc, char** argv, const NodeProgram& program) {
     std::cerr << program.name << ": unknown argument '" << argv[1] << "'; see " << program.name << " --help\n";
     return 2;
   }
-  return run_or_complain(program);
+  return is_name_taken() ? 2 : run_or_complain(program);
 }
 
 }  // namespace limb_ring::bridge

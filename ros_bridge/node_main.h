@@ -12,6 +12,7 @@ struct NodeProgram {
 };
 
 /// Runs a ROS node. What keeps it from starting is said by rosconsole, so on standard error, too.
+/// A node of the same name that lives is such a reason.
 /// @return exit code: 0 ended as asked, 1 could not run, 2 wrong arguments, parameters or configuration
 int run_node(int argc, char** argv, const NodeProgram& program);
 

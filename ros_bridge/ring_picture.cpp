@@ -90,6 +90,7 @@ Marker RingPicture::name_marker(std::size_t index, const NodeStatus* node) const
   text.scale.z = kText;
   text.color = colour(1, 1, 1);
   text.text = config.name;
+  if (node && node->stopped) text.text += "\nstopped";
   if (node) text.text += node->state == "up" ? round_trip_text(node->round_trip_p50) : "\n" + node->state;
   return text;
 }

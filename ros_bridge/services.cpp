@@ -8,6 +8,7 @@
 
 #include "ask/known_stops.h"
 #include "ask/reset_node.h"
+#include "config/quantity.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {
@@ -19,9 +20,9 @@ using std::chrono::milliseconds;
 
 constexpr int kThreads = 3;
 constexpr auto kServiceConnect = 1s;
-constexpr auto kServiceAnswer = 10s;    // a send ends after timeouts.queue and its tries
-constexpr double kDefaultReset = 3.0;   // s
-constexpr double kLongestReset = 60.0;  // s
+constexpr auto kServiceAnswer = 10s;  // a send ends after timeouts.queue and its tries
+constexpr auto kReset = 3s;
+constexpr double kShortest = 1e-3, kLongest = 60.0;  // s, of a time-out
 
 std::string known_nodes(const config::RingConfig& ring) {
   std::string names;
@@ -32,10 +33,14 @@ std::string known_nodes(const config::RingConfig& ring) {
 
 double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
-milliseconds reset_timeout(double seconds) {
-  if (!std::isfinite(seconds) || seconds < 0 || seconds > kLongestReset)
-    throw std::invalid_argument("timeout " + std::to_string(seconds) + " s; it must be 0 (for 3 s) to 60 s");
-  return milliseconds(std::lround((seconds > 0 ? seconds : kDefaultReset) * 1000));
+/// As asked for; 0 is the usual one. rosservice takes a whole number for nanoseconds, which nobody means here.
+milliseconds timeout_of(const ros::Duration& asked, std::chrono::seconds usual) {
+  if (asked.isZero()) return usual;
+  if (asked.toSec() < kShortest || asked.toSec() > kLongest)
+    throw std::invalid_argument("timeout of " + config::format_time(std::chrono::nanoseconds(asked.toNSec())) +
+                                "; it must be 0 (for " + std::to_string(usual.count()) +
+                                " s), or 1 ms to 60 s: to rosservice 2 s are {secs: 2}");
+  return milliseconds(std::lround(asked.toSec() * 1000));
 }
 
 json answer_to(HostPort& port, const json& question, milliseconds timeout) {
@@ -63,6 +68,11 @@ bool answered(RingPort& port, Response& response, Call call) {
   return true;
 }
 
+const ros::NodeHandle& on_queue(ros::NodeHandle& nodes, ros::CallbackQueue& queue) {
+  nodes.setCallbackQueue(&queue);
+  return nodes;
+}
+
 }  // namespace
 
 Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon, RingPort& port,
@@ -72,21 +82,21 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
       port_(port),
       commands_(commands),
       nodes_(nodes),
-      threads_(kThreads, &queue_) {
+      threads_(kThreads, &queue_),
+      names_(on_queue(nodes_, queue_)) {
   daemon_.role = Role::tool;
   daemon_.alive_period = 0ms;
   daemon_.timeout = kServiceConnect;
-  nodes_.setCallbackQueue(&queue_);
-  servers_ = {nodes_.advertiseService("reset_node", &Services::reset_node, this),
-              nodes_.advertiseService("send_interrupt", &Services::send_interrupt, this),
-              nodes_.advertiseService("stop", &Services::stop, this),
-              nodes_.advertiseService("resume", &Services::resume, this)};
-  faults_.emplace(nodes_, ring_, daemon_.node, port_);
+  names_.advertise("reset_node", &Services::reset_node, this);
+  names_.advertise("send_interrupt", &Services::send_interrupt, this);
+  names_.advertise("stop", &Services::stop, this);
+  names_.advertise("resume", &Services::resume, this);
+  faults_.emplace(names_, ring_, daemon_.node, port_);
   threads_.start();
 }
 
 Services::~Services() {
-  for (auto& server : servers_) server.shutdown();
+  names_.shutdown();
   faults_.reset();
   threads_.stop();
 }
@@ -103,7 +113,7 @@ std::uint8_t Services::destination(const std::string& node) const {
 bool Services::reset_node(ResetNode::Request& request, ResetNode::Response& response) {
   return answered(port_, response, [&] {
     const auto id = one_node(request.node);
-    const auto timeout = reset_timeout(request.timeout);
+    const auto timeout = timeout_of(request.timeout, kReset);
     const std::uint8_t own = HostPort::connect(daemon_).id();
     if (id == own)
       throw std::invalid_argument("node '" + request.node + "' is this bridge's own: it would be " +
@@ -121,19 +131,21 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
     if (request.factor > 7)
       throw std::invalid_argument("factor " + std::to_string(request.factor) + "; it must be 0 to 7");
     const auto to = destination(request.node);
+    const auto timeout = timeout_of(request.timeout, kServiceAnswer);
     auto port = HostPort::connect(daemon_);
-    const auto result = port.wait(port.interrupt(to, request.factor, request.force), kServiceAnswer);
+    const auto result = port.wait(port.interrupt(to, request.factor, request.force), timeout);
     fill(response, to_string(result.outcome), in_seconds(result.round_trip), result.reason);
   });
 }
 
 bool Services::stop(Stop::Request& request, Stop::Response& response) {
   return answered(port_, response, [&] {
+    const auto timeout = timeout_of(request.timeout, kServiceAnswer);
     json ask_stop = {{"do", "stop"}};
     if (!request.node.empty() && request.node != "all") ask_stop["node"] = std::to_string(one_node(request.node));
     auto port = HostPort::connect(daemon_);
     const auto sent = std::chrono::steady_clock::now();
-    const auto reply = answer_to(port, ask_stop, kServiceAnswer);
+    const auto reply = answer_to(port, ask_stop, timeout);
     fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,
          reply.value("reason", ""));
     const auto stops = ask::wait_for_stops(ring_.ring, nodes_to_ask(request.node), sent);
@@ -159,23 +171,24 @@ std::vector<std::uint8_t> Services::nodes_to_resume(std::uint8_t destination) co
   return ids;
 }
 
-Result Services::resume_one(std::uint8_t node) {
+Result Services::resume_one(std::uint8_t node, std::chrono::steady_clock::time_point deadline) {
   const auto done = std::make_shared<std::promise<Result>>();
   auto result = done->get_future();
   const bool asked = commands_.resume(node, [done](const Result& r) { done->set_value(r); });
-  if (!asked || result.wait_for(kServiceAnswer) != std::future_status::ready)
+  if (!asked || result.wait_until(deadline) != std::future_status::ready)
     throw std::runtime_error("node " + std::to_string(node) + ": no result in time");
   return result.get();
 }
 
 bool Services::resume(Resume::Request& request, Resume::Response& response) {
   return answered(port_, response, [&] {
+    const auto deadline = std::chrono::steady_clock::now() + timeout_of(request.timeout, kServiceAnswer);
     const auto ids = nodes_to_resume(request.node.empty() ? kBroadcast : destination(request.node));
     if (ids.empty())
       throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");
     response.success = true;
     for (const auto id : ids) {
-      const auto result = resume_one(id);
+      const auto result = resume_one(id, deadline);
       if (result.outcome == Outcome::delivered) continue;
       response.success = false;
       response.message += "node " + std::to_string(id) + ": " + to_string(result.outcome) + " " + result.reason + "; ";

@@ -14,10 +14,11 @@
 #include "config/ring_config.h"
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/fault_services.h"
+#include "ros_bridge/two_names.h"
 
 namespace limb_ring::bridge {
 
-/// `reset_node`, `send_interrupt`, `stop`, `resume`, and those of FaultServices.
+/// `reset_node`, `send_interrupt`, `stop`, `resume`, and those of FaultServices, each also under the bridge's own name.
 ///
 /// A call may take seconds, so calls have a queue and threads of their own, and each opens a
 /// connection of its own to the daemon, as any tool may: joint data does not wait for them.
@@ -34,7 +35,7 @@ class Services {
   bool send_interrupt(SendInterrupt::Request& request, SendInterrupt::Response& response);
   bool stop(Stop::Request& request, Stop::Response& response);
   bool resume(Resume::Request& request, Resume::Response& response);
-  Result resume_one(std::uint8_t node);
+  Result resume_one(std::uint8_t node, std::chrono::steady_clock::time_point deadline);
 
   /// Id of a node by id or name, kBroadcast for "all".
   /// @throw std::invalid_argument naming the nodes there are
@@ -52,7 +53,7 @@ class Services {
   ros::CallbackQueue queue_;
   ros::NodeHandle nodes_;
   ros::AsyncSpinner threads_;
-  std::vector<ros::ServiceServer> servers_;
+  TwoNames names_;
   std::optional<FaultServices> faults_;
 };
 

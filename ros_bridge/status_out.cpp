@@ -1,5 +1,7 @@
 #include "ros_bridge/status_out.h"
 
+#include <std_msgs/Bool.h>
+
 #include <algorithm>
 
 namespace limb_ring::bridge {
@@ -24,7 +26,8 @@ StatusOut::StatusOut(ros::NodeHandle& nodes, const config::RingConfig& ring, con
       events_(events),
       counters_(counters),
       on_boot_(std::move(on_boot)),
-      publisher_(nodes.advertise<RingStatus>("ring_status", 1, /*latch=*/true)) {
+      publisher_(nodes.advertise<RingStatus>("ring_status", 1, /*latch=*/true)),
+      stopped_(nodes.advertise<std_msgs::Bool>("stopped", 1, /*latch=*/true)) {
   port.on_connection([this](const std::string& problem) {
     std::lock_guard<std::mutex> lock(mutex_);
     problem_ = problem;
@@ -64,10 +67,13 @@ bool StatusOut::is_due() {
   auto digest = watch_.digest();
   auto silent = joints_.silent_joints();
   auto now_wrong = problem();
-  const bool changed = digest != last_digest_ || silent != last_silent_ || now_wrong != last_problem_;
+  auto stops_now = stops();
+  const bool changed =
+      digest != last_digest_ || silent != last_silent_ || now_wrong != last_problem_ || stops_now != last_stops_;
   last_digest_ = std::move(digest);
   last_silent_ = std::move(silent);
   last_problem_ = std::move(now_wrong);
+  last_stops_ = std::move(stops_now);
   return changed || Clock::now() - last_time_ >= kPeriod;
 }
 
@@ -83,8 +89,10 @@ void StatusOut::publish() {
   const auto own = std::find_if(status.nodes.begin(), status.nodes.end(),
                                 [this](const auto& node) { return node.name == own_node_; });
   if (own != status.nodes.end()) status.ring_size = own->ring_size;
+  status.stopped = std::any_of(status.nodes.begin(), status.nodes.end(), [](const auto& node) { return node.stopped; });
   notice_boots(status);
   publisher_.publish(status);
+  tell_stopped(status);
   for (const auto& handler : on_status_) handler(status);
 }
 
@@ -106,6 +114,21 @@ void StatusOut::fill_joints(NodeStatus& node) const {
   node.states_received = received.states;
   node.states_missing = received.missing;
   node.stopped |= received.stopped;  // of a node on another host only its joint states tell
+}
+
+std::string StatusOut::stops() const {
+  std::string stops;
+  for (const auto& node : ring_.nodes)
+    if (joints_.received(node.id).stopped) stops += node.name + ' ';
+  return stops;
+}
+
+void StatusOut::tell_stopped(const RingStatus& status) {
+  if (last_stopped_ == bool(status.stopped)) return;
+  last_stopped_ = status.stopped;
+  std_msgs::Bool message;
+  message.data = status.stopped;
+  stopped_.publish(message);
 }
 
 void StatusOut::notice_boots(const RingStatus& status) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -19,7 +20,8 @@
 namespace limb_ring::bridge {
 
 /// `ring_status`, latched: once a second, and at once when a node or CPU changes its state, a
-/// joint falls silent or the daemon goes. A thread of its own asks the daemons.
+/// joint falls silent, a stop is latched or ended, or the daemon goes; and `stopped`, latched, on change. A thread of
+/// its own asks the daemons.
 class StatusOut {
  public:
   /// The CPU of a node (by id) has restarted.
@@ -43,6 +45,10 @@ class StatusOut {
   void notice_boots(const RingStatus& status);
   std::string problem();
 
+  /// The nodes whose joint states say that a stop is latched.
+  std::string stops() const;
+  void tell_stopped(const RingStatus& status);
+
   const config::RingConfig& ring_;
   std::string own_node_;
   const RosClock& clock_;
@@ -52,10 +58,11 @@ class StatusOut {
   const Counters& counters_;
   OnBoot on_boot_;
   std::vector<OnStatus> on_status_;
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, stopped_;
 
   std::map<std::uint8_t, std::uint32_t> boots_;
-  std::string last_digest_, last_problem_;
+  std::string last_digest_, last_problem_, last_stops_;
+  std::optional<bool> last_stopped_;
   std::vector<std::string> last_silent_;
   std::chrono::steady_clock::time_point last_time_{};
 

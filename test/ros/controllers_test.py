@@ -72,7 +72,7 @@ class Controllers(unittest.TestCase):
         elbow = self.start('elbow')
         answer = rospy.ServiceProxy('send_interrupt', SendInterrupt)(node='knee', factor=2)
         self.assertTrue(answer.success, answer.message)
-        answer = rospy.ServiceProxy('reset_node', ResetNode)(node='knee', timeout=3.0)
+        answer = rospy.ServiceProxy('reset_node', ResetNode)(node='knee', timeout=rospy.Duration(3))
         self.assertTrue(answer.success, answer.message)
         knee = self.start('knee')
         self.await_goals(heard)

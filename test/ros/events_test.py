@@ -63,7 +63,7 @@ class Events(unittest.TestCase):
         self.assertEqual(len(self.all(RingEvent.HEALED, 'left_hip')), 1)
 
     def test_a_reset_tells_who_ordered_it_and_what_the_cpu_did(self):
-        answer = service('reset_node', ResetNode)(node='left_elbow', timeout=10.0)
+        answer = service('reset_node', ResetNode)(node='left_elbow', timeout=rospy.Duration(10))
         self.assertTrue(answer.success, answer.message)
         reset = self.wait_for(RingEvent.RESET, 'left_elbow')
         self.assertEqual((reset.other_node, reset.value), ('body', 0))

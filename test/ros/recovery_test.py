@@ -6,6 +6,7 @@ import rospy
 import rostest
 from limb_ring.srv import ResetNode, Resume, SendInterrupt, Stop
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
 
 from ring_testing import Newest, Ring, is_alive, kill_process, stop_process, wait_for
 
@@ -32,7 +33,7 @@ class Recovery(unittest.TestCase):
         self.states.wait(lambda s: 'l_knee' not in s.name and len(s.name) == 25,
                          'joint states without the knee')
 
-        answer = service('reset_node', ResetNode)(node='left_knee', timeout=10.0)
+        answer = service('reset_node', ResetNode)(node='left_knee', timeout=rospy.Duration(10))
         self.assertTrue(answer.success, answer.message)
         self.assertEqual(answer.boots, before.cpu_boots + 1)
         self.assertGreater(answer.round_trip, 0)
@@ -48,12 +49,15 @@ class Recovery(unittest.TestCase):
 
     def test_a_reset_that_cannot_be_says_why(self):
         reset = service('reset_node', ResetNode)
-        answer = reset(node='left_tail', timeout=0)
+        answer = reset(node='left_tail', timeout=rospy.Duration(0))
         self.assertFalse(answer.success)
         self.assertIn("no node 'left_tail'", answer.message)
         self.assertIn('left_knee (10)', answer.message)
-        self.assertIn('own', reset(node='body', timeout=0).message)
-        self.assertIn('timeout', reset(node='left_knee', timeout=-1).message)
+        self.assertIn('own', reset(node='body').message)
+        for wrong in (-1, 61, 2e-9):  # the last is what rosservice makes of 2
+            answer = reset(node='left_knee', timeout=rospy.Duration.from_sec(wrong))
+            self.assertFalse(answer.success)
+            self.assertIn('1 ms to 60 s', answer.message)
 
     def test_an_interrupt_tells_its_outcome(self):
         send = service('send_interrupt', SendInterrupt)
@@ -65,14 +69,23 @@ class Recovery(unittest.TestCase):
         self.assertFalse(send(node='all', factor=0, force=False).success, 'a reset of all needs force')
 
     def test_a_stop_of_all_is_latched_until_resumed(self):
-        self.assertTrue(service('stop', Stop)(node='').success)
+        stopped = Newest('stopped', Bool)
+        stopped.wait(lambda s: not s.data, 'the state before a stop')
+        answer = service('stop', Stop)(node='', timeout=rospy.Duration(20))
+        self.assertTrue(answer.success, answer.message)
         limbs = [n.name for n in self.ring.status.get().nodes if n.states_received] + ['waist']  # that has no joints
         for name in limbs:
             self.ring.wait_for_node(name, lambda n: n.stopped, 'stopped')
+        stopped.wait(lambda s: s.data, 'the state after a stop')
+        self.ring.status.wait(lambda s: s.stopped, 'the ring to be stopped')
+        late = Newest('stopped', Bool)
+        late.wait(lambda s: s.data, 'the state for one who comes late')
         answer = service('resume', Resume)(node='all')
         self.assertTrue(answer.success, answer.message)
         for name in limbs:
             self.ring.wait_for_node(name, lambda n: not n.stopped, 'resumed')
+        stopped.wait(lambda s: not s.data, 'the state after resuming')
+        self.ring.status.wait(lambda s: not s.stopped, 'the ring to be stopped no more')
         answer = service('resume', Resume)(node='waist')
         self.assertFalse(answer.success)
         self.assertIn('no stop is latched', answer.message)

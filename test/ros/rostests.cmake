@@ -47,6 +47,7 @@ target_link_libraries(walking_recording_test PRIVATE limb_ring_bridge gmock gtes
 ring_rostest(launch_arguments 300)
 ring_rostest(own_firmware 180)
 ring_rostest(own_rings 300)
+ring_rostest(two_robots 300)
 ring_rostest(play_bag 180)
 ring_rostest(bringup 300)
 ring_rostest(recovery 360)

@@ -27,7 +27,7 @@ class SimulatedTime(unittest.TestCase):
             state = states.get()
             return abs(dict(zip(state.name, state.position)).get('l_elbow', 0) - 1.3) < 0.01
         wait_for(has_moved, 'the elbow to move')
-        answer = rospy.ServiceProxy('reset_node', ResetNode)(node='left_elbow', timeout=10.0)
+        answer = rospy.ServiceProxy('reset_node', ResetNode)(node='left_elbow', timeout=rospy.Duration(10))
         self.assertTrue(answer.success, answer.message)
 
 

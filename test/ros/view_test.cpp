@@ -92,6 +92,9 @@ TEST_F(Picture, LeadsPastABypassedNode) {
 TEST_F(Picture, TellsTheRoundTrip) {
   status.nodes[2].round_trip_p50 = 61.4e-6;
   EXPECT_EQ(of("names", draw())[2].text, "hip\n61 us");
+  status.nodes[2].stopped = true;
+  EXPECT_EQ(of("names", draw())[2].text, "hip\nstopped\n61 us");
+  status.nodes[2].stopped = false;
   status.nodes[2].state = "down";
   EXPECT_EQ(of("names", draw())[2].text, "hip\ndown");
 }

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <ros/ros.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace limb_ring::bridge {
+
+/// The services of this node, each under two names: the node's own (`ring_bridge/stop`), which nobody else has, and the
+/// short one of its namespace (`stop`). Where another node that lives offers the short one, it is left to that node:
+/// the master would take it away without a word.
+class TwoNames {
+ public:
+  /// @param nodes of the short names; calls come by its queue
+  explicit TwoNames(const ros::NodeHandle& nodes);
+
+  template <typename Owner, typename Request, typename Response>
+  void advertise(const std::string& name, bool (Owner::*call)(Request&, Response&), Owner* owner) {
+    servers_.push_back(own_.advertiseService(name, call, owner));
+    if (!belongs_to_another(name)) servers_.push_back(short_.advertiseService(name, call, owner));
+  }
+  /// No further calls.
+  void shutdown();
+
+ private:
+  bool belongs_to_another(const std::string& name);
+
+  ros::NodeHandle short_, own_;
+  std::map<std::string, std::string> providers_;  ///< node of each service that the master knew of at the start
+  std::vector<ros::ServiceServer> servers_;
+};
+
+}  // namespace limb_ring::bridge
