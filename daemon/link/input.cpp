@@ -7,26 +7,34 @@ namespace limb_ring::link {
 namespace {
 
 template <typename Line>
-std::shared_ptr<InputLine> open(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
-                                InputReport& report) {
-  auto line = std::make_shared<Line>(io, settings, handler, report);
+std::shared_ptr<InputLine> opened(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
+                                  InputReport& report, Upstream& upstream) {
+  auto line = std::make_shared<Line>(io, settings, handler, report, upstream);
   line->start();
   return line;
 }
 
 }  // namespace
 
+// UDP first: where its address is not this machine's, nothing else has been opened.
 Input::Input(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler) {
   if (settings.delay.count() > 0) {
     delay_ = std::make_unique<DelayedInput>(io, settings.delay, handler, report_.counters);
   }
   InputHandler& next = delay_ ? *delay_ : handler;
-  const bool udp = settings.endpoint.transport == Endpoint::Transport::udp;
-  line_ = udp ? open<UdpInput>(io, settings, next, report_) : open<UnixInput>(io, settings, next, report_);
+  if (settings.from_hosts) open(io, settings, *settings.from_hosts, next);
+  open(io, settings, settings.endpoint, next);
+}
+
+void Input::open(boost::asio::io_context& io, InputSettings settings, const Endpoint& endpoint, InputHandler& handler) {
+  settings.endpoint = endpoint;
+  const bool udp = endpoint.transport == Endpoint::Transport::udp;
+  lines_.push_back(udp ? opened<UdpInput>(io, settings, handler, report_, upstream_)
+                       : opened<UnixInput>(io, settings, handler, report_, upstream_));
 }
 
 void Input::close() {
-  line_->close();
+  for (const auto& line : lines_) line->close();
   if (delay_) delay_->close();
 }
 

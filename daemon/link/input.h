@@ -3,16 +3,17 @@
 #include <boost/asio/io_context.hpp>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "link/delayed_input.h"
 #include "link/input_handler.h"
-#include "link/input_line.h"
+#include "link/upstream.h"
 
 namespace limb_ring::link {
 
-/// The receiving end of the link INTO a node: listens, has one upstream neighbour at a time, and
-/// takes a nearer one, or the same restarted, in its place. Tells it every `idle` that somebody
-/// is here. One thread, one io_context. Not to be destroyed from within a call of its handler.
+/// The receiving end of the link INTO a node: listens (for nodes of its own host and of others), has one upstream
+/// neighbour at a time, and takes a nearer one, or the same restarted, in its place. Tells it every `idle` that
+/// somebody is here. One thread, one io_context. Not to be destroyed from within a call of its handler.
 class Input {
  public:
   /// @throw std::runtime_error where it cannot listen: names the endpoint, the cause, the cure
@@ -25,18 +26,23 @@ class Input {
   void close();
 
   /// As InputLine's. @throw std::runtime_error
-  void listen_again() { line_->listen_again(); }
+  void listen_again() {
+    for (const auto& line : lines_) line->listen_again();
+  }
 
   bool up() const { return from().has_value(); }
-  std::optional<std::uint8_t> from() const { return line_->from(); }
+  std::optional<std::uint8_t> from() const { return upstream_.from(); }
   const InputCounters& counters() const { return report_.counters; }
   /// Why the last unknown peer was turned away; empty where there was none.
   const std::string& last_unknown_peer() const { return report_.last_unknown_peer; }
 
  private:
+  void open(boost::asio::io_context& io, InputSettings settings, const Endpoint& endpoint, InputHandler& handler);
+
   InputReport report_;
   std::unique_ptr<DelayedInput> delay_;
-  std::shared_ptr<InputLine> line_;
+  Upstream upstream_;
+  std::vector<std::shared_ptr<InputLine>> lines_;
 };
 
 }  // namespace limb_ring::link

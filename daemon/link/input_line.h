@@ -13,10 +13,11 @@ namespace limb_ring::link {
 
 struct InputSettings {
   Identity self;
-  Endpoint endpoint;                ///< where we listen
+  Endpoint endpoint;                ///< where we listen, for nodes of this host
   std::vector<std::uint8_t> order;  ///< ids of all nodes in ring order, ours among them
   Timing timing;
-  nanoseconds delay{0};  ///< slices are handed on so much later
+  nanoseconds delay{0};                               ///< slices are handed on so much later
+  std::optional<Endpoint> from_hosts = std::nullopt;  ///< where we listen for nodes of other hosts, if elsewhere
 };
 
 /// What an Input keeps account of, whatever its transport.
@@ -38,7 +39,10 @@ class InputLine {
   /// Makes its socket's file again, where it has one and that was removed. What is connected stays so.
   /// @throw std::runtime_error
   virtual void listen_again() {}
+  /// Its upstream neighbour; nothing where it has none, which may have come in by another line.
   virtual std::optional<std::uint8_t> from() const = 0;
+  /// Tells its upstream neighbour that node `by` takes its place, and loses it. @pre from()
+  virtual void replace(std::uint8_t by) = 0;
 };
 
 }  // namespace limb_ring::link

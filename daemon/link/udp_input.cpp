@@ -18,11 +18,12 @@ constexpr int kReadsPerDrain = 64;
 }  // namespace
 
 UdpInput::UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
-                   InputReport& report)
+                   InputReport& report, Upstream& upstream)
     : io_(io),
       settings_(settings),
       handler_(handler),
       report_(report),
+      upstream_(upstream),
       admission_(settings.self, settings.order),
       socket_(listen_udp(io, settings.endpoint)),
       buffer_(kReadSize),
@@ -133,7 +134,7 @@ void UdpInput::gap(std::uint32_t lost) {
 }
 
 void UdpInput::on_connect(const LinkHeader& header, const UdpAddress& sender) {
-  const Refusal refusal = admission_.judge(header, from_);
+  const Refusal refusal = admission_.judge(header, upstream_.from());
   const Time now = Clock::now();
   if (refusal == Refusal::busy) ++report_.counters.refused;
   if (refusal != Refusal::none) tell(LinkHeaderType::refuse, {header.session, sender, now}, refusal);
@@ -156,17 +157,14 @@ bool UdpInput::take_up_offer(const LinkHeader& header) {
   if (found == offers_.end() || found->second.number != header.session) return false;
   const Session offer = found->second;
   offers_.erase(found);
-  if (admission_.judge(header, from_) != Refusal::none) {
+  if (admission_.judge(header, upstream_.from()) != Refusal::none) {
     ++report_.counters.refused;
     tell(LinkHeaderType::refuse, offer, Refusal::busy);
     return false;
   }
-  if (from_) {
-    ++report_.counters.replaced;
-    tell(LinkHeaderType::refuse, session_, Refusal::replaced);
-    lose("replaced by node " + std::to_string(header.sender));
-    if (closed_) return true;
-  }
+  upstream_.give_way(header.sender);
+  if (closed_) return true;
+  upstream_.comes_by(*this);
   session_ = offer;
   from_ = header.sender;
   sequence_.restart();
@@ -175,6 +173,12 @@ bool UdpInput::take_up_offer(const LinkHeader& header) {
   report_.report_once.forget();
   handler_.on_input_up(header.sender);
   return true;
+}
+
+void UdpInput::replace(std::uint8_t by) {
+  ++report_.counters.replaced;
+  tell(LinkHeaderType::refuse, session_, Refusal::replaced);
+  lose("replaced by node " + std::to_string(by));
 }
 
 void UdpInput::on_stale(const LinkHeader& header, const UdpAddress& sender) {

@@ -8,11 +8,11 @@
 #include "event_loop/ticker.h"
 #include "event_loop/watch.h"
 #include "link/admission.h"
-#include "link/input_line.h"
 #include "link/link_header.h"
 #include "link/sequence_check.h"
 #include "link/silence.h"
 #include "link/udp_socket.h"
+#include "link/upstream.h"
 
 namespace limb_ring::link {
 
@@ -22,10 +22,12 @@ namespace limb_ring::link {
 class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput> {
  public:
   /// @throw std::runtime_error where it cannot be bound, with the address and the cause
-  UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report);
+  UdpInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report,
+           Upstream& upstream);
   void start();
   void close() override;
   std::optional<std::uint8_t> from() const override;
+  void replace(std::uint8_t by) override;
 
  private:
   struct Session {
@@ -54,6 +56,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   InputSettings settings_;
   InputHandler& handler_;
   InputReport& report_;
+  Upstream& upstream_;
   Admission admission_;
   UdpSocket socket_;
   std::vector<std::uint8_t> buffer_;

@@ -14,11 +14,12 @@ constexpr std::size_t kMaxPending = 16;
 }  // namespace
 
 UnixInput::UnixInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler,
-                     InputReport& report)
+                     InputReport& report, Upstream& upstream)
     : io_(io),
       settings_(settings),
       handler_(handler),
       report_(report),
+      upstream_(upstream),
       admission_(settings.self, settings.order),
       acceptor_(listen_unix(io, settings.endpoint.path)),
       silence_(settings.timing),
@@ -77,7 +78,7 @@ void UnixInput::on_unknown_peer(const std::shared_ptr<PendingConnection>& connec
 
 void UnixInput::on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect) {
   let_go(connection);
-  const Refusal refusal = admission_.judge(connect, from());
+  const Refusal refusal = admission_.judge(connect, upstream_.from());
   if (connection->hung_up()) {
     connection->close();
   } else if (refusal != Refusal::none) {
@@ -112,8 +113,9 @@ void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) 
   auto stream = make_stream(connection, std::move(memory));
   if (!stream)
     return report_.unknown_peer("node " + std::to_string(connect.sender) + ": cannot wait for what it sends");
-  if (stream_) replace(connect.sender);
+  upstream_.give_way(connect.sender);
   if (closed_) return;
+  upstream_.comes_by(*this);
   stream_ = std::move(stream);
   from_ = connect.sender;
   silence_.restart(Clock::now());

@@ -6,10 +6,10 @@
 
 #include "event_loop/ticker.h"
 #include "link/admission.h"
-#include "link/input_line.h"
 #include "link/memory_stream.h"
 #include "link/pending_connection.h"
 #include "link/silence.h"
+#include "link/upstream.h"
 
 namespace limb_ring::link {
 
@@ -21,11 +21,13 @@ class UnixInput final : public InputLine,
                         private UnixStream::Owner {
  public:
   /// @throw std::runtime_error where it cannot listen, with the path and the cause
-  UnixInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report);
+  UnixInput(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler, InputReport& report,
+            Upstream& upstream);
   void start() { accept(); }
   void close() override;
   void listen_again() override;
   std::optional<std::uint8_t> from() const override;
+  void replace(std::uint8_t by) override;
 
  private:
   void accept();
@@ -38,7 +40,6 @@ class UnixInput final : public InputLine,
   void turn_away(PendingConnection& connection, const LinkHeader& connect, Refusal refusal);
   void admit(PendingConnection& connection, const LinkHeader& connect);
   std::shared_ptr<UnixStream> make_stream(PendingConnection& connection, std::optional<QueueMemory> memory);
-  void replace(std::uint8_t by);
   void lose(std::string_view reason);
   void let_go(const std::shared_ptr<PendingConnection>& connection);
   void tick(Time now);
@@ -49,6 +50,7 @@ class UnixInput final : public InputLine,
   InputSettings settings_;
   InputHandler& handler_;
   InputReport& report_;
+  Upstream& upstream_;
   Admission admission_;
   UnixAcceptor acceptor_;
   std::vector<std::shared_ptr<PendingConnection>> pending_;
