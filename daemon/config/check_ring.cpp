@@ -139,6 +139,7 @@ void check_ring(const Entry& file, const RingConfig& ring) {
   check_idle(file, ring.timeouts);
   check_part_names(file, ring);
   check_parts_have_cpu(file, ring);
+  check_hosts(file, ring);
   check_ports(file, ring);
   check_inputs(file, ring);
   check_supervisor(file, ring);

@@ -9,5 +9,7 @@ namespace limb_ring::config {
 /// @param file the whole file, for the place of what is wrong
 /// @throw ConfigError
 void check_ring(const Entry& file, const RingConfig& ring);
+/// The part of it that concerns `hosts`.
+void check_hosts(const Entry& file, const RingConfig& ring);
 
 }  // namespace limb_ring::config

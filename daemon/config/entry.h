@@ -18,6 +18,7 @@ struct Document {
   std::string name;                           ///< the file, for errors
   std::map<std::string, std::uint8_t> nodes;  ///< every node's id, by name and by id in digits
   UrdfJoints urdf;                            ///< what it names as `urdf`
+  std::map<std::string, std::size_t> hosts;   ///< every host's place in the file, by name
 };
 
 struct Member;

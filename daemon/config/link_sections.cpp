@@ -19,8 +19,9 @@ Option<LinkConfig> address_option() {
 
 Section<LinkConfig> section_with(const Option<LinkConfig>& port) {
   return {
-      choice_option("transport", &LinkConfig::transport, {"unix", "shm", "udp"},
-                    "Shared memory or UNIX stream sockets within a host, or UDP between hosts."),
+      choice_option(
+          "transport", &LinkConfig::transport, {"unix", "shm", "udp"},
+          "Shared memory, UNIX stream sockets, or UDP. Lines between hosts of `hosts` are UDP whatever it says."),
       address_option(),
       port,
       rate_option("rate", &LinkConfig::rate, "Data rate of the line; unlimited: as fast as the host."),

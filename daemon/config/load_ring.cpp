@@ -15,7 +15,7 @@ void default_outputs(std::vector<TopicConfig>& topics) {
 }  // namespace
 
 RingConfig parse_ring(const std::string& text, const std::string& name) {
-  Document document{name, {}, {}};
+  Document document{name, {}, {}, {}};
   const Entry file(parse_yaml(text, name), "", document);
   RingConfig ring;
   ring.path = name;

@@ -36,6 +36,8 @@ bool is_ring_name(const std::string& name) { return consists_of(name, "-_.", 32)
 
 bool is_node_name(const std::string& name) { return consists_of(name, "_", 32) && is_letter(name[0]) && name != "all"; }
 
+bool is_host_name(const std::string& name) { return is_part_name(name) && name != "all"; }
+
 bool is_part_name(const std::string& name) { return consists_of(name, "_-.", 64) && is_letter(name[0]); }
 
 bool is_topic_name(const std::string& name) {

@@ -8,12 +8,16 @@ namespace limb_ring::config {
 /// What the names in a configuration may look like (ours), each with its rule in words.
 constexpr const char* kRingNameRule = "1 to 32 letters, digits, '-', '_' and '.', not beginning with '.'";
 constexpr const char* kNodeNameRule = "a letter, then letters, digits and '_', 32 at most, and not the word 'all'";
+constexpr const char* kHostNameRule =
+    "a letter, then letters, digits, '_', '-' and '.', 64 at most, and not the word 'all'";
 constexpr const char* kPartNameRule = "a letter, then letters, digits, '_', '-' and '.', 64 at most";
 constexpr const char* kTopicNameRule =
     "a ROS topic name: a letter, '/' or '~', then letters, digits, '_' and '/', 200 at most";
 
 bool is_ring_name(const std::string& name);
 bool is_node_name(const std::string& name);
+/// A machine that runs nodes.
+bool is_host_name(const std::string& name);
 /// A joint or a sensor.
 bool is_part_name(const std::string& name);
 bool is_topic_name(const std::string& name);

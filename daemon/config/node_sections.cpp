@@ -74,6 +74,8 @@ const Section<NodeConfig>& node_section() {
       id_option(),
       name_option("name", &NodeConfig::name, is_node_name, kNodeNameRule, "node and the id",
                   "What people call the node; its own."),
+      {"host", "the first of `hosts`", "name of a host", "The machine that runs it.",
+       [](const Entry& entry, NodeConfig& node) { node.host = read_host(entry); }},
       {"cpu", "none", kAllowedCpus,
        "none: a built-in sink that counts. attached: an outside process connects, such as the "
        "bridge. command: ringd starts it.",

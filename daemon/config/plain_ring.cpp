@@ -40,6 +40,15 @@ void apply_transport(RingConfig& ring, const std::string& transport) {
   for (NodeConfig& node : ring.nodes) node.link.transport = ring.links.transport;
 }
 
+void apply_one_host(RingConfig& ring) {
+  if (ring.hosts.empty()) return;
+  ring.hosts.clear();
+  for (NodeConfig& node : ring.nodes) {
+    node.host = 0;
+    node.link.address = LinkConfig{}.address;
+  }
+}
+
 void rename_ring(RingConfig& ring, const std::string& name) {
   if (!is_ring_name(name)) throw ConfigError("ring: '" + name + "' is no ring name; allowed: " + kRingNameRule);
   const std::uint16_t before = default_first_port(ring.ring);

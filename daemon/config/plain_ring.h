@@ -16,6 +16,9 @@ RingConfig plain_ring(const std::string& ring, unsigned nodes);
 /// @throw ConfigError for any other word.
 void apply_transport(RingConfig& ring, const std::string& transport);
 
+/// All nodes are on this machine, whatever hosts the file gives: a robot's ring tried out at a desk.
+void apply_one_host(RingConfig& ring);
+
 /// Gives the ring another name (a second ring of one file on a host). UDP ports that came from the
 /// old name move to the new one's.
 /// @throw ConfigError where it is no ring name.

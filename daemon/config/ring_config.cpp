@@ -24,6 +24,20 @@ const NodeConfig* RingConfig::find(const std::string& id_or_name) const {
   return found == nodes.end() ? nullptr : &*found;
 }
 
+const HostConfig* RingConfig::find_host(const std::string& name) const {
+  const auto found =
+      std::find_if(hosts.begin(), hosts.end(), [&](const HostConfig& host) { return host.name == name; });
+  return found == hosts.end() ? nullptr : &*found;
+}
+
+const HostConfig* RingConfig::host_of(const NodeConfig& node) const {
+  return node.host < hosts.size() ? &hosts[node.host] : nullptr;
+}
+
+LinkConfig::Transport transport_between(const NodeConfig& from, const NodeConfig& to) {
+  return from.host == to.host ? to.link.transport : LinkConfig::Transport::udp;
+}
+
 const NodeConfig& body_of(const RingConfig& ring) {
   for (const NodeConfig& node : ring.nodes)
     if (node.cpu.kind == CpuConfig::Kind::attached) return node;

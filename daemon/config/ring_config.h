@@ -60,7 +60,8 @@ struct SensorConfig {
   std::uint8_t priority = 1;  ///< 0..3
 };
 
-/// The link INTO a node; whoever is upstream of it, connects to it so.
+/// The link INTO a node; whoever is upstream of it on the same host, connects to it so. From other hosts it is UDP, at
+/// the same address and port.
 struct LinkConfig {
   enum class Transport { unix_stream, shm, udp } transport = Transport::shm;
   std::string address = "127.0.0.1";  ///< udp: the node listens there, and only there
@@ -73,9 +74,18 @@ struct LinkConfig {
   nanoseconds delay{0};
 };
 
+/// A machine that runs some of the ring's nodes. (ours)
+struct HostConfig {
+  std::string name;
+  std::string address;  ///< IPv4 or IPv6, in numbers: the others' lines come in there
+  std::string ssh;      ///< where `ringctl --ssh` goes; empty: the address
+  const std::string& ssh_destination() const { return ssh.empty() ? address : ssh; }
+};
+
 struct NodeConfig {
   std::uint8_t id = 0;
   std::string name;
+  std::size_t host = 0;  ///< its place in RingConfig::hosts; 0 also where no hosts are given
   CpuConfig cpu;
   std::vector<JointConfig> joints;
   std::vector<SensorConfig> sensors;
@@ -181,6 +191,7 @@ struct Realtime {
 struct RingConfig {
   std::string ring;
   std::string path;               ///< file it was read from; empty where made by plain_ring()
+  std::vector<HostConfig> hosts;  ///< in the file's order; empty: all nodes are on one machine, or nobody has said
   std::vector<NodeConfig> nodes;  ///< in ring order, which is the file's order
   /// foldback: a second, counter-rotating line closes the ring again around a break. (ours)
   enum class Redundancy { none, foldback } redundancy = Redundancy::none;
@@ -197,7 +208,13 @@ struct RingConfig {
   const NodeConfig* find(std::uint8_t id) const;
   /// By id ("12") or name ("left_knee").
   const NodeConfig* find(const std::string& id_or_name) const;
+  const HostConfig* find_host(const std::string& name) const;
+  /// Of a node; nullptr where no hosts are given.
+  const HostConfig* host_of(const NodeConfig& node) const;
 };
+
+/// How a line goes from one node to another: within a host as the second one's link says, else by UDP. (ours)
+LinkConfig::Transport transport_between(const NodeConfig& from, const NodeConfig& to);
 
 /// The first node in ring order whose CPU is attached (the bridge's, usually the body), else the
 /// first node. Limbs send their states and readings there, and get their commands from there. (ours)

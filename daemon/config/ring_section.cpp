@@ -26,12 +26,15 @@ void read_roster(const std::vector<Entry>& items) {
   }
 }
 
-NodeConfig read_node_map(const Entry& item, const LinkConfig& links) {
+NodeConfig read_node_map(const Entry& item, const LinkConfig& links, const std::vector<HostConfig>& hosts) {
   NodeConfig node;
   node.link = links;
   node.link.port = 0;
   read_section(item, node_section(), node);
   if (node.name.empty()) node.name = "node" + std::to_string(node.id);
+  const auto link = item.find("link");
+  const bool own_address = link && link->find("address");
+  if (!hosts.empty() && !own_address) node.link.address = hosts[node.host].address;
   if (node.link.port == 0) node.link.port = static_cast<std::uint16_t>(links.port + node.id);
   return node;
 }
@@ -41,7 +44,7 @@ void read_nodes(const Entry& entry, RingConfig& ring) {
   if (items.size() < 2) entry.refuse("a list of " + std::to_string(items.size()) + " is too short", kAllowedNodes);
   if (ring.links.port == 0) ring.links.port = default_first_port(ring.ring);
   read_roster(items);
-  for (const Entry& item : items) ring.nodes.push_back(read_node_map(item, ring.links));
+  for (const Entry& item : items) ring.nodes.push_back(read_node_map(item, ring.links, ring.hosts));
 }
 
 /// Until 0.1.0 one entry stood for three waits.
@@ -54,8 +57,8 @@ void read_timeouts(const Entry& entry, RingConfig& ring) {
 
 }  // namespace
 
-// Read in this order: nodes take their links from `links`, and their joints' limits from `urdf`; the supervisor, the
-// bridge's topics and the traffic name nodes.
+// Read in this order: nodes take their links from `links`, and their joints' limits from `urdf`, and name their host;
+// the supervisor, the bridge's topics and the traffic name nodes.
 const Section<RingConfig>& ring_section() {
   static const Section<RingConfig> section{
       name_option("ring", &RingConfig::ring, is_ring_name, kRingNameRule, kRequired,
@@ -76,6 +79,7 @@ const Section<RingConfig>& ring_section() {
        "limit "
        "that is given here as well is as it is here.",
        [](const Entry& entry, RingConfig&) { read_urdf(entry); }},
+      hosts_option(),
       {"nodes", kRequired, "a list of 2 to 255 maps, see below",
        "The nodes in ring order: each sends to the next, the last to the first.", read_nodes},
       section_option("supervisor", &RingConfig::supervisor, supervisor_section(),

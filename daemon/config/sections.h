@@ -21,6 +21,11 @@ const Section<TopicConfig>& topic_section();
 Option<RingConfig> traffic_option();
 const Section<TrafficConfig>& traffic_section();
 const Section<NodeConfig>& node_section();
+/// The entry `hosts`, a list.
+Option<RingConfig> hosts_option();
+const Section<HostConfig>& host_section();
+/// A host of this ring, by name. @return its place in `hosts`. @throw ConfigError
+std::size_t read_host(const Entry& entry);
 /// The entry `link` of one node.
 const Section<LinkConfig>& link_section();
 const Section<CpuConfig>& cpu_section();

@@ -44,7 +44,7 @@ void require_own(const Fault& fault, const FaultTargets& to) {
     throw RequestError(std::string(word.word) + " is not for the daemon itself: 'ringctl fault' does it from outside");
   fault::check_second_line(fault, to.engine.has_second_line(), to.faults.nodes());
   const config::NodeConfig& next = next_of(to);
-  if (fault.name == Name::reorder && next.link.transport != config::LinkConfig::Transport::udp)
+  if (fault.name == Name::reorder && config::transport_between(to.node, next) != config::LinkConfig::Transport::udp)
     throw RequestError("reorder: the line from " + to.node.name + " to " + next.name +
                        " is a UNIX stream, which keeps order; it needs a UDP line (transport: udp)");
 }

@@ -89,7 +89,7 @@ bool expects_something(const Scenario& scenario) {
 }
 
 Scenario parse_scenario(const std::string& text, const std::string& name) {
-  config::Document document{name, {}, {}};
+  config::Document document{name, {}, {}, {}};
   const Entry file(config::parse_yaml(text, name), "", document);
   check_names(file, names_of(scenario_section()), {});
   Scenario scenario;

@@ -13,13 +13,25 @@ using config::NodeConfig;
 using config::RingConfig;
 using core::Line;
 
-link::Endpoint endpoint_of(const NodeConfig& node, const std::string& directory, Line line) {
+/// Where node `to` listens for node `from`.
+link::Endpoint endpoint_between(const NodeConfig& from, const NodeConfig& to, const std::string& directory, Line line) {
   const bool second = line == Line::second;
-  if (node.link.transport == LinkConfig::Transport::udp)
-    return link::Endpoint::udp(node.link.address, second ? node.link.second_port() : node.link.port);
-  std::string path = socket_path(directory, std::to_string(node.id), second ? "link2" : "link");
-  return node.link.transport == LinkConfig::Transport::shm ? link::Endpoint::shm(std::move(path))
-                                                           : link::Endpoint::unix_stream(std::move(path));
+  const LinkConfig::Transport transport = config::transport_between(from, to);
+  if (transport == LinkConfig::Transport::udp)
+    return link::Endpoint::udp(to.link.address, second ? to.link.second_port() : to.link.port);
+  std::string path = socket_path(directory, std::to_string(to.id), second ? "link2" : "link");
+  return transport == LinkConfig::Transport::shm ? link::Endpoint::shm(std::move(path))
+                                                 : link::Endpoint::unix_stream(std::move(path));
+}
+
+/// Where it listens for the nodes of other hosts; nothing where there are none. By a bypass each of them may come to
+/// be its upstream neighbour, however far away it is.
+std::optional<link::Endpoint> endpoint_from_hosts(const RingConfig& ring, const NodeConfig& node,
+                                                  const std::string& directory, Line line) {
+  if (node.link.transport == LinkConfig::Transport::udp) return std::nullopt;  // one endpoint for all
+  for (const NodeConfig& other : ring.nodes)
+    if (other.host != node.host) return endpoint_between(other, node, directory, line);
+  return std::nullopt;
 }
 
 /// Ids in the order in which the line runs.
@@ -40,8 +52,9 @@ link::Identity identity_of(const RingConfig& ring, const NodeConfig& node) {
 
 link::InputSettings input_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
                                    Line line) {
-  return {identity_of(ring, node), endpoint_of(node, directory, line), order_on(ring, line), timing_of(ring),
-          node.link.delay};
+  return {identity_of(ring, node), endpoint_between(node, node, directory, line),
+          order_on(ring, line),    timing_of(ring),
+          node.link.delay,         endpoint_from_hosts(ring, node, directory, line)};
 }
 
 link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
@@ -51,7 +64,7 @@ link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& n
   const std::size_t nodes = ring.nodes.size();
   for (std::size_t i = 1; i <= nodes; ++i) {
     const NodeConfig& next = ring.nodes[(at + (line == Line::first ? i : nodes - i)) % nodes];
-    s.candidates.push_back({next.id, endpoint_of(next, directory, line)});
+    s.candidates.push_back({next.id, endpoint_between(node, next, directory, line)});
   }
   return s;
 }

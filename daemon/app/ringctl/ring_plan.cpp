@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/ringctl/host_choice.h"
 #include "app/ringctl/problems.h"
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
@@ -44,6 +45,7 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
     arguments = {"--config", std::filesystem::absolute(request.config).string()};
   arguments.insert(arguments.end(), {"--ring", ring});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
+  if (request.host == kAllHosts) arguments.push_back("--one-host");
   if (!request.clock) return arguments;
   arguments.insert(arguments.end(), {"--clock", request.clock->follows ? "follow" : "virtual", "--pace",
                                      pace_text(request.clock->pace)});
@@ -84,8 +86,12 @@ RingPlan plan_ring(const UpRequest& request) {
   plan.ring = ring_name(request, config);
   plan.is_virtual = request.clock.has_value();
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
+  plan.ring_size = config.nodes.size();
+  if (!plan.is_virtual) plan.host = chosen_host(config, request.host);
+  if (plan.host == kAllHosts) plan.host.clear();
   for (const auto& node : config.nodes)
-    plan.nodes.push_back({{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});
+    if (plan.host.empty() || config.host_of(node)->name == plan.host)
+      plan.nodes.push_back({{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});
   return plan;
 }
 

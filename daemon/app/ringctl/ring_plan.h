@@ -23,6 +23,7 @@ struct UpRequest {
   unsigned nodes = 0;                 ///< with `config` 0, or the file's number
   std::string ring;                   ///< name instead of the file's; a plain ring's default is "plain"
   std::string transport;              ///< unix, shm or udp instead of the file's; empty: as the file says
+  std::string host;                   ///< whose nodes, or kAllHosts; empty: see chosen_host()
   std::optional<VirtualClock> clock;  ///< none: the machine's
 };
 
@@ -31,13 +32,17 @@ struct PlannedNode {
   bool has_child = false;  ///< its CPU is a process that ringd starts
 };
 
-/// A ring to be started: known to be well configured, one daemon for each node, or one for all on a virtual clock.
+/// A ring, or one host's part of it, to be started: known to be well configured, one daemon for each node, or one for
+/// all on a virtual clock.
 struct RingPlan {
   std::string ring;
-  std::vector<PlannedNode> nodes;
+  std::vector<PlannedNode> nodes;      ///< those started here
+  std::size_t ring_size = 0;           ///< how many the whole ring has
+  std::string host;                    ///< whose nodes these are; empty: all of the ring
   std::vector<std::string> arguments;  ///< of every ringd, without --node
   bool is_virtual = false;             ///< one daemon for all nodes
 
+  bool is_part() const { return nodes.size() < ring_size; }
   /// Command line of the daemon of one node, without the program.
   std::vector<std::string> arguments_of(const NodeName& node) const;
 };

@@ -26,6 +26,15 @@ std::string missing(const PlannedNode& planned, const json& status, std::size_t 
   return planned.has_child ? cpu_missing(status.value("cpu", json::object())) : "";
 }
 
+std::string missing_in_part(const PlannedNode& planned, const json& status, std::size_t nodes) {
+  const std::string state = status.value("state", "unknown");
+  if (state == "starting" || state == "joining" || state == "duplicate_id") return "it is " + state;
+  const std::size_t size = status.value("ring_size", std::size_t{0});
+  if (state != "open_chain" && size < nodes)
+    return "it knows a ring of " + std::to_string(size) + " nodes; " + std::to_string(nodes) + " are on this host";
+  return planned.has_child ? cpu_missing(status.value("cpu", json::object())) : "";
+}
+
 RingWatch::RingWatch(const RingPlan& plan) : plan_(plan) { ports_.resize(plan.nodes.size()); }
 
 std::optional<RingWatch::NotReady> RingWatch::first_not_ready() {
@@ -41,7 +50,9 @@ std::string RingWatch::lack_of(std::size_t index) {
   const PlannedNode& planned = plan_.nodes[index];
   try {
     if (!port) port.emplace(connect_node(plan_.ring, std::to_string(planned.node.id)));
-    return missing(planned, ask(*port, {{"do", "status"}}, kAnswerTime), plan_.nodes.size());
+    const json status = ask(*port, {{"do", "status"}}, kAnswerTime);
+    ring_size_ = status.value("ring_size", std::size_t{0});
+    return (plan_.is_part() ? missing_in_part : missing)(planned, status, plan_.nodes.size());
   } catch (const std::exception& problem) {
     port.reset();
     return problem.what();

@@ -12,6 +12,9 @@ namespace limb_ring::ringctl {
 /// What a node still lacks before the ring counts as closed: state up, a ring of all nodes, and
 /// its CPU running where that is a child of ringd. Empty where nothing.
 std::string missing(const PlannedNode& planned, const nlohmann::json& status, std::size_t nodes);
+/// The same of a host's part of a ring of which more may come: it works with the `nodes` of this host at least, or in
+/// the open chain.
+std::string missing_in_part(const PlannedNode& planned, const nlohmann::json& status, std::size_t nodes);
 
 /// Watches a ring that is being started, over connections that it keeps.
 class RingWatch {
@@ -24,11 +27,14 @@ class RingWatch {
   };
   /// The first node that is not ready; nothing where the ring is closed.
   std::optional<NotReady> first_not_ready();
+  /// How many nodes the ring had, as far as the nodes here knew when they were asked last.
+  std::size_t ring_size() const { return ring_size_; }
 
  private:
   std::string lack_of(std::size_t index);
 
   const RingPlan& plan_;
+  std::size_t ring_size_ = 0;
   std::vector<std::optional<HostPort>> ports_;
 };
 

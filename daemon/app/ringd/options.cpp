@@ -44,6 +44,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--ring", o.ring, "name of the ring (default: the configuration's, or 'plain')");
   app.add_option("--transport", o.transport, "unix, shm or udp, for every link (default: the configuration's)")
       ->transform(cli::one_of({"unix", "shm", "udp"}));
+  app.add_flag("--one-host", o.one_host, "all nodes are on this machine, whatever hosts the configuration gives");
   CLI::Option* clock =
       app.add_option(
              "--clock", o.clock,
@@ -81,6 +82,7 @@ config::RingConfig ring_of(const Options& options) {
                                 : config::load_ring(options.config);
   check_node_count(options, ring);
   if (!options.ring.empty()) config::rename_ring(ring, options.ring);
+  if (options.one_host) config::apply_one_host(ring);
   if (!options.transport.empty()) config::apply_transport(ring, options.transport);
   return ring;
 }

@@ -17,6 +17,7 @@ struct Options {
   std::optional<unsigned> nodes;  ///< must be the configuration's number
   std::string ring;               ///< another name for the ring
   std::string transport;          ///< unix, shm or udp for every link
+  bool one_host = false;          ///< all nodes are on this machine, whatever hosts the file gives
   std::string clock = "machine";  ///< or virtual: the whole ring is in this process
   std::optional<double> pace;     ///< of the virtual clock: its time per real time; infinite: as fast as the machine is
   double lasts_s = 0;             ///< of the virtual clock: the ring ends by itself then; 0: it does not

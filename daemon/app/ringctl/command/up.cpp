@@ -43,11 +43,10 @@ void require_not_running(const std::string& ring) {
   throw NotDone("ring " + ring + " is running already; 'ringctl down " + ring + "' ends it");
 }
 
-/// Waits until the ring is closed. @return why it is not; empty where it is
-std::string wait_until_closed(const RingPlan& plan, live::LaunchedRing& daemons, SignalWait& signals,
+/// Waits until the ring, or this host's part of it, is closed. @return why it is not; empty where it is
+std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::LaunchedRing& daemons, SignalWait& signals,
                               double timeout_s) {
   const auto deadline = steady_clock::now() + milliseconds(static_cast<int>(timeout_s * 1000));
-  RingWatch watch(plan);
   Progress progress;
   for (;;) {
     const auto waiting = watch.first_not_ready();
@@ -62,8 +61,16 @@ std::string wait_until_closed(const RingPlan& plan, live::LaunchedRing& daemons,
   }
 }
 
-void announce(const RingPlan& plan) {
-  std::cout << "ring " << plan.ring << " is closed: " << plan.nodes.size() << " nodes up" << std::endl;
+void announce(const RingPlan& plan, std::size_t ring_size) {
+  std::cout << "ring " << plan.ring;
+  if (!plan.is_part())
+    std::cout << " is closed: " << plan.nodes.size() << " nodes up" << std::endl;
+  else if (ring_size == plan.ring_size)
+    std::cout << " is closed: " << ring_size << " nodes up, " << plan.nodes.size() << " of them here, on host "
+              << plan.host << std::endl;
+  else
+    std::cout << ": the " << plan.nodes.size() << " nodes of host " << plan.host << " are up, " << ring_size << " of "
+              << plan.ring_size << " are in the ring; 'ringctl wait up' waits for the other hosts" << std::endl;
 }
 
 void tell_ended(live::LaunchedRing& daemons) {
@@ -129,7 +136,7 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, SignalW
     if (const auto waiting = watch->first_not_ready()) {
       progress.tell("waiting for " + waiting->lack);
     } else {
-      announce(plan);
+      announce(plan, watch->ring_size());
       watch.reset();
     }
   }
@@ -157,13 +164,14 @@ int run(const UpOptions& options) {
   SignalWait signals;
   const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
   live::LaunchedRing daemons(launch_request(plan, lifetime, options.detach));
-  const std::string problem = wait_until_closed(plan, daemons, signals, options.timeout_s);
+  RingWatch watch(plan);
+  const std::string problem = wait_until_closed(plan, watch, daemons, signals, options.timeout_s);
   if (!problem.empty()) {
     end(daemons, signals);
     throw NotDone("ring " + plan.ring + ": " + problem);
   }
   if (daemons.first_ended() == nullptr)
-    announce(plan);
+    announce(plan, watch.ring_size());
   else
     std::cout << "ring " << plan.ring << " has ended: its time was over" << std::endl;
   if (options.detach) return kDone;
@@ -180,6 +188,7 @@ void read_clock(UpOptions& options) {
   }
   if (options.respawn && options.lasts_s > 0)
     throw UsageError("--for and --respawn do not go together: a ring that has run for so long is to stay down");
+  if (!options.request.host.empty()) throw UsageError("--clock virtual has all nodes in one process: leave --host out");
   if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
   const bool follows = options.clock == "follow";
   const double usual = follows ? std::numeric_limits<double>::infinity() : 1;
@@ -192,8 +201,8 @@ void read_clock(UpOptions& options) {
 void add_up(CLI::App& app, Context& context) {
   auto options = std::make_shared<UpOptions>();
   UpRequest& request = options->request;
-  CLI::App* command =
-      add_command(app, "up", "Start a ring, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
+  CLI::App* command = add_command(
+      app, "up", "Start a ring, or one host's part of it, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
   command->add_option("CONFIG", request.config, "YAML file of the ring");
   command
       ->add_option("--nodes", request.nodes,
@@ -201,6 +210,10 @@ void add_up(CLI::App& app, Context& context) {
       ->transform(cli::whole(2, 255));
   command->add_option("--transport", request.transport, "unix, shm or udp, whatever CONFIG says")
       ->transform(cli::one_of({"unix", "shm", "udp"}));
+  command->add_option(
+      "--host", request.host,
+      "Where CONFIG has `hosts`: start the nodes of this one; all: run all nodes on this machine. Default: "
+      "the host whose address is this machine's, where that is one");
   command->add_flag("--detach", options->detach,
                     "Return when the ring is closed; its daemons go on, each with a log file "
                     "NODE.log in the ring's folder");

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "app/common/out_file.h"
+#include "app/ringctl/host_choice.h"
 #include "app/ringctl/live/live_stage.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/virtual/scenario_cpu.h"
@@ -59,6 +60,7 @@ RingPlan plan_scenario_ring(const scenario::Scenario& scenario, const std::strin
   request.config = folder + "/ring.yaml";
   request.ring = "scenario" + std::to_string(::getpid());  // UDP ports follow from it
   request.transport = transport;
+  if (!ring.hosts.empty()) request.host = kAllHosts;
   write(file, request.config);
   return plan_ring(request);
 }
