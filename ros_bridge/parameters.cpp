@@ -84,7 +84,8 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   parameters.follows = clock == "follow";
   parameters.sample_log = text_parameter(own, "sample_log");
   parameters.daemon.ring = parameters.ring.ring;
-  const config::NodeConfig& node = bridge_node(parameters.ring, text_parameter(own, "node"));
+  const std::string named = text_parameter(own, "node");
+  const config::NodeConfig& node = bridge_node(parameters.ring, named);
   parameters.daemon.node = node.name;
   parameters.daemon.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
   parameters.daemon.alive_period = kAlivePeriod;

@@ -71,7 +71,7 @@ class OwnRateEnds {
     }
     ended_ = now;
     if (begun_.isZero()) {
-      begun_ = now;
+      begun_ = ended_;
       first_ = last_;
       counted_ = 0;
     }

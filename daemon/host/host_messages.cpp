@@ -70,11 +70,11 @@ void HostServer::attach_later(Session& session, const client::Greeting& greeting
   session.put(welcome(ClockKind::lockstep));
   const auto attach_now = [this, alive = alive_, weak = session.weak_from_this(), greeting,
                            ring = std::string(greeting.ring)] {
-    const SessionPtr session = weak.lock();
-    if (!*alive || !session || !session->open()) return;
+    const SessionPtr waiting = weak.lock();
+    if (!*alive || !waiting || !waiting->open()) return;
     client::Greeting own = greeting;
     own.ring = ring;
-    attach(*session, own);
+    attach(*waiting, own);
   };
   if (greeting.role == Role::cpu) handler_.on_greeted(session.info().pid);
   options_.turns->greeted(options_.id, attach_now);

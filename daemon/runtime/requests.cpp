@@ -116,10 +116,10 @@ void Requests::ping(const Json& request, const Answer& answer) {
 }
 
 void Requests::reset(const Json& request, const Answer& answer) {
-  const auto& target = node_in(to_.ring, request, "node");
+  const config::NodeConfig* target = &node_in(to_.ring, request, "node");
   const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
-  const std::uint8_t factor = factor_of(target, Action::reset, "reset");
-  to_.interrupts.reset(wire::NodeId{target.id}, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
+  const std::uint8_t factor = factor_of(*target, Action::reset, "reset");
+  to_.interrupts.reset(wire::NodeId{target->id}, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
     const SendReason reason = to_.reasons.of(report.ended);
     const bool explained = report.ended.outcome != core::Outcome::delivered && !report.success();
     answer({{"success", report.success()},

@@ -43,7 +43,7 @@ void RingSupervisor::reset(wire::NodeId node) {
 
 void RingSupervisor::tell(const Watchdog::Finding& finding) const {
   const bool bad = finding.verdict == CpuVerdict::hung || finding.verdict == CpuVerdict::unreachable;
-  spdlog::log(bad ? spdlog::level::warn : spdlog::level::info, "CPU of node {} ({}) {}: {}", finding.node,
+  spdlog::log(bad ? spdlog::level::warn : spdlog::level::info, "CPU of node {} ({}) {}: {}", unsigned{finding.node},
               ring_.find(finding.node)->name, to_string(finding.verdict), finding.what);
   found_(finding);
 }

@@ -22,7 +22,7 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* description) 
   return command;
 }
 
-void add_json(CLI::App& command, bool& json) { command.add_flag("--json", json, "Print JSON, for programs"); }
+void add_json(CLI::App& command, bool& asked) { command.add_flag("--json", asked, "Print JSON, for programs"); }
 
 namespace {
 
@@ -81,7 +81,8 @@ std::vector<std::string> names_for(const std::string& wanted) {
   const std::set<std::string> nodes{"NODE", "TO", "--to", "--from"};
   if (nodes.count(wanted) == 0) return names;
   try {
-    for (const NodeName& node : RingAccess::open(choose_ring("")).nodes()) names.push_back(node.name);
+    const RingAccess access = RingAccess::open(choose_ring(""));
+    for (const NodeName& node : access.nodes()) names.push_back(node.name);
   } catch (const std::exception&) {
     return {};  // none runs, or several do
   }

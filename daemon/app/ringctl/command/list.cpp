@@ -46,12 +46,12 @@ int run(bool json) {
 }  // namespace
 
 void add_list(CLI::App& app, Context& context) {
-  auto json = std::make_shared<bool>(false);
+  auto as_json = std::make_shared<bool>(false);
   CLI::App* command = add_command(app, "list",
                                   "All rings of this user: how many nodes are held by a daemon; on which clock, and "
                                   "of a virtual one where it is, how fast, and how far behind");
-  add_json(*command, *json);
-  command->callback([&context, json] { context.action = [json] { return run(*json); }; });
+  add_json(*command, *as_json);
+  command->callback([&context, as_json] { context.action = [as_json] { return run(*as_json); }; });
 }
 
 }  // namespace limb_ring::ringctl
