@@ -6,7 +6,9 @@
 #include <exception>
 #include <iostream>
 #include <stdexcept>
+#include <string>
 
+#include "cli/roff.h"
 #include "config/config_error.h"
 
 namespace limb_ring::bridge {
@@ -49,11 +51,19 @@ int run_or_complain(const NodeProgram& program) {
   }
 }
 
+/// `man-page`, for the build.
+bool asks_for_man_page(int argc, char** argv) { return argc == 2 && std::strcmp(argv[1], "man-page") == 0; }
+
 }  // namespace
 
 int run_node(int argc, char** argv, const NodeProgram& program) {
   if (asks_for_help(argc, argv)) {
     std::cout << program.help << kExitCodes;
+    return 0;
+  }
+  if (asks_for_man_page(argc, argv)) {
+    std::cout << cli::man_page_of_text(program.name, std::string(program.help) + kExitCodes,
+                                       "[OPTIONS] _PARAMETER:=VALUE ...");
     return 0;
   }
   try {

@@ -25,6 +25,14 @@ std::vector<std::string> subcommands_of(const CLI::App& app) {
   return names;
 }
 
+std::vector<const CLI::App*> subcommand_apps_of(const CLI::App& app) { return parts_of(app, true); }
+
+std::vector<const CLI::Option*> own_options_of(const CLI::App& app) {
+  std::vector<const CLI::Option*> all;
+  add_options(app, all);
+  return all;
+}
+
 std::vector<const CLI::Option*> options_of(const CLI::App& app) {
   std::vector<const CLI::Option*> all;
   for (const CLI::App* at = &app; at != nullptr; at = at->get_parent()) add_options(*at, all);

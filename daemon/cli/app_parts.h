@@ -10,6 +10,9 @@ namespace limb_ring::cli {
 ///@{
 /// The names of its subcommands.
 std::vector<std::string> subcommands_of(const CLI::App& app);
+std::vector<const CLI::App*> subcommand_apps_of(const CLI::App& app);
+/// Its own options and arguments, also those of its groups.
+std::vector<const CLI::Option*> own_options_of(const CLI::App& app);
 /// Of a subcommand and of those above it, options and arguments.
 std::vector<const CLI::Option*> options_of(const CLI::App& app);
 /// "--ring", "-n": of its options and of those above it.

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "cli/app_parts.h"
+#include "cli/man_page.h"
 #include "config/names.h"
 
 namespace limb_ring::cli {
@@ -129,6 +130,7 @@ std::optional<std::string> read(CLI::App& app, Words arguments, const NamesOf& n
   take_help_for_a_word(arguments);
   if (app.get_option_no_throw("--version") == nullptr) app.add_flag("--version", "Print the version and end");
   label(app);
+  if (!arguments.empty() && arguments[0] == "man-page") return man_page(app);
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end
   try {
     app.parse(arguments);

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kLongest = 1e9;  // seconds
 constexpr const char* kFooter =
-    "Ends with 0 on SIGTERM and SIGINT, 1 when its daemon is gone or not there, 2 on\n"
-    "wrong arguments or configuration, N when a user packet (channel 0) says \"exit N\".\n"
-    "A user packet \"hang\" makes it hang: reads nothing, says nothing, ignores SIGTERM.";
+    "A user packet \"hang\" makes it hang: reads nothing, says nothing, ignores SIGTERM.\n"
+    "Exit codes: 0 on SIGTERM and SIGINT, 1 when its daemon is gone or not there, 2 on\n"
+    "wrong arguments or configuration, N when a user packet (channel 0) says \"exit N\".";
 
 /// What is asked for instead of a run; empty where nothing is.
 std::string read(CLI::App& app, int argc, const char* const* argv) {
