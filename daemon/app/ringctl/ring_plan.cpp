@@ -5,6 +5,7 @@
 
 #include "app/ringctl/host_choice.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_file.h"
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
 #include "limb_ring/ring_directory.h"
@@ -78,9 +79,11 @@ live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifet
   return request;
 }
 
-RingPlan plan_ring(const UpRequest& request) {
-  if (request.config.empty() && request.nodes == 0)
-    throw UsageError("give CONFIG, the ring's YAML file, or --nodes N for a plain ring");
+RingPlan plan_ring(const UpRequest& given) {
+  if (given.config.empty() && given.nodes == 0)
+    throw UsageError("give CONFIG, the ring's YAML file or its name, or --nodes N for a plain ring");
+  UpRequest request = given;
+  if (!given.config.empty()) request.config = ring_file(given.config);
   const config::RingConfig config = load(request);
   RingPlan plan;
   plan.ring = ring_name(request, config);

@@ -19,11 +19,11 @@ struct VirtualClock {
 
 /// What `ringctl up` was asked for.
 struct UpRequest {
-  std::string config;                 ///< path of a YAML file; empty: a plain ring of `nodes`
-  unsigned nodes = 0;                 ///< with `config` 0, or the file's number
-  std::string ring;                   ///< name instead of the file's; a plain ring's default is "plain"
-  std::string transport;              ///< unix, shm or udp instead of the file's; empty: as the file says
-  std::string host;                   ///< whose nodes, or kAllHosts; empty: see chosen_host()
+  std::string config;     ///< path of a YAML file, or a name for ring_file(); empty: a plain ring of `nodes`
+  unsigned nodes = 0;     ///< with `config` 0, or the file's number
+  std::string ring;       ///< name instead of the file's; a plain ring's default is "plain"
+  std::string transport;  ///< unix, shm or udp instead of the file's; empty: as the file says
+  std::string host;       ///< whose nodes, or kAllHosts; empty: see chosen_host()
   std::optional<VirtualClock> clock;  ///< none: the machine's
 };
 
@@ -51,6 +51,6 @@ struct RingPlan {
 live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifetime, bool logged);
 
 /// @throw config::ConfigError, UsageError
-RingPlan plan_ring(const UpRequest& request);
+RingPlan plan_ring(const UpRequest& given);
 
 }  // namespace limb_ring::ringctl

@@ -21,14 +21,12 @@ struct BenchOptions {
   bool no_ros = false;
 };
 
-/// humanoid16.yaml as installed or in the devel space's source; empty where it, or the program
-/// that is its CPU, is not there.
+/// humanoid16.yaml as installed, or as the devel space links to it; empty where it, or the program that is its CPU, is
+/// not there.
 std::string find_humanoid() {
   if (process::find_program("limb_firmware").empty()) return {};
-  const std::string installed = process::own_folder() + "/../../share/limb_ring/config/humanoid16.yaml";
-  for (const std::string& path : {installed, std::string(LIMB_RING_CONFIG_FOLDER "/humanoid16.yaml")})
-    if (std::filesystem::exists(path)) return path;
-  return {};
+  const std::string path = process::own_folder() + "/../../share/limb_ring/config/humanoid16.yaml";
+  return std::filesystem::exists(path) ? path : std::string();
 }
 
 int run(BenchOptions& options) {

@@ -16,6 +16,7 @@
 #include "cli/values.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "process/service_manager.h"
 
 namespace limb_ring::ringctl {
 
@@ -62,15 +63,17 @@ std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::Laun
 }
 
 void announce(const RingPlan& plan, std::size_t ring_size) {
-  std::cout << "ring " << plan.ring;
+  const std::string here = std::to_string(plan.nodes.size()) + " ";
+  std::string text = "ring " + plan.ring;
   if (!plan.is_part())
-    std::cout << " is closed: " << plan.nodes.size() << " nodes up" << std::endl;
+    text += " is closed: " + std::to_string(plan.nodes.size()) + " nodes up";
   else if (ring_size == plan.ring_size)
-    std::cout << " is closed: " << ring_size << " nodes up, " << plan.nodes.size() << " of them here, on host "
-              << plan.host << std::endl;
+    text += " is closed: " + std::to_string(ring_size) + " nodes up, " + here + "of them here, on host " + plan.host;
   else
-    std::cout << ": the " << plan.nodes.size() << " nodes of host " << plan.host << " are up, " << ring_size << " of "
-              << plan.ring_size << " are in the ring; 'ringctl wait up' waits for the other hosts" << std::endl;
+    text += ": the " + here + "nodes of host " + plan.host + " are up, " + std::to_string(ring_size) + " of " +
+            std::to_string(plan.ring_size) + " are in the ring; 'ringctl wait up' waits for the other hosts";
+  std::cout << text << std::endl;
+  process::tell_ready(text);
 }
 
 void tell_ended(live::LaunchedRing& daemons) {
@@ -203,7 +206,9 @@ void add_up(CLI::App& app, Context& context) {
   UpRequest& request = options->request;
   CLI::App* command = add_command(
       app, "up", "Start a ring, or one host's part of it, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
-  command->add_option("CONFIG", request.config, "YAML file of the ring");
+  command->add_option("CONFIG", request.config,
+                      "YAML file of the ring; or its name: NAME.yaml in ~/.config/limb_ring, in "
+                      "/etc/limb_ring, or of those that came with limb_ring, such as leg8");
   command
       ->add_option("--nodes", request.nodes,
                    "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
