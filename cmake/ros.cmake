@@ -22,6 +22,7 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES limb_ring_client limb_ring_payload
   CFG_EXTRAS limb_ring-extras.cmake
+  SKIP_PKG_CONFIG_GENERATION  # ours asks for nothing of ROS
   CATKIN_DEPENDS message_runtime roscpp sensor_msgs geometry_msgs std_msgs topic_tools)
 set(LIMB_RING_DEVEL ${CATKIN_DEVEL_PREFIX})
 set(LIMB_RING_BIN ${CATKIN_PACKAGE_BIN_DESTINATION})
@@ -30,3 +31,9 @@ set(LIMB_RING_INCLUDE ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 set(LIMB_RING_SHARE ${CATKIN_PACKAGE_SHARE_DESTINATION})
 set(LIMB_RING_PYTHON ${CATKIN_GLOBAL_PYTHON_DESTINATION})
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+# Debian's catkin puts its configuration into lib/TRIPLET for packages, and CMake looks there first. Then there is room for
+# one in share/ that finds the client library where the ROS package is not installed.
+if(NOT CATKIN_GLOBAL_LIB_DESTINATION STREQUAL lib)
+  include(cmake/export.cmake)
+  limb_ring_install_config()
+endif()
