@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo virtual-demo tests test soak mutants fuzz traces bench bench-sim chaos fault-table install-dissector deps clean format
+.PHONY: help all build demo virtual-demo tests test soak mutants fuzz traces bench bench-sim chaos fault-table install-dissector deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -101,6 +101,16 @@ bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
 	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops
 	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
 
+deb: ## The Debian packages, into build-deb/ (installs by apt what building needs)
+	@JOBS=$(JOBS) scripts/make_deb build-deb
+
+# Root only; elsewhere it says so and ends with 77.
+SUITE ?= bookworm
+MIRROR ?=
+CCACHE ?=
+deb-check: ## Builds, installs and tries the packages in clean chroots (SUITE=trixie; needs root; MIRROR= CCACHE=)
+	@JOBS=$(JOBS) scripts/deb_check $(SUITE) $(if $(MIRROR),--mirror $(MIRROR)) $(if $(CCACHE),--ccache $(CCACHE))
+
 format: ## Formats all C++ files (clang-format 14)
 	git ls-files '*.h' '*.cpp' | xargs clang-format -i
 
@@ -109,4 +119,4 @@ install-dissector: ## The Wireshark dissector, for this user
 	@scripts/install_dissector
 
 clean: ## Removes all builds
-	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-fuzz $(BUILD)-bench
+	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-fuzz $(BUILD)-bench $(BUILD)-deb
