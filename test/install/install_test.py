@@ -75,6 +75,13 @@ class Install(unittest.TestCase):
         self.assertEqual(program, os.path.join(self.prefix, 'bin', 'ringctl'))
         self.assertTrue(os.access(program, os.X_OK))
 
+    def test_a_scenarios_find_their_rings(self):
+        folder = os.path.join(self.prefix, 'share', 'limb_ring', 'scenarios')
+        self.assertGreater(len(os.listdir(folder)), 30)
+        scenario, = [name for name in os.listdir(folder) if name.startswith('07-')]
+        ringctl = os.path.join(self.prefix, 'bin', 'ringctl')
+        self.assertIn('all as expected', run(ringctl, 'scenario', 'run', os.path.join(folder, scenario)))
+
     def test_a_moved_prefix_works(self):
         moved = os.path.join(self.folder, 'moved')
         shutil.copytree(self.prefix, moved, symlinks=True)
