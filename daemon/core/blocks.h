@@ -90,6 +90,13 @@ class Blocks {
   std::size_t received_waiting(wire::Priority priority) const { return receive_.waiting(priority); }
   const InsertionBuffer& insertion_buffer() const { return packet_manager_.insertion_buffer(); }
 
+  /// archive.h. @pre a reader's is of the same settings, and nothing has been told to it
+  template <class Archive>
+  void archive(Archive& a) {
+    a("counters", counters_)("events", events_)("line", line_)("transmit", transmit_)("memory", memory_);
+    a("membership", membership_)("receive", receive_)("packet_manager", packet_manager_)("relay", relay_);
+  }
+
  private:
   /// After every input: what it has changed, and where `goes_on`, what may go onto the line.
   void act(bool goes_on, Time now);

@@ -68,6 +68,12 @@ struct Counters {
     LIMB_RING_COUNTERS(LIMB_RING_COUNTER_VISIT)
 #undef LIMB_RING_COUNTER_VISIT
   }
+  template <class Archive>
+  void archive(Archive& a) {
+#define LIMB_RING_COUNTER_ARCHIVE(name, meaning) a(#name, name);
+    LIMB_RING_COUNTERS(LIMB_RING_COUNTER_ARCHIVE)
+#undef LIMB_RING_COUNTER_ARCHIVE
+  }
 };
 
 /// Counts it. @return `result`, so that a rule and its counter stand in one line

@@ -39,31 +39,62 @@ struct SendEnded {
   bool interrupt = false;
   NodeId destination{0};
   wire::Factor factor{};  ///< of an interrupt
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("owner", owner)("token", token)("outcome", outcome)("reject", reject)("round_trip", round_trip)("tries", tries);
+    a("interrupt", interrupt)("destination", destination)("factor", factor);
+  }
 };
 
 /// The pin of that number was pulled by an INTP with a good CRC; once per INTP.
 struct PinPulled {
   wire::Factor factor{};
   NodeId source{0};
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("factor", factor)("source", source);
+  }
 };
 
 struct StateChanged {
   NodeState before, after;
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("before", before)("after", after);
+  }
 };
 
 /// A beacon says something new of its node (state of CPU, links or boots), or is the first.
 struct PeerChanged {
   NodeId node{0};
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("node", node);
+  }
 };
 
 /// The own beacon came home: the ring is closed, and this is how long it takes.
 struct BeaconHome {
   Duration round_trip{0};
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("round_trip", round_trip);
+  }
 };
 
 struct Event {
   Time at{};
   std::variant<SendEnded, PinPulled, StateChanged, PeerChanged, BeaconHome> what;
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("at", at)("what", what);
+  }
 };
 
 /// Events in the order of their time. On a paced line the tail of a packet that has been decided
@@ -84,6 +115,11 @@ class EventQueue {
     return true;
   }
   Time next() const { return events_.empty() ? kNever : events_.front().at; }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("events", events_);
+  }
 
  private:
   std::deque<Event> events_;

@@ -12,37 +12,45 @@ NetworkController::NetworkController(const Settings& settings, Time now) : Block
 // ---- the lines ----------------------------------------------------------------------------
 
 void NetworkController::input_up(Line line, NodeId from, Time now) {
+  note(input::InputUp{line, from}, now);
   if (fold_) return fold_->tell<&FoldBack::input_up>(now, line, from);
   if (line == Line::first) Blocks::input_up(from, now);
 }
 
 void NetworkController::input_lost(Line line, Time now) {
+  note(input::InputLost{line}, now);
   if (fold_) return fold_->tell<&FoldBack::input_lost>(now, line);
   if (line == Line::first) Blocks::input_lost(now);
 }
 
 void NetworkController::input_gap(Line line, Time now) {
+  note(input::InputGap{line}, now);
   if (fold_) return fold_->tell<&FoldBack::input_gap>(now, line);
   if (line == Line::first) Blocks::input_gap(now);
 }
 
 void NetworkController::output_up(Line line, NodeId to, Time now) {
+  note(input::OutputUp{line, to}, now);
   ready_[index(line)] = true;
   if (fold_) return fold_->tell<&FoldBack::output_up>(now, line, to);
   if (line == Line::first) Blocks::output_up(to, now);
 }
 
 void NetworkController::output_lost(Line line, Time now) {
+  note(input::OutputLost{line}, now);
   if (fold_) return fold_->tell<&FoldBack::output_lost>(now, line);
   if (line == Line::first) Blocks::output_lost(now);
 }
 
 void NetworkController::set_output_ready(Line line, bool ready) {
+  if (ready_[index(line)] == ready) return;
+  note(input::OutputReady{line, ready}, kNever);
   ready_[index(line)] = ready;
   update_ready();
 }
 
 void NetworkController::receive(Line line, const wire::Slice& slice, Time now) {
+  note(input::Receive{line, slice}, now);
   if (fold_) return fold_->tell<&FoldBack::receive>(now, line, slice);
   if (line == Line::first) enter(slice, now);
 }
@@ -55,14 +63,65 @@ void NetworkController::enter(const wire::Slice& slice, Time now) {
   tap_->has_arrived(slice, line, now);
 }
 
+// ---- the CPU and its helpers --------------------------------------------------------------
+
+void NetworkController::send(const SendRequest& request, Time now) {
+  note(input::Send{request}, now);
+  Blocks::send(request, now);
+}
+
+void NetworkController::interrupt(const InterruptRequest& request, Time now) {
+  note(input::Interrupt{request}, now);
+  Blocks::interrupt(request, now);
+}
+
+void NetworkController::pull(Owner owner, std::uint32_t token, unsigned input, Time now) {
+  note(input::Pull{owner, token, input}, now);
+  Blocks::pull(owner, token, input, now);
+}
+
+void NetworkController::cancel(Owner owner, Time now) {
+  note(input::Cancel{owner}, now);
+  Blocks::cancel(owner, now);
+}
+
+void NetworkController::set_cpu_present(bool present) {
+  note(input::CpuPresent{present}, kNever);
+  Blocks::set_cpu_present(present);
+}
+
+void NetworkController::set_cpu(const CpuReport& report, Time now) {
+  note(input::Cpu{report}, now);
+  Blocks::set_cpu(report, now);
+}
+
+void NetworkController::cpu_reset(Owner cpu, Time now) {
+  note(input::CpuReset{cpu}, now);
+  Blocks::cpu_reset(cpu, now);
+}
+
+bool NetworkController::take(Time now, ReceivedPacket& out) {
+  const bool taken = Blocks::take(now, out);
+  if (taken && journal_ != nullptr) journal_->taken(out, now);
+  return taken;
+}
+
+bool NetworkController::take_event(Time now, Event& out) {
+  const bool taken = Blocks::take_event(now, out);
+  if (taken && journal_ != nullptr) journal_->taken(out, now);
+  return taken;
+}
+
 // ---- time ---------------------------------------------------------------------------------
 
 void NetworkController::handle_timeout(Time now) {
+  note(input::Timeout{}, now);
   Blocks::handle_timeout(now);
   if (fold_) fold_->tell<&FoldBack::handle_timeout>(now);
 }
 
 void NetworkController::run(Time now) {
+  note(input::Run{}, now);
   Blocks::run(now);
   wire::SliceWriter& given_out = Blocks::line();
   if (tap_ != nullptr && !given_out.empty()) tap_->leaves(given_out.view(), output_line(), now);

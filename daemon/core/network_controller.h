@@ -5,6 +5,7 @@
 
 #include "core/blocks.h"
 #include "core/fold/fold_back.h"
+#include "core/journal.h"
 #include "core/line.h"
 
 namespace limb_ring::core {
@@ -51,8 +52,12 @@ class NetworkController : private Blocks {
   void set_output_ready(Line line, bool ready);
   /// One slice that came in on that line.
   void receive(Line line, const wire::Slice& slice, Time now);
-  /// Framed slices for that line; whoever writes them clears it.
-  wire::SliceWriter& output(Line line) { return outputs_[index(line)]; }
+  /// Framed slices for that line. Whoever asks for them writes and clears them.
+  wire::SliceWriter& output(Line line) {
+    wire::SliceWriter& framed = outputs_[index(line)];
+    if (journal_ != nullptr && !framed.empty()) journal_->goes_out(line, framed.view());
+    return framed;
+  }
   /// The line that stands for the input, for the output: the second one at a fold.
   Line input_line() const { return fold_ && fold_->takes_second() ? Line::second : Line::first; }
   Line output_line() const { return fold_ && fold_->turned_back() ? Line::second : Line::first; }
@@ -61,14 +66,17 @@ class NetworkController : private Blocks {
 
   /// @name The CPU and its helpers. Every call of the first three ends in exactly one SendEnded event.
   ///@{
-  using Blocks::cancel;
-  using Blocks::cpu_reset;
-  using Blocks::interrupt;
-  using Blocks::pull;
-  using Blocks::send;
-  using Blocks::set_cpu;
-  using Blocks::set_cpu_present;
-  using Blocks::take;
+  void send(const SendRequest& request, Time now);
+  void interrupt(const InterruptRequest& request, Time now);
+  /// Pulls interrupt input 0..7: sends the INTP it is wired to, without the CPU. (paper, protocol.md section 5.4)
+  void pull(Owner owner, std::uint32_t token, unsigned input, Time now);
+  void cancel(Owner owner, Time now);
+  void set_cpu_present(bool present);
+  void set_cpu(const CpuReport& report, Time now);
+  /// The CPU was reset: empties its send queue and the receive buffers. (ours, protocol.md section 5.5)
+  void cpu_reset(Owner cpu, Time now);
+  /// Next packet for the CPU, by priority. @return false where none is due
+  bool take(Time now, ReceivedPacket& out);
   ///@}
 
   /// @name Time and events
@@ -79,11 +87,14 @@ class NetworkController : private Blocks {
   /// written, if nothing else happens before.
   Time next_deadline(Time now) const;
   using Blocks::has_output;
-  using Blocks::take_event;
+  /// @return false where none is due
+  bool take_event(Time now, Event& out);
   ///@}
 
   /// From now on `tap`, which may be null, sees the packets; it must outlive that.
   void set_tap(Tap* tap) { tap_ = tap; }
+  /// From now on `journal`, which may be null, sees what goes in and out; it must outlive that.
+  void set_journal(Journal* journal) { journal_ = journal; }
 
   using Blocks::counters;
   using Blocks::insertion_buffer;
@@ -91,7 +102,20 @@ class NetworkController : private Blocks {
   using Blocks::received_waiting;
   using Blocks::settings;
 
+  /// Its state, all but tap and journal. (archive.h) @pre a reader's is of the same settings, and nothing has been told
+  /// to it
+  template <class Archive>
+  void archive(Archive& a) {
+    Blocks::archive(a);
+    a("outputs", outputs_)("ready", ready_);
+    if (fold_) a("fold", *fold_);
+  }
+
  private:
+  template <class What>
+  void note(const What& what, Time now) {
+    if (journal_ != nullptr) journal_->goes_in(what, now);
+  }
   static std::size_t index(Line line) { return static_cast<std::size_t>(line); }
   void enter(const wire::Slice& slice, Time now) override;
   bool has_given_out() const { return Blocks::has_given_out() || !outputs_[0].empty() || !outputs_[1].empty(); }
@@ -101,6 +125,7 @@ class NetworkController : private Blocks {
   std::array<bool, 2> ready_{true, true};
   std::optional<FoldBack> fold_;
   Tap* tap_ = nullptr;
+  Journal* journal_ = nullptr;
 };
 
 }  // namespace limb_ring::core

@@ -13,6 +13,12 @@ struct SendRequest {
   wire::Priority priority{};
   wire::ChannelId channel{};  ///< 1 is the network controllers' own
   wire::ByteView data;        ///< 1..512 bytes; copied
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("owner", owner)("token", token)("destination", destination)("priority", priority)("channel", channel)("data",
+                                                                                                            data);
+  }
 };
 
 /// An INTP to be sent.
@@ -21,6 +27,11 @@ struct InterruptRequest {
   std::uint32_t token = 0;
   NodeId destination{0};  ///< 0..254, or wire::kBroadcast
   wire::Factor factor{};
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("owner", owner)("token", token)("destination", destination)("factor", factor);
+  }
 };
 
 /// What is known of its end when it is asked for. Its outcome is `rejected` until it has another.

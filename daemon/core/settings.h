@@ -17,6 +17,11 @@ using wire::NodeId;
 struct InterruptInput {
   NodeId destination{0};
   wire::Factor factor{};
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("destination", destination)("factor", factor);
+  }
 };
 
 /// What one network controller is told at its start.
@@ -57,6 +62,17 @@ struct Settings {
 
   std::array<bool, 8> wired{};  ///< pins wired to something
   std::array<std::optional<InterruptInput>, 8> inputs{};
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("id", id)("order", order)("boot", boot)("byte_time_out", byte_time_out)("byte_time_in", byte_time_in);
+    a("relay_delay", relay_delay)("lap", lap)("all_delays", all_delays)("insertion_buffer", insertion_buffer);
+    a("interrupt_buffer", interrupt_buffer)("send_queue", send_queue)("receive_buffers", receive_buffers);
+    a("send_timeout_least", send_timeout_least)("refused_for", refused_for)("refused_backoff", refused_backoff);
+    a("refused_backoff_most", refused_backoff_most)("queue_timeout", queue_timeout)("stall", stall)("beacon", beacon);
+    a("break_grace", break_grace)("fold_permission", fold_permission)("unconfirmed_pace", unconfirmed_pace);
+    a("embed_interrupts", embed_interrupts)("fold_back", fold_back)("wired", wired)("inputs", inputs);
+  }
 
   unsigned nodes() const { return static_cast<unsigned>(order.size()); }
   /// One lap of largest packets in the worst case: N * (T + d), INTPs cutting in once per node.

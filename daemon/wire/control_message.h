@@ -43,6 +43,13 @@ struct Beacon {
   NodeId break_before{0};
   NodeId break_behind{0};
   bool cpu_comes_back = true;  ///< somebody starts the CPU again when a reset kills it
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("boot", boot)("cpu_boots", cpu_boots)("cpu_state", cpu_state)("cpu_silent_ms", cpu_silent_ms)("input", input);
+    a("input_from", input_from)("output", output)("output_to", output_to)("break_known", break_known);
+    a("break_before", break_before)("break_behind", break_behind)("cpu_comes_back", cpu_comes_back);
+  }
 };
 constexpr std::size_t kBeaconSize = 26;
 

@@ -20,6 +20,11 @@ class OpenPacket {
     open_ = slice.kind == wire::SliceKind::start || (open_ && inside);
   }
   void close() { open_ = false; }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("open", open_);
+  }
 
  private:
   bool open_ = false;
@@ -75,6 +80,17 @@ class FoldBack {
 
   Time deadline() const {
     return std::min(std::min(may_fold_at_, repeat_words_at_), std::min(drain_due_, fold_node_due_));
+  }
+
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("input_up", input_up_)("output_up", output_up_)("from", from_)("to", to_)("second_from", second_from_);
+    a("second_output_up", second_output_up_)("in", in_)("held", held_)("first_spoke", first_spoke_);
+    a("told_input", told_input_)("drain_due", drain_due_)("out", out_)("next_is_deaf", next_is_deaf_);
+    a("told_output", told_output_)("fold_node", fold_node_)("fold_node_due", fold_node_due_);
+    a("coming_second", coming_second_)("may_fold", may_fold_)("may_fold_at", may_fold_at_);
+    a("repeat_words_at", repeat_words_at_);
   }
 
  private:

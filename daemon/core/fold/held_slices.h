@@ -33,10 +33,20 @@ class HeldSlices {
     first_ = 0;
   }
 
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("slices", slices_)("bytes", bytes_)("first", first_);
+  }
+
  private:
   struct Held {
     wire::SliceKind kind;
     std::size_t at, size;  ///< in bytes_
+    template <class Archive>
+    void archive(Archive& a) {
+      a("kind", kind)("at", at)("size", size);
+    }
   };
   std::vector<Held> slices_;
   std::vector<std::uint8_t> bytes_;

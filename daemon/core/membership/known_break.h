@@ -51,6 +51,11 @@ class KnownBreak {
   /// The ring is closed again; `folded`: the second line stands for this node's input, so the line into it is broken.
   void ring_closed(bool folded) { known_ = folded; }
   void forget() { known_ = false; }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("known", known_)("before", before_)("behind", behind_);
+  }
 
  private:
   void set(NodeId before, NodeId behind) {

@@ -20,6 +20,11 @@ struct CpuReport {
   wire::CpuState state = wire::CpuState::none;
   bool comes_back = true;  ///< somebody starts it again when a reset kills it
   Time spoke_at{};         ///< when it last spoke; beacons say how long ago that was
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("boots", boots)("state", state)("comes_back", comes_back)("spoke_at", spoke_at);
+  }
 };
 
 /// This node's place in the ring, as a state machine: hello and join, beacons and what they say of the others, ring
@@ -91,6 +96,17 @@ class Membership {
     if (deadline() <= now) act_on_time(now);
   }
   Time deadline() const { return std::min(std::min(beacon_.due, break_due_), drained_at_); }
+
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("state", state_)("boot", boot_)("ring_size", ring_size_)("peers", peers_)("cpu", cpu_);
+    a("input", input_)("output", output_)("joined", joined_)("hello_out", hello_out_)("renumbering", renumbering_);
+    a("merged", merged_)("duplicate_signs", duplicate_signs_)("beacon.out", beacon_.out)("beacon.wanted",
+                                                                                         beacon_.wanted);
+    a("beacon.due", beacon_.due)("break", break_)("break_due", break_due_)("drained_at", drained_at_);
+    a("folded", folded_)("fold_over", fold_over_);
+  }
 
  private:
   /// What can change the state.
@@ -175,6 +191,10 @@ class Membership {
     NodeId neighbour{0};
     bool was_lost = false;  ///< since an own packet last came home
     bool folded = false;    ///< the second line stands for it
+    template <class Archive>
+    void archive(Archive& a) {
+      a("state", state)("neighbour", neighbour)("was_lost", was_lost)("folded", folded);
+    }
     bool up() const { return state == wire::LinkState::up; }
     void lose() {
       state = wire::LinkState::silent;

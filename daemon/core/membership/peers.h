@@ -15,6 +15,11 @@ struct Peer {
   std::uint8_t hop = 0;  ///< relays between it and this node, of its last control packet
   Time heard_at{};
   wire::Beacon beacon;  ///< its last one
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("known", known)("beacon_heard", beacon_heard)("boot", boot)("hop", hop)("heard_at", heard_at)("beacon", beacon);
+  }
 };
 
 /// All others, by id.
@@ -43,6 +48,11 @@ class Peers {
     return news;
   }
   void forget_all() { peers_.assign(peers_.size(), {}); }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("peers", peers_);
+  }
 
  private:
   static void hear(Peer& peer, std::uint8_t hop, std::uint64_t boot, Time now) {

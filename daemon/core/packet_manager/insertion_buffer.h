@@ -17,6 +17,11 @@ struct RelayedPacket {
   Time tail_at{};          ///< its end came in
   std::uint16_t size = 0;  ///< bytes that have come in
   std::array<std::uint8_t, wire::kMaxDataPacketSize> bytes;
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("state", state)("arrived", arrived)("tail_at", tail_at)("size", size)("bytes", bytes, size);
+  }
 };
 
 /// Where relayed DATPs wait while the line is taken (paper: "the other waits in a buffer").
@@ -56,6 +61,11 @@ class InsertionBuffer {
   void clear() {
     packets_.clear();
     bytes_ = 0;
+  }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("bytes", bytes_)("packets", packets_);
   }
 
  private:

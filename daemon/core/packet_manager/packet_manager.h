@@ -46,6 +46,8 @@ class PacketManager {
   /// The last bytes are in place.
   void relay_end(std::size_t bytes, Time now);
   void relay_abort();
+  /// Where the bytes of the one that is coming in lie; null where none is, or where there is no output.
+  std::uint8_t* receiving_place() { return receiving_ ? buffer_.back().bytes.data() : nullptr; }
   ///@}
   /// An INTP, HOP and FBC already rewritten.
   void relay_interrupt(const wire::InterruptBytes& packet, Time now);
@@ -64,11 +66,24 @@ class PacketManager {
   void run(Time now);
   /// When run() has something to do again, if nothing else happens.
   Time deadline() const;
+  /// archive.h; Transmit comes before it
+  template <class Archive>
+  void archive(Archive& a) {
+    a("buffer", buffer_)("interrupts", interrupts_)("output_up", output_up_)("ready", ready_)("released", released_);
+    a("receiving", receiving_)("open", is_open_)("open.own", open_.own)("open.sent", open_.sent)("open.grid",
+                                                                                                 open_.grid);
+    a("free_at", free_at_);
+    if (is_open_ && open_.own) open_.own_bytes = transmit_.data.image();
+  }
 
  private:
   struct RelayedInterrupt {
     wire::InterruptBytes bytes;
     Time arrived;
+    template <class Archive>
+    void archive(Archive& a) {
+      a("bytes", bytes)("arrived", arrived);
+    }
   };
   /// The DATP whose header is on the line and whose end is not.
   struct Open {

@@ -82,6 +82,12 @@ class DuplicateMemory {
     });
   }
 
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("sources", sources_);
+  }
+
  private:
   static constexpr int kTries = 4;
   /// Boot numbers that are lower by so few are of earlier incarnations; by more: the node's clock was set back.
@@ -92,6 +98,11 @@ class DuplicateMemory {
     wire::Sequence sequence{};
     Verdict verdict = Verdict::none;
     bool aged = false;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("decided", decided)("sequence", sequence)("verdict", verdict)("aged", aged);
+    }
   };
   struct Source {
     std::array<Entry, 4> entries{};
@@ -99,6 +110,11 @@ class DuplicateMemory {
     wire::Incarnation incarnation{};
     bool known = false;
     bool from_packet = false;  ///< the incarnation is known from a packet alone
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("entries", entries)("boot", boot)("incarnation", incarnation)("known", known)("from_packet", from_packet);
+    }
   };
   template <class Forget>
   bool meet_boot(wire::NodeId source, std::uint64_t boot, Forget forget) {

@@ -22,6 +22,12 @@ struct ReceivedPacket {
   std::array<std::uint8_t, wire::kMaxPayload> data;
 
   wire::ByteView bytes() const { return {data.data(), size}; }
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("at", at)("source", source)("destination", destination)("priority", priority)("channel", channel);
+    a("size", size)("data", data, size);
+  }
 };
 
 /// Receive: works in parallel with Relay on the same input, takes packets addressed to this node
@@ -49,6 +55,11 @@ class Receive {
   void set_cpu_present(bool present) { cpu_present_ = present; }
   /// The CPU was reset: the buffers are emptied, so that it acts on no stale command.
   void flush();
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("buffers", buffers_)("waiting", waiting_)("cpu_present", cpu_present_);
+  }
 
  private:
   using Verdict = DuplicateMemory::Verdict;

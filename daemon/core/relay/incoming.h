@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -41,7 +42,27 @@ class Incoming {
   /// Where its bytes lie. @return the largest DATP has room
   std::uint8_t* place() { return place_; }
 
+  /// archive.h
+  /// @param place of the packet that it is passed on as, whose bytes may lie there; or null
+  template <class Archive>
+  void archive(Archive& a, std::uint8_t* place) {
+    bool is_own = !open_ || place_ == own_.data();
+    a("open", open_)("hop", hop_)("last_slice", last_slice_)("size", size_)("is_own", is_own);
+    place_ = is_own || place == nullptr ? own_.data() : place;
+    Bytes bytes{place_, open_ ? size_ : 0};
+    a("bytes", bytes);
+  }
+
  private:
+  /// The bytes that have come in, wherever they lie.
+  struct Bytes {
+    std::uint8_t* at;
+    std::size_t size;
+    template <class Archive>
+    void archive(Archive& a) {
+      for (std::size_t i = 0; i < std::min(size, wire::kMaxDataPacketSize); ++i) a("", at[i]);
+    }
+  };
   bool open_ = false;
   std::uint8_t hop_ = 0;
   Time last_slice_{};

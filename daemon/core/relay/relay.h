@@ -56,6 +56,13 @@ class Relay {
   }
   /// The DATP that is coming in is given up then.
   Time deadline() const { return incoming_.open() ? incoming_.last_slice() + stall_ : kNever; }
+  /// archive.h; the Packet Manager comes before it
+  template <class Archive>
+  void archive(Archive& a) {
+    incoming_.archive(a, packet_manager_.receiving_place());
+    a("fate", fate_)("successor", successor_)("turned_back_at", turned_back_at_)("bypassed", bypassed_)("cut_off",
+                                                                                                        cut_off_);
+  }
 
  private:
   enum class Fate : std::uint8_t {

@@ -51,6 +51,13 @@ class DataUnit final : public SendUnit {
   /// Ends of the NC's own sends since the last call, at most one at a time.
   bool take_control_end(SendEnded& out);
 
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    archive_unit(a);
+    a("queues", queues_)("jobs", jobs_)("current", current_)("control_ends", control_ends_);
+  }
+
  private:
   struct JobState : Send {
     std::uint8_t pri = 0;
@@ -61,6 +68,12 @@ class DataUnit final : public SendUnit {
   };
   struct Job : JobState {
     std::array<std::uint8_t, wire::kMaxPayload> data;
+    template <class Archive>
+    void archive(Archive& a) {
+      Send::archive(a);
+      a("pri", pri)("not_before", not_before)("backoff", backoff);
+      a("refused_until", refused_until)("size", size)("data", data, size);
+    }
   };
   using Queue = SlotQueue<Job>;
   static constexpr std::size_t kControlQueue = 0;

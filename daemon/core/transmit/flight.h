@@ -35,6 +35,13 @@ class Flight {
   /// A try has failed. @return false where no more are left
   bool retry(Time now);
   void clear() { phase_ = Phase::idle; }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("phase", phase_)("interrupt", code_.interrupt)("attempt", code_.attempt)("sequence", code_.sequence);
+    a("incarnation", code_.incarnation)("since", since_)("sent_at", sent_at_)("deadline", deadline_);
+    a("size", size_)("bytes", bytes_, size_);
+  }
 
  private:
   Phase phase_ = Phase::idle;

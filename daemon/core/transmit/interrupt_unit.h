@@ -39,6 +39,12 @@ class InterruptUnit final : public SendUnit {
   void cancel(Owner owner, Time now);
   /// Ends everything. New numbers are due then.
   void restart(Time now);
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    archive_unit(a);
+    a("queue", queue_);
+  }
 
  private:
   void end_overdue(Time now);

@@ -47,6 +47,8 @@ class SendUnit {
   /// Its sequence numbers start again at 0, in the incarnation of that boot number.
   void restart_numbers(std::uint64_t boot) { numbers_.restart(boot); }
   bool numbers_exhausted() const { return numbers_.exhausted(); }
+  /// What was sent last.
+  wire::ByteView image() const { return flight_.image(); }
 
  protected:
   /// A send on its way to its end.
@@ -56,6 +58,10 @@ class SendUnit {
     bool repeated = false;   ///< some try had to be repeated: an earlier one may have been taken
     bool forgotten = false;  ///< its receiver restarted while it was out: not repeated
     bool told = false;       ///< its result was given already (cancelled while out)
+    template <class Archive>
+    void archive(Archive& a) {
+      a("end", end)("asked", asked)("repeated", repeated)("forgotten", forgotten)("told", told);
+    }
   };
 
   SendUnit(const Settings& settings, Counters& counters, EventQueue& events)
@@ -88,6 +94,11 @@ class SendUnit {
   /// What has had its result is not sent again, also where its retry waits for the line already.
   void give_up_told_retry(Time now) {
     if (flight_.phase() == Flight::Phase::waiting && outstanding().told) give_up(now);
+  }
+
+  template <class Archive>
+  void archive_unit(Archive& a) {
+    a("gate", gate_)("flight", flight_)("free_at", free_at_)("numbers", numbers_)("open_chain", open_chain_);
   }
 
   const Settings& settings_;

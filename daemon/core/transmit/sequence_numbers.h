@@ -29,12 +29,21 @@ class SequenceNumbers {
     *this = {};
     incarnation_ = wire::incarnation_of(boot);
   }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("counts", counts_)("exhausted", exhausted_)("incarnation", incarnation_);
+  }
 
  private:
   static constexpr int kMostUndecided = 6;
   struct Count {
     std::uint8_t next = 0;
     std::uint8_t undecided = 0;
+    template <class Archive>
+    void archive(Archive& a) {
+      a("next", next)("undecided", undecided);
+    }
   };
   std::array<Count, 256> counts_{};
   bool exhausted_ = false;

@@ -59,6 +59,11 @@ class Transmit {
     interrupts.handle_timeout(now);
   }
   Time deadline() const { return std::min(data.deadline(), interrupts.deadline()); }
+  /// archive.h
+  template <class Archive>
+  void archive(Archive& a) {
+    a("data", data)("interrupts", interrupts);
+  }
 
  private:
   bool exists(NodeId destination) const {

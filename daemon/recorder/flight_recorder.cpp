@@ -1,0 +1,75 @@
+#include "recorder/flight_recorder.h"
+
+#include <cstring>
+#include <new>
+
+namespace limb_ring::recorder {
+
+std::uint64_t state_layout() {
+  static const std::uint64_t layout = [] {
+    core::Settings settings;
+    settings.fold_back = true;
+    core::NetworkController controller(settings, core::Time{});
+    core::StateLayout members;
+    controller.archive(members);
+    return members.value();
+  }();
+  return layout;
+}
+
+FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t* memory, std::size_t size, Title title,
+                               core::Time now)
+    : controller_(controller), memory_(memory), half_((size - kTitleSize) / 2 & ~std::size_t{7}), last_(now) {
+  title.layout = state_layout();
+  title.half = half_;
+  core::StateWriter writer(memory + kMagic.size(), kTitleSize - kMagic.size());
+  title.archive(writer);
+  std::memcpy(memory, kMagic.data(), kMagic.size());
+  begin_half();
+  controller.set_journal(this);
+}
+
+// Whoever is killed on the way leaves the other half: this one has no generation until its state is there. It does not
+// follow the one before where that one ended early.
+void FlightRecorder::begin_half() {
+  generation_ += full_ ? 2 : 1;
+  second_ = !second_;
+  used_ = 0;
+  full_ = false;
+  auto* head = new (half()) HalfHead{};
+  head->generation.store(0, std::memory_order_release);
+  core::StateWriter writer(half() + sizeof(HalfHead), half_ - sizeof(HalfHead));
+  writer("time", last_);
+  controller_.archive(writer);
+  used_ = writer.size();
+  too_small_ = writer.failed() || room() < kMargin;
+  if (too_small_) return controller_.set_journal(nullptr);
+  head->used.store(used_, std::memory_order_release);
+  head->generation.store(generation_, std::memory_order_release);
+}
+
+template <class What>
+void FlightRecorder::put(const What& what, core::Time at) {
+  core::StateWriter writer(half() + sizeof(HalfHead) + used_, full_ ? 0 : room());
+  write(writer, at, what, last_);
+  full_ = full_ || writer.failed();
+  if (full_) return;
+  used_ += writer.size();
+  head().used.store(used_, std::memory_order_release);
+}
+
+// Before an input the state is what all records before it have made of it; between the outputs of one it is not.
+void FlightRecorder::goes_in(const core::Input& input, core::Time now) {
+  if (full_ || room() < kMargin) begin_half();
+  if (!too_small_) put(input, now == core::kNever ? last_ : now);
+}
+
+void FlightRecorder::goes_out(core::Line line, wire::ByteView framed_slices) {
+  put(Written{line, framed_slices}, last_);
+}
+
+void FlightRecorder::taken(const core::Event& event, core::Time now) { put(event, now); }
+
+void FlightRecorder::taken(const core::ReceivedPacket& packet, core::Time now) { put(packet, now); }
+
+}  // namespace limb_ring::recorder

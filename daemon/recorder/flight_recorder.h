@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/network_controller.h"
+#include "recorder/layout.h"
+#include "recorder/record.h"
+
+namespace limb_ring::recorder {
+
+/// Writes down all that goes into a network controller and comes out of it, into memory of a fixed size: the newest
+/// stays. It is one copy of each byte, and no system call. (ours)
+class FlightRecorder final : public core::Journal {
+ public:
+  /// Least size of its memory, bytes.
+  static constexpr std::size_t kLeast = 1u << 18;
+
+  /// From now on until its end it is the controller's journal.
+  /// @param memory zeroes, `size` bytes, at least kLeast, aligned to 8; must outlive this
+  /// @param title `layout` and `half` are filled in
+  FlightRecorder(core::NetworkController& controller, std::uint8_t* memory, std::size_t size, Title title,
+                 core::Time now);
+  ~FlightRecorder() override { controller_.set_journal(nullptr); }
+  FlightRecorder(const FlightRecorder&) = delete;
+  FlightRecorder& operator=(const FlightRecorder&) = delete;
+
+  /// The state of the core has no room in a half: nothing is written down any more.
+  bool too_small() const { return too_small_; }
+
+  void goes_in(const core::Input& input, core::Time now) override;
+  void goes_out(core::Line line, wire::ByteView framed_slices) override;
+  void taken(const core::Event& event, core::Time now) override;
+  void taken(const core::ReceivedPacket& packet, core::Time now) override;
+
+ private:
+  /// What follows from one input fits into it: the outputs of a turn are a few largest packets.
+  static constexpr std::size_t kMargin = 1u << 15;
+
+  std::uint8_t* half() const { return memory_ + kTitleSize + (second_ ? half_ : 0); }
+  HalfHead& head() const { return *reinterpret_cast<HalfHead*>(half()); }
+  std::size_t room() const { return half_ - sizeof(HalfHead) - used_; }
+  void begin_half();
+  template <class What>
+  void put(const What& what, core::Time at);
+
+  core::NetworkController& controller_;
+  std::uint8_t* memory_;
+  std::size_t half_;
+  std::uint64_t generation_ = 0;
+  bool second_ = false;  ///< of the halves
+  std::size_t used_ = 0;
+  core::Time last_;
+  bool full_ = false;  ///< something had no room: the half ends before it
+  bool too_small_ = false;
+};
+
+}  // namespace limb_ring::recorder

@@ -1,0 +1,170 @@
+#include "recorder/replay.h"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "recorder/text_archive.h"
+
+namespace limb_ring::recorder {
+namespace {
+
+using core::NetworkController;
+namespace input = core::input;
+
+const char* const kInputNames[] = {"input_up", "input_lost",  "input_gap", "output_up", "output_lost", "output_ready",
+                                   "receive",  "send",        "interrupt", "pull",      "cancel",      "cpu_reset",
+                                   "cpu",      "cpu_present", "timeout",   "run"};
+static_assert(std::size(kInputNames) == std::variant_size_v<core::Input>);
+
+/// Does to a core what was done to the recorded one.
+struct Doing {
+  NetworkController& core;
+  core::Time now;
+
+  void operator()(const input::InputUp& call) { core.input_up(call.line, call.from, now); }
+  void operator()(const input::InputLost& call) { core.input_lost(call.line, now); }
+  void operator()(const input::InputGap& call) { core.input_gap(call.line, now); }
+  void operator()(const input::OutputUp& call) { core.output_up(call.line, call.to, now); }
+  void operator()(const input::OutputLost& call) { core.output_lost(call.line, now); }
+  void operator()(const input::OutputReady& call) { core.set_output_ready(call.line, call.ready); }
+  void operator()(const input::Receive& call) { core.receive(call.line, call.slice, now); }
+  void operator()(const input::Send& call) { core.send(call.request, now); }
+  void operator()(const input::Interrupt& call) { core.interrupt(call.request, now); }
+  void operator()(const input::Pull& call) { core.pull(call.owner, call.token, call.input, now); }
+  void operator()(const input::Cancel& call) { core.cancel(call.owner, now); }
+  void operator()(const input::CpuReset& call) { core.cpu_reset(call.cpu, now); }
+  void operator()(const input::Cpu& call) { core.set_cpu(call.report, now); }
+  void operator()(const input::CpuPresent& call) { core.set_cpu_present(call.present); }
+  void operator()(const input::Timeout&) { core.handle_timeout(now); }
+  void operator()(const input::Run&) { core.run(now); }
+};
+
+template <class T>
+std::string in_words(T what, TextArchive::Form form = TextArchive::Form::one_line) {
+  TextArchive text(form);
+  what.archive(text);
+  return text.text();
+}
+
+std::string hex(wire::ByteView bytes) { return in_words(Written{core::Line::first, bytes}); }
+
+std::string lines_of(NetworkController& controller) {
+  TextArchive text(TextArchive::Form::lines);
+  controller.archive(text);
+  return text.text();
+}
+
+/// The first line that differs, of both.
+std::pair<std::string, std::string> first_difference(const std::string& a, const std::string& b) {
+  std::istringstream in_a(a), in_b(b);
+  std::string line_a, line_b;
+  for (;;) {
+    const bool more_a = static_cast<bool>(std::getline(in_a, line_a));
+    const bool more_b = static_cast<bool>(std::getline(in_b, line_b));
+    if (!more_a) line_a = "nothing";
+    if (!more_b) line_b = "nothing";
+    if (line_a != line_b || (!more_a && !more_b)) return {line_a, line_b};
+  }
+}
+
+}  // namespace
+
+Replay::Replay(const Recording& recording) : recording_(recording), bytes_(wire::ByteView{}) {
+  if (recording.title.layout != state_layout())
+    throw std::runtime_error("the recorded core is not this program's: recorded by limb_ring " +
+                             recording.title.program + ", or by one built from other sources");
+  begin_half(0);
+  read_next();
+}
+
+void Replay::begin_half(std::size_t half) {
+  half_ = half;
+  bytes_ = core::StateReader(recording_.halves[half].bytes);
+  bytes_("time", time_);
+  auto controller = std::make_unique<NetworkController>(recording_.title.settings, time_);
+  controller->archive(bytes_);
+  if (bytes_.failed()) throw std::runtime_error("the recorded state is damaged");
+  std::swap(controller, controller_);
+  if (controller == nullptr) return;  // the first half
+  const auto replayed = lines_of(*controller), recorded = lines_of(*controller_);
+  if (replayed == recorded) return;
+  const auto lines = first_difference(recorded, replayed);
+  differ("the state", lines.first, lines.second);
+}
+
+void Replay::read_next() {
+  next_.reset();
+  if (bytes_.complete()) {
+    if (half_ + 1 == recording_.halves.size()) return;
+    begin_half(half_ + 1);
+  }
+  next_ = read(bytes_, time_);
+  if (!next_) throw std::runtime_error("a record is damaged");
+}
+
+bool Replay::step() {
+  if (!next_ || difference_) return false;
+  last_ = *next_;
+  ++records_;
+  if (const auto* input = std::get_if<core::Input>(&last_.what)) {
+    std::visit(Doing{*controller_, last_.at}, *input);
+  } else if (const auto* written = std::get_if<Written>(&last_.what)) {
+    compare(*written);
+  } else if (const auto* event = std::get_if<core::Event>(&last_.what)) {
+    core::Event replayed;
+    const bool taken = controller_->take_event(last_.at, replayed);
+    compare(*event, "an event", taken, replayed);
+  } else {
+    core::ReceivedPacket replayed;
+    const bool taken = controller_->take(last_.at, replayed);
+    compare(std::get<core::ReceivedPacket>(last_.what), "a packet for the CPU", taken, replayed);
+  }
+  read_next();
+  return !difference_;
+}
+
+void Replay::compare(const Written& written) {
+  wire::SliceWriter& output = controller_->output(written.line);
+  const wire::ByteView replayed = output.view();
+  const bool same =
+      replayed.size == written.slices.size && std::equal(replayed.begin(), replayed.end(), written.slices.begin());
+  if (!same)
+    differ(written.line == core::Line::first ? "bytes for the line" : "bytes for the second line", hex(written.slices),
+           hex(replayed));
+  output.clear();
+}
+
+template <class T>
+void Replay::compare(const T& recorded, const char* what, bool taken, const T& replayed) {
+  if (!taken) return differ(what, in_words(recorded), "none");
+  if (bytes_of(recorded) != bytes_of(replayed)) differ(what, in_words(recorded), in_words(replayed));
+}
+
+void Replay::differ(std::string what, std::string recorded, std::string replayed) {
+  if (!difference_) difference_ = Difference{last_.at, std::move(what), std::move(recorded), std::move(replayed)};
+}
+
+std::string describe_state(core::NetworkController& controller) {
+  NetworkController fresh(controller.settings(), core::Time{});
+  std::istringstream usual(lines_of(fresh)), now(lines_of(controller));
+  std::set<std::string> known;
+  std::string line, text;
+  while (std::getline(usual, line)) known.insert(line);
+  while (std::getline(now, line))
+    if (known.count(line) == 0) text += line + '\n';
+  return text;
+}
+
+std::string describe(const Record& record) {
+  if (const auto* call = std::get_if<core::Input>(&record.what)) {
+    const std::string words = std::visit([](const auto& what) { return in_words(what); }, *call);
+    return std::string(kInputNames[call->index()]) + (words.empty() ? "" : " " + words);
+  }
+  if (const auto* written = std::get_if<Written>(&record.what)) return "written " + in_words(*written);
+  if (const auto* event = std::get_if<core::Event>(&record.what)) return "event " + in_words(*event);
+  return "taken " + in_words(std::get<core::ReceivedPacket>(record.what));
+}
+
+}  // namespace limb_ring::recorder

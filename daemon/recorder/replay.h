@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/network_controller.h"
+#include "recorder/record.h"
+#include "recorder/recording.h"
+
+namespace limb_ring::recorder {
+
+/// Where a replayed core does not do what the recorded one did.
+struct Difference {
+  core::Time at{};
+  std::string what;                ///< "on the first line", "an event" ...
+  std::string recorded, replayed;  ///< both versions, in words or as bytes
+};
+
+/// Puts into a core again what was recorded of one, and compares all that comes out. (ours)
+class Replay {
+ public:
+  /// @param recording must outlive this
+  /// @throw std::runtime_error where its core is not of this program
+  explicit Replay(const Recording& recording);
+
+  /// Does the next record. @return false at the end, and where there is a difference
+  /// @throw std::runtime_error where what was recorded is damaged
+  bool step();
+  /// Of the next record; kNever at the end.
+  core::Time next() const { return next_ ? next_->at : core::kNever; }
+  /// The record that was done last. @pre step() was called
+  const Record& last() const { return last_; }
+  const std::optional<Difference>& difference() const { return difference_; }
+  core::NetworkController& controller() { return *controller_; }
+  core::Time now() const { return last_.at; }
+  std::uint64_t records() const { return records_; }
+
+ private:
+  void read_next();
+  void begin_half(std::size_t half);
+  void compare(const Written& written);
+  template <class T>
+  void compare(const T& recorded, const char* what, bool taken, const T& replayed);
+  void differ(std::string what, std::string recorded, std::string replayed);
+
+  const Recording& recording_;
+  std::size_t half_ = 0;
+  core::StateReader bytes_;
+  core::Time time_{};  ///< of the last record that was read
+  std::unique_ptr<core::NetworkController> controller_;
+  std::optional<Record> next_;
+  Record last_;
+  std::optional<Difference> difference_;
+  std::uint64_t records_ = 0;
+};
+
+/// All members of a core that are not as in one that has just been made, a line each: "membership.ring_size 16".
+std::string describe_state(core::NetworkController& controller);
+/// One record in a line.
+std::string describe(const Record& record);
+
+}  // namespace limb_ring::recorder
