@@ -178,6 +178,12 @@ struct VirtualClockConfig {
   std::uint32_t seed = 1;      ///< of the CPUs' jitter
 };
 
+/// The flight recorder of each node (ours).
+struct RecorderConfig {
+  bool enabled = false;
+  unsigned size = 8u << 20;  ///< bytes of each node's file
+};
+
 struct Realtime {
   std::vector<unsigned> cores;  ///< pin the daemons there; empty: anywhere
   bool auto_cores = false;      ///< a core for each daemon, neighbours together
@@ -202,6 +208,7 @@ struct RingConfig {
   Firmware firmware;
   BridgeConfig bridge;
   Realtime realtime;
+  RecorderConfig recorder;
   SupervisorConfig supervisor;
   std::vector<TrafficConfig> traffic;
 

@@ -13,6 +13,7 @@ const Section<Timeouts>& timeouts_section();
 const Section<LinkConfig>& links_section();
 const Section<Firmware>& firmware_section();
 const Section<Realtime>& realtime_section();
+const Section<RecorderConfig>& recorder_section();
 const Section<SupervisorConfig>& supervisor_section();
 const Section<VirtualClockConfig>& virtual_clock_section();
 const Section<BridgeConfig>& bridge_section();

@@ -18,15 +18,20 @@ std::uint64_t state_layout() {
 }
 
 FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t* memory, std::size_t size, Title title,
-                               core::Time now)
-    : controller_(controller), memory_(memory), half_((size - kTitleSize) / 2 & ~std::size_t{7}), last_(now) {
+                               core::Time now, std::function<void()> on_too_small)
+    : controller_(controller),
+      memory_(memory),
+      half_((size - kTitleSize) / 2 & ~std::size_t{7}),
+      last_(now),
+      on_too_small_(std::move(on_too_small)) {
   title.layout = state_layout();
+  title.program = LIMB_RING_VERSION;
   title.half = half_;
   core::StateWriter writer(memory + kMagic.size(), kTitleSize - kMagic.size());
   title.archive(writer);
   std::memcpy(memory, kMagic.data(), kMagic.size());
-  begin_half();
   controller.set_journal(this);
+  begin_half();
 }
 
 // Whoever is killed on the way leaves the other half: this one has no generation until its state is there. It does not
@@ -42,10 +47,15 @@ void FlightRecorder::begin_half() {
   writer("time", last_);
   controller_.archive(writer);
   used_ = writer.size();
-  too_small_ = writer.failed() || room() < kMargin;
-  if (too_small_) return controller_.set_journal(nullptr);
+  if (writer.failed() || room() < kMargin) return stop();
   head->used.store(used_, std::memory_order_release);
   head->generation.store(generation_, std::memory_order_release);
+}
+
+void FlightRecorder::stop() {
+  stopped_ = true;
+  controller_.set_journal(nullptr);
+  on_too_small_();
 }
 
 template <class What>
@@ -61,7 +71,7 @@ void FlightRecorder::put(const What& what, core::Time at) {
 // Before an input the state is what all records before it have made of it; between the outputs of one it is not.
 void FlightRecorder::goes_in(const core::Input& input, core::Time now) {
   if (full_ || room() < kMargin) begin_half();
-  if (!too_small_) put(input, now == core::kNever ? last_ : now);
+  if (!stopped_) put(input, now == core::kNever ? last_ : now);
 }
 
 void FlightRecorder::goes_out(core::Line line, wire::ByteView framed_slices) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "core/network_controller.h"
@@ -18,15 +19,13 @@ class FlightRecorder final : public core::Journal {
 
   /// From now on until its end it is the controller's journal.
   /// @param memory zeroes, `size` bytes, at least kLeast, aligned to 8; must outlive this
-  /// @param title `layout` and `half` are filled in
+  /// @param title `layout`, `program` and `half` are filled in
+  /// @param on_too_small called where the state of the core has no room in a half: nothing is written down any more
   FlightRecorder(core::NetworkController& controller, std::uint8_t* memory, std::size_t size, Title title,
-                 core::Time now);
+                 core::Time now, std::function<void()> on_too_small);
   ~FlightRecorder() override { controller_.set_journal(nullptr); }
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
-
-  /// The state of the core has no room in a half: nothing is written down any more.
-  bool too_small() const { return too_small_; }
 
   void goes_in(const core::Input& input, core::Time now) override;
   void goes_out(core::Line line, wire::ByteView framed_slices) override;
@@ -41,6 +40,7 @@ class FlightRecorder final : public core::Journal {
   HalfHead& head() const { return *reinterpret_cast<HalfHead*>(half()); }
   std::size_t room() const { return half_ - sizeof(HalfHead) - used_; }
   void begin_half();
+  void stop();
   template <class What>
   void put(const What& what, core::Time at);
 
@@ -52,7 +52,8 @@ class FlightRecorder final : public core::Journal {
   std::size_t used_ = 0;
   core::Time last_;
   bool full_ = false;  ///< something had no room: the half ends before it
-  bool too_small_ = false;
+  bool stopped_ = false;
+  std::function<void()> on_too_small_;
 };
 
 }  // namespace limb_ring::recorder

@@ -10,11 +10,7 @@
 namespace limb_ring::recorder {
 namespace {
 
-std::uint64_t load(wire::ByteView bytes, std::size_t at) {
-  std::uint64_t value = 0;
-  std::memcpy(&value, bytes.data + at, sizeof value);
-  return value;
-}
+constexpr int kMostTries = 100;
 
 Title read_title(wire::ByteView bytes) {
   if (bytes.size < kTitleSize || std::memcmp(bytes.data, kMagic.data(), kMagic.size()) != 0)
@@ -22,43 +18,80 @@ Title read_title(wire::ByteView bytes) {
   Title title;
   core::StateReader reader(bytes.first(kTitleSize).from(kMagic.size()));
   title.archive(reader);
-  const bool fits = title.half >= sizeof(HalfHead) && title.half <= (bytes.size - kTitleSize) / 2;
-  if (reader.failed() || !fits) throw std::runtime_error("the recording's title is damaged");
+  if (reader.failed() || title.half < sizeof(HalfHead)) throw std::runtime_error("the recording's title is damaged");
   return title;
+}
+
+/// The half as it was at one instant: what is copied while the recorder begins it anew is copied again.
+void save_half(wire::ByteView half, std::vector<std::uint8_t>& saved) {
+  const auto& head = *reinterpret_cast<const HalfHead*>(half.data);
+  const std::size_t at = saved.size();
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    const std::uint64_t generation = head.generation.load(std::memory_order_acquire);
+    const std::uint64_t used = generation == 0 ? 0 : head.used.load(std::memory_order_acquire);
+    if (used > half.size - sizeof(HalfHead)) continue;
+    saved.resize(at);
+    for (const std::uint64_t number : {generation, used}) {
+      const auto* first = reinterpret_cast<const std::uint8_t*>(&number);
+      saved.insert(saved.end(), first, first + sizeof number);
+    }
+    const wire::ByteView bytes = half.from(sizeof(HalfHead)).first(used);
+    saved.insert(saved.end(), bytes.begin(), bytes.end());
+    std::atomic_thread_fence(std::memory_order_acquire);
+    if (head.generation.load(std::memory_order_relaxed) == generation) return;
+  }
+  throw std::runtime_error("the recorder writes faster than it can be read; enlarge recorder.size");
+}
+
+wire::ByteView take(wire::ByteView& bytes, std::size_t size) {
+  if (size > bytes.size) throw std::runtime_error("the recording is cut off");
+  const wire::ByteView taken = bytes.first(size);
+  bytes = bytes.from(size);
+  return taken;
+}
+
+std::uint64_t take_number(wire::ByteView& bytes) {
+  std::uint64_t value = 0;
+  std::memcpy(&value, take(bytes, sizeof value).data, sizeof value);
+  return value;
+}
+
+wire::ByteView checked(wire::ByteView saved) {
+  if (saved.size < kTitleSize + wire::kCrcSize) throw std::runtime_error("this is no saved recording");
+  const wire::ByteView bytes = saved.first(saved.size - wire::kCrcSize);
+  if (wire::crc32(bytes) != wire::load_u32(bytes.end()))
+    throw std::runtime_error("it was changed since it was saved, or cut off: its CRC differs");
+  return bytes;
 }
 
 }  // namespace
 
-Recording read_recording(wire::ByteView bytes) {
+std::vector<std::uint8_t> save(wire::ByteView memory) {
+  const Title title = read_title(memory);
+  if (title.half > (memory.size - kTitleSize) / 2) throw std::runtime_error("the recording is cut off");
+  std::vector<std::uint8_t> saved(memory.begin(), memory.begin() + kTitleSize);
+  for (std::size_t i = 0; i < 2; ++i) save_half(memory.from(kTitleSize + i * title.half).first(title.half), saved);
+  const std::uint32_t crc = wire::crc32({saved.data(), saved.size()});
+  saved.resize(saved.size() + wire::kCrcSize);
+  wire::store_u32(saved.data() + saved.size() - wire::kCrcSize, crc);
+  return saved;
+}
+
+Recording read_saved(wire::ByteView saved) {
+  wire::ByteView bytes = checked(saved);
   Recording recording;
-  recording.title = read_title(bytes);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const wire::ByteView half = bytes.from(kTitleSize + i * recording.title.half).first(recording.title.half);
-    const std::uint64_t generation = load(half, 0), used = load(half, 8);
-    if (generation == 0) continue;
-    if (used > half.size - sizeof(HalfHead)) throw std::runtime_error("the recording's half is damaged");
-    recording.halves.push_back({generation, half.from(sizeof(HalfHead)).first(used)});
+  recording.title = read_title(take(bytes, kTitleSize));
+  for (int i = 0; i < 2; ++i) {
+    Recording::Half half;
+    half.generation = take_number(bytes);
+    half.bytes = take(bytes, take_number(bytes));
+    if (half.generation != 0) recording.halves.push_back(half);
   }
   auto& halves = recording.halves;
   if (halves.empty()) throw std::runtime_error("nothing was recorded");
   std::sort(halves.begin(), halves.end(), [](const auto& a, const auto& b) { return a.generation < b.generation; });
   if (halves.size() == 2 && halves[0].generation + 1 != halves[1].generation) halves.erase(halves.begin());
   return recording;
-}
-
-std::vector<std::uint8_t> seal(const std::vector<std::uint8_t>& recording) {
-  std::vector<std::uint8_t> saved = recording;
-  saved.resize(saved.size() + wire::kCrcSize);
-  wire::store_u32(saved.data() + recording.size(), wire::crc32({recording.data(), recording.size()}));
-  return saved;
-}
-
-wire::ByteView unseal(wire::ByteView saved) {
-  if (saved.size < wire::kCrcSize) throw std::runtime_error("this is no saved recording");
-  const wire::ByteView bytes = saved.first(saved.size - wire::kCrcSize);
-  if (wire::crc32(bytes) != wire::load_u32(bytes.end()))
-    throw std::runtime_error("it was changed since it was saved, or cut off: its CRC differs");
-  return bytes;
 }
 
 }  // namespace limb_ring::recorder

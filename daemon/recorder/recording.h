@@ -18,14 +18,13 @@ struct Recording {
   std::vector<Half> halves;  ///< one or two that follow each other, the older one first
 };
 
-/// @param bytes a recorder's memory or file, which must outlive the result
-/// @throw std::runtime_error where it is none, says what is wrong
-Recording read_recording(wire::ByteView bytes);
+/// What is to be kept of a recorder's memory, also while it goes on writing: title, used parts of the halves, and
+/// behind them a CRC, so that a changed byte is found. (ours)
+/// @throw std::runtime_error where it is no such memory, or is written faster than it can be read
+std::vector<std::uint8_t> save(wire::ByteView memory);
 
-/// A file that was saved: the recording, and behind it the CRC of all of it, so that a changed byte is found. (ours)
-std::vector<std::uint8_t> seal(const std::vector<std::uint8_t>& recording);
-/// @return the recording's bytes alone
-/// @throw std::runtime_error where the CRC differs
-wire::ByteView unseal(wire::ByteView saved);
+/// @param saved what save() has returned, which must outlive the result
+/// @throw std::runtime_error where it is none, or was changed since; says what is wrong
+Recording read_saved(wire::ByteView saved);
 
 }  // namespace limb_ring::recorder

@@ -86,6 +86,7 @@ void Replay::begin_half(std::size_t half) {
   auto controller = std::make_unique<NetworkController>(recording_.title.settings, time_);
   controller->archive(bytes_);
   if (bytes_.failed()) throw std::runtime_error("the recorded state is damaged");
+  controller->set_tap(tap_);
   std::swap(controller, controller_);
   if (controller == nullptr) return;  // the first half
   const auto replayed = lines_of(*controller), recorded = lines_of(*controller_);

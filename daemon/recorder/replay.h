@@ -33,7 +33,13 @@ class Replay {
   /// The record that was done last. @pre step() was called
   const Record& last() const { return last_; }
   const std::optional<Difference>& difference() const { return difference_; }
+  /// The core as it is now. Another one stands for it at the end of a half.
   core::NetworkController& controller() { return *controller_; }
+  /// Sees the packets from now on; may be null.
+  void set_tap(core::NetworkController::Tap* tap) {
+    tap_ = tap;
+    controller_->set_tap(tap);
+  }
   core::Time now() const { return last_.at; }
   std::uint64_t records() const { return records_; }
 
@@ -50,6 +56,7 @@ class Replay {
   core::StateReader bytes_;
   core::Time time_{};  ///< of the last record that was read
   std::unique_ptr<core::NetworkController> controller_;
+  core::NetworkController::Tap* tap_ = nullptr;
   std::optional<Record> next_;
   Record last_;
   std::optional<Difference> difference_;

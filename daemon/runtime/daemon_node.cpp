@@ -15,14 +15,24 @@ std::optional<cpu_set_t> own_cores(const config::RingConfig& ring) {
   return cores;
 }
 
+recorder::Title title_of(const config::RingConfig& ring, const config::NodeConfig& node) {
+  recorder::Title title;
+  title.ring = ring.ring;
+  title.node = node.name;
+  return title;
+}
+
 }  // namespace
 
 NodeBase daemon_base(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& node) {
   const auto cores = own_cores(ring);
   NodeBase base;
   base.make_driver = [&io, &ring, &node](const NodeFolder& folder, EngineListener& listener) {
-    return std::make_unique<Engine>(io, setup::core_settings(ring, node, folder.first_boot()),
-                                    setup::link_settings(ring, node, folder.path()), listener);
+    auto engine = std::make_unique<Engine>(io, setup::core_settings(ring, node, folder.first_boot()),
+                                           setup::link_settings(ring, node, folder.path()), listener);
+    if (ring.recorder.enabled)
+      engine->record(recorder::recording_of(folder.path(), node.id), ring.recorder.size, title_of(ring, node));
+    return engine;
   };
   base.start_anew = [cores] { re_exec(cores); };
   if (!ring.realtime.auto_cores) base.cpu_cores = cores;  // else the CPU stays beside its controller

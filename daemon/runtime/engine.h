@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <deque>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "event_loop/machine_clock.h"
 #include "event_loop/packet_loop.h"
 #include "event_loop/packet_timer.h"
+#include "recorder/recorder_file.h"
 #include "runtime/clock.h"
 #include "runtime/node_driver.h"
 #include "runtime/node_line.h"
@@ -30,6 +32,11 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   event_loop::NodeClock& clock() override { return machine_clock_; }
   core::Time now() const override { return in_batch_ || pumping_ ? at_ : clock_.now(); }
   event_loop::NodeClock::Time steady(core::Time when) const override { return clock_.steady(when); }
+
+  /// From now on everything that goes into the controller and comes out of it is written into that file.
+  /// @param title `zero`, `date` and `settings` are filled in
+  /// @throw std::system_error where the file cannot be made
+  void record(const std::string& path, std::size_t size, recorder::Title title);
 
   void pump() override;
   void pump_soon() override;
@@ -72,6 +79,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   event_loop::MachineClock machine_clock_;
   EngineListener& listener_;
   core::NetworkController controller_;
+  std::unique_ptr<recorder::RecorderFile> recorder_;
   event_loop::PacketLoop& loop_;
   event_loop::PacketTimer timer_;
   core::Time armed_for_ = core::kNever;

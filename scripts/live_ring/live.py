@@ -16,9 +16,9 @@ def counting(folder):
 
 
 class Live:
-    def __init__(self, told, rate, child_nodes, child_command=counting):
+    def __init__(self, told, rate, child_nodes, child_command=counting, records=False):
         self.loop = Loop()
-        self.ring = LiveRing(told, child_nodes, child_command)
+        self.ring = LiveRing(told, child_nodes, child_command, records)
         # What other programs receive cannot be checked.
         targets = [node for node in range(NODES) if child_command is counting or node not in child_nodes]
         self.watch = Watch(self.loop, self.ring)

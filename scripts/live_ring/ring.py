@@ -3,6 +3,7 @@ import json
 import os
 import resource
 import signal
+import subprocess
 
 from live_ring import built
 from limb_ring.launcher import Launcher, free_udp_ports, plain_nodes
@@ -13,6 +14,8 @@ SUPERVISOR = 0
 NOTIFY = 3        # the factor that interrupts of the traffic have
 SILENCE_MS = 250  # as config/humanoid16.yaml: a desktop that compiles lets a process wait for 100 ms
 END_TIMEOUT = 10  # s
+PROGRAM_TIMEOUT = 300   # s; a replay of all nodes takes a few
+RECORDER_BYTES = 4 << 20  # of each node: some seconds
 
 
 class RingFailed(Exception):
@@ -22,7 +25,9 @@ class RingFailed(Exception):
 class LiveRing:
     """Nodes with a CPU of the caller's (attached) but for `child_nodes`, whose CPU ringd starts."""
 
-    def __init__(self, told, child_nodes, child_command):
+    def __init__(self, told, child_nodes, child_command, records=False):
+        """@param records the nodes' flight recorders are on"""
+        self.records = records
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))   # crashes are ordered here
         self.launcher = Launcher(told.programs)
         self.launcher.environment['PYTHONDONTWRITEBYTECODE'] = '1'
@@ -45,6 +50,7 @@ class LiveRing:
                 node['link']['port'] = first + node['id']
         ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes,
                 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
+                'recorder': {'enabled': self.records, 'size': RECORDER_BYTES},
                 'supervisor': {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}}
         return self.launcher.write('ring.yaml', json.dumps(ring))   # which is YAML too
 
@@ -99,6 +105,22 @@ class LiveRing:
     def last_lines(self, node, count=20):
         with open(self.daemons[node].log, errors='replace') as log:
             return ''.join(log.readlines()[-count:])
+
+    def save_recordings(self, folder):
+        """All that the nodes have recorded, as files for `ring_sim replay`. @return what ringctl says"""
+        return self._program('ringctl', '--ring', self.name, 'record', 'save', folder)
+
+    def replay(self, folder):
+        """@raise RingFailed where a core does something else than was recorded of it"""
+        return self._program('ring_sim', 'replay', folder)
+
+    def _program(self, name, *arguments):
+        done = subprocess.run([self.launcher.program(name), *arguments], env=self.launcher.environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                              timeout=PROGRAM_TIMEOUT)
+        if done.returncode != 0:
+            raise RingFailed('%s %s ended with %d:\n%s' % (name, ' '.join(arguments), done.returncode, done.stdout))
+        return done.stdout
 
     def stop(self):
         for node in list(self.frozen):

@@ -109,6 +109,7 @@ const std::map<std::string, Parts> kMayInclude{
     {"wire", {}},
     {"capture", {"wire", "limb_ring"}},
     {"core", {"wire"}},
+    {"recorder", {"wire", "core", "capture"}},
     {"fault", {"wire", "core", "config"}},
     {"statistics", {"core"}},
     {"sim", {"wire", "core"}},

@@ -22,7 +22,7 @@ struct Recorded {
     Title title;
     title.settings = controller.settings();
     title.node = "node" + std::to_string(title.settings.id);
-    recorder = std::make_unique<FlightRecorder>(controller, bytes(), size, title, now);
+    recorder = std::make_unique<FlightRecorder>(controller, bytes(), size, title, now, [] {});
   }
   std::uint8_t* bytes() { return reinterpret_cast<std::uint8_t*>(memory.data()); }
   wire::ByteView view() { return {bytes(), memory.size() * 8}; }
@@ -32,8 +32,9 @@ struct Recorded {
 };
 
 /// Replays all of it. @return the difference in words, empty where there is none
-std::string replayed(wire::ByteView bytes, std::uint64_t& records) {
-  const Recording recording = read_recording(bytes);
+std::string replayed(wire::ByteView memory, std::uint64_t& records) {
+  const std::vector<std::uint8_t> saved = save(memory);
+  const Recording recording = read_saved({saved.data(), saved.size()});
   Replay replay(recording);
   while (replay.step()) {
   }
@@ -66,7 +67,8 @@ class AllLives : public sim::Observer {
   void end(NodeId id) {
     if (lives_[id] == nullptr) return;
     ++lives;
-    halves += read_recording(lives_[id]->view()).halves.back().generation;
+    const std::vector<std::uint8_t> saved = save(lives_[id]->view());
+    halves += read_saved({saved.data(), saved.size()}).halves.back().generation;
     EXPECT_EQ(replayed(lives_[id]->view(), records), "") << "node " << int{id};
     lives_[id].reset();
   }

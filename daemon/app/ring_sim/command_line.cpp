@@ -120,6 +120,7 @@ int run_command_line(int argc, char** argv) {
   add_compare(app, context);
   add_compare_traces(app, context);
   add_plan(app, context);
+  add_replay(app, context);
   add_soak(app, context);
   add_explore(app, context);
   if (const auto end = cli::parse(app, argc, argv)) return *end;

@@ -7,7 +7,8 @@ namespace limb_ring::ring_sim {
 /// What ring_sim ends with; every --help says so too.
 enum ExitCode : int {
   kDone = 0,
-  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, gnuplot is missing or fails,
+  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, a recording
+  /// is not had again, gnuplot is missing or fails,
   /// or a disk is full.
   kBroken = 1,
   /// Wrong arguments, a configuration that is refused, or a folder that cannot be written.
@@ -15,8 +16,10 @@ enum ExitCode : int {
 };
 
 constexpr const char* kExitCodesHelp =
-    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, gnuplot "
-    "is missing or fails, or a disk is full; 2 wrong arguments or configuration, or a folder that cannot be written.";
+    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, a "
+    "recording "
+    "is not had again, gnuplot is missing or fails, or a disk is full; 2 wrong arguments or configuration, or a folder "
+    "that cannot be written.";
 
 /// Ends ring_sim with kUsage.
 struct UsageError : std::runtime_error {

@@ -47,6 +47,7 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   arguments.insert(arguments.end(), {"--ring", ring});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
   if (request.host == kAllHosts) arguments.push_back("--one-host");
+  if (request.record) arguments.push_back("--record");
   if (!request.clock) return arguments;
   arguments.insert(arguments.end(), {"--clock", request.clock->follows ? "follow" : "virtual", "--pace",
                                      pace_text(request.clock->pace)});

@@ -63,6 +63,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       ->needs(clock);
   app.add_option("--capture", o.capture, "With --clock virtual: write the packets on all lines there, as pcapng")
       ->needs(clock);
+  app.add_flag("--record", o.record,
+               "Record all that goes into the network controller and comes out: 'ringctl record'");
   app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
   try {
     const auto asked = cli::read(app, own_arguments(argc, argv));
@@ -84,6 +86,7 @@ config::RingConfig ring_of(const Options& options) {
   if (!options.ring.empty()) config::rename_ring(ring, options.ring);
   if (options.one_host) config::apply_one_host(ring);
   if (!options.transport.empty()) config::apply_transport(ring, options.transport);
+  ring.recorder.enabled = ring.recorder.enabled || options.record;
   return ring;
 }
 
@@ -91,6 +94,8 @@ void check_virtual(const Options& options) {
   if (!options.node.empty() || options.index)
     throw UsageError("--clock virtual holds all nodes of the ring: leave --node and --index out");
   if (!options.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
+  if (options.record)
+    throw UsageError("--clock virtual repeats exactly by itself: leave --record out, or --capture it");
 }
 
 const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring) {

@@ -16,6 +16,7 @@ struct Options {
   std::optional<unsigned> index;  ///< or its place in ring order, from 0
   std::optional<unsigned> nodes;  ///< must be the configuration's number
   std::string ring;               ///< another name for the ring
+  bool record = false;
   std::string transport;          ///< unix, shm or udp for every link
   bool one_host = false;          ///< all nodes are on this machine, whatever hosts the file gives
   std::string clock = "machine";  ///< or virtual: the whole ring is in this process

@@ -44,6 +44,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_observe(app, context);
   add_dump(app, context);
   add_trace(app, context);
+  add_record(app, context);
   add_replay(app, context);
   add_top(app, context);
   add_bench(app, context);

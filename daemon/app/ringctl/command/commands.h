@@ -38,6 +38,7 @@ void add_ping(CLI::App& app, Context& context);
 void add_observe(CLI::App& app, Context& context);
 void add_dump(CLI::App& app, Context& context);
 void add_trace(CLI::App& app, Context& context);
+void add_record(CLI::App& app, Context& context);
 void add_replay(CLI::App& app, Context& context);
 void add_top(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);

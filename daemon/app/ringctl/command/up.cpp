@@ -193,6 +193,8 @@ void read_clock(UpOptions& options) {
     throw UsageError("--for and --respawn do not go together: a ring that has run for so long is to stay down");
   if (!options.request.host.empty()) throw UsageError("--clock virtual has all nodes in one process: leave --host out");
   if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
+  if (options.request.record)
+    throw UsageError("--clock virtual repeats exactly by itself: leave --record out, or --capture it");
   const bool follows = options.clock == "follow";
   const double usual = follows ? std::numeric_limits<double>::infinity() : 1;
   options.request.clock = VirtualClock{options.pace.value_or(usual), options.lasts_s, options.capture, follows};
@@ -219,6 +221,8 @@ void add_up(CLI::App& app, Context& context) {
       "--host", request.host,
       "Where CONFIG has `hosts`: start the nodes of this one; all: run all nodes on this machine. Default: "
       "the host whose address is this machine's, where that is one");
+  command->add_flag("--record", request.record,
+                    "Each node records all that goes into its network controller and comes out, for 'ringctl record'");
   command->add_flag("--detach", options->detach,
                     "Return when the ring is closed; its daemons go on, each with a log file "
                     "NODE.log in the ring's folder");

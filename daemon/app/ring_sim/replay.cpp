@@ -1,0 +1,138 @@
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "app/common/out_file.h"
+#include "app/ring_sim/commands.h"
+#include "app/ring_sim/problems.h"
+#include "app/ring_sim/progress.h"
+#include "cli/values.h"
+#include "recorder/replay_capture.h"
+#include "recorder/replayed_ring.h"
+
+namespace limb_ring::ring_sim {
+
+namespace {
+
+using recorder::ReplayedLife;
+using recorder::ReplayedRing;
+using std::chrono::nanoseconds;
+
+struct ReplayOptions {
+  std::string folder;
+  std::optional<double> until_s;
+  std::string node;
+  bool print = false;
+  std::string capture;
+};
+
+std::string seconds(nanoseconds time) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(9) << std::chrono::duration<double>(time).count() << " s";
+  return text.str();
+}
+
+std::string name_of(const ReplayedLife& life) {
+  const bool former = life.file().size() > 7 && life.file().compare(life.file().size() - 7, 7, ".former") == 0;
+  return "node " + std::to_string(life.node()) + " (" + life.title().node + (former ? ", the life before)" : ")");
+}
+
+bool is_of(const ReplayedLife& life, const std::string& node) {
+  return node == life.title().node || node == std::to_string(life.node());
+}
+
+void print_difference(const ReplayedRing& ring, ReplayedLife& life) {
+  const recorder::Difference& difference = *life.replay().difference();
+  std::cout << name_of(life) << ": differs " << seconds(ring.after(life.machine_time(difference.at)))
+            << " after the first record, in " << difference.what << "\n  recorded  " << difference.recorded
+            << "\n  replayed  " << difference.replayed << "\n";
+}
+
+void print_state(ReplayedLife& life) {
+  std::cout << name_of(life) << ", what is not as in a core that has just started:\n"
+            << recorder::describe_state(life.replay().controller());
+}
+
+/// @return how many lives differ
+unsigned print_results(ReplayedRing& ring) {
+  unsigned different = 0;
+  std::uint64_t records = 0;
+  for (const auto& life : ring.lives()) {
+    records += life->replay().records();
+    if (!life->replay().difference()) {
+      std::cout << name_of(*life) << ": " << life->replay().records() << " records, identical\n";
+      continue;
+    }
+    ++different;
+    print_difference(ring, *life);
+  }
+  std::cout << ring.lives().size() << " lives of nodes, " << records
+            << " records: " << (different == 0 ? "all identical" : std::to_string(different) + " differ") << std::endl;
+  return different;
+}
+
+void require_node(ReplayedRing& ring, const std::string& node) {
+  for (const auto& life : ring.lives())
+    if (is_of(*life, node)) return;
+  throw UsageError("--node " + node + ": there is no recording of it");
+}
+
+int run(const ReplayOptions& options) {
+  if (options.print && options.node.empty()) throw UsageError("--print goes with --node: all records of one node");
+  std::unique_ptr<ReplayedRing> ring;
+  try {
+    ring = std::make_unique<ReplayedRing>(options.folder);
+  } catch (const std::runtime_error& problem) {
+    throw UsageError(problem.what());
+  }
+  if (!options.node.empty()) require_node(*ring, options.node);
+  std::ofstream file;
+  std::optional<recorder::ReplayCapture> capture;
+  if (!options.capture.empty()) {
+    const std::string problem = app::open_for_writing(file, options.capture);
+    if (!problem.empty()) throw UsageError("--capture " + problem);
+    capture.emplace(*ring, file);
+  }
+  const nanoseconds until = options.until_s ? nanoseconds(static_cast<std::int64_t>(*options.until_s * 1e9))
+                                            : nanoseconds(std::numeric_limits<std::int64_t>::max() / 2);
+  Progress progress;
+  std::uint64_t done = 0;
+  while (ReplayedLife* life = ring->step(until)) {
+    if (++done % 4096 == 0) progress.tell("replayed " + std::to_string(done) + " records");
+    if (!options.print || !is_of(*life, options.node)) continue;
+    const recorder::Record& record = life->replay().last();
+    std::cout << seconds(ring->after(life->machine_time(record.at))) << "  " << recorder::describe(record) << '\n';
+  }
+  if (options.until_s)
+    for (const auto& life : ring->lives())
+      if (options.node.empty() || is_of(*life, options.node)) print_state(*life);
+  const unsigned different = print_results(*ring);
+  if (capture) {
+    const std::string problem = app::finish_writing(file, options.capture);
+    if (!problem.empty()) throw std::runtime_error(problem);
+  }
+  return different == 0 ? kDone : kBroken;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, Context& context) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = add_command(app, "replay",
+                                  "Do again what flight recorders of a live ring have recorded, and compare each byte "
+                                  "and event; exit code 1 where this program does something else");
+  command->add_option("DIR", options->folder, "Folder of 'ringctl record save'")->required();
+  command->add_option("--until", options->until_s, "Stop so many seconds after the first record, and print the state")
+      ->transform(cli::seconds(0.0, 1e9));
+  command->add_option("--node", options->node, "Print the state, or --print, of this node alone: id or name");
+  command->add_flag("--print", options->print, "Each record of --node in a line");
+  command->add_option("--capture", options->capture,
+                      "Write the packets on all lines there, as pcapng: for 'ringctl trace' and Wireshark");
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
+}
+
+}  // namespace limb_ring::ring_sim

@@ -1,0 +1,92 @@
+#include "recorder/recorder_file.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "recorder/recording.h"
+
+namespace limb_ring::recorder {
+namespace {
+
+constexpr const char* kExtension = ".record";
+constexpr const char* kFormer = ".former";
+
+[[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
+
+/// Open until it is mapped; the mapping keeps the file.
+struct File {
+  explicit File(int descriptor) : fd(descriptor) {}
+  ~File() {
+    if (fd >= 0) ::close(fd);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  const int fd;
+};
+
+std::uint8_t* map(const File& file, std::size_t size, int protection, const std::string& path) {
+  void* memory = ::mmap(nullptr, size, protection, MAP_SHARED, file.fd, 0);
+  if (memory == MAP_FAILED) fail("cannot map " + path);
+  return static_cast<std::uint8_t*>(memory);
+}
+
+// Room is taken now: a disk that fills up later would end the daemon by SIGBUS.
+std::uint8_t* map_new(const std::string& path, std::size_t size) {
+  std::rename(path.c_str(), (path + kFormer).c_str());  // fails where there is none
+  const File file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (file.fd < 0) fail("cannot make " + path);
+  const int error = ::posix_fallocate(file.fd, 0, static_cast<off_t>(size));
+  if (error != 0) throw std::system_error(error, std::generic_category(), "no room for " + path);
+  return map(file, size, PROT_READ | PROT_WRITE, path);
+}
+
+}  // namespace
+
+void Unmap::operator()(std::uint8_t* memory) const { ::munmap(memory, size); }
+
+RecorderFile::RecorderFile(const std::string& path, std::size_t size, core::NetworkController& controller,
+                           const Title& title, core::Time now, std::function<void()> on_too_small)
+    : memory_(map_new(path, size), {size}),
+      recorder_(controller, memory_.get(), size, title, now, std::move(on_too_small)) {}
+
+std::string recording_of(const std::string& folder, unsigned id) {
+  return folder + '/' + std::to_string(id) + kExtension;
+}
+
+std::vector<std::string> recordings_in(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::filesystem::path& path = it->path();
+    const bool former = path.extension() == kFormer && path.stem().extension() == kExtension;
+    if (path.extension() == kExtension || former) files.push_back(path.string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::size_t save_file(const std::string& recording, const std::string& to) {
+  const File file(::open(recording.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  struct stat status {};
+  if (file.fd < 0 || ::fstat(file.fd, &status) != 0) fail("cannot read " + recording);
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size == 0) throw std::runtime_error(recording + " is empty");
+  const Mapping mapped(map(file, size, PROT_READ, recording), {size});
+  const std::vector<std::uint8_t> saved = save({mapped.get(), size});
+  std::ofstream out(to, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(saved.data()), static_cast<std::streamsize>(saved.size()));
+  out.close();
+  if (!out) throw std::runtime_error("cannot write " + to);
+  return saved.size();
+}
+
+}  // namespace limb_ring::recorder
