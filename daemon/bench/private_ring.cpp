@@ -39,6 +39,7 @@ live::LaunchRequest launch_of(const config::RingConfig& ring, const RingRequest&
   std::vector<std::string> arguments = {"--nodes", std::to_string(ring.nodes.size()), "--ring", ring.ring};
   if (!request.config.empty()) arguments.insert(arguments.end(), {"--config", request.config});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
+  if (request.record) arguments.push_back("--record");
   live::LaunchRequest launch;
   launch.ring = ring.ring;
   launch.cores = cores_for(request.pinning);

@@ -15,6 +15,7 @@ struct RingRequest {
   std::string config;     ///< YAML file; empty: a plain ring
   std::string transport;  ///< unix, shm or udp; empty: as the file says
   Pinning pinning = Pinning::free;
+  bool record = false;  ///< the flight recorders are on
 };
 
 /// A ring of daemons of our own, beside ringctl's other rings; it ends with this object. Its

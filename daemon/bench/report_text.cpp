@@ -22,7 +22,7 @@ json row_json(const Row& row) {
            {"reference_ratio", rounded(row.reference_ratio)},
            {"packets", row.measured.packets},
            {"failed", row.measured.failed}};
-  if (row.unwatched_ratio > 0) all["unwatched_ratio"] = rounded(row.unwatched_ratio);
+  if (row.addition_ratio > 0) all["un" + row.what + "_ratio"] = rounded(row.addition_ratio);
   return all;
 }
 
@@ -53,6 +53,7 @@ std::string label(const Row& row) {
   if (row.what == "spin_reference") return "bare reference ring (UNIX)";
   if (row.what == "spin") return "shared memory, spin: 50us";
   if (row.what == "watched") return "  while one dump reads along";
+  if (row.what == "recorded") return "  with flight recorders";
   if (row.what == "udp") return "limb_ring over UDP";
   if (row.what == "cpu_to_cpu") return "limb_ring, CPU to CPU and back";
   return "chain of topic_tools/relay";
@@ -63,7 +64,7 @@ void print_line(std::ostream& out, const Row& row) {
   out << "  " << std::left << std::setw(32) << label(row) << std::right << std::setw(9) << time.p50 << std::setw(9)
       << time.p99 << std::setw(10) << time.max << std::setw(11) << std::setprecision(0)
       << row.measured.packets_per_second << std::setprecision(2) << std::setw(8) << row.reference_ratio << "x";
-  if (row.unwatched_ratio > 0) out << "  (" << row.unwatched_ratio << "x unwatched)";
+  if (row.addition_ratio > 0) out << "  (" << row.addition_ratio << "x un" << row.what << ")";
   if (row.measured.failed != 0) out << "  " << row.measured.failed << " FAILED";
   out << std::setprecision(1) << '\n';
 }
@@ -71,7 +72,8 @@ void print_line(std::ostream& out, const Row& row) {
 void print_table(std::ostream& out, const Report& report, Pinning pinning, Sending sending) {
   out << (sending == Sending::one ? "one sender, " : "all sending, ")
       << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
-  for (const char* what : {"reference", "shm", "placed", "unix", "watched", "udp", "cpu_to_cpu", "relay_chain"})
+  for (const char* what :
+       {"reference", "shm", "recorded", "placed", "unix", "watched", "udp", "cpu_to_cpu", "relay_chain"})
     if (const Row* row = report.find(what, pinning, sending)) print_line(out, *row);
 }
 

@@ -40,7 +40,7 @@ unsigned spin_nodes(const Setup& setup) {
 struct Case {
   std::vector<Measurement> rounds;
   std::vector<double> ratios;
-  std::vector<double> unwatched;  ///< ratios by the ring's without a reader
+  std::vector<double> additions;  ///< ratios by the same ring without what this one has in addition
 };
 
 /// Measures everything at one pinning, round by round.
@@ -57,6 +57,7 @@ class Rounds {
       ring("shm", {"", "shm", pinning_});
       ring("udp", {"", "udp", pinning_});
       cpu_to_cpu({two_cpus, "", pinning_});
+      if (pinning_ == Pinning::one_core) recorded(round % 2 == 1);
       if (pinning_ == Pinning::one_core) continue;
       ring("placed", {write_realtime(folder_, setup_.nodes, "{cores: auto, fifo: 10}"), "shm", pinning_});
       if (spin_nodes(setup_) != 0) spin();
@@ -66,7 +67,7 @@ class Rounds {
   void add_rows(std::vector<Row>& rows) const {
     for (const auto& [key, measured] : cases_)
       rows.push_back({key.first, pinning_, key.second, of_rounds(measured.rounds), median(measured.ratios),
-                      measured.unwatched.empty() ? 0 : median(measured.unwatched)});
+                      measured.additions.empty() ? 0 : median(measured.additions)});
   }
 
  private:
@@ -88,7 +89,21 @@ class Rounds {
     const PacketObserver observer(setup_, ring, 0, pinning_);
     const Measurement measured = measure_traffic(setup_, ring, sending);
     add("watched", sending, measured, reference);
-    cases_[{"watched", sending}].unwatched.push_back(measured.round_trip_us.p50 / unwatched.round_trip_us.p50);
+    cases_[{"watched", sending}].additions.push_back(measured.round_trip_us.p50 / unwatched.round_trip_us.p50);
+  }
+
+  /// A ring with every node's flight recorder on beside one without, in turns: what that costs.
+  void recorded(bool first) {
+    const double reference = measure_reference_p50(Sending::all);
+    std::map<bool, Measurement> measured;
+    for (const bool record : {first, !first}) {
+      const PrivateRing ring(setup_, {"", "shm", pinning_, record});
+      tell(record ? "recorded" : "not recorded", Sending::all);
+      measured[record] = measure_traffic(setup_, ring, Sending::all);
+    }
+    add("recorded", Sending::all, measured[true], reference);
+    cases_[{"recorded", Sending::all}].additions.push_back(measured[true].round_trip_us.p50 /
+                                                           measured[false].round_trip_us.p50);
   }
 
   void cpu_to_cpu(const RingRequest& request) {

@@ -72,6 +72,11 @@ class SmallBenchmark(unittest.TestCase):
                 self.check_case(watched)
                 self.assertGreater(watched["unwatched_ratio"], 0)
 
+    def test_recording_is_compared_with_a_ring_that_does_not(self):
+        recorded = self.report["recorded"]["one_core"]["all_sending"]
+        self.check_case(recorded)
+        self.assertGreater(recorded["unrecorded_ratio"], 0)
+
     def test_a_part_left_out_says_so(self):
         self.assertIn("--no-ros", self.report["relay_chain"]["skipped"])
 

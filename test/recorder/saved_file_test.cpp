@@ -97,7 +97,7 @@ TEST_F(SavedFile, isReplayedInTheOrderOfTime) {
     last = at;
     ++records;
   }
-  EXPECT_GT(records, 4000u);
+  EXPECT_GT(records, 1000u);
   EXPECT_EQ(differences(replayed), 0u);
   EXPECT_EQ(replayed.lives()[2]->replay().controller().counters().sent_data, ring.counters(NodeId{2}).sent_data);
 }
@@ -135,7 +135,7 @@ TEST_F(SavedFile, isThereAfterItsProcessWasKilled) {
   save_all();
   ReplayedRing replayed((folder_ / "saved").string());
   EXPECT_EQ(differences(replayed), 0u);
-  EXPECT_GT(replayed.lives()[0]->replay().records(), 1000u);
+  EXPECT_GT(replayed.lives()[0]->replay().records(), 300u);
 }
 
 TEST_F(SavedFile, keepsTheLifeBefore) {

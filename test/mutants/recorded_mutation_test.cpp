@@ -1,0 +1,53 @@
+// A recording of a core that is broken is had again by that core alone: a sound one does something else, and the other
+// way round.
+#include <gtest/gtest.h>
+
+#include "mutants/mutation.h"
+#include "recorder/recorded_lives.h"
+#include "study/soak/random_faults.h"
+
+namespace limb_ring::recorder {
+namespace {
+
+using core::Mutation;
+
+struct RecordedMutations : testing::TestWithParam<Mutation> {
+  ~RecordedMutations() override { core::mutation = Mutation::none; }
+
+  static std::vector<std::vector<std::uint8_t>> record(std::uint64_t seed, Mutation mutation) {
+    core::mutation = mutation;
+    study::RandomFaults run(seed);
+    RecordedLives lives(run.ring());
+    run.run();
+    return lives.end_all();
+  }
+  static unsigned differences(const std::vector<std::vector<std::uint8_t>>& lives, Mutation mutation) {
+    core::mutation = mutation;
+    unsigned count = 0;
+    for (const auto& saved : lives) count += replayed(saved) ? 1 : 0;
+    return count;
+  }
+};
+
+TEST_P(RecordedMutations, areTheRecordedCoresOwn) {
+  unsigned of_broken = 0, of_sound = 0;
+  for (std::uint64_t seed = 1; seed <= 20 && (of_broken == 0 || of_sound == 0); ++seed) {
+    const auto broken = record(seed, GetParam());
+    ASSERT_EQ(differences(broken, GetParam()), 0u) << "seed " << seed;
+    of_broken += differences(broken, Mutation::none);
+    of_sound += differences(record(seed, Mutation::none), GetParam());
+  }
+  EXPECT_GT(of_broken, 0u) << "a sound core does what the broken one did";
+  EXPECT_GT(of_sound, 0u) << "the broken core does what a sound one did";
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, RecordedMutations,
+                         testing::Values(Mutation::result_twice, Mutation::says_delivered, Mutation::takes_damaged,
+                                         Mutation::forgets_duplicates, Mutation::refused_goes_last,
+                                         Mutation::lies_in_fbc, Mutation::gives_lowest_first,
+                                         Mutation::short_round_trips, Mutation::counts_one_try,
+                                         Mutation::gives_up_early, Mutation::refused_at_once,
+                                         Mutation::cancels_nothing));
+
+}  // namespace
+}  // namespace limb_ring::recorder

@@ -1,0 +1,98 @@
+"""Flight recorders of a live ring: kept while it goes on, also of dead nodes, and had again."""
+
+import os
+import shutil
+import subprocess
+
+import ring_process
+from ring_process import GUARD, RingTest, plain_nodes, program
+from limb_ring import Result
+
+
+class Recorder(RingTest):
+    def setUp(self):
+        super().setUp()
+        self.saved = os.path.join(self.folder, 'saved')
+
+    def send(self, source, to, count=50):
+        port = self.port(source)
+        for i in range(count):
+            port.send(to, b'recorded %d' % i)
+            self.assertEqual(port.next_of(Result).outcome, 'delivered')
+        port.close()
+
+    def save(self, folder=None):
+        done = self.ctl('record', 'save', folder or self.saved)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def run_program(self, name, *arguments):
+        return subprocess.run([program(name), *arguments], env=self.environment, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=GUARD)
+
+    def replay(self, *arguments, code=0):
+        done = self.run_program('ring_sim', 'replay', *arguments)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stdout + done.stderr
+
+    def test_of_living_dead_and_former_nodes_are_had_again(self):
+        daemons = self.start_ring(plain_nodes(4), recorder={'enabled': True, 'size': 1048576}, redundancy='foldback')
+        self.send(0, 2)
+        daemons[3].kill()
+        self.wait('a ring of three', lambda: self.row(0)['ring_size'] == 3)
+        self.send(0, 2)
+        self.ringd(os.path.join(self.folder, 'ring.yaml'), 3)
+        self.wait('a ring of four', lambda: self.row(3) and self.row(0)['ring_size'] == 4)
+        self.assertEqual(self.ctl('fault', 'cut', 'node0:node1').returncode, 0)
+        self.wait('folded', lambda: {self.row(i)['state'] for i in range(4)} == {'folded'})
+        daemons[1].kill()
+        daemons[1].wait()
+        self.assertIn('5 recordings', self.save())
+        self.assertEqual(sorted(os.listdir(self.saved)),
+                         ['0.record', '1.record', '2.record', '3.record', '3.record.former'])
+        said = self.replay(self.saved)
+        self.assertIn('5 lives of nodes', said)
+        self.assertIn('all identical', said)
+        self.assertIn('node 3 (node3, the life before)', said)
+
+    def test_are_a_capture_and_a_state_too(self):
+        self.start_ring(plain_nodes(3), recorder={'enabled': True})
+        self.send(1, 2, 3)
+        self.save()
+        state = self.replay(self.saved, '--until', '1e6', '--node', 'node2')
+        self.assertIn('membership.ring_size 3', state)
+        self.assertNotIn('node 1 (node1), what', state)
+        records = self.replay(self.saved, '--node', '2', '--print')
+        self.assertIn(b'recorded 2'.hex(), records)
+        capture = os.path.join(self.folder, 'lines.pcapng')
+        self.replay(self.saved, '--capture', capture)
+        trace = self.run_program('ringctl', 'trace', capture, '-n', '1')
+        self.assertEqual(trace.returncode, 0, trace.stderr)
+        self.assertIn('came home', trace.stdout)
+
+    def test_that_were_changed_or_are_none_are_refused(self):
+        self.start_ring(plain_nodes(2), recorder={'enabled': True})
+        self.save()
+        path = os.path.join(self.saved, '1.record')
+        with open(path, 'r+b') as file:
+            file.seek(os.path.getsize(path) // 2)
+            byte = file.read(1)
+            file.seek(-1, os.SEEK_CUR)
+            file.write(bytes([byte[0] ^ 1]))
+        self.assertIn('1.record: it was changed since it was saved', self.replay(self.saved, code=2))
+        shutil.rmtree(self.saved)
+        self.assertIn('no recordings are there', self.replay(self.saved, code=2))
+        self.assertIn('--print goes with --node', self.replay(self.saved, '--print', code=2))
+
+    def test_wrong_use_is_told(self):
+        self.start_ring(plain_nodes(2))
+        done = self.ctl('record', 'save', self.saved)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn('has no recordings', done.stderr)
+        done = self.ctl('up', '--nodes', 2, '--clock', 'virtual', '--record')
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('repeats exactly by itself', done.stderr)
+
+
+if __name__ == '__main__':
+    ring_process.main()
