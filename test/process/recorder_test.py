@@ -86,9 +86,10 @@ class Recorder(RingTest):
 
     def test_wrong_use_is_told(self):
         self.start_ring(plain_nodes(2))
-        done = self.ctl('record', 'save', self.saved)
-        self.assertEqual(done.returncode, 3)
-        self.assertIn('has no recordings', done.stderr)
+        for words, ring in (('no ring has recordings', []), ('%s has no recordings' % self.ring, ['--ring', self.ring])):
+            done = self.ctl(*ring, 'record', 'save', self.saved)
+            self.assertEqual(done.returncode, 3)
+            self.assertIn(words, done.stderr)
         done = self.ctl('up', '--nodes', 2, '--clock', 'virtual', '--record')
         self.assertEqual(done.returncode, 2)
         self.assertIn('repeats exactly by itself', done.stderr)
