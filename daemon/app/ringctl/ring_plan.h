@@ -24,12 +24,7 @@ struct UpRequest {
   std::string ring;       ///< name instead of the file's; a plain ring's default is "plain"
   std::string transport;  ///< unix, shm or udp instead of the file's; empty: as the file says
   std::string host;       ///< whose nodes, or kAllHosts; empty: see chosen_host()
-  std::string config;                 ///< path of a YAML file; empty: a plain ring of `nodes`
-  unsigned nodes = 0;                 ///< with `config` 0, or the file's number
-  std::string ring;                   ///< name instead of the file's; a plain ring's default is "plain"
-  std::string transport;              ///< unix, shm or udp instead of the file's; empty: as the file says
-  std::string host;                   ///< whose nodes, or kAllHosts; empty: see chosen_host()
-  bool record = false;                ///< flight recorders are on, whatever the file says
+  bool record = false;    ///< flight recorders are on, whatever the file says
   std::optional<VirtualClock> clock;  ///< none: the machine's
 };
 
