@@ -80,6 +80,7 @@ void NodeHealth::tell(DiagnosticStatusWrapper& out, Clock::time_point now) {
   if (is_heard()) {
     tell_cpu(out);
     if (status_.second_input_state == "down") out.mergeSummary(Level::WARN, "no second line: cannot fold back here");
+    for (const std::string& refusal : status_.refusals) out.mergeSummary(Level::ERROR, refusal);
     recent_.each(now, [&](const std::string& text) { out.mergeSummary(Level::WARN, text); });
   }
   if (out.level == Level::OK) out.summary(Level::OK, "up");

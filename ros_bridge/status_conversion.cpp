@@ -43,6 +43,15 @@ void take_counters(const json& counters, NodeStatus& status) {
   }
 }
 
+void take_refusals(const json& refusals, NodeStatus& status) {
+  status.refusals.clear();
+  if (!refusals.is_array()) return;
+  for (const json& refusal : refusals) {
+    const json& text = member(refusal, "text");
+    if (text.is_string()) status.refusals.push_back(text.get<std::string>());
+  }
+}
+
 void take_lines(const json& row, NodeStatus& status) {
   const json& input = member(row, "input");
   take_text(input, "state", status.input_state);
@@ -85,6 +94,7 @@ void merge_status_row(const json& row, NodeStatus& status) {
   take_number(trip, "p50", status.round_trip_p50, kMicroseconds);
   take_number(trip, "p99", status.round_trip_p99, kMicroseconds);
   take_number(trip, "max", status.round_trip_max, kMicroseconds);
+  take_refusals(member(row, "refusals"), status);
   take_counters(member(row, "counters"), status);
 }
 

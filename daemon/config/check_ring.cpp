@@ -133,13 +133,54 @@ void check_supervisor(const Entry& file, const RingConfig& ring) {
                   "a pin wired to reset, or a supervisor with policy report or off");
 }
 
+std::string beyond_this_host(const NodeConfig& node) {
+  return "the line into node '" + node.name + "' comes by UDP to " + node.link.address +
+         ", beyond this host, and is not keyed";
+}
+
+/// Whoever can send a datagram there could otherwise command the joints.
+void check_keys(const Entry& file, const RingConfig& ring) {
+  if (!ring.links.key.empty() && ring.links.insecure)
+    file.find("links")->find("insecure")->refuse("is true, and there is a key", "one of the two");
+  if (!ring.links.key.empty() || ring.links.insecure) return;
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n)
+    if (hears_other_hosts(ring, ring.nodes[n]))
+      element(file, "nodes", n).refuse(beyond_this_host(ring.nodes[n]), kKeyOrInsecure);
+}
+
+/// Connect, accept and the first signs of life have to get through before an end counts as gone.
+void check_expected(const Entry& file, const RingConfig& ring) {
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
+    const nanoseconds delay = ring.nodes[n].link.whole_delay();
+    const nanoseconds least = 2 * delay + 2 * ring.timeouts.idle;
+    if (delay.count() == 0 || ring.timeouts.silence >= least) continue;
+    element(file, "nodes", n)
+        .refuse("the line into it takes " + format_time(delay) + " one way, and timeouts.silence is only " +
+                    format_time(ring.timeouts.silence) + ": its ends would give each other up",
+                "a timeouts.silence of at least " + format_time(least) + ": twice the delay and twice timeouts.idle");
+  }
+}
+
 }  // namespace
+
+const char* const kKeyOrInsecure =
+    "links: {key: FILE}, of 'ringctl keygen FILE', the same on all hosts; or links: {insecure: true}, in so many "
+    "words, where whoever is on that network may command the robot";
+
+std::string unkeyed_line(const RingConfig& ring) {
+  if (!ring.links.key.empty() || ring.links.insecure) return {};
+  for (const NodeConfig& node : ring.nodes)
+    if (hears_other_hosts(ring, node)) return beyond_this_host(node);
+  return {};
+}
 
 void check_ring(const Entry& file, const RingConfig& ring) {
   check_idle(file, ring.timeouts);
   check_part_names(file, ring);
   check_parts_have_cpu(file, ring);
   check_hosts(file, ring);
+  check_keys(file, ring);
+  check_expected(file, ring);
   check_ports(file, ring);
   check_inputs(file, ring);
   check_supervisor(file, ring);

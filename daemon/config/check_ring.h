@@ -12,4 +12,9 @@ void check_ring(const Entry& file, const RingConfig& ring);
 /// The part of it that concerns `hosts`.
 void check_hosts(const Entry& file, const RingConfig& ring);
 
+/// The first node whose line comes from another host and is neither keyed nor meant to be insecure, in words; empty
+/// where there is none. Also for transports that the command line has changed.
+std::string unkeyed_line(const RingConfig& ring);
+extern const char* const kKeyOrInsecure;
+
 }  // namespace limb_ring::config

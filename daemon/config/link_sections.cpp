@@ -25,8 +25,29 @@ Section<LinkConfig> section_with(const Option<LinkConfig>& port) {
       address_option(),
       port,
       rate_option("rate", &LinkConfig::rate, "Data rate of the line; unlimited: as fast as the host."),
-      time_option("delay", &LinkConfig::delay, 0s, 1s, "Delay of line and relay together."),
+      time_option("delay", &LinkConfig::delay, 0s, 1s, "Delay of line and relay together, emulated."),
+      section_option("expected", &LinkConfig::expected, expected_section(),
+                     "What the network between hosts does by itself; nothing of it is emulated on a living ring."),
   };
+}
+
+Option<LinkConfig> key_option() {
+  constexpr const char* kRule = "a file, absolute or beside this one; 'ringctl keygen FILE' makes it";
+  return {"key", "none", kRule,
+          "udp: the key of all UDP lines, the same file on all hosts, mode 0600: nobody without it is heard.",
+          [=](const Entry& entry, LinkConfig& link) {
+            link.key = entry.text(kRule);
+            if (link.key.empty()) entry.refuse_value("is no file", kRule);
+          }};
+}
+
+/// Only for the whole ring: a line between a node with a key and one without would not get together.
+Section<LinkConfig> with_key(Section<LinkConfig> section) {
+  section.push_back(key_option());
+  section.push_back(flag_option("insecure", &LinkConfig::insecure,
+                                "udp beyond this host without a `key`: whoever is on that network may command the "
+                                "robot, and that is meant so."));
+  return section;
 }
 
 Section<LinkConfig> with_fallback_to_links(Section<LinkConfig> section) {
@@ -38,9 +59,18 @@ Section<LinkConfig> with_fallback_to_links(Section<LinkConfig> section) {
 }  // namespace
 
 const Section<LinkConfig>& links_section() {
-  static const Section<LinkConfig> section = section_with(
+  static const Section<LinkConfig> section = with_key(section_with(
       port_option(65535 - 254, "of the ring's name, 17000 to 32104",
-                  "udp: the port of node 0; the others' are this + id. Each ring on a host needs its own."));
+                  "udp: the port of node 0; the others' are this + id. Each ring on a host needs its own.")));
+  return section;
+}
+
+const Section<ExpectedConfig>& expected_section() {
+  static const Section<ExpectedConfig> section{
+      time_option("delay", &ExpectedConfig::delay, 0s, 200ms, "From one end to the other, one way."),
+      real_option("loss", &ExpectedConfig::loss, {0, 0.5, "(a probability)"},
+                  "How likely a datagram is not to arrive."),
+  };
   return section;
 }
 

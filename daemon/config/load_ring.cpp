@@ -1,5 +1,7 @@
 #include "config/load_ring.h"
 
+#include <filesystem>
+
 #include "config/check_ring.h"
 #include "config/sections.h"
 #include "config/yaml_file.h"
@@ -12,6 +14,22 @@ void default_outputs(std::vector<TopicConfig>& topics) {
     if (topic.output.empty()) topic.output = topic.input;
 }
 
+/// The key's file, beside the ring's.
+void find_key(RingConfig& ring) {
+  if (ring.links.key.empty()) return;
+  const auto folder = std::filesystem::absolute(ring.path).parent_path();
+  ring.links.key = (folder / ring.links.key).lexically_normal();  // an absolute one stays as it is
+  for (NodeConfig& node : ring.nodes) node.link.key = ring.links.key;
+}
+
+/// A line within a host crosses no network.
+void expect_of_networks_alone(RingConfig& ring) {
+  for (std::size_t n = 0; n < ring.nodes.size() && !ring.hosts.empty(); ++n) {
+    const NodeConfig& from = ring.nodes[(n + ring.nodes.size() - 1) % ring.nodes.size()];
+    if (from.host == ring.nodes[n].host) ring.nodes[n].link.expected = {};
+  }
+}
+
 }  // namespace
 
 RingConfig parse_ring(const std::string& text, const std::string& name) {
@@ -21,6 +39,8 @@ RingConfig parse_ring(const std::string& text, const std::string& name) {
   ring.path = name;
   read_section(file, ring_section(), ring);
   default_outputs(ring.bridge.topics);
+  find_key(ring);
+  expect_of_networks_alone(ring);
   check_ring(file, ring);
   return ring;
 }

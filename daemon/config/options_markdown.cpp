@@ -37,6 +37,7 @@ std::string table(const std::string& title, const Section<T>& section) {
 std::string options_markdown() {
   return kHead + table("The file", ring_section()) + table("`limits`", limits_section()) +
          table("`timeouts`", timeouts_section()) + table("`links`", links_section()) +
+         table("`links.expected`, `nodes[].link.expected`", expected_section()) +
          table("`firmware`", firmware_section()) + table("`realtime`", realtime_section()) +
          table("`hosts[]`", host_section()) + table("`nodes[]`", node_section()) +
          table("`nodes[].cpu`, a map", cpu_section()) + table("`nodes[].joints[]`", joint_section()) +

@@ -1,5 +1,6 @@
 #include "config/plain_ring.h"
 
+#include "config/check_ring.h"
 #include "config/names.h"
 
 namespace limb_ring::config {
@@ -38,6 +39,8 @@ RingConfig plain_ring(const std::string& ring, unsigned nodes) {
 void apply_transport(RingConfig& ring, const std::string& transport) {
   ring.links.transport = transport_of(transport);
   for (NodeConfig& node : ring.nodes) node.link.transport = ring.links.transport;
+  const std::string unkeyed = unkeyed_line(ring);
+  if (!unkeyed.empty()) throw ConfigError(ring.path + ": " + unkeyed + "; allowed: " + kKeyOrInsecure);
 }
 
 void apply_one_host(RingConfig& ring) {

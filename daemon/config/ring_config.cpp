@@ -38,6 +38,13 @@ LinkConfig::Transport transport_between(const NodeConfig& from, const NodeConfig
   return from.host == to.host ? to.link.transport : LinkConfig::Transport::udp;
 }
 
+bool hears_other_hosts(const RingConfig& ring, const NodeConfig& node) {
+  if (node.link.address.rfind("127.", 0) == 0 || node.link.address == "::1") return false;
+  if (node.link.transport == LinkConfig::Transport::udp) return true;
+  return std::any_of(ring.nodes.begin(), ring.nodes.end(),
+                     [&](const NodeConfig& other) { return other.host != node.host; });
+}
+
 const NodeConfig& body_of(const RingConfig& ring) {
   for (const NodeConfig& node : ring.nodes)
     if (node.cpu.kind == CpuConfig::Kind::attached) return node;

@@ -60,6 +60,13 @@ struct SensorConfig {
   std::uint8_t priority = 1;  ///< 0..3
 };
 
+/// What a line over a real network is expected to do: for plans, a virtual ring, and the time-outs. Nothing of it is
+/// added to a line of a living ring: the network does that. (ours)
+struct ExpectedConfig {
+  nanoseconds delay{0};  ///< one way
+  double loss = 0;       ///< probability that a datagram does not arrive
+};
+
 /// The link INTO a node; whoever is upstream of it on the same host, connects to it so. From other hosts it is UDP, at
 /// the same address and port.
 struct LinkConfig {
@@ -71,7 +78,12 @@ struct LinkConfig {
   /// udp: where the node listens on the second line, against the ring. (ours)
   std::uint16_t second_port() const { return static_cast<std::uint16_t>(port + 256); }
   std::uint64_t rate = 0;  ///< bit/s; 0: as fast as the host
-  nanoseconds delay{0};
+  nanoseconds delay{0};    ///< emulated: of line and relay together
+  ExpectedConfig expected;
+  /// One way, all in all: what is emulated, and what the network is expected to take.
+  nanoseconds whole_delay() const { return delay + expected.delay; }
+  std::string key;        ///< udp: file with the ring's key, absolute once loaded; empty: not keyed
+  bool insecure = false;  ///< udp beyond this host without a key is meant so
 };
 
 /// A machine that runs some of the ring's nodes. (ours)
@@ -222,6 +234,9 @@ struct RingConfig {
 
 /// How a line goes from one node to another: within a host as the second one's link says, else by UDP. (ours)
 LinkConfig::Transport transport_between(const NodeConfig& from, const NodeConfig& to);
+
+/// UDP comes to this node from beyond its host, also where only a bypass would bring it.
+bool hears_other_hosts(const RingConfig& ring, const NodeConfig& node);
 
 /// The first node in ring order whose CPU is attached (the bridge's, usually the body), else the
 /// first node. Limbs send their states and readings there, and get their commands from there. (ours)

@@ -27,6 +27,8 @@ Option<RingConfig> hosts_option();
 const Section<HostConfig>& host_section();
 /// A host of this ring, by name. @return its place in `hosts`. @throw ConfigError
 std::size_t read_host(const Entry& entry);
+/// The entry `expected` of a link.
+const Section<ExpectedConfig>& expected_section();
 /// The entry `link` of one node.
 const Section<LinkConfig>& link_section();
 const Section<CpuConfig>& cpu_section();

@@ -7,14 +7,17 @@ namespace limb_ring::link {
 /// What happened at the receiving end of a link since the start.
 struct InputCounters {
   std::uint64_t reads = 0, bytes = 0, slices = 0, idle_slices = 0;
-  std::uint64_t beats = 0;          ///< shared memory: ticks at which the writer had said that it lives
-  std::uint64_t connects = 0;       ///< upstream neighbours that came
-  std::uint64_t losses = 0;         ///< upstream neighbours that went, for whatever reason
-  std::uint64_t silences = 0;       ///< of those: silent for too long
-  std::uint64_t replaced = 0;       ///< of those: a nearer or newer one came
-  std::uint64_t refused = 0;        ///< connects of our ring that we refused
-  std::uint64_t unknown_peers = 0;  ///< garbage, other rings, other users, half-open connections
-  std::uint64_t malformed = 0;      ///< streams or datagrams that held no slice
+  std::uint64_t beats = 0;            ///< shared memory: ticks at which the writer had said that it lives
+  std::uint64_t connects = 0;         ///< upstream neighbours that came
+  std::uint64_t losses = 0;           ///< upstream neighbours that went, for whatever reason
+  std::uint64_t silences = 0;         ///< of those: silent for too long
+  std::uint64_t replaced = 0;         ///< of those: a nearer or newer one came
+  std::uint64_t refused = 0;          ///< connects of our ring that we refused
+  std::uint64_t unknown_peers = 0;    ///< garbage, other rings, other users, half-open connections
+  std::uint64_t other_version = 0;    ///< of those: another version of the protocol
+  std::uint64_t other_ring_file = 0;  ///< of those: another ring file
+  std::uint64_t other_key = 0;        ///< of those: no key, or another one
+  std::uint64_t malformed = 0;        ///< streams or datagrams that held no slice
   std::uint64_t datagrams = 0;
   std::uint64_t datagrams_duplicate = 0;  ///< lower or equal sequence: doubled or overtaken
   std::uint64_t datagrams_lost = 0;       ///< missing from the sequence
@@ -33,6 +36,9 @@ struct OutputCounters {
   std::uint64_t datagrams_unsent = 0;   ///< the kernel had no room, or no route
   std::uint64_t attempts = 0;           ///< connections tried
   std::uint64_t refused = 0;            ///< of those: answered with a refusal
+  std::uint64_t other_version = 0;      ///< of those: it speaks another version of the protocol
+  std::uint64_t other_ring_file = 0;    ///< of those: it runs another ring file
+  std::uint64_t other_key = 0;          ///< of those: it has no key, or another one
   std::uint64_t connects = 0;           ///< downstream neighbours won
   std::uint64_t losses = 0;             ///< downstream neighbours lost, for whatever reason
   std::uint64_t silences = 0;           ///< of those: silent for too long (dead or frozen)
@@ -54,6 +60,9 @@ void for_each_counter(const InputCounters& c, Visit&& visit) {
   visit("replaced", c.replaced);
   visit("refused", c.refused);
   visit("unknown_peers", c.unknown_peers);
+  visit("other_version", c.other_version);
+  visit("other_ring_file", c.other_ring_file);
+  visit("other_key", c.other_key);
   visit("malformed", c.malformed);
   visit("datagrams", c.datagrams);
   visit("datagrams_duplicate", c.datagrams_duplicate);
@@ -74,6 +83,9 @@ void for_each_counter(const OutputCounters& c, Visit&& visit) {
   visit("datagrams_unsent", c.datagrams_unsent);
   visit("attempts", c.attempts);
   visit("refused", c.refused);
+  visit("other_version", c.other_version);
+  visit("other_ring_file", c.other_ring_file);
+  visit("other_key", c.other_key);
   visit("connects", c.connects);
   visit("losses", c.losses);
   visit("silences", c.silences);

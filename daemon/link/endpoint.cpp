@@ -7,10 +7,6 @@ std::string to_string(const Endpoint& endpoint) {
   return endpoint.address + ":" + std::to_string(endpoint.port);
 }
 
-std::uint64_t ring_hash(const std::string& name) {
-  std::uint64_t hash = 0xCBF29CE484222325u;
-  for (const char c : name) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001B3u;
-  return hash;
-}
+std::uint64_t ring_hash(const std::string& name) { return text_hash(name); }
 
 }  // namespace limb_ring::link

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "link/agreement.h"
+
 namespace limb_ring::link {
 
 using std::chrono::milliseconds;
@@ -46,6 +48,7 @@ struct Timing {
 struct Identity {
   std::uint64_t ring = 0;  ///< ring_hash() of its name
   std::uint8_t id = 0;     ///< 0 to 254
+  Agreement agreement;     ///< what we expect of the file that the other end runs
 };
 
 /// FNV-1a, 64 bits, of a ring's name: keeps two rings apart, is no secret.

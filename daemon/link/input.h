@@ -33,6 +33,8 @@ class Input {
   bool up() const { return from().has_value(); }
   std::optional<std::uint8_t> from() const { return upstream_.from(); }
   const InputCounters& counters() const { return report_.counters; }
+  /// Nodes that were refused for a reason that asking again does not mend.
+  const Refusals& refusals() const { return report_.refusals; }
   /// Why the last unknown peer was turned away; empty where there was none.
   const std::string& last_unknown_peer() const { return report_.last_unknown_peer; }
 

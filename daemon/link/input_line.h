@@ -7,6 +7,8 @@
 #include "link/counters.h"
 #include "link/endpoint.h"
 #include "link/input_handler.h"
+#include "link/link_header.h"
+#include "link/refusals.h"
 #include "link/report_once.h"
 
 namespace limb_ring::link {
@@ -18,6 +20,7 @@ struct InputSettings {
   Timing timing;
   nanoseconds delay{0};                               ///< slices are handed on so much later
   std::optional<Endpoint> from_hosts = std::nullopt;  ///< where we listen for nodes of other hosts, if elsewhere
+  std::vector<std::string> names = {};                ///< of the nodes in `order`, for messages; may be empty
 };
 
 /// What an Input keeps account of, whatever its transport.
@@ -25,10 +28,13 @@ struct InputReport {
   InputCounters counters;
   std::string last_unknown_peer;  ///< why the last unknown peer was turned away; for people
   ReportOnce report_once;         ///< of such a reason, since the input came up
+  Refusals refusals;
   void unknown_peer(std::string why) {
     ++counters.unknown_peers;
     last_unknown_peer = std::move(why);
   }
+  /// The sender of `connect`, which people know as `who`, was answered `refuse`.
+  void turned_away(const std::string& who, const LinkHeader& connect, const LinkHeader& refuse, InputHandler& handler);
 };
 
 /// One transport's receiving end. No calls of the handler after close().

@@ -11,12 +11,12 @@ constexpr std::size_t kVersionAt = 2, kTypeAt = 3, kRingAt = 4, kSessionAt = 12,
 
 bool known(std::uint8_t type, std::uint8_t refusal) {
   return type >= static_cast<std::uint8_t>(LinkHeaderType::connect) &&
-         type <= static_cast<std::uint8_t>(LinkHeaderType::connect_memory) &&
-         refusal <= static_cast<std::uint8_t>(Refusal::invalid_memory);
+         type <= static_cast<std::uint8_t>(LinkHeaderType::connect_keyed) &&
+         refusal <= static_cast<std::uint8_t>(Refusal::wrong_key);
 }
 
 bool of_any_version(const LinkHeader& header) {
-  return header.type == LinkHeaderType::connect || header.type == LinkHeaderType::connect_memory ||
+  return asks_to_connect(header.type) ||
          (header.type == LinkHeaderType::refuse && header.refusal == Refusal::wrong_version);
 }
 
@@ -42,6 +42,14 @@ const char* to_string(Refusal refusal) {
       return "it speaks another version of the protocol";
     case Refusal::invalid_memory:
       return "it cannot use the shared memory that was offered";
+    case Refusal::other_ring_file:
+      return "it runs another ring file";
+    case Refusal::needs_key:
+      return "its lines are keyed, and this node has no key: give links.key in its file";
+    case Refusal::no_key:
+      return "this node has a key, and it has none: give links.key in its file";
+    case Refusal::wrong_key:
+      return "it has another key: links.key must be the same file on all hosts";
   }
   return "unknown";
 }
@@ -63,12 +71,31 @@ std::string version_mismatch(std::uint8_t peer) {
 }
 
 std::string reason_of(const LinkHeader& refuse) {
-  return refuse.refusal == Refusal::wrong_version ? version_mismatch(refuse.version) : to_string(refuse.refusal);
+  if (refuse.refusal == Refusal::wrong_version) return version_mismatch(refuse.version);
+  if (refuse.refusal == Refusal::other_ring_file)
+    return to_string(refuse.refusal) + (": " + differing_parts(refuse.sequence));
+  return to_string(refuse.refusal);
 }
 
 std::array<std::uint8_t, kLinkHeaderSize> encode(const LinkHeader& header) {
   std::array<std::uint8_t, kLinkHeaderSize> bytes;
   store_header(bytes.data(), header);
+  return bytes;
+}
+
+bool of_keys(Refusal refusal) {
+  return refusal == Refusal::needs_key || refusal == Refusal::no_key || refusal == Refusal::wrong_key;
+}
+
+bool asks_to_connect(LinkHeaderType type) {
+  return type == LinkHeaderType::connect || type == LinkHeaderType::connect_memory ||
+         type == LinkHeaderType::connect_keyed;
+}
+
+std::array<std::uint8_t, kConnectSize> encode_connect(const LinkHeader& connect, const Agreement& ours) {
+  std::array<std::uint8_t, kConnectSize> bytes;
+  store_header(bytes.data(), connect);
+  store_agreement(bytes.data() + kLinkHeaderSize, ours);
   return bytes;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "link/agreement.h"
 #include "wire/bytes.h"
 
 namespace limb_ring::link {
@@ -18,7 +19,18 @@ namespace limb_ring::link {
 ///
 /// Session: the upper half is a random number of the connecting end, the lower half one of the
 /// accepting end. So neither an old connect nor an old datagram can revive an old session.
-enum class LinkHeaderType : std::uint8_t { connect = 1, accept, refuse, slices, alive, bye, connect_memory };
+///
+/// Behind the header of a `connect`, of whatever kind, comes what both ends must agree on (agreement.h).
+enum class LinkHeaderType : std::uint8_t {
+  connect = 1,
+  accept,
+  refuse,
+  slices,
+  alive,
+  bye,
+  connect_memory,
+  connect_keyed
+};
 
 enum class Refusal : std::uint8_t {
   none = 0,
@@ -29,20 +41,24 @@ enum class Refusal : std::uint8_t {
   unknown_session,  ///< has restarted or given up this session: connect again
   closing,          ///< is shutting down
   wrong_version,    ///< speaks another version of the protocol
-  invalid_memory    ///< cannot use the shared memory that was offered
+  invalid_memory,   ///< cannot use the shared memory that was offered
+  other_ring_file,  ///< runs another ring file; `sequence` says which parts differ
+  needs_key,        ///< its lines are keyed, and the one that asks has no key
+  no_key,           ///< the one that asks has a key, it has none
+  wrong_key         ///< has another key
 };
 const char* to_string(Refusal refusal);
 
 constexpr std::size_t kLinkHeaderSize = 26;
 constexpr std::uint16_t kLinkMagic = 0x4C52;
-constexpr std::uint8_t kLinkVersion = 2;
+constexpr std::uint8_t kLinkVersion = 3;
 
 struct LinkHeader {
   std::uint8_t version = kLinkVersion;
   LinkHeaderType type = LinkHeaderType::alive;
   std::uint64_t ring = 0;
   std::uint64_t session = 0;
-  std::uint32_t sequence = 0;  ///< type slices: 1, 2, ... within the session
+  std::uint32_t sequence = 0;  ///< type slices: 1, 2, ... within the session; refusal other_ring_file: differences()
   std::uint8_t sender = 0;     ///< node id
   Refusal refusal = Refusal::none;
 };
@@ -50,6 +66,15 @@ struct LinkHeader {
 /// @param out kLinkHeaderSize bytes
 void store_header(std::uint8_t* out, const LinkHeader& header);
 std::array<std::uint8_t, kLinkHeaderSize> encode(const LinkHeader& header);
+
+/// One end has no key, or another one.
+bool of_keys(Refusal refusal);
+/// It asks to connect, in one of the three ways.
+bool asks_to_connect(LinkHeaderType type);
+
+/// The bytes of a `connect` header and what both ends must agree on.
+constexpr std::size_t kConnectSize = kLinkHeaderSize + kAgreementSize;
+std::array<std::uint8_t, kConnectSize> encode_connect(const LinkHeader& connect, const Agreement& ours);
 
 /// @return nothing where these are not the first bytes of a header. Of another version only a `connect`, and a `refuse`
 /// for that reason, are headers: they stay as they are in all versions, so that each end can say what is wrong.

@@ -21,7 +21,7 @@ bool MemoryDownstream::greet(const LinkHeader& connect) {
   queue_.emplace(*memory_);
   LinkHeader header = connect;
   header.type = LinkHeaderType::connect_memory;
-  const auto bytes = encode(header);
+  const auto bytes = encode_connect(header, agreement());
   const auto sent = send_now(socket(), {bytes.data(), bytes.size()}, {memory_->fd(), wake_.get()});
   return sent == static_cast<ssize_t>(bytes.size());
 }

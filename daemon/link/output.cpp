@@ -13,7 +13,8 @@ namespace {
 
 /// Asking again does not help: somebody has to change something.
 bool for_good(Refusal refusal) {
-  return refusal == Refusal::wrong_ring || refusal == Refusal::not_in_ring || refusal == Refusal::wrong_version;
+  return refusal == Refusal::wrong_ring || refusal == Refusal::not_in_ring || refusal == Refusal::wrong_version ||
+         refusal == Refusal::other_ring_file || of_keys(refusal);
 }
 
 const OutputSettings& checked(const OutputSettings& settings) {
@@ -132,6 +133,7 @@ void Output::use(std::size_t candidate) {
     abandon(attempts_.rbegin()->first);
   }
   ++counters_.connects;
+  refusals_.forget(settings_.candidates[candidate].id);
   report_once_.forget();
   silence_.restart(now);
   write_idle();  // over UDP, this takes up the session
@@ -139,8 +141,8 @@ void Output::use(std::size_t candidate) {
 }
 
 void Output::on_refused(std::size_t candidate, const LinkHeader& refuse) {
-  ++counters_.refused;
   const Refusal refusal = refuse.refusal;
+  count(refusal);
   const bool alive = refusal == Refusal::busy || refusal == Refusal::replaced;
   const std::string reason = reason_of(refuse);
   const Time now = Clock::now();
@@ -153,9 +155,19 @@ void Output::on_refused(std::size_t candidate, const LinkHeader& refuse) {
     } else {
       successor_.absent(candidate, now);
     }
-    if (for_good(refusal)) tell(candidate, reason);
+    if (for_good(refusal)) {
+      refusals_.note(settings_.candidates[candidate].id, reason);
+      tell(candidate, reason);
+    }
   }
   advance(now);
+}
+
+void Output::count(Refusal refusal) {
+  ++counters_.refused;
+  if (refusal == Refusal::wrong_version) ++counters_.other_version;
+  if (refusal == Refusal::other_ring_file) ++counters_.other_ring_file;
+  if (of_keys(refusal)) ++counters_.other_key;
 }
 
 void Output::on_no_node(std::size_t candidate) {

@@ -10,6 +10,7 @@
 #include "link/counters.h"
 #include "link/downstream.h"
 #include "link/endpoint.h"
+#include "link/refusals.h"
 #include "link/report_once.h"
 #include "link/silence.h"
 #include "link/successor.h"
@@ -83,6 +84,8 @@ class Output final : private Downstream::Owner {
   /// Hangs up. No call of the handler afterwards.
   void close();
   const OutputCounters& counters() const { return counters_; }
+  /// Nodes that have refused us for a reason that asking again does not mend.
+  const Refusals& refusals() const { return refusals_; }
 
  private:
   struct Attempt {
@@ -101,6 +104,7 @@ class Output final : private Downstream::Owner {
   void advance(Time now);
   bool attempt(std::size_t candidate, Time now);
   std::shared_ptr<Downstream> make_line(std::size_t candidate);
+  void count(Refusal refusal);
   void tell(std::size_t candidate, std::string_view reason);
   void abandon(std::size_t candidate);
   void give_up_attempts(Time now);
@@ -117,6 +121,7 @@ class Output final : private Downstream::Owner {
   OutputSettings settings_;
   OutputHandler& handler_;
   OutputCounters counters_;
+  Refusals refusals_;
   ReportOnce report_once_;  ///< of a refusal, since the output came up
   Successor successor_;
   std::map<std::size_t, Attempt> attempts_;

@@ -16,21 +16,33 @@ void PendingConnection::wait() {
 
 void PendingConnection::read() {
   const auto self = shared_from_this();  // the owner lets go of us in its call
-  const auto got = receive_now(socket_.native_handle(), bytes_.data() + size_, kLinkHeaderSize - size_, descriptors_);
+  const auto got = receive_now(socket_.native_handle(), bytes_.data() + size_, wanted_ - size_, descriptors_);
   if (got < 0 && would_block(errno)) return;
   if (got <= 0) return owner_->on_unknown_peer(self, "it left without a word");
   size_ += static_cast<std::size_t>(got);
-  if (size_ == kLinkHeaderSize) greeted();
+  if (size_ < wanted_) return;
+  if (wanted_ == kLinkHeaderSize && take_header()) return read();
+  if (open() && wanted_ == kConnectSize)
+    owner_->on_greeted(self, header_, load_agreement(bytes_.data() + kLinkHeaderSize));
 }
 
-void PendingConnection::greeted() {
+bool PendingConnection::take_header() {
   const auto header = parse_header({bytes_.data(), size_});
-  if (!header) return owner_->on_unknown_peer(shared_from_this(), kNoNode);
-  if (descriptors_.size() > kMostDescriptors) return owner_->on_unknown_peer(shared_from_this(), kNoNode);
-  if (header->type != LinkHeaderType::connect && header->type != LinkHeaderType::connect_memory) {
-    return owner_->on_unknown_peer(shared_from_this(), "it did not ask to connect");
+  if (!header || descriptors_.size() > kMostDescriptors) {
+    owner_->on_unknown_peer(shared_from_this(), kNoNode);
+    return false;
   }
-  owner_->on_greeted(shared_from_this(), *header);
+  if (header->type != LinkHeaderType::connect && header->type != LinkHeaderType::connect_memory) {
+    owner_->on_unknown_peer(shared_from_this(), "it did not ask to connect");
+    return false;
+  }
+  header_ = *header;
+  if (header_.version != kLinkVersion) {  // what follows is known to that version alone
+    owner_->on_greeted(shared_from_this(), header_, {});
+    return false;
+  }
+  wanted_ = kConnectSize;
+  return true;
 }
 
 void PendingConnection::close() {

@@ -11,12 +11,13 @@
 
 namespace limb_ring::link {
 
-/// A pending connection: it has not yet said who it is. It has a buffer of one header and a deadline, and becomes the
-/// input only when it is admitted.
+/// A pending connection: it has not yet said who it is. It has a buffer of one `connect` and a deadline, and becomes
+/// the input only when it is admitted.
 class PendingConnection : public std::enable_shared_from_this<PendingConnection> {
  public:
   struct Owner {
-    virtual void on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect) = 0;
+    virtual void on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect,
+                            const Agreement& theirs) = 0;
     virtual void on_unknown_peer(const std::shared_ptr<PendingConnection>& connection, std::string_view why) = 0;
 
    protected:
@@ -41,13 +42,16 @@ class PendingConnection : public std::enable_shared_from_this<PendingConnection>
 
  private:
   void wait();
-  void greeted();
+  /// A whole header is there. @return false: nothing more is wanted of this connection
+  bool take_header();
 
   UnixSocket socket_;
   Owner* owner_;
   Time since_;
-  std::array<std::uint8_t, kLinkHeaderSize> bytes_{};
+  std::array<std::uint8_t, kConnectSize> bytes_{};
+  std::size_t wanted_ = kLinkHeaderSize;
   std::size_t size_ = 0;
+  LinkHeader header_;
   std::vector<process::UniqueFd> descriptors_;
 };
 

@@ -113,8 +113,9 @@ bool UdpDownstream::tell(LinkHeaderType type) {
   header.ring = self_.ring;
   header.sender = self_.id;
   header.session = session_;
-  const auto bytes = encode(header);
-  const auto sent = send_now(socket_.native_handle(), {bytes.data(), bytes.size()});
+  const auto bytes = encode_connect(header, self_.agreement);
+  const std::size_t size = type == LinkHeaderType::connect ? bytes.size() : kLinkHeaderSize;
+  const auto sent = send_now(socket_.native_handle(), {bytes.data(), size});
   return sent >= 0 || would_block(errno);
 }
 

@@ -24,7 +24,7 @@ UdpInput::UdpInput(boost::asio::io_context& io, const InputSettings& settings, I
       handler_(handler),
       report_(report),
       upstream_(upstream),
-      admission_(settings.self, settings.order),
+      admission_(settings.self, settings.order, settings.names),
       socket_(listen_udp(io, settings.endpoint)),
       buffer_(kReadSize),
       silence_(settings.timing),
@@ -78,7 +78,7 @@ void UdpInput::take_run(std::size_t size, std::size_t segment, const UdpAddress&
 void UdpInput::take(wire::ByteView datagram, const UdpAddress& sender) {
   const auto header = parse_header(datagram);
   if (!header) return on_unknown_peer(kNoNode);
-  if (header->type == LinkHeaderType::connect) return on_connect(*header, sender);
+  if (header->type == LinkHeaderType::connect) return on_connect(*header, datagram, sender);
   if (header->ring != settings_.self.ring) return report_.unknown_peer("a datagram of another ring");
   if (header->type == LinkHeaderType::slices) {
     take_slices(*header, datagram.from(kLinkHeaderSize), sender);
@@ -133,13 +133,12 @@ void UdpInput::gap(std::uint32_t lost) {
   handler_.on_input_gap(lost);
 }
 
-void UdpInput::on_connect(const LinkHeader& header, const UdpAddress& sender) {
-  const Refusal refusal = admission_.judge(header, upstream_.from());
+void UdpInput::on_connect(const LinkHeader& header, wire::ByteView datagram, const UdpAddress& sender) {
+  const bool ours = header.version == kLinkVersion;  // of another one the header alone is known
+  if (ours && datagram.size < kConnectSize) return on_unknown_peer(kNoNode);
+  const Agreement theirs = ours ? load_agreement(datagram.data + kLinkHeaderSize) : Agreement{};
+  if (auto refuse = admission_.judge(header, theirs, upstream_.from())) return turn_away(header, *refuse, sender);
   const Time now = Clock::now();
-  if (refusal == Refusal::busy) ++report_.counters.refused;
-  if (refusal != Refusal::none) tell(LinkHeaderType::refuse, {header.session, sender, now}, refusal);
-  if (refusal == Refusal::busy) return;
-  if (refusal != Refusal::none) return on_unknown_peer(why_unfit(header, refusal));
   if (from_ == header.sender && session_nonce(session_.number) == session_nonce(header.session)) {
     return tell(LinkHeaderType::accept, session_);
   }
@@ -150,6 +149,16 @@ void UdpInput::on_connect(const LinkHeader& header, const UdpAddress& sender) {
   offer.address = sender;
   offer.since = now;
   tell(LinkHeaderType::accept, offer);
+}
+
+void UdpInput::turn_away(const LinkHeader& connect, LinkHeader& refuse, const UdpAddress& sender) {
+  refuse.session = connect.session;
+  send(refuse, sender);
+  if (refuse.refusal == Refusal::busy) {
+    ++report_.counters.refused;
+  } else {
+    report_.turned_away(admission_.label(connect.sender), connect, refuse, handler_);
+  }
 }
 
 bool UdpInput::take_up_offer(const LinkHeader& header) {
@@ -167,6 +176,7 @@ bool UdpInput::take_up_offer(const LinkHeader& header) {
   upstream_.comes_by(*this);
   session_ = offer;
   from_ = header.sender;
+  report_.refusals.forget(header.sender);
   sequence_.restart();
   silence_.restart(Clock::now());
   ++report_.counters.connects;
@@ -217,17 +227,17 @@ void UdpInput::drop_old_offers(Time now) {
 }
 
 void UdpInput::tell(LinkHeaderType type, const Session& session, Refusal refusal) {
-  if (closed_) return;
-  LinkHeader header;
-  header.type = type;
-  header.ring = settings_.self.ring;
+  LinkHeader header = admission_.header(type, refusal);
   header.session = session.number;
-  header.sender = settings_.self.id;
-  header.refusal = refusal;
+  send(header, session.address);
+}
+
+void UdpInput::send(const LinkHeader& header, const UdpAddress& to) {
+  if (closed_) return;
   const auto bytes = encode(header);
   // What the kernel does not take is lost, as on the wire: everything told is told again.
-  ::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, session.address.data(),
-           static_cast<socklen_t>(session.address.size()));
+  ::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, to.data(),
+           static_cast<socklen_t>(to.size()));
 }
 
 }  // namespace limb_ring::link

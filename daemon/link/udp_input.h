@@ -42,7 +42,8 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void take_slices(const LinkHeader& header, wire::ByteView bytes, const UdpAddress& sender);
   void hand_on(wire::ByteView bytes);
   void on_unknown_peer(const std::string& why);
-  void on_connect(const LinkHeader& header, const UdpAddress& sender);
+  void on_connect(const LinkHeader& header, wire::ByteView datagram, const UdpAddress& sender);
+  void turn_away(const LinkHeader& connect, LinkHeader& refuse, const UdpAddress& sender);
   bool take_up_offer(const LinkHeader& header);
   void on_stale(const LinkHeader& header, const UdpAddress& sender);
   bool present(const LinkHeader& header) const;
@@ -51,6 +52,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void tick(Time now);
   void drop_old_offers(Time now);
   void tell(LinkHeaderType type, const Session& session, Refusal refusal = Refusal::none);
+  void send(const LinkHeader& header, const UdpAddress& to);
 
   boost::asio::io_context& io_;
   InputSettings settings_;

@@ -35,7 +35,7 @@ bool UnixDownstream::start() {
 }
 
 bool UnixDownstream::greet(const LinkHeader& connect) {
-  const auto bytes = encode(connect);
+  const auto bytes = encode_connect(connect, self_.agreement);
   return send_now(socket_.get(), {bytes.data(), bytes.size()}) == static_cast<ssize_t>(bytes.size());
 }
 

@@ -39,6 +39,7 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
   virtual std::uint32_t wait_for_room();
 
   bool open() const { return owner_ != nullptr; }
+  const Agreement& agreement() const { return self_.agreement; }
   int socket() const { return socket_.get(); }
   OutputCounters& counters() { return counters_; }
   /// What waits is sent soon.

@@ -20,7 +20,7 @@ UnixInput::UnixInput(boost::asio::io_context& io, const InputSettings& settings,
       handler_(handler),
       report_(report),
       upstream_(upstream),
-      admission_(settings.self, settings.order),
+      admission_(settings.self, settings.order, settings.names),
       acceptor_(listen_unix(io, settings.endpoint.path)),
       silence_(settings.timing),
       ticker_(io, settings.timing.idle, [this](Time now) { tick(now); }) {}
@@ -76,28 +76,27 @@ void UnixInput::on_unknown_peer(const std::shared_ptr<PendingConnection>& connec
   if (why == kNoNode && report_.report_once(why)) handler_.on_unknown_peer(why);
 }
 
-void UnixInput::on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect) {
+void UnixInput::on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect,
+                           const Agreement& theirs) {
   let_go(connection);
-  const Refusal refusal = admission_.judge(connect, upstream_.from());
+  const auto refuse = admission_.judge(connect, theirs, upstream_.from());
   if (connection->hung_up()) {
     connection->close();
-  } else if (refusal != Refusal::none) {
-    turn_away(*connection, connect, refusal);
+  } else if (refuse) {
+    turn_away(*connection, connect, *refuse);
   } else {
     admit(*connection, connect);
   }
 }
 
-void UnixInput::turn_away(PendingConnection& connection, const LinkHeader& connect, Refusal refusal) {
-  if (refusal == Refusal::busy) {
+void UnixInput::turn_away(PendingConnection& connection, const LinkHeader& connect, const LinkHeader& refuse) {
+  connection.answer(refuse);
+  connection.close();
+  if (refuse.refusal == Refusal::busy) {
     ++report_.counters.refused;
   } else {
-    report_.unknown_peer(why_unfit(connect, refusal));
+    report_.turned_away(admission_.label(connect.sender), connect, refuse, handler_);
   }
-  connection.answer(header(LinkHeaderType::refuse, refusal));
-  connection.close();
-  const std::string& why = report_.last_unknown_peer;
-  if (refusal != Refusal::busy && report_.report_once(why)) handler_.on_unknown_peer(why);
 }
 
 void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) {
@@ -105,19 +104,20 @@ void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) 
   if (connect.type == LinkHeaderType::connect_memory) {
     if (connection.descriptors().size() == kMostDescriptors)
       memory = QueueMemory::open(std::move(connection.descriptors()[0]));
-    if (!memory) return turn_away(connection, connect, Refusal::invalid_memory);
+    if (!memory)
+      return turn_away(connection, connect, admission_.header(LinkHeaderType::refuse, Refusal::invalid_memory));
   }
-  LinkHeader accept = header(LinkHeaderType::accept);
+  LinkHeader accept = admission_.header(LinkHeaderType::accept);
   accept.session = connect.session;
   connection.answer(accept);
   auto stream = make_stream(connection, std::move(memory));
-  if (!stream)
-    return report_.unknown_peer("node " + std::to_string(connect.sender) + ": cannot wait for what it sends");
+  if (!stream) return report_.unknown_peer(admission_.label(connect.sender) + ": cannot wait for what it sends");
   upstream_.give_way(connect.sender);
   if (closed_) return;
   upstream_.comes_by(*this);
   stream_ = std::move(stream);
   from_ = connect.sender;
+  report_.refusals.forget(from_);
   silence_.restart(Clock::now());
   ++report_.counters.connects;
   report_.report_once.forget();
@@ -126,7 +126,7 @@ void UnixInput::admit(PendingConnection& connection, const LinkHeader& connect) 
 
 std::shared_ptr<UnixStream> UnixInput::make_stream(PendingConnection& connection, std::optional<QueueMemory> memory) {
   UnixStream::Owner& owner = *this;
-  const LinkHeader alive = header(LinkHeaderType::alive);
+  const LinkHeader alive = admission_.header(LinkHeaderType::alive);
   InputCounters& counters = report_.counters;
   process::UniqueFd socket = connection.release();
   try {
@@ -140,7 +140,7 @@ std::shared_ptr<UnixStream> UnixInput::make_stream(PendingConnection& connection
 
 void UnixInput::replace(std::uint8_t by) {
   ++report_.counters.replaced;
-  stream_->tell(header(LinkHeaderType::refuse, Refusal::replaced));
+  stream_->tell(admission_.header(LinkHeaderType::refuse, Refusal::replaced));
   lose("replaced by node " + std::to_string(by));
 }
 
@@ -174,15 +174,6 @@ void UnixInput::tick_pending(Time now) {
     if (connection->open()) connection->read();
     if (connection->open()) on_unknown_peer(connection, "it did not say who it is");
   }
-}
-
-LinkHeader UnixInput::header(LinkHeaderType type, Refusal refusal) const {
-  LinkHeader header;
-  header.type = type;
-  header.ring = settings_.self.ring;
-  header.sender = settings_.self.id;
-  header.refusal = refusal;
-  return header;
 }
 
 }  // namespace limb_ring::link

@@ -32,19 +32,19 @@ class UnixInput final : public InputLine,
  private:
   void accept();
   void welcome(UnixSocket socket);
-  void on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect) override;
+  void on_greeted(const std::shared_ptr<PendingConnection>& connection, const LinkHeader& connect,
+                  const Agreement& theirs) override;
   void on_unknown_peer(const std::shared_ptr<PendingConnection>& connection, std::string_view why) override;
   void on_heard() override { silence_.heard(); }
   void on_ended(std::string_view reason) override { lose(reason); }
 
-  void turn_away(PendingConnection& connection, const LinkHeader& connect, Refusal refusal);
+  void turn_away(PendingConnection& connection, const LinkHeader& connect, const LinkHeader& refuse);
   void admit(PendingConnection& connection, const LinkHeader& connect);
   std::shared_ptr<UnixStream> make_stream(PendingConnection& connection, std::optional<QueueMemory> memory);
   void lose(std::string_view reason);
   void let_go(const std::shared_ptr<PendingConnection>& connection);
   void tick(Time now);
   void tick_pending(Time now);
-  LinkHeader header(LinkHeaderType type, Refusal refusal = Refusal::none) const;
 
   boost::asio::io_context& io_;
   InputSettings settings_;

@@ -47,6 +47,9 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   LineEnds ends(core::Line line) const override;
   const link::InputCounters& input_counters(core::Line on) const override { return line(on).input().counters(); }
   const link::OutputCounters& output_counters(core::Line on) const override { return line(on).output().counters(); }
+  LineRefusals refusals(core::Line on) const override {
+    return {&line(on).input().refusals(), &line(on).output().refusals()};
+  }
   LineBreaker& breaker(core::Line on) override { return line(on).faulty_line(); }
   const LineBreaker& breaker(core::Line on) const override { return line(on).faulty_line(); }
   core::Time input_lost_at() const override { return input_lost_at_; }

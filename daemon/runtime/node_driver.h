@@ -7,6 +7,7 @@
 #include "core/network_controller.h"
 #include "event_loop/node_clock.h"
 #include "link/counters.h"
+#include "link/refusals.h"
 #include "runtime/line_breaker.h"
 
 namespace limb_ring::runtime {
@@ -37,6 +38,12 @@ struct LineTap {
 /// Who is at the other ends of a line's two links of a node; nothing: the link is down.
 struct LineEnds {
   std::optional<std::uint8_t> from, to;
+};
+
+/// Nodes that do not get together with this one on a line; null: there are none.
+struct LineRefusals {
+  const link::Refusals* by_input = nullptr;
+  const link::Refusals* of_output = nullptr;
 };
 
 /// What drives the network controller of a node, as all that is built upon it sees it: links and the machine's clock,
@@ -78,6 +85,8 @@ class NodeDriver {
   virtual LineEnds ends(core::Line line) const = 0;
   virtual const link::InputCounters& input_counters(core::Line line) const = 0;
   virtual const link::OutputCounters& output_counters(core::Line line) const = 0;
+  /// Who was refused at the line's input, and who has refused its output. A virtual ring refuses nobody.
+  virtual LineRefusals refusals(core::Line) const { return {}; }
   virtual LineBreaker& breaker(core::Line line) = 0;
   virtual const LineBreaker& breaker(core::Line line) const = 0;
   ///@}

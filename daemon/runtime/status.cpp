@@ -100,6 +100,37 @@ json fold_json(const NodeDriver& engine) {
           {"second_output", second.to ? "up" : "down"}};
 }
 
+/// Somebody who is refused asks again many times a second: what is older than this is over.
+constexpr std::chrono::seconds kRefusalLasts{3};
+
+std::string name_of(const config::RingConfig& ring, std::uint8_t id) {
+  const config::NodeConfig* node = ring.find(id);
+  return node != nullptr ? node->name : std::to_string(id);
+}
+
+void add_refusals(json& all, const StatusSources& from, const link::Refusals* refusals, bool we_refuse) {
+  if (refusals == nullptr) return;
+  for (const auto& [node, refusal] : refusals->all()) {
+    if (link::Clock::now() - refusal.at > kRefusalLasts) continue;
+    const std::uint8_t refused = we_refuse ? node : from.node.id, by = we_refuse ? from.node.id : node;
+    all.push_back({{"refused", refused},
+                   {"by", by},
+                   {"reason", refusal.reason},
+                   {"text", "node " + name_of(from.ring, refused) + " is refused by node " + name_of(from.ring, by) +
+                                ": " + refusal.reason}});
+  }
+}
+
+json refusals_json(const StatusSources& from) {
+  json all = json::array();
+  for (const core::Line line : core::Lines(from.engine.has_second_line())) {
+    const LineRefusals refusals = from.engine.refusals(line);
+    add_refusals(all, from, refusals.by_input, true);
+    add_refusals(all, from, refusals.of_output, false);
+  }
+  return all;
+}
+
 json heard_json(const StatusSources& from) {
   json heard = json::array();
   const core::Peers& peers = from.engine.controller().membership().peers();
@@ -164,6 +195,7 @@ json status_row(const StatusSources& from) {
            {"waiting", engine.controller().received_waiting()},
            {"broken_line", broken_line_json(from)},
            {"faults", from.faults.list()},
+           {"refusals", refusals_json(from)},
            {"counters", counters_json(from)},
            {"heard", heard_json(from)}};
   if (engine.has_second_line()) row["fold"] = fold_json(engine);

@@ -33,7 +33,7 @@ const NodeConfig& successor_of(const RingConfig& ring, const NodeConfig& node) {
 
 core::Duration all_delays(const RingConfig& ring) {
   core::Duration delays{0};
-  for (const NodeConfig& node : ring.nodes) delays += node.link.delay;
+  for (const NodeConfig& node : ring.nodes) delays += node.link.whole_delay();
   return delays;
 }
 
@@ -54,7 +54,7 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.boot = boot;
   s.byte_time_in = byte_time(node.link);
   s.byte_time_out = byte_time(successor_of(ring, node).link);
-  s.relay_delay = node.link.delay;
+  s.relay_delay = node.link.whole_delay();  // on a living ring only time-outs use it
   s.lap = worst_lap(ring);
   s.all_delays = all_delays(ring);
   s.insertion_buffer = ring.limits.insertion_buffer;

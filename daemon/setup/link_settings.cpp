@@ -1,8 +1,10 @@
 #include "setup/link_settings.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "limb_ring/ring_directory.h"
+#include "setup/agreement.h"
 #include "setup/core_settings.h"
 
 namespace limb_ring::setup {
@@ -42,19 +44,26 @@ std::vector<std::uint8_t> order_on(const RingConfig& ring, Line line) {
   return order;
 }
 
+/// Of the nodes in that order.
+std::vector<std::string> names_on(const RingConfig& ring, Line line) {
+  std::vector<std::string> names;
+  for (const std::uint8_t id : order_on(ring, line)) names.push_back(ring.find(id)->name);
+  return names;
+}
+
 link::Timing timing_of(const RingConfig& ring) {
   return {ring.timeouts.idle, ring.timeouts.silence, ring.timeouts.first_successor};
 }
 
 link::Identity identity_of(const RingConfig& ring, const NodeConfig& node) {
-  return {link::ring_hash(ring.ring), node.id};
+  return {link::ring_hash(ring.ring), node.id, agreement_of(ring)};
 }
 
 link::InputSettings input_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
                                    Line line) {
-  return {identity_of(ring, node), endpoint_between(node, node, directory, line),
-          order_on(ring, line),    timing_of(ring),
-          node.link.delay,         endpoint_from_hosts(ring, node, directory, line)};
+  return {
+      identity_of(ring, node), endpoint_between(node, node, directory, line),    order_on(ring, line), timing_of(ring),
+      node.link.delay,         endpoint_from_hosts(ring, node, directory, line), names_on(ring, line)};
 }
 
 link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
@@ -72,6 +81,7 @@ link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& n
 }  // namespace
 
 std::vector<LinkSettings> link_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
+  if (!ring.links.key.empty()) throw std::runtime_error("links.key is not built yet");
   std::vector<LinkSettings> lines;
   for (const Line line : core::Lines(ring.redundancy == RingConfig::Redundancy::foldback))
     lines.push_back({line, input_settings(ring, node, directory, line), output_settings(ring, node, directory, line)});

@@ -11,7 +11,8 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// Hosts waist and head; nodes body and knee there, eye at head. `links` stand in line 5.
-std::string two_hosts(const std::string& links = "", const std::string& of_knee = "", const std::string& of_eye = "") {
+std::string two_hosts(const std::string& links = "links: {insecure: true}", const std::string& of_knee = "",
+                      const std::string& of_eye = "") {
   return "ring: robot\n"
          "hosts:\n"
          "  - {name: waist, address: 10.0.0.1}\n"
@@ -40,7 +41,7 @@ TEST(Hosts, NodeIsAtTheFirstOneUnlessItSaysOtherwise) {
 }
 
 TEST(Hosts, LineWithinOneIsLocalAndBetweenTwoUdp) {
-  const RingConfig ring = read(two_hosts("links: {transport: unix}"));
+  const RingConfig ring = read(two_hosts("links: {transport: unix, insecure: true}"));
   const NodeConfig &body = ring.nodes[0], &knee = ring.nodes[1], &eye = ring.nodes[2];
   EXPECT_EQ(transport_between(body, knee), LinkConfig::Transport::unix_stream);
   EXPECT_EQ(transport_between(knee, eye), LinkConfig::Transport::udp);
@@ -49,7 +50,7 @@ TEST(Hosts, LineWithinOneIsLocalAndBetweenTwoUdp) {
 }
 
 TEST(Hosts, NodeListensAtTheAddressOfItsHostOrAtItsOwn) {
-  const RingConfig ring = read(two_hosts("links: {port: 20000}", "", ", link: {address: 10.0.1.2}"));
+  const RingConfig ring = read(two_hosts("links: {port: 20000, insecure: true}", "", ", link: {address: 10.0.1.2}"));
   EXPECT_EQ(ring.nodes[1].link.address, "10.0.0.1");
   EXPECT_EQ(ring.nodes[1].link.port, 20001);
   EXPECT_EQ(ring.nodes[2].link.address, "10.0.1.2") << "a second network interface";
@@ -64,7 +65,7 @@ TEST(Hosts, OfARobotAreOneAtADesk) {
 }
 
 TEST(WrongHosts, AreNamedWithPlaceValueAndWhatIsRight) {
-  EXPECT_THAT(refusal_of(two_hosts("", ", host: haed")),
+  EXPECT_THAT(refusal_of(two_hosts("links: {insecure: true}", ", host: haed")),
               Eq("ring.yaml:8:31: entry 'nodes[1].host': 'haed' is no host of it, did you mean 'head'?; allowed: a "
                  "host of this ring (head, waist)"));
   EXPECT_THAT(refusal_of(node_with("    host: head\n")),
@@ -93,12 +94,13 @@ TEST(WrongHosts, ContradictedByTheLinks) {
               AllOf(StartsWith("ring.yaml:5:18: entry 'links.address'"),
                     HasSubstr("would be the address of all hosts; allowed: no address in `links`")));
   EXPECT_THAT(
-      refusal_of(two_hosts("", "", ", link: {transport: shm}")),
+      refusal_of(two_hosts("links: {insecure: true}", "", ", link: {transport: shm}")),
       AllOf(StartsWith("ring.yaml:9:"), HasSubstr("'shm' stays within a host, but the line into this node comes "
                                                   "from node 'knee' at host 'waist'; allowed: udp")));
-  EXPECT_THAT(refusal_of(two_hosts("", "", ", link: {address: 10.0.0.1}")),
+  EXPECT_THAT(refusal_of(two_hosts("links: {insecure: true}", "", ", link: {address: 10.0.0.1}")),
               HasSubstr("'10.0.0.1' is the address of host 'waist', and this node is at host 'head'"));
-  EXPECT_EQ(refusal_of(two_hosts("", ", link: {transport: unix}", ", link: {transport: udp}")), "");
+  EXPECT_EQ(refusal_of(two_hosts("links: {insecure: true}", ", link: {transport: unix}", ", link: {transport: udp}")),
+            "");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ LinkHeader example() {
 }
 
 TEST(LinkHeader, LooksOnTheWireAsDrawn) {
-  EXPECT_THAT(encode(example()), testing::ElementsAre('L', 'R', 2, 3, 1, 2, 3, 4, 5, 6, 7, 8, 0x11, 0x12, 0x13, 0x14,
+  EXPECT_THAT(encode(example()), testing::ElementsAre('L', 'R', 3, 3, 1, 2, 3, 4, 5, 6, 7, 8, 0x11, 0x12, 0x13, 0x14,
                                                       0x15, 0x16, 0x17, 0x18, 0x21, 0x22, 0x23, 0x24, 254, 1));
 }
 
@@ -64,9 +64,9 @@ TEST(LinkHeader, TellsPeopleWhichEndIsTheOlderOne) {
   LinkHeader refuse;
   refuse.refusal = Refusal::wrong_version;
   refuse.version = 1;
-  EXPECT_EQ(reason_of(refuse), "protocol mismatch: peer speaks version 1, this is version 2; update it");
-  refuse.version = 3;
-  EXPECT_EQ(reason_of(refuse), "protocol mismatch: peer speaks version 3, this is version 2; update this node");
+  EXPECT_EQ(reason_of(refuse), "protocol mismatch: peer speaks version 1, this is version 3; update it");
+  refuse.version = 4;
+  EXPECT_EQ(reason_of(refuse), "protocol mismatch: peer speaks version 4, this is version 3; update this node");
   refuse.refusal = Refusal::closing;
   EXPECT_EQ(reason_of(refuse), "it is shutting down");
 }

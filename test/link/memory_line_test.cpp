@@ -32,7 +32,7 @@ struct MemoryInputFromHand : testing::Test {
     LinkHeader header;
     header.type = LinkHeaderType::connect_memory;
     header.ring = LinkRig::kRing;
-    const auto bytes = encode(header);
+    const auto bytes = encode_connect(header, {});
     if (descriptors.empty())
       send_now(line.get(), {bytes.data(), bytes.size()});
     else
@@ -173,7 +173,7 @@ struct MemoryOutputToHand : testing::Test {
   void SetUp() override {
     door.non_blocking(true);
     rig.start_output(0);
-    std::array<std::uint8_t, kLinkHeaderSize> bytes;
+    std::array<std::uint8_t, kConnectSize> bytes;
     ASSERT_TRUE(rig.until([&] {
       if (!line.valid()) line = process::UniqueFd(::accept(door.native_handle(), nullptr, nullptr));
       return line.valid() && receive_now(line.get(), bytes.data(), bytes.size(), offered) > 0;

@@ -121,12 +121,12 @@ TEST(Output, SaysOnceThatItsNeighbourIsNoNode) {
 
 TEST(Output, SaysOnceThatItsNeighbourSpeaksAnotherVersion) {
   LinkHeader refuse;
-  refuse.version = 3;
+  refuse.version = 4;
   refuse.type = LinkHeaderType::refuse;
   refuse.refusal = Refusal::wrong_version;
   const auto bytes = encode(refuse);
   EXPECT_THAT(said_of({bytes.begin(), bytes.end()}),
-              ElementsAre("1: protocol mismatch: peer speaks version 3, this is version 2; update this node"));
+              ElementsAre("1: protocol mismatch: peer speaks version 4, this is version 3; update this node"));
 }
 
 TEST(Output, MayBeClosedByItsHandler) {

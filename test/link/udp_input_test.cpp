@@ -38,6 +38,7 @@ struct UdpInputFromHand : testing::Test {
   void send(const LinkHeader& header, wire::ByteView slices = {}) {
     std::vector<std::uint8_t> bytes(kLinkHeaderSize);
     store_header(bytes.data(), header);
+    if (header.type == LinkHeaderType::connect) bytes.resize(kConnectSize);  // and nothing to disagree about
     bytes.insert(bytes.end(), slices.begin(), slices.end());
     ASSERT_EQ(send_now(line.native_handle(), {bytes.data(), bytes.size()}), static_cast<ssize_t>(bytes.size()));
   }

@@ -29,7 +29,7 @@ struct UnixInputFromHand : testing::Test {
     header.type = LinkHeaderType::connect;
     header.ring = LinkRig::kRing;
     header.sender = sender;
-    const auto bytes = encode(header);
+    const auto bytes = encode_connect(header, {});
     send_now(socket.get(), {bytes.data(), bytes.size()});
     return socket;
   }

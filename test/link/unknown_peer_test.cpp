@@ -26,8 +26,9 @@ struct UnknownPeer : testing::Test {
   }
   process::UniqueFd knock() { return connect_unix(rig.endpoint(1).path); }
   void say(process::UniqueFd& socket, const LinkHeader& header) {
-    const auto bytes = encode(header);
-    send_now(socket.get(), {bytes.data(), bytes.size()});
+    const auto bytes = encode_connect(header, {});
+    const std::size_t size = header.version == kLinkVersion ? bytes.size() : kLinkHeaderSize;
+    send_now(socket.get(), {bytes.data(), size});
   }
   std::uint64_t unknown_peers() { return rig.node(1).input->counters().unknown_peers; }
   /// The header that comes back; nothing where the line is closed without a word.
@@ -91,7 +92,7 @@ TEST_F(UnknownPeer, OfAnotherVersionIsToldSoEachTimeAndItsOwnNodeOnce) {
   }
   EXPECT_EQ(unknown_peers(), 3u);
   EXPECT_THAT(rig.node(1).heard.unknown_peers,
-              ElementsAre("node 0: protocol mismatch: peer speaks version 1, this is version 2; update it"));
+              ElementsAre("node 0: protocol mismatch: peer speaks version 1, this is version 3; update it"));
 }
 
 TEST_F(UnknownPeer, OfNoNodeOfTheRingIsToldSo) {
@@ -135,13 +136,13 @@ TEST_F(UnknownPeer, WithADatagramSocketThatIsNotOursDoesNothing) {
   LinkHeader other;
   other.type = LinkHeaderType::connect;
   other.ring = LinkRig::kRing + 1;
-  const auto bytes = encode(other);
+  const auto bytes = encode_connect(other, {});
   send_now(socket.native_handle(), {bytes.data(), bytes.size()});
   EXPECT_TRUE(udp.until([&] { return udp.node(1).input->counters().unknown_peers == 2; }));
   EXPECT_TRUE(udp.whole());
   EXPECT_THAT(udp.node(1).heard.slices, IsEmpty());
   EXPECT_THAT(udp.node(1).heard.unknown_peers,
-              ElementsAre("peer is not a limb_ring node", "node 0 belongs to another ring"));
+              ElementsAre("peer is not a limb_ring node", "node 0: it belongs to another ring"));
 }
 
 }  // namespace

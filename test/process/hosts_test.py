@@ -99,7 +99,8 @@ class WrongUse(HostsTest):
         return self.write('changed.yaml', text)
 
     def test_address_that_is_not_of_this_machine(self):
-        config = self.changed(('127.0.0.1', '203.0.113.1'), ('127.0.0.2', '203.0.113.2'))
+        config = self.changed(('127.0.0.1', '203.0.113.1'), ('127.0.0.2', '203.0.113.2'),
+                              ('"port"', '"insecure": true, "port"'))
         self.assertIn("host 'waist' has the address 203.0.113.1, which no interface of this machine has",
                       self.refusal(config, '--host', 'waist'))
         self.assertIn('no host of', self.refusal(config))

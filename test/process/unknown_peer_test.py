@@ -10,12 +10,15 @@ from ring_process import RingTest, free_udp_ports, plain_nodes
 from limb_ring import HostPortError, Observed
 
 LINK_HEADER = '>HBBQQIBB'  # daemon/link/link_header.h
+AGREEMENT_SIZE = 56        # daemon/link/agreement.h
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = range(1, 7)
 WRONG_VERSION = 7
 
 
-def head(kind, ring=1, session=1, sequence=0, sender=0, refusal=0, version=2):
-    return struct.pack(LINK_HEADER, 0x4C52, version, kind, ring, session, sequence, sender, refusal)
+def head(kind, ring=1, session=1, sequence=0, sender=0, refusal=0, version=3):
+    connect = kind == CONNECT and version == 3
+    return (struct.pack(LINK_HEADER, 0x4C52, version, kind, ring, session, sequence, sender, refusal) +
+            bytes(AGREEMENT_SIZE if connect else 0))
 
 
 def garbage(size):
@@ -152,8 +155,8 @@ class UnknownPeer(RingTest):
     def test_a_node_of_the_old_protocol_is_named_in_the_log(self):
         daemons = self.start_ring(plain_nodes(3))
         told = self.say(self.socket_of(1, 'link'), head(CONNECT, version=1))
-        self.assertEqual((told[2], told[3], told[-1]), (2, REFUSE, WRONG_VERSION))
-        self.wait('named', lambda: 'node 0: protocol mismatch: peer speaks version 1, this is version 2; update it' in
+        self.assertEqual((told[2], told[3], told[-1]), (3, REFUSE, WRONG_VERSION))
+        self.wait('named', lambda: 'node 0 (node0): protocol mismatch: peer speaks version 1, this is version 3; update it' in
                   self.log_of(daemons[1]))
         self.assertTrue(self.is_closed(range(3)))
 

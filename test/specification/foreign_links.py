@@ -8,18 +8,35 @@ import struct
 START, MORE, END, WHOLE, INTERRUPT, ABORT, IDLE, FOLD = 1, 2, 3, 4, 5, 6, 7, 8
 CONNECT, ACCEPT, REFUSE, SLICES, ALIVE, BYE = 1, 2, 3, 4, 5, 6
 NO_REFUSAL, BUSY, REPLACED, WRONG_RING, NOT_IN_RING, UNKNOWN_SESSION, WRONG_VERSION = 0, 1, 2, 3, 4, 5, 7
-VERSION = 2
+OTHER_RING_FILE = 9
+VERSION = 3
 
 LinkHeader = collections.namedtuple('LinkHeader', 'magic version type ring session sequence sender refusal')
 LINK_HEADER = struct.Struct('>HBBQQIBB')
 
 
-def ring_hash(name):
+TIMEOUTS = {'send': 100, 'stall': 50, 'idle': 20, 'silence': 60, 'first_successor': 200, 'break_grace': 200,
+            'fold_permission': 200, 'beacon': 100}  # protocol.md section 7.4
+PARTS = 7
+AGREEMENT = struct.Struct('>%dQ' % PARTS)
+
+
+def text_hash(text):
     """FNV-1a, 64 bits. (protocol.md section 6.5)"""
     value = 0xCBF29CE484222325
-    for byte in name.encode():
+    for byte in text.encode():
         value = (value ^ byte) * 0x100000001B3 % 2 ** 64
     return value
+
+
+def agreement(names, redundancy='none', timeouts=TIMEOUTS):
+    """Of a ring of nodes 0, 1, ... without joints, on lines as fast as the host, with the usual pins; node 0 watches.
+    (protocol.md section 6.13)"""
+    def each(words):
+        return ''.join('%d%s\n' % (node, words(name)) for node, name in enumerate(names))
+    return AGREEMENT.pack(*map(text_hash, (
+        each(lambda name: ' ' + name), redundancy + '\n', ''.join('%d\n' % time for time in timeouts.values()),
+        each(lambda _: ' 0 0'), each(lambda _: ''), each(lambda _: ' reset stop sync' + ' none' * 5), '0\n')))
 
 
 def random_number():
@@ -74,13 +91,13 @@ class UnixInput:
 
     def greet(self, connection):
         self.pending.remove(connection)
-        data = received(connection, LINK_HEADER.size, socket.MSG_WAITALL)
-        if len(data) != LINK_HEADER.size:
+        data = received(connection, LINK_HEADER.size + AGREEMENT.size, socket.MSG_WAITALL)
+        if len(data) < LINK_HEADER.size:
             return connection.close()
-        connect = LinkHeader._make(LINK_HEADER.unpack(data))
-        refusal = self.line.judge(connect)
+        connect = LinkHeader._make(LINK_HEADER.unpack_from(data))
+        refusal = self.line.judge(connect, data[LINK_HEADER.size:])
         if refusal != NO_REFUSAL:
-            tell(connection, self.line.header(REFUSE, refusal=refusal))
+            tell(connection, self.line.refuse(refusal, data))
             return connection.close()
         if self.stream:
             tell(self.stream, self.line.header(REFUSE, refusal=REPLACED))
@@ -144,7 +161,7 @@ class UnixOutput:
         stream = socket.socket(socket.AF_UNIX)
         try:
             stream.connect(self.path)
-            stream.sendall(self.line.header(CONNECT, random_number() << 32))
+            stream.sendall(self.line.connect(random_number()))
             self.stream = stream
         except OSError:
             stream.close()
@@ -176,7 +193,7 @@ class UdpInput:
         if header.magic != 0x4C52 or (header.version != VERSION and header.type != CONNECT):
             return
         if header.type == CONNECT:
-            self.connect(header, address)
+            self.connect(header, data, address)
         elif header.ring != self.line.ring:
             return
         elif header.type == SLICES:
@@ -184,10 +201,10 @@ class UdpInput:
         elif header.type == BYE and self.session == (header.sender, header.session):
             self.session = None
 
-    def connect(self, header, address):
-        refusal = self.line.judge(header)
+    def connect(self, header, data, address):
+        refusal = self.line.judge(header, data[LINK_HEADER.size:])
         if refusal != NO_REFUSAL:
-            return self.socket.sendto(self.line.header(REFUSE, header.session, refusal=refusal), address)
+            return self.socket.sendto(self.line.refuse(refusal, data, header.session), address)
         number = header.session >> 32
         if self.session and self.session[0] == header.sender and self.session[1] >> 32 == number:
             offer = self.session[1]
@@ -258,7 +275,7 @@ class UdpOutput:
     def tick(self):
         try:
             if self.session is None:
-                self.socket.send(self.line.header(CONNECT, self.number << 32))
+                self.socket.send(self.line.connect(self.number))
             else:
                 self.write(slice_of(IDLE))
         except OSError:
@@ -271,8 +288,9 @@ class UdpOutput:
 class Line:
     """One of the lines of a node: where it comes in and where it goes out. `order` is that in which it runs."""
 
-    def __init__(self, ring, node, order, listen, connect_to):
-        self.ring, self.id, self.order = ring_hash(ring), node, order
+    def __init__(self, ring, node, order, listen, connect_to, agreement):
+        self.ring, self.id, self.order = text_hash(ring), node, order
+        self.agreement = agreement
         self.sender = order[order.index(node) - 1]
         self.successor = order[(order.index(node) + 1) % len(order)]
         self.on_slice, self.gap = lambda kind, data: None, lambda: None
@@ -283,15 +301,28 @@ class Line:
     def header(self, kind, session=0, sequence=0, refusal=NO_REFUSAL):
         return LINK_HEADER.pack(0x4C52, VERSION, kind, self.ring, session, sequence, self.id, refusal)
 
+    def connect(self, number):
+        return self.header(CONNECT, number << 32) + self.agreement
+
+    def refuse(self, refusal, connect, session=0):
+        """protocol.md section 6.13: which parts differ."""
+        parts = 0
+        if refusal == OTHER_RING_FILE:
+            theirs = AGREEMENT.unpack_from(connect, LINK_HEADER.size)
+            parts = sum(1 << i for i, ours in enumerate(AGREEMENT.unpack(self.agreement)) if ours != theirs[i])
+        return self.header(REFUSE, session, parts, refusal)
+
     def distance(self, node):
         return (self.order.index(self.id) - self.order.index(node)) % len(self.order) or len(self.order)
 
-    def judge(self, connect):
+    def judge(self, connect, agreement):
         """protocol.md section 6.8"""
         if connect.version != VERSION:
             return WRONG_VERSION
         if connect.ring != self.ring:
             return WRONG_RING
+        if agreement != self.agreement:
+            return OTHER_RING_FILE
         if connect.sender not in self.order:
             return NOT_IN_RING
         if self.input.up() and self.distance(connect.sender) > self.distance(self.sender):

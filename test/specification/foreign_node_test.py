@@ -10,11 +10,13 @@ sys.path.insert(0, os.path.join(HERE, '..', 'process'))
 
 import foreign_node
 from foreign_fold import FOLDED, UP
-from foreign_links import END, INTERRUPT, START, WHOLE, Line, slice_of
+from foreign_links import END, INTERRUPT, START, TIMEOUTS, WHOLE, Line, agreement, slice_of
 import ring_process
-from ring_process import RingTest, free_udp_ports, plain_nodes
+from ring_process import PATIENT, RingTest, free_udp_ports, plain_nodes
 
 FOREIGN = 2
+NAMES = ['node0', 'node1', 'node2']
+TIMES = {**TIMEOUTS, **{name: int(time[:-1]) * 1000 for name, time in PATIENT.items()}}  # PATIENT is in s
 
 
 class WithAForeignNode(RingTest):
@@ -62,7 +64,8 @@ class WithAForeignNode(RingTest):
 
 class ForeignNode(WithAForeignNode):
     def unix_line(self):
-        return Line(self.ring, FOREIGN, [0, 1, 2], self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link'))
+        return Line(self.ring, FOREIGN, [0, 1, 2], self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link'),
+                    agreement(NAMES, timeouts=TIMES))
 
     def close_unix_ring(self):
         self.start_daemons()
@@ -75,7 +78,8 @@ class ForeignNode(WithAForeignNode):
     def test_over_udp_lines(self):
         ports = free_udp_ports(3)
         self.start_daemons(links={'transport': 'udp', 'port': ports})
-        self.start_node(Line(self.ring, FOREIGN, [0, 1, 2], ('127.0.0.1', ports + FOREIGN), ('127.0.0.1', ports)))
+        self.start_node(Line(self.ring, FOREIGN, [0, 1, 2], ('127.0.0.1', ports + FOREIGN), ('127.0.0.1', ports),
+                             agreement(NAMES, timeouts=TIMES)))
         self.assert_all_reach_all()
         self.assertEqual(self.counters(0)['input_datagrams_lost'], 0)
         self.assertEqual(self.counters(0)['input_unknown_peers'], 0)
@@ -152,9 +156,10 @@ class FoldingForeignNode(WithAForeignNode):
     def setUp(self):
         super().setUp()
         self.start_daemons(redundancy='foldback')
+        folds = agreement(NAMES, 'foldback', TIMES)
         self.start_node(
-            Line(self.ring, FOREIGN, [0, 1, 2], self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link')),
-            Line(self.ring, FOREIGN, [2, 1, 0], self.socket_of(FOREIGN, 'link2'), self.socket_of(1, 'link2')))
+            Line(self.ring, FOREIGN, [0, 1, 2], self.socket_of(FOREIGN, 'link'), self.socket_of(0, 'link'), folds),
+            Line(self.ring, FOREIGN, [2, 1, 0], self.socket_of(FOREIGN, 'link2'), self.socket_of(1, 'link2'), folds))
 
     def assert_folds_and_unfolds(self, cut, heal, place):
         self.assert_all_reach_all()

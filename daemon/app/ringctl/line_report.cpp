@@ -1,6 +1,8 @@
 #include "app/ringctl/line_report.h"
 
+#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/status_rows.h"
@@ -76,6 +78,17 @@ std::string noisy_line(const std::vector<json>& rows, const json& row) {
          app::counted(static_cast<std::uint64_t>(damaged), "packet") + " came in damaged\n";
 }
 
+/// Both ends may say it, of their first and their second line: once is enough.
+std::string refused_nodes(const std::vector<json>& rows) {
+  std::map<std::pair<json, json>, std::string> lines;
+  for (const json& row : rows)
+    for (const json& refusal : row.value("refusals", json::array()))
+      lines.emplace(std::minmax(refusal["refused"], refusal["by"]), refusal["text"].get<std::string>());
+  std::string text;
+  for (const auto& [nodes, line] : lines) text += line + '\n';
+  return text;
+}
+
 std::string faults_on_purpose(const json& row) {
   std::string text;
   for (const json& fault : row.value("faults", json::array())) {
@@ -89,7 +102,7 @@ std::string faults_on_purpose(const json& row) {
 }  // namespace
 
 std::string line_report(const std::vector<json>& rows) {
-  std::string text = broken_lines(rows) + broken_second_lines(rows);
+  std::string text = refused_nodes(rows) + broken_lines(rows) + broken_second_lines(rows);
   for (const json& row : rows) text += noisy_line(rows, row);
   for (const json& row : rows) text += faults_on_purpose(row);
   return text;

@@ -31,6 +31,13 @@ std::string lack_of_row(const json& row, std::size_t nodes) {
   return child && cpu_word(row) != "running" ? "its CPU is " + cpu_word(row) : "";
 }
 
+/// Why a node will not get into the ring however long one waits.
+std::string refusal_in(const std::vector<json>& rows) {
+  for (const json& row : rows)
+    for (const json& refusal : row.value("refusals", json::array())) return "; " + refusal.value("text", "");
+  return {};
+}
+
 /// Nothing where no ring runs yet.
 std::vector<json> rows_of(const std::string& ring, std::string& why_none) {
   try {
@@ -46,7 +53,7 @@ std::vector<json> rows_of(const std::string& ring, std::string& why_none) {
 std::string lack_of_whole(const std::vector<json>& rows) {
   for (const json& row : rows) {
     const std::string lack = lack_of_row(row, rows.size());
-    if (!lack.empty()) return label_of(row) + ": " + lack;
+    if (!lack.empty()) return label_of(row) + ": " + lack + refusal_in(rows);
   }
   return {};
 }

@@ -40,9 +40,27 @@ RingWatch::RingWatch(const RingPlan& plan) : plan_(plan) { ports_.resize(plan.no
 std::optional<RingWatch::NotReady> RingWatch::first_not_ready() {
   for (std::size_t i = 0; i < plan_.nodes.size(); ++i) {
     const std::string lack = lack_of(i);
-    if (!lack.empty()) return NotReady{i, "node " + label(plan_.nodes[i].node) + ": " + lack};
+    if (!lack.empty()) return NotReady{i, "node " + label(plan_.nodes[i].node) + ": " + lack + refusal()};
   }
   return std::nullopt;
+}
+
+std::string RingWatch::refusal() {
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    const json row = status_of(i);
+    for (const json& refusal : row.value("refusals", json::array())) return "; " + refusal.value("text", "");
+  }
+  return {};
+}
+
+json RingWatch::status_of(std::size_t index) {
+  auto& port = ports_[index];
+  try {
+    return port ? ask(*port, {{"do", "status"}}, kAnswerTime) : json::object();
+  } catch (const std::exception&) {
+    port.reset();
+    return json::object();
+  }
 }
 
 std::string RingWatch::lack_of(std::size_t index) {

@@ -32,6 +32,9 @@ class RingWatch {
 
  private:
   std::string lack_of(std::size_t index);
+  /// Why a node will not get into the ring however long one waits, said by any that answers; empty where none says so.
+  std::string refusal();
+  nlohmann::json status_of(std::size_t index);
 
   const RingPlan& plan_;
   std::size_t ring_size_ = 0;
