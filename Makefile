@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo virtual-demo tests test soak mutants fuzz traces bench bench-sim chaos fault-table install-dissector deb deb-check deps clean format
+.PHONY: help all build demo virtual-demo tests test soak mutants fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -90,6 +90,14 @@ chaos: build ## Random faults on a live ring of 16 (MINUTES=10 SEED=7 TRANSPORT=
 COUNT ?= 20
 fault-table: build ## What the ring does about each fault, in figures (COUNT=20)
 	$(PYTHON) scripts/fault_table --count $(COUNT) $(LIVE_ARGS)
+
+# Somebody with a hand on the cable of a keyed ring; COUNT datagrams, RATE a second.
+RATE ?= 20000
+FORGE_COUNT = $(if $(filter command environment,$(origin COUNT)),$(COUNT),1000000)
+forge: build ## Forged, replayed and damaged datagrams against a keyed ring (COUNT=1000000 RATE=20000)
+	$(BUILD_TARGET) forge_line
+	FORGE_COUNT=$(FORGE_COUNT) FORGE_RATE=$(RATE) FORGE_LINE=$(BUILD)/tests/forge_line \
+	  RING_TEST_PROGRAMS=$(BUILD)/devel/lib/limb_ring $(PYTHON) test/process/forge_test.py
 
 bench: build ## Live and virtual benchmarks (BENCH_ARGS=...)
 	$(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)

@@ -13,6 +13,7 @@
 #include "bench/relay_chain.h"
 #include "bench/ring_traffic.h"
 #include "bench/write_ring.h"
+#include "config/key_file.h"
 
 namespace limb_ring::bench {
 namespace {
@@ -28,6 +29,13 @@ std::string words(Sending sending) { return sending == Sending::one ? "one sende
 std::string write_realtime(const live::PrivateFolder& folder, unsigned nodes, const std::string& realtime) {
   const std::string path = folder.path() + "/realtime" + std::to_string(nodes) + ".yaml";
   return write_ring(path, nodes, "realtime: " + realtime + '\n');
+}
+
+/// A plain ring whose UDP lines are keyed. @return the file's path
+std::string write_keyed(const live::PrivateFolder& folder, unsigned nodes, const std::string& name) {
+  const std::string key = folder.path() + '/' + name + ".key";
+  config::make_key_file(key);
+  return write_ring(folder.path() + '/' + name + " keyed.yaml", nodes, "links: {key: '" + key + "'}\n");
 }
 
 /// As many as have a core each; 0: this machine has none for them.
@@ -51,11 +59,13 @@ class Rounds {
 
   void run() {
     const std::string two_cpus = write_two_cpus(setup_, folder_);
+    const std::string keyed = write_keyed(folder_, setup_.nodes, words(pinning_));
     for (unsigned round = 1; round <= setup_.rounds; ++round) {
       where_ = words(pinning_) + ", round " + std::to_string(round) + " of " + std::to_string(setup_.rounds);
       ring("unix", {"", "unix", pinning_});
       ring("shm", {"", "shm", pinning_});
       ring("udp", {"", "udp", pinning_});
+      ring("keyed", {keyed, "udp", pinning_});
       cpu_to_cpu({two_cpus, "", pinning_});
       if (pinning_ == Pinning::one_core) recorded(round % 2 == 1);
       if (pinning_ == Pinning::one_core) continue;
@@ -79,6 +89,8 @@ class Rounds {
       tell(what, sending);
       const Measurement measured = measure_traffic(setup_, ring, sending);
       add(what, sending, measured, reference[sending]);
+      if (what == "udp") udp_p50_[sending] = measured.round_trip_us.p50;
+      if (what == "keyed") cases_[{what, sending}].additions.push_back(measured.round_trip_us.p50 / udp_p50_[sending]);
       if (what == "unix") watched(ring, sending, measured, reference[sending]);
     }
   }
@@ -147,6 +159,7 @@ class Rounds {
   Pinning pinning_;
   std::string where_;
   std::map<std::pair<std::string, Sending>, Case> cases_;
+  std::map<Sending, double> udp_p50_;  ///< of this round
 };
 
 void add_relay_chain(const Setup& setup, const live::PrivateFolder& folder, Report& report) {

@@ -22,6 +22,10 @@ struct InputCounters {
   std::uint64_t datagrams_duplicate = 0;  ///< lower or equal sequence: doubled or overtaken
   std::uint64_t datagrams_lost = 0;       ///< missing from the sequence
   std::uint64_t datagrams_stale = 0;      ///< of our ring, of no session we have
+  std::uint64_t offers = 0;               ///< connects over UDP that were answered with a session
+  std::uint64_t datagrams_truncated = 0;  ///< keyed: too short for what it says it is
+  std::uint64_t datagrams_forged = 0;     ///< keyed: no tag that our key makes for these bytes
+  std::uint64_t datagrams_replayed = 0;   ///< keyed: authentic, and seen before, or too old to tell
   std::uint64_t delay_dropped = 0;        ///< slices that did not fit the delay line
   std::uint64_t queue_invalid = 0;        ///< lines ended since the writer's end of the shared memory was invalid
 };
@@ -33,7 +37,10 @@ struct OutputCounters {
   std::uint64_t blocked = 0;      ///< writes the socket did not take at once
   std::uint64_t discarded = 0;    ///< bytes given or waiting while the link was gone
   std::uint64_t datagrams = 0;
-  std::uint64_t datagrams_unsent = 0;   ///< the kernel had no room, or no route
+  std::uint64_t datagrams_unsent = 0;     ///< the kernel had no room, or no route
+  std::uint64_t datagrams_truncated = 0;  ///< keyed, of what comes back: as at the receiving end
+  std::uint64_t datagrams_forged = 0;
+  std::uint64_t datagrams_replayed = 0;
   std::uint64_t attempts = 0;           ///< connections tried
   std::uint64_t refused = 0;            ///< of those: answered with a refusal
   std::uint64_t other_version = 0;      ///< of those: it speaks another version of the protocol
@@ -68,6 +75,10 @@ void for_each_counter(const InputCounters& c, Visit&& visit) {
   visit("datagrams_duplicate", c.datagrams_duplicate);
   visit("datagrams_lost", c.datagrams_lost);
   visit("datagrams_stale", c.datagrams_stale);
+  visit("offers", c.offers);
+  visit("datagrams_truncated", c.datagrams_truncated);
+  visit("datagrams_forged", c.datagrams_forged);
+  visit("datagrams_replayed", c.datagrams_replayed);
   visit("delay_dropped", c.delay_dropped);
   visit("queue_invalid", c.queue_invalid);
 }
@@ -81,6 +92,9 @@ void for_each_counter(const OutputCounters& c, Visit&& visit) {
   visit("discarded", c.discarded);
   visit("datagrams", c.datagrams);
   visit("datagrams_unsent", c.datagrams_unsent);
+  visit("datagrams_truncated", c.datagrams_truncated);
+  visit("datagrams_forged", c.datagrams_forged);
+  visit("datagrams_replayed", c.datagrams_replayed);
   visit("attempts", c.attempts);
   visit("refused", c.refused);
   visit("other_version", c.other_version);

@@ -15,6 +15,8 @@ class Downstream {
   struct Owner {
     virtual void on_accepted(std::size_t candidate) = 0;
     virtual void on_refused(std::size_t candidate, const LinkHeader& refuse) = 0;
+    /// As on_refused, from somebody who cannot prove to be who it says: for people, and nothing else follows.
+    virtual void on_hint(std::size_t candidate, const LinkHeader& refuse) = 0;
     virtual void on_no_node(std::size_t candidate) = 0;  ///< what is there answers, but is no node of the ring
     virtual void on_ended(std::size_t candidate, std::string_view reason) = 0;
     virtual void on_heard(std::size_t candidate) = 0;    ///< it says that it is alive

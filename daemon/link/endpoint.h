@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "link/agreement.h"
@@ -44,11 +45,14 @@ struct Timing {
   milliseconds handshake() const { return 4 * silence; }
 };
 
+class LineKey;
+
 /// Who we are on which ring.
 struct Identity {
-  std::uint64_t ring = 0;  ///< ring_hash() of its name
-  std::uint8_t id = 0;     ///< 0 to 254
-  Agreement agreement;     ///< what we expect of the file that the other end runs
+  std::uint64_t ring = 0;                        ///< ring_hash() of its name
+  std::uint8_t id = 0;                           ///< 0 to 254
+  Agreement agreement = {};                      ///< what we expect of the file that the other end runs
+  std::shared_ptr<const LineKey> key = nullptr;  ///< of our UDP lines; none: they are not keyed
 };
 
 /// FNV-1a, 64 bits, of a ring's name: keeps two rings apart, is no secret.

@@ -103,9 +103,10 @@ bool Output::attempt(std::size_t candidate, Time now) {
 
 std::shared_ptr<Downstream> Output::make_line(std::size_t candidate) {
   const Endpoint& endpoint = settings_.candidates[candidate].endpoint;
+  const UdpDownstream::Peer peer{candidate, settings_.candidates[candidate].id};
   Downstream::Owner& owner = *this;
   if (endpoint.transport == Endpoint::Transport::udp) {
-    return std::make_shared<UdpDownstream>(io_, udp_address(endpoint), settings_.self, candidate, owner, counters_);
+    return std::make_shared<UdpDownstream>(io_, udp_address(endpoint), settings_.self, peer, owner, counters_);
   }
   if (endpoint.transport == Endpoint::Transport::shm) {
     return std::make_shared<MemoryDownstream>(io_, endpoint.path, settings_.self, candidate,
@@ -155,12 +156,20 @@ void Output::on_refused(std::size_t candidate, const LinkHeader& refuse) {
     } else {
       successor_.absent(candidate, now);
     }
-    if (for_good(refusal)) {
-      refusals_.note(settings_.candidates[candidate].id, reason);
-      tell(candidate, reason);
-    }
+    if (for_good(refusal)) note(candidate, reason);
   }
   advance(now);
+}
+
+void Output::on_hint(std::size_t candidate, const LinkHeader& refuse) {
+  if (!for_good(refuse.refusal)) return;
+  count(refuse.refusal);
+  note(candidate, reason_of(refuse));
+}
+
+void Output::note(std::size_t candidate, const std::string& reason) {
+  refusals_.note(settings_.candidates[candidate].id, reason);
+  tell(candidate, reason);
 }
 
 void Output::count(Refusal refusal) {

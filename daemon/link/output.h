@@ -95,6 +95,7 @@ class Output final : private Downstream::Owner {
 
   void on_accepted(std::size_t candidate) override;
   void on_refused(std::size_t candidate, const LinkHeader& refuse) override;
+  void on_hint(std::size_t candidate, const LinkHeader& refuse) override;
   void on_no_node(std::size_t candidate) override;
   void on_ended(std::size_t candidate, std::string_view reason) override;
   void on_heard(std::size_t candidate) override;
@@ -105,6 +106,7 @@ class Output final : private Downstream::Owner {
   bool attempt(std::size_t candidate, Time now);
   std::shared_ptr<Downstream> make_line(std::size_t candidate);
   void count(Refusal refusal);
+  void note(std::size_t candidate, const std::string& reason);
   void tell(std::size_t candidate, std::string_view reason);
   void abandon(std::size_t candidate);
   void give_up_attempts(Time now);

@@ -24,13 +24,14 @@ bool no_segments(int error) { return error == EIO || error == EINVAL || error ==
 }  // namespace
 
 UdpBatch::UdpBatch(const Identity& self, OutputCounters& counters)
-    : counters_(counters), buffer_(kMaxRunBytes + kLinkHeaderSize + wire::kMaxSliceSize) {
+    : counters_(counters), buffer_(kMaxRunBytes + kLinkHeaderSize + wire::kMaxSliceSize + kSealSize) {
   header_.type = LinkHeaderType::slices;
   header_.ring = self.ring;
   header_.sender = self.id;
 }
 
-void UdpBatch::start_session(std::uint64_t session) {
+void UdpBatch::start_session(std::uint64_t session, Sealer* sealer) {
+  sealer_ = sealer;
   header_.session = session;
   header_.sequence = 1;
   late_.clear();
@@ -77,12 +78,12 @@ UdpBatch::Run UdpBatch::fill(wire::ByteView slices) {
   while (run.slices < slices.size && run.count < most && size_ < kMaxRunBytes) {
     const wire::ByteView rest = slices.from(run.slices);
     const std::size_t size = slice_size(rest);
-    if (run.count == 0) run.segment = kLinkHeaderSize + size;
-    if (kLinkHeaderSize + size > run.segment) break;
+    if (run.count == 0) run.segment = overhead() + size;
+    if (overhead() + size > run.segment) break;
     append(rest.first(size));
     ++run.count;
     run.slices += size;
-    if (kLinkHeaderSize + size < run.segment) break;  // only the last one may be shorter
+    if (overhead() + size < run.segment) break;  // only the last one may be shorter
   }
   header_.sequence -= run.count;  // until they are sent
   return run;
@@ -92,7 +93,8 @@ void UdpBatch::append(wire::ByteView slice) {
   std::uint8_t* out = buffer_.data() + size_;
   store_header(out, header_);
   std::memcpy(out + kLinkHeaderSize, slice.data, slice.size);
-  size_ += kLinkHeaderSize + slice.size;
+  if (sealer_ != nullptr) sealer_->seal(out, kLinkHeaderSize + slice.size);
+  size_ += overhead() + slice.size;
   ++header_.sequence;
 }
 
@@ -106,7 +108,7 @@ bool UdpBatch::transmit(int socket, const Run& run, Status& status) {
     joined_ = false;
     return false;
   }
-  if (sent < 0 && errno == ECONNREFUSED) {
+  if (sent < 0 && errno == ECONNREFUSED && sealer_ == nullptr) {
     status = Status::gone;
     return false;
   }

@@ -5,6 +5,7 @@
 #include "link/counters.h"
 #include "link/endpoint.h"
 #include "link/link_header.h"
+#include "link/seal.h"
 
 namespace limb_ring::link {
 
@@ -20,7 +21,8 @@ class UdpBatch {
   };
 
   UdpBatch(const Identity& self, OutputCounters& counters);
-  void start_session(std::uint64_t session);
+  /// @param sealer of a keyed line, outlives the session; null: it is not keyed
+  void start_session(std::uint64_t session, Sealer* sealer = nullptr);
   /// @param slices whole slices, framed
   Result send(int socket, wire::ByteView slices);
   /// The slice gets its sequence number now, but is sent after the next datagram: it arrives late.
@@ -37,11 +39,14 @@ class UdpBatch {
   };
   Run fill(wire::ByteView slices);
   void append(wire::ByteView slice);
+  /// Of a datagram, beside its slice.
+  std::size_t overhead() const { return kLinkHeaderSize + (sealer_ != nullptr ? kSealSize : 0); }
   /// @return true: done with this run. False: `status` says why not.
   bool transmit(int socket, const Run& run, Status& status);
   void send_late(int socket);
 
   LinkHeader header_;
+  Sealer* sealer_ = nullptr;
   OutputCounters& counters_;
   std::vector<std::uint8_t> buffer_;
   std::size_t size_ = 0;

@@ -2,6 +2,7 @@
 
 #include <sys/epoll.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
 
@@ -13,19 +14,24 @@ namespace {
 /// Once a session is accepted, nothing that comes back is urgent: errors are always told.
 constexpr std::uint32_t kForErrors = 0;
 
+/// An accept of a keyed line; of what is longer only its size is wanted.
+constexpr std::size_t kLongestAnswer = kLinkHeaderSize + sizeof(Nonce) + kTagSize + 8;
+
 }  // namespace
 
-UdpDownstream::UdpDownstream(boost::asio::io_context& io, UdpAddress address, const Identity& self,
-                             std::size_t candidate, Owner& owner, OutputCounters& counters)
+UdpDownstream::UdpDownstream(boost::asio::io_context& io, UdpAddress address, const Identity& self, Peer peer,
+                             Owner& owner, OutputCounters& counters)
     : io_(io),
       address_(std::move(address)),
       self_(self),
-      candidate_(candidate),
+      peer_(peer),
       owner_(&owner),
       counters_(counters),
       socket_(io),
       batch_(self, counters),
-      session_(std::uint64_t{fresh_nonce()} << 32) {}
+      session_(std::uint64_t{fresh_nonce()} << 32) {
+  if (self_.key) asker_ = fresh_long_nonce();
+}
 
 bool UdpDownstream::start() {
   socket_ = connect_udp(io_, address_);
@@ -42,34 +48,71 @@ void UdpDownstream::on_ready(std::uint32_t events) {
 
 void UdpDownstream::read() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
-  std::array<std::uint8_t, kLinkHeaderSize> bytes;
+  std::array<std::uint8_t, kLongestAnswer> bytes;
   while (open() && !failed_) {
     const auto got = receive_now(socket_.native_handle(), bytes.data(), bytes.size());
     if (got < 0 && would_block(errno)) return;
+    if (got < 0 && sealer_) return;  // "port unreachable" proves nothing: the silence will tell
     if (got < 0) {
       failed_ = true;
-      return owner_->on_ended(candidate_, "nobody listens there");
+      return owner_->on_ended(peer_.candidate, "nobody listens there");
     }
-    const auto header = parse_header({bytes.data(), static_cast<std::size_t>(got)});
-    if (header) take_header(*header);
+    take({bytes.data(), static_cast<std::size_t>(got)});
   }
 }
 
+void UdpDownstream::take(wire::ByteView datagram) {
+  const auto header = parse_header(datagram);
+  if (!header || session_nonce(header->session) != session_nonce(session_)) return;
+  if (!self_.key || is_authentic(*header, datagram)) take_header(*header);
+}
+
+bool UdpDownstream::is_authentic(const LinkHeader& header, wire::ByteView datagram) {
+  if (header.type == LinkHeaderType::refuse && datagram.size == kLinkHeaderSize) {
+    if (!accepted_) owner_->on_hint(peer_.candidate, header);
+    return false;
+  }
+  return accepted_ ? is_of_session(datagram) : is_of_handshake(header, datagram);
+}
+
+bool UdpDownstream::is_of_handshake(const LinkHeader& header, wire::ByteView datagram) {
+  const bool accepts = header.type == LinkHeaderType::accept;
+  const std::size_t signed_size = kLinkHeaderSize + (accepts ? answerer_.size() : 0);
+  if (datagram.size != signed_size + kTagSize) return ++counters_.datagrams_truncated, false;
+  if (header.sender != peer_.id ||
+      !self_.key->check(datagram.first(signed_size), asker_, self_.id, datagram.data + signed_size))
+    return ++counters_.datagrams_forged, false;
+  if (accepts) std::copy_n(datagram.data + kLinkHeaderSize, answerer_.size(), answerer_.begin());
+  return true;
+}
+
+bool UdpDownstream::is_of_session(wire::ByteView datagram) {
+  if (datagram.size < kLinkHeaderSize + kSealSize) return ++counters_.datagrams_truncated, false;
+  const Opener::Verdict verdict = opener_->open(datagram);
+  if (verdict == Opener::Verdict::forged) ++counters_.datagrams_forged;
+  if (verdict == Opener::Verdict::replayed) ++counters_.datagrams_replayed;
+  return verdict == Opener::Verdict::good;
+}
+
 void UdpDownstream::take_header(const LinkHeader& header) {
-  if (session_nonce(header.session) != session_nonce(session_)) return;
   if (header.type == LinkHeaderType::accept) return accept(header);
   if (accepted_ && header.session != session_) return;
-  if (header.type == LinkHeaderType::refuse) return owner_->on_refused(candidate_, header);
-  if (header.type == LinkHeaderType::alive) owner_->on_heard(candidate_);
+  if (header.type == LinkHeaderType::refuse) return owner_->on_refused(peer_.candidate, header);
+  if (header.type == LinkHeaderType::alive) owner_->on_heard(peer_.candidate);
 }
 
 void UdpDownstream::accept(const LinkHeader& header) {
   if (accepted_ || header.ring != self_.ring) return;
   accepted_ = true;
   session_ = header.session;
-  batch_.start_session(session_);
+  if (self_.key) {
+    const SessionKeys keys = self_.key->session({asker_, answerer_, session_, self_.id, peer_.id});
+    sealer_.emplace(keys.forward);
+    opener_.emplace(keys.backward);
+  }
+  batch_.start_session(session_, sealer_ ? &*sealer_ : nullptr);
   watch_.set_events(kForErrors);
-  owner_->on_accepted(candidate_);
+  owner_->on_accepted(peer_.candidate);
 }
 
 void UdpDownstream::write(wire::ByteView slices) {
@@ -100,7 +143,7 @@ void UdpDownstream::send_backlog() {
   backlog_.remove(send(backlog_.view()));
   if (failed_ || !backlog_.empty()) return;
   watch_.set_events(kForErrors);
-  owner_->on_drained(candidate_);
+  owner_->on_drained(peer_.candidate);
 }
 
 void UdpDownstream::ask_again() {
@@ -109,12 +152,26 @@ void UdpDownstream::ask_again() {
 
 bool UdpDownstream::tell(LinkHeaderType type) {
   LinkHeader header;
-  header.type = type;
+  header.type = self_.key && type == LinkHeaderType::connect ? LinkHeaderType::connect_keyed : type;
   header.ring = self_.ring;
   header.sender = self_.id;
   header.session = session_;
-  const auto bytes = encode_connect(header, self_.agreement);
-  const std::size_t size = type == LinkHeaderType::connect ? bytes.size() : kLinkHeaderSize;
+  std::array<std::uint8_t, kKeyedConnectSize> bytes;
+  std::size_t size = kLinkHeaderSize;
+  store_header(bytes.data(), header);
+  if (type == LinkHeaderType::connect) {
+    size = kConnectSize;
+    store_agreement(bytes.data() + kLinkHeaderSize, self_.agreement);
+  }
+  if (header.type == LinkHeaderType::connect_keyed) {
+    size = kKeyedConnectSize;
+    std::copy(asker_.begin(), asker_.end(), bytes.begin() + kConnectSize);
+    const Tag tag = self_.key->tag({bytes.data(), size - kTagSize}, asker_, peer_.id);
+    std::copy(tag.begin(), tag.end(), bytes.end() - kTagSize);
+  } else if (sealer_) {
+    sealer_->seal(bytes.data(), size);
+    size += kSealSize;
+  }
   const auto sent = send_now(socket_.native_handle(), {bytes.data(), size});
   return sent >= 0 || would_block(errno);
 }
@@ -122,7 +179,7 @@ bool UdpDownstream::tell(LinkHeaderType type) {
 void UdpDownstream::fail(std::string reason) {
   failed_ = true;
   boost::asio::post(io_, [self = shared_from_this(), reason = std::move(reason)] {
-    if (self->open()) self->owner_->on_ended(self->candidate_, reason);
+    if (self->open()) self->owner_->on_ended(self->peer_.candidate, reason);
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "event_loop/watch.h"
@@ -9,16 +10,22 @@
 #include "link/counters.h"
 #include "link/downstream.h"
 #include "link/endpoint.h"
+#include "link/seal.h"
 #include "link/udp_batch.h"
 #include "link/udp_socket.h"
 
 namespace limb_ring::link {
 
-/// A candidate reached over UDP: connects go out until answered, then datagrams of one slice.
+/// A candidate reached over UDP: connects go out until answered, then datagrams of one slice. On a keyed line
+/// (protocol.md section 6.14) only what the candidate can prove to have said counts.
 class UdpDownstream : public Downstream, public std::enable_shared_from_this<UdpDownstream> {
  public:
-  UdpDownstream(boost::asio::io_context& io, UdpAddress address, const Identity& self, std::size_t candidate,
-                Owner& owner, OutputCounters& counters);
+  struct Peer {
+    std::size_t candidate;
+    std::uint8_t id;
+  };
+  UdpDownstream(boost::asio::io_context& io, UdpAddress address, const Identity& self, Peer peer, Owner& owner,
+                OutputCounters& counters);
   bool start() override;
   void write(wire::ByteView slices) override;
   bool hold_back(wire::ByteView slice) override;
@@ -32,6 +39,10 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
   void read();
   bool open() const { return owner_ != nullptr; }
   void on_ready(std::uint32_t events);
+  void take(wire::ByteView datagram);
+  bool is_authentic(const LinkHeader& header, wire::ByteView datagram);
+  bool is_of_handshake(const LinkHeader& header, wire::ByteView datagram);
+  bool is_of_session(wire::ByteView datagram);
   void take_header(const LinkHeader& header);
   void accept(const LinkHeader& header);
   std::size_t send(wire::ByteView slices);
@@ -42,11 +53,14 @@ class UdpDownstream : public Downstream, public std::enable_shared_from_this<Udp
   boost::asio::io_context& io_;
   UdpAddress address_;
   Identity self_;
-  std::size_t candidate_;
+  Peer peer_;
   Owner* owner_;
   OutputCounters& counters_;
   UdpSocket socket_;
   UdpBatch batch_;
+  Nonce asker_{}, answerer_{};  ///< keyed: of this handshake, ours and theirs
+  std::optional<Sealer> sealer_;
+  std::optional<Opener> opener_;
   std::uint64_t session_;  ///< the upper half is ours; the lower one theirs, 0 until accepted
   bool accepted_ = false;
   Backlog backlog_;

@@ -78,8 +78,9 @@ void UdpInput::take_run(std::size_t size, std::size_t segment, const UdpAddress&
 void UdpInput::take(wire::ByteView datagram, const UdpAddress& sender) {
   const auto header = parse_header(datagram);
   if (!header) return on_unknown_peer(kNoNode);
-  if (header->type == LinkHeaderType::connect) return on_connect(*header, datagram, sender);
+  if (asks_to_connect(header->type)) return on_connect(*header, datagram, sender);
   if (header->ring != settings_.self.ring) return report_.unknown_peer("a datagram of another ring");
+  if (settings_.self.key && !is_unsealed(*header, datagram)) return;
   if (header->type == LinkHeaderType::slices) {
     take_slices(*header, datagram.from(kLinkHeaderSize), sender);
   } else if (header->type == LinkHeaderType::bye && present(*header)) {
@@ -134,26 +135,96 @@ void UdpInput::gap(std::uint32_t lost) {
 }
 
 void UdpInput::on_connect(const LinkHeader& header, wire::ByteView datagram, const UdpAddress& sender) {
-  const bool ours = header.version == kLinkVersion;  // of another one the header alone is known
-  if (ours && datagram.size < kConnectSize) return on_unknown_peer(kNoNode);
-  const Agreement theirs = ours ? load_agreement(datagram.data + kLinkHeaderSize) : Agreement{};
-  if (auto refuse = admission_.judge(header, theirs, upstream_.from())) return turn_away(header, *refuse, sender);
-  const Time now = Clock::now();
-  if (from_ == header.sender && session_nonce(session_.number) == session_nonce(header.session)) {
-    return tell(LinkHeaderType::accept, session_);
-  }
+  if (!may_ask(header, datagram, sender)) return;
+  Nonce asker{};
+  if (settings_.self.key) std::copy_n(datagram.data + kConnectSize, asker.size(), asker.begin());
+  const Agreement theirs = load_agreement(datagram.data + kLinkHeaderSize);
+  if (auto refuse = admission_.judge(header, theirs, upstream_.from()))
+    return turn_away(header, *refuse, asker, sender);
+  const auto is_its = [&](const Session& session) {
+    return session_nonce(session.number) == session_nonce(header.session) && session.asker == asker;
+  };
+  if (from_ == header.sender && is_its(session_)) return accept(session_, header.sender);
   Session& offer = offers_[header.sender];
-  if (session_nonce(offer.number) != session_nonce(header.session)) {
-    offer.number = (header.session & 0xFFFFFFFF00000000u) | fresh_nonce();
-  }
+  if (!is_its(offer)) offer = new_session(header, asker);
   offer.address = sender;
-  offer.since = now;
-  tell(LinkHeaderType::accept, offer);
+  offer.since = Clock::now();
+  accept(offer, header.sender);
 }
 
-void UdpInput::turn_away(const LinkHeader& connect, LinkHeader& refuse, const UdpAddress& sender) {
+UdpInput::Session UdpInput::new_session(const LinkHeader& connect, const Nonce& asker) const {
+  Session session;
+  session.number = (connect.session & 0xFFFFFFFF00000000u) | fresh_nonce();
+  if (!settings_.self.key) return session;
+  session.asker = asker;
+  session.answerer = fresh_long_nonce();
+  const SessionKeys keys =
+      settings_.self.key->session({asker, session.answerer, session.number, connect.sender, settings_.self.id});
+  session.sealer.emplace(keys.backward);
+  session.opener.emplace(keys.forward);
+  return session;
+}
+
+bool UdpInput::may_ask(const LinkHeader& connect, wire::ByteView datagram, const UdpAddress& sender) {
+  if (connect.version != kLinkVersion) {  // of that one the header alone is known
+    hint(connect, Refusal::wrong_version, sender);
+  } else if (connect.ring != settings_.self.ring) {
+    hint(connect, Refusal::wrong_ring, sender);
+  } else if (connect.type != LinkHeaderType::connect_keyed && settings_.self.key) {
+    hint(connect, Refusal::needs_key, sender);
+  } else if (connect.type == LinkHeaderType::connect_keyed && !settings_.self.key) {
+    hint(connect, Refusal::no_key, sender);
+  } else if (settings_.self.key) {
+    return is_authentic(connect, datagram, sender);
+  } else if (datagram.size < kConnectSize) {
+    on_unknown_peer(kNoNode);
+  } else {
+    return true;
+  }
+  return false;
+}
+
+bool UdpInput::is_authentic(const LinkHeader& connect, wire::ByteView datagram, const UdpAddress& sender) {
+  if (datagram.size != kKeyedConnectSize) return ++report_.counters.datagrams_truncated, false;
+  Nonce asker;
+  std::copy_n(datagram.data + kConnectSize, asker.size(), asker.begin());
+  const std::size_t signed_size = kKeyedConnectSize - kTagSize;
+  if (settings_.self.key->check(datagram.first(signed_size), asker, settings_.self.id, datagram.data + signed_size))
+    return true;
+  hint(connect, Refusal::wrong_key, sender);
+  return false;
+}
+
+bool UdpInput::is_unsealed(const LinkHeader& header, wire::ByteView& datagram) {
+  if (datagram.size < kLinkHeaderSize + kSealSize) return ++report_.counters.datagrams_truncated, false;
+  const auto offer = offers_.find(header.sender);
+  Session* session = present(header) ? &session_ : nullptr;
+  if (session == nullptr && offer != offers_.end() && offer->second.number == header.session) session = &offer->second;
+  if (session == nullptr) return ++report_.counters.datagrams_stale, false;  // and no answer: a stranger gets none
+  const Opener::Verdict verdict = session->opener->open(datagram);
+  if (verdict == Opener::Verdict::forged) ++report_.counters.datagrams_forged;
+  if (verdict == Opener::Verdict::replayed) ++report_.counters.datagrams_replayed;
+  datagram = datagram.first(datagram.size - kSealSize);
+  return verdict == Opener::Verdict::good;
+}
+
+/// An answer that nobody can trust, for the people at the other end. It is shorter than the question, and there is at
+/// most one per tick: nothing for somebody who wants others flooded.
+void UdpInput::hint(const LinkHeader& connect, Refusal refusal, const UdpAddress& sender) {
+  LinkHeader refuse = admission_.header(LinkHeaderType::refuse, refusal);
   refuse.session = connect.session;
-  send(refuse, sender);
+  if (!hinted_) {
+    const auto bytes = encode(refuse);
+    send({bytes.data(), bytes.size()}, sender);
+  }
+  hinted_ = true;
+  report_.turned_away(admission_.label(connect.sender), connect, refuse, handler_);
+}
+
+void UdpInput::turn_away(const LinkHeader& connect, LinkHeader& refuse, const Nonce& asker, const UdpAddress& sender) {
+  refuse.session = connect.session;
+  const auto bytes = encode(refuse);
+  send_tagged({bytes.data(), bytes.size()}, asker, connect.sender, sender);
   if (refuse.refusal == Refusal::busy) {
     ++report_.counters.refused;
   } else {
@@ -161,10 +232,21 @@ void UdpInput::turn_away(const LinkHeader& connect, LinkHeader& refuse, const Ud
   }
 }
 
+void UdpInput::accept(const Session& session, std::uint8_t node) {
+  ++report_.counters.offers;
+  LinkHeader header = admission_.header(LinkHeaderType::accept);
+  header.session = session.number;
+  std::array<std::uint8_t, kLinkHeaderSize + sizeof(Nonce)> bytes;
+  store_header(bytes.data(), header);
+  std::copy(session.answerer.begin(), session.answerer.end(), bytes.begin() + kLinkHeaderSize);
+  const std::size_t size = settings_.self.key ? bytes.size() : kLinkHeaderSize;
+  send_tagged({bytes.data(), size}, session.asker, node, session.address);
+}
+
 bool UdpInput::take_up_offer(const LinkHeader& header) {
   const auto found = offers_.find(header.sender);
   if (found == offers_.end() || found->second.number != header.session) return false;
-  const Session offer = found->second;
+  Session offer = found->second;
   offers_.erase(found);
   if (admission_.judge(header, upstream_.from()) != Refusal::none) {
     ++report_.counters.refused;
@@ -195,7 +277,10 @@ void UdpInput::on_stale(const LinkHeader& header, const UdpAddress& sender) {
   ++report_.counters.datagrams_stale;
   if (told_stale_) return;
   told_stale_ = true;
-  tell(LinkHeaderType::refuse, {header.session, sender, {}}, Refusal::unknown_session);
+  Session none;
+  none.number = header.session;
+  none.address = sender;
+  tell(LinkHeaderType::refuse, none, Refusal::unknown_session);
 }
 
 void UdpInput::lose(std::string_view reason) {
@@ -209,6 +294,7 @@ void UdpInput::lose(std::string_view reason) {
 
 void UdpInput::tick(Time now) {
   told_stale_ = false;
+  hinted_ = false;
   drop_old_offers(now);
   if (!from_) return;
   tell(LinkHeaderType::alive, session_);
@@ -226,17 +312,27 @@ void UdpInput::drop_old_offers(Time now) {
   }
 }
 
-void UdpInput::tell(LinkHeaderType type, const Session& session, Refusal refusal) {
+void UdpInput::tell(LinkHeaderType type, Session& session, Refusal refusal) {
   LinkHeader header = admission_.header(type, refusal);
   header.session = session.number;
-  send(header, session.address);
+  std::array<std::uint8_t, kLinkHeaderSize + kSealSize> bytes;
+  store_header(bytes.data(), header);
+  if (session.sealer) session.sealer->seal(bytes.data(), kLinkHeaderSize);
+  send({bytes.data(), session.sealer ? bytes.size() : kLinkHeaderSize}, session.address);
 }
 
-void UdpInput::send(const LinkHeader& header, const UdpAddress& to) {
+void UdpInput::send_tagged(wire::ByteView message, const Nonce& asker, std::uint8_t to, const UdpAddress& address) {
+  if (!settings_.self.key) return send(message, address);
+  std::vector<std::uint8_t> bytes(message.begin(), message.end());
+  const Tag tag = settings_.self.key->tag(message, asker, to);
+  bytes.insert(bytes.end(), tag.begin(), tag.end());
+  send({bytes.data(), bytes.size()}, address);
+}
+
+void UdpInput::send(wire::ByteView datagram, const UdpAddress& to) {
   if (closed_) return;
-  const auto bytes = encode(header);
   // What the kernel does not take is lost, as on the wire: everything told is told again.
-  ::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, to.data(),
+  ::sendto(socket_.native_handle(), datagram.data, datagram.size, MSG_DONTWAIT | MSG_NOSIGNAL, to.data(),
            static_cast<socklen_t>(to.size()));
 }
 

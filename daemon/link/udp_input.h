@@ -9,6 +9,7 @@
 #include "event_loop/watch.h"
 #include "link/admission.h"
 #include "link/link_header.h"
+#include "link/seal.h"
 #include "link/sequence_check.h"
 #include "link/silence.h"
 #include "link/udp_socket.h"
@@ -18,7 +19,8 @@ namespace limb_ring::link {
 
 /// The receiving end on a UDP socket. A connect is answered with the offer of a session; the
 /// first slice in that session takes it up. So a connect that the network has kept for an hour
-/// changes nothing.
+/// changes nothing. On a keyed line (protocol.md section 6.14) nothing but its count is left of a datagram of somebody
+/// who has not the key.
 class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput> {
  public:
   /// @throw std::runtime_error where it cannot be bound, with the address and the cause
@@ -34,6 +36,9 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
     std::uint64_t number = 0;
     UdpAddress address;
     Time since{};
+    Nonce asker{}, answerer{};     ///< keyed: of its handshake, theirs and ours
+    std::optional<Sealer> sealer;  ///< keyed: signs of life and refusals
+    std::optional<Opener> opener;  ///< keyed: slices
   };
 
   void drain();
@@ -43,7 +48,13 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void hand_on(wire::ByteView bytes);
   void on_unknown_peer(const std::string& why);
   void on_connect(const LinkHeader& header, wire::ByteView datagram, const UdpAddress& sender);
-  void turn_away(const LinkHeader& connect, LinkHeader& refuse, const UdpAddress& sender);
+  void turn_away(const LinkHeader& connect, LinkHeader& refuse, const Nonce& asker, const UdpAddress& sender);
+  Session new_session(const LinkHeader& connect, const Nonce& asker) const;
+  bool may_ask(const LinkHeader& connect, wire::ByteView datagram, const UdpAddress& sender);
+  bool is_authentic(const LinkHeader& connect, wire::ByteView datagram, const UdpAddress& sender);
+  bool is_unsealed(const LinkHeader& header, wire::ByteView& datagram);
+  void hint(const LinkHeader& connect, Refusal refusal, const UdpAddress& sender);
+  void accept(const Session& session, std::uint8_t node);
   bool take_up_offer(const LinkHeader& header);
   void on_stale(const LinkHeader& header, const UdpAddress& sender);
   bool present(const LinkHeader& header) const;
@@ -51,8 +62,10 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void lose(std::string_view reason);
   void tick(Time now);
   void drop_old_offers(Time now);
-  void tell(LinkHeaderType type, const Session& session, Refusal refusal = Refusal::none);
-  void send(const LinkHeader& header, const UdpAddress& to);
+  void tell(LinkHeaderType type, Session& session, Refusal refusal = Refusal::none);
+  void send(wire::ByteView datagram, const UdpAddress& to);
+  /// With a tag behind it, on a keyed line. @param to the node that has asked
+  void send_tagged(wire::ByteView message, const Nonce& asker, std::uint8_t to, const UdpAddress& address);
 
   boost::asio::io_context& io_;
   InputSettings settings_;
@@ -69,6 +82,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   Silence silence_;
   event_loop::Ticker ticker_;
   bool batch_ = false;       ///< something was handed on since the last on_batch_end
+  bool hinted_ = false;      ///< as told_stale_: what nobody can trust is said once per tick
   bool told_stale_ = false;  ///< one answer to stale sessions per tick is enough
   bool closed_ = false;
   event_loop::Watch watch_;

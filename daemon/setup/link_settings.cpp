@@ -1,9 +1,10 @@
 #include "setup/link_settings.h"
 
 #include <algorithm>
-#include <stdexcept>
 
+#include "config/key_file.h"
 #include "limb_ring/ring_directory.h"
+#include "link/seal.h"
 #include "setup/agreement.h"
 #include "setup/core_settings.h"
 
@@ -55,20 +56,31 @@ link::Timing timing_of(const RingConfig& ring) {
   return {ring.timeouts.idle, ring.timeouts.silence, ring.timeouts.first_successor};
 }
 
-link::Identity identity_of(const RingConfig& ring, const NodeConfig& node) {
-  return {link::ring_hash(ring.ring), node.id, agreement_of(ring)};
+/// Of the UDP lines that run in this direction; none where they are not keyed. @throw config::ConfigError
+std::shared_ptr<const link::LineKey> key_of(const RingConfig& ring, Line line) {
+  if (ring.links.key.empty()) return nullptr;
+  return std::make_shared<link::LineKey>(config::read_key_file(ring.links.key), link::ring_hash(ring.ring),
+                                         line == Line::second);
+}
+
+link::Identity identity_of(const RingConfig& ring, const NodeConfig& node, Line line) {
+  return {link::ring_hash(ring.ring), node.id, agreement_of(ring), key_of(ring, line)};
 }
 
 link::InputSettings input_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
                                    Line line) {
-  return {
-      identity_of(ring, node), endpoint_between(node, node, directory, line),    order_on(ring, line), timing_of(ring),
-      node.link.delay,         endpoint_from_hosts(ring, node, directory, line), names_on(ring, line)};
+  return {identity_of(ring, node, line),
+          endpoint_between(node, node, directory, line),
+          order_on(ring, line),
+          timing_of(ring),
+          node.link.delay,
+          endpoint_from_hosts(ring, node, directory, line),
+          names_on(ring, line)};
 }
 
 link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory,
                                      Line line) {
-  link::OutputSettings s{identity_of(ring, node), {}, timing_of(ring)};
+  link::OutputSettings s{identity_of(ring, node, line), {}, timing_of(ring)};
   const std::size_t at = index_of(ring, node);
   const std::size_t nodes = ring.nodes.size();
   for (std::size_t i = 1; i <= nodes; ++i) {
@@ -81,7 +93,6 @@ link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& n
 }  // namespace
 
 std::vector<LinkSettings> link_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
-  if (!ring.links.key.empty()) throw std::runtime_error("links.key is not built yet");
   std::vector<LinkSettings> lines;
   for (const Line line : core::Lines(ring.redundancy == RingConfig::Redundancy::foldback))
     lines.push_back({line, input_settings(ring, node, directory, line), output_settings(ring, node, directory, line)});

@@ -77,6 +77,13 @@ class SmallBenchmark(unittest.TestCase):
         self.check_case(recorded)
         self.assertGreater(recorded["unrecorded_ratio"], 0)
 
+    def test_keyed_lines_are_compared_with_the_same_without_a_key(self):
+        for pinning in ("one_core", "unpinned"):
+            for sending in ("one_sender", "all_sending"):
+                keyed = self.report["keyed"][pinning][sending]
+                self.check_case(keyed)
+                self.assertGreater(keyed["unkeyed_ratio"], 0)
+
     def test_a_part_left_out_says_so(self):
         self.assertIn("--no-ros", self.report["relay_chain"]["skipped"])
 

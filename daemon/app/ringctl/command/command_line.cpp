@@ -34,6 +34,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_wait(app, context);
   add_send(app, context);
   add_interrupt(app, context);
+  add_keygen(app, context);
   add_pull(app, context);
   add_sync(app, context);
   add_stop(app, context);

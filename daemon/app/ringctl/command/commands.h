@@ -28,6 +28,7 @@ void add_status(CLI::App& app, Context& context);
 void add_wait(CLI::App& app, Context& context);
 void add_send(CLI::App& app, Context& context);
 void add_interrupt(CLI::App& app, Context& context);
+void add_keygen(CLI::App& app, Context& context);
 void add_pull(CLI::App& app, Context& context);
 void add_sync(CLI::App& app, Context& context);
 void add_stop(CLI::App& app, Context& context);

@@ -1,0 +1,34 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "app/ringctl/command/commands.h"
+#include "app/ringctl/problems.h"
+#include "config/config_error.h"
+#include "config/key_file.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+int make_key(const std::string& file) {
+  try {
+    config::make_key_file(file);
+  } catch (const config::ConfigError& problem) {
+    throw NotDone(problem.what());
+  }
+  std::cout << "made " << file << ": copy it to all hosts of the ring (scp -p), and name it in the ring's file: "
+            << "links: {key: " << file << "}" << std::endl;
+  return kDone;
+}
+
+}  // namespace
+
+void add_keygen(CLI::App& app, Context& context) {
+  auto file = std::make_shared<std::string>();
+  CLI::App* command = add_command(app, "keygen", "Make a key for the UDP lines between the hosts of a ring");
+  command->add_option("FILE", *file, "A file that is not there yet; its mode is 0600")->required();
+  command->callback([&context, file] { context.action = [file] { return make_key(*file); }; });
+}
+
+}  // namespace limb_ring::ringctl
