@@ -12,6 +12,7 @@
 #include "app/ring_sim/progress.h"
 #include "config/load_ring.h"
 #include "config/quantity.h"
+#include "study/analysis/expected_losses.h"
 
 namespace limb_ring::ring_sim {
 
@@ -81,6 +82,7 @@ std::string text_of(const PlanReport& report, const PlanOptions& options) {
   text += "\n" + app::format_rows(node_rows(report), app::Format::text) + "\n";
   text += "Worst cases in us, from the CPU's request for a message until all of it is delivered, and confirmed.\n";
   if (report.assumed) text += assumed_words(options.medium);
+  text += study::expected_words(report.ring);
   if (!report.runs.empty()) text += simulated_words(report, options.duration);
   return text + study::verdict(report.ring, report.plan);
 }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "study/analysis/expected_losses.h"
+
 namespace limb_ring::ring_sim {
 
 namespace {
@@ -100,7 +102,8 @@ std::vector<Row> node_rows(const PlanReport& report) {
                     {"waiting_bytes", report.plan.nodes[n].waiting},
                     {"line_in_percent", percent(report.plan.lines[before])},
                     {"line_in_bit_s", node.link.rate},
-                    {"line_in_delay_us", study::microseconds(node.link.delay)}});
+                    {"line_in_delay_us", study::microseconds(node.link.whole_delay())},
+                    {"line_in_loss", node.link.expected.loss}});
   }
   return rows;
 }
@@ -115,6 +118,11 @@ Row plan_object(const PlanReport& report) {
     object["simulated_us"] = study::microseconds(report.duration);
     object["kept"] = report.kept();
   }
+  if (const auto losses = study::expected_losses(report.ring))
+    object["expected_losses"] = {{"home_at_first_try", losses->home},
+                                 {"home", losses->delivered},
+                                 {"tries", losses->tries},
+                                 {"try_timeout_us", study::microseconds(losses->timeout)}};
   object["nodes"] = node_rows(report);
   object["streams"] = stream_rows(report, true);
   return object;

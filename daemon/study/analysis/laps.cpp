@@ -21,7 +21,7 @@ Laps::Laps(const config::RingConfig& ring, const std::vector<Stream>& streams)
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
     const config::LinkConfig& line = ring.nodes[(n + 1) % ring.nodes.size()].link;
     byte_time_.push_back(setup::byte_time(line));
-    delay_.push_back(line.delay);
+    delay_.push_back(line.whole_delay());
   }
   for (const Stream& stream : streams)
     for (const unsigned packet : stream.packets) {

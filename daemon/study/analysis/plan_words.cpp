@@ -4,6 +4,7 @@
 
 #include "config/quantity.h"
 #include "setup/core_settings.h"
+#include "study/analysis/expected_losses.h"
 #include "study/analysis/latency.h"
 #include "wire/data_packet.h"
 
@@ -112,6 +113,7 @@ std::vector<std::string> limits_of(const config::RingConfig& ring, const std::ve
   add_buffer_limit(ring, plan, limits);
   add_timeout_limit(ring, plan, limits);
   add_stream_limits(ring, streams, plan, limits);
+  for (const std::string& timeout : short_timeouts(ring)) limits.push_back(timeout);
   return limits;
 }
 
