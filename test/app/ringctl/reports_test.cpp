@@ -7,6 +7,7 @@
 #include "app/common/text_table.h"
 #include "app/ringctl/clock_offsets.h"
 #include "app/ringctl/hex.h"
+#include "app/ringctl/line_delays.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/refusal_counters.h"
 #include "app/ringctl/results.h"
@@ -194,6 +195,37 @@ TEST(ClockOffsets, NodeThatIsBypassedIsNoHop) {
   EXPECT_FALSE(offsets[1].offset_us.has_value());
   EXPECT_EQ(offsets[2].hops, 1u);
   EXPECT_THAT(*offsets[2].offset_us, DoubleNear(0.0, 1e-9));
+}
+
+TEST(LineDelays, OfOneClockAreTheDifferencesOfTheLatches) {
+  // Node 1 sends; 10 us to node 2, 15 us from there to node 0, 5 us home.
+  const LineDelays delays = line_delays({1'025'000, 1'000'000, 1'010'000}, {"", "", ""}, 1, 30.0);
+  ASSERT_EQ(delays.lines.size(), 3u);
+  EXPECT_EQ(delays.lines[0].to, 2u);
+  EXPECT_THAT(*delays.lines[0].us, DoubleNear(10.0, 1e-9));
+  EXPECT_THAT(*delays.lines[1].us, DoubleNear(15.0, 1e-9));
+  EXPECT_EQ(delays.lines[2].to, 1u);
+  EXPECT_THAT(*delays.lines[2].us, DoubleNear(5.0, 1e-9));
+  EXPECT_EQ(delays.between_hosts, 0u);
+}
+
+TEST(LineDelays, BetweenHostsOnlyTheSumIsKnownWhateverTheOtherClockSays) {
+  // Nodes 0, 1 at one host, 2, 3 at another whose clock is a second ahead; 10 us within a host, 100 and 300 between.
+  const LineDelays delays =
+      line_delays({0, 10'000, 1'000'110'000, 1'000'120'000}, {"waist", "waist", "head", "head"}, 0, 420.0);
+  EXPECT_THAT(*delays.lines[0].us, DoubleNear(10.0, 1e-9));
+  EXPECT_FALSE(delays.lines[1].us);
+  EXPECT_THAT(*delays.lines[2].us, DoubleNear(10.0, 1e-9));
+  EXPECT_FALSE(delays.lines[3].us);
+  EXPECT_EQ(delays.between_hosts, 2u);
+  EXPECT_THAT(delays.between_hosts_us, DoubleNear(400.0, 1e-9));
+}
+
+TEST(LineDelays, LeaveOutANodeThatDidNotLatch) {
+  const LineDelays delays = line_delays({0, std::nullopt, 20'000}, {"", "", ""}, 0, 30.0);
+  ASSERT_EQ(delays.lines.size(), 2u);
+  EXPECT_THAT(*delays.lines[0].us, DoubleNear(20.0, 1e-9));
+  EXPECT_EQ(delays.lines[0].to, 2u);
 }
 
 Result result(Outcome outcome, std::string reason = {}) {

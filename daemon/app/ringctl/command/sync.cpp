@@ -7,6 +7,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/clock_offsets.h"
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/line_delays.h"
 #include "app/ringctl/problems.h"
 
 namespace limb_ring::ringctl {
@@ -26,6 +27,7 @@ struct Sync {
   double round_trip_us = 0;
   unsigned ring_size = 0;
   std::vector<ClockOffset> offsets;
+  LineDelays delays;
 };
 
 std::size_t index_of(const RingAccess& ring, std::uint8_t id) {
@@ -45,6 +47,9 @@ std::optional<std::int64_t> new_latch(const std::optional<json>& before, const s
   return after->value("clock_ns", std::int64_t{0});
 }
 
+/// Of each node in ring order, whose clock it has: its host's.
+std::vector<std::string> clocks_of(const RingAccess& ring) { return std::vector<std::string>(ring.nodes().size()); }
+
 Sync synchronize(const RingAccess& ring, const NodeName& from) {
   Sync sync;
   sync.source = index_of(ring, from.id);
@@ -59,34 +64,56 @@ Sync synchronize(const RingAccess& ring, const NodeName& from) {
   for (std::size_t i = 0; i < after.size(); ++i) latches.push_back(new_latch(before[i], after[i], from.id));
   latches[sync.source] = answer.at("clock_ns").get<std::int64_t>();
   sync.offsets = clock_offsets(latches, sync.source, sync.round_trip_us, sync.ring_size);
+  sync.delays = line_delays(latches, clocks_of(ring), sync.source, sync.round_trip_us);
   return sync;
 }
 
-json row_json(const NodeName& node, const ClockOffset& offset) {
+/// From the one before it that has latched; empty where that is not known.
+std::optional<double> one_way_us(const Sync& sync, std::size_t node) {
+  for (const LineDelay& line : sync.delays.lines)
+    if (line.to == node) return line.us;
+  return std::nullopt;
+}
+
+json row_json(const NodeName& node, const ClockOffset& offset, const std::optional<double>& one_way_us) {
   json row{{"id", node.id}, {"name", node.name}, {"latched", offset.offset_us.has_value()}};
   row["hops"] = offset.offset_us ? json(offset.hops) : json(nullptr);
   row["offset_us"] = offset.offset_us ? json(*offset.offset_us) : json(nullptr);
+  row["one_way_us"] = one_way_us ? json(*one_way_us) : json(nullptr);
   return row;
 }
 
 void print_json(const RingAccess& ring, const Sync& sync) {
   json rows = json::array();
-  for (std::size_t i = 0; i < sync.offsets.size(); ++i) rows.push_back(row_json(ring.nodes()[i], sync.offsets[i]));
-  const json all{{"ring", ring.ring()},         {"from", ring.nodes()[sync.source].id},
-                 {"outcome", sync.outcome},     {"round_trip_us", sync.round_trip_us},
-                 {"ring_size", sync.ring_size}, {"nodes", rows}};
+  for (std::size_t i = 0; i < sync.offsets.size(); ++i)
+    rows.push_back(row_json(ring.nodes()[i], sync.offsets[i], one_way_us(sync, i)));
+  const json all{{"ring", ring.ring()},
+                 {"from", ring.nodes()[sync.source].id},
+                 {"outcome", sync.outcome},
+                 {"round_trip_us", sync.round_trip_us},
+                 {"ring_size", sync.ring_size},
+                 {"nodes", rows},
+                 {"between_hosts", {{"lines", sync.delays.between_hosts}, {"sum_us", sync.delays.between_hosts_us}}}};
   std::cout << all.dump(2) << '\n';
 }
 
+std::string between_hosts_words(const LineDelays& delays) {
+  if (delays.between_hosts == 0) return {};
+  return app::counted(delays.between_hosts, "line") + " between hosts, together " +
+         app::number(delays.between_hosts_us) + " us: " + app::number(delays.between_hosts_us / delays.between_hosts) +
+         " us each if they are alike; one way alone cannot be known without a shared clock\n";
+}
+
 void print_text(const RingAccess& ring, const Sync& sync) {
-  std::vector<std::vector<std::string>> table{{"id", "name", "hops", "offset us"}};
+  std::vector<std::vector<std::string>> table{{"id", "name", "hops", "offset us", "one way us"}};
   for (std::size_t i = 0; i < sync.offsets.size(); ++i) {
     const auto& [hops, offset] = sync.offsets[i];
+    const auto one_way = one_way_us(sync, i);
     table.push_back({std::to_string(ring.nodes()[i].id), ring.nodes()[i].name, offset ? std::to_string(hops) : "-",
-                     offset ? app::number(*offset) : "-"});
+                     offset ? app::number(*offset) : "-", one_way ? app::number(*one_way) : "-"});
   }
   std::cout << "sync " << sync.outcome << ", round trip " << app::number(sync.round_trip_us) << " us\n"
-            << app::text_table(table);
+            << app::text_table(table) << between_hosts_words(sync.delays);
 }
 
 bool all_latched(const Sync& sync) {
@@ -114,7 +141,9 @@ void add_sync(CLI::App& app, Context& context) {
                   "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off.\n"
                   "The offset of a node h hops downstream of the source is its latch time, less the\n"
                   "source's, less h * round trip / ring size. Nodes on one host share a clock: what is\n"
-                  "printed for them is how unevenly the interrupt travelled. Not done (exit code 1) where a\n"
+                  "printed for them is how unevenly the interrupt travelled. One way: from the node before it\n"
+                  "that latched, measured where the two share a clock; of lines between hosts only the sum is\n"
+                  "known. Not done (exit code 1) where a\n"
                   "node did not latch: it is down, or has no pin wired to sync.");
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);
