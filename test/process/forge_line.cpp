@@ -3,6 +3,8 @@
 //
 //   forge_line LISTEN_PORT TARGET_PORT SEED
 //
+// What it passes on is not held up by what it forges: two threads.
+//
 // On standard input: `keep` remembers what was recorded so far as yesterday's; `forge COUNT RATE` sends so many
 // datagrams, so many a second. After each it prints a line of JSON; the end of the input ends it.
 #include <arpa/inet.h>
@@ -10,13 +12,16 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <mutex>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace {
@@ -67,9 +72,35 @@ class Line {
     if (::bind(up_, any(here), sizeof here) != 0 || ::connect(down_, any(target_), sizeof target_) != 0) std::exit(1);
   }
 
-  int up() const { return up_; }
-  int down() const { return down_; }
+  /// For good.
+  void pass_on_always() {
+    for (;;) {
+      pollfd both[]{{up_, POLLIN, 0}, {down_, POLLIN, 0}};
+      ::poll(both, 2, -1);
+      pass_on();
+    }
+  }
 
+  void keep() {
+    const std::lock_guard lock(mutex_);
+    yesterday_ = said_;
+  }
+
+  void forge(std::size_t count, double rate) {
+    std::map<std::string, std::size_t> kinds;
+    const std::uint64_t before = passed_on_;
+    const auto start = Clock::now();
+    for (std::size_t done = 0; done < count;) {
+      const double due = std::chrono::duration<double>(Clock::now() - start).count() * rate;
+      for (; done < count && static_cast<double>(done) < due; ++done) ++kinds[one(done)];
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    std::printf("{\"passed_on\": %llu", static_cast<unsigned long long>(passed_on_ - before));
+    for (const auto& [name, number] : kinds) std::printf(", \"%s\": %zu", name.c_str(), number);
+    std::printf("}\n");
+  }
+
+ private:
   void pass_on() {
     socklen_t size = sizeof from_;
     Datagram bytes(kLargest);
@@ -79,35 +110,17 @@ class Line {
       ++passed_on_;
       ::send(down_, datagram.data(), datagram.size(), 0);
       const bool asks = datagram.size() > kTypeAt && datagram[kTypeAt] == kConnectKeyed;
+      const std::lock_guard lock(mutex_);
       (asks ? asked_ : said_).add(datagram);
     }
     for (ssize_t got; (got = ::recv(down_, bytes.data(), bytes.size(), 0)) >= 0;) {
       const Datagram datagram(bytes.begin(), bytes.begin() + got);
       ::sendto(up_, datagram.data(), datagram.size(), 0, any(from_), sizeof from_);
+      const std::lock_guard lock(mutex_);
       answered_.add(datagram);
     }
   }
 
-  void keep() { yesterday_ = said_; }
-
-  void forge(std::size_t count, double rate) {
-    std::map<std::string, std::size_t> kinds;
-    const std::uint64_t before = passed_on_;
-    const auto start = Clock::now();
-    for (std::size_t done = 0; done < count;) {
-      const double due = std::chrono::duration<double>(Clock::now() - start).count() * rate;
-      for (int burst = 0; done < count && static_cast<double>(done) < due && burst < 64; ++burst, ++done)
-        ++kinds[one(done)];
-      pollfd both[]{{up_, POLLIN, 0}, {down_, POLLIN, 0}};
-      ::poll(both, 2, 1);
-      pass_on();
-    }
-    std::printf("{\"passed_on\": %llu", static_cast<unsigned long long>(passed_on_ - before));
-    for (const auto& [name, number] : kinds) std::printf(", \"%s\": %zu", name.c_str(), number);
-    std::printf("}\n");
-  }
-
- private:
   std::size_t number(std::size_t below) { return random_() % below; }
   std::uint8_t byte() { return static_cast<std::uint8_t>(random_()); }
   Datagram recorded(const Recording& recording) { return recording.at(number(recording.size())); }
@@ -115,6 +128,7 @@ class Line {
 
   /// @return the kind that it was
   std::string one(std::size_t turn) {
+    const std::lock_guard lock(mutex_);
     if (turn % 16 == 15 && !answered_.empty()) return to_the_other_end();
     switch (turn % 8) {
       case 0:
@@ -184,7 +198,8 @@ class Line {
   sockaddr_in target_, from_{};
   int up_ = udp_socket(), down_ = udp_socket();
   Recording said_, asked_, answered_, yesterday_;
-  std::uint64_t passed_on_ = 0;
+  std::atomic<std::uint64_t> passed_on_{0};
+  std::mutex mutex_;
 };
 
 /// @return false: the input has ended
@@ -208,10 +223,8 @@ bool take_command(Line& line) {
 int main(int argc, char** argv) {
   if (argc != 4) return 2;
   Line line(std::atoi(argv[1]), std::atoi(argv[2]), static_cast<unsigned>(std::atoi(argv[3])));
-  for (;;) {
-    pollfd all[]{{line.up(), POLLIN, 0}, {line.down(), POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};
-    ::poll(all, 3, -1);
-    line.pass_on();
-    if (all[2].revents != 0 && !take_command(line)) return 0;
+  std::thread([&line] { line.pass_on_always(); }).detach();
+  while (take_command(line)) {
   }
+  std::_Exit(0);  // the other thread is still at it
 }
