@@ -7,7 +7,7 @@ namespace limb_ring::cli {
 /// Text as a man page may hold it: nothing in it means anything to roff.
 std::string roff(const std::string& text);
 
-/// A man page of section 1, up to where its own sections begin: header, NAME, SYNOPSIS.
+/// A man page of a program, up to where its own sections begin: header, NAME, SYNOPSIS.
 /// @param name the program's
 /// @param what it is, as a sentence
 /// @param usage what may follow its name

@@ -56,9 +56,17 @@ link::Timing timing_of(const RingConfig& ring) {
   return {ring.timeouts.idle, ring.timeouts.silence, ring.timeouts.first_successor};
 }
 
-/// Of the UDP lines that run in this direction; none where they are not keyed. @throw config::ConfigError
+bool has_udp_lines(const RingConfig& ring) {
+  return std::any_of(ring.nodes.begin(), ring.nodes.end(), [&ring](const NodeConfig& node) {
+    return config::transport_between(ring.nodes[0], node) == LinkConfig::Transport::udp ||
+           node.link.transport == LinkConfig::Transport::udp;
+  });
+}
+
+/// Of the UDP lines that run in this direction; none where they are not keyed, or where there are none: a ring of many
+/// hosts that is tried out on one machine needs no key there. @throw config::ConfigError
 std::shared_ptr<const link::LineKey> key_of(const RingConfig& ring, Line line) {
-  if (ring.links.key.empty()) return nullptr;
+  if (ring.links.key.empty() || !has_udp_lines(ring)) return nullptr;
   return std::make_shared<link::LineKey>(config::read_key_file(ring.links.key), link::ring_hash(ring.ring),
                                          line == Line::second);
 }

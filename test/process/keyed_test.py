@@ -79,6 +79,13 @@ class Keyed(RingTest):
         os.remove(self.key)
         self.assert_not_started(keyed, 'No such file', 'ringctl keygen')
 
+    def test_a_ring_without_udp_lines_needs_no_key_file(self):
+        os.remove(self.key)
+        local = self.file('local.yaml', transport='shm', key='ring.key')
+        for node in range(3):
+            self.ringd(local, node)
+        self.wait_closed(range(3))
+
     def assert_not_started(self, config, *words):
         ended = self.run_ringd('--config', config, '--node', '0')
         self.assertEqual(ended.returncode, 2, ended.stderr)

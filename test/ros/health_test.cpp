@@ -92,6 +92,16 @@ TEST_F(Health, WarnsForAWhileOfAStateThatIsOver) {
   EXPECT_EQ(of_node().message, "was open_chain");
 }
 
+TEST_F(Health, IsAnErrorForANodeThatRefusesOrIsRefused) {
+  knee().refusals = {"node hip is refused by node knee: it runs another ring file: timeouts differ"};
+  take();
+  EXPECT_EQ(of_node().level, Level::ERROR);
+  EXPECT_THAT(of_node().message, HasSubstr("it runs another ring file: timeouts differ"));
+  knee().refusals.clear();
+  take();
+  EXPECT_EQ(of_node().level, Level::OK);
+}
+
 TEST_F(Health, IsAnErrorForANodeOfAnotherHostWhoseBeaconsAreOld) {
   knee().pid = 0;
   knee().beacon_age = 0.1;

@@ -18,7 +18,7 @@ using Usage = test::OwnFolder;
 
 TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
   for (const char* command : {"up", "down", "status", "send", "interrupt", "pull", "sync", "stop", "reset", "ping",
-                              "observe", "dump", "trace", "replay", "top", "wait"}) {
+                              "keygen", "observe", "dump", "trace", "replay", "top", "wait"}) {
     const CliRun said = ringctl({command, "--help"});
     EXPECT_EQ(said.code, kDone) << command;
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
