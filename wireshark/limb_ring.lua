@@ -80,6 +80,10 @@ field("beacon.break_known", ProtoField.bool, "Break known")
 field("beacon.break_before", ProtoField.uint8, "Break behind node")
 field("beacon.break_behind", ProtoField.uint8, "Break before node")
 field("beacon.cpu_comes_back", ProtoField.bool, "CPU comes back after a reset")
+field("beacon.stop_latched", ProtoField.bool, "Stop latched")
+field("beacon.latches", ProtoField.uint32, "Clock latches")
+field("beacon.latch_source", ProtoField.uint8, "Last latch asked for by node")
+field("beacon.latch_clock", ProtoField.uint64, "Latched clock (ns)")
 
 -- Channel 2, type 1: joint states.
 field("joint.sequence", ProtoField.uint16, "Joint state")
@@ -177,7 +181,7 @@ local function dissect_control(data, tree)
     tree:add(f["boot"], data(1, 8))
     tree:add(f["hello.remembers"], data(9, 1))
     return "hello"
-  elseif kind == 2 and data:len() == 26 then
+  elseif kind == 2 and (data:len() == 26 or data:len() == 40) then
     tree:add(f["control"], data(0, 1))
     tree:add(f["boot"], data(1, 8))
     tree:add(f["beacon.cpu_boots"], data(9, 4))
@@ -191,6 +195,12 @@ local function dissect_control(data, tree)
     tree:add(f["beacon.break_before"], data(23, 1))
     tree:add(f["beacon.break_behind"], data(24, 1))
     tree:add(f["beacon.cpu_comes_back"], data(25, 1))
+    if data:len() == 40 then
+      tree:add(f["beacon.stop_latched"], data(26, 1))
+      tree:add(f["beacon.latches"], data(27, 4))
+      tree:add(f["beacon.latch_source"], data(31, 1))
+      tree:add(f["beacon.latch_clock"], data(32, 8))
+    end
     return "beacon, CPU " .. (cpu_states[data(13, 1):uint()] or "?")
   end
   return nil

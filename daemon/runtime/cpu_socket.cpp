@@ -38,7 +38,7 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
 void CpuSocket::detach(const host::ClientInfo& client) {
   process_.detached(client.pid);
   if (host_.cpu() != nullptr && host_.cpu()->id != client.id) return;
-  stop_.latched = false;
+  stop_latched(false);
   engine_.set_cpu_present(false);
   engine_.cpu_reset(client.id);
 }
@@ -77,7 +77,7 @@ CpuActionResult CpuSocket::reset(const std::string& reason) {
 void CpuSocket::drop_client() {
   if (host_.cpu() == nullptr) return;
   const host::ClientInfo client = *host_.cpu();
-  stop_.latched = false;
+  stop_latched(false);
   engine_.set_cpu_present(false);
   engine_.cpu_reset(client.id);
   host_.disconnect(client.id, "the CPU was reset");
@@ -89,6 +89,18 @@ void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t sour
     stop_.pulled_at = engine_.now();
   }
   if (!is_sink()) host_.interrupt({action, source, factor});
+}
+
+void CpuSocket::stop_latched(bool latched) {
+  if (latched == stop_.latched) return;
+  stop_.latched = reported_.stop_latched = latched;
+  engine_.controller().set_cpu(reported_, engine_.now());
+  engine_.pump();
+}
+
+void CpuSocket::clock_latched(const wire::ClockLatch& latch) {
+  reported_.latch = latch;
+  engine_.controller().set_cpu(reported_, engine_.now());
 }
 
 CpuStatus CpuSocket::status() const {

@@ -49,7 +49,9 @@ class CpuSocket final : private CpuEvents {
     std::optional<core::Time> pulled_at;
   };
   /// The CPU says that a stop is latched, or that it has resumed. One that has just been started has nothing latched.
-  void stop_latched(bool latched) { stop_.latched = latched; }
+  void stop_latched(bool latched);
+  /// The node's clock was latched: the next beacon says so.
+  void clock_latched(const wire::ClockLatch& latch);
   const Stop& stop_state() const { return stop_; }
 
   CpuStatus status() const;

@@ -23,7 +23,8 @@ class PinBoard {
   /// Pin `factor` was pulled by node `source`; `clock_ns` is when.
   /// @return what was done, for people
   std::string pull(std::uint8_t factor, std::uint8_t source, std::int64_t clock_ns);
-  void latch(std::uint8_t source, std::int64_t clock_ns) { latch_ = {latch_.count + 1, source, clock_ns}; }
+  /// Known here at once, to the other nodes by the next beacon.
+  void latch(std::uint8_t source, std::int64_t clock_ns);
   const ClockLatch& last_latch() const { return latch_; }
 
  private:

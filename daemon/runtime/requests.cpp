@@ -23,6 +23,19 @@ std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std:
   throw RequestError("node " + node.name + " has no pin wired to " + name);
 }
 
+nlohmann::json node_json(const config::RingConfig& ring, const config::NodeConfig& node) {
+  nlohmann::json row{{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}};
+  if (const config::HostConfig* host = ring.host_of(node)) row["host"] = host->name;
+  return row;
+}
+
+nlohmann::json hosts_json(const config::RingConfig& ring) {
+  nlohmann::json hosts = nlohmann::json::array();
+  for (const config::HostConfig& host : ring.hosts)
+    hosts.push_back({{"name", host.name}, {"address", host.address}, {"ssh", host.ssh_destination()}});
+  return hosts;
+}
+
 }  // namespace
 
 void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer) {
@@ -71,11 +84,11 @@ void Requests::clock(const Json&, const Answer& answer) {
 
 void Requests::config(const Json&, const Answer& answer) {
   Json nodes = Json::array();
-  for (const auto& node : to_.ring.nodes)
-    nodes.push_back({{"id", node.id}, {"name", node.name}, {"joints", node.joints.size()}});
+  for (const auto& node : to_.ring.nodes) nodes.push_back(node_json(to_.ring, node));
   answer({{"ring", to_.ring.ring},
           {"path", to_.ring.path},
           {"nodes", nodes},
+          {"hosts", hosts_json(to_.ring)},
           {"folds_back", to_.ring.redundancy == config::RingConfig::Redundancy::foldback},
           {"beacon_ms", to_.ring.timeouts.beacon.count()},
           {"supervisor", config::supervisor_of(to_.ring).id}});

@@ -131,6 +131,19 @@ json refusals_json(const StatusSources& from) {
   return all;
 }
 
+/// As the request `latch` answers.
+json latch_json(const wire::ClockLatch& latch) {
+  return {{"latched", latch.count != 0},
+          {"source", std::uint8_t{latch.source}},
+          {"count", latch.count},
+          {"clock_ns", latch.clock_ns}};
+}
+
+json told_break_json(const wire::Beacon& beacon) {
+  if (!beacon.break_known) return {};
+  return {{"before", std::uint8_t{beacon.break_before}}, {"behind", std::uint8_t{beacon.break_behind}}};
+}
+
 json heard_json(const StatusSources& from) {
   json heard = json::array();
   const core::Peers& peers = from.engine.controller().membership().peers();
@@ -146,7 +159,12 @@ json heard_json(const StatusSources& from) {
                      {"cpu_boots", peer.beacon.cpu_boots},
                      {"cpu_state", wire::to_string(peer.beacon.cpu_state)},
                      {"cpu_silent_ms", peer.beacon.cpu_silent_ms},
-                     {"cpu_comes_back", peer.beacon.cpu_comes_back}});
+                     {"cpu_comes_back", peer.beacon.cpu_comes_back},
+                     {"input", wire::to_string(peer.beacon.input)},
+                     {"output", wire::to_string(peer.beacon.output)},
+                     {"broken_line", told_break_json(peer.beacon)},
+                     {"stop_latched", peer.beacon.stop_latched},
+                     {"latch", latch_json(peer.beacon.latch)}});
   }
   return heard;
 }

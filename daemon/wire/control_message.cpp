@@ -15,7 +15,28 @@ constexpr std::size_t kBoot = 1, kRemembers = 9;
 namespace beacon_field {
 constexpr std::size_t kBoot = 1, kCpuBoots = 9, kCpuState = 13, kCpuSilent = 14, kInput = 18, kInputFrom = 19,
                       kOutput = 20, kOutputTo = 21, kBreakKnown = 22, kBreakBefore = 23, kBreakBehind = 24,
-                      kCpuComesBack = 25;
+                      kCpuComesBack = 25, kStopLatched = 26, kLatches = 27, kLatchSource = 31, kLatchClock = 32;
+}
+
+bool has_tail(const Beacon& b) { return b.stop_latched || b.latch.count != 0; }
+
+void encode_tail(const Beacon& b, std::uint8_t* out) {
+  using namespace beacon_field;
+  out[kStopLatched] = b.stop_latched ? 1 : 0;
+  store_u32(out + kLatches, b.latch.count);
+  out[kLatchSource] = b.latch.source;
+  store_u64(out + kLatchClock, b.latch.clock_ns);
+}
+
+/// @return whether it is one: it tells something, and of no latch no more than that there is none
+bool decode_tail(ByteView data, Beacon& b) {
+  using namespace beacon_field;
+  if (data[kStopLatched] > 1) return false;
+  b.stop_latched = data[kStopLatched] == 1;
+  b.latch.count = load_u32(data.data + kLatches);
+  b.latch.source = NodeId{data[kLatchSource]};
+  b.latch.clock_ns = load_u64(data.data + kLatchClock);
+  return has_tail(b) && (b.latch.count != 0 || (b.latch.source == 0 && b.latch.clock_ns == 0));
 }
 
 bool is(ByteView data, std::uint8_t type, std::size_t size) { return data.size == size && data[kTypeAt] == type; }
@@ -77,7 +98,9 @@ std::size_t encode(const Beacon& b, std::uint8_t* out) {
   out[kBreakBefore] = b.break_before;
   out[kBreakBehind] = b.break_behind;
   out[kCpuComesBack] = b.cpu_comes_back ? 1 : 0;
-  return kBeaconSize;
+  if (!has_tail(b)) return kBeaconSize;
+  encode_tail(b, out);
+  return kLongBeaconSize;
 }
 
 std::optional<Hello> decode_hello(ByteView data) {
@@ -88,7 +111,7 @@ std::optional<Hello> decode_hello(ByteView data) {
 
 std::optional<Beacon> decode_beacon(ByteView data) {
   using namespace beacon_field;
-  if (!is(data, kTypeBeacon, kBeaconSize)) return std::nullopt;
+  if (!is(data, kTypeBeacon, kBeaconSize) && !is(data, kTypeBeacon, kLongBeaconSize)) return std::nullopt;
   const bool legal = data[kCpuState] <= static_cast<std::uint8_t>(CpuState::failed) &&
                      data[kInput] <= static_cast<std::uint8_t>(LinkState::folded) &&
                      data[kOutput] <= static_cast<std::uint8_t>(LinkState::folded) && data[kBreakKnown] <= 1 &&
@@ -107,6 +130,7 @@ std::optional<Beacon> decode_beacon(ByteView data) {
   b.break_before = NodeId{data[kBreakBefore]};
   b.break_behind = NodeId{data[kBreakBehind]};
   b.cpu_comes_back = data[kCpuComesBack] == 1;
+  if (data.size == kLongBeaconSize && !decode_tail(data, b)) return std::nullopt;
   return b;
 }
 

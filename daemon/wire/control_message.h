@@ -25,11 +25,27 @@ enum class LinkState : std::uint8_t { down, up, silent, folded };
 const char* to_string(CpuState state);
 const char* to_string(LinkState state);
 
-/// Sent every 100 ms by default and at once on any change.
+/// A node's clock as it was when its pin for that was pulled.
+struct ClockLatch {
+  std::uint32_t count = 0;  ///< latches since the node's start; 0: none yet
+  NodeId source{0};         ///< who asked for the last one
+  std::uint64_t clock_ns = 0;
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("count", count)("source", source)("clock_ns", clock_ns);
+  }
+};
+
+/// Sent every 100 ms by default and at once on any change, but for its latch.
 ///
 ///   | type 2 | boot 64 | CPU boots 32 | CPU state 8 | CPU silent for, ms 32 | input state 8 |
 ///   | input from 8 | output state 8 | output to 8 | break known 8 | before 8 | behind 8 |
 ///   | CPU comes back 8 |                                                    26 bytes
+///
+/// and behind it, where a stop or a clock is latched:
+///
+///   | stop latched 8 | clock latches 32 | source of the last one 8 | its clock, ns 64 |   40 bytes
 struct Beacon {
   std::uint64_t boot = 0;
   std::uint32_t cpu_boots = 0;  ///< starts of the CPU so far
@@ -43,20 +59,23 @@ struct Beacon {
   NodeId break_before{0};
   NodeId break_behind{0};
   bool cpu_comes_back = true;  ///< somebody starts the CPU again when a reset kills it
+  bool stop_latched = false;   ///< by the CPU's own word
+  ClockLatch latch;
 
   template <class Archive>
   void archive(Archive& a) {
     a("boot", boot)("cpu_boots", cpu_boots)("cpu_state", cpu_state)("cpu_silent_ms", cpu_silent_ms)("input", input);
     a("input_from", input_from)("output", output)("output_to", output_to)("break_known", break_known);
     a("break_before", break_before)("break_behind", break_behind)("cpu_comes_back", cpu_comes_back);
+    a("stop_latched", stop_latched)("latch", latch);
   }
 };
-constexpr std::size_t kBeaconSize = 26;
+constexpr std::size_t kBeaconSize = 26, kLongBeaconSize = 40;
 
 /// So many beacons, or repeated fold words, missed in a row: who says them is gone, or beyond a second break. (ours)
 constexpr int kMissedBeacons = 5;
 
-/// @param out room for kHelloSize, kBeaconSize bytes. @return bytes written
+/// @param out room for kHelloSize, kLongBeaconSize bytes. @return bytes written
 std::size_t encode(const Hello& hello, std::uint8_t* out);
 std::size_t encode(const Beacon& beacon, std::uint8_t* out);
 

@@ -167,7 +167,7 @@ class Node(threading.Thread):
 
     def hear(self, source, data):
         """Returns whether it is of no earlier incarnation."""
-        if not (data[0] == HELLO and len(data) == 10 or data[0] == BEACON and len(data) == 26):
+        if not (data[0] == HELLO and len(data) == 10 or data[0] == BEACON and len(data) in (26, 40)):
             return True
         boot = struct.unpack_from('>Q', data, 1)[0]
         page = self.pages.get(source, Page(boot & 3))

@@ -32,6 +32,32 @@ TEST(ControlMessage, BeaconComesBack) {
   EXPECT_FALSE(back->cpu_comes_back);
 }
 
+TEST(ControlMessage, BeaconWithAStopOrALatchIsLongerAndComesBack) {
+  Beacon beacon;
+  beacon.stop_latched = true;
+  beacon.latch = {7, 3_id, 0x0102030405060708};
+  std::array<std::uint8_t, kLongBeaconSize> bytes;
+  ASSERT_EQ(encode(beacon, bytes.data()), kLongBeaconSize);
+  const auto back = decode_beacon({bytes.data(), bytes.size()});
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(back->stop_latched);
+  EXPECT_EQ(back->latch.count, 7u);
+  EXPECT_EQ(back->latch.source, 3);
+  EXPECT_EQ(back->latch.clock_ns, 0x0102030405060708u);
+  bytes[26] = 2;
+  EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()}));
+}
+
+TEST(ControlMessage, LongBeaconThatSaysNothingMoreIsNone) {
+  std::array<std::uint8_t, kLongBeaconSize> bytes{};
+  encode(Beacon{}, bytes.data());
+  EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()}));
+  bytes[26] = 1;
+  EXPECT_TRUE(decode_beacon({bytes.data(), bytes.size()}));
+  bytes[39] = 1;  // a clock that was latched at no latch
+  EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()}));
+}
+
 TEST(ControlMessage, WrongSizesTypesAndValuesAreNoMessage) {
   std::array<std::uint8_t, kBeaconSize> bytes;
   encode(Beacon{}, bytes.data());

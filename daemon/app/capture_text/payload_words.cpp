@@ -32,6 +32,8 @@ std::string words(const wire::Beacon& beacon, const RingNames& names) {
   text += ", input " + link_words(beacon.input, " from " + names.of(beacon.input_from));
   text += ", output " + link_words(beacon.output, " to " + names.of(beacon.output_to));
   if (beacon.break_known) text += ", break " + names.line(beacon.break_before, beacon.break_behind);
+  if (beacon.stop_latched) text += ", stop latched";
+  if (beacon.latch.count != 0) text += ", clock latched by " + names.of(beacon.latch.source);
   return text;
 }
 

@@ -290,7 +290,8 @@ bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beac
 // ---- own beacons ----------------------------------------------------------------------------
 
 void Membership::set_cpu(const CpuReport& report, Time now) {
-  const bool news = report.boots != cpu_.boots || report.state != cpu_.state;
+  const bool news =
+      report.boots != cpu_.boots || report.state != cpu_.state || report.stop_latched != cpu_.stop_latched;
   cpu_ = report;
   if (news && accepts_sends()) beacon_changed(now);
 }
@@ -310,6 +311,8 @@ wire::Beacon Membership::beacon(Time now) const {
   b.break_known = break_.known();
   b.break_before = break_.before();
   b.break_behind = break_.behind();
+  b.stop_latched = cpu_.stop_latched;
+  b.latch = cpu_.latch;
   return b;
 }
 
@@ -327,9 +330,9 @@ void Membership::send_beacon(Time now) {
   beacon_.due = now + settings_.beacon;
   if (hello_out_ || !accepts_sends()) return;
   beacon_.out = true;
-  std::array<std::uint8_t, wire::kBeaconSize> bytes;
-  wire::encode(beacon(now), bytes.data());
-  transmit_.data.enqueue_control({bytes.data(), bytes.size()}, kBeaconToken, now);
+  std::array<std::uint8_t, wire::kLongBeaconSize> bytes;
+  const std::size_t size = wire::encode(beacon(now), bytes.data());
+  transmit_.data.enqueue_control({bytes.data(), size}, kBeaconToken, now);
 }
 
 // ---- time ---------------------------------------------------------------------------------

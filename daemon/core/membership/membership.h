@@ -20,10 +20,13 @@ struct CpuReport {
   wire::CpuState state = wire::CpuState::none;
   bool comes_back = true;  ///< somebody starts it again when a reset kills it
   Time spoke_at{};         ///< when it last spoke; beacons say how long ago that was
+  bool stop_latched = false;
+  wire::ClockLatch latch;  ///< of the node; news of it waits for the next beacon
 
   template <class Archive>
   void archive(Archive& a) {
     a("boots", boots)("state", state)("comes_back", comes_back)("spoke_at", spoke_at);
+    a("stop_latched", stop_latched)("latch", latch);
   }
 };
 

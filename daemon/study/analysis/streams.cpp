@@ -106,7 +106,7 @@ void add_beacons(const RingConfig& ring, std::vector<Stream>& streams) {
   const double rate = 1000.0 / static_cast<double>(ring.timeouts.beacon.count());
   for (const NodeConfig& node : ring.nodes) {
     streams.push_back(
-        message("beacon of " + node.name, place_of(ring, node.id), wire::kBroadcast, 0, wire::kBeaconSize, rate));
+        message("beacon of " + node.name, place_of(ring, node.id), wire::kBroadcast, 0, wire::kLongBeaconSize, rate));
     streams.back().beacon = true;
   }
 }
