@@ -24,6 +24,14 @@ StopState state_in(const json& row, milliseconds age) {
   return pulled.is_number() && pulled <= age.count() ? StopState::told : StopState::not_reached;
 }
 
+StopState state_in_beacon(const json& heard, bool delivered) {
+  if (heard.is_null()) return StopState::unknown;
+  if (heard.value("stop_latched", false)) return StopState::stopped;
+  const std::string cpu = heard.value("cpu_state", "");
+  if (cpu == "absent" || cpu == "failed" || cpu == "none") return StopState::no_cpu;
+  return delivered ? StopState::told : StopState::unknown;
+}
+
 std::string names_in(const std::vector<KnownStop>& stops, StopState state) {
   std::string names;
   for (const KnownStop& stop : stops)
@@ -54,26 +62,28 @@ const char* to_string(StopState state) {
   return "";
 }
 
-std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, milliseconds age) {
+std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, milliseconds age, bool delivered) {
   std::vector<KnownStop> stops;
   for (const Node& node : nodes) {
     const auto row = rows.find(node.id);
-    stops.push_back({node, row == rows.end() ? StopState::unknown : state_in(row->second, age)});
+    stops.push_back({node, row == rows.end() ? state_in_beacon(lately_heard(rows, node.id), delivered)
+                                             : state_in(row->second, age)});
   }
   return stops;
 }
 
 std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
-                                      steady_clock::time_point sent) {
+                                      steady_clock::time_point sent, bool delivered) {
   const auto begun = steady_clock::now();
   for (;;) {
-    const Rows rows = status_rows(ring, nodes, kRowTimeout);
+    const Rows rows = status_rows_here(ring, kRowTimeout);
     const auto age = std::chrono::ceil<milliseconds>(steady_clock::now() - sent);
-    const std::vector<KnownStop> stops = known_stops(nodes, rows, age);
+    const std::vector<KnownStop> stops = known_stops(nodes, rows, age, delivered);
     const auto waited = steady_clock::now() - begun;
-    const auto pending = [waited](const KnownStop& stop) {
-      return (stop.state == StopState::told && waited < kToSaySo) ||
-             (stop.state == StopState::not_reached && waited < kUnderWay);
+    const auto pending = [&](const KnownStop& stop) {
+      const bool may_say_so = stop.state == StopState::told ||
+                              (stop.state == StopState::unknown && !lately_heard(rows, stop.node.id).is_null());
+      return (may_say_so && waited < kToSaySo) || (stop.state == StopState::not_reached && waited < kUnderWay);
     };
     if (std::none_of(stops.begin(), stops.end(), pending)) return stops;
     std::this_thread::sleep_for(kStopsPollPeriod);
@@ -82,7 +92,7 @@ std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector
 
 std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::vector<Node>& nodes) {
   std::vector<Node> latched;
-  for (const KnownStop& stop : known_stops(nodes, status_rows(ring, nodes, kRowTimeout), milliseconds(0)))
+  for (const KnownStop& stop : known_stops(nodes, status_rows_here(ring, kRowTimeout), milliseconds(0)))
     if (stop.state == StopState::stopped) latched.push_back(stop.node);
   return latched;
 }

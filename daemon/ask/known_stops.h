@@ -10,7 +10,7 @@ enum class StopState : std::uint8_t {
   told,         ///< its stop pin was pulled; its CPU does not say what it made of it
   no_cpu,       ///< there is none that could stop
   not_reached,  ///< its stop pin was not pulled
-  unknown       ///< its daemon does not answer here
+  unknown       ///< its daemon does not answer here, nor do its beacons tell
 };
 /// One word for programs: "not_reached".
 const char* to_string(StopState state);
@@ -20,16 +20,20 @@ struct KnownStop {
   StopState state = StopState::unknown;
 };
 
+/// A node on another host tells by its beacons whether it has stopped, and not whether its pin was pulled.
 /// @param age of the stop: a pin that was pulled longer ago was pulled by another one
-std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, std::chrono::milliseconds age);
+/// @param delivered it came home: all pins were pulled
+std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, std::chrono::milliseconds age,
+                                   bool delivered = false);
 
 /// Polls until every CPU that was told says that it has stopped, for 1 s at most; for 200 ms of one that was not
 /// reached: in an open chain a stop may still be under way.
 /// @param sent when the stop was asked for
+/// @param delivered it came home
 std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
-                                      std::chrono::steady_clock::time_point sent);
+                                      std::chrono::steady_clock::time_point sent, bool delivered);
 
-/// Those whose CPU says that a stop is latched, as far as daemons on this host answer.
+/// Those whose CPU says that a stop is latched, as far as daemons on this host answer or have heard.
 std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::vector<Node>& nodes);
 
 /// Every node was reached, and where there is a CPU it has stopped or was told.

@@ -15,6 +15,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kAskers = 16;
+constexpr int kLately = 1000;  ///< ms; an older beacon tells nothing
 
 std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono::milliseconds timeout) {
   const live::Holder holder = live::holder_of(ring_directory(ring), id);
@@ -47,6 +48,24 @@ Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::c
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (answers[i]) rows.emplace(nodes[i].id, std::move(*answers[i]));
   return rows;
+}
+
+Rows status_rows_here(const std::string& ring, std::chrono::milliseconds timeout) {
+  std::vector<Node> nodes;
+  for (const live::HeldNode& held : live::held_nodes(ring_directory(ring))) nodes.push_back({held.node, ""});
+  return status_rows(ring, nodes, timeout);
+}
+
+json lately_heard(const Rows& rows, std::uint8_t node) {
+  json newest;
+  int age = kLately;
+  for (const auto& [id, row] : rows)
+    for (const json& heard : row.value("heard", json::array())) {
+      if (heard.value("id", -1) != node || heard.value("age_ms", kLately) >= age) continue;
+      age = heard.value("age_ms", kLately);
+      newest = heard;
+    }
+  return newest;
 }
 
 std::string name_of(const std::vector<Node>& nodes, std::uint8_t id) {

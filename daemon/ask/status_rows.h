@@ -22,6 +22,13 @@ struct Node {
 using Rows = std::map<std::uint8_t, nlohmann::json>;
 Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::chrono::milliseconds timeout);
 
+/// The same of all daemons on this host.
+Rows status_rows_here(const std::string& ring, std::chrono::milliseconds timeout);
+
+/// What the newest beacon of a node says that a daemon of this host has lately heard (`heard` in its row); null where
+/// none has.
+nlohmann::json lately_heard(const Rows& rows, std::uint8_t node);
+
 /// The name of a node, or its id where it is none of these.
 std::string name_of(const std::vector<Node>& nodes, std::uint8_t id);
 

@@ -26,6 +26,24 @@ TEST(KnownStops, SayOfEachNodeWhatIsKnown) {
   EXPECT_THAT(states, testing::ElementsAre("stopped", "told", "not_reached", "no_cpu", "unknown"));
 }
 
+json hears(bool latched, const char* cpu, int age_ms) {
+  json row = kRows.at(0);
+  row["heard"] = {{{"id", 4}, {"age_ms", age_ms}, {"cpu_state", cpu}, {"stop_latched", latched}}};
+  return row;
+}
+
+StopState of_hand(const json& body, bool delivered) {
+  return known_stops({{4, "hand"}}, {{0, body}}, 20ms, delivered)[0].state;
+}
+
+TEST(KnownStops, OfANodeOnAnotherHostAreToldByItsBeacons) {
+  EXPECT_EQ(of_hand(hears(true, "running", 50), false), StopState::stopped);
+  EXPECT_EQ(of_hand(hears(false, "running", 50), true), StopState::told);
+  EXPECT_EQ(of_hand(hears(false, "running", 50), false), StopState::unknown);
+  EXPECT_EQ(of_hand(hears(false, "absent", 50), true), StopState::no_cpu);
+  EXPECT_EQ(of_hand(hears(true, "running", 5000), true), StopState::unknown) << "it is not heard any more";
+}
+
 TEST(KnownStops, ASentenceNamesTheOthers) {
   EXPECT_EQ(sentence_of(known_stops(kNodes, kRows, 20ms)),
             "1 of 5 stopped; told, but the CPU does not say whether it has stopped: head; no CPU to stop: foot; "

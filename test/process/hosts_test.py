@@ -1,6 +1,7 @@
 """A ring on several hosts: `hosts:` in its file, `ringctl up --host`, and every tool from every host."""
 
 import json
+import os
 
 import ring_process
 from hosts_process import HostsTest
@@ -53,6 +54,85 @@ class TwoHosts(HostsTest):
             self.on('waist', 'ping', to, '--from', sender, '-c', 10, '-f', '-q')
         self.on('head', 'fault', 'start', 'head0')
         self.on('waist', 'wait', 'up', '--timeout', 30)
+
+
+class FromOneHostToTheOther(HostsTest):
+    """By what comes over the ring: beacons and packets."""
+
+    def setUp(self):
+        super().setUp()
+        self.set_up_hosts('waist', 'head')
+        self.up_all()
+
+    def row_at(self, host, name):
+        return next(row for row in self.json_on(host, 'status')['nodes'] if row['name'] == name)
+
+    def test_reset_is_seen_on_both(self):
+        self.assertIn('the CPU has booted again', self.on('waist', 'reset', 'head1', '--timeout', 20))
+        for host in self.hosts:
+            self.wait('two boots', lambda: self.row_at(host, 'head1')['cpu']['boots'] == 2)
+
+    def test_stop_and_resume_are_seen_on_both(self):
+        self.assertIn('4 of 4 stopped', self.on('waist', 'stop'))
+        for host in self.hosts:
+            self.wait('stops', lambda: 'stop latched at all nodes' in self.on(host, 'status'))
+        self.on('head', 'resume', 'waist1')
+        self.on('waist', 'resume')
+        for host in self.hosts:
+            self.wait('no stops', lambda: 'stop latched' not in self.on(host, 'status'))
+        self.assertIn('1 of 1 stopped', self.on('waist', 'stop', 'head0'))
+
+    def test_sync_has_the_clocks_of_both(self):
+        for _ in range(2):
+            sync = self.json_on('head', 'sync')
+            self.assertEqual([node['latched'] for node in sync['nodes']], [True] * 4)
+            self.assertEqual([node['hops'] for node in sync['nodes']], [2, 3, 0, 1])
+        self.assertIn('sync delivered', self.on('waist', 'sync'))
+
+    def test_packets_and_interrupts_arrive(self):
+        self.on('waist', 'interrupt', '--from', 'waist0', '--to', 'head1', 2)
+        self.on('waist', 'send', '--from', 'waist1', '--to', 'all', '--data', 'hello')
+        self.on('head', 'ping', 'waist1', '-c', 3, '-f')
+
+    def test_what_only_the_other_host_can_do_says_which(self):
+        for command in (('fault', 'kill', 'head0'), ('send', '--from', 'head0', '--to', 'waist0', '--data', 'x'),
+                        ('dump', 'head1', '-n', 1), ('pull', 'head0', 0), ('fault', 'cut', 'head1:waist0')):
+            text = self.on('waist', *command, code=3)
+            self.assertIn('is on host head (127.0.0.2), this is host waist', text)
+            self.assertIn('--ssh', text)
+
+    def test_or_has_it_done_there(self):
+        """By a stand-in for ssh that goes to the folder of that host."""
+        log = self.write('ssh.log', '')
+        self.script('ssh', 'while [ $# -gt 2 ]; do echo "$1" >> %s; shift; done\n[ "$1" = 127.0.0.2 ] || exit 255\n'
+                    'XDG_RUNTIME_DIR=%s exec sh -c "$2"\n' % (log, self.hosts['head'].runtime))
+        self.hosts['waist'].environment['PATH'] = self.folder + ':' + os.environ['PATH']
+        self.assertIn('delivered', self.on('waist', '--ssh', 'send', '--from', 'head0', '--to', 'waist0', '--data',
+                                           "it's; a $(word)"))
+        self.on('waist', 'fault', 'kill', 'head0', '--ssh')
+        self.on('waist', 'wait', 'head0', 'down', '--timeout', 30)
+        self.assertIn('head0.kill', self.on('waist', '--ssh', 'dump', 'head0', '-n', 1, code=3) +
+                      self.on('head', 'fault', 'list'))
+        self.on('waist', '--ssh', 'fault', 'start', 'head0')
+        self.on('waist', 'wait', 'up', '--timeout', 30)
+        with open(log) as file:
+            self.assertIn('BatchMode=yes', file.read())
+
+    def test_ssh_that_does_not_get_there(self):
+        self.script('ssh', 'echo nobody is there >&2; exit 255\n')
+        self.hosts['waist'].environment['PATH'] = self.folder + ':' + os.environ['PATH']
+        self.assertIn('nobody is there', self.on('waist', '--ssh', 'fault', 'kill', 'head0', code=3))
+
+    def test_list_says_which_host_this_is(self):
+        self.assertIn('waist (of waist, head)', self.on('waist', 'list'))
+        self.assertEqual([(ring['host'], ring['nodes'], ring['clock']) for ring in self.json_on('head', 'list')],
+                         [('head', 2, 'live')])
+
+    def test_each_ends_its_own_part(self):
+        self.on('waist', 'down')
+        self.on('head', 'wait', 'waist1', 'down', '--timeout', 30)
+        self.assertEqual(self.states('head')['head0'], 'up')
+        self.on('head', 'down')
 
 
 class ThreeHostsFoldedBack(HostsTest):

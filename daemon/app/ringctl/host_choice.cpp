@@ -64,7 +64,8 @@ std::string chosen_host(const RingConfig& ring, const std::string& given) {
   if (host == nullptr) throw unknown_host(ring, given);
   if (!has_nodes(ring, *host))
     throw UsageError("host '" + given + "' has no nodes: no node of " + file_of(ring) + " names it");
-  if (!live::is_own_address(host->address)) throw UsageError(not_here(*host) + "; start it there, or correct `hosts`");
+  if (!live::is_own_address(host->address))
+    throw Elsewhere(not_here(*host) + "; start it there, or correct `hosts`", host->ssh_destination());
   return given;
 }
 

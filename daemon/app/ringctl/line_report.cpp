@@ -23,9 +23,10 @@ std::string broken_lines(const std::vector<json>& rows) {
     const json& line = row["broken_line"];
     const bool knows = row["id"] == line["behind"];
     if (!knows && lines.count(line["behind"]) != 0) continue;
+    // By its beacons, of a node on another host, it is known where, but not since when.
     lines[line["behind"]] =
-        "broken line " + line_name(rows, line["before"], line["behind"]) + " since " +
-        app::number(line["since_s"].get<double>()) + " s" +
+        "broken line " + line_name(rows, line["before"], line["behind"]) +
+        (line.contains("since_s") ? " since " + app::number(line["since_s"].get<double>()) + " s" : "") +
         (line.contains("announced_ms") ? ", announced after " + app::number(line["announced_ms"].get<double>()) + " ms"
                                        : "") +
         '\n';
@@ -38,7 +39,8 @@ std::string broken_lines(const std::vector<json>& rows) {
 /// Whose second line leads to the node at `place`: the next one that is there; null where there is none.
 const json* answering_after(const std::vector<json>& rows, std::size_t place) {
   for (std::size_t i = 1; i < rows.size(); ++i)
-    if (const json& row = rows[(place + i) % rows.size()]; has(row, "fold")) return &row;
+    if (const json& row = rows[(place + i) % rows.size()]; has(row, "fold") || row.value("elsewhere", false))
+      return &row;
   return nullptr;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
 #include "live/not_done.h"
 
@@ -31,6 +32,14 @@ struct UsageError : std::runtime_error {
 /// Ends ringctl with kNoRing, as limb_ring::HostPortError does.
 struct NoRing : std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+/// Only daemons of another host can do it: ends ringctl with kNoRing, or it is done there (--ssh).
+struct Elsewhere : NoRing {
+  Elsewhere(const std::string& what, std::string ssh_destination, std::string of_ring = {})
+      : NoRing(what), destination(std::move(ssh_destination)), ring(std::move(of_ring)) {}
+  std::string destination;  ///< as ssh takes it
+  std::string ring;         ///< empty where the command line names it
 };
 
 }  // namespace limb_ring::ringctl

@@ -49,8 +49,15 @@ std::optional<std::uint8_t> socket_id(const fs::path& file) {
 std::vector<NodeName> names_of(const nlohmann::json& config) {
   std::vector<NodeName> nodes;
   for (const auto& node : config.at("nodes"))
-    nodes.push_back({node.at("id").get<std::uint8_t>(), node.at("name").get<std::string>()});
+    nodes.push_back({node.at("id").get<std::uint8_t>(), node.at("name").get<std::string>(), node.value("host", "")});
   return nodes;
+}
+
+std::vector<RingHost> hosts_of(const nlohmann::json& config) {
+  std::vector<RingHost> hosts;
+  for (const auto& host : config.value("hosts", nlohmann::json::array()))
+    hosts.push_back({host.value("name", ""), host.value("address", ""), host.value("ssh", "")});
+  return hosts;
 }
 
 std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
@@ -65,7 +72,7 @@ RingAccess described_by(const std::string& ring, const std::string& node) {
   const std::vector<NodeName> nodes = names_of(config);
   const std::chrono::milliseconds beacon(config.value("beacon_ms", 0));
   return RingAccess(ring, config.value("path", ""), config.value("folds_back", false), beacon, nodes,
-                    index_of(nodes, port.id()));
+                    index_of(nodes, port.id()), hosts_of(config));
 }
 
 /// Frozen ones last: they let us wait.
@@ -136,13 +143,30 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
 }
 
 RingAccess::RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,
-                       std::vector<NodeName> nodes, std::size_t answered)
+                       std::vector<NodeName> nodes, std::size_t answered, std::vector<RingHost> hosts)
     : ring_(std::move(ring)),
       path_(std::move(path)),
       folds_back_(folds_back),
       beacon_(beacon),
       nodes_(std::move(nodes)),
-      answered_(answered) {}
+      answered_(answered),
+      hosts_(std::move(hosts)) {}
+
+std::vector<NodeName> RingAccess::nodes_here() const {
+  std::vector<NodeName> here;
+  for (const NodeName& node : nodes_)
+    if (!is_elsewhere(node)) here.push_back(node);
+  return here;
+}
+
+void RingAccess::require_here(const NodeName& node) const {
+  if (!is_elsewhere(node)) return;
+  for (const RingHost& host : hosts_)
+    if (host.name == node.host)
+      throw Elsewhere(
+          "node " + label(node) + " is on host " + host.name + " (" + host.address + "), this is host " + here(),
+          host.ssh, ring_);
+}
 
 const NodeName& RingAccess::node(const std::string& id_or_name) const {
   for (const NodeName& node : nodes_)
@@ -164,7 +188,10 @@ std::vector<ask::Node> RingAccess::ask_nodes() const {
   return nodes;
 }
 
-HostPort RingAccess::connect(const NodeName& node) const { return connect_node(ring_, std::to_string(node.id)); }
+HostPort RingAccess::connect(const NodeName& node) const {
+  require_here(node);
+  return connect_node(ring_, std::to_string(node.id));
+}
 
 HostPort connect_node(const std::string& ring, const std::string& node) {
   ConnectOptions options;

@@ -13,6 +13,13 @@ namespace limb_ring::ringctl {
 struct NodeName {
   std::uint8_t id = 0;
   std::string name;
+  std::string host = {};  ///< empty where the ring's file gives no hosts
+};
+
+/// A machine that runs some of the nodes.
+struct RingHost {
+  std::string name, address;
+  std::string ssh;  ///< where ssh finds it
 };
 
 /// "12 (left_knee)"
@@ -36,7 +43,7 @@ class RingAccess {
   static RingAccess open(const std::string& ring, const std::string& first = {});
   /// `answered`: index of the node that said all this.
   RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,
-             std::vector<NodeName> nodes, std::size_t answered);
+             std::vector<NodeName> nodes, std::size_t answered, std::vector<RingHost> hosts = {});
 
   const std::string& ring() const { return ring_; }
   const std::string& path() const { return path_; }              ///< of its YAML file; may be empty
@@ -45,13 +52,20 @@ class RingAccess {
   const std::vector<NodeName>& nodes() const { return nodes_; }  ///< in ring order
   std::vector<ask::Node> ask_nodes() const;                      ///< the same for daemon/ask
 
+  const std::vector<RingHost>& hosts() const { return hosts_; }       ///< none where the file gives none
+  const std::string& here() const { return nodes_[answered_].host; }  ///< this host; empty where there are none
+  bool is_elsewhere(const NodeName& node) const { return node.host != here(); }
+  std::vector<NodeName> nodes_here() const;
+  /// @throw Elsewhere where it is on another host
+  void require_here(const NodeName& node) const;
+
   /// @throw UsageError listing the nodes there are
   const NodeName& node(const std::string& id_or_name) const;
   /// Id of a node, or kBroadcast for "all". @throw UsageError
   std::uint8_t destination(const std::string& id_or_name_or_all) const;
   /// As node(); for an empty text the node that described the ring.
   const NodeName& source(const std::string& id_or_name) const;
-  /// @throw HostPortError
+  /// @throw HostPortError, Elsewhere
   HostPort connect(const NodeName& node) const;
 
  private:
@@ -60,6 +74,7 @@ class RingAccess {
   std::chrono::milliseconds beacon_;
   std::vector<NodeName> nodes_;
   std::size_t answered_;
+  std::vector<RingHost> hosts_;
 };
 
 /// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.

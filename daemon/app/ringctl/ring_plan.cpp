@@ -46,7 +46,6 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
     arguments = {"--config", std::filesystem::absolute(request.config).string()};
   arguments.insert(arguments.end(), {"--ring", ring});
   if (!request.transport.empty()) arguments.insert(arguments.end(), {"--transport", request.transport});
-  if (request.host == kAllHosts) arguments.push_back("--one-host");
   if (request.record) arguments.push_back("--record");
   if (!request.clock) return arguments;
   arguments.insert(arguments.end(), {"--clock", request.clock->follows ? "follow" : "virtual", "--pace",
@@ -92,7 +91,10 @@ RingPlan plan_ring(const UpRequest& given) {
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   plan.ring_size = config.nodes.size();
   if (!plan.is_virtual) plan.host = chosen_host(config, request.host);
-  if (plan.host == kAllHosts) plan.host.clear();
+  if (plan.host == kAllHosts) {
+    plan.host.clear();
+    plan.arguments.push_back("--one-host");
+  }
   for (const auto& node : config.nodes)
     if (plan.host.empty() || config.host_of(node)->name == plan.host)
       plan.nodes.push_back({{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});

@@ -23,7 +23,10 @@ std::string label_of(const json& row) {
 std::string lack_of_row(const json& row, std::size_t nodes) {
   const std::string state = row.value("state", "");
   if (state != "up") return "it is " + state;
-  if (row.value("elsewhere", false)) return "";  // its beacons say no more
+  if (row.value("elsewhere", false)) {  // its beacons say no more
+    const bool comes = cpu_word(row) == "booting" || cpu_word(row) == "failed";
+    return comes ? "its CPU is " + cpu_word(row) : "";
+  }
   const std::size_t size = row.value("ring_size", std::size_t{0});
   if (size != nodes) return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
   if (row.value(json::json_pointer("/fold/second_input"), "up") != "up") return "its second line in is broken";

@@ -45,8 +45,16 @@ std::string node_name(const std::vector<json>& rows, const json& id) {
   return id.dump();
 }
 
+std::string host_name(const std::vector<json>& rows, const json& id) {
+  for (const json& row : rows)
+    if (row.value("id", json()) == id) return row.value("host", "");
+  return "";
+}
+
 std::string line_name(const std::vector<json>& rows, const json& before, const json& behind) {
-  return node_name(rows, before) + " -> " + node_name(rows, behind);
+  const std::string from = host_name(rows, before), to = host_name(rows, behind);
+  const std::string between = from == to ? "" : " (from host " + from + " to host " + to + ")";
+  return node_name(rows, before) + " -> " + node_name(rows, behind) + between;
 }
 
 json down_row(const NodeName& node) {
@@ -74,6 +82,16 @@ json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& an
   return fresh ? newest : json();
 }
 
+/// What its beacon says of a node, in the words of a status row. Away from the break it says that there is one; whether
+/// the ring is folded back around it, the nodes here know, which hear it and so are in the same part.
+json state_in(const json& heard, const std::vector<std::optional<json>>& answers) {
+  for (const char* line : {"input", "output"})
+    if (heard.value(line, "") == wire::to_string(wire::LinkState::folded)) return "folded";
+  if (!heard.value("broken_line", json()).is_object()) return "up";
+  const auto is_folded = [](const auto& answer) { return answer && answer->value("state", "") == "folded"; };
+  return std::any_of(answers.begin(), answers.end(), is_folded) ? "folded" : "open_chain";
+}
+
 json absent_row(const RingAccess& ring, const std::vector<std::optional<json>>& answers, const NodeName& node) {
   const std::string folder = ring_directory(ring.ring());
   const live::Holder holder = live::holder_of(folder, node.id);
@@ -81,12 +99,16 @@ json absent_row(const RingAccess& ring, const std::vector<std::optional<json>>& 
   if (holder.held) row["pid"] = holder.pid;
   if (holder.frozen) row["state"] = "frozen";
   row["faults"] = faults_of_absent(folder, node.id, row["state"] == "frozen");
-  const json heard = holder.pid > 0 ? json() : heard_of(ring, answers, node.id);
+  const bool elsewhere = ring.hosts().empty() ? holder.pid <= 0 : ring.is_elsewhere(node);
+  const json heard = elsewhere ? heard_of(ring, answers, node.id) : json();
   if (heard.is_null()) return row;
-  row["state"] = "up";
+  row["state"] = state_in(heard, answers);
   row["elsewhere"] = true;
   row["cpu"]["state"] = heard.value("cpu_state", "unknown");
   row["cpu"]["boots"] = heard.value("cpu_boots", 0);
+  row["cpu"]["stop"] = {{"latched", heard.value("stop_latched", false)}};
+  row["latch"] = heard.value("latch", json::object());
+  row["broken_line"] = heard.value("broken_line", json());
   return row;
 }
 
@@ -94,8 +116,10 @@ json absent_row(const RingAccess& ring, const std::vector<std::optional<json>>& 
 
 std::vector<json> complete_rows(const RingAccess& ring, const std::vector<std::optional<json>>& answers) {
   std::vector<json> rows;
-  for (std::size_t i = 0; i < answers.size(); ++i)
+  for (std::size_t i = 0; i < answers.size(); ++i) {
     rows.push_back(answers[i] ? *answers[i] : absent_row(ring, answers, ring.nodes()[i]));
+    if (const std::string& host = ring.nodes()[i].host; !host.empty()) rows.back()["host"] = host;
+  }
   add_verdicts(rows);
   return rows;
 }
@@ -132,7 +156,7 @@ std::string headline(const std::string& ring, const std::vector<json>& rows) {
     open += row.value("state", "") == "open_chain" ? 1 : 0;
     if (row.value("state", "") == "folded") {
       ++folded;
-      part = std::min(part, row.value("ring_size", rows.size()));
+      if (row["ring_size"].is_number()) part = std::min(part, row["ring_size"].get<std::size_t>());
     }
     up += is_up(row) ? 1 : 0;
   }

@@ -14,8 +14,8 @@ namespace limb_ring::ringctl {
 /// The row of a node whose daemon does not answer: state "down", and null for what only it knows.
 nlohmann::json down_row(const NodeName& node);
 /// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs. Of a node whose daemon has not
-/// answered: "frozen" and its pid where its process on this host is stopped; "up", `elsewhere` and its CPU where it has
-/// never run on this host and its beacons are heard; else "down".
+/// answered: "frozen" and its pid where its process on this host is stopped; where it is on another host, or has never
+/// run on this one, and its beacons are heard, `elsewhere`, and state, CPU and clock latch as they say; else "down".
 /// @param answers to "status", in ring order
 std::vector<nlohmann::json> complete_rows(const RingAccess& ring,
                                           const std::vector<std::optional<nlohmann::json>>& answers);

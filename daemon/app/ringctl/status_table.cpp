@@ -29,6 +29,7 @@ std::vector<std::string> cells(const json& row, bool pids) {
                                whole(row, "/ring_size"), cpu_word(row),         whole(row, "/cpu/boots"),
                                trip(row, "p50"),         trip(row, "p99"),      trip(row, "max")};
   if (pids) all.insert(all.end(), {whole(row, "/pid"), whole(row, "/cpu/pid")});
+  if (row.contains("host")) all.push_back(row.value("host", ""));
   return all;
 }
 
@@ -71,6 +72,7 @@ std::string status_table(const std::vector<json>& rows, const StatusStyle& style
   std::vector<std::vector<std::string>> table{
       {"id", "name", "state", "ring", "cpu", "boots", "p50 us", "p99 us", "max us"}};
   if (style.pids) table[0].insert(table[0].end(), {"pid", "cpu pid"});
+  if (!rows.empty() && rows.front().contains("host")) table[0].push_back("host");
   for (const json& row : rows) table.push_back(cells(row, style.pids));
   const std::string text = fitted(std::move(table), style.width);
   if (!style.colour) return text;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/other_host.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
 #include "capture/pcapng_reader.h"
@@ -67,6 +68,9 @@ int act(const Context& context) {
     return failed(problem, kUsage);
   } catch (const capture::CaptureFileError& problem) {
     return failed(problem, kUsage);
+  } catch (const Elsewhere& problem) {
+    if (context.ssh) return run_there(problem, context.arguments);
+    return failed(std::runtime_error(std::string(problem.what()) + ". Ask there, or with --ssh"), kNoRing);
   } catch (const NoRing& problem) {
     return failed(problem, kNoRing);
   } catch (const HostPortError& problem) {
@@ -99,6 +103,11 @@ int run_command_line(int argc, char** argv) {
   app.footer(std::string("'ringctl help SUBCOMMAND' explains one of them.\n") + kExitCodesHelp);
   app.require_subcommand(1);
   app.add_option("--ring", context.ring, "Name of the ring; default: the only one running");
+  app.add_flag(
+      "--ssh", context.ssh,
+      "What only another host of the ring can do is done there: this command line, run by ssh without a password");
+  for (int i = 1; i < argc; ++i)
+    if (std::string(argv[i]) != "--ssh") context.arguments.emplace_back(argv[i]);
   add_commands(app, context);
   if (const auto end = cli::parse(app, argc, argv, names_for)) return *end;
   return act(context);

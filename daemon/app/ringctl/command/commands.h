@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -11,8 +12,10 @@ namespace limb_ring::ringctl {
 
 /// What the command line has said, shared by all subcommands.
 struct Context {
-  std::string ring;             ///< --ring; empty: the only one running
-  std::function<int()> action;  ///< set by the subcommand given; @return an ExitCode
+  std::string ring;                    ///< --ring; empty: the only one running
+  bool ssh = false;                    ///< --ssh: what only another host can do is done there
+  std::vector<std::string> arguments;  ///< all of them but the program's name and --ssh
+  std::function<int()> action;         ///< set by the subcommand given; @return an ExitCode
 };
 
 /// Adds a subcommand with the exit codes in its help. Its `--ring` is the global one.

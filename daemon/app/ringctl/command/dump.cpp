@@ -44,7 +44,7 @@ std::vector<NodeName> nodes_of(const RingAccess& ring, const std::vector<std::st
     HostPort port = ring.connect(ring.source(""));
     return {ring.node(std::to_string(ask(port, {{"do", "config"}}, kAnswerTime).at("supervisor").get<unsigned>()))};
   }
-  if (words.size() == 1 && words.front() == "all") return ring.nodes();
+  if (words.size() == 1 && words.front() == "all") return ring.nodes_here();
   std::vector<NodeName> nodes;
   for (const std::string& word : words) nodes.push_back(ring.node(word));
   return nodes;
@@ -141,7 +141,8 @@ void add_filter(CLI::App& command, FilterWords& words) {
 }
 
 void add_options(CLI::App& command, DumpOptions& options) {
-  command.add_option("NODE", options.nodes, "Nodes to look at, id or name, or all; default: the supervisor");
+  command.add_option("NODE", options.nodes,
+                     "Nodes to look at, id or name, or all of this host; default: the supervisor");
   const std::map<std::string, app::Stamps> stamps{
       {"a", app::Stamps::absolute}, {"d", app::Stamps::delta}, {"z", app::Stamps::zero}};
   command.add_option("-t,--time", options.text.stamps, "Times: a absolute, d since the one before, z since the first")

@@ -65,6 +65,7 @@ int begin(const Context& context, const fault::Word& word, const FaultOptions& o
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   const fault::RingNodes nodes = nodes_of(ring);
   const fault::Fault fault = parsed(words_of(word, options), nodes, ring.folds_back());
+  for (const wire::NodeId id : fault.nodes) ring.require_here(ring.node(std::to_string(id)));
   json all = json::array();
   for (const live::Begun& begun : LiveFaults(ring.ring(), nodes).begin(fault)) {
     all.push_back({{"id", begun.id.empty() ? json() : json(begun.id)}, {"fault", begun.words}});
@@ -90,6 +91,9 @@ int list(const Context& context, const FaultOptions& options) {
 
 int remove(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const std::string name = options.id.substr(0, options.id.rfind('.'));
+  for (const NodeName& node : ring.nodes())
+    if (name == node.name || name == std::to_string(node.id)) ring.require_here(node);
   LiveFaults(ring.ring(), nodes_of(ring)).remove(options.id);
   std::cout << "removed " << options.id << std::endl;
   return kDone;

@@ -7,6 +7,7 @@
 #include "app/common/text_table.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_access.h"
 #include "app/ringctl/ring_clock.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -19,9 +20,30 @@ std::string figure(const nlohmann::json& clock, const char* name) {
   return clock.is_object() ? app::number(clock[name].get<double>(), 3) : "-";
 }
 
+/// {"host": this one, "hosts": all names} of a ring that has hosts; else, and where no daemon answers, empty.
+nlohmann::json hosts_of(const std::string& ring) {
+  try {
+    const RingAccess access = RingAccess::open(ring);
+    if (access.hosts().empty()) return nlohmann::json::object();
+    nlohmann::json names = nlohmann::json::array();
+    for (const RingHost& host : access.hosts()) names.push_back(host.name);
+    return {{"host", access.here()}, {"hosts", names}};
+  } catch (const std::exception&) {
+    return nlohmann::json::object();
+  }
+}
+
+/// "waist (of waist, head)"
+std::string words_of(const nlohmann::json& hosts) {
+  if (hosts.empty()) return "-";
+  std::string all;
+  for (const auto& name : hosts["hosts"]) all += (all.empty() ? "" : ", ") + name.get<std::string>();
+  return hosts["host"].get<std::string>() + " (of " + all + ")";
+}
+
 int run(bool json) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  std::vector<std::vector<std::string>> rows{{"ring", "nodes", "clock", "at s", "pace", "late s", "lost s"}};
+  std::vector<std::vector<std::string>> rows{{"ring", "nodes", "host", "clock", "at s", "pace", "late s", "lost s"}};
   for (const std::string& ring : live::held_rings()) {
     const std::string folder = ring_directory(ring);
     const std::vector<live::HeldNode> nodes = live::held_nodes(folder);
@@ -30,10 +52,12 @@ int run(bool json) {
                                      [&](const auto& node) { return live::holder_of(folder, node.node).held; });
     const char* kind = live::holder_of(folder, nodes.front().node).on_virtual_ring ? "virtual" : "live";
     const nlohmann::json clock = ring_clock(ring);
-    rows.push_back({ring, std::to_string(count), kind, figure(clock, "now_s"),
+    const nlohmann::json hosts = hosts_of(ring);
+    rows.push_back({ring, std::to_string(count), words_of(hosts), kind, figure(clock, "now_s"),
                     clock.is_object() ? pace_text(clock["pace"]) : "-", figure(clock, "late_s"),
                     figure(clock, "lost_s")});
     all.push_back({{"ring", ring}, {"nodes", count}, {"clock", kind}});
+    if (!hosts.empty()) all.back().update(hosts);
     for (const auto& entry : clock.items()) all.back()[entry.key()] = entry.value();
   }
   if (json)
@@ -47,9 +71,11 @@ int run(bool json) {
 
 void add_list(CLI::App& app, Context& context) {
   auto as_json = std::make_shared<bool>(false);
-  CLI::App* command = add_command(app, "list",
-                                  "All rings of this user: how many nodes are held by a daemon; on which clock, and "
-                                  "of a virtual one where it is, how fast, and how far behind");
+  CLI::App* command =
+      add_command(app, "list",
+                  "All rings of this user: how many nodes are held by a daemon here; which host of the ring's "
+                  "this is; on which clock, and "
+                  "of a virtual one where it is, how fast, and how far behind");
   add_json(*command, *as_json);
   command->callback([&context, as_json] { context.action = [as_json] { return run(*as_json); }; });
 }

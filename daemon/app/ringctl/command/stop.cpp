@@ -48,7 +48,8 @@ int run(const Context& context, const StopOptions& options) {
   HostPort port = ring.connect(ring.source(options.from));
   const auto sent = std::chrono::steady_clock::now();
   nlohmann::json answer = ask(port, request, std::chrono::seconds(10));
-  const auto stops = ask::wait_for_stops(ring.ring(), nodes, sent);
+  const bool delivered = answer.at("outcome") == to_string(Outcome::delivered);
+  const auto stops = ask::wait_for_stops(ring.ring(), nodes, sent, delivered);
   answer["nodes"] = to_json(stops);
   if (options.json)
     std::cout << answer.dump(2) << '\n';

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <thread>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
@@ -9,6 +10,8 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/line_delays.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/status_rows.h"
+#include "wire/control_message.h"
 
 namespace limb_ring::ringctl {
 
@@ -36,6 +39,23 @@ std::size_t index_of(const RingAccess& ring, std::uint8_t id) {
   return index;
 }
 
+using Latches = std::vector<std::optional<json>>;
+
+/// What each node latched last: its own daemon's word, of a node on another host that of its beacons.
+Latches last_latches(const RingAccess& ring) {
+  Latches latches = ask_all(ring.ring(), ring.nodes_here(), {{"do", "latch"}});
+  if (ring.hosts().empty()) return latches;
+  Latches all;
+  const std::vector<json> rows = status_rows(ring);
+  for (std::size_t i = 0, here = 0; i < ring.nodes().size(); ++i) {
+    if (!ring.is_elsewhere(ring.nodes()[i]))
+      all.push_back(latches[here++]);
+    else
+      all.push_back(rows[i].contains("latch") ? std::optional<json>(rows[i]["latch"]) : std::nullopt);
+  }
+  return all;
+}
+
 /// What this node latched since `before`, on a sync of `source`.
 std::optional<std::int64_t> new_latch(const std::optional<json>& before, const std::optional<json>& after,
                                       std::uint8_t source) {
@@ -48,15 +68,32 @@ std::optional<std::int64_t> new_latch(const std::optional<json>& before, const s
 }
 
 /// Of each node in ring order, whose clock it has: its host's.
-std::vector<std::string> clocks_of(const RingAccess& ring) { return std::vector<std::string>(ring.nodes().size()); }
+std::vector<std::string> clocks_of(const RingAccess& ring) {
+  std::vector<std::string> clocks;
+  for (const NodeName& node : ring.nodes()) clocks.push_back(node.host);
+  return clocks;
+}
+
+/// Beacons of other hosts come with the next of their periods.
+Latches latches_after(const RingAccess& ring, const Latches& before, std::uint8_t source) {
+  const auto deadline = std::chrono::steady_clock::now() + wire::kMissedBeacons * ring.beacon();
+  for (;;) {
+    const Latches after = last_latches(ring);
+    bool all = true;
+    for (std::size_t i = 0; i < after.size(); ++i)
+      if (ring.is_elsewhere(ring.nodes()[i])) all = all && new_latch(before[i], after[i], source).has_value();
+    if (all || std::chrono::steady_clock::now() >= deadline) return after;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
 
 Sync synchronize(const RingAccess& ring, const NodeName& from) {
   Sync sync;
   sync.source = index_of(ring, from.id);
-  const auto before = ask_all(ring.ring(), ring.nodes(), {{"do", "latch"}});
+  const Latches before = last_latches(ring);
   HostPort port = ring.connect(from);
   const json answer = ask(port, {{"do", "sync"}}, std::chrono::seconds(10));
-  const auto after = ask_all(ring.ring(), ring.nodes(), {{"do", "latch"}});
+  const Latches after = latches_after(ring, before, from.id);
   sync.outcome = answer.at("outcome").get<std::string>();
   sync.round_trip_us = answer.value("round_trip_us", 0.0);
   sync.ring_size = answer.value("ring_size", 0u);

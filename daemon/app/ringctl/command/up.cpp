@@ -160,8 +160,15 @@ int respawn(const RingPlan& plan) {
   return kDone;
 }
 
-int run(const UpOptions& options) {
-  const RingPlan plan = plan_ring(options.request);
+/// @throw UsageError where --host names another machine, unless it is to be done there
+RingPlan planned(const Context& context, const UpOptions& options) try {
+  return plan_ring(options.request);
+} catch (const Elsewhere& problem) {
+  if (context.ssh) throw;
+  throw UsageError(std::string(problem.what()) + "; with --ssh it is started there");
+}
+
+int run(const RingPlan& plan, const UpOptions& options) {
   require_not_running(plan.ring);
   if (options.respawn) return respawn(plan);
   SignalWait signals;
@@ -264,9 +271,9 @@ void add_up(CLI::App& app, Context& context) {
       ->transform(cli::seconds(0.1, 600.0));
   command->callback([&context, options] {
     options->request.ring = context.ring;
-    context.action = [options] {
+    context.action = [&context, options] {
       read_clock(*options);
-      return run(*options);
+      return run(planned(context, *options), *options);
     };
   });
 }

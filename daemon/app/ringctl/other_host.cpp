@@ -1,0 +1,50 @@
+#include "app/ringctl/other_host.h"
+
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+
+#include "process/execute.h"
+#include "process/find_program.h"
+
+namespace limb_ring::ringctl {
+namespace {
+
+constexpr int kSecondsToConnect = 10;
+
+/// One word for a shell.
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+/// ssh says 255 where it does not get there; that is none of our exit codes.
+std::string with_our_codes() {
+  return "ssh \"$@\"; code=$?; [ $code -eq 255 ] && exit " + std::to_string(kNoRing) + "; exit $code";
+}
+
+}  // namespace
+
+std::string command_there(const std::string& program, const std::string& folder,
+                          const std::vector<std::string>& arguments) {
+  std::string command =
+      "cd " + quoted(folder) + " 2>/dev/null; p=" + quoted(program) + "; [ -x \"$p\" ] || p=ringctl; exec \"$p\"";
+  for (const std::string& argument : arguments) command += ' ' + quoted(argument);
+  return command;
+}
+
+int run_there(const Elsewhere& where, const std::vector<std::string>& arguments) {
+  std::vector<std::string> all = arguments;
+  if (!where.ring.empty()) all.insert(all.begin(), {"--ring", where.ring});
+  std::error_code ignored;
+  const std::string command =
+      command_there(process::own_folder() + "/ringctl", std::filesystem::current_path(ignored).string(), all);
+  const int error = process::execute(
+      "/bin/sh", {"sh", "-c", with_our_codes(), "sh", "-n", "-o", "BatchMode=yes", "-o",
+                  "ConnectTimeout=" + std::to_string(kSecondsToConnect), "--", where.destination, command});
+  std::cerr << "ringctl: /bin/sh: " << std::strerror(error) << '\n';
+  return kNoRing;
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/ringctl/problems.h"
+
+namespace limb_ring::ringctl {
+
+/// Runs the same command line on the host that can do it, by ssh without asking for anything (BatchMode), in the folder
+/// of the same name if there is one, and with the ringctl of the same path, else the one on PATH. Its output is ours,
+/// and so is its exit code; kNoRing where ssh does not get there.
+/// @param arguments without the program's name and without --ssh
+/// @return an ExitCode, only where ssh cannot be started
+int run_there(const Elsewhere& where, const std::vector<std::string>& arguments);
+
+/// What the shell there is told.
+std::string command_there(const std::string& program, const std::string& folder,
+                          const std::vector<std::string>& arguments);
+
+}  // namespace limb_ring::ringctl
