@@ -14,7 +14,7 @@ BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo virtual-demo tests test soak mutants fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
+.PHONY: help all build demo virtual-demo demo-hosts tests test soak mutants fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -39,6 +39,10 @@ demo: deps $(BUILD)/CMakeCache.txt ## Builds what it needs; a humanoid walks, ha
 virtual-demo: deps $(BUILD)/CMakeCache.txt ## The same on a virtual clock, twice the same, beside its bound (DURATION=20)
 	$(BUILD_TARGET) demo_programs
 	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/virtual_demo $(if $(DURATION),--duration $(DURATION))
+
+demo-hosts: deps $(BUILD)/CMakeCache.txt ## A ring on four hosts (network namespaces; needs root): cable pulled, host killed
+	$(BUILD_TARGET) ringd ringctl limb_firmware limb_ring_python
+	$(PYTHON) scripts/demo_hosts --programs $(BUILD)/devel/lib/limb_ring
 
 tests: build ## Builds the tests
 	$(BUILD_TARGET) tests

@@ -69,7 +69,8 @@ class Ring:
             return self
         self._launcher = Launcher(self._programs or programs_folder())
         try:
-            self.ctl('up', *self._what(), '--detach', '--timeout', self._timeout, *self._clock_options(),
+            self.ctl('up', *self._what(), '--detach', '--timeout', self._timeout,
+                     *(self._clock_options() or ('--host', 'all')),
                      timeout=self._timeout + 30)
         except BaseException:
             self._end()
