@@ -3,6 +3,7 @@ if(NOT CATKIN_ENABLE_TESTING)
   return()
 endif()
 find_package(rostest REQUIRED)
+find_package(roslaunch REQUIRED)
 
 # Recordings of real robots, kept beside the project, not in it.
 set(recordings "$ENV{LIMB_RING_DATA}")
@@ -62,6 +63,14 @@ ring_rostest(virtual_fault 300)
 ring_rostest(controllers 240)
 ring_rostest(follow_clock 240)
 ring_rostest(topics 300)
+# Not by roslaunch_add_file_check(), which takes whatever Python is first on PATH.
+add_test(NAME roslaunch_check COMMAND ${CATKIN_ENV} ${PYTHON_EXECUTABLE} ${roslaunch_DIR}/../scripts/roslaunch-check --ignore-unset-args
+         -o ${PROJECT_BINARY_DIR}/roslaunch_check.xml ${PROJECT_SOURCE_DIR}/launch)
+set_tests_properties(roslaunch_check PROPERTIES ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home")
+# Several hosts by roslaunch's machine tags; says so where there is no SSH server to be had.
+add_test(NAME machines COMMAND ${PYTHON_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/machines_test.py)
+set_tests_properties(machines PROPERTIES TIMEOUT 180 RUN_SERIAL TRUE SKIP_REGULAR_EXPRESSION "skipped: "
+  ENVIRONMENT "RING_TEST_PROGRAMS=$<TARGET_FILE_DIR:ringd>;PYTHONDONTWRITEBYTECODE=1")
 # Eight seconds of the ring's time, twice.
 add_test(NAME virtual_demo COMMAND ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/virtual_demo --duration 8
          --programs $<TARGET_FILE_DIR:ringd>)

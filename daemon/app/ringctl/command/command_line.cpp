@@ -49,6 +49,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_record(app, context);
   add_replay(app, context);
   add_top(app, context);
+  add_machines(app, context);
   add_bench(app, context);
   add_fault(app, context);
   add_scenario(app, context);

@@ -45,6 +45,7 @@ void add_trace(CLI::App& app, Context& context);
 void add_record(CLI::App& app, Context& context);
 void add_replay(CLI::App& app, Context& context);
 void add_top(CLI::App& app, Context& context);
+void add_machines(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_fault(CLI::App& app, Context& context);
 void add_scenario(CLI::App& app, Context& context);
