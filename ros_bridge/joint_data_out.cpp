@@ -4,6 +4,7 @@
 
 #include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/conversions.h"
+#include "ros_bridge/frame_names.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -36,13 +37,14 @@ JointDataOut::JointDataOut(ros::NodeHandle& nodes, const config::RingConfig& rin
 }
 
 void JointDataOut::advertise_samples(ros::NodeHandle& nodes, const config::RingConfig& ring) {
+  const FrameNames frames;
   for (const auto& node : ring.nodes) {
     Sampled& sampled = sampled_[node.id];
     for (const auto& joint : node.joints) sampled.joints.push_back(joint.name);
     if (!node.joints.empty()) sampled.states = nodes.advertise<sensor_msgs::JointState>("states/" + node.name, 100);
     for (const auto& sensor : node.sensors) {
       const auto topic = "sensors/" + sensor.name;
-      sampled.sensors.push_back({sensor.name, sensor.kind,
+      sampled.sensors.push_back({frames.of(sensor.name), sensor.kind,
                                  sensor.kind == Kind::imu ? nodes.advertise<sensor_msgs::Imu>(topic, 10)
                                                           : nodes.advertise<geometry_msgs::WrenchStamped>(topic, 10)});
     }
@@ -88,9 +90,9 @@ void JointDataOut::take_reading(const Packet& packet) {
   payload::SensorReading stamped = *reading;
   stamped.stamp_ns = port_.ros_clock().outer(reading->stamp_ns);
   if (sensor.kind == Kind::imu)
-    sensor.publisher.publish(to_imu(stamped, sensor.name));
+    sensor.publisher.publish(to_imu(stamped, sensor.frame));
   else
-    sensor.publisher.publish(to_wrench(stamped, sensor.name));
+    sensor.publisher.publish(to_wrench(stamped, sensor.frame));
 }
 
 void JointDataOut::publish_states() {

@@ -58,7 +58,7 @@ class JointDataOut {
   std::function<void()> publishing_ = [] {};
   std::function<void(ros::Time)> published_ = [](ros::Time) {};
   struct Sensor {
-    std::string name;
+    std::string frame;
     config::SensorConfig::Kind kind;
     ros::Publisher publisher;
   };

@@ -4,6 +4,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "config/load_ring.h"
+#include "ros_bridge/frame_names.h"
 #include "ros_bridge/held_joints.h"
 #include "ros_bridge/limb_marks.h"
 #include "ros_bridge/node_main.h"
@@ -45,8 +46,8 @@ class RingView {
   void place_robot() {
     geometry_msgs::TransformStamped robot;
     robot.header.stamp = now_for_tf();
-    robot.header.frame_id = kRingFrame;
-    robot.child_frame_id = limbs_.root();
+    robot.header.frame_id = frames_.of(kRingFrame);
+    robot.child_frame_id = frames_.of(limbs_.root());
     robot.transform.rotation.w = 1;
     transforms_.sendTransform(robot);
   }
@@ -62,9 +63,11 @@ class RingView {
     auto clear = blank_marker(kRingFrame, "", 0, visualization_msgs::Marker::ARROW);
     clear.action = visualization_msgs::Marker::DELETEALL;
     all.markers.insert(all.markers.begin(), clear);
+    for (auto& marker : all.markers) marker.header.frame_id = frames_.of(marker.header.frame_id);
     markers_.publish(all);
   }
 
+  const FrameNames frames_;
   RingPicture picture_;
   LimbMarks limbs_;
   HeldJoints joints_;

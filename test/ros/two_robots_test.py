@@ -9,6 +9,8 @@ import rospy
 import rostest
 from limb_ring.msg import RingStatus
 from limb_ring.srv import Resume, Stop
+from sensor_msgs.msg import Imu
+from visualization_msgs.msg import MarkerArray
 
 from ring_testing import GUARD, Newest, Ring, wait_for
 
@@ -37,6 +39,13 @@ class TwoRobots(unittest.TestCase):
         self.assertFalse(right.status.get().stopped)
         self.assertTrue(service('/left/ring_bridge/resume', Resume)().success)
         left.status.wait(lambda s: not s.stopped, 'the left robot to go on')
+
+    def test_the_frames_of_a_robot_have_its_tf_prefix(self):
+        for topic, frame in (('/left/sensors/knee_imu', 'left/knee_imu'), ('/right/sensors/knee_imu', 'knee_imu')):
+            reading = Newest(topic, Imu).wait(lambda _: True, 'a reading on ' + topic)
+            self.assertEqual(reading.header.frame_id, frame)
+        picture = Newest('/left/ring_markers', MarkerArray).wait(lambda _: True, 'a picture of the left robot')
+        self.assertEqual({marker.header.frame_id for marker in picture.markers}, {'left/ring'})
 
     def test_each_service_has_the_name_of_its_bridge_as_well(self):
         for namespace in ('/left', '/right', ''):

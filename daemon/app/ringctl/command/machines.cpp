@@ -6,6 +6,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/machines_file.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_file.h"
 #include "config/load_ring.h"
 
 namespace limb_ring::ringctl {
@@ -17,7 +18,7 @@ struct MachinesOptions {
 };
 
 int run(const MachinesOptions& options) {
-  const config::RingConfig ring = config::load_ring(options.config);
+  const config::RingConfig ring = config::load_ring(ring_file(options.config));
   const char* prefixes = std::getenv("CMAKE_PREFIX_PATH");
   const std::string usual = usual_env_loader(prefixes ? prefixes : "");
   try {
@@ -35,7 +36,8 @@ void add_machines(CLI::App& app, Context& context) {
   CLI::App* command = add_command(app, "machines",
                                   "Print a launch file with the hosts of a ring, for 'roslaunch limb_ring ring.launch "
                                   "config:=CONFIG machines:=FILE'");
-  command->add_option("CONFIG", options->config, "YAML file of the ring, with `hosts`")->required();
+  command->add_option("CONFIG", options->config, "YAML file of the ring, with `hosts`, or its name (see up)")
+      ->required();
   command->add_option("--env-loader", options->env_loader,
                       "Script on each host that sets up ROS and runs its arguments; default: env.sh of this shell's "
                       "catkin workspace, or /usr/bin/env where there is none");
