@@ -123,6 +123,10 @@ class FromOneHostToTheOther(HostsTest):
         self.hosts['waist'].environment['PATH'] = self.folder + ':' + os.environ['PATH']
         self.assertIn('nobody is there', self.on('waist', '--ssh', 'fault', 'kill', 'head0', code=3))
 
+    def test_top_shows_all(self):
+        text = self.on('waist', 'top', '--once', '--interval', '0.1')
+        self.assertIn('4 of 4 nodes up', text)
+
     def test_list_says_which_host_this_is(self):
         self.assertIn('waist (of waist, head)', self.on('waist', 'list'))
         self.assertEqual([(ring['host'], ring['nodes'], ring['clock']) for ring in self.json_on('head', 'list')],

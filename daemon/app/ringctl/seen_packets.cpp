@@ -66,7 +66,7 @@ SeenPackets packets_of_ring(const std::string& ring, std::chrono::nanoseconds ho
   capture::Choice choice;
   choice.filter.output = true;
   Window window(how_long);
-  LiveDump(access, access.nodes(), {{"packets", order_of(choice)}}, window).run(0);
+  LiveDump(access, access.nodes_here(), {{"packets", order_of(choice)}}, window).run(0);
   return window.take(names_of(access));
 }
 

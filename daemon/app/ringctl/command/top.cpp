@@ -54,6 +54,7 @@ class StatusPoll {
 
  private:
   std::uint32_t ask(std::size_t index) {
+    if (ring_.is_elsewhere(ring_.nodes()[index])) return 0;  // its beacons are heard here
     try {
       if (!ports_[index]) ports_[index] = ring_.connect(ring_.nodes()[index]);
       return ports_[index]->request(R"({"do": "status"})");
