@@ -57,7 +57,8 @@ std::string RingWatch::digest() {
   if (!row) return "";
   json digest = essence(*row, {"state", "ring_size"});
   if (row->contains("cpu")) digest.push_back(essence((*row)["cpu"], {"state", "boots"}));
-  for (const auto& heard : heard_in(*row)) digest.push_back(essence(heard, {"id", "boot", "cpu_boots", "cpu_state"}));
+  for (const auto& heard : heard_in(*row))
+    digest.push_back(essence(heard, {"id", "boot", "cpu_boots", "cpu_state", "stop_latched"}));
   return digest.dump();
 }
 

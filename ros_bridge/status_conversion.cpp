@@ -104,6 +104,7 @@ void merge_beacon(const json& heard, std::chrono::milliseconds fresh, NodeStatus
   const bool is_heard = age_ms <= static_cast<double>(fresh.count());
   if (is_heard && status.state == "down") status.state = "up";
   if (is_heard && status.cpu_state == "unknown") take_text(heard, "cpu_state", status.cpu_state);
+  if (is_heard && status.pid == 0) take_truth(heard, "stop_latched", status.stopped);
   if (status.cpu_boots == 0) take_number(heard, "cpu_boots", status.cpu_boots);
   take_number(heard, "hop", status.hop);
   take_number(heard, "age_ms", status.beacon_age, 1e-3);

@@ -113,7 +113,7 @@ void StatusOut::fill_joints(NodeStatus& node) const {
   const auto received = joints_.received(node.id);
   node.states_received = received.states;
   node.states_missing = received.missing;
-  node.stopped |= received.stopped;  // of a node on another host only its joint states tell
+  node.stopped |= received.stopped;  // they come sooner than what is asked for
 }
 
 std::string StatusOut::stops() const {

@@ -111,6 +111,7 @@ class Machines(HostsTest):
             self.wait('the ring up, seen from %s' % host, lambda: self.is_running(host))
         self.wait('the joints of both hosts', lambda: self.joints() == {'waist_yaw', 'neck_yaw'})
         self.assertIn('success: True', self.ros('rosservice', 'call', '/ring_bridge/stop', '{}'))
+        self.wait('the stop as state', lambda: 'data: True' in self.ros('rostopic', 'echo', '-n', '1', '/stopped'))
         for host, what in (('waist', ['ringctl up', 'ringd', 'limb_firmware', 'ring_bridge']),
                            ('head', ['ringctl up', 'ringd', 'limb_firmware'])):
             for program in what:

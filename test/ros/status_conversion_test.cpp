@@ -54,8 +54,9 @@ TEST_F(Status, SurvivesARowOfWrongTypes) {
 
 TEST_F(Status, OfANodeOnAnotherHostComesFromItsBeacons) {
   merge_beacon(json::parse(R"({"id": 7, "cpu_boots": 4, "cpu_state": "silent", "hop": 9,
-                               "age_ms": 20})"),
+                               "age_ms": 20, "stop_latched": true})"),
                100ms, status);
+  EXPECT_TRUE(status.stopped);
   EXPECT_EQ(status.state, "up");
   EXPECT_EQ(status.cpu_state, "silent");
   EXPECT_EQ(status.cpu_boots, 4u);
