@@ -16,11 +16,6 @@ const std::string kAllHere = "'--host all' runs all nodes on this machine, to tr
 
 std::string file_of(const RingConfig& ring) { return ring.path.empty() ? "the ring" : ring.path; }
 
-bool has_nodes(const RingConfig& ring, const HostConfig& host) {
-  return std::any_of(ring.nodes.begin(), ring.nodes.end(),
-                     [&](const config::NodeConfig& node) { return ring.host_of(node) == &host; });
-}
-
 std::string with_addresses(const RingConfig& ring) {
   std::vector<std::string> hosts;
   for (const HostConfig& host : ring.hosts) hosts.push_back(host.name + " " + host.address);
@@ -48,6 +43,11 @@ std::string the_only_own(const RingConfig& ring) {
 }
 
 }  // namespace
+
+bool has_nodes(const RingConfig& ring, const HostConfig& host) {
+  return std::any_of(ring.nodes.begin(), ring.nodes.end(),
+                     [&](const config::NodeConfig& node) { return ring.host_of(node) == &host; });
+}
 
 std::string not_here(const HostConfig& host) {
   return "host '" + host.name + "' has the address " + host.address + ", which no interface of this machine has";

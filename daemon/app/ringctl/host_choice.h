@@ -16,6 +16,9 @@ constexpr const char* kAllHosts = "all";
 ///        none is given and several or none could be meant
 std::string chosen_host(const config::RingConfig& ring, const std::string& given);
 
+/// @param host one of the ring's
+bool has_nodes(const config::RingConfig& ring, const config::HostConfig& host);
+
 /// "host 'head' has the address 10.0.0.2, which no interface of this machine has"
 std::string not_here(const config::HostConfig& host);
 

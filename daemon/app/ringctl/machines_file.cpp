@@ -1,9 +1,10 @@
 #include "app/ringctl/machines_file.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
+
+#include "app/ringctl/host_choice.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -37,11 +38,6 @@ Login login_of(const config::HostConfig& host, const std::string& user) {
   const auto at = destination.find('@');
   return at == std::string::npos ? Login{user, destination}
                                  : Login{destination.substr(0, at), destination.substr(at + 1)};
-}
-
-bool has_nodes(const config::RingConfig& ring, const config::HostConfig& host) {
-  return std::any_of(ring.nodes.begin(), ring.nodes.end(),
-                     [&](const auto& node) { return ring.host_of(node)->name == host.name; });
 }
 
 }  // namespace
