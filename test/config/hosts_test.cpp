@@ -28,8 +28,6 @@ std::string two_hosts(const std::string& links = "links: {insecure: true}", cons
          of_eye + "}\n";
 }
 
-RingConfig read(const std::string& text) { return parse_ring(text, "ring.yaml"); }
-
 TEST(Hosts, NodeIsAtTheFirstOneUnlessItSaysOtherwise) {
   const RingConfig ring = read(two_hosts());
   ASSERT_EQ(ring.hosts.size(), 2u);

@@ -6,8 +6,6 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 
-RingConfig read(const std::string& text) { return parse_ring(text, "ring.yaml"); }
-
 TEST(RingFile, WithNothingButNodesHasTheDefaults) {
   const RingConfig ring = read(two_nodes());
   EXPECT_EQ(ring.ring, "pair");

@@ -8,6 +8,8 @@
 
 namespace limb_ring::config {
 
+inline RingConfig read(const std::string& text) { return parse_ring(text, "ring.yaml"); }
+
 /// The YAML of a ring of two nodes, to which a test adds what it is about. Its own five lines
 /// come first, so the first added line is line 6.
 inline std::string two_nodes(const std::string& more = "") {
