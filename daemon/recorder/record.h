@@ -68,11 +68,11 @@ std::optional<Record> read(core::StateReader& bytes, core::Time& last);
 
 /// Bytes of any value that has an archive(), for comparison.
 template <class T>
-std::vector<std::uint8_t> bytes_of(T what) {
-  std::vector<std::uint8_t> bytes(4096);
+std::vector<std::uint8_t> bytes_of(const T& what) {
+  std::vector<std::uint8_t> bytes(1024);
   for (;;) {
     core::StateWriter writer(bytes.data(), bytes.size());
-    what.archive(writer);
+    const_cast<T&>(what).archive(writer);  // a writer changes nothing
     if (!writer.failed()) {
       bytes.resize(writer.size());
       return bytes;

@@ -89,9 +89,8 @@ void Replay::begin_half(std::size_t half) {
   controller->set_tap(tap_);
   std::swap(controller, controller_);
   if (controller == nullptr) return;  // the first half
-  const auto replayed = lines_of(*controller), recorded = lines_of(*controller_);
-  if (replayed == recorded) return;
-  const auto lines = first_difference(recorded, replayed);
+  if (bytes_of(*controller) == bytes_of(*controller_)) return;
+  const auto lines = first_difference(lines_of(*controller_), lines_of(*controller));
   differ("the state", lines.first, lines.second);
 }
 

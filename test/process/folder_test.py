@@ -83,7 +83,7 @@ class Folder(RingTest):
         shutil.rmtree(os.path.dirname(self.ring_folder()))
         self.wait('folder made again', lambda: all(os.path.exists(self.socket_of(node, kind)) for node in range(3)
                                                    for kind in ('host', 'link', 'link2', 'lock')))
-        self.assertTrue(self.is_closed(range(3)))
+        self.wait_closed(range(3))   # a socket's file is there just before it listens
         self.assertEqual(self.pids(), before)
         up = self.ctl('up', os.path.join(self.folder, 'ring.yaml'), '--detach')
         self.assertEqual(up.returncode, 1)
