@@ -19,9 +19,11 @@ TEST(WrongEntry, IsNamedWithFilePlaceValueAndWhatIsAllowed) {
 TEST(WrongEntry, UnknownAtTheTop) {
   EXPECT_THAT(
       refusal_of(two_nodes("timeout: {}\n")),
-      AllOf(StartsWith("ring.yaml:6:1: entry 'timeout': is unknown, did you mean 'timeouts'?"),
-            HasSubstr("; allowed: ring, redundancy, limits, timeouts, links, firmware, realtime, urdf, hosts, recorder, nodes, "
-                      "supervisor, virtual, bridge, traffic")));
+      AllOf(
+          StartsWith("ring.yaml:6:1: entry 'timeout': is unknown, did you mean 'timeouts'?"),
+          HasSubstr(
+              "; allowed: ring, redundancy, limits, timeouts, links, firmware, realtime, urdf, hosts, recorder, nodes, "
+              "supervisor, virtual, bridge, traffic")));
 }
 
 TEST(WrongEntry, UnknownWithinASection) {
