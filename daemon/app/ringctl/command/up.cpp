@@ -208,6 +208,37 @@ void read_clock(UpOptions& options) {
   if (follows) options.timeout_s = kForever;  // the outer clock may stand for as long as it likes
 }
 
+/// What a virtual ring is told.
+void add_clock(CLI::App& command, UpOptions& options) {
+  CLI::Option* clock =
+      command
+          .add_option(
+              "--clock", options.clock,
+              "virtual: the whole ring in one process, on a clock of its own, with the rates and delays of "
+              "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. follow: the same, and "
+              "its "
+              "time goes on as far as a client allows, such as ring_bridge by /clock; no --timeout. Default: machine")
+          ->transform(cli::one_of({"machine", "virtual", "follow"}));
+  command
+      .add_option("--pace", options.pace,
+                  "With --clock virtual: how fast its time goes on beside real time, 0.001 to 1000, or max: as fast as "
+                  "the machine and the CPUs are; default 1, of follow max")
+      ->transform(cli::pace())
+      ->needs(clock);
+  command
+      .add_option(
+          "--for", options.lasts_s,
+          "With --clock virtual: the ring ends by itself after so many seconds of its time, and tells its trace "
+          "hash")
+      ->transform(cli::seconds(0.001, 1e9))
+      ->needs(clock);
+  command
+      .add_option("--capture", options.capture,
+                  "With --clock virtual: write the packets on all lines there, as pcapng; 'ring_sim compare-traces' "
+                  "finds where two runs part")
+      ->needs(clock);
+}
+
 }  // namespace
 
 void add_up(CLI::App& app, Context& context) {
@@ -239,34 +270,7 @@ void add_up(CLI::App& app, Context& context) {
                  "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files. With --clock "
                  "virtual: the whole ring, at 0 s of its time and with all its nodes")
       ->excludes("--detach");
-  CLI::Option* clock =
-      command
-          ->add_option(
-              "--clock", options->clock,
-              "virtual: the whole ring in one process, on a clock of its own, with the rates and delays of "
-              "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. follow: the same, and "
-              "its "
-              "time goes on as far as a client allows, such as ring_bridge by /clock; no --timeout. Default: machine")
-          ->transform(cli::one_of({"machine", "virtual", "follow"}));
-  command
-      ->add_option(
-          "--pace", options->pace,
-          "With --clock virtual: how fast its time goes on beside real time, 0.001 to 1000, or max: as fast as "
-          "the machine and the CPUs are; default 1, of follow max")
-      ->transform(cli::pace())
-      ->needs(clock);
-  command
-      ->add_option(
-          "--for", options->lasts_s,
-          "With --clock virtual: the ring ends by itself after so many seconds of its time, and tells its trace "
-          "hash")
-      ->transform(cli::seconds(0.001, 1e9))
-      ->needs(clock);
-  command
-      ->add_option("--capture", options->capture,
-                   "With --clock virtual: write the packets on all lines there, as pcapng; 'ring_sim compare-traces' "
-                   "finds where two runs part")
-      ->needs(clock);
+  add_clock(*command, *options);
   command->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
       ->transform(cli::seconds(0.1, 600.0));
   command->callback([&context, options] {
