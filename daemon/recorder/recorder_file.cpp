@@ -68,12 +68,14 @@ std::vector<std::string> recordings_in(const std::string& folder) {
   std::error_code error;
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::filesystem::path& path = it->path();
-    const bool former = path.extension() == kFormer && path.stem().extension() == kExtension;
-    if (path.extension() == kExtension || former) files.push_back(path.string());
+    const std::filesystem::path recording = is_of_former_life(path.string()) ? path.stem() : path;
+    if (recording.extension() == kExtension) files.push_back(path.string());
   }
   std::sort(files.begin(), files.end());
   return files;
 }
+
+bool is_of_former_life(const std::string& recording) { return std::filesystem::path(recording).extension() == kFormer; }
 
 std::size_t save_file(const std::string& recording, const std::string& to) {
   const File file(::open(recording.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));

@@ -36,6 +36,9 @@ std::string recording_of(const std::string& folder, unsigned id);
 /// "5.record", "5.record.former".
 std::vector<std::string> recordings_in(const std::string& folder);
 
+/// That recording is of the life before the last.
+bool is_of_former_life(const std::string& recording);
+
 /// Saves one of them, also while its node goes on. @return bytes saved
 /// @throw std::exception says what is wrong
 std::size_t save_file(const std::string& recording, const std::string& to);

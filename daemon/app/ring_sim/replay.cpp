@@ -11,6 +11,7 @@
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
 #include "cli/values.h"
+#include "recorder/recorder_file.h"
 #include "recorder/replay_capture.h"
 #include "recorder/replayed_ring.h"
 
@@ -37,8 +38,8 @@ std::string seconds(nanoseconds time) {
 }
 
 std::string name_of(const ReplayedLife& life) {
-  const bool former = life.file().size() > 7 && life.file().compare(life.file().size() - 7, 7, ".former") == 0;
-  return "node " + std::to_string(life.node()) + " (" + life.title().node + (former ? ", the life before)" : ")");
+  const char* which = recorder::is_of_former_life(life.file()) ? ", the life before)" : ")";
+  return "node " + std::to_string(life.node()) + " (" + life.title().node + which;
 }
 
 bool is_of(const ReplayedLife& life, const std::string& node) {
