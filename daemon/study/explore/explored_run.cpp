@@ -1,6 +1,6 @@
 #include "study/explore/explored_run.h"
 
-#include "study/soak/mended_ring.h"
+#include "sim_tools/mended_ring.h"
 
 namespace limb_ring::study {
 
@@ -27,7 +27,7 @@ void ExploredRun::make_ring() {
   options.nodes = world_.nodes;
   options.byte_time = world_.paced ? core::Duration{8ns} : core::Duration{0};
   options.keep_logs = false;
-  options.adjust = [this](core::Settings& s) { set_short_times(s, world_.paced, world_.fold_back); };
+  options.adjust = [this](core::Settings& s) { sim::set_short_times(s, world_.paced, world_.fold_back); };
   ring_ = std::make_unique<sim::VirtualRing>(options);
   invariants_ = std::make_unique<sim::Invariants>(*ring_);
   lines_ = std::make_unique<sim::VirtualLineFaults>(*ring_, 1);
@@ -54,11 +54,11 @@ void ExploredRun::run() {
   ring_->run_for(kMending);
   invariants_->finish();
   note_violation();
-  if (!violation_) violation_ = not_whole(*ring_);
+  if (!violation_) violation_ = sim::not_whole(*ring_);
   quiet_ = true;
   if (!violation_) ring_->run_for(kSilence);
   if (!violation_) note_violation();
-  if (!violation_) violation_ = not_silent(*ring_, slices_when_quiet_);
+  if (!violation_) violation_ = sim::not_silent(*ring_, slices_when_quiet_);
 }
 
 void ExploredRun::ask(unsigned nth) {
@@ -73,7 +73,7 @@ void ExploredRun::ask(unsigned nth) {
 // ---- strikes --------------------------------------------------------------------------------
 
 void ExploredRun::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
-  if (quiet_ && is_traffic(slice)) ++slices_when_quiet_;
+  if (quiet_ && sim::is_traffic(slice)) ++slices_when_quiet_;
   if (!open_) return lines_->pass(id, line, slice, arriving);
   const unsigned place = places_++;
   if (struck_ == choices_.size() || choices_[struck_].place != place) return lines_->pass(id, line, slice, arriving);

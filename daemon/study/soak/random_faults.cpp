@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "study/soak/mended_ring.h"
+#include "sim_tools/mended_ring.h"
 
 namespace limb_ring::study {
 
@@ -81,7 +81,7 @@ void RandomFaults::make_ring() {
   options.byte_time = paced_ ? Duration{8ns} : Duration{0};
   options.keep_logs = false;
   options.adjust = [this](core::Settings& s) {
-    set_short_times(s, paced_, fold_back_);
+    sim::set_short_times(s, paced_, fold_back_);
     differ(s);
   };
   ring_ = std::make_unique<sim::VirtualRing>(options);
@@ -107,7 +107,7 @@ void RandomFaults::tap_all(Line line) {
 // ---- lines ----------------------------------------------------------------------------------
 
 void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
-  if (quiet_ && is_traffic(slice)) ++slices_when_quiet_;
+  if (quiet_ && sim::is_traffic(slice)) ++slices_when_quiet_;
   if (!quiet_ && once_in(drop_)) return;
   if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, line, slice, arriving);
   const auto bits = static_cast<std::uint8_t>(1 + random(255));
@@ -126,7 +126,7 @@ void RandomFaults::run() {
     note_violation();
   }
   if (!violation_) calm_down();
-  if (!violation_) violation_ = not_whole(*ring_);
+  if (!violation_) violation_ = sim::not_whole(*ring_);
   if (!violation_) check_silence();
   if (!violation_ && is_wide_) send_when_mended();
 }
@@ -273,7 +273,7 @@ void RandomFaults::check_silence() {
   slices_when_quiet_ = 0;
   ring_->run_for(20ms);
   note_violation();
-  if (!violation_) violation_ = not_silent(*ring_, slices_when_quiet_);
+  if (!violation_) violation_ = sim::not_silent(*ring_, slices_when_quiet_);
 }
 
 // All bounds are in force again.

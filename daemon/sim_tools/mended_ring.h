@@ -5,7 +5,7 @@
 #include "sim/violation.h"
 #include "sim/virtual_ring.h"
 
-namespace limb_ring::study {
+namespace limb_ring::sim {
 
 /// Times and buffers of rings that are given faults: short and few, so that every limit is met soon.
 /// @param paced lines have a rate
@@ -15,9 +15,9 @@ void set_short_times(core::Settings& settings, bool paced, bool fold_back);
 bool is_traffic(const wire::Slice& slice);
 
 /// All was mended some time ago: nothing where all nodes are up in a ring of them all.
-std::optional<sim::Violation> not_whole(sim::VirtualRing& ring);
+std::optional<Violation> not_whole(VirtualRing& ring);
 /// Traffic has ended long ago: whatever still goes round, and is no beacon, would do so for ever.
 /// @param slices of traffic that were seen since
-std::optional<sim::Violation> not_silent(const sim::VirtualRing& ring, std::uint64_t slices);
+std::optional<Violation> not_silent(const VirtualRing& ring, std::uint64_t slices);
 
-}  // namespace limb_ring::study
+}  // namespace limb_ring::sim

@@ -1,6 +1,6 @@
-#include "study/soak/mended_ring.h"
+#include "sim_tools/mended_ring.h"
 
-namespace limb_ring::study {
+namespace limb_ring::sim {
 
 using core::Duration;
 using namespace std::chrono_literals;
@@ -26,21 +26,21 @@ bool is_traffic(const wire::Slice& slice) {
   return !control && slice.kind != wire::SliceKind::start;
 }
 
-std::optional<sim::Violation> not_whole(sim::VirtualRing& ring) {
+std::optional<Violation> not_whole(VirtualRing& ring) {
   for (const wire::NodeId id : ring.order()) {
     const core::Membership& m = ring.node(id).membership();
     if (m.state() == core::NodeState::up && m.ring_size() == ring.order().size()) continue;
-    return sim::Violation{sim::Promise::whole_again, ring.now(),
-                          "node " + std::to_string(id) + " is " + to_string(m.state()) + " in a ring of " +
-                              std::to_string(m.ring_size()) + " after all was mended"};
+    return Violation{Promise::whole_again, ring.now(),
+                     "node " + std::to_string(id) + " is " + to_string(m.state()) + " in a ring of " +
+                         std::to_string(m.ring_size()) + " after all was mended"};
   }
   return std::nullopt;
 }
 
-std::optional<sim::Violation> not_silent(const sim::VirtualRing& ring, std::uint64_t slices) {
+std::optional<Violation> not_silent(const VirtualRing& ring, std::uint64_t slices) {
   if (slices == 0) return std::nullopt;
-  return sim::Violation{sim::Promise::whole_again, ring.now(),
-                        std::to_string(slices) + " slices that are no beacon's still circulate"};
+  return Violation{Promise::whole_again, ring.now(),
+                   std::to_string(slices) + " slices that are no beacon's still circulate"};
 }
 
-}  // namespace limb_ring::study
+}  // namespace limb_ring::sim
