@@ -58,6 +58,7 @@ void Invariants::event(NodeId node, const core::Event& event) {
 // A hello that has left counts as home in an open chain. (protocol.md section 4.8)
 void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   NodeRecord& n = record_.at(node);
+  const NodeState before = n.history.state;
   n.history.state = state;
   n.history.state_at = record_.ring.now();
   results_.state_changes(node, state);
@@ -69,7 +70,11 @@ void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   n.began = record_.ring.now();
   n.hello_left = n.control.hello && n.control.left == n.began;
   if (!n.hello_left) n.control = {};
-  n.receiver.start_over(state == NodeState::starting, now);
+  // A joining node whose hello ends lost while a line is down only waits for it. (protocol.md section 8.1)
+  if (state == NodeState::starting && before == NodeState::joining)
+    n.receiver.may_start_over();
+  else
+    n.receiver.start_over(state == NodeState::starting, now);
   record_.ledger.waits_for_nothing(node);
 }
 

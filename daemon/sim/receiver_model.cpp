@@ -192,4 +192,14 @@ void ReceiverModel::start_over(bool forgets_peers, Time now) {
   }
 }
 
+// Where it did not, what it had decided holds.
+void ReceiverModel::may_start_over() {
+  joined_ = Tristate::no;
+  for (Page& page : pages_) {
+    for (Entry& e : page.entries)
+      if (e.verdict != Verdict::none) e.any_sequence = true;
+    if (page.peer_known == Tristate::yes) page.peer_known = Tristate::unknown;
+  }
+}
+
 }  // namespace limb_ring::sim

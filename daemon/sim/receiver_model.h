@@ -45,6 +45,8 @@ class ReceiverModel {
   Tristate joined() const { return joined_; }
   /// It was bypassed; with `forgets_peers` it starts all over.
   void start_over(bool forgets_peers, Time now);
+  /// It was bypassed, or its hello was lost and a line is down.
+  void may_start_over();
   void set_cpu_present(bool present) { cpu_present_ = present; }
   bool cpu_present() const { return cpu_present_; }
 

@@ -64,6 +64,13 @@ TEST(RandomFaults, BreakNoPromiseInWideWorlds) {
   }
 }
 
+// A joining node whose hello is lost while a line is down does not start over: what it refused it refuses again.
+TEST(RandomFaults, BreakNoPromiseWhereAJoiningNodeWaitsForALineAgain) {
+  RandomFaults run(2000009148);
+  run.run();
+  EXPECT_EQ(in_words(run), "");
+}
+
 TEST(RandomFaults, OfTheSameSeedAreTheSame) {
   RandomFaults first(7), second(7);
   first.run();
