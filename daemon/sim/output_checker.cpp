@@ -11,10 +11,13 @@ using wire::SliceKind;
 OutputChecker::OutputChecker(RingRecord& record) : record_(record), outgoing_(record.ring.size()) {}
 
 void OutputChecker::check_header(NodeId node, const PacketHeader& header) {
+  const bool own_again = header.source == node && header.hop != 0;
+  const bool gone_round = header.hop >= record_.ring.order().size();
+  if (!own_again && !gone_round) return;
   const std::string what = "a packet of node " + std::to_string(header.source) + " with HOP " +
                            std::to_string(header.hop) + " left node " + std::to_string(node);
-  if (header.source == node && header.hop != 0) record_.complain(Promise::no_circling, what + ", its source");
-  if (header.hop >= record_.ring.order().size()) record_.complain(Promise::no_circling, what + ": it has gone round");
+  if (own_again) record_.complain(Promise::no_circling, what + ", its source");
+  if (gone_round) record_.complain(Promise::no_circling, what + ": it has gone round");
 }
 
 // The packets of a node that is gone have passed after one time-out; or one time-out after a line released them.

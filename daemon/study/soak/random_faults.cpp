@@ -15,6 +15,10 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr unsigned kSteps = 1200;
+/// A ring on which nothing is broken any more is whole after so long at most.
+constexpr Duration kMended = 200ms;
+/// Then whatever is left over has ended: longer than a send may wait (20 ms) and its four tries take.
+constexpr Duration kSettled = 60ms, kSettledWide = 200ms;
 
 }  // namespace
 
@@ -264,7 +268,8 @@ void RandomFaults::calm_down() {
     heal(node);
     if (!ring_->alive(node)) freeze_or_thaw(node);
   }
-  ring_->run_for(200ms);
+  for (Duration waited{0}; waited < kMended && not_whole(*ring_); waited += kMended / 20) ring_->run_for(kMended / 20);
+  ring_->run_for(is_wide_ ? kSettledWide : kSettled);
   invariants_->finish();
   note_violation();
 }
