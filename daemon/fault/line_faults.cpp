@@ -266,10 +266,11 @@ void LineFaults::put(SliceKind kind, wire::ByteView bytes, Time due, Time now) {
   held_.put(kind, bytes, due);
 }
 
-// A wrong bit elsewhere in the packet shows the same way, unless it makes the packet none at all or another's.
+// Not in the header: it would make the packet none at all or another's, which nobody counts as damaged.
 void LineFaults::put_damaged(const Slice& slice, Time due, Time now) {
   std::vector<std::uint8_t> bytes(slice.bytes.begin(), slice.bytes.end());
-  const std::uint64_t bit = random_() % (8 * wire::kCrcSize);
+  const std::size_t size = bytes.size() - (begins(slice) || slice.kind == SliceKind::interrupt ? wire::kHeaderSize : 0);
+  const std::uint64_t bit = random_() % (8 * size);
   bytes[bytes.size() - 1 - bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
   put(slice.kind, {bytes.data(), bytes.size()}, due, now);
 }

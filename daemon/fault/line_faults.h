@@ -20,6 +20,7 @@ using core::Time;
 /// deadline come out. The same faults, slices, times and seed give the same damage. (ours)
 ///
 /// A packet is hit whole, however many slices it travels in; an INTP inside a DATP is a packet of its own.
+/// A damaged packet has one bit wrong, anywhere behind its header; of one that travels in several slices, in the last.
 /// A truncated DATP ends in an abort. A link keeps order (protocol.md section 6.1), so a packet that came behind
 /// the next one counts as late and never arrives, and where it was an INTP inside a DATP the gap aborts that.
 /// Where the line takes time, what was held back goes on no faster than the line.

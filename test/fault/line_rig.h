@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 inline const RingNodes kNodes{{"hip", "10", 0_id}, {"knee", "11", 1_id}, {"ankle", "12", 2_id}};
 
 /// The line hip -> knee: packets go in at the present, and come out as words: "3" is a whole DATP whose data are 3,
-/// "start 3", "more", "end", "abort", "INTP 5" (factor 5), with a '!' where the CRC is wrong.
+/// "start 3", "more", "end", "abort", "INTP 5" (factor 5), with a '!' where it is damaged.
 class LineRig {
  public:
   explicit LineRig(std::uint64_t seed = 1, Duration byte_time = Duration{0}) : faults(seed, byte_time) {}
@@ -88,7 +88,7 @@ class LineRig {
     }
   }
 
-  static std::string word_of(const wire::Slice& slice) {
+  std::string word_of(const wire::Slice& slice) const {
     const auto number = [&](std::size_t at) { return std::to_string(slice.bytes[at]); };
     switch (slice.kind) {
       case SliceKind::whole:
@@ -100,7 +100,8 @@ class LineRig {
       case SliceKind::more:
         return "more";
       case SliceKind::end:
-        return "end";
+        return image_.empty() || std::equal(slice.bytes.begin(), slice.bytes.end(), image_.begin() + 16) ? "end"
+                                                                                                         : "end!";
       case SliceKind::abort:
         return "abort";
       case SliceKind::idle:

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mutants/mutation.h"
+#include "sim_tools/virtual_line_faults.h"
 #include "study/explore/exploration.h"
 #include "study/soak/random_faults.h"
 
@@ -116,6 +117,34 @@ TEST(FullRing, KeepsItsInsertionBuffersWithinTheirBound) {
   const auto violation = violation_of_a_full_ring(Mutation::does_not_wait);
   ASSERT_TRUE(violation);
   EXPECT_EQ(violation->promise, Promise::insertion_bound) << violation->what;
+}
+
+/// A sensor reports over a line that damages one packet in three, and nothing else is wrong.
+std::optional<sim::Violation> violation_on_a_noisy_line(Mutation mutation) {
+  core::mutation = mutation;
+  sim::VirtualRingOptions options;
+  options.nodes = 4;
+  sim::VirtualRing ring(options);
+  sim::Invariants invariants(ring);
+  sim::VirtualLineFaults faults(ring, 1);
+  faults.tap_all();
+  ring.join();
+  fault::Fault corrupt;
+  corrupt.name = fault::Name::corrupt;
+  corrupt.nodes = {wire::NodeId{0}};
+  corrupt.once_in = 3;
+  faults.begin(corrupt);
+  for (unsigned i = 0; i < 20; ++i) ring.send(wire::NodeId{0}, wire::NodeId{2}, std::vector<std::uint8_t>(64));
+  ring.run_for(std::chrono::milliseconds(10));
+  core::mutation = Mutation::none;
+  return invariants.violation();
+}
+
+TEST(NoisyLine, ShowsACoreThatDoesNotLookAtTheCrc) {
+  EXPECT_FALSE(violation_on_a_noisy_line(Mutation::none));
+  const auto violation = violation_on_a_noisy_line(Mutation::takes_damaged);
+  ASSERT_TRUE(violation);
+  EXPECT_EQ(violation->promise, Promise::undamaged) << violation->what;
 }
 
 TEST(Unbroken, TheSameSeedsBreakNoPromise) { EXPECT_FALSE(first_violation(Mutation::none, Promise::one_result, 10)); }
