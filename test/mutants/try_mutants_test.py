@@ -1,23 +1,18 @@
 #!/usr/bin/env python3
 """What try_mutants may change, and that a seed says which."""
-import importlib.machinery
-import importlib.util
 import pathlib
+import re
+import sys
 import tempfile
 import unittest
 
-
-def load():
-    path = pathlib.Path(__file__).with_name('try_mutants')
-    loader = importlib.machinery.SourceFileLoader('try_mutants', str(path))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader('try_mutants', loader))
-    loader.exec_module(module)
-    return module
+sys.dont_write_bytecode = True
+import core_mutants
+from switched_line import switched
 
 
 class TryMutants(unittest.TestCase):
-    def setUp(self):
-        self.module = load()
+    module = core_mutants
 
     def test_a_seed_says_which(self):
         first, again, other = ([m.name for m in self.module.all_mutants(seed)] for seed in (7, 7, 8))
@@ -68,6 +63,36 @@ class TryMutants(unittest.TestCase):
         for mutant in self.module.all_mutants(1):
             if mutant.new.strip() == '(void)0;':
                 self.assertNotRegex(mutant.old.strip(), r'^(return|using|const |static )')
+
+    def test_no_text_is_changed(self):
+        for mutant in self.module.all_mutants(1):
+            self.assertEqual(re.findall('"[^"]*"', mutant.old.split('//')[0]), re.findall('"[^"]*"', mutant.new)
+                             if mutant.new.strip() != '(void)0;' else re.findall('"[^"]*"', mutant.old.split('//')[0]))
+
+
+class SwitchedLine(unittest.TestCase):
+    def test_a_condition_is_one_or_the_other(self):
+        self.assertEqual(switched('  if (a == b) return;', '  if (a != b) return;', 7),
+                         '  if ((limb_ring::mutant == 7 ? (a != b) : (a == b))) return;')
+
+    def test_a_statement_is_done_or_not(self):
+        self.assertEqual(switched('  f(a, b);', '  (void)0;', 7),
+                         '{ if (limb_ring::mutant == 7) { (void)0; } else { f(a, b); } }')
+
+    def test_a_function_in_a_line_has_one_of_two_bodies(self):
+        self.assertEqual(switched('  bool f() const { return a && b; }', '  bool f() const { return a || b; }', 7),
+                         '  bool f() const { if (limb_ring::mutant == 7) { return a || b; } else { return a && b; } }')
+
+    def test_a_variable_has_one_of_two_values(self):
+        self.assertEqual(switched('  const int n = a + 1;', '  const int n = a - 1;', 7),
+                         '  const int n = (limb_ring::mutant == 7 ? (a - 1) : (a + 1));')
+
+    def test_parts_of_a_statement_and_declarations_are_left_alone(self):
+        for old, new in (('  return a &&', '  return a ||'), ('constexpr int k = 3;', 'constexpr int k = 4;'),
+                         ('  for (int i = 0; i < n; ++i) f();', '  for (int i = 1; i < n; ++i) f();'),
+                         ('  if (auto a = f()) return;', '  if (!(auto a = f())) return;'),
+                         ('  NodeId id{0};', '  NodeId id{1};')):
+            self.assertIsNone(switched(old, new, 7), old)
 
 
 if __name__ == '__main__':
