@@ -161,6 +161,24 @@ TEST_F(Membership16, BeaconsComeEveryPeriodAndStopWithTheirNode) {
   EXPECT_LE(ring.now() - m.peers()[6_id].heard_at, 101ms);
 }
 
+// So that a quiet ring wakes each node once for all of them.
+TEST_F(Membership16, BeaconsOfNodesThatStartedAtDifferentTimesGoRoundTogether) {
+  ASSERT_TRUE(ring.join());
+  for (const NodeId late : {5_id, 9_id, 12_id}) {
+    ring.kill(late);
+    ring.run_for(37ms);
+    ring.start(late);
+  }
+  ring.run_for(1s);
+  Time first = kNever, last{};
+  const auto& peers = ring.node(0_id).membership().peers();
+  for (unsigned id = 1; id < 16; ++id) {
+    first = std::min(first, peers[static_cast<NodeId>(id)].heard_at);
+    last = std::max(last, peers[static_cast<NodeId>(id)].heard_at);
+  }
+  EXPECT_LE(last - first, 1ms);
+}
+
 TEST_F(Membership16, NewsIsAnEventRepetitionIsNone) {
   ASSERT_TRUE(ring.join());
   ring.run_for(500ms);

@@ -284,6 +284,7 @@ bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beac
   if (break_.heard(beacon, source) && beacon.input != wire::LinkState::folded) break_known(now);
   if (!beacon.break_known && state_ != NodeState::open_chain) break_.withdrawn_by(source);
   look_for_folds(now);
+  send_beacon_along(now);
   return true;
 }
 
@@ -323,6 +324,11 @@ void Membership::beacon_changed(Time now) {
     beacon_.wanted = true;
   else
     send_beacon(now);
+}
+
+// Beacons go round together: a quiet ring wakes each node once for all of them. (ours, protocol.md section 8.2)
+void Membership::send_beacon_along(Time now) {
+  if (!beacon_.out && beacon_.due <= now + settings_.beacon / 2) send_beacon(now);
 }
 
 void Membership::send_beacon(Time now) {
