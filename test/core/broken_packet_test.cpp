@@ -35,6 +35,17 @@ TEST_F(BrokenPacket, AbortIsPassedOnAndNothingIsTaken) {
   EXPECT_EQ(solo.counters().aborts_received, 1u);
 }
 
+TEST_F(BrokenPacket, WhatWaitsBehindAnAbortGoesInTheSameTurn) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.line();
+  solo.node().set_output_ready(false);
+  solo.receive(SliceKind::abort, {});
+  solo.receive(SliceKind::whole, packet);
+  solo.node().set_output_ready(true);
+  solo.run();
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::abort, SliceKind::whole));
+}
+
 TEST_F(BrokenPacket, ThatStallsIsAborted) {
   solo.receive(SliceKind::start, head_of(packet));
   solo.run_for(49ms);

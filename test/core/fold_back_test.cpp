@@ -131,6 +131,23 @@ TEST_P(AnyPlace, HealsOneWayToo) {
   for (NodeId id{0}; id < kNodes; ++id) EXPECT_FALSE(membership(id).peers()[behind].beacon.break_known);
 }
 
+// The node before the break may still say that it has turned back: it is not asked about the line.
+TEST_P(AnyPlace, TheNodeBehindTheBreakIsBelievedThatItIsMended) {
+  ring.cut(before);
+  ring.run_for(30ms);
+  unsigned told = 0, believed = 0;
+  ring.on_event = [&](NodeId id, const Event& event) {
+    const auto* news = std::get_if<PeerChanged>(&event.what);
+    if (!news || news->node != behind || membership(id).peers()[behind].beacon.break_known) return;
+    ++told;
+    if (!membership(id).broken_line()) ++believed;
+  };
+  ring.heal(before);
+  ring.run_for(30ms);
+  EXPECT_GE(told, kNodes - 1);
+  EXPECT_EQ(believed, told);
+}
+
 // What is confirmed is neither lost nor doubled: the fixture's invariants check every packet.
 TEST_F(FoldBackTest, ABreakInFullTrafficLosesNothingThatCanBeSentAgain) {
   std::map<Outcome, unsigned> ends;
@@ -200,6 +217,27 @@ TEST_F(FoldBackTest, ADeadNodeIsLeftAsideNotFoldedAround) {
     if (id == 4) continue;
     EXPECT_EQ(membership(id).state(), NodeState::up) << int{id};
     EXPECT_EQ(membership(id).ring_size(), kNodes - 1) << int{id};
+  }
+}
+
+TEST_F(FoldBackTest, ABypassIsToldByTheNodesOnBothSidesOfIt) {
+  ring.kill(4_id);
+  ring.run_for(30ms);
+  EXPECT_EQ(membership(6_id).peers()[5_id].beacon.input_from, 3);
+  EXPECT_EQ(membership(6_id).peers()[3_id].beacon.output_to, 5);
+}
+
+// The node behind the break, the only one that is believed, is gone: it can no longer say that the line is mended.
+TEST_F(FoldBackTest, ABreakIsForgottenThoughTheNodeBehindItHasDied) {
+  ring.cut(3_id);
+  ring.run_for(30ms);
+  ASSERT_TRUE(membership(1_id).broken_line());
+  ring.kill(4_id);
+  ring.heal(3_id);
+  ring.run_for(100ms);
+  for (const NodeId id : {0_id, 1_id, 2_id, 3_id, 5_id, 6_id, 7_id}) {
+    EXPECT_EQ(membership(id).state(), NodeState::up) << int{id};
+    EXPECT_FALSE(membership(id).broken_line()) << int{id};
   }
 }
 
