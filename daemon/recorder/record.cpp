@@ -28,6 +28,37 @@ void put(core::StateWriter& room, const T& what) {
   const_cast<T&>(what).archive(room);
 }
 
+/// @name What a core may be told, as its driver does: the bytes may be anybody's
+///@{
+bool exists(core::Line line) { return line == core::Line::first || line == core::Line::second; }
+template <class Call>
+auto legal(const Call& call) -> decltype(exists(call.line)) {
+  return exists(call.line);
+}
+bool legal(const core::input::Receive& call) {
+  return exists(call.line) && wire::slice_size_fits(call.slice.kind, call.slice.bytes.size);
+}
+bool legal(const core::input::Cpu& call) { return call.report.state <= wire::CpuState::failed; }
+template <class... None>
+bool legal(const None&...) {
+  return true;
+}
+bool legal(const Record& record) {
+  if (const auto* input = std::get_if<core::Input>(&record.what))
+    return std::visit([](const auto& call) { return legal(call); }, *input);
+  const auto* packet = std::get_if<core::ReceivedPacket>(&record.what);
+  if (packet != nullptr) return packet->size <= packet->data.size();
+  const auto* written = std::get_if<Written>(&record.what);
+  return written == nullptr || exists(written->line);
+}
+///@}
+
+/// From the start of the core to so late (ten thousand years), and never back.
+bool follows(core::Time last, core::Duration step) {
+  constexpr core::Time kLatest{std::chrono::hours(24 * 366 * 10000LL)};
+  return last >= core::Time{} && last <= kLatest && step >= core::Duration{0} && step <= kLatest - last;
+}
+
 }  // namespace
 
 void write(core::StateWriter& room, core::Time at, const core::Input& input, core::Time& last) {
@@ -54,6 +85,7 @@ std::optional<Record> read(core::StateReader& bytes, core::Time& last) {
   std::uint8_t tag = kTags;
   TimeStep step;
   bytes("tag", tag)("step", step);
+  if (!follows(last, step.value())) return std::nullopt;
   Record record;
   record.at = last += step.value();
   if (tag < kInputs) {
@@ -68,7 +100,7 @@ std::optional<Record> read(core::StateReader& bytes, core::Time& last) {
   } else {
     return std::nullopt;
   }
-  if (bytes.failed()) return std::nullopt;
+  if (bytes.failed() || !legal(record)) return std::nullopt;
   return record;
 }
 

@@ -63,7 +63,7 @@ void write(core::StateWriter& room, core::Time at, const Written& written, core:
 void write(core::StateWriter& room, core::Time at, const core::Event& event, core::Time& last);
 void write(core::StateWriter& room, core::Time at, const core::ReceivedPacket& packet, core::Time& last);
 ///@}
-/// @return nothing where the bytes are no record
+/// @return nothing where the bytes are no record, or one that no driver of a core would leave
 std::optional<Record> read(core::StateReader& bytes, core::Time& last);
 
 /// Bytes of any value that has an archive(), for comparison.

@@ -1,6 +1,7 @@
 #include "recorder/recording.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cstring>
 #include <stdexcept>
 
@@ -12,13 +13,32 @@ namespace {
 
 constexpr int kMostTries = 100;
 
+/// A core can be made of it.
+bool usable(const core::Settings& settings) {
+  constexpr core::Duration kLongest = std::chrono::hours(24 * 366);
+  constexpr unsigned kMost = 1u << 16;
+  std::bitset<256> nodes;
+  for (const wire::NodeId node : settings.order) nodes.set(node);
+  const auto fits = [&](core::Duration span) { return span >= core::Duration{0} && span <= kLongest; };
+  return nodes.count() == settings.order.size() && nodes[settings.id] && !nodes[wire::kBroadcast] &&
+         settings.insertion_buffer <= kMost && settings.interrupt_buffer <= kMost && settings.send_queue <= kMost &&
+         settings.receive_buffers <= kMost && fits(settings.byte_time_out) && fits(settings.byte_time_in) &&
+         fits(settings.relay_delay) && fits(settings.lap) && fits(settings.all_delays) &&
+         fits(settings.send_timeout_least) && fits(settings.refused_for) && fits(settings.refused_backoff) &&
+         fits(settings.refused_backoff_most) && fits(settings.queue_timeout) && fits(settings.stall) &&
+         fits(settings.beacon) && fits(settings.break_grace) && fits(settings.fold_permission) &&
+         fits(settings.unconfirmed_pace);
+}
+
 Title read_title(wire::ByteView bytes) {
   if (bytes.size < kTitleSize || std::memcmp(bytes.data, kMagic.data(), kMagic.size()) != 0)
     throw std::runtime_error("this is no recording of a node");
   Title title;
   core::StateReader reader(bytes.first(kTitleSize).from(kMagic.size()));
   title.archive(reader);
-  if (reader.failed() || title.half < sizeof(HalfHead)) throw std::runtime_error("the recording's title is damaged");
+  const bool aligned = title.half >= sizeof(HalfHead) && title.half % alignof(HalfHead) == 0;
+  if (reader.failed() || !aligned || !usable(title.settings))
+    throw std::runtime_error("the recording's title is damaged");
   return title;
 }
 

@@ -1,0 +1,65 @@
+// Records of a core's inputs: as they were written, and refused where no driver of a core would leave them.
+#include <gtest/gtest.h>
+
+#include "recorder/record.h"
+
+namespace limb_ring::recorder {
+namespace {
+
+using core::Line;
+using core::Time;
+namespace input = core::input;
+using namespace std::chrono_literals;
+
+constexpr Line kNoLine{7};
+constexpr Time kNow{1s};
+
+/// Written at that time, and read by who was at `last`.
+template <class What>
+std::optional<Record> again(const What& what, Time at = kNow, Time last = kNow) {
+  std::uint8_t room[2048];
+  core::StateWriter writer(room, sizeof room);
+  Time written_last = last;
+  write(writer, at, what, written_last);
+  EXPECT_FALSE(writer.failed());
+  core::StateReader reader({room, writer.size()});
+  return read(reader, last);
+}
+
+TEST(Record, isReadAsItWasWritten) {
+  const auto record = again(core::Input{input::InputUp{Line::second, wire::NodeId{9}}}, kNow + 3us);
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->at, kNow + 3us);
+  const auto& call = std::get<input::InputUp>(std::get<core::Input>(record->what));
+  EXPECT_EQ(call.line, Line::second);
+  EXPECT_EQ(call.from, 9);
+}
+
+TEST(Record, ofALineThatNoRingHasIsNone) {
+  EXPECT_FALSE(again(core::Input{input::InputUp{kNoLine, wire::NodeId{9}}}));
+  EXPECT_FALSE(again(core::Input{input::OutputReady{kNoLine, true}}));
+  EXPECT_FALSE(again(Written{kNoLine, {}}));
+}
+
+TEST(Record, ofASliceThatNoLineCarriesIsNone) {
+  const std::uint8_t bytes[7] = {};
+  EXPECT_FALSE(again(core::Input{input::Receive{Line::first, {wire::SliceKind::start, {bytes, sizeof bytes}}}}));
+  EXPECT_FALSE(again(core::Input{input::Receive{Line::first, {wire::SliceKind{99}, {}}}}));
+}
+
+TEST(Record, ofAPacketLongerThanAnyIsNone) {
+  core::ReceivedPacket packet;
+  packet.data.fill(1);
+  packet.size = wire::kMaxPayload;
+  EXPECT_TRUE(again(packet));
+  packet.size = wire::kMaxPayload + 1;
+  EXPECT_FALSE(again(packet));
+}
+
+TEST(Record, thatIsEarlierThanTheOneBeforeIsNone) {
+  EXPECT_TRUE(again(core::Input{input::Run{}}, kNow, kNow - 1us));
+  EXPECT_FALSE(again(core::Input{input::Run{}}, kNow - 1us, kNow));
+}
+
+}  // namespace
+}  // namespace limb_ring::recorder
