@@ -12,9 +12,10 @@ DURATION ?=
 BENCH_ARGS ?=
 BENCH_SIM_ARGS ?=
 ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
+SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo virtual-demo demo-hosts tests test soak mutants fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
+.PHONY: help all build demo virtual-demo demo-hosts tests test test-quick soak mutants coverage fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -47,6 +48,15 @@ demo-hosts: deps $(BUILD)/CMakeCache.txt ## A ring on four hosts (network namesp
 tests: build ## Builds the tests
 	$(BUILD_TARGET) tests
 
+# What is quick and needs the standard library alone, under sanitizers: in CI, too.
+QUICK_TESTS := test_wire test_core test_capture test_fault test_payload test_study_soak \
+               fuzz_slices fuzz_packets fuzz_control_messages fuzz_controller fuzz_fragments fuzz_pcapng
+test-quick: deps ## The quick tests, under address and undefined behaviour sanitizers
+	@cmake -S . -B $(BUILD)-quick -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Quick \
+	  -DCMAKE_CXX_FLAGS_QUICK=-O1 -DCMAKE_UNITY_BUILD=ON -DPYTHON_EXECUTABLE=$(PYTHON) > /dev/null
+	cmake --build $(BUILD)-quick -j$(JOBS) --target $(QUICK_TESTS)
+	cd $(BUILD)-quick && LIMB_RING_SEEDS=10 GTEST_FILTER=-*InWideWorlds ctest -j$(JOBS) --output-on-failure -R '^($(subst $(SPACE),|,$(strip $(QUICK_TESTS))))$$'
+
 ifeq ($(SANITIZE),)
 test: tests ## Builds and runs all tests (SANITIZE=address,undefined: what needs no ROS, under sanitizers)
 	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest -j$(JOBS) --output-on-failure
@@ -65,6 +75,18 @@ soak: build ## Random faults by seed under the virtual clock (SEEDS=10000)
 # Does a change of the core at a random place go unnoticed by the quick tests? By SEED (1), COUNT of them.
 mutants: deps ## Changes a copy of the core at random places; do the tests notice? (COUNT=20 SEED=1)
 	$(PYTHON) test/mutants/try_mutants $(if $(COUNT),--count $(COUNT)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
+
+# Lines and branches that the tests which need no ROS have run, for each folder; in a build of its own. ONLY some of them.
+ONLY ?=
+coverage: deps ## How much of the sources the tests run, by folder (ONLY="test_core test_wire" FILES=daemon/core; needs gcovr)
+	@command -v gcovr > /dev/null || { echo "make coverage needs gcovr: apt-get install gcovr"; exit 2; }
+	cmake -S . -B $(BUILD)-coverage -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Coverage -DCMAKE_UNITY_BUILD=ON \
+	  -DCMAKE_CXX_FLAGS_COVERAGE="-O0 --coverage" -DPYTHON_EXECUTABLE=$(PYTHON)
+	cmake --build $(BUILD)-coverage -j$(JOBS) --target $(if $(ONLY),$(ONLY),all tests)
+	find $(BUILD)-coverage -name '*.gcda' -delete
+	cd $(BUILD)-coverage && ctest -j$(JOBS) --output-on-failure $(if $(ONLY),-R '^($(subst $(SPACE),|,$(strip $(ONLY))))$$') || \
+	  echo "Not all tests have passed: what is printed is of all that were run."
+	$(PYTHON) test/coverage/print_coverage --build $(BUILD)-coverage $(if $(FILES),--files $(FILES))
 
 # Everything that reads bytes or text from outside, given anything; in a build of its own, by clang's libFuzzer.
 SECONDS ?= 60
@@ -131,4 +153,4 @@ install-dissector: ## The Wireshark dissector, for this user
 	@scripts/install_dissector
 
 clean: ## Removes all builds
-	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-fuzz $(BUILD)-bench $(BUILD)-deb
+	rm -rf $(BUILD) $(BUILD)-sanitize $(BUILD)-quick $(BUILD)-coverage $(BUILD)-fuzz $(BUILD)-bench $(BUILD)-deb
