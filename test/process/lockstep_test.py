@@ -42,7 +42,7 @@ class Lockstep(RingTest):
         self.assertEqual(self.trace_of(self.run_for(2, prefix=one_core)), first, 'on one core')
         self.busy()
         for _ in range(3):
-            self.assertEqual(self.trace_of(self.run_for(2, prefix=('nice',))), first, 'beside busy processes')
+            self.assertEqual(self.trace_of(self.run_for(2)), first, 'beside busy processes')
         self.assertNotEqual(self.trace_of(self.run_for(2.2)), first)
 
     def test_sixteen_processes_that_all_talk_leave_one_trace_in_ten_runs(self):
@@ -53,7 +53,7 @@ class Lockstep(RingTest):
         free = self.write_ring(nodes, realtime={'cores': all_cores})
         traces += [self.trace_of(self.run_for(0.2, free)) for _ in range(3)]
         self.busy()
-        traces += [self.trace_of(self.run_for(0.2, free, prefix=('nice',))) for _ in range(4)]
+        traces += [self.trace_of(self.run_for(0.2, free)) for _ in range(4)]
         self.assertEqual(len(set(traces)), 1, traces)
 
     def test_the_ring_and_its_cpus_share_a_core_unless_the_configuration_names_others(self):
