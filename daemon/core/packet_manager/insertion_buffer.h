@@ -45,7 +45,7 @@ class InsertionBuffer {
   RelayedPacket& push(Time now) {
     RelayedPacket& slot = packets_.push();
     slot.state = RelayedPacket::State::receiving;
-    slot.arrived = now;
+    slot.arrived = slot.tail_at = now;  // nothing is left of who was in the slot before: replays compare it
     slot.size = 0;
     return slot;
   }
