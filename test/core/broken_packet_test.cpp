@@ -76,6 +76,15 @@ TEST_F(BrokenPacket, LongerThan524BytesIsAborted) {
   EXPECT_EQ(solo.counters().oversize_packets, 1u);
 }
 
+TEST_F(BrokenPacket, WhoseEndMakesItTooLongIsAbortedAndNotLookedAt) {
+  solo.receive(SliceKind::start, head_of(Foreign{0, 1}.with(pattern(512))));
+  solo.receive(SliceKind::end, Bytes(12));
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
+  EXPECT_THAT(solo.packets(), IsEmpty());
+  EXPECT_EQ(solo.counters().oversize_packets, 1u);
+  EXPECT_EQ(solo.counters().crc_errors, 0u);
+}
+
 // A defective node upstream: 524 bytes without an end. What of it waited for the output would have gone on as a `start`
 // of 524 bytes, which is none, and the innocent node would have been hung up on.
 TEST_F(BrokenPacket, MoreWordsThanAPayloadHasAreAbortedThoughTheyWouldFit) {
@@ -115,6 +124,21 @@ TEST_F(BrokenPacket, AnotherBeginningInsideItBreaksItOff) {
   EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort, SliceKind::whole));
   EXPECT_EQ(solo.counters().broken_off_packets, 1u);
   EXPECT_THAT(solo.packets(), ElementsAre(pattern(22)));
+}
+
+// A batch of what comes in at one instant goes on slice by slice, whatever becomes of the next one.
+TEST_F(BrokenPacket, IsBrokenOffAtOnceByOneThatGoesNoFurther) {
+  Bytes malformed = packet;
+  malformed[wire::field::kSop] = 0;
+  solo.give(SliceKind::start, head_of(packet));
+  solo.give(SliceKind::whole, malformed);
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
+
+  solo.node().output_up(3_id, solo.now());  // node 2 is bypassed
+  const Bytes bypassed = Foreign{2, 1}.with(pattern(8));
+  solo.give(SliceKind::start, head_of(packet));
+  solo.give(SliceKind::whole, bypassed);
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::start, SliceKind::abort));
 }
 
 TEST_F(BrokenPacket, LostInputBreaksItOff) {

@@ -385,6 +385,34 @@ TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
   EXPECT_EQ(node.counters().orphans_cut_off, 1u);
 }
 
+// Whoever takes it further on would wait for its end.
+TEST_F(LoneFold, WhatBreaksOffOnTheSecondLineIsAbortedThereOnce) {
+  const auto kinds = [this] {
+    std::vector<wire::SliceKind> all;
+    wire::each_slice(second().view(), [&all](const wire::Slice& slice) { all.push_back(slice.kind); });
+    second().clear();
+    return all;
+  };
+  hear(wire::FoldWordKind::begin, 6_id);
+  second().clear();
+  node.input_gap(Line::second, Time{});
+  EXPECT_THAT(kinds(), IsEmpty()) << "nothing was under way";
+  const std::array<std::uint8_t, wire::kHeaderSize> header{0, wire::kSop, 0, 1};
+  node.receive(Line::second, {wire::SliceKind::start, {header.data(), header.size()}}, Time{});
+  node.input_gap(Line::second, Time{});
+  EXPECT_THAT(kinds(), ElementsAre(wire::SliceKind::start, wire::SliceKind::abort));
+  node.input_gap(Line::second, Time{});
+  EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(LoneFold, ANewNodeBehindTheFirstLineIsNotDeafBecauseTheLastOneWas) {
+  hear(wire::FoldWordKind::deaf, 5_id);
+  ASSERT_EQ(node.output_line(), Line::second);
+  node.output_lost(Line::first, Time{});
+  node.output_up(Line::first, 6_id, Time{});
+  EXPECT_EQ(node.output_line(), Line::first);
+}
+
 // A `hears` was lost, and the words on the second line stop at another node that has turned back: two such nodes stayed
 // folded for ever. So a node asks the next one on the first line, each beacon period.
 TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) {

@@ -224,6 +224,14 @@ TEST_F(Membership16, BeaconWaitingForTheLineDoesNotGoAheadOfANewHello) {
 
 /// A ring of six in which the node at place 4 believes to be node 3; unwatched, since the promises
 /// of a ring suppose that ids differ.
+TEST(NodeStates, AreCalledAsInTheProtocol) {
+  const std::pair<NodeState, const char*> kWords[] = {
+      {NodeState::starting, "starting"},        {NodeState::joining, "joining"}, {NodeState::up, "up"},
+      {NodeState::open_chain, "open_chain"},    {NodeState::folded, "folded"},   {NodeState::alone, "alone"},
+      {NodeState::duplicate_id, "duplicate_id"}};
+  for (const auto& [state, word] : kWords) EXPECT_STREQ(to_string(state), word);
+}
+
 struct DuplicateId : testing::Test {
   sim::VirtualRing ring{with(talking(6), [](Settings& s) {
     if (s.id == 4) s.id = 3_id;

@@ -45,6 +45,20 @@ TEST_F(Sending, RoundTripIsTheTimeFromFirstByteToReturn) {
 
 TEST_F(Sending, FirstTryIsTheOnlyOneWhereNothingFails) { EXPECT_EQ(send(0_id, 2_id, text("a")).tries, 1u); }
 
+// What comes in behind it at the same instant does not go first.
+TEST(SendingAlone, WhatHasComeHomeLetsTheNextOneGoAtOnce) {
+  SoloNode solo;
+  solo.join();
+  const Bytes data = text("a");
+  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  solo.node().send(send_of(1, 2, 2_id, data), solo.now());
+  solo.run();
+  const auto first = solo.line();
+  ASSERT_EQ(first.size(), 1u);
+  solo.give(wire::SliceKind::whole, SoloNode::home(first[0].bytes, 5));
+  EXPECT_THAT(solo.kinds(), ElementsAre(wire::SliceKind::whole));
+}
+
 TEST_F(Sending, ToItselfGoesRoundAndIsTakenAsItReturns) {
   EXPECT_EQ(send(1_id, 1_id, text("me")).outcome, Outcome::delivered);
   EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("me")));

@@ -31,6 +31,11 @@ class SoloNode {
     node_.receive({kind, {bytes.data(), bytes.size()}}, now_);
     run();
   }
+  /// The same before the end of the event loop's turn: more may come in at this instant.
+  void give(wire::SliceKind kind, const Bytes& bytes) {
+    node_.receive({kind, {bytes.data(), bytes.size()}}, now_);
+    collect();
+  }
   void run() {
     node_.handle_timeout(now_);
     node_.run(now_);

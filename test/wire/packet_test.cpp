@@ -115,6 +115,40 @@ TEST(Packet, RewritingNeverMakesABadCrcGood) {
   }
 }
 
+TEST(Packet, WhatIsWrongWithItIsSaid) {
+  const Bytes data(8, 0x3C);
+  const Bytes good = encoded({{}, 0, 1_id, kFbcUntaken, 2_id, 0, {data.data(), data.size()}});
+  const auto with_byte = [&good](std::size_t at, std::uint8_t value) {
+    Bytes bytes = good;
+    bytes[at] = value;
+    return check_packet({bytes.data(), bytes.size()}, false);
+  };
+  EXPECT_EQ(check_packet({good.data(), good.size()}, false), PacketError::none);
+  EXPECT_EQ(check_packet({good.data(), kMinDataPacketSize - 1}, false), PacketError::size);
+  EXPECT_EQ(check_packet({good.data(), good.size()}, true), PacketError::size);
+  EXPECT_EQ(with_byte(field::kCode, 0x20), PacketError::header);
+  EXPECT_EQ(with_byte(field::kSop, 0), PacketError::header);
+  EXPECT_EQ(with_byte(field::kSource, 0xFF), PacketError::header);
+  EXPECT_EQ(with_byte(good.size() - field::kEopFromEnd, 0), PacketError::trailer);
+  EXPECT_EQ(with_byte(kHeaderSize, 0), PacketError::crc);
+  EXPECT_STREQ(to_string(PacketError::none), "good");
+  EXPECT_STREQ(to_string(PacketError::size), "a size no packet of its kind has");
+  EXPECT_STREQ(to_string(PacketError::header), "no valid header (kind, SOP or SID)");
+  EXPECT_STREQ(to_string(PacketError::trailer), "no EOP where the trailer should begin");
+  EXPECT_STREQ(to_string(PacketError::crc), "wrong CRC");
+}
+
+TEST(DataPacket, MayHaveEverySizeFrom13To524Bytes) {
+  for (const std::size_t size : {std::size_t{1}, std::size_t{512}}) {
+    const Bytes data(size, 1);
+    const Bytes bytes = encoded({{}, 0, 1_id, kFbcUntaken, 2_id, 0, {data.data(), data.size()}});
+    EXPECT_EQ(bytes.size(), size + 12);
+    EXPECT_EQ(check_packet({bytes.data(), bytes.size()}, false), PacketError::none);
+  }
+  EXPECT_EQ(check_packet({Bytes(525).data(), 525}, false), PacketError::size);
+  EXPECT_EQ(check_packet({Bytes(12).data(), 12}, false), PacketError::size);
+}
+
 TEST(InterruptPacket, FactorBeyondSevenIsRefused) {
   InterruptBytes bytes = encode(InterruptPacket{});
   bytes[7] = 8;

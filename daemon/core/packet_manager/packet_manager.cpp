@@ -228,7 +228,6 @@ void PacketManager::close_open() {
 }
 
 void PacketManager::open_data(bool own, Time at) {
-  open_ = {};
   open_.own = own;
   if (own) open_.own_bytes = transmit_.data.start(at);
   is_open_ = true;
