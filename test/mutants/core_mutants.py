@@ -76,7 +76,8 @@ def equivalents(path, mutants):
     for paragraph in filter(None, (part.strip() for part in text.split('\n\n'))):
         lines = [line.strip() for line in paragraph.split('\n')]
         if len(lines) < 4 or not lines[1].startswith('- ') or not lines[2].startswith('+ '):
-            raise ValueError('%s: should be a file, "- old line", "+ new line" and why it is equivalent:\n%s' % (path, paragraph))
+            raise ValueError('%s: should be a file, "- old line", "+ new line" and why it is equivalent:\n%s'
+                             % (path, paragraph))
         entry = lines[0], lines[1][2:].strip(), lines[2][2:].strip()
         if entry not in possible:
             raise ValueError('%s: no such change of the sources is possible any more; remove or mend:\n%s' % (path, paragraph))

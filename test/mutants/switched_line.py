@@ -5,6 +5,7 @@ it, it says."""
 import re
 
 FUNCTION = re.compile(r'^(.*\) (?:const )?(?:noexcept )?(?:override )?\{ )(.*;)( \})$')
+WORD = re.compile(r'(?<![\w.\'"])(\d+|true|false)(?![\w.\'"])')
 VALUE = re.compile(r'^(\s*(?:const |static )*[\w:<>*&, ]+ \w+ = )([^{}]*)(;)$')
 NO_STATEMENT = re.compile(r'^\s*(case\b|default\b|else\b|\}|break;|continue;|public:|private:|using\b|static_assert|for \(|while \(|if \(|'
                           r'switch\b|template\b|constexpr\b|static constexpr\b|const\b|auto\b|static\b)')
@@ -38,9 +39,25 @@ def either(prefix, mark, new, old, suffix):
     return '%s(%s ? (%s) : (%s))%s' % (prefix, mark, new, old, suffix)
 
 
+def word_in_place(old, new, mark):
+    """Where one number, true or false becomes another one: an expression in its place."""
+    first = next(at for at in range(len(old) + 1) if old[at:at + 1] != new[at:at + 1])
+    for a in WORD.finditer(old):
+        b = WORD.match(new, a.start())
+        if b and a.start() <= first <= a.end() and old[:a.start()] + b.group() + old[a.end():] == new:
+            value = '(%s ? %s : %s)' % (mark, b.group(), a.group())
+            if old[:a.start()].endswith('{') and a.group().isdigit():
+                value = 'static_cast<std::uint8_t>' + value  # braces do not narrow
+            return old[:a.start()] + value + old[a.end():]
+    return None
+
+
 def switched(old, new, number):
     """@param old, new lines without their comments. @return one for both, or None where it has another form"""
     mark = 'limb_ring::mutant == %d' % number
+    in_place = word_in_place(old, new, mark)
+    if in_place:
+        return None if 'constexpr' in old else in_place
     if not balanced(old.replace('} else', '', 1)) and condition_of(old) is None:
         return None
     before, after = condition_of(old), condition_of(new)

@@ -87,11 +87,16 @@ class SwitchedLine(unittest.TestCase):
         self.assertEqual(switched('  const int n = a + 1;', '  const int n = a - 1;', 7),
                          '  const int n = (limb_ring::mutant == 7 ? (a - 1) : (a + 1));')
 
+    def test_a_number_is_one_or_the_other_wherever_it_stands(self):
+        self.assertEqual(switched('  NodeId id{0};', '  NodeId id{1};', 7), 
+                         '  NodeId id{static_cast<std::uint8_t>(limb_ring::mutant == 7 ? 1 : 0)};')
+        self.assertEqual(switched('  return a == 0 &&', '  return a == 1 &&', 7),
+                         '  return a == (limb_ring::mutant == 7 ? 1 : 0) &&')
+
     def test_parts_of_a_statement_and_declarations_are_left_alone(self):
         for old, new in (('  return a &&', '  return a ||'), ('constexpr int k = 3;', 'constexpr int k = 4;'),
-                         ('  for (int i = 0; i < n; ++i) f();', '  for (int i = 1; i < n; ++i) f();'),
-                         ('  if (auto a = f()) return;', '  if (!(auto a = f())) return;'),
-                         ('  NodeId id{0};', '  NodeId id{1};')):
+                         ('  for (int i = 0; i < n; ++i) f();', '  for (int i = 0; i <= n; ++i) f();'),
+                         ('  if (auto a = f()) return;', '  if (!(auto a = f())) return;')):
             self.assertIsNone(switched(old, new, 7), old)
 
 
