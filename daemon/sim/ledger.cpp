@@ -8,34 +8,6 @@ namespace limb_ring::sim {
 
 using core::Outcome;
 
-const char* to_string(Promise promise) {
-  switch (promise) {
-    case Promise::one_result:
-      return "every send ends in exactly one result";
-    case Promise::true_result:
-      return "a result says what has happened";
-    case Promise::undamaged:
-      return "nothing damaged, partial or misled is delivered";
-    case Promise::exactly_once:
-      return "exactly once";
-    case Promise::in_order:
-      return "order is kept per source and priority";
-    case Promise::priority_first:
-      return "the highest priority goes first";
-    case Promise::interrupt_wait:
-      return "an INTP waits at most for other INTPs and for a piece of a DATP";
-    case Promise::insertion_bound:
-      return "the insertion buffer keeps its bound";
-    case Promise::no_circling:
-      return "no packet goes on round the ring after its source is gone";
-    case Promise::true_fbc:
-      return "FBC is truthful";
-    case Promise::whole_again:
-      return "when all is mended the ring closes and falls silent";
-  }
-  return "";
-}
-
 std::string Sent::name() const {
   return std::string(interrupt() ? "INTP " : "DATP ") + std::to_string(token) + " of node " + std::to_string(source) +
          " to " + (destination == wire::kBroadcast ? "all" : std::to_string(destination)) +
