@@ -1,0 +1,113 @@
+#include "promises/observation_file.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace limb_ring::promises {
+
+namespace {
+
+constexpr std::array<char, 8> kRingMagic{'l', 'i', 'm', 'b', 's', 'e', 'e', '1'};
+/// Half a MiB: more than half a second of the fastest ring.
+constexpr std::size_t kCapacity = 16384;
+/// So many behind the newest are not read: they are being written.
+constexpr std::uint64_t kBeingWritten = 64;
+
+}  // namespace
+
+struct ObservationRing {
+  std::array<char, 8> magic;
+  alignas(64) std::atomic<std::uint64_t> count;  ///< complete; the newest one is at (count - 1) % kCapacity
+  alignas(64) std::array<Observation, kCapacity> all;
+};
+
+namespace {
+
+[[noreturn]] void fail_with(int error, const std::string& what) {
+  throw std::system_error(error, std::generic_category(), what);
+}
+
+MappedRing map_ring(int fd, int protection, const std::string& path) {
+  void* memory = ::mmap(nullptr, sizeof(ObservationRing), protection, MAP_SHARED | MAP_POPULATE, fd, 0);
+  const int error = errno;
+  ::close(fd);
+  if (memory == MAP_FAILED) fail_with(error, "cannot map " + path);
+  return MappedRing(static_cast<ObservationRing*>(memory));
+}
+
+// Room is taken now: a disk that fills up later would end the daemon by SIGBUS.
+MappedRing make_ring(const std::string& path) {
+  ::unlink(path.c_str());
+  const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (fd < 0) fail_with(errno, "cannot make " + path);
+  const int error = ::posix_fallocate(fd, 0, sizeof(ObservationRing));
+  if (error != 0) {
+    ::close(fd);
+    fail_with(error, "no room for " + path);
+  }
+  return map_ring(fd, PROT_READ | PROT_WRITE, path);
+}
+
+MappedRing open_ring(const std::string& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (fd < 0) fail_with(errno, "cannot read " + path);
+  struct stat status {};
+  if (::fstat(fd, &status) != 0 || status.st_size != static_cast<off_t>(sizeof(ObservationRing))) {
+    ::close(fd);
+    throw std::runtime_error(path + " holds no observations of this version");
+  }
+  MappedRing ring = map_ring(fd, PROT_READ, path);
+  if (ring->magic != kRingMagic) throw std::runtime_error(path + " holds no observations");
+  return ring;
+}
+
+}  // namespace
+
+void UnmapRing::operator()(ObservationRing* ring) const { ::munmap(ring, sizeof(ObservationRing)); }
+
+ObservationFile::ObservationFile(std::string path) : path_(std::move(path)), ring_(make_ring(path_)) {
+  ring_->magic = kRingMagic;
+}
+
+ObservationFile::~ObservationFile() { ::unlink(path_.c_str()); }
+
+void ObservationFile::put(const Observation& seen) {
+  ring_->all[count_ % kCapacity] = seen;
+  ring_->count.store(++count_, std::memory_order_release);
+}
+
+ObservationReader::ObservationReader(const std::string& path, std::uint64_t from)
+    : ring_(open_ring(path)), next_(from) {}
+
+std::uint64_t ObservationReader::read(std::vector<Observation>& seen) {
+  seen.clear();
+  const std::uint64_t count = ring_->count.load(std::memory_order_acquire);
+  const std::uint64_t first = next_;
+  std::uint64_t from = count > kCapacity ? std::max(first, count - kCapacity + kBeingWritten) : first;
+  for (std::uint64_t i = from; i < count; ++i) seen.push_back(ring_->all[i % kCapacity]);
+  std::atomic_thread_fence(std::memory_order_acquire);
+  // What was overwritten while it was copied is no good.
+  const std::uint64_t now = ring_->count.load(std::memory_order_relaxed);
+  const std::uint64_t good = now + kBeingWritten > kCapacity ? now + kBeingWritten - kCapacity : 0;
+  if (good > from) {
+    const std::uint64_t bad = std::min<std::uint64_t>(good - from, seen.size());
+    seen.erase(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(bad));
+    from += bad;
+  }
+  next_ = count;
+  return from - first;
+}
+
+}  // namespace limb_ring::promises

@@ -1,0 +1,56 @@
+// Observations in mapped memory: all of them, or so many lost.
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "promises/observation_file.h"
+
+namespace limb_ring::promises {
+namespace {
+
+struct ObservationFileTest : testing::Test {
+  ObservationFileTest()
+      : path((std::filesystem::temp_directory_path() / ("seen" + std::to_string(::getpid()))).string()) {}
+  void write(std::uint32_t count) {
+    Observation seen;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      seen.token = next++;
+      file.put(seen);
+    }
+  }
+  std::string path;
+  ObservationFile file{path};
+  std::uint32_t next = 0;
+  std::vector<Observation> seen;
+};
+
+TEST_F(ObservationFileTest, aReaderGetsAllFromWhereItBegan) {
+  write(10);
+  ObservationReader reader(path, file.count());
+  EXPECT_EQ(reader.read(seen), 0u);
+  EXPECT_TRUE(seen.empty());
+  write(3);
+  EXPECT_EQ(reader.read(seen), 0u);
+  ASSERT_EQ(seen.size(), 3u);
+  EXPECT_EQ(seen.front().token, 10u);
+}
+
+TEST_F(ObservationFileTest, whoIsTooSlowIsToldHowManyAreLost) {
+  ObservationReader reader(path, 0);
+  write(100000);
+  const std::uint64_t lost = reader.read(seen);
+  EXPECT_GT(lost, 0u);
+  EXPECT_EQ(lost + seen.size(), 100000u);
+  EXPECT_EQ(seen.back().token, 99999u);
+  EXPECT_EQ(seen.front().token, lost);
+}
+
+TEST_F(ObservationFileTest, anotherFileIsRefused) {
+  EXPECT_THROW(ObservationReader("/proc/self/stat", 0), std::exception);
+  EXPECT_THROW(ObservationReader(path + "none", 0), std::exception);
+}
+
+}  // namespace
+}  // namespace limb_ring::promises
