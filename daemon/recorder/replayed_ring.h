@@ -40,6 +40,7 @@ class ReplayedRing {
   explicit ReplayedRing(const std::string& folder);
 
   std::vector<std::unique_ptr<ReplayedLife>>& lives() { return lives_; }
+  const std::vector<std::unique_ptr<ReplayedLife>>& lives() const { return lives_; }
   /// The first record of all.
   std::chrono::nanoseconds began() const { return began_; }
   /// So long after it.

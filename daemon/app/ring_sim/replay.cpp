@@ -13,6 +13,7 @@
 #include "cli/values.h"
 #include "recorder/recorder_file.h"
 #include "recorder/replay_capture.h"
+#include "recorder/replayed_promises.h"
 #include "recorder/replayed_ring.h"
 
 namespace limb_ring::ring_sim {
@@ -76,6 +77,24 @@ unsigned print_results(ReplayedRing& ring) {
   return different;
 }
 
+std::string name_of(const ReplayedRing& ring, std::uint8_t id) {
+  for (const auto& life : ring.lives())
+    if (life->node() == id) return "node " + std::to_string(id) + " (" + life->title().node + ")";
+  return "node " + std::to_string(id);
+}
+
+void print_breach(const ReplayedRing& ring, const promises::Breach& breach) {
+  std::cout << "promise broken " << seconds(ring.after(nanoseconds(breach.at_ns))) << " after the first record, at "
+            << name_of(ring, breach.node) << ": " << to_string(breach.promise) << ": " << breach.what << "\n";
+}
+
+void print_promises(const ReplayedRing& ring, const recorder::ReplayedPromises& promises) {
+  for (const promises::Breach& breach : promises.breaches()) print_breach(ring, breach);
+  const std::uint64_t broken = promises.counts().breaches;
+  std::cout << "promises: " << (broken == 0 ? "all kept" : std::to_string(broken) + " broken") << "; "
+            << describe(promises.counts()) << std::endl;
+}
+
 void require_node(ReplayedRing& ring, const std::string& node) {
   for (const auto& life : ring.lives())
     if (is_of(*life, node)) return;
@@ -100,9 +119,11 @@ int run(const ReplayOptions& options) {
   }
   const nanoseconds until = options.until_s ? nanoseconds(static_cast<std::int64_t>(*options.until_s * 1e9))
                                             : nanoseconds(std::numeric_limits<std::int64_t>::max() / 2);
+  recorder::ReplayedPromises promises(*ring);
   Progress progress;
   std::uint64_t done = 0;
   while (ReplayedLife* life = ring->step(until)) {
+    promises.has_done(*life);
     if (++done % 4096 == 0) progress.tell("replayed " + std::to_string(done) + " records");
     if (!options.print || !is_of(*life, options.node)) continue;
     const recorder::Record& record = life->replay().last();
@@ -111,21 +132,25 @@ int run(const ReplayOptions& options) {
   if (options.until_s)
     for (const auto& life : ring->lives())
       if (options.node.empty() || is_of(*life, options.node)) print_state(*life);
+  promises.finish();
+  print_promises(*ring, promises);
   const unsigned different = print_results(*ring);
   if (capture) {
     const std::string problem = app::finish_writing(file, options.capture);
     if (!problem.empty()) throw std::runtime_error(problem);
   }
-  return different == 0 ? kDone : kBroken;
+  return different == 0 && promises.counts().breaches == 0 ? kDone : kBroken;
 }
 
 }  // namespace
 
 void add_replay(CLI::App& app, Context& context) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = add_command(app, "replay",
-                                  "Do again what flight recorders of a live ring have recorded, and compare each byte "
-                                  "and event; exit code 1 where this program does something else");
+  CLI::App* command =
+      add_command(app, "replay",
+                  "Do again what flight recorders of a live ring have recorded, compare each byte and "
+                  "event, and judge the ring's promises over all nodes together; exit code 1 where this "
+                  "program does something else, or a promise was broken");
   command->add_option("DIR", options->folder, "Folder of 'ringctl record save'")->required();
   command->add_option("--until", options->until_s, "Stop so many seconds after the first record, and print the state")
       ->transform(cli::seconds(0.0, 1e9));

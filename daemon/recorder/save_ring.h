@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace limb_ring::recorder {
+
+/// What save_ring() has copied.
+struct SavedRing {
+  std::size_t recordings = 0, bytes = 0;
+};
+
+/// Copies the recordings of all nodes of a ring, also of dead ones and of the lives before, while the ring goes on.
+/// @param ring_folder its runtime folder
+/// @param to a folder, which is made where it is not there
+/// @return 0 recordings where there are none
+/// @throw std::exception says what is wrong, and with which file
+SavedRing save_ring(const std::string& ring_folder, const std::string& to);
+
+/// Folders that begin with `prefix` in `folder`, all but the `keep` newest by name, are removed.
+void remove_old_saves(const std::string& folder, const std::string& prefix, std::size_t keep);
+
+}  // namespace limb_ring::recorder
