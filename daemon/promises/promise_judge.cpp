@@ -282,7 +282,8 @@ void PromiseJudge::taken(std::uint8_t id, const Observation& seen) {
   if (seen.destination != id && seen.destination != wire::kBroadcast)
     return break_promise(Promise::undamaged, id, seen.source, seen.at_ns,
                          name_of(seen, seen.source) + ", was given to the CPU of node " + std::to_string(id));
-  if (!match(id, seen)) node.pending.push_back({seen, round_, node.empty_at});
+  // Behind one that waits for its cause others wait as well: their order is judged.
+  if (!node.pending.empty() || !match(id, seen)) node.pending.push_back({seen, round_, node.empty_at});
 }
 
 /// The first send of that content behind what this receiver took last. INTPs of one factor are all alike, so their
@@ -324,15 +325,19 @@ bool PromiseJudge::match(std::uint8_t receiver, const Observation& seen) {
 
 void PromiseJudge::settle_pending(std::uint8_t receiver) {
   auto& pending = at(receiver).pending;
+  std::bitset<kNodes * kQueues> waits;  // by source and queue: one of these does
   for (std::size_t left = pending.size(); left != 0; --left) {
     const Pending next = pending.front();
     pending.pop_front();
+    const std::size_t from = next.seen.source * kQueues + next.seen.queue;
     const bool pass = next.seen.kind == Kind::passed;
-    if (pass ? mark_passed(receiver, next.seen) : match(receiver, next.seen)) continue;
-    if (next.round == round_)
+    if (!waits[from] && (pass ? mark_passed(receiver, next.seen) : match(receiver, next.seen))) continue;
+    if (next.round == round_) {
+      waits[from] = waits[from] || !pass;
       pending.push_back(next);
-    else if (!pass)
+    } else if (!pass) {
       classify(receiver, next);
+    }
   }
 }
 

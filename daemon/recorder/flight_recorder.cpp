@@ -54,7 +54,7 @@ void FlightRecorder::begin_half() {
 
 void FlightRecorder::stop() {
   stopped_ = true;
-  controller_.set_journal(nullptr);
+  controller_.set_journal(next_);
   on_too_small_();
 }
 
@@ -72,14 +72,22 @@ void FlightRecorder::put(const What& what, core::Time at) {
 void FlightRecorder::goes_in(const core::Input& input, core::Time now) {
   if (full_ || room() < kMargin) begin_half();
   if (!stopped_) put(input, now == core::kNever ? last_ : now);
+  if (next_ != nullptr) next_->goes_in(input, now);
 }
 
 void FlightRecorder::goes_out(core::Line line, wire::ByteView framed_slices) {
   put(Written{line, framed_slices}, last_);
+  if (next_ != nullptr) next_->goes_out(line, framed_slices);
 }
 
-void FlightRecorder::taken(const core::Event& event, core::Time now) { put(event, now); }
+void FlightRecorder::taken(const core::Event& event, core::Time now) {
+  put(event, now);
+  if (next_ != nullptr) next_->taken(event, now);
+}
 
-void FlightRecorder::taken(const core::ReceivedPacket& packet, core::Time now) { put(packet, now); }
+void FlightRecorder::taken(const core::ReceivedPacket& packet, core::Time now) {
+  put(packet, now);
+  if (next_ != nullptr) next_->taken(packet, now);
+}
 
 }  // namespace limb_ring::recorder

@@ -27,6 +27,12 @@ class FlightRecorder final : public core::Journal {
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
+  /// Another journal of the same controller, which may be null; it must outlive this, or that.
+  void set_next(core::Journal* next) {
+    next_ = next;
+    if (stopped_) controller_.set_journal(next);
+  }
+
   void goes_in(const core::Input& input, core::Time now) override;
   void goes_out(core::Line line, wire::ByteView framed_slices) override;
   void taken(const core::Event& event, core::Time now) override;
@@ -54,6 +60,7 @@ class FlightRecorder final : public core::Journal {
   bool full_ = false;  ///< something had no room: the half ends before it
   bool stopped_ = false;
   std::function<void()> on_too_small_;
+  core::Journal* next_ = nullptr;
 };
 
 }  // namespace limb_ring::recorder

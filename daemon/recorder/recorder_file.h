@@ -24,6 +24,9 @@ class RecorderFile {
   RecorderFile(const std::string& path, std::size_t size, core::NetworkController& controller, const Title& title,
                core::Time now, std::function<void()> on_too_small);
 
+  /// See FlightRecorder.
+  void set_next(core::Journal* next) { recorder_.set_next(next); }
+
  private:
   Mapping memory_;
   FlightRecorder recorder_;

@@ -13,6 +13,7 @@ void ClientCalls::on_detach(const host::ClientInfo& client) {
   to_.engine.controller().cancel(SendOwner::of(client.id).to_core(), to_.engine.now());
   to_.observers.remove(client.id);
   to_.packet_observers.remove(client.id);
+  to_.promise_observers.remove(client.id);
   if (client.role == Role::cpu) to_.cpu.detach(client);
   to_.engine.pump();
 }
@@ -67,6 +68,7 @@ void ClientCalls::on_observe(host::ClientId client, const client::ObserveRequest
     const ObserveFilter filter = read_observe_filter(to_.ring, std::string(request.json));
     to_.observers.set(client, filter.kinds);
     to_.packet_observers.set(client, filter.packets);
+    to_.promise_observers.set(client, filter.promises);
   } catch (const std::exception& error) {
     to_.host.observed(client, nlohmann::json{{"error", error.what()}}.dump());
   }

@@ -5,6 +5,7 @@
 #include "runtime/cpu_socket.h"
 #include "runtime/observers.h"
 #include "runtime/packet_observers.h"
+#include "runtime/promise_observers.h"
 #include "runtime/requests.h"
 
 namespace limb_ring::runtime {
@@ -22,6 +23,7 @@ class ClientCalls final : public host::HostHandler {
     Requests& requests;
     Observers& observers;
     PacketObservers& packet_observers;
+    PromiseObservers& promise_observers;
   };
   explicit ClientCalls(const Receivers& receivers) : to_(receivers) {}
 

@@ -45,6 +45,12 @@ void Engine::record(const std::string& path, std::size_t size, recorder::Title t
   });
 }
 
+// The flight recorder is the journal, and passes on what it sees.
+void Engine::set_journal(core::Journal* journal) {
+  if (recorder_ != nullptr) return recorder_->set_next(journal);
+  controller_.set_journal(journal);
+}
+
 void Engine::set_tap(LineTap* tap) {
   tap_ = tap;
   controller_.set_tap(tap != nullptr ? this : nullptr);

@@ -43,6 +43,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   void close() override;
   void listen_again() override;
   void set_tap(LineTap* tap) override;
+  void set_journal(core::Journal* journal) override;
 
   LineEnds ends(core::Line line) const override;
   const link::InputCounters& input_counters(core::Line on) const override { return line(on).input().counters(); }

@@ -34,11 +34,12 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       engine_(*driver_),
       router_({config, base.log_prefix, reasons_, engine_, host_, *folder_, cpu_, pins_, traffic_, interrupts_, faults_,
                round_trips_, observers_}),
-      calls_({ring, engine_, host_, cpu_, requests_, observers_, packet_observers_}),
+      calls_({ring, engine_, host_, cpu_, requests_, observers_, packet_observers_, promise_observers_}),
       filter_(base.make_filter ? base.make_filter(calls_) : nullptr),
       host_(io, host_options(ring, config, folder_->path(), base.turns), filter_ ? *filter_ : calls_),
       observers_(host_, engine_.clock()),
       packet_observers_(wire::NodeId{config.id}, engine_, host_),
+      promise_observers_(wire::NodeId{config.id}, folder_->path(), engine_, host_),
       cpu_(io, cpu_options(ring, config, base), engine_, host_,
            [this, tell = base.on_cpu_changed] {
              const CpuStatus cpu = cpu_.status();

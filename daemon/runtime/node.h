@@ -21,6 +21,7 @@
 #include "runtime/observers.h"
 #include "runtime/packet_observers.h"
 #include "runtime/pin_board.h"
+#include "runtime/promise_observers.h"
 #include "runtime/requests.h"
 #include "runtime/ring_supervisor.h"
 #include "runtime/round_trips.h"
@@ -91,6 +92,7 @@ class Node {
   host::HostServer host_;
   Observers observers_;
   PacketObservers packet_observers_;
+  PromiseObservers promise_observers_;
   CpuSocket cpu_;
   PinBoard pins_;
   Traffic traffic_;

@@ -79,6 +79,10 @@ class NodeDriver {
   /// From now on `tap`, which may be null, sees the lines; it must outlive that.
   virtual void set_tap(LineTap* tap) = 0;
 
+  /// From now on `journal`, which may be null, sees all that goes into the controller and comes out; it must outlive
+  /// that.
+  virtual void set_journal(core::Journal* journal) { controller().set_journal(journal); }
+
   /// @name Its lines. @pre has_second_line(), for the second
   ///@{
   bool has_second_line() const { return controller().settings().fold_back; }

@@ -82,7 +82,11 @@ ObserveFilter read_observe_filter(const config::RingConfig& ring, const std::str
   const Words& events = client::event_kinds();
   for (const std::size_t kind : words_in(order, "kinds", events)) read.kinds.insert(events[kind]);
   const bool packets = order.contains("packets");
-  if (read.kinds.empty() && !packets) read.kinds.insert(events.begin(), events.end());
+  if (order.contains("promises")) {
+    if (!order["promises"].is_boolean()) throw RequestError("observe: promises is true or false");
+    read.promises = order["promises"].get<bool>();
+  }
+  if (read.kinds.empty() && !packets && !order.contains("promises")) read.kinds.insert(events.begin(), events.end());
   if (packets && !order["packets"].is_null()) read.packets = choice_of(ring, order["packets"]);
   return read;
 }

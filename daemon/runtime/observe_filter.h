@@ -14,6 +14,7 @@ namespace limb_ring::runtime {
 struct ObserveFilter {
   std::set<std::string> kinds;             ///< of events; empty: none
   std::optional<capture::Choice> packets;  ///< nothing: none
+  bool promises = false;                   ///< all that judging the ring's promises needs
 };
 
 /// @throw std::runtime_error naming what is wrong, and what is allowed

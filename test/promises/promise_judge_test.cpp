@@ -341,6 +341,19 @@ TEST_F(JudgeTest, whatOtherNodesSeeFirstWaitsForItsCause) {
   EXPECT_THAT(broken(), IsEmpty());
 }
 
+TEST_F(JudgeTest, whatComesBehindOneThatWaitsForItsCauseWaitsToo) {
+  take(2, 1, 5);
+  rounds(1);
+  ask(1, 2, 5);
+  ask(1, 2, 6);
+  take(2, 1, 6);  // read before the next look at what waits
+  end(1, 2, 5, Outcome::delivered);
+  end(1, 2, 6, Outcome::delivered);
+  rounds(40);
+  EXPECT_THAT(broken(), IsEmpty());
+  EXPECT_EQ(judge.counts().all_unjudged(), 0u);
+}
+
 TEST_F(JudgeTest, aReceiverThatRestartedMayTakeOnceMore) {
   ask(1, 2, 5);
   take(2, 1, 5);

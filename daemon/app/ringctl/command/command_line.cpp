@@ -5,6 +5,7 @@
 #include <set>
 
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/command/watch.h"
 #include "app/ringctl/other_host.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
@@ -46,6 +47,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_observe(app, context);
   add_dump(app, context);
   add_trace(app, context);
+  add_watch(app, context);
   add_record(app, context);
   add_replay(app, context);
   add_top(app, context);

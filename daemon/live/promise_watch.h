@@ -1,0 +1,62 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limb_ring/host_port.h"
+#include "promises/observation_file.h"
+#include "promises/promise_judge.h"
+
+namespace limb_ring::live {
+
+/// Judges the promises of a living ring from what its daemons let see. Nodes may die, stand still and come back. (ours)
+class PromiseWatch {
+ public:
+  /// How often poll() is to be called; what breaks is told within a second.
+  static constexpr std::chrono::milliseconds kRound{50};
+
+  struct Ring {
+    std::string name;
+    std::vector<std::uint8_t> nodes;  ///< of this host
+    bool folds_back = false;
+    std::string runtime = {};  ///< as ConnectOptions
+  };
+  PromiseWatch(Ring ring, promises::PromiseJudge::OnBreach on_breach);
+
+  /// Looks at all nodes, and for those that are not there. May wait for 200 ms where one does not answer.
+  void poll();
+  /// Nodes that are being looked at.
+  std::size_t watched() const;
+  const promises::JudgeCounts& counts() const { return judge_.counts(); }
+  /// The instant of a breach since 1970; on a virtual ring by its own clock.
+  std::chrono::nanoseconds date(std::int64_t at_ns) const { return std::chrono::nanoseconds(at_ns) + to_date_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Node {
+    std::uint8_t id;
+    std::optional<HostPort> port;
+    std::unique_ptr<promises::ObservationReader> reader;
+    int last_rounds = 0;  ///< until it counts as dead
+    Clock::time_point next_try{};
+  };
+
+  void connect(Node& node);
+  void hear(Node& node);
+  void begin(Node& node, const std::string& json);
+  void read(Node& node);
+
+  Ring ring_;
+  std::string folder_;
+  promises::PromiseJudge judge_;
+  std::vector<Node> nodes_;
+  std::vector<promises::Observation> seen_;
+  std::chrono::nanoseconds to_date_{0};
+};
+
+}  // namespace limb_ring::live

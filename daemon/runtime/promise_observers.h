@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+
+#include "host/host_server.h"
+#include "promises/node_observer.h"
+#include "promises/observation_file.h"
+#include "runtime/node_driver.h"
+
+namespace limb_ring::runtime {
+
+/// Clients that judge the ring's promises. While there are any, what goes into the node's network controller and comes
+/// out is written into a file, ID.watch in the ring's folder; each is told where, and from where on. Nothing is spent
+/// while there are none. (ours)
+class PromiseObservers {
+ public:
+  /// @param folder the ring's
+  PromiseObservers(wire::NodeId self, std::string folder, NodeDriver& engine, host::HostServer& host);
+  ~PromiseObservers() { stop(); }
+  PromiseObservers(const PromiseObservers&) = delete;
+  PromiseObservers& operator=(const PromiseObservers&) = delete;
+
+  /// @throw std::system_error where the file cannot be made
+  void set(host::ClientId client, bool wanted);
+  void remove(host::ClientId client);
+
+ private:
+  void start();
+  void stop();
+  void tell(host::ClientId client);
+
+  std::string path_;
+  NodeDriver& engine_;
+  host::HostServer& host_;
+  std::set<host::ClientId> clients_;
+  std::unique_ptr<promises::ObservationFile> file_;
+  std::unique_ptr<promises::NodeObserver> observer_;
+};
+
+}  // namespace limb_ring::runtime
