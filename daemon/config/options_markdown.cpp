@@ -39,13 +39,14 @@ std::string options_markdown() {
          table("`timeouts`", timeouts_section()) + table("`links`", links_section()) +
          table("`links.expected`, `nodes[].link.expected`", expected_section()) +
          table("`firmware`", firmware_section()) + table("`realtime`", realtime_section()) +
-         table("`hosts[]`", host_section()) + table("`nodes[]`", node_section()) +
-         table("`nodes[].cpu`, a map", cpu_section()) + table("`nodes[].joints[]`", joint_section()) +
-         table("`nodes[].sensors[]`", sensor_section()) + table("`nodes[].pins`", pins_section()) +
-         table("`nodes[].inputs`", inputs_section()) + table("`nodes[].inputs`, each", input_section()) +
-         table("`nodes[].link`", link_section()) + table("`supervisor`", supervisor_section()) +
-         table("`virtual`", virtual_clock_section()) + table("`bridge`", bridge_section()) +
-         table("`bridge.topics[]`", topic_section()) + table("`traffic[]`", traffic_section());
+         table("`recorder`", recorder_section()) + table("`hosts[]`", host_section()) +
+         table("`nodes[]`", node_section()) + table("`nodes[].cpu`, a map", cpu_section()) +
+         table("`nodes[].joints[]`", joint_section()) + table("`nodes[].sensors[]`", sensor_section()) +
+         table("`nodes[].pins`", pins_section()) + table("`nodes[].inputs`", inputs_section()) +
+         table("`nodes[].inputs`, each", input_section()) + table("`nodes[].link`", link_section()) +
+         table("`supervisor`", supervisor_section()) + table("`virtual`", virtual_clock_section()) +
+         table("`bridge`", bridge_section()) + table("`bridge.topics[]`", topic_section()) +
+         table("`traffic[]`", traffic_section());
 }
 
 }  // namespace limb_ring::config

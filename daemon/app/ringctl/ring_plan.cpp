@@ -8,6 +8,7 @@
 #include "app/ringctl/ring_file.h"
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
+#include "config/recorder_saves.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::ringctl {
@@ -56,6 +57,14 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   return arguments;
 }
 
+std::vector<std::string> keeper_arguments(const std::string& config, const std::string& ring) {
+  const config::RecorderSaves saves = config::load_recorder_saves(config);
+  if (saves.when.empty()) return {};
+  std::string when;
+  for (const std::string& word : saves.when) when += (when.empty() ? "" : ",") + word;
+  return {"--ring", ring, "record", "keep", saves.folder, "--when", when, "--keep", std::to_string(saves.keep)};
+}
+
 }  // namespace
 
 std::vector<std::string> RingPlan::arguments_of(const NodeName& node) const {
@@ -90,6 +99,8 @@ RingPlan plan_ring(const UpRequest& given) {
   plan.is_virtual = request.clock.has_value();
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   plan.ring_size = config.nodes.size();
+  const bool records = config.recorder.enabled || request.record;
+  if (records && !plan.is_virtual && !request.config.empty()) plan.keeper = keeper_arguments(request.config, plan.ring);
   if (!plan.is_virtual) plan.host = chosen_host(config, request.host);
   if (plan.host == kAllHosts) {
     plan.host.clear();

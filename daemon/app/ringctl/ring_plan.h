@@ -42,6 +42,8 @@ struct RingPlan {
   std::string host;                    ///< whose nodes these are; empty: all of the ring
   std::vector<std::string> arguments;  ///< of every ringd, without --node
   bool is_virtual = false;             ///< one daemon for all nodes
+  /// Arguments of the `ringctl` that saves recordings when something goes wrong; empty: none does.
+  std::vector<std::string> keeper;
 
   bool is_part() const { return nodes.size() < ring_size; }
   /// Command line of the daemon of one node, without the program.

@@ -6,8 +6,13 @@
 #include "app/common/text_table.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/recording_keeper.h"
+#include "app/ringctl/ring_access.h"
+#include "app/ringctl/signal_wait.h"
+#include "cli/values.h"
 #include "limb_ring/ring_directory.h"
 #include "recorder/recorder_file.h"
+#include "recorder/save_ring.h"
 
 namespace limb_ring::ringctl {
 
@@ -17,8 +22,12 @@ namespace fs = std::filesystem;
 
 struct RecordOptions {
   std::string folder;
-  std::string ring;
+  std::vector<std::string> when{"crash", "break", "promise"};
+  unsigned keep = 5;
 };
+
+/// A ring that is being started may take so long until one of its daemons answers.
+constexpr std::chrono::seconds kStarts{60};
 
 /// The only ring with recordings, where none is named: also one whose daemons are all dead.
 std::string recorded_ring(const std::string& asked) {
@@ -45,21 +54,57 @@ void require_empty(const fs::path& folder) {
 
 int save(const RecordOptions& options, const Context& context) {
   const std::string ring = recorded_ring(context.ring);
-  const std::vector<std::string> recordings = recorder::recordings_in(ring_directory(ring));
-  if (recordings.empty())
+  if (recorder::recordings_in(ring_directory(ring)).empty())
     throw NoRing("ring " + ring + " has no recordings; 'ringctl up --record' or recorder: {enabled: true} makes them");
   require_empty(options.folder);
-  std::size_t bytes = 0;
-  for (const std::string& recording : recordings) {
+  recorder::SavedRing saved;
+  try {
+    saved = recorder::save_ring(ring_directory(ring), options.folder);
+  } catch (const std::exception& problem) {
+    throw NotDone(problem.what());
+  }
+  std::cout << "saved " << app::counted(saved.recordings, "recording") << " of ring " << ring << ", "
+            << saved.bytes / 1000 << " kB; 'ring_sim replay " << options.folder << "' does it all again" << std::endl;
+  return kDone;
+}
+
+/// @throw NoRing where none answers in time
+RingAccess wait_for_ring(const std::string& ring, SignalWait& signals) {
+  const auto deadline = std::chrono::steady_clock::now() + kStarts;
+  for (;;) {
     try {
-      bytes += recorder::save_file(recording, (fs::path(options.folder) / fs::path(recording).filename()).string());
-    } catch (const std::exception& problem) {
-      throw NotDone(recording + ": " + problem.what());
+      return RingAccess::open(ring);
+    } catch (const NoRing&) {
+      if (std::chrono::steady_clock::now() >= deadline || signals.asked_to_end(SignalWait::kTick)) throw;
     }
   }
-  std::cout << "saved " << app::counted(recordings.size(), "recording") << " of ring " << ring << ", " << bytes / 1000
-            << " kB; 'ring_sim replay " << options.folder << "' does it all again" << std::endl;
+}
+
+int keep(const RecordOptions& options, const Context& context) {
+  SignalWait signals;
+  const RingAccess ring = wait_for_ring(context.ring.empty() ? choose_ring("") : context.ring, signals);
+  const std::string folder = fs::absolute(options.folder).lexically_normal().string();
+  RecordingKeeper keeper(ring, {{options.when.begin(), options.when.end()}, folder, options.keep});
+  keeper.poll();
+  std::cerr << "ringctl: recordings of ring " << ring.ring() << " are saved in " << folder
+            << " when something goes wrong" << std::endl;
+  do keeper.poll();
+  while (!signals.asked_to_end(RecordingKeeper::kRound) && !keeper.ring_is_gone());
   return kDone;
+}
+
+void add_keep(CLI::App& record, Context& context, const std::shared_ptr<RecordOptions>& options) {
+  CLI::App* command = add_command(record, "keep",
+                                  "Stay beside the ring and save its recordings when something goes wrong, until it is "
+                                  "taken down; 'ringctl up' does it where the ring's file says recorder: {save: ...}");
+  command->add_option("DIR", options->folder, "Each save is a folder in it, named by ring, date and reason")
+      ->required();
+  command->add_option("--when", options->when, "crash, break, promise; default: all of them")
+      ->delimiter(',')
+      ->transform(cli::one_of({"crash", "break", "promise"}));
+  command->add_option("--keep", options->keep, "So many saves of the ring, the newest; 1 to 1000, default 5")
+      ->transform(cli::whole(1, 1000));
+  command->callback([&context, options] { context.action = [options, &context] { return keep(*options, context); }; });
 }
 
 }  // namespace
@@ -73,6 +118,7 @@ void add_record(CLI::App& app, Context& context) {
                                   "the ring goes on; before 'ringctl down', which removes them");
   command->add_option("DIR", options->folder, "A new or empty folder")->required();
   command->callback([&context, options] { context.action = [options, &context] { return save(*options, context); }; });
+  add_keep(*record, context, std::make_shared<RecordOptions>());
 }
 
 }  // namespace limb_ring::ringctl

@@ -16,6 +16,8 @@
 #include "cli/values.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "process/find_program.h"
+#include "process/program.h"
 #include "process/service_manager.h"
 
 namespace limb_ring::ringctl {
@@ -148,9 +150,21 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, SignalW
   end_restarted(plan.ring);
 }
 
+/// Saves recordings when something goes wrong, where the ring's file says so; ends with the ring.
+std::optional<process::Program> start_keeper(const RingPlan& plan, bool detached) {
+  if (plan.keeper.empty()) return std::nullopt;
+  process::ProgramRequest request;
+  request.name = process::own_folder() + "/ringctl";
+  request.arguments = plan.keeper;
+  request.lifetime = detached ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
+  if (detached) request.log = ring_directory(plan.ring) + "/keep.log";
+  return process::Program(request);
+}
+
 int respawn(const RingPlan& plan) {
   SignalWait signals;
   live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end, false));
+  const auto keeper = start_keeper(plan, false);
   try {
     stay_and_respawn(plan, daemons, signals);
   } catch (const NotDone& problem) {
@@ -184,6 +198,7 @@ int run(const RingPlan& plan, const UpOptions& options) {
     announce(plan, watch.ring_size());
   else
     std::cout << "ring " << plan.ring << " has ended: its time was over" << std::endl;
+  const auto keeper = start_keeper(plan, options.detach);
   if (options.detach) return kDone;
   const int code = stay(daemons, signals);
   end_restarted(plan.ring);

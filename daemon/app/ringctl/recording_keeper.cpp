@@ -1,0 +1,141 @@
+#include "app/ringctl/recording_keeper.h"
+
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
+#include "live/node_notes.h"
+#include "recorder/save_ring.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+/// What follows from it is to be recorded as well.
+constexpr milliseconds kLater{300};
+/// Not more often than this: one cause shows in many ways.
+constexpr std::chrono::seconds kBetween{5};
+constexpr milliseconds kConnectsAgain{500}, kConnects{200};
+
+/// "2026-11-23_061508_123"
+std::string date_text() {
+  const auto now = std::chrono::system_clock::now();
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  std::tm local{};
+  ::localtime_r(&seconds, &local);
+  char text[64];
+  std::strftime(text, sizeof text, "%Y-%m-%d_%H%M%S", &local);
+  const auto ms = std::chrono::duration_cast<milliseconds>(now.time_since_epoch()).count() % 1000;
+  const std::string digits = std::to_string(1000 + ms);
+  return text + ("_" + digits.substr(1));
+}
+
+void tell_user(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }
+
+}  // namespace
+
+RecordingKeeper::RecordingKeeper(const RingAccess& ring, Options options)
+    : ring_(ring.ring()), folder_(ring_directory(ring.ring())), options_(std::move(options)) {
+  live::PromiseWatch::Ring watched{ring_, {}, ring.folds_back()};
+  for (const NodeName& node : ring.nodes_here()) {
+    nodes_.push_back({node, -1, std::nullopt, {}});
+    watched.nodes.push_back(node.id);
+  }
+  if (options_.when.count("promise") != 0)
+    watch_.emplace(watched, [this](const promises::Breach& breach) {
+      want("promise", std::string("promise broken: ") + to_string(breach.promise) + ": " + breach.what);
+    });
+}
+
+bool RecordingKeeper::ring_is_gone() const {
+  return std::none_of(nodes_.begin(), nodes_.end(),
+                      [this](const Node& node) { return live::holder_of(folder_, node.name.id).pid >= 0; });
+}
+
+void RecordingKeeper::poll() {
+  if (watch_) watch_->poll();
+  for (Node& node : nodes_) {
+    if (options_.when.count("crash") != 0) look_for_crash(node);
+    if (options_.when.count("break") != 0) look_for_breaks(node);
+  }
+  if (!wanted_.empty() && Clock::now() >= due_) save();
+}
+
+// One that ends cleanly takes its door away; what was killed on purpose has a note.
+void RecordingKeeper::look_for_crash(Node& node) {
+  const live::Holder holder = live::holder_of(folder_, node.name.id);
+  const pid_t before = std::exchange(node.pid, holder.held ? holder.pid : -1);
+  if (before <= 0 || holder.pid < 0 || node.pid == before) return;
+  const bool left_its_door = node.pid > 0 || fs::exists(folder_ + '/' + std::to_string(node.name.id) + ".host");
+  if (left_its_door && !live::is_killed(folder_, wire::NodeId{node.name.id}))
+    want("crash", "node " + label(node.name) + " has crashed");
+}
+
+void RecordingKeeper::look_for_breaks(Node& node) {
+  if (!node.port && Clock::now() >= node.next_try) {
+    node.next_try = Clock::now() + kConnectsAgain;
+    const live::Holder holder = live::holder_of(folder_, node.name.id);
+    if (!holder.held || holder.frozen) return;
+    try {
+      ConnectOptions options;
+      options.ring = ring_;
+      options.node = std::to_string(node.name.id);
+      options.timeout = kConnects;
+      node.port.emplace(HostPort::connect(options));
+      node.port->observe(R"({"kinds": ["state"]})");
+    } catch (const HostPortError&) {
+      node.port.reset();
+    }
+  }
+  while (node.port) {
+    const auto message = node.port->receive(milliseconds(0));
+    if (!message) {
+      if (!node.port->connected()) node.port.reset();
+      return;
+    }
+    if (const auto* seen = std::get_if<Observed>(&*message)) hear(seen->json);
+    if (std::holds_alternative<Disconnected>(*message)) node.port.reset();
+  }
+}
+
+void RecordingKeeper::hear(const std::string& json) {
+  const auto state = nlohmann::json::parse(json, nullptr, /*allow_exceptions=*/false);
+  if (!state.is_object() || !state.contains("broken_line")) return;
+  const auto& line = state["broken_line"];
+  if (!line.is_object()) return broken_.clear();
+  const std::pair<int, int> ends{line.value("before", -1), line.value("behind", -1)};
+  if (broken_.insert(ends).second)
+    want("break",
+         "the line from node " + std::to_string(ends.first) + " to " + std::to_string(ends.second) + " is broken");
+}
+
+void RecordingKeeper::want(const std::string& what, const std::string& words) {
+  if (!wanted_.empty() || (last_ != Clock::time_point{} && Clock::now() - last_ < kBetween)) return;
+  wanted_ = what;
+  words_ = words;
+  due_ = Clock::now() + kLater;
+}
+
+void RecordingKeeper::save() {
+  const std::string prefix = ring_ + '-';
+  const std::string to = options_.folder + '/' + prefix + date_text() + '-' + std::exchange(wanted_, "");
+  last_ = Clock::now();
+  try {
+    const recorder::SavedRing saved = recorder::save_ring(folder_, to);
+    if (saved.recordings == 0) return tell_user(words_ + "; there are no recordings to be saved");
+    recorder::remove_old_saves(options_.folder, prefix, options_.keep);
+    tell_user(words_ + "; recordings are saved in " + to);
+  } catch (const std::exception& problem) {
+    tell_user(words_ + "; recordings cannot be saved: " + problem.what());
+  }
+}
+
+}  // namespace limb_ring::ringctl
