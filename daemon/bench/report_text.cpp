@@ -54,6 +54,7 @@ std::string label(const Row& row) {
   if (row.what == "spin") return "shared memory, spin: 50us";
   if (row.what == "watched") return "  while one dump reads along";
   if (row.what == "recorded") return "  with flight recorders";
+  if (row.what == "judged") return "  while `ringctl watch` judges it";
   if (row.what == "udp") return "limb_ring over UDP";
   if (row.what == "keyed") return "  keyed (links.key)";
   if (row.what == "cpu_to_cpu") return "limb_ring, CPU to CPU and back";
@@ -73,8 +74,8 @@ void print_line(std::ostream& out, const Row& row) {
 void print_table(std::ostream& out, const Report& report, Pinning pinning, Sending sending) {
   out << (sending == Sending::one ? "one sender, " : "all sending, ")
       << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
-  for (const char* what :
-       {"reference", "shm", "recorded", "placed", "unix", "watched", "udp", "keyed", "cpu_to_cpu", "relay_chain"})
+  for (const char* what : {"reference", "shm", "recorded", "judged", "placed", "unix", "watched", "udp", "keyed",
+                           "cpu_to_cpu", "relay_chain"})
     if (const Row* row = report.find(what, pinning, sending)) print_line(out, *row);
 }
 

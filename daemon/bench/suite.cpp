@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "bench/cores.h"
 #include "bench/cpu_to_cpu.h"
@@ -11,6 +12,7 @@
 #include "bench/private_ring.h"
 #include "bench/reference_ring.h"
 #include "bench/relay_chain.h"
+#include "bench/ring_judge.h"
 #include "bench/ring_traffic.h"
 #include "bench/write_ring.h"
 #include "config/key_file.h"
@@ -67,6 +69,7 @@ class Rounds {
       ring("udp", {"", "udp", pinning_});
       ring("keyed", {keyed, "udp", pinning_});
       cpu_to_cpu({two_cpus, "", pinning_});
+      judged(round % 2 == 1);
       if (pinning_ == Pinning::one_core) recorded(round % 2 == 1);
       if (pinning_ == Pinning::one_core) continue;
       ring("placed", {write_realtime(folder_, setup_.nodes, "{cores: auto, fifo: 10}"), "shm", pinning_});
@@ -116,6 +119,23 @@ class Rounds {
     add("recorded", Sending::all, measured[true], reference);
     cases_[{"recorded", Sending::all}].additions.push_back(measured[true].round_trip_us.p50 /
                                                            measured[false].round_trip_us.p50);
+  }
+
+  /// A ring whose promises are judged meanwhile, and the same while they are not, in turns: what that costs.
+  void judged(bool first) {
+    const double reference = measure_reference_p50(Sending::all);
+    const PrivateRing ring(setup_, {"", "shm", pinning_});
+    std::map<bool, Measurement> measured;
+    for (const bool judge : {first, !first}) {
+      std::optional<RingJudge> at_work;
+      if (judge) at_work.emplace(setup_, ring, pinning_);
+      tell(judge ? "judged" : "not judged", Sending::all);
+      measured[judge] = measure_traffic(setup_, ring, Sending::all);
+      if (judge) at_work->require_kept();
+    }
+    add("judged", Sending::all, measured[true], reference);
+    cases_[{"judged", Sending::all}].additions.push_back(measured[true].round_trip_us.p50 /
+                                                         measured[false].round_trip_us.p50);
   }
 
   void cpu_to_cpu(const RingRequest& request) {

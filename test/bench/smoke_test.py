@@ -77,6 +77,12 @@ class SmallBenchmark(unittest.TestCase):
         self.check_case(recorded)
         self.assertGreater(recorded["unrecorded_ratio"], 0)
 
+    def test_judging_promises_is_compared_with_the_same_ring_unjudged(self):
+        for pinning in ("one_core", "unpinned"):
+            judged = self.report["judged"][pinning]["all_sending"]
+            self.check_case(judged)
+            self.assertGreater(judged["unjudged_ratio"], 0)
+
     def test_keyed_lines_are_compared_with_the_same_without_a_key(self):
         for pinning in ("one_core", "unpinned"):
             for sending in ("one_sender", "all_sending"):

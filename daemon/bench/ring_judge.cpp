@@ -1,0 +1,46 @@
+#include "bench/ring_judge.h"
+
+#include <stdexcept>
+#include <thread>
+
+#include "bench/cores.h"
+#include "bench/waits.h"
+#include "live/promise_watch.h"
+
+namespace limb_ring::bench {
+namespace {
+
+live::PromiseWatch::Ring ring_to_judge(const PrivateRing& ring) {
+  live::PromiseWatch::Ring judged;
+  judged.name = ring.name();
+  for (const auto& node : ring.config().nodes) judged.nodes.push_back(node.id);
+  return judged;
+}
+
+}  // namespace
+
+RingJudge::RingJudge(const Setup& setup, const PrivateRing& ring, Pinning pinning)
+    : seen_(std::make_unique<Shared<Seen>>(1)) {
+  Seen& seen = (*seen_)[0];
+  worker_ = std::make_unique<Worker>([&] {
+    stay_on(cores_for(pinning));
+    live::PromiseWatch watch(ring_to_judge(ring), [&seen](const promises::Breach&) { seen.broken = true; });
+    for (;; std::this_thread::sleep_for(live::PromiseWatch::kRound)) {
+      watch.poll();
+      seen.ready = watch.watched() == ring.config().nodes.size();
+    }
+  });
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!seen.ready) {
+    setup.poll();
+    if (!worker_->running() || std::chrono::steady_clock::now() > deadline)
+      throw std::runtime_error("the ring's promises could not be judged");
+    std::this_thread::sleep_for(kTick);
+  }
+}
+
+void RingJudge::require_kept() const {
+  if ((*seen_)[0].broken) throw std::runtime_error("a promise of the measured ring was found broken");
+}
+
+}  // namespace limb_ring::bench
