@@ -51,6 +51,10 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
   });
   if (parameters_.tells_time) port_.on_time([this](std::chrono::nanoseconds now) { tell_time(now); });
   if (parameters_.follows) follower_.emplace(nodes_, parameters_.daemon, port_.ros_clock());
+  if (parameters_.promises) {
+    promises_.emplace(parameters_.ring, parameters_.daemon);
+    diagnostics_.add(*promises_);
+  }
   status_.on_status([this](const RingStatus& status) { diagnostics_.take(status); });
   port_.start();
   status_.start();

@@ -46,6 +46,7 @@ class Bridge {
   CommandIn commands_;
   Controllers controllers_;
   std::vector<std::unique_ptr<TopicIn>> topics_in_;
+  std::optional<PromisesOut> promises_;
   DiagnosticsOut diagnostics_;
   EventsOut events_;
   StatusOut status_;

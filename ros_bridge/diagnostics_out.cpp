@@ -25,6 +25,10 @@ DiagnosticsOut::DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig&
   }
 }
 
+void DiagnosticsOut::add(const PromisesOut& promises) {
+  updater_.add("promises", [&promises](DiagnosticStatusWrapper& out) { promises.tell(out); });
+}
+
 void DiagnosticsOut::take(const RingStatus& status) {
   status_ = status;
   for (NodeHealth& node : nodes_) node.take(status, Clock::now());

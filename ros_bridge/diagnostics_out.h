@@ -6,6 +6,7 @@
 
 #include "ros_bridge/line_health.h"
 #include "ros_bridge/node_health.h"
+#include "ros_bridge/promises_out.h"
 
 namespace limb_ring::bridge {
 
@@ -15,6 +16,8 @@ class DiagnosticsOut {
  public:
   DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring);
 
+  /// From now on "promises" is told as well; they must outlive this. Before the first take().
+  void add(const PromisesOut& promises);
   /// Publishes what the status says, together with what was wrong lately.
   void take(const RingStatus& status);
 

@@ -78,6 +78,7 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   const auto ring = text_parameter(own, "ring");
   if (!ring.empty()) config::rename_ring(parameters.ring, ring);
   parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
+  parameters.promises = own.param("promises", false);
   own.getParam("frames", parameters.frames);
   const std::string clock = word_parameter(own, "clock", {"none", "tell", "follow"});
   parameters.tells_time = clock == "tell";

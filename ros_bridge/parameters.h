@@ -15,6 +15,7 @@ struct Parameters {
   /// are status, events and services, but no joint data and no topics.
   ConnectOptions daemon;
   double rate = 50.0;          ///< Hz of joint_states
+  bool promises = false;       ///< judges the ring's promises, for /diagnostics
   bool tells_time = false;     ///< publishes /clock where the ring is virtual
   bool follows = false;        ///< lets a virtual ring's time go on as far as /clock has come
   std::string sample_log;      ///< path of a file that says which samples each joint_states holds; empty: none
