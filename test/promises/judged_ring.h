@@ -67,7 +67,8 @@ class JudgedRing : public sim::Observer {
 
   void begin(wire::NodeId id) {
     const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(ring_.now().time_since_epoch());
-    judge_.begins(id, 0, longest_send(ring_.settings(id)), now.count());
+    const auto state = static_cast<std::uint8_t>(ring_.controller(id).membership().state());
+    judge_.begins(id, state, longest_send(ring_.settings(id)), now.count());
     nodes_[id] = std::make_unique<Node>(judge_, ring_, id);
     ring_.controller(id).set_journal(&nodes_[id]->observer);
   }
