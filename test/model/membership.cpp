@@ -1,0 +1,295 @@
+// A node's place in the ring: protocol.md sections 4.7, 4.8, 8.1 to 8.6, and 8.12.
+#include <algorithm>
+
+#include "model/node.h"
+
+namespace limb_ring::model {
+
+bool Node::closed() const {
+  return state_ == NodeState::up || state_ == NodeState::alone || state_ == NodeState::folded;
+}
+
+NodeState Node::closed_state() const {
+  if (ring_size_ == 1) return NodeState::alone;
+  return NodeState::up;
+}
+
+void Node::set_state(NodeState state, Time now) {
+  if (state == state_) return;
+  tell(now, core::StateChanged{state_, state});
+  state_ = state;
+}
+
+void Node::reconsider_closed(Time now) {
+  if (closed()) set_state(closed_state(), now);
+}
+
+// ---- lines ----------------------------------------------------------------------------------------
+
+void Node::lines_changed(Time now) {
+  if (in_.lost_since_home && out_.lost_since_home) return start_over(now);
+  if (both_up() && (state_ == NodeState::starting)) {
+    set_state(NodeState::joining, now);
+    say_hello(false, now);
+  } else if (both_up() && (state_ == NodeState::joining || state_ == NodeState::duplicate_id)) {
+    cancel_all(now);
+    say_hello(false, now);
+  }
+  want_beacon();
+  beacons(now);
+}
+
+// protocol.md section 4.8.
+void Node::start_over(Time now) {
+  cancel_all(now);
+  peers_.clear();
+  ring_size_ = 0;
+  signs_ = 0;
+  ++boot_;
+  data_.numbers.clear();
+  interrupts_.numbers.clear();
+  in_.lost_since_home = out_.lost_since_home = false;
+  break_.reset();
+  break_is_own_ = false;
+  break_at_ = drained_at_ = beacon_at_ = kNever;
+  beacon_wanted_ = false;
+  for (auto& [source, page] : pages_) {
+    for (auto entry = page.decided.begin(); entry != page.decided.end();) {
+      const bool kept = entry->first.first && now - entry->second.when <= 4 * try_timeout();
+      entry->second.retries_only = true;
+      entry = kept ? std::next(entry) : page.decided.erase(entry);
+    }
+  }
+  set_state(NodeState::starting, now);
+}
+
+// ---- hello ------------------------------------------------------------------------------------------
+
+void Node::say_hello(bool remembers, Time now) {
+  Send send;
+  send.destination = kAll;
+  send.last = 1 << 2;
+  send.data.resize(wire::kHelloSize);
+  wire::encode(wire::Hello{boot_, remembers}, send.data.data());
+  send.asked = send.due = now;
+  data_.queues[0].push_back(send);
+  hello_out_ = true;
+  hello_left_ = false;
+}
+
+/// A hello or beacon has ended otherwise than by coming home, or has left into an open chain.
+void Node::control_ended(const Send& send, Outcome outcome, Time now) {
+  if (send.beacon()) {
+    beacon_out_ = false;
+    return beacons(now);
+  }
+  hello_out_ = false;
+  if (outcome == Outcome::unconfirmed) hello_left_ = true;
+  if (outcome != Outcome::lost && outcome != Outcome::rejected) return beacons(now);
+  if (state_ == NodeState::joining && !both_up()) return set_state(NodeState::starting, now);
+  if (both_up()) say_hello(closed(), now);
+}
+
+// protocol.md section 4.7.
+void Node::new_hello_when_due(Time now) {
+  if (!new_hello_wanted_ || !closed() || hello_out_) return;
+  if (data_.flight || interrupts_.flight) return;
+  new_hello_wanted_ = false;
+  auto& control = data_.queues[0];
+  for (const Send& send : control)
+    if (send.beacon()) beacon_out_ = false;
+  control.clear();
+  ++boot_;
+  data_.numbers.clear();
+  interrupts_.numbers.clear();
+  say_hello(true, now);
+}
+
+// ---- what comes home ----------------------------------------------------------------------------------
+
+void Node::own_home(const Packet& packet, Time at, Time now) {
+  ring_size_ = static_cast<unsigned>(packet.hop()) + 1;
+  signs_ = 0;
+  for (NcLine* line : {&in_, &out_}) line->lost_since_home = line->was_up && !line->up;
+  const Send& send = data_.flight ? data_.flight->send : interrupts_.flight->send;
+  const bool hello = !packet.interrupt() && send.hello();
+  const bool beacon = !packet.interrupt() && send.beacon();
+  if (state_ == NodeState::duplicate_id) set_state(NodeState::joining, now);
+  if (hello) {
+    hello_out_ = false;
+    hello_left_ = true;
+    if (state_ == NodeState::joining)
+      joined(now);
+    else
+      want_beacon();  // the boot number is a new one
+    allowed_since_ = now;
+  }
+  if (beacon && packet.fbc() != 0xFF && packet.fbc() != 0) tell(now, core::BeaconHome{at - data_.flight->left});
+  reconsider_closed(now);
+}
+
+void Node::joined(Time now) {
+  pages_.erase(id());
+  set_state(closed_state(), now);
+  allowed_since_ = now;
+  want_beacon();
+}
+
+void Node::control_home_unmatched(const Packet& packet, Time at, Time now) {
+  if (!packet.control()) return;
+  const Bytes data = packet.data();
+  const auto hello = wire::decode_hello({data.data(), data.size()});
+  const auto beacon = wire::decode_beacon({data.data(), data.size()});
+  if (!hello && !beacon) return;
+  const std::uint64_t boot = hello ? hello->boot : beacon->boot;
+  if (boot < first_boot_ || boot > boot_) return sign_of_duplicate(now);
+  if (state_ != NodeState::open_chain || boot != boot_) return;
+  ring_size_ = static_cast<unsigned>(packet.hop()) + 1;
+  for (NcLine* line : {&in_, &out_}) line->lost_since_home = line->was_up && !line->up;
+  if (drained_at_ == kNever) drained_at_ = at + try_timeout();
+}
+
+// protocol.md section 8.6.
+void Node::sign_of_duplicate(Time now) {
+  if (++signs_ < 3 || state_ == NodeState::starting || state_ == NodeState::duplicate_id) return;
+  signs_ = 0;
+  cancel_all(now);
+  ++boot_;
+  data_.numbers.clear();
+  interrupts_.numbers.clear();
+  beacon_at_ = kNever;
+  set_state(NodeState::duplicate_id, now);
+  if (both_up()) say_hello(false, now);
+}
+
+// ---- what others say: protocol.md sections 4.10, 8.2 and 8.3 --------------------------------------------------------
+
+void Node::heard(const Packet& packet, const std::optional<wire::Hello>& hello,
+                 const std::optional<wire::Beacon>& beacon, Time at, Time now) {
+  const int source = packet.source();
+  const std::uint64_t boot = hello ? hello->boot : beacon->boot;
+  const auto known = peers_.find(source);
+  const bool first = known == peers_.end();
+  const bool other = first ? hello.has_value() : known->second.boot != boot;
+  const bool goes_on = hello && hello->remembers && !first && boot == known->second.boot + 1;
+  if (other && !goes_on) destination_restarted(source, at);
+  Peer& peer = peers_[source];
+  peer.boot = boot;
+  peer.heard = now;
+  if (hello) return;
+  const auto& before = peer.beacon;
+  const bool news = !before || before->cpu_boots != beacon->cpu_boots || before->cpu_state != beacon->cpu_state ||
+                    before->input != beacon->input || before->input_from != beacon->input_from ||
+                    before->output != beacon->output || before->output_to != beacon->output_to ||
+                    before->break_known != beacon->break_known;
+  peer.beacon = beacon;
+  if (news) tell(at, core::PeerChanged{wire::NodeId{static_cast<std::uint8_t>(source)}});
+  heard_break(source, *beacon, at);
+  reconsider_closed(now);
+  // They go round together. (protocol.md section 8.2)
+  if (!beacon_out_ && !hello_out_ && beacon_at_ != kNever && beacon_at_ - at <= settings_.beacon / 2) want_beacon();
+  beacons(at);
+}
+
+void Node::heard_break(int source, const wire::Beacon& beacon, Time at) {
+  if (break_is_own_) return;
+  if (beacon.break_known && beacon.break_behind == source) {
+    break_known({beacon.break_before, beacon.break_behind}, false, at);
+  } else if (!beacon.break_known && break_ && break_->behind == source && state_ != NodeState::open_chain) {
+    break_.reset();
+  }
+}
+
+void Node::break_known(Break known, bool own, Time now) {
+  const bool joins = state_ == NodeState::starting || state_ == NodeState::joining;
+  drained_at_ = kNever;
+  const bool same = break_ && break_->before == known.before && break_->behind == known.behind && break_is_own_ == own;
+  break_ = last_break_ = known;
+  break_is_own_ = own;
+  if (!same && state_ != NodeState::open_chain) want_beacon();
+  if (joins) {
+    if (!out_.up) return;
+    const bool out = hello_out_;
+    set_state(NodeState::open_chain, now);
+    allowed_since_ = now_;
+    end_unconfirmed(now);
+    if (!out) say_hello(false, now);
+  } else if (closed()) {
+    set_state(NodeState::open_chain, now);
+    allowed_since_ = now_;
+    end_unconfirmed(now);
+  }
+  beacons(now);
+}
+
+// ---- beacons ----------------------------------------------------------------------------------------
+
+wire::Beacon Node::beacon_now(Time now) const {
+  wire::Beacon beacon;
+  beacon.boot = boot_;
+  beacon.cpu_boots = cpu_.boots;
+  beacon.cpu_state = cpu_.state;
+  const auto silent = (now - cpu_.spoke_at) / std::chrono::milliseconds(1);
+  beacon.cpu_silent_ms = silent > 0xFFFFFFFF ? 0xFFFFFFFF : static_cast<std::uint32_t>(silent);
+  const auto line_state = [](const NcLine& line) {
+    return line.up ? wire::LinkState::up : line.was_up ? wire::LinkState::silent : wire::LinkState::down;
+  };
+  beacon.input = line_state(in_);
+  beacon.input_from = wire::NodeId{static_cast<std::uint8_t>(in_.neighbour)};
+  beacon.output = line_state(out_);
+  beacon.output_to = wire::NodeId{static_cast<std::uint8_t>(out_.neighbour)};
+  beacon.break_known = break_.has_value();
+  const Break last = break_ ? *break_ : last_break_;
+  beacon.break_before = wire::NodeId{static_cast<std::uint8_t>(last.before)};
+  beacon.break_behind = wire::NodeId{static_cast<std::uint8_t>(last.behind)};
+  beacon.cpu_comes_back = cpu_.comes_back;
+  beacon.stop_latched = cpu_.stop_latched;
+  beacon.latch = cpu_.latch;
+  return beacon;
+}
+
+bool Node::may_say_beacon() const {
+  if (settings_.beacon == Duration{0} || hello_out_ || beacon_out_) return false;
+  return closed() || (state_ == NodeState::open_chain && hello_left_);
+}
+
+/// Says one if it is due.
+void Node::beacons(Time now) {
+  if (!may_say_beacon() || !(beacon_wanted_ || beacon_at_ <= now)) return;
+  beacon_wanted_ = false;
+  beacon_out_ = true;
+  beacon_at_ = now + settings_.beacon;
+  Send send;
+  send.destination = kAll;
+  send.last = 1 << 2;
+  send.data.resize(wire::kLongBeaconSize);
+  send.data.resize(wire::encode(beacon_now(now), send.data.data()));
+  send.asked = send.due = now;
+  data_.queues[0].push_back(send);
+}
+
+// ---- time ---------------------------------------------------------------------------------------------
+
+void Node::membership_timers(Time now) {
+  if (break_at_ <= now) {
+    break_at_ = kNever;
+    if (out_.up) break_known({in_.neighbour, id()}, true, now);
+  }
+  if (drained_at_ <= now) {
+    drained_at_ = kNever;
+    break_.reset();
+    break_is_own_ = false;
+    set_state(closed_state(), now);
+    allowed_since_ = now;
+    new_hello_wanted_ = true;
+  }
+  if (beacon_at_ <= now) reconsider_closed(now);
+  new_hello_when_due(now);
+  beacons(now);
+}
+
+Time Node::membership_deadline() const {
+  return std::min({break_at_, drained_at_, may_say_beacon() ? beacon_at_ : kNever});
+}
+
+}  // namespace limb_ring::model
