@@ -204,7 +204,7 @@ void Node::break_known(Break known, bool own, Time now) {
   const bool joins = state_ == NodeState::starting || state_ == NodeState::joining;
   drained_at_ = kNever;
   const bool same = break_ && break_->before == known.before && break_->behind == known.behind && break_is_own_ == own;
-  break_ = last_break_ = known;
+  break_ = known;
   break_is_own_ = own;
   if (!same && state_ != NodeState::open_chain) want_beacon();
   if (joins) {
@@ -239,7 +239,7 @@ wire::Beacon Node::beacon_now(Time now) const {
   beacon.output = line_state(out_);
   beacon.output_to = wire::NodeId{static_cast<std::uint8_t>(out_.neighbour)};
   beacon.break_known = break_.has_value();
-  const Break last = break_ ? *break_ : last_break_;
+  const Break last = break_ ? *break_ : Break();
   beacon.break_before = wire::NodeId{static_cast<std::uint8_t>(last.before)};
   beacon.break_behind = wire::NodeId{static_cast<std::uint8_t>(last.behind)};
   beacon.cpu_comes_back = cpu_.comes_back;
@@ -251,6 +251,15 @@ wire::Beacon Node::beacon_now(Time now) const {
 bool Node::may_say_beacon() const {
   if (settings_.beacon == Duration{0} || hello_out_ || beacon_out_) return false;
   return closed() || (state_ == NodeState::open_chain && hello_left_);
+}
+
+void Node::beacon_names(int before, int behind) {
+  if (!data_.flight || !data_.flight->send.beacon()) return;
+  Flight& flight = *data_.flight;
+  if (flight.send.data[22] != 0) return;
+  flight.send.data[23] = static_cast<std::uint8_t>(before);
+  flight.send.data[24] = static_cast<std::uint8_t>(behind);
+  flight.sent = make_packet(flight.sent.code(), id(), flight.send.destination, flight.send.last, flight.send.data);
 }
 
 /// Says one if it is due.

@@ -157,6 +157,9 @@ class Node {
   ///@}
   /// The packet that its CPU gets next.
   core::ReceivedPacket* next_packet(Time now);
+  /// Its own beacon that is out names these nodes, though it knows no break: that means nothing. (protocol.md
+  /// section 3.9)
+  void beacon_names(int before, int behind);
   /// Its state, and what waits in it.
   std::string in_words() const;
 
@@ -288,7 +291,6 @@ class Node {
   Time allowed_since_{};
   Time beacon_at_ = kNever, break_at_ = kNever, drained_at_ = kNever;
   std::optional<Break> break_;
-  Break last_break_;
   bool break_is_own_ = false;
   std::map<int, Peer> peers_;
 };

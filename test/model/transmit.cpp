@@ -130,10 +130,7 @@ void Node::cancel_all(Time now) {
 /// A break is known. (protocol.md section 8.4)
 void Node::end_unconfirmed(Time now) {
   for (Unit* unit : {&data_, &interrupts_})
-    if (unit->flight) {
-      end_flight(*unit, Outcome::unconfirmed, Duration{0}, now, true);
-      unit->free_since = now_;
-    }
+    if (unit->flight) end_flight(*unit, Outcome::unconfirmed, Duration{0}, now, true);
 }
 
 // ---- tries: protocol.md sections 4.2 to 4.4 ---------------------------------------------------------------------
