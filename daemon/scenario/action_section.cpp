@@ -129,12 +129,17 @@ Send read_send(const Entry& entry) {
 void read_action(const Entry& entry, Step& step) {
   std::vector<std::string> words = fault::words();
   words.emplace_back("send");
+  for (const std::string& word : soak_words()) words.push_back(word);
   config::check_names(entry, words, {});
   const auto members = entry.members("a fault or a send");
   if (members.size() != 1) entry.refuse("it is not one thing", "one of " + config::join(words));
   step.words = entry.in_one_line();
   if (members[0].name == "send") {
     step.action = read_send(members[0].value);
+    return;
+  }
+  if (const auto action = read_soak_action(members[0], ring_nodes(entry))) {
+    step.action = *action;
     return;
   }
   const fault::Word& word = *fault::find_word(members[0].name);

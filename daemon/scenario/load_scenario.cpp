@@ -25,7 +25,13 @@ config::RingConfig ring_of(const Entry& file) {
   if (path.has_value() == nodes.has_value())
     file.refuse(path ? "ring and nodes are both given" : "neither ring nor nodes is given",
                 "ring: the YAML file of a ring, beside this file; or nodes: 2 to 255 plain ones");
-  if (nodes) return config::plain_ring("plain", static_cast<unsigned>(read_integer(*nodes, {2, 255})));
+  if (nodes) {
+    config::RingConfig ring = config::plain_ring("plain", static_cast<unsigned>(read_integer(*nodes, {2, 255})));
+    if (const auto redundancy = file.find("redundancy")) ring.redundancy = read_redundancy(*redundancy);
+    return ring;
+  }
+  if (const auto redundancy = file.find("redundancy"))
+    redundancy->refuse("the ring's file says that", "nodes beside it");
   const std::filesystem::path beside = std::filesystem::path(file.document().name).parent_path();
   return config::load_ring((beside / path->text("a file")).lexically_normal().string());
 }
@@ -57,8 +63,27 @@ void check_condition(const Entry& condition, const std::vector<std::string>& nam
 
 void check_line(const Entry& entry, const Step& step, const config::RingConfig& ring) {
   const auto* fault = std::get_if<fault::Fault>(&step.action);
-  if (!fault || !fault->second_line || ring.redundancy == config::RingConfig::Redundancy::foldback) return;
+  const auto* action = std::get_if<SoakAction>(&step.action);
+  const bool second = (fault && fault->second_line) || (action && action->second_line);
+  if (!second || folds_back(ring)) return;
   entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
+}
+
+// The CPUs of the soak's world are no programs.
+void check_world(const Entry& entry, const Step& step, World world) {
+  using fault::Name;
+  const auto* fault = std::get_if<fault::Fault>(&step.action);
+  const bool of_programs = fault && (fault->name == Name::hang || fault->name == Name::crash ||
+                                     fault->name == Name::slow || fault->name == Name::babble);
+  if (world == World::soak && of_programs)
+    entry.find("do")->refuse("CPUs of the soak's world are no programs", "reset, not_reading and resume of them");
+  if (world != World::soak && std::holds_alternative<SoakAction>(step.action))
+    entry.find("do")->refuse("only the soak's world has that", "world: soak");
+}
+
+/// What `rate` may be: in the soak's world lines may take no time.
+std::uint64_t rate_of(const Entry& entry, World world) {
+  return world == World::soak ? read_rate(entry) : read_line_rate(entry);
 }
 
 /// Errors that no single entry shows: unknown sends, lines that the ring has not, times that run backwards.
@@ -73,6 +98,7 @@ void check_scenario(const Entry& file, const Scenario& scenario) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (const auto when = steps[i].find("when")) check_condition(*when, names);
     check_line(steps[i], scenario.steps[i], scenario.ring);
+    check_world(steps[i], scenario.steps[i], scenario.world);
     if (!scenario.steps[i].at) continue;
     if (*scenario.steps[i].at < latest)
       steps[i].find("at")->refuse_value("is before an earlier step", "times in order");
@@ -84,7 +110,7 @@ void check_scenario(const Entry& file, const Scenario& scenario) {
 
 bool expects_something(const Scenario& scenario) {
   const auto waits = [](const Step& step) { return step.when.has_value(); };
-  return !scenario.always.empty() || !scenario.never.empty() ||
+  return scenario.world == World::soak || !scenario.always.empty() || !scenario.never.empty() ||
          std::any_of(scenario.steps.begin(), scenario.steps.end(), waits);
 }
 
@@ -95,10 +121,13 @@ Scenario parse_scenario(const std::string& text, const std::string& name) {
   Scenario scenario;
   scenario.path = name;
   scenario.ring = ring_of(file);
+  if (const auto world = file.find("world")) scenario.world = read_world(*world);
+  if (scenario.world == World::soak && file.find("ring"))
+    file.find("ring")->refuse("the soak's world has plain nodes", "nodes instead");
   learn_nodes(document, scenario.ring);
   std::uint64_t rate = sim::kUsualRate;
   nanoseconds delay = sim::kUsualRelayDelay;
-  if (const auto entry = file.find("rate")) rate = read_line_rate(*entry);
+  if (const auto entry = file.find("rate")) rate = rate_of(*entry, scenario.world);
   if (const auto entry = file.find("relay_delay")) delay = read_relay_delay(*entry);
   scenario.rates_assumed = sim::assumes_lines(scenario.ring);
   scenario.ring = sim::with_assumed_lines(std::move(scenario.ring), rate, delay);

@@ -41,6 +41,7 @@ void judge(const Scenario& scenario, const Step& step, const std::string& transp
 Reasons only_virtual(const Scenario& scenario, const std::string& transport) {
   Reasons reasons;
   if (scenario.only_sim) reasons.emplace_back("only: sim");
+  if (scenario.world == World::soak) reasons.emplace_back("world: soak");
   for (const Step& step : scenario.steps) judge(scenario, step, transport, reasons);
   for (const auto* conditions : {&scenario.always, &scenario.never})
     for (const Condition& condition : *conditions) judge(scenario, condition, reasons);

@@ -12,7 +12,8 @@
 #include "wire/control_message.h"
 
 /// A scenario: what is done to a ring and when, and what has to be seen. (ours)
-/// Nodes are places in ring order, as in planned_ring.h. Times count from when every node has joined.
+/// Nodes are places in ring order, as in planned_ring.h. Times count from when every node has joined; in the soak's
+/// world, from when they start.
 namespace limb_ring::scenario {
 
 using std::chrono::nanoseconds;
@@ -33,6 +34,24 @@ struct Send {
   std::uint8_t priority = 0;
   nanoseconds every{0};     ///< 0: all at once
   std::uint64_t count = 0;  ///< from each node; 0: one, or with `every` without end
+};
+
+/// What only the world of `ring_sim soak` has: wires and cables that break, single slices, and sends that are given up.
+struct SoakAction {
+  enum class Kind : std::uint8_t {
+    cut_wire,      ///< the node behind it learns of it at once, the one before it does not
+    mend_wire,     ///< the same wire
+    cut_cable,     ///< of a ring that folds back: the wires of both lines, and both ends learn of it at once
+    mend_cable,    ///< the same cable
+    lose_slice,    ///< the next slice that leaves onto the line does not arrive
+    damage_slice,  ///< it arrives with wrong bits in one of its bytes
+    cancel         ///< the program of a node has gone: what it has asked for is given up
+  } kind = Kind::cut_wire;
+  NodeId node{0};            ///< of the last; else the line or cable leads from it
+  bool second_line = false;  ///< against ring order
+  unsigned nth = 1;          ///< of the next slices, this one
+  unsigned byte = 0;         ///< of a damaged slice, from 0; of a shorter one its last
+  std::uint8_t bits = 1;     ///< that are flipped in it
 };
 
 // ---- what is seen ---------------------------------------------------------------------------
@@ -108,12 +127,18 @@ struct Step {
   std::optional<nanoseconds> after;  ///< from the step before
   std::optional<Condition> when;
   Limit within;  ///< `when` has to hold by then; 0: at once
-  std::variant<std::monostate, Fault, Send> action;
+  std::variant<std::monostate, Fault, Send, SoakAction> action;
   std::string words;  ///< of the action, as it stands in the file
 };
 
 /// The alive_period of every CPU in a scenario: its daemon hears from it at least so often. (ours)
 constexpr std::chrono::milliseconds kAlivePeriod{200};
+
+/// What a scenario's ring is like under the virtual clock.
+enum class World {
+  usual,  ///< as a ring's file says, with models of CPUs
+  soak    ///< as in `ring_sim soak` (SoakStage)
+};
 
 struct Scenario {
   std::string path;
@@ -121,6 +146,8 @@ struct Scenario {
   config::RingConfig ring;     ///< every line has a rate
   bool rates_assumed = false;  ///< of some lines: the ring's file gives none
   bool only_sim = false;       ///< its author says so
+  World world = World::usual;
+  bool ends_mended = true;  ///< of the soak's world: it ends as SoakStage::end() says; false: with its last step
   std::uint64_t seed = 1;
   nanoseconds boot_time{std::chrono::milliseconds(20)};  ///< of a CPU, from a reset to its first word; not live
   std::vector<NodeId> absent;                            ///< not there at the start
@@ -128,7 +155,12 @@ struct Scenario {
   std::vector<Condition> always, never;  ///< from the start to the last step's end
 };
 
-/// Whether the scenario says what has to be seen. Without that it could fail by the ring's own promises alone.
+inline bool folds_back(const config::RingConfig& ring) {
+  return ring.redundancy == config::RingConfig::Redundancy::foldback;
+}
+
+/// Whether the scenario says what has to be seen, or its world does. Without that it could fail by the ring's own
+/// promises alone.
 bool expects_something(const Scenario& scenario);
 
 }  // namespace limb_ring::scenario

@@ -4,6 +4,7 @@
 
 #include "config/quantity.h"
 #include "scenario/conditions.h"
+#include "scenario/soak_stage.h"
 #include "scenario/virtual_stage.h"
 
 namespace limb_ring::scenario {
@@ -46,6 +47,7 @@ class Run {
     begin();
     for (const Step& step : scenario_.steps)
       if (result_.unmet || !do_step(step)) break;
+    if (!result_.unmet) end();
     result_.lasted = now();
     count_sends();
     return std::move(result_);
@@ -65,8 +67,12 @@ class Run {
       return;
     }
     const std::size_t there = scenario_.ring.nodes.size() - scenario_.absent.size();
-    log("start: " + std::to_string(there) + " nodes have joined");
+    log("start: " + std::to_string(there) + (scenario_.world == World::soak ? " nodes" : " nodes have joined"));
     go_to(Duration{0});
+  }
+
+  void end() {
+    if (const auto failure = stage_.end()) fail(failure->expected, failure->seen);
   }
 
   void count_sends() {
@@ -118,6 +124,7 @@ class Run {
     if (const auto* fault = std::get_if<Fault>(&step.action))
       if (const auto problem = stage_.apply(*fault)) return fail(problem->expected, problem->seen);
     if (const auto* send = std::get_if<Send>(&step.action)) stage_.send(*send);
+    if (const auto* action = std::get_if<SoakAction>(&step.action)) stage_.apply(*action);
     return true;
   }
 
@@ -132,11 +139,21 @@ ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, Stage& st
   return Run(scenario, seed, stage).run();
 }
 
-ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, sim::CaptureAt at) {
-  VirtualStage stage(scenario, seed);
+namespace {
+
+template <class OfWorld>
+ScenarioRun run_on(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, sim::CaptureAt at) {
+  OfWorld stage(scenario, seed);
   std::optional<sim::RingCapture> captured;
   if (capture != nullptr) captured.emplace(stage.ring(), *capture, names_of(scenario.ring), at);
   return run_scenario(scenario, seed, stage);
+}
+
+}  // namespace
+
+ScenarioRun run_scenario(const Scenario& scenario, std::uint64_t seed, std::ostream* capture, sim::CaptureAt at) {
+  if (scenario.world == World::soak) return run_on<SoakStage>(scenario, seed, capture, at);
+  return run_on<VirtualStage>(scenario, seed, capture, at);
 }
 
 }  // namespace limb_ring::scenario

@@ -55,6 +55,12 @@ std::uint64_t read_line_rate(const Entry& entry) {
   return rate;
 }
 
+World read_world(const Entry& entry) { return static_cast<World>(read_choice(entry, {"usual", "soak"})); }
+
+config::RingConfig::Redundancy read_redundancy(const Entry& entry) {
+  return static_cast<config::RingConfig::Redundancy>(read_choice(entry, {"none", "foldback"}));
+}
+
 nanoseconds read_relay_delay(const Entry& entry) { return read_time(entry, kDelays); }
 
 Limit read_limit(const Entry& entry) {
@@ -95,6 +101,11 @@ const Section<Scenario>& scenario_section() {
       read_already("nodes", "2 to 255", "Instead of `ring`: so many plain nodes, node0 and so on."),
       read_already("rate", config::kAllowedRates, "Of lines that the ring's file gives none."),
       read_already("relay_delay", "a time", "Of lines that the ring's file gives no rate."),
+      read_already("redundancy", "none, foldback", "Beside `nodes`: foldback is a second line, against the ring."),
+      read_already(
+          "world", "usual, soak",
+          "soak: as `ring_sim soak` has it, with short times and few buffers; at its end all is mended, and the "
+          "ring has to be whole again."),
       {"seed", "1", "a whole number", "Decides everything random.",
        [](const Entry& entry, Scenario& scenario) {
          scenario.seed = static_cast<std::uint64_t>(read_integer(entry, {0, INT64_MAX}));

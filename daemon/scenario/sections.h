@@ -1,6 +1,7 @@
 #pragma once
 
 #include "config/option.h"
+#include "fault/parse.h"
 #include "scenario/scenario.h"
 
 namespace limb_ring::scenario {
@@ -11,12 +12,16 @@ const config::Section<Step>& step_section();
 
 /// `{KIND: ..., ...}`: a condition. @throw config::ConfigError
 Condition read_condition(const config::Entry& entry);
-/// `{FAULT: ...}` or `{send: {...}}` into the step. @throw config::ConfigError
+/// `{FAULT: ...}`, `{send: {...}}` or an action of the soak's world, into the step. @throw config::ConfigError
 void read_action(const config::Entry& entry, Step& step);
 
 /// bit/s, not unlimited; and the relay delay d: of lines that the ring's file gives no rate.
 std::uint64_t read_line_rate(const config::Entry& entry);
 nanoseconds read_relay_delay(const config::Entry& entry);
+
+/// What they say alone, without anything else of the file.
+World read_world(const config::Entry& entry);
+config::RingConfig::Redundancy read_redundancy(const config::Entry& entry);
 
 /// A node, a list of nodes, or `all`. @throw config::ConfigError
 std::vector<NodeId> read_nodes(const config::Entry& entry);
@@ -28,5 +33,10 @@ inline NodeId read_place(const config::Entry& entry, const std::string& also = "
 Limit read_limit(const config::Entry& entry);
 /// `A -> B`, two nodes that follow each other in the ring. @throw config::ConfigError
 Located read_line(const config::Entry& entry);
+
+/// `{wire: {cut: A -> B}}` and its like; nothing where it is none of them. @throw config::ConfigError
+std::optional<SoakAction> read_soak_action(const config::Member& action, const fault::RingNodes& nodes);
+/// Their words.
+std::vector<std::string> soak_words();
 
 }  // namespace limb_ring::scenario

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <vector>
 
 #include "config/config_error.h"
@@ -55,20 +56,11 @@ void take_out(YAML::Node node, std::size_t from, std::size_t count) {
   node = rest;
 }
 
-/// What says what the scenario is, and how often something goes: without it that would be endless.
-bool has_to_stay(const std::string& key) { return key == "scenario" || key == "seed" || key == "count"; }
-
-ScenarioSize size_of(const Scenario& scenario) {
-  ScenarioSize size;
-  for (const Step& step : scenario.steps) {
-    if (std::holds_alternative<Fault>(step.action)) ++size.faults;
-    if (const auto* send = std::get_if<Send>(&step.action))
-      size.sends += send->from.size() * std::max<std::uint64_t>(send->count, 1);
-  }
-  return size;
+/// What says what the scenario is and where it plays, and how often something goes: without it that would be endless.
+bool has_to_stay(const std::string& key) {
+  return key == "scenario" || key == "seed" || key == "count" || key == "world";
 }
 
-/// Counters and times differ in a smaller ring.
 std::string without_numbers(const std::string& text) {
   std::string words;
   for (const char c : text) {
@@ -97,8 +89,9 @@ class Shrinker {
   explicit Shrinker(const ShrinkRequest& request) : request_(request) {}
 
   std::optional<Shrunk> run() {
-    best_ = config::parse_yaml(config::read_file(request_.path), request_.path);
-    const Scenario scenario = load_scenario(request_.path);
+    const std::string given = request_.text ? *request_.text : config::read_file(request_.path);
+    best_ = config::parse_yaml(given, request_.path);
+    const Scenario scenario = parse_scenario(given, request_.path);
     result_.before = result_.after = size_of(scenario);
     result_.run = run_scenario(scenario, request_.seed.value_or(scenario.seed));
     if (!result_.run.unmet) return {};
@@ -118,9 +111,8 @@ class Shrinker {
       const Scenario scenario = parse_scenario(YAML::Dump(candidate), request_.path);
       ScenarioRun run = run_scenario(scenario, scenario.seed);
       request_.tell(++result_.runs);
-      const bool alike = run.unmet && run.unmet->expected == wanted_.expected &&
-                         without_numbers(run.unmet->seen) == without_numbers(wanted_.seen);
-      if (!alike || (comes_late_ && !holds_later(scenario, scenario.seed, wanted_))) return false;
+      if (!run.unmet || !alike(*run.unmet, wanted_) || (comes_late_ && !holds_later(scenario, scenario.seed, wanted_)))
+        return false;
       result_.run = std::move(run);
       result_.after = size_of(scenario);
       return true;
@@ -208,6 +200,42 @@ class Shrinker {
 };
 
 }  // namespace
+
+ScenarioSize size_of(const Scenario& scenario) {
+  ScenarioSize size;
+  for (const Step& step : scenario.steps) {
+    if (std::holds_alternative<Fault>(step.action) || std::holds_alternative<SoakAction>(step.action)) ++size.faults;
+    if (const auto* send = std::get_if<Send>(&step.action))
+      size.sends += send->from.size() * std::max<std::uint64_t>(send->count, 1);
+  }
+  return size;
+}
+
+bool alike(const Unmet& one, const Unmet& other) {
+  return one.expected == other.expected && without_numbers(one.seen) == without_numbers(other.seen);
+}
+
+// Large pieces first, as most of them have nothing to do with it; from the end on, as what is late follows from what is
+// early.
+std::vector<std::size_t> needed_steps(std::size_t count,
+                                      const std::function<bool(const std::vector<std::size_t>&)>& fails_alike) {
+  std::vector<std::size_t> needed(count);
+  std::iota(needed.begin(), needed.end(), std::size_t{0});
+  bool any = false;
+  for (std::size_t piece = count; piece > 0; piece = any && piece == 1 ? 1 : piece / 2) {
+    any = false;
+    for (std::size_t end = needed.size(); end > 0;) {
+      const std::size_t from = end > piece ? end - piece : 0;
+      std::vector<std::size_t> fewer = needed;
+      fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(from), fewer.begin() + static_cast<std::ptrdiff_t>(end));
+      end = from;
+      if (!fails_alike(fewer)) continue;
+      needed = std::move(fewer);
+      any = true;
+    }
+  }
+  return needed;
+}
 
 std::optional<Shrunk> shrink(const ShrinkRequest& request) { return Shrinker(request).run(); }
 

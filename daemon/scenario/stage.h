@@ -59,6 +59,10 @@ class Stage : public StageView {
   /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
   virtual std::optional<Failure> apply(const Fault& fault) = 0;
   virtual void send(const Send& send) = 0;
+  /// @pre this is the soak's world
+  virtual void apply(const SoakAction&) {}
+  /// All steps are done. @return what the stage itself expects now and was not so
+  virtual std::optional<Failure> end() { return std::nullopt; }
 };
 
 }  // namespace limb_ring::scenario

@@ -1,0 +1,183 @@
+#include "scenario/soak_stage.h"
+
+#include <algorithm>
+
+#include "setup/core_settings.h"
+#include "sim_tools/mended_ring.h"
+
+namespace limb_ring::scenario {
+
+using core::Line;
+using fault::Name;
+using namespace std::chrono_literals;
+
+namespace {
+
+std::unique_ptr<sim::VirtualRing> soak_ring(const Scenario& scenario) {
+  const config::LinkConfig& link = scenario.ring.nodes.front().link;
+  const bool fold_back = folds_back(scenario.ring);
+  sim::VirtualRingOptions options;
+  options.nodes = static_cast<unsigned>(scenario.ring.nodes.size());
+  options.byte_time = setup::byte_time(link);
+  options.relay_delay = link.whole_delay();
+  options.keep_logs = false;
+  options.adjust = [paced = link.rate != 0, fold_back](core::Settings& settings) {
+    sim::set_short_times(settings, paced, fold_back);
+  };
+  return std::make_unique<sim::VirtualRing>(options);
+}
+
+}  // namespace
+
+SoakStage::SoakStage(const Scenario& scenario, std::uint64_t seed) : SoakStage(scenario, seed, soak_ring(scenario)) {}
+
+SoakStage::SoakStage(const Scenario& scenario, std::uint64_t seed, std::unique_ptr<sim::VirtualRing> ring)
+    : RingStage(scenario, *ring, seed),
+      ring_(std::move(ring)),
+      invariants_(*ring_),
+      lines_(*ring_, seed),
+      frozen_(ring_->size(), false) {
+  ring_->on_event = [this](NodeId at, const core::Event& event) { senders().came(event, at); };
+  ring_->on_packet = [this](NodeId, const core::ReceivedPacket& packet) {
+    if (const auto send = senders().send_of(packet)) senders().taken(*send);
+  };
+  for (const NodeId id : ring_->order())
+    for (const Line line : ring_->lines()) tap(id, line);
+  for (const NodeId id : scenario.absent) ring_->kill(id);
+}
+
+// ---- time -----------------------------------------------------------------------------------
+
+bool SoakStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
+  if (until.count() == 0) return done();  // what a step at 0s does comes before all
+  const core::Time end = at(until);
+  if (ring_->run_until(done, end - ring_->now())) return true;
+  ring_->run_until(end);
+  return done();
+}
+
+std::optional<Stage::Failure> SoakStage::end() {
+  if (!scenario().ends_mended) return std::nullopt;
+  quiet_ = true;
+  mend_all();
+  ring_->run_for(200ms);
+  invariants_.finish();
+  if (broken()) return broken();
+  if (const auto violation = sim::not_whole(*ring_)) return failure_of(violation);
+  slices_when_quiet_ = 0;
+  ring_->run_for(20ms);
+  if (broken()) return broken();
+  return failure_of(sim::not_silent(*ring_, slices_when_quiet_));
+}
+
+void SoakStage::mend_all() {
+  strikes_.clear();
+  lines_.mend_all();
+  for (const NodeId id : ring_->order()) {
+    ring_->set_cpu_reads(id, true);
+    folds_back(scenario().ring) ? ring_->heal_cable(id) : ring_->heal(id);
+    if (!ring_->alive(id)) apply(Fault{frozen_[id] ? Name::thaw : Name::start, {}}, id);
+  }
+}
+
+// ---- lines ----------------------------------------------------------------------------------
+
+void SoakStage::tap(NodeId id, Line line) {
+  const auto tap = [this, id, line](const wire::Slice& slice, core::Time, wire::SliceWriter& arriving) {
+    pass(id, line, slice, arriving);
+  };
+  ring_->tap(id, tap, line);
+}
+
+void SoakStage::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
+  if (quiet_ && sim::is_traffic(slice)) ++slices_when_quiet_;
+  const auto strike = strike_at(id, line);
+  if (!strike) return lines_.pass(id, line, slice, arriving);
+  if (strike->kind == SoakAction::Kind::lose_slice) return;
+  if (slice.bytes.empty()) return lines_.pass(id, line, slice, arriving);
+  const std::size_t byte = std::min<std::size_t>(strike->byte, slice.bytes.size - 1);
+  lines_.pass_damaged(id, line, slice, byte, strike->bits, arriving);
+}
+
+std::optional<SoakAction> SoakStage::strike_at(NodeId id, Line line) {
+  std::optional<SoakAction> hit;
+  for (Strike& strike : strikes_)
+    if (strike.what.node == id && strike.line == line && --strike.left == 0) hit = strike.what;
+  if (hit) {
+    const auto over = [](const Strike& strike) { return strike.left == 0; };
+    strikes_.erase(std::remove_if(strikes_.begin(), strikes_.end(), over), strikes_.end());
+  }
+  return hit;
+}
+
+// ---- actions --------------------------------------------------------------------------------
+
+void SoakStage::apply(const SoakAction& action) {
+  using Kind = SoakAction::Kind;
+  const Line line = action.second_line ? Line::second : Line::first;
+  switch (action.kind) {
+    case Kind::cut_wire:
+      return ring_->cut(action.node, line);
+    case Kind::mend_wire:
+      return ring_->heal(action.node, line);
+    case Kind::cut_cable:
+      return ring_->cut_cable(action.node);
+    case Kind::mend_cable:
+      return ring_->heal_cable(action.node);
+    case Kind::cancel:
+      if (ring_->alive(action.node)) ring_->cancel(action.node);
+      return;
+    case Kind::lose_slice:
+    case Kind::damage_slice:
+      strikes_.push_back({action, line, action.nth});
+  }
+}
+
+std::optional<Stage::Failure> SoakStage::apply(const Fault& fault) {
+  if (fault::word_of(fault.name).of == fault::Of::line) {
+    lines_.begin(fault);
+    return std::nullopt;
+  }
+  if (fault.name == Name::power_cycle)
+    for (const NodeId id : fault.nodes) ring_->kill(id);
+  for (const NodeId id : fault.nodes) apply(fault, id);
+  if (fault.lasts.count() != 0) end_later(fault);
+  return std::nullopt;
+}
+
+void SoakStage::end_later(const Fault& fault) {
+  Fault end;
+  end.name = fault.name == Name::freeze ? Name::thaw : Name::resume;
+  end.nodes = fault.nodes;
+  ring_->at(ring_->now() + core::Duration(fault.lasts), [this, end] { apply(end); });
+}
+
+void SoakStage::apply(const Fault& fault, NodeId id) {
+  switch (fault.name) {
+    case Name::kill:
+      return ring_->kill(id);
+    case Name::start:
+    case Name::power_cycle:
+      if (ring_->alive(id)) return;
+      frozen_[id] = false;
+      return ring_->start(id);
+    case Name::freeze:
+      frozen_[id] = frozen_[id] || ring_->alive(id);
+      return ring_->freeze(id);
+    case Name::thaw:
+      if (frozen_[id]) ring_->thaw(id);
+      frozen_[id] = false;
+      return;
+    case Name::reset:
+      if (ring_->alive(id)) ring_->reset_cpu(id);
+      return;
+    case Name::not_reading:
+      return ring_->set_cpu_reads(id, false);
+    case Name::resume:
+      return ring_->set_cpu_reads(id, true);
+    default:
+      return;  // refused in a scenario of this world
+  }
+}
+
+}  // namespace limb_ring::scenario

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vector>
+
+#include "scenario/ring_stage.h"
+#include "sim_tools/virtual_line_faults.h"
+
+namespace limb_ring::scenario {
+
+/// A ring as `ring_sim soak` has it, so that what it finds can be told as a scenario: plain nodes with short times and
+/// few buffers (sim::set_short_times), lines that are all alike, with a rate or without one, and CPUs that are there as
+/// soon as their nodes are, and do nothing by themselves. Single slices can be lost or damaged, also while the nodes
+/// join: time counts from when they start, and steps at 0s come before that.
+///
+/// At its end all is mended. Then 200 ms pass, and each send must have ended; the ring must be whole again, and fall
+/// silent within 20 ms more.
+class SoakStage final : public RingStage {
+ public:
+  /// @param scenario outlives this
+  SoakStage(const Scenario& scenario, std::uint64_t seed);
+
+  std::optional<Failure> begin() override { return std::nullopt; }
+  bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) override;
+  /// The ring's promises.
+  std::optional<Failure> broken() const override { return failure_of(invariants_.violation()); }
+  std::optional<Failure> apply(const Fault& fault) override;
+  void apply(const SoakAction& action) override;
+  std::optional<Failure> end() override;
+
+ private:
+  /// A slice that will be hit.
+  struct Strike {
+    SoakAction what;
+    core::Line line;
+    unsigned left;  ///< slices until then, that one too
+  };
+
+  SoakStage(const Scenario& scenario, std::uint64_t seed, std::unique_ptr<sim::VirtualRing> ring);
+  bool cpu_sends(NodeId id) const override { return ring_->alive(id); }
+  void tap(NodeId id, core::Line line);
+  void pass(NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
+  /// The strike that hits the slice which passes there now.
+  std::optional<SoakAction> strike_at(NodeId id, core::Line line);
+  void apply(const Fault& fault, NodeId id);
+  void end_later(const Fault& fault);
+  void mend_all();
+
+  std::unique_ptr<sim::VirtualRing> ring_;
+  sim::Invariants invariants_;
+  sim::VirtualLineFaults lines_;
+  std::vector<bool> frozen_;
+  std::vector<Strike> strikes_;
+  bool quiet_ = false;
+  std::uint64_t slices_when_quiet_ = 0;
+};
+
+}  // namespace limb_ring::scenario
