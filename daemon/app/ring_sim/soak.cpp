@@ -1,16 +1,19 @@
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <random>
 
+#include "app/common/out_file.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
 #include "cli/values.h"
 #include "sim/trace.h"
-#include "study/soak/random_faults.h"
+#include "study/soak/shrunk_soak.h"
 
 namespace limb_ring::ring_sim {
 
@@ -22,6 +25,7 @@ struct SoakOptions {
   bool all_fold_back = false;
   bool wide = false;
   std::uint64_t failures = 1;
+  std::optional<std::string> shrink_into;  ///< folder
   bool hashes = false;
   app::Format format = app::Format::text;
 };
@@ -51,6 +55,29 @@ std::string violation_text(const study::RandomFaults& run, std::uint64_t seed, c
          (options.all_fold_back ? " --redundancy foldback" : "") + (options.wide ? " --world wide" : "") + "\n";
 }
 
+std::string words_of(const scenario::ScenarioSize& size) {
+  return std::to_string(size.faults) + " faults and " + std::to_string(size.sends) + " sends";
+}
+
+/// Writes the smallest scenario that fails as the run did into that folder, and says so.
+void write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std::string& folder, Progress& progress) {
+  const auto shrunk = study::shrunk_soak(run, seed, [&](std::size_t runs) {
+    progress.tell("the smallest scenario of seed " + std::to_string(seed) + ": " + std::to_string(runs) + " tried");
+  });
+  if (!shrunk) {
+    std::cerr << "As a scenario it does not fail: the seed alone shows it.\n";
+    return;
+  }
+  const std::string path = (std::filesystem::path(folder) / ("soak-" + std::to_string(seed) + ".yaml")).string();
+  std::ofstream out;
+  std::string problem = app::open_for_writing(out, path);
+  out << shrunk->text;
+  if (problem.empty()) problem = app::finish_writing(out, path);
+  if (!problem.empty()) throw UsageError("--shrink: " + problem);
+  std::cerr << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
+            << " tried\nthe smallest scenario: ringctl scenario run " << path << "\n";
+}
+
 /// The first seed of a range, drawn so that it has hardly been run before.
 std::uint64_t fresh_range() {
   std::random_device device;
@@ -69,11 +96,13 @@ int run(const SoakOptions& options) {
                                options.wide ? World::wide : World::usual);
     std::optional<sim::Trace> trace;
     if (options.hashes) trace.emplace(faults.ring());
+    if (options.shrink_into) faults.keep_history();
     faults.run();
     tally.add(faults);
     if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
     if (faults.violation()) {
       std::cerr << violation_text(faults, seed, options);
+      if (options.shrink_into) write_shrunk(faults, seed, *options.shrink_into, progress);
       if (++broken >= options.failures) return kBroken;
       continue;
     }
@@ -112,11 +141,21 @@ void add_soak(CLI::App& app, Context& context) {
           "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
           "still")
       ->transform(cli::one_of({"usual", "wide"}));
+  command
+      ->add_option("--shrink", options->shrink_into,
+                   "Make of each broken seed the smallest scenario that fails in the same way, and write it into this "
+                   "folder (default: where you are); 'ringctl scenario run' takes it. Of the usual world alone")
+      ->expected(0, 1)
+      ->default_str(".");
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");
   add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] {
       if (options->first == 0) options->first = fresh_range();
+      if (options->shrink_into && !std::filesystem::is_directory(*options->shrink_into))
+        throw UsageError("--shrink: '" + *options->shrink_into + "' is no folder");
+      if (options->shrink_into && options->wide)
+        throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
       return run(*options);
     };
   });

@@ -8,8 +8,9 @@ namespace limb_ring::study {
 
 using core::Duration;
 using core::Line;
-
+using scenario::SoakAction;
 using wire::NodeId;
+using Kind = SoakAction::Kind;
 using namespace std::chrono_literals;
 
 namespace {
@@ -111,11 +112,13 @@ void RandomFaults::tap_all(Line line) {
 // ---- lines ----------------------------------------------------------------------------------
 
 void RandomFaults::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
+  if (keeps_history_) count_slice(id, line);
   if (quiet_ && sim::is_traffic(slice)) ++slices_when_quiet_;
-  if (!quiet_ && once_in(drop_)) return;
+  if (!quiet_ && once_in(drop_)) return note_slice(Kind::lose_slice, id, line);
   if (quiet_ || slice.bytes.empty() || !once_in(damage_)) return lines_->pass(id, line, slice, arriving);
   const auto bits = static_cast<std::uint8_t>(1 + random(255));
   const std::size_t at = random(static_cast<unsigned>(slice.bytes.size));
+  note_slice(Kind::damage_slice, id, line, at, bits);
   lines_->pass_damaged(id, line, slice, at, bits, arriving);
 }
 
@@ -129,6 +132,7 @@ void RandomFaults::run() {
     ring_->run_for(Duration{1ns} * random(paced_ ? 12000 : 4000));
     note_violation();
   }
+  acted_until_ = ring_->now();
   if (!violation_) calm_down();
   if (!violation_) violation_ = sim::not_whole(*ring_);
   if (!violation_) check_silence();
@@ -163,13 +167,32 @@ void RandomFaults::send() {
   if (!ring_->alive(source) || ring_->paused(source)) return;
   std::vector<std::uint8_t> data(once_in(3) ? wire::kMaxPayload : 1 + random(512));
   for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random_());
-  ring_->send(source, random_destination(), data, static_cast<std::uint8_t>(random(4)));
+  const NodeId destination = random_destination();
+  const auto priority = static_cast<std::uint8_t>(random(4));
+  if (keeps_history_) {
+    scenario::Send send;
+    send.from = {source};
+    send.to = destination;
+    send.size = static_cast<unsigned>(data.size());
+    send.priority = priority;
+    history_.push_back({ring_->now(), send});
+  }
+  ring_->send(source, destination, data, priority);
 }
 
 void RandomFaults::interrupt() {
   const NodeId source = random_node();
-  if (ring_->alive(source) && !ring_->paused(source))
-    ring_->interrupt(source, random_destination(), static_cast<std::uint8_t>(random(8)));
+  if (!ring_->alive(source) || ring_->paused(source)) return;
+  const NodeId destination = random_destination();
+  const auto factor = static_cast<std::uint8_t>(random(8));
+  if (keeps_history_) {
+    scenario::Send send;
+    send.from = {source};
+    send.to = destination;
+    send.interrupt = factor;
+    history_.push_back({ring_->now(), send});
+  }
+  ring_->interrupt(source, destination, factor);
 }
 
 void RandomFaults::fault() {
@@ -178,6 +201,7 @@ void RandomFaults::fault() {
     case 0:
       return kill_or_start(node);
     case 1:
+      note(fault::Name::power_cycle, node);
       if (ring_->alive(node)) ring_->kill(node);
       killed_[node] = true;
       return ring_->start(node);
@@ -189,12 +213,15 @@ void RandomFaults::fault() {
     case 5:
       return heal(node);
     case 6:
+      note(ring_->cpu_reads(node) ? fault::Name::not_reading : fault::Name::resume, node);
       ring_->set_cpu_reads(node, !ring_->cpu_reads(node));
       return;  // its CPU hangs, or goes on
     case 7:
+      note(Kind::cancel, node);
       if (ring_->alive(node)) ring_->cancel(node);
       return;
     case 8:
+      note(fault::Name::reset, node);
       if (ring_->alive(node)) ring_->reset_cpu(node);
       return;
     case 9:
@@ -220,6 +247,7 @@ void RandomFaults::line_fault(NodeId node) {
   fault.delay = 1ns * (1 + random(longest));
   fault.jitter = 1ns * random(longest);
   fault.lasts = fault.name == fault::Name::stall ? 1ns * (1 + random(longest)) : 1us * (1 + random(1000));
+  if (keeps_history_) history_.push_back({ring_->now(), fault});
   lines_->begin(fault);
 }
 
@@ -238,24 +266,76 @@ void RandomFaults::hold_output(NodeId node) {
 }
 
 void RandomFaults::cut(NodeId node) {
-  if (!fold_back_ || once_in(3)) return ring_->cut(node);
-  once_in(4) ? ring_->cut(core::node_after(order_, node, 1), Line::second) : ring_->cut_cable(node);
+  if (!fold_back_ || once_in(3)) {
+    note(Kind::cut_wire, node);
+    return ring_->cut(node);
+  }
+  const NodeId after = core::node_after(order_, node, 1);
+  if (once_in(4)) {
+    note(Kind::cut_wire, after, true);
+    return ring_->cut(after, Line::second);
+  }
+  note(Kind::cut_cable, node);
+  ring_->cut_cable(node);
 }
 
-void RandomFaults::heal(NodeId node) { fold_back_ ? ring_->heal_cable(node) : ring_->heal(node); }
+void RandomFaults::heal(NodeId node) {
+  if (!quiet_) note(fold_back_ ? Kind::mend_cable : Kind::mend_wire, node);
+  fold_back_ ? ring_->heal_cable(node) : ring_->heal(node);
+}
 
 void RandomFaults::kill_or_start(NodeId node) {
+  note(ring_->alive(node) ? fault::Name::kill : fault::Name::start, node);
   if (!ring_->alive(node)) return ring_->start(node);
   killed_[node] = true;
   ring_->kill(node);
 }
 
 void RandomFaults::freeze_or_thaw(NodeId node) {
+  const fault::Name back = killed_[node] ? fault::Name::start : fault::Name::thaw;
+  if (!quiet_) note(ring_->alive(node) ? fault::Name::freeze : back, node);
   if (ring_->alive(node)) {
     killed_[node] = false;
     return ring_->freeze(node);
   }
   return killed_[node] ? ring_->start(node) : ring_->thaw(node);
+}
+
+// ---- the history ----------------------------------------------------------------------------
+
+void RandomFaults::note(fault::Name name, NodeId node) {
+  fault::Fault fault;
+  fault.name = name;
+  fault.nodes = {node};
+  if (keeps_history_) history_.push_back({ring_->now(), fault});
+}
+
+void RandomFaults::note(Kind kind, NodeId node, bool second_line) {
+  SoakAction action;
+  action.kind = kind;
+  action.node = node;
+  action.second_line = second_line;
+  if (keeps_history_) history_.push_back({ring_->now(), action});
+}
+
+void RandomFaults::count_slice(NodeId id, Line line) {
+  auto& nodes = leaving_[static_cast<std::size_t>(line)];
+  if (nodes.empty()) nodes.resize(ring_->size());
+  AtInstant& leaving = nodes[id];
+  if (leaving.at != ring_->now()) leaving = {ring_->now(), 0};
+  ++leaving.slices;
+}
+
+void RandomFaults::note_slice(Kind kind, NodeId id, Line line, std::size_t byte, std::uint8_t bits) {
+  if (!keeps_history_) return;
+  SoakAction action;
+  action.kind = kind;
+  action.node = id;
+  action.second_line = line == Line::second;
+  action.nth = leaving_[static_cast<std::size_t>(line)][id].slices;
+  action.byte = static_cast<unsigned>(byte);
+  action.bits = bits;
+  history_.push_back({ring_->now(), action});
 }
 
 // ---- afterwards -----------------------------------------------------------------------------

@@ -9,6 +9,7 @@
 
 #include "sim/invariants.h"
 #include "sim_tools/virtual_line_faults.h"
+#include "study/soak/deed.h"
 
 namespace limb_ring::study {
 
@@ -34,6 +35,13 @@ class RandomFaults {
 
   /// What the seed has chosen, in words.
   std::string describe() const;
+  /// From now on all that is done to the ring is kept. @pre the usual world
+  void keep_history() { keeps_history_ = true; }
+  const std::vector<Deed>& history() const { return history_; }
+  /// Until then something was done to it; afterwards all was mended.
+  core::Time acted_until() const { return acted_until_; }
+  bool paced() const { return paced_; }
+  bool folds_back() const { return fold_back_; }
   /// Results of DATPs and INTPs, by core::Outcome.
   const std::array<unsigned, 7>& ended() const { return ended_; }
   unsigned nodes() const { return nodes_; }
@@ -69,6 +77,12 @@ class RandomFaults {
   void check_silence();
   void note_violation();
 
+  void note(fault::Name name, wire::NodeId node);
+  void note(scenario::SoakAction::Kind kind, wire::NodeId node, bool second_line = false);
+  void note_slice(scenario::SoakAction::Kind kind, wire::NodeId id, core::Line line, std::size_t byte = 0,
+                  std::uint8_t bits = 1);
+  void count_slice(wire::NodeId id, core::Line line);
+
   std::uint64_t seed_;
   std::mt19937_64 random_;
   bool is_wide_;
@@ -89,6 +103,16 @@ class RandomFaults {
   std::unique_ptr<sim::VirtualLineFaults> lines_;
   std::unique_ptr<sim::Invariants> invariants_;
   std::optional<sim::Violation> violation_;
+
+  /// The slices that have left onto a line at one instant.
+  struct AtInstant {
+    core::Time at{core::Duration{-1}};
+    unsigned slices = 0;
+  };
+  bool keeps_history_ = false;
+  std::vector<Deed> history_;
+  core::Time acted_until_{};
+  std::array<std::vector<AtInstant>, 2> leaving_;  ///< by line and node
 };
 
 }  // namespace limb_ring::study

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "scenario/shrink.h"
+#include "study/soak/random_faults.h"
+
+namespace limb_ring::study {
+
+/// What a seed has done to its ring until a promise was broken, as a scenario of the soak's world: the same sends and
+/// faults at the same instants. @pre the run has kept its history, and broken a promise
+std::string scenario_of(const RandomFaults& run, std::uint64_t seed);
+
+/// That scenario made as small as it could be: fewer steps first, then fewer nodes, then as scenario::shrink().
+/// @param tell called after each run, with their number; throws to end it all
+/// @return nothing where the scenario does not fail as the seed did
+std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64_t seed,
+                                            const std::function<void(std::size_t runs)>& tell);
+
+}  // namespace limb_ring::study

@@ -1,0 +1,101 @@
+// `ring_sim soak --shrink` on a core broken on purpose: what is left is small, fails each time, and not on a sound
+// core.
+#include <gtest/gtest.h>
+
+#include "mutants/mutation.h"
+#include "scenario/load_scenario.h"
+#include "study/soak/shrunk_soak.h"
+
+namespace limb_ring::study {
+namespace {
+
+using core::Mutation;
+using sim::Promise;
+
+struct ShrunkCase {
+  const char* name;
+  Mutation mutation;
+  Promise promise;
+};
+
+struct ShrunkMutations : testing::TestWithParam<ShrunkCase> {
+  ~ShrunkMutations() override { core::mutation = Mutation::none; }
+
+  /// Of the first seed that breaks the promise.
+  static std::optional<scenario::Shrunk> shrunk() {
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      RandomFaults run(seed);
+      run.keep_history();
+      run.run();
+      if (run.violation() && run.violation()->promise == GetParam().promise)
+        return shrunk_soak(run, seed, [](std::size_t) {});
+    }
+    return std::nullopt;
+  }
+  static bool fails(const std::string& text) {
+    const scenario::Scenario again = scenario::parse_scenario(text, "again.yaml");
+    const auto run = run_scenario(again, again.seed);
+    return run.unmet && run.unmet->expected == std::string("the ring's promise: ") + to_string(GetParam().promise);
+  }
+};
+
+TEST_P(ShrunkMutations, AreLeftWithLittleThatFailsEachTimeAndNotOnASoundCore) {
+  core::mutation = GetParam().mutation;
+  const auto small = shrunk();
+  ASSERT_TRUE(small);
+  EXPECT_LE(small->after.faults, 3u) << small->text;
+  EXPECT_LE(small->after.sends, 10u) << small->text;
+  unsigned failed = 0;
+  for (unsigned again = 0; again < 100; ++again) failed += fails(small->text) ? 1 : 0;
+  EXPECT_EQ(failed, 100u) << small->text;
+  core::mutation = Mutation::none;
+  EXPECT_FALSE(fails(small->text)) << small->text;
+  RecordProperty("tried", static_cast<int>(small->runs));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, ShrunkMutations,
+    testing::Values(ShrunkCase{"ResultTwice", Mutation::result_twice, Promise::one_result},
+                    ShrunkCase{"SaysDelivered", Mutation::says_delivered, Promise::true_result},
+                    ShrunkCase{"TakesDamaged", Mutation::takes_damaged, Promise::undamaged},
+                    ShrunkCase{"ForgetsDuplicates", Mutation::forgets_duplicates, Promise::exactly_once},
+                    ShrunkCase{"RefusedGoesLast", Mutation::refused_goes_last, Promise::in_order},
+                    ShrunkCase{"HoldsInterrupts", Mutation::holds_interrupts, Promise::interrupt_wait},
+                    ShrunkCase{"PassesOrphans", Mutation::passes_orphans, Promise::no_circling},
+                    ShrunkCase{"LiesInFbc", Mutation::lies_in_fbc, Promise::true_fbc},
+                    ShrunkCase{"SendsLowestFirst", Mutation::sends_lowest_first, Promise::priority_first},
+                    ShrunkCase{"GivesLowestFirst", Mutation::gives_lowest_first, Promise::priority_first},
+                    ShrunkCase{"MissesBroadcasts", Mutation::misses_broadcasts, Promise::true_fbc},
+                    ShrunkCase{"RefusesEveryTenth", Mutation::refuses_every_tenth, Promise::true_fbc},
+                    ShrunkCase{"ShortRoundTrips", Mutation::short_round_trips, Promise::true_result},
+                    ShrunkCase{"CountsOneTry", Mutation::counts_one_try, Promise::true_result},
+                    ShrunkCase{"GivesUpEarly", Mutation::gives_up_early, Promise::true_result},
+                    ShrunkCase{"RefusedAtOnce", Mutation::refused_at_once, Promise::true_result},
+                    ShrunkCase{"FullTooEarly", Mutation::full_too_early, Promise::true_result},
+                    ShrunkCase{"CancelsNothing", Mutation::cancels_nothing, Promise::true_result},
+                    ShrunkCase{"NeverHeals", Mutation::never_heals, Promise::whole_again}),
+    [](const auto& made) { return made.param.name; });
+
+// Before anything is left out, a scenario is what the seed was.
+TEST(ScenarioOfASeed, FailsAtTheVeryInstantAtWhichTheSeedDid) {
+  core::mutation = Mutation::counts_one_try;
+  unsigned failed = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    RandomFaults run(seed);
+    run.keep_history();
+    run.run();
+    if (!run.violation()) continue;
+    ++failed;
+    const scenario::Scenario again = scenario::parse_scenario(scenario_of(run, seed), "again.yaml");
+    const auto result = run_scenario(again, seed);
+    ASSERT_TRUE(result.unmet) << "seed " << seed;
+    EXPECT_EQ(result.unmet->seen, run.violation()->what) << "seed " << seed;
+    EXPECT_EQ(result.unmet->at,
+              std::chrono::duration_cast<std::chrono::nanoseconds>(run.violation()->at.time_since_epoch()));
+  }
+  core::mutation = Mutation::none;
+  EXPECT_GT(failed, 0u);
+}
+
+}  // namespace
+}  // namespace limb_ring::study
