@@ -53,12 +53,18 @@ TEST_P(ShrunkMutations, AreLeftWithLittleThatFailsEachTimeAndNotOnASoundCore) {
   RecordProperty("tried", static_cast<int>(small->runs));
 }
 
+const auto kName = [](const auto& made) { return std::string(made.param.name); };
+INSTANTIATE_TEST_SUITE_P(Quick, ShrunkMutations,
+                         testing::Values(ShrunkCase{"ResultTwice", Mutation::result_twice, Promise::one_result},
+                                         ShrunkCase{"SaysDelivered", Mutation::says_delivered, Promise::true_result},
+                                         ShrunkCase{"TakesDamaged", Mutation::takes_damaged, Promise::undamaged},
+                                         ShrunkCase{"ShortRoundTrips", Mutation::short_round_trips,
+                                                    Promise::true_result}),
+                         kName);
+// By hand, with --gtest_also_run_disabled_tests: their seeds fail late, so that together they take minutes.
 INSTANTIATE_TEST_SUITE_P(
-    Each, ShrunkMutations,
-    testing::Values(ShrunkCase{"ResultTwice", Mutation::result_twice, Promise::one_result},
-                    ShrunkCase{"SaysDelivered", Mutation::says_delivered, Promise::true_result},
-                    ShrunkCase{"TakesDamaged", Mutation::takes_damaged, Promise::undamaged},
-                    ShrunkCase{"ForgetsDuplicates", Mutation::forgets_duplicates, Promise::exactly_once},
+    DISABLED_Slow, ShrunkMutations,
+    testing::Values(ShrunkCase{"ForgetsDuplicates", Mutation::forgets_duplicates, Promise::exactly_once},
                     ShrunkCase{"RefusedGoesLast", Mutation::refused_goes_last, Promise::in_order},
                     ShrunkCase{"HoldsInterrupts", Mutation::holds_interrupts, Promise::interrupt_wait},
                     ShrunkCase{"PassesOrphans", Mutation::passes_orphans, Promise::no_circling},
@@ -67,14 +73,13 @@ INSTANTIATE_TEST_SUITE_P(
                     ShrunkCase{"GivesLowestFirst", Mutation::gives_lowest_first, Promise::priority_first},
                     ShrunkCase{"MissesBroadcasts", Mutation::misses_broadcasts, Promise::true_fbc},
                     ShrunkCase{"RefusesEveryTenth", Mutation::refuses_every_tenth, Promise::true_fbc},
-                    ShrunkCase{"ShortRoundTrips", Mutation::short_round_trips, Promise::true_result},
                     ShrunkCase{"CountsOneTry", Mutation::counts_one_try, Promise::true_result},
                     ShrunkCase{"GivesUpEarly", Mutation::gives_up_early, Promise::true_result},
                     ShrunkCase{"RefusedAtOnce", Mutation::refused_at_once, Promise::true_result},
                     ShrunkCase{"FullTooEarly", Mutation::full_too_early, Promise::true_result},
                     ShrunkCase{"CancelsNothing", Mutation::cancels_nothing, Promise::true_result},
                     ShrunkCase{"NeverHeals", Mutation::never_heals, Promise::whole_again}),
-    [](const auto& made) { return made.param.name; });
+    kName);
 
 // Before anything is left out, a scenario is what the seed was.
 TEST(ScenarioOfASeed, FailsAtTheVeryInstantAtWhichTheSeedDid) {

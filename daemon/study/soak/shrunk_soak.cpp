@@ -140,6 +140,9 @@ class StepTrial {
     return run.unmet && alike(*run.unmet, wanted_);
   }
 
+  /// The promise was broken only there.
+  bool plays_the_end() const { return some_.ends_mended; }
+
  private:
   const Scenario& whole_;
   Scenario some_;
@@ -172,8 +175,9 @@ std::optional<History> among(const History& history, unsigned nodes) {
   return fewer;
 }
 
-bool fails_as(const std::string& text, const Unmet& wanted) {
-  const Scenario scenario = scenario::parse_scenario(text, "soak");
+bool fails_as(const std::string& text, const Unmet& wanted, bool ends_mended) {
+  Scenario scenario = scenario::parse_scenario(text, "soak");
+  scenario.ends_mended = ends_mended;
   const auto run = run_scenario(scenario, scenario.seed);
   return run.unmet && alike(*run.unmet, wanted);
 }
@@ -201,7 +205,7 @@ std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64
     const auto fewer = among(history, nodes);
     if (!fewer) continue;
     tell(++runs);
-    if (fails_as(fewer->text(), *failed.unmet)) history = *fewer;
+    if (fails_as(fewer->text(), *failed.unmet, trial.plays_the_end())) history = *fewer;
   }
   scenario::ShrinkRequest request;
   request.path = "seed " + std::to_string(seed) + " of ring_sim soak";
