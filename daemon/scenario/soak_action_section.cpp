@@ -4,7 +4,7 @@
 namespace limb_ring::scenario {
 
 using config::Entry;
-using Kind = SoakAction::Kind;
+using SoakKind = SoakAction::Kind;
 
 namespace {
 
@@ -23,14 +23,14 @@ void set_line(const Entry& entry, SoakAction& action, const fault::RingNodes& no
 }
 
 /// `{cut: A -> B}` or `{mend: A -> B}`
-SoakAction read_wire(const Entry& entry, Kind cut, Kind mend, const fault::RingNodes& nodes) {
+SoakAction read_wire(const Entry& entry, SoakKind cut, SoakKind mend, const fault::RingNodes& nodes) {
   config::check_names(entry, {"cut", "mend"}, {});
   const auto members = entry.members("{cut: A -> B} or {mend: A -> B}");
   if (members.size() != 1) entry.refuse("it is not one thing", "cut or mend");
   SoakAction action;
   action.kind = members[0].name == "cut" ? cut : mend;
   set_line(members[0].value, action, nodes);
-  if (cut == Kind::cut_cable && action.second_line)
+  if (cut == SoakKind::cut_cable && action.second_line)
     members[0].value.refuse("is named against ring order", "its two nodes in ring order");
   return action;
 }
@@ -43,7 +43,7 @@ SoakAction read_slice(const Entry& entry, const fault::RingNodes& nodes) {
       entry,
       lost ? std::vector<std::string>{"lost", "nth"} : std::vector<std::string>{"damaged", "nth", "byte", "bits"}, {});
   SoakAction action;
-  action.kind = lost ? Kind::lose_slice : Kind::damage_slice;
+  action.kind = lost ? SoakKind::lose_slice : SoakKind::damage_slice;
   set_line(lost ? *lost : *damaged, action, nodes);
   if (const auto nth = entry.find("nth")) action.nth = static_cast<unsigned>(read_integer(*nth, kNth));
   if (const auto byte = entry.find("byte")) action.byte = static_cast<unsigned>(read_integer(*byte, kByte));
@@ -56,12 +56,12 @@ SoakAction read_slice(const Entry& entry, const fault::RingNodes& nodes) {
 std::vector<std::string> soak_words() { return {"wire", "cable", "slice", "cancel"}; }
 
 std::optional<SoakAction> read_soak_action(const config::Member& action, const fault::RingNodes& nodes) {
-  if (action.name == "wire") return read_wire(action.value, Kind::cut_wire, Kind::mend_wire, nodes);
-  if (action.name == "cable") return read_wire(action.value, Kind::cut_cable, Kind::mend_cable, nodes);
+  if (action.name == "wire") return read_wire(action.value, SoakKind::cut_wire, SoakKind::mend_wire, nodes);
+  if (action.name == "cable") return read_wire(action.value, SoakKind::cut_cable, SoakKind::mend_cable, nodes);
   if (action.name == "slice") return read_slice(action.value, nodes);
   if (action.name != "cancel") return std::nullopt;
   SoakAction cancel;
-  cancel.kind = Kind::cancel;
+  cancel.kind = SoakKind::cancel;
   cancel.node = read_place(action.value);
   return cancel;
 }

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 std::string unmet_in_soak(const std::string& steps, const std::string& head = "") {
   return unmet_of("world: soak\n" + head + "steps:\n" + steps);
 }
-const char* const kSend = "  - {at: 50us, do: {send: {name: one, from: node0, to: node2, size: 100}}}\n";
+const char* const kSoakSend = "  - {at: 50us, do: {send: {name: one, from: node0, to: node2, size: 100}}}\n";
 std::string when(const std::string& condition) { return "  - {when: " + condition + ", within: 5ms}\n"; }
 
 TEST(SoakWorld, MendsAllAtItsEndAndIsWholeAgain) {
@@ -30,10 +30,10 @@ TEST(SoakWorld, MendsAllAtItsEndAndIsWholeAgain) {
 }
 
 TEST(SoakWorld, LosesTheSliceThatIsNamed) {
-  EXPECT_EQ(unmet_in_soak(kSend + when("{results: one, are: delivered, at_least: 1}") +
+  EXPECT_EQ(unmet_in_soak(kSoakSend + when("{results: one, are: delivered, at_least: 1}") +
                           when("{counter: retries, of: all, at_most: 0}")),
             "");
-  EXPECT_EQ(unmet_in_soak("  - {at: 50us, do: {slice: {lost: node0 -> node1}}}\n" + std::string(kSend) +
+  EXPECT_EQ(unmet_in_soak("  - {at: 50us, do: {slice: {lost: node0 -> node1}}}\n" + std::string(kSoakSend) +
                           when("{counter: retries, of: node0, at_least: 1}") +
                           when("{results: one, are: delivered, at_least: 1}")),
             "");
@@ -41,13 +41,13 @@ TEST(SoakWorld, LosesTheSliceThatIsNamed) {
 
 TEST(SoakWorld, DamagesTheNthSliceInItsByte) {
   EXPECT_EQ(unmet_in_soak("  - {at: 50us, do: {slice: {damaged: node0 -> node1, nth: 2, byte: 3, bits: 4}}}\n" +
-                          std::string(kSend) + when("{counter: crc_errors, of: all, at_least: 1}") +
+                          std::string(kSoakSend) + when("{counter: crc_errors, of: all, at_least: 1}") +
                           when("{results: one, are: delivered, at_least: 1}")),
             "");
 }
 
 TEST(SoakWorld, CancelsWhatWasAskedFor) {
-  EXPECT_EQ(unmet_in_soak(std::string(kSend) + "  - {at: 50us, do: {cancel: node0}}\n" +
+  EXPECT_EQ(unmet_in_soak(std::string(kSoakSend) + "  - {at: 50us, do: {cancel: node0}}\n" +
                           when("{results: one, are: cancelled, at_least: 1}")),
             "");
 }
