@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 
 #include "limb_ring/ring_directory.h"
@@ -43,6 +44,13 @@ void PromiseWatch::poll() {
   judge_.round_is_over();
 }
 
+void PromiseWatch::finish() {
+  for (int i = 0; i <= kLastRounds; ++i) {
+    poll();
+    std::this_thread::sleep_for(kRound);
+  }
+}
+
 // One that is stopped would let us wait.
 void PromiseWatch::connect(Node& node) {
   if (Clock::now() < node.next_try) return;
@@ -73,7 +81,9 @@ void PromiseWatch::hear(Node& node) {
     if (const auto* seen = std::get_if<Observed>(&*message)) begin(node, seen->json);
     if (std::holds_alternative<Disconnected>(*message)) node.port.reset();
   }
-  if (!node.port) node.last_rounds = kLastRounds;
+  if (node.port) return;
+  node.last_rounds = kLastRounds;
+  judge_.closes(node.id);
 }
 
 void PromiseWatch::begin(Node& node, const std::string& json) {

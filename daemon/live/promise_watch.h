@@ -30,6 +30,8 @@ class PromiseWatch {
 
   /// Looks at all nodes, and for those that are not there. May wait for 200 ms where one does not answer.
   void poll();
+  /// Reads what is left, and judges it: some rounds more.
+  void finish();
   /// Nodes that are being looked at.
   std::size_t watched() const;
   const promises::JudgeCounts& counts() const { return judge_.counts(); }

@@ -109,6 +109,7 @@ void PromiseJudge::begins(std::uint8_t id, std::uint8_t state, std::chrono::nano
   Node& node = at(id);
   ends(id);  // a former life of which nobody has said so
   node.known = true;
+  node.closing = false;
   known_.push_back(id);
   node.known_round = node.state_round = round_;
   node.known_at = node.at = at_ns;
@@ -345,7 +346,7 @@ void PromiseJudge::settle_pending(std::uint8_t receiver) {
 bool PromiseJudge::certain(std::uint8_t receiver, const Pending& pending) const {
   const Node& from = nodes_[pending.seen.source];
   const Node& to = nodes_[receiver];
-  if (!from.known || !to.known) return false;
+  if (!from.known || from.closing || !to.known) return false;
   const std::int64_t proven = from.proven_at[pending.seen.queue];
   const std::int64_t at_last = from.known_at + from.longest_send;
   const std::int64_t all_seen = proven == 0 ? at_last : std::min(proven, at_last);
@@ -467,6 +468,14 @@ bool PromiseJudge::judge_taken(Flow& flow, Sent& sent) {
   return true;
 }
 
+/// Something of that flow was taken, and it is not known yet which send it was.
+bool PromiseJudge::has_pending(const Node& receiver, const Flow& flow) const {
+  return std::any_of(receiver.pending.begin(), receiver.pending.end(), [&](const Pending& pending) {
+    const Observation& seen = pending.seen;
+    return seen.kind != Kind::passed && seen.source == flow.source && seen.queue == flow.queue;
+  });
+}
+
 bool PromiseJudge::judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver) {
   const Node& to = at(receiver);
   const bool delivered = is_delivered(sent.outcome);
@@ -475,7 +484,7 @@ bool PromiseJudge::judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver) 
   if (to.flushed_round + 2 >= sent.asked_round) return !delivered || leave(Unjudged::receiver_restarted);
   if (!delivered) return is_over_at(receiver, flow, sent);
   const std::uint32_t looked = flow.queue == Observation::kInterrupt ? to.seen_round : to.empty_round;
-  if (looked < sent.ended_round + 2) return false;
+  if (looked < sent.ended_round + 2 || has_pending(to, flow)) return false;
   if (taken_for_other(flow, sent, receiver)) return true;
   break_promise(Promise::true_result, receiver, flow.source, sent.ended_at,
                 name(flow, sent) + " ended delivered, and " +

@@ -80,6 +80,8 @@ class PromiseJudge {
   void see(std::uint8_t node, const Observation& seen);
   /// Observations of that node are missing here.
   void lost(std::uint8_t node, std::uint64_t count);
+  /// Its daemon has gone, or will: more of it may still be read, and another life of it may send already, unseen.
+  void closes(std::uint8_t node) { at(node).closing = true; }
   /// It is dead; all there was has been told.
   void ends(std::uint8_t node);
   /// Nobody looks at it any more.
@@ -121,7 +123,7 @@ class PromiseJudge {
     std::int64_t empty_at;  ///< when the receiver's buffers were last seen empty
   };
   struct Node {
-    bool known = false;
+    bool known = false, closing = false;
     Round known_round = 0, flushed_round = 0, state_round = 0, empty_round = 0, seen_round = 0;
     std::int64_t known_at = 0, at = 0, empty_at = 0;
     std::int64_t alive = 0;  ///< for so long it was seen to go on, ns
@@ -157,6 +159,7 @@ class PromiseJudge {
   void settle_pending(std::uint8_t receiver);
   void classify(std::uint8_t receiver, const Pending& pending);
   bool certain(std::uint8_t receiver, const Pending& pending) const;
+  bool has_pending(const Node& receiver, const Flow& flow) const;
 
   void settle(Flow& flow);
   bool judge(Flow& flow, Sent& sent);

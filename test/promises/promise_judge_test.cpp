@@ -354,6 +354,28 @@ TEST_F(JudgeTest, whatComesBehindOneThatWaitsForItsCauseWaitsToo) {
   EXPECT_EQ(judge.counts().all_unjudged(), 0u);
 }
 
+// A power cycle: its new process sends before anybody looks at it, and the old one counts as dead a little later.
+TEST_F(JudgeTest, whatANodeSendsWhoseDaemonHasGoneIsNotJudged) {
+  judge.closes(1);
+  take(2, 1, 7);
+  rounds(3);
+  EXPECT_THAT(broken(), IsEmpty());
+  EXPECT_EQ(judge.counts().all_unjudged(), 1u);
+}
+
+// The one before it on the same way waits for its cause, and so does what was taken behind it.
+TEST_F(JudgeTest, whatIsTakenButWaitsBehindAnotherIsNotMissing) {
+  ask(1, 2, 8);
+  end(1, 2, 8, Outcome::delivered);
+  rounds(3, /*full=*/2);
+  take(2, 1, 7);
+  take(2, 1, 8);
+  rounds(1);
+  EXPECT_THAT(broken(), testing::Each(testing::Ne(Promise::true_result)));
+  rounds(3);
+  EXPECT_THAT(broken(), testing::Each(testing::Ne(Promise::true_result)));
+}
+
 TEST_F(JudgeTest, aReceiverThatRestartedMayTakeOnceMore) {
   ask(1, 2, 5);
   take(2, 1, 5);

@@ -106,6 +106,7 @@ int run(const Context& context, const WatchOptions& options) {
       std::cerr << "ringctl: " << watch.counts().lost - std::exchange(told_lost, watch.counts().lost)
                 << " observations came too fast; what hangs on them is not judged" << std::endl;
   } while ((options.lasts_s == 0 || so_far() < options.lasts_s) && !signals.asked_to_end(live::PromiseWatch::kRound));
+  watch.finish();
   print_end(watch.counts(), so_far(), options.json);
   return watch.counts().breaches == 0 ? kDone : kNotDone;
 }
