@@ -49,7 +49,7 @@ tests: build ## Builds the tests
 	$(BUILD_TARGET) tests
 
 # What is quick and needs the standard library alone, under sanitizers: in CI, too.
-QUICK_TESTS := test_wire test_core test_capture test_fault test_payload test_study_soak \
+QUICK_TESTS := test_wire test_core test_capture test_fault payload_fragment_test payload_joint_test test_study_soak \
                fuzz_slices fuzz_packets fuzz_control_messages fuzz_controller fuzz_fragments fuzz_pcapng
 test-quick: deps ## The quick tests, under address and undefined behaviour sanitizers
 	@cmake -S . -B $(BUILD)-quick -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Quick \
