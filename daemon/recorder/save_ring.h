@@ -17,7 +17,7 @@ struct SavedRing {
 /// @throw std::exception says what is wrong, and with which file
 SavedRing save_ring(const std::string& ring_folder, const std::string& to);
 
-/// Folders that begin with `prefix` in `folder`, all but the `keep` newest by name, are removed.
+/// Folders in `folder` named `prefix` and a date (2026-11-23_...), all but the `keep` newest by name, are removed.
 void remove_old_saves(const std::string& folder, const std::string& prefix, std::size_t keep);
 
 }  // namespace limb_ring::recorder
