@@ -36,6 +36,8 @@ struct Observation {
   bool same_content(const Observation& other) const {
     return checksum == other.checksum && size == other.size && channel == other.channel;
   }
+  /// One was asked for, and the other is its end. @pre both of one node
+  bool same_send(const Observation& other) const { return token == other.token && owner == other.owner; }
 };
 static_assert(sizeof(Observation) == 32 && std::is_trivially_copyable_v<Observation>);
 

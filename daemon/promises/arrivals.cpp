@@ -1,0 +1,137 @@
+#include "promises/arrivals.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "wire/packet.h"
+
+namespace limb_ring::promises {
+
+using Kind = Observation::Kind;
+using wire::Outcome;
+
+void Arrivals::taken(std::uint8_t id, const Observation& seen) {
+  ++findings_.counts.packets;
+  SeenNode& node = ring_.at(id);
+  if (seen.destination != id && seen.destination != wire::kBroadcast)
+    return findings_.break_promise(Promise::undamaged, id, seen.source, seen.at_ns,
+                                   name_of(seen, seen.source) + ", was given to the CPU of node " + std::to_string(id));
+  // Behind one that waits for its cause others wait as well: their order is judged.
+  if (!node.pending.empty() || !match(id, seen)) node.pending.push_back({seen, ring_.round, node.empty_at});
+}
+
+/// The first send of that content behind what this receiver took last. INTPs of one factor are all alike, so their
+/// order cannot be told; a pin is pulled at once, so rather one that has not ended.
+Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Observation& seen) {
+  if (flow == nullptr) return nullptr;
+  const std::uint64_t last = seen.kind == Kind::pin ? 0 : ring_.newest(receiver, seen.source, seen.queue);
+  Sent* old = nullptr;
+  auto it = std::upper_bound(flow->sends.begin(), flow->sends.end(), last,
+                             [](std::uint64_t index, const Sent& sent) { return index < sent.index; });
+  for (; it != flow->sends.end(); ++it) {
+    const bool before_its_life = it->ended_round <= ring_.at(receiver).known_round;
+    if (it->ended && (it->outcome == Outcome::rejected || before_its_life)) continue;
+    const std::uint16_t taken = it->taken_in(receiver);
+    const bool again = taken != 0 && (it->ended || taken == ring_.at(receiver).life_of(seen.queue));
+    if (again || !it->asked.same_content(seen)) continue;
+    if (seen.kind != Kind::pin || !it->ended || it->ended_round + 2 >= ring_.round) return &*it;
+    if (old == nullptr) old = &*it;
+  }
+  return old;
+}
+
+// A pin does not tell whether the INTP was to all.
+bool Arrivals::match(std::uint8_t receiver, const Observation& seen) {
+  Sent* sent = next_in_order(receiver, ring_.find_flow(seen.source, seen.queue, seen.destination), seen);
+  if (seen.kind == Kind::pin && seen.source != receiver) {
+    Sent* to_all = next_in_order(receiver, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast), seen);
+    const auto is_open = [](const Sent& one) { return !one.ended; };
+    const bool rather = to_all != nullptr && sent != nullptr &&
+                        (is_open(*to_all) != is_open(*sent) ? is_open(*to_all) : to_all->index < sent->index);
+    if (sent == nullptr || rather) sent = to_all;
+  }
+  if (sent == nullptr) return false;
+  sent->taken_in(receiver) = ring_.at(receiver).life_of(seen.queue);
+  sent->taken_at = seen.at_ns;
+  ring_.newest(receiver, seen.source, seen.queue) = sent->index;
+  return true;
+}
+
+void Arrivals::settle(std::uint8_t receiver) {
+  auto& pending = ring_.at(receiver).pending;
+  std::bitset<kNodes * kQueues> waits;  // by source and queue: one of these does
+  for (std::size_t left = pending.size(); left != 0; --left) {
+    const Pending next = pending.front();
+    pending.pop_front();
+    const std::size_t from = next.seen.source * kQueues + next.seen.queue;
+    const bool pass = next.seen.kind == Kind::passed;
+    if (!waits[from] && (pass ? mark_passed(receiver, next.seen) : match(receiver, next.seen))) continue;
+    if (next.round == ring_.round) {
+      waits[from] = waits[from] || !pass;
+      pending.push_back(next);
+    } else if (!pass) {
+      classify(receiver, next);
+    }
+  }
+}
+
+/// No send can be under way that was not seen.
+bool Arrivals::certain(std::uint8_t receiver, const Pending& pending) const {
+  const SeenNode& from = ring_.at(pending.seen.source);
+  const SeenNode& to = ring_.at(receiver);
+  if (!from.known || from.closing || !to.known) return false;
+  const std::int64_t proven = from.proven_at[pending.seen.queue];
+  const std::int64_t at_last = from.known_at + from.longest_send;
+  const std::int64_t all_seen = proven == 0 ? at_last : std::min(proven, at_last);
+  const std::int64_t came_after = pending.seen.kind == Kind::pin ? pending.seen.at_ns : pending.empty_at;
+  return came_after >= std::max(all_seen, to.known_at) + times_.copies_last.count();
+}
+
+void Arrivals::classify(std::uint8_t receiver, const Pending& pending) {
+  const Observation& seen = pending.seen;
+  if (!certain(receiver, pending)) return void(findings_.leave(Unjudged::source_unknown));
+  const bool pin = seen.kind == Kind::pin;
+  if (judge_alike(receiver, seen, ring_.find_flow(seen.source, seen.queue, seen.destination))) return;
+  if (pin && judge_alike(receiver, seen, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast))) return;
+  findings_.break_promise(Promise::undamaged, receiver, seen.source, seen.at_ns,
+                          name_of(seen, seen.source) + ", " + (pin ? "has pulled a pin of" : "was taken by") +
+                              " node " + std::to_string(receiver) + ", and was not asked for");
+}
+
+/// What comes although everything of that content has come already, or should have come before.
+/// @return false where nothing of that content was asked for in that flow
+bool Arrivals::judge_alike(std::uint8_t receiver, const Observation& seen, Flow* from) {
+  if (from == nullptr) return false;
+  const auto alike = std::find_if(from->sends.rbegin(), from->sends.rend(), [&](const Sent& sent) {
+    return sent.asked.same_content(seen) && !(sent.ended && sent.outcome == Outcome::rejected);
+  });
+  if (alike == from->sends.rend()) return false;
+  const std::uint16_t life = ring_.at(receiver).life_of(seen.queue);
+  const std::uint16_t taken = std::exchange(alike->taken_in(receiver), life);
+  if (taken != 0 && taken != life) return true;  // a late copy, in another life of the receiver
+  const bool twice = taken == life;
+  const std::string by = " node " + std::to_string(receiver);
+  const std::string what = !twice                   ? ", was taken by" + by + " after one that was asked for later"
+                           : seen.kind == Kind::pin ? ", has pulled its pin twice at" + by
+                                                    : ", was taken twice by" + by;
+  findings_.break_promise(twice ? Promise::exactly_once : Promise::in_order, receiver, seen.source, seen.at_ns,
+                          name_of(*from, *alike) + what);
+  return true;
+}
+
+void Arrivals::passed(std::uint8_t id, const Observation& seen) {
+  ring_.at(id).pending.push_back({seen, ring_.round, 0});
+}
+
+bool Arrivals::mark_passed(std::uint8_t id, const Observation& seen) {
+  Flow* from = ring_.find_flow(seen.source, seen.queue, wire::kBroadcast);
+  if (from == nullptr) return false;
+  for (Sent& sent : from->sends) {
+    if (sent.by_node->passed[id] || !sent.asked.same_content(seen)) continue;
+    sent.by_node->passed.set(id);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace limb_ring::promises

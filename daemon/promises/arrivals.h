@@ -1,0 +1,34 @@
+#pragma once
+
+#include "promises/findings.h"
+#include "promises/seen_ring.h"
+
+namespace limb_ring::promises {
+
+/// What CPUs were given and pins were pulled for, each found among what was asked for: whole, once, in order. (ours)
+class Arrivals {
+ public:
+  Arrivals(SeenRing& ring, Findings& findings, const JudgeTimes& times)
+      : ring_(ring), findings_(findings), times_(times) {}
+
+  /// A CPU was given a packet, or a pin was pulled.
+  void taken(std::uint8_t id, const Observation& seen);
+  /// A broadcast has passed that node.
+  void passed(std::uint8_t id, const Observation& seen);
+  /// What waited for its cause has it by now, or has none.
+  void settle(std::uint8_t receiver);
+
+ private:
+  bool match(std::uint8_t receiver, const Observation& seen);
+  Sent* next_in_order(std::uint8_t receiver, Flow* flow, const Observation& seen);
+  bool mark_passed(std::uint8_t id, const Observation& seen);
+  bool certain(std::uint8_t receiver, const Pending& pending) const;
+  void classify(std::uint8_t receiver, const Pending& pending);
+  bool judge_alike(std::uint8_t receiver, const Observation& seen, Flow* from);
+
+  SeenRing& ring_;
+  Findings& findings_;
+  const JudgeTimes& times_;
+};
+
+}  // namespace limb_ring::promises

@@ -1,0 +1,49 @@
+#include "promises/seen_ring.h"
+
+#include <algorithm>
+
+#include "wire/packet.h"
+
+namespace limb_ring::promises {
+
+std::uint16_t SeenNode::next_life() const { return static_cast<std::uint16_t>(std::max(life, pins_life) + 1); }
+
+bool SeenNode::has_pending(const Flow& flow) const {
+  return std::any_of(pending.begin(), pending.end(), [&](const Pending& one) {
+    return one.seen.kind != Observation::Kind::passed && one.seen.source == flow.source && one.seen.queue == flow.queue;
+  });
+}
+
+Flow* SeenRing::find_flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination) const {
+  const auto& flows = nodes[source].flows;
+  return flows.empty() ? nullptr : flows[queue * kNodes + destination].get();
+}
+
+Flow& SeenRing::flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination) {
+  auto& flows = nodes[source].flows;
+  if (flows.empty()) flows.resize(kQueues * kNodes);
+  auto& found = flows[queue * kNodes + destination];
+  if (!found) found = std::make_unique<Flow>(Flow{source, queue, destination, {}, 0, false});
+  return *found;
+}
+
+std::uint64_t& SeenRing::newest(std::uint8_t receiver, std::uint8_t source, std::uint8_t queue) {
+  auto& all = nodes[receiver].newest;
+  if (all.empty()) all.resize(kNodes * kQueues);
+  return all[source * kQueues + queue];
+}
+
+std::string name_of(const Observation& packet, std::uint8_t source) {
+  const bool interrupt = packet.queue == Observation::kInterrupt;
+  const std::string to = packet.destination == wire::kBroadcast ? "all" : std::to_string(packet.destination);
+  return (interrupt ? "INTP of node " : "DATP of node ") + std::to_string(source) + " to " + to +
+         (interrupt ? ", factor " + std::to_string(packet.channel)
+                    : ", priority " + std::to_string(packet.queue) + ", channel " + std::to_string(packet.channel) +
+                          ", " + std::to_string(packet.size) + " bytes");
+}
+
+std::string name_of(const Flow& flow, const Sent& sent) {
+  return name_of(sent.asked, flow.source) + ", token " + std::to_string(sent.asked.token);
+}
+
+}  // namespace limb_ring::promises
