@@ -1,5 +1,6 @@
 #include "bench/report_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -27,7 +28,7 @@ json row_json(const Row& row) {
 }
 
 json own_rate_json(const Report& report) {
-  if (!report.own_rate) return {{"skipped", report.own_rate_skipped}};
+  if (!report.own_rate) return report.own_rate_skipped.empty() ? json() : json{{"skipped", report.own_rate_skipped}};
   const OwnRate& rate = *report.own_rate;
   return {{"joint_states_rate", rounded(rate.joint_states_rate)},
           {"samples", rate.samples},
@@ -72,6 +73,10 @@ void print_line(std::ostream& out, const Row& row) {
 }
 
 void print_table(std::ostream& out, const Report& report, Pinning pinning, Sending sending) {
+  const bool measured = std::any_of(report.rows.begin(), report.rows.end(), [=](const Row& row) {
+    return row.pinning == pinning && row.sending == sending && row.what.rfind("spin", 0) != 0;
+  });
+  if (!measured) return;
   out << (sending == Sending::one ? "one sender, " : "all sending, ")
       << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
   for (const char* what : {"reference", "shm", "recorded", "judged", "placed", "unix", "watched", "udp", "keyed",
@@ -90,6 +95,7 @@ void print_idle(std::ostream& out, const char* ring, const std::optional<double>
 }
 
 void print_own_rate(std::ostream& out, const Report& report) {
+  if (!report.own_rate && report.own_rate_skipped.empty()) return;
   out << "humanoid16 at 1 kHz, states and commands of all joints, ring_bridge at 1 kHz\n";
   if (!report.own_rate) {
     out << "  skipped, " << report.own_rate_skipped << '\n';
@@ -140,7 +146,7 @@ std::string to_text(const Report& report) {
   print_spin(out, report);
   if (!report.relay_chain_skipped.empty())
     out << "chain of topic_tools/relay: skipped, " << report.relay_chain_skipped << '\n';
-  out << "idle rings, CPU of all processes together, of one core\n";
+  if (report.idle_plain_percent) out << "idle rings, CPU of all processes together, of one core\n";
   print_idle(out, "plain ring", report.idle_plain_percent);
   print_idle(out, "humanoid16 with its CPUs", report.idle_humanoid_percent);
   print_own_rate(out, report);

@@ -68,12 +68,12 @@ class Rounds {
       ring("shm", {"", "shm", pinning_});
       ring("udp", {"", "udp", pinning_});
       ring("keyed", {keyed, "udp", pinning_});
-      cpu_to_cpu({two_cpus, "", pinning_});
-      judged(round % 2 == 1);
-      if (pinning_ == Pinning::one_core) recorded(round % 2 == 1);
+      if (setup_.wants("cpu_to_cpu")) cpu_to_cpu({two_cpus, "", pinning_});
+      if (setup_.wants("judged")) judged(round % 2 == 1);
+      if (setup_.wants("recorded") && pinning_ == Pinning::one_core) recorded(round % 2 == 1);
       if (pinning_ == Pinning::one_core) continue;
       ring("placed", {write_realtime(folder_, setup_.nodes, "{cores: auto, fifo: 10}"), "shm", pinning_});
-      if (spin_nodes(setup_) != 0) spin();
+      if (setup_.wants("spin") && spin_nodes(setup_) != 0) spin();
     }
   }
 
@@ -85,6 +85,7 @@ class Rounds {
 
  private:
   void ring(const std::string& what, const RingRequest& request) {
+    if (!setup_.wants(what)) return;
     std::map<Sending, double> reference;
     for (const Sending sending : kSendings) reference[sending] = measure_reference_p50(sending);
     const PrivateRing ring(setup_, request);
@@ -93,7 +94,8 @@ class Rounds {
       const Measurement measured = measure_traffic(setup_, ring, sending);
       add(what, sending, measured, reference[sending]);
       if (what == "udp") udp_p50_[sending] = measured.round_trip_us.p50;
-      if (what == "keyed") cases_[{what, sending}].additions.push_back(measured.round_trip_us.p50 / udp_p50_[sending]);
+      if (what == "keyed" && setup_.wants("udp"))
+        cases_[{what, sending}].additions.push_back(measured.round_trip_us.p50 / udp_p50_[sending]);
       if (what == "unix") watched(ring, sending, measured, reference[sending]);
     }
   }
@@ -188,8 +190,9 @@ void add_relay_chain(const Setup& setup, const live::PrivateFolder& folder, Repo
     const RelayChainResult result = measure_relay_chain(setup, folder, pinning);
     report.relay_chain_skipped = result.skipped;
     if (!result.skipped.empty()) return;
-    const Row* reference = report.find("reference", pinning, Sending::one);
-    const double ratio = result.measured.round_trip_us.p50 / reference->measured.round_trip_us.p50;
+    const Row* measured = report.find("reference", pinning, Sending::one);
+    const Measurement reference = measured ? measured->measured : measure_reference(setup, pinning, Sending::one);
+    const double ratio = result.measured.round_trip_us.p50 / reference.round_trip_us.p50;
     report.rows.push_back({"relay_chain", pinning, Sending::one, result.measured, ratio, 0});
   }
 }
@@ -198,6 +201,12 @@ double idle_percent(const Setup& setup, const std::string& config) {
   setup.tell("idle ring " + (config.empty() ? "without CPUs" : "of " + config));
   PrivateRing ring(setup, {config, "", Pinning::free});
   return measure_idle_percent(setup, ring);
+}
+
+void add_own_rate(const Setup& setup, const live::PrivateFolder& folder, Report& report) {
+  const OwnRateResult own_rate = measure_own_rate(setup, folder);
+  report.own_rate_skipped = own_rate.skipped;
+  if (own_rate.skipped.empty()) report.own_rate = own_rate.measured;
 }
 
 }  // namespace
@@ -214,21 +223,21 @@ Report run_suite(const Setup& setup, const live::PrivateFolder& folder) {
   report.nodes = setup.nodes;
   report.payload = setup.payload;
   report.seconds = setup.seconds;
-  report.spin_nodes = spin_nodes(setup);
+  report.spin_nodes = setup.wants("spin") ? spin_nodes(setup) : 0;
   report.costs = measure_system_costs();
   for (const Pinning pinning : kPinnings) {
     Rounds rounds(setup, folder, pinning);
     rounds.run();
     rounds.add_rows(report.rows);
   }
-  add_relay_chain(setup, folder, report);
-  report.idle_plain_percent = idle_percent(setup, "");
-  if (!setup.humanoid.empty()) report.idle_humanoid_percent = idle_percent(setup, setup.humanoid);
-  const OwnRateResult own_rate = measure_own_rate(setup, folder);
-  report.own_rate_skipped = own_rate.skipped;
-  if (own_rate.skipped.empty()) report.own_rate = own_rate.measured;
+  const bool humanoid = !setup.humanoid.empty();
+  if (setup.wants("relay_chain")) add_relay_chain(setup, folder, report);
+  if (setup.wants("idle")) report.idle_plain_percent = idle_percent(setup, "");
+  if (setup.wants("idle") && humanoid) report.idle_humanoid_percent = idle_percent(setup, setup.humanoid);
+  if (setup.wants("humanoid_1khz")) add_own_rate(setup, folder, report);
   for (const unsigned rate : kVirtualRates)
-    if (!setup.humanoid.empty()) report.virtual_rates.push_back(measure_virtual_rate(setup, folder, rate));
+    if (setup.wants("humanoid_virtual") && humanoid)
+      report.virtual_rates.push_back(measure_virtual_rate(setup, folder, rate));
   return report;
 }
 

@@ -34,14 +34,14 @@ struct Report {
   std::optional<double> idle_plain_percent;  ///< of one core, all processes together
   std::optional<double> idle_humanoid_percent;
   std::optional<OwnRate> own_rate;
-  std::string own_rate_skipped;            ///< why; empty where it was measured
+  std::string own_rate_skipped;            ///< why; empty where it was measured, or not wanted
   std::vector<VirtualRate> virtual_rates;  ///< none where there is no humanoid
   SystemCosts costs;
 
   const Row* find(const std::string& what, Pinning pinning, Sending sending) const;
 };
 
-/// Runs everything. Takes about 20 times Setup::seconds. @throw std::runtime_error
+/// Runs everything, or what Setup::only says. Takes about 20 times Setup::seconds. @throw std::runtime_error
 Report run_suite(const Setup& setup, const live::PrivateFolder& folder);
 
 }  // namespace limb_ring::bench

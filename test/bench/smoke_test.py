@@ -109,9 +109,21 @@ class SmallBenchmark(unittest.TestCase):
         self.assertEqual(glob.glob(self.folder.name + "/*"), [])
 
 
+class APart(unittest.TestCase):
+    def test_is_measured_alone_beside_its_reference(self):
+        with tempfile.TemporaryDirectory(prefix="bench_") as folder:
+            run = bench(folder, "--nodes", "4", "--seconds", "0.1", "--rounds", "1", "--only", "shm", "--json")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        report = json.loads(run.stdout)
+        self.assertGreater(report["shm"]["one_core"]["all_sending"]["packets"], 0)
+        self.assertEqual([name for name in ("unix", "udp", "judged", "recorded", "cpu_to_cpu", "spin", "relay_chain")
+                          if name in report], [])
+        self.assertIsNone(report["humanoid_1khz"])
+
+
 class WrongArguments(unittest.TestCase):
     def test_are_refused_as_usage(self):
-        for wrong in (["--nodes", "1"], ["--payload", "513"], ["--seconds", "0"], ["--rounds", "no"]):
+        for wrong in (["--nodes", "1"], ["--only", "nothing"], ["--payload", "513"], ["--seconds", "0"], ["--rounds", "no"]):
             with self.subTest(wrong=wrong), tempfile.TemporaryDirectory(prefix="bench_") as folder:
                 self.assertEqual(bench(folder, *wrong).returncode, 2)
 
