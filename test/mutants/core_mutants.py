@@ -7,43 +7,46 @@ import re
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 PARTS = ('daemon/core', 'daemon/wire')
 EQUIVALENT = pathlib.Path(__file__).resolve().with_name('equivalent.txt')
-SWAPS = (('==', '!='), ('!=', '=='), ('<=', '<'), ('>=', '>'), (' < ', ' <= '), (' > ', ' >= '), ('&&', '||'),
-         ('||', '&&'), (' + ', ' - '), (' - ', ' + '), ('++', '--'), ('true', 'false'), ('false', 'true'))
+SWAPS = (('comparison', (('==', '!='), ('!=', '=='), ('<=', '<'), ('>=', '>'), (' < ', ' <= '), (' > ', ' >= '))),
+         ('and, or', (('&&', '||'), ('||', '&&'))),
+         ('plus, minus', ((' + ', ' - '), (' - ', ' + '), ('++', '--'))),
+         ('true, false', (('true', 'false'), ('false', 'true'))))
 STATEMENT = re.compile(r'^\s+(?!return|using|break|case|default|static|const|else|do|if|for|while|switch|template|friend|#|//)'
                        r'[\w\->.:\[\]()*+]+(\s*(=|\+=|-=|\|=|&=)\s*.*|\(.*\)|\+\+|--)?;$')
 NUMBER = re.compile(r'(?<![\w.\'"])(\d+)(?![\w.\'"])')
 
 
 def mutants_of(path):
-    """All changes to one file, as (line from 1, line before, line after)."""
+    """All changes to one file, as (line from 1, line before, line after, kind of change)."""
     for number, line in enumerate((SOURCES / path).read_text(encoding='utf-8').splitlines(), 1):
         code = line.split('//')[0].rstrip()
         if not code.strip() or code.lstrip().startswith(('#', '*', '/*')):
             continue
-        changed = set()
+        changed = {}  # to their kinds
         texts = [m.span() for m in re.finditer(r'"[^"]*"', code)]
 
         def is_code(at):
             return not any(first <= at < last for first, last in texts)
-        for old, new in SWAPS:
-            for at in (m.start() for m in re.finditer(re.escape(old), code) if is_code(m.start())):
-                changed.add(code[:at] + new + code[at + len(old):])
+        for kind, swaps in SWAPS:
+            for old, new in swaps:
+                for at in (m.start() for m in re.finditer(re.escape(old), code) if is_code(m.start())):
+                    changed[code[:at] + new + code[at + len(old):]] = kind
         condition = re.search(r'\bif \((.*)\)( |$)', code)
         if condition and condition.group(1).count('(') == condition.group(1).count(')') and ';' not in condition.group(1):
-            changed.add(code[:condition.start(1)] + '!(' + condition.group(1) + ')' + code[condition.end(1):])
+            changed[code[:condition.start(1)] + '!(' + condition.group(1) + ')' + code[condition.end(1):]] = 'condition'
         for m in filter(lambda m: is_code(m.start()), NUMBER.finditer(code)):
-            changed.add(code[:m.start()] + str(int(m.group()) + 1) + code[m.end():])
+            changed[code[:m.start()] + str(int(m.group()) + 1) + code[m.end():]] = 'number'
         if STATEMENT.match(code):
-            changed.add(re.match(r'\s+', code).group() + '(void)0;')
-        for new in sorted(changed - {code}):
-            yield number, line, new
+            changed[re.match(r'\s+', code).group() + '(void)0;'] = 'statement'
+        for new in sorted(changed.keys() - {code}):
+            yield number, line, new, changed[new]
 
 
 class Mutant:
     """A change of one line. Its name stays the same however the lines around it move."""
 
-    def __init__(self, file, line, old, new, place):
-        self.file, self.line, self.old, self.new = file, line, old, new
+    def __init__(self, file, line, old, new, kind, place):
+        self.file, self.line, self.old, self.new, self.kind = file, line, old, new, kind
         # Where a file has the same line several times, those behind the first are called by their number.
         self.name = (file if place == 1 else '%s %d' % (file, place), old.strip(), new.strip())
 
@@ -60,9 +63,9 @@ def all_mutants(seed):
             if path.suffix not in ('.h', '.cpp'):
                 continue
             file = path.relative_to(SOURCES).as_posix()
-            for line, old, new in mutants_of(file):
+            for line, old, new, kind in mutants_of(file):
                 met[file, old.strip(), new.strip()] += 1
-                found.append(Mutant(file, line, old, new, met[file, old.strip(), new.strip()]))
+                found.append(Mutant(file, line, old, new, kind, met[file, old.strip(), new.strip()]))
     return sorted(found, key=lambda m: hashlib.sha256(repr((seed, m.name)).encode()).digest())
 
 

@@ -58,6 +58,8 @@ class TryMutants(unittest.TestCase):
         self.assertTrue(any('if (!(' in new and 'if (!(' not in old for old, new in changes))
         self.assertTrue(any(old.count('&&') > new.count('&&') for old, new in changes))
         self.assertTrue(any('= 3;' in old and '= 4;' in new for old, new in changes))
+        kinds = {m.kind for m in self.module.all_mutants(1)}
+        self.assertEqual(kinds, {'comparison', 'and, or', 'plus, minus', 'true, false', 'condition', 'number', 'statement'})
 
     def test_declarations_and_returns_are_not_removed(self):
         for mutant in self.module.all_mutants(1):
@@ -73,7 +75,7 @@ class TryMutants(unittest.TestCase):
 class SwitchedLine(unittest.TestCase):
     def test_a_condition_is_one_or_the_other(self):
         self.assertEqual(switched('  if (a == b) return;', '  if (a != b) return;', 7),
-                         '  if ((limb_ring::mutant == 7 ? (a != b) : (a == b))) return;')
+                         '  if ((limb_ring::mutant == 7 ? (bool(a != b)) : (bool(a == b)))) return;')
 
     def test_a_statement_is_done_or_not(self):
         self.assertEqual(switched('  f(a, b);', '  (void)0;', 7),
@@ -93,9 +95,21 @@ class SwitchedLine(unittest.TestCase):
         self.assertEqual(switched('  return a == 0 &&', '  return a == 1 &&', 7),
                          '  return a == (limb_ring::mutant == 7 ? 1 : 0) &&')
 
-    def test_parts_of_a_statement_and_declarations_are_left_alone(self):
-        for old, new in (('  return a &&', '  return a ||'), ('constexpr int k = 3;', 'constexpr int k = 4;'),
-                         ('  for (int i = 0; i < n; ++i) f();', '  for (int i = 0; i <= n; ++i) f();'),
+    def test_a_constant_is_one_or_the_other_when_the_program_runs(self):
+        self.assertEqual(switched('constexpr int kMost = 3;', 'constexpr int kMost = 4;', 7),
+                         'inline const int kMost = (limb_ring::mutant == 7 ? 4 : 3);')
+        self.assertEqual(switched('  static constexpr int kMost = 3;', '  static constexpr int kMost = 4;', 7),
+                         '  static inline const int kMost = (limb_ring::mutant == 7 ? 4 : 3);')
+
+    def test_a_part_of_a_statement_is_one_or_the_other_in_its_place(self):
+        self.assertEqual(switched('  for (int i = 0; i < n; ++i) f();', '  for (int i = 0; i <= n; ++i) f();', 7),
+                         '  for (int i = 0; (limb_ring::mutant == 7 ? (i <= n) : (i < n)); ++i) f();')
+        self.assertEqual(switched('  return a && f(b == c) &&', '  return a && f(b != c) &&', 7),
+                         '  return a && f((limb_ring::mutant == 7 ? (b != c) : (b == c))) &&')
+
+    def test_what_binds_with_another_line_and_declarations_are_left_alone(self):
+        for old, new in (('  return a && b &&', '  return a || b &&'), ('  return a &&', '  return a ||'),
+                         ('constexpr int kBoth = a + b;', 'constexpr int kBoth = a - b;'),
                          ('  if (auto a = f()) return;', '  if (!(auto a = f())) return;')):
             self.assertIsNone(switched(old, new, 7), old)
 
