@@ -63,10 +63,6 @@ void FoldBack::leave_second_line(Time now) {
   drain_due_ = kNever;
   if (coming_second_.is_open()) blocks_.input_gap(now);
   coming_second_.close();
-  if (waits_for_last()) {
-    fold_node_.reset();
-    fold_node_due_ = kNever;
-  }
 }
 
 // If another fold still sends on the second line, this node repeats that from now on.

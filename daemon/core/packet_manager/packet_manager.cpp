@@ -145,8 +145,7 @@ Time PacketManager::interrupt_place(Time since) const {
   if (!open_complete() || !paced()) return word;
   // Just before the trailer is a word boundary too, also where the trailer lags behind the words.
   const Time end = open_end_at();
-  if (word <= end) return word;
-  return at <= end ? end : kNever;
+  return at <= end ? std::min(word, end) : kNever;
 }
 
 // What came in first goes first; on a tie the own one does.
