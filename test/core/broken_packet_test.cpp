@@ -234,6 +234,13 @@ TEST_F(BrokenPacket, InterruptWithABadCrcPullsNoPinAndStaysBad) {
   EXPECT_FALSE((wire::PacketFields{{out[0].bytes.data(), out[0].bytes.size()}}.crc_good()));
 }
 
+TEST_F(BrokenPacket, WhatNobodyHasWrittenYetIsGoneWithItsLine) {
+  solo.node().receive({SliceKind::whole, {packet.data(), packet.size()}}, solo.now());
+  ASSERT_TRUE(solo.node().has_given_out());
+  solo.node().output_replaced(solo.now());
+  EXPECT_FALSE(solo.node().has_given_out());
+}
+
 TEST_F(BrokenPacket, IdleIsNothing) {
   solo.receive(SliceKind::start, head_of(packet));
   solo.receive(SliceKind::idle, {});

@@ -1,9 +1,7 @@
 // Fold-back: a second, counter-rotating line closes the ring again around a break. (protocol.md section 8.7)
 #include <map>
 
-#include "core/ring_fixture.h"
-#include "support/node_literal.h"
-#include "wire/interrupt_packet.h"
+#include "core/solo_node.h"
 
 namespace limb_ring::core {
 namespace {
@@ -185,9 +183,12 @@ TEST_F(FoldBackTest, TwoPartsGrowTogetherAgain) {
   ring.cut_cable(1_id);
   ring.cut_cable(5_id);
   ring.run_for(100ms);
+  std::array<std::uint64_t, kNodes> boots;
+  for (NodeId id{0}; id < kNodes; ++id) boots[id] = membership(id).boot();
   ring.heal_cable(1_id);
   ring.run_for(100ms);
   expect_all(NodeState::folded);
+  for (NodeId id{0}; id < kNodes; ++id) EXPECT_GT(membership(id).boot(), boots[id]) << "numbers are new: " << int{id};
   expect_all_reach_all();
   ring.heal_cable(5_id);
   ring.run_for(100ms);
@@ -339,10 +340,10 @@ struct LoneFold : testing::Test {
     second().clear();
   }
   wire::SliceWriter& second() { return node.output(Line::second); }
-  void hear(wire::FoldWordKind kind, NodeId from) {
+  void hear(wire::FoldWordKind kind, NodeId from, Time now = {}) {
     wire::SliceWriter word;
     wire::put(word, {kind, from});
-    node.receive(Line::second, wire::parse_slice(word.view()).slice, Time{});
+    node.receive(Line::second, wire::parse_slice(word.view()).slice, now);
   }
   void receive_interrupt(Line line, std::uint8_t sequence, std::uint8_t hop) {
     wire::InterruptPacket packet;
@@ -364,6 +365,103 @@ TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
   EXPECT_TRUE(second().empty()) << "nor does what follows it go round";
   hear(wire::FoldWordKind::begin, 0_id);
   EXPECT_FALSE(second().empty());
+}
+
+// The nodes behind node 3 are dead, so what comes on the second line was turned back at node 1.
+struct FoldedAtNodeOne : LoneFold {
+  void SetUp() override {
+    LoneFold::SetUp();
+    node.input_lost(Line::first, Time{});
+    hear(wire::FoldWordKind::begin, 1_id);
+    node.input_up(Line::first, 3_id, Time{});
+    second().clear();
+  }
+};
+
+TEST_F(FoldedAtNodeOne, TheSecondLineIsTakenUntilTheFirstHasSpoken) {
+  receive_interrupt(Line::second, 0, 5);
+  EXPECT_EQ(node.input_line(), Line::second);
+  receive_interrupt(Line::first, 1, 2);
+  EXPECT_EQ(node.input_line(), Line::first) << "nothing is under way on the second";
+  EXPECT_EQ(node.counters().pins_pulled, 2u);
+}
+
+TEST_F(FoldedAtNodeOne, ANodeThatTakesTheFirstLineAgainTellsOfTheFoldThatIsLeft) {
+  receive_interrupt(Line::first, 1, 2);
+  ASSERT_FALSE(second().empty());
+  const auto word = wire::fold_word(wire::parse_slice(second().view()).slice);
+  ASSERT_TRUE(word);
+  EXPECT_EQ(word->kind, wire::FoldWordKind::begin);
+  EXPECT_EQ(word->node, 1);
+}
+
+// Its `last` was lost: what comes on the first line waits no longer than the table of timers says.
+TEST_F(LoneFold, TheFirstLineIsTakenAfterAWhileThoughTheSecondNeverEnds) {
+  node.input_lost(Line::first, Time{});
+  hear(wire::FoldWordKind::begin, 3_id);
+  node.input_up(Line::first, 3_id, Time{});
+  receive_interrupt(Line::first, 0, 2);
+  const Duration longest = std::min(node.settings().stall, node.settings().send_timeout() / 8);
+  const Time due = Time{} + longest;
+  node.handle_timeout(due - Duration{1});
+  EXPECT_EQ(node.counters().pins_pulled, 0u);
+  node.handle_timeout(due);
+  EXPECT_EQ(node.counters().pins_pulled, 1u);
+  EXPECT_EQ(node.input_line(), Line::first);
+}
+
+TEST_F(LoneFold, WhatFindsNoRoomOnAWholeRingIsDroppedNotHeld) {
+  node.set_output_ready(Line::first, false);
+  const Bytes packet = Foreign{1, 2}.with(pattern(512));
+  for (int i = 0; i < 20; ++i)
+    node.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+  EXPECT_GT(node.counters().insertion_buffer_full, 0u);
+}
+
+TEST_F(LoneFold, TheSecondOutputsLossIsTheOutputsWhileItIsFolded) {
+  node.output_lost(Line::first, Time{});
+  ASSERT_EQ(node.output_line(), Line::second);
+  receive_interrupt(Line::first, 0, 2);
+  EXPECT_EQ(node.counters().dropped_no_output, 0u);
+  node.output_lost(Line::second, Time{});
+  receive_interrupt(Line::first, 1, 2);
+  EXPECT_GT(node.counters().dropped_no_output, 0u);
+}
+
+// An own `begin` of that node comes each beacon period; what comes sooner has come round.
+TEST_F(LoneFold, ABeginIsRepeatedUnlessItWasHeardLessThanHalfABeaconPeriodAgo) {
+  const Duration half = node.settings().beacon / 2;
+  hear(wire::FoldWordKind::begin, 6_id, Time{});
+  second().clear();
+  hear(wire::FoldWordKind::begin, 6_id, Time{} + half - Duration{1});
+  EXPECT_TRUE(second().empty());
+  hear(wire::FoldWordKind::begin, 6_id, Time{} + half);
+  EXPECT_FALSE(second().empty());
+}
+
+TEST_F(LoneFold, AFoldNodeIsForgottenAfterFiveBeaconPeriodsAndThatIsTold) {
+  hear(wire::FoldWordKind::begin, 6_id, Time{});
+  second().clear();
+  const Time due = Time{} + 5 * node.settings().beacon;
+  node.handle_timeout(due - Duration{1});
+  EXPECT_TRUE(second().empty());
+  node.handle_timeout(due);
+  ASSERT_FALSE(second().empty());
+  EXPECT_EQ(wire::fold_word(wire::parse_slice(second().view()).slice)->kind, wire::FoldWordKind::lost);
+}
+
+// Its first output was never there, so it may be one that only starts later than the others.
+TEST(FoldPermission, ANodeFoldsSoLongAfterItsStartThoughItsFirstLinesWereNeverBothUp) {
+  const Settings settings = LoneFold::settings();
+  NetworkController node(settings, Time{});
+  node.input_up(Line::first, 3_id, Time{});
+  node.input_up(Line::second, 5_id, Time{});
+  node.output_up(Line::second, 3_id, Time{});
+  const Time due = Time{} + settings.fold_permission;
+  node.handle_timeout(due - Duration{1});
+  EXPECT_EQ(node.output_line(), Line::first);
+  node.handle_timeout(due);
+  EXPECT_EQ(node.output_line(), Line::second);
 }
 
 TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {

@@ -1,13 +1,14 @@
 // Nodes come and go, and each knows the ring it is in.
 #include <numeric>
 
-#include "core/ring_fixture.h"
+#include "core/solo_node.h"
 #include "support/node_literal.h"
 
 namespace limb_ring::core {
 namespace {
 
 using testing::Each;
+using testing::ElementsAre;
 
 VirtualRingOptions talking(unsigned nodes) {
   VirtualRingOptions options = quick(nodes);
@@ -53,7 +54,11 @@ TEST_F(Membership16, HelloIsTheFirstPacketOfEveryNode) {
   }
   ASSERT_TRUE(three.join());
   ASSERT_EQ(first.size(), 3u);
-  for (const Bytes& data : first) EXPECT_TRUE(wire::decode_hello({data.data(), data.size()}).has_value());
+  for (const Bytes& data : first) {
+    const auto hello = wire::decode_hello({data.data(), data.size()});
+    ASSERT_TRUE(hello);
+    EXPECT_FALSE(hello->remembers) << "a node that starts has forgotten the others";
+  }
 }
 
 TEST_F(Membership16, OneByOneInAnyOrderTheSizeFollows) {
@@ -222,8 +227,6 @@ TEST_F(Membership16, BeaconWaitingForTheLineDoesNotGoAheadOfANewHello) {
 
 // ---- a duplicate id ---------------------------------------------------------------------------
 
-/// A ring of six in which the node at place 4 believes to be node 3; unwatched, since the promises
-/// of a ring suppose that ids differ.
 TEST(NodeStates, AreCalledAsInTheProtocol) {
   const std::pair<NodeState, const char*> kWords[] = {
       {NodeState::starting, "starting"},        {NodeState::joining, "joining"}, {NodeState::up, "up"},
@@ -232,6 +235,8 @@ TEST(NodeStates, AreCalledAsInTheProtocol) {
   for (const auto& [state, word] : kWords) EXPECT_STREQ(to_string(state), word);
 }
 
+/// A ring of six in which the node at place 4 believes to be node 3; unwatched, since the promises
+/// of a ring suppose that ids differ.
 struct DuplicateId : testing::Test {
   sim::VirtualRing ring{with(talking(6), [](Settings& s) {
     if (s.id == 4) s.id = 3_id;
@@ -245,6 +250,7 @@ TEST_F(DuplicateId, BothNodesSaySoAndTheOthersWork) {
   EXPECT_EQ(state(4_id), NodeState::duplicate_id);
   EXPECT_EQ(state(0_id), NodeState::up);
   EXPECT_GT(ring.counters(3_id).duplicate_id_signs, 0u);
+  expect_counted_up(ring.counters(3_id));
   EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 5_id, text("a"))).outcome, Outcome::delivered);
   EXPECT_EQ(outcome_of(ring, 3_id, ring.send(3_id, 5_id, text("a"))).reject, Reject::not_in_ring);
 }
@@ -273,6 +279,29 @@ TEST_F(DuplicateId, IsFoundAndLeftByANodeThatWasUpBefore) {
   EXPECT_EQ(outcome_of(ring, 3_id, ring.send(3_id, 0_id, text("a"))).outcome, Outcome::delivered);
 }
 
+TEST_F(DuplicateId, IsLeftThroughJoining) {
+  ring.run_for(2s);
+  ring.kill(4_id);
+  const std::size_t before = ring.log(3_id).events.size();
+  ring.run_for(2s);
+  std::vector<NodeState> states;
+  for (std::size_t i = before; i < ring.log(3_id).events.size(); ++i)
+    if (const auto* change = std::get_if<StateChanged>(&ring.log(3_id).events[i].what)) states.push_back(change->after);
+  EXPECT_THAT(states, ElementsAre(NodeState::joining, NodeState::up));
+}
+
+// The lines of this node stay as they are, so nothing else would have it say hello again.
+TEST(DuplicateIdFarAway, IsLeftByTheHelloThatComesHome) {
+  sim::VirtualRing ring{with(talking(6), [](Settings& s) {
+    if (s.id == 4) s.id = 1_id;
+  })};
+  ring.run_for(2s);
+  ASSERT_EQ(ring.node(1_id).membership().state(), NodeState::duplicate_id);
+  ring.kill(4_id);
+  ring.run_for(2s);
+  EXPECT_EQ(ring.node(1_id).membership().state(), NodeState::up);
+}
+
 TEST_F(DuplicateId, EndsAlsoWhenItsLinksWereLostMeanwhile) {
   ring.run_for(2s);
   ring.kill(5_id);
@@ -280,6 +309,67 @@ TEST_F(DuplicateId, EndsAlsoWhenItsLinksWereLostMeanwhile) {
   ring.kill(2_id);
   ring.run_for(2s);
   EXPECT_EQ(state(3_id), NodeState::up);
+}
+
+/// One node, as SoloNode has it.
+struct LoneMember : testing::Test {
+  SoloNode solo;
+  const Membership& membership() { return solo.node().membership(); }
+  NodeState state() { return membership().state(); }
+  /// Another node with this one's id says hello, or a former life of this one did.
+  void own_id_says_hello(std::uint64_t boot) {
+    std::array<std::uint8_t, wire::kHelloSize> bytes;
+    wire::encode(wire::Hello{boot, false}, bytes.data());
+    solo.receive(wire::SliceKind::whole,
+                 Foreign{1, 0xFF}.with_pri(kControlPri).with_hop(3).with({bytes.begin(), bytes.end()}));
+  }
+  /// A packet to node 2 is sent, and comes home over so many relays.
+  void lap(std::uint8_t relays) {
+    const Bytes data = text("round");
+    solo.line();
+    solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+    solo.run();
+    const auto out = solo.line();
+    ASSERT_EQ(out.size(), 1u);
+    solo.receive(wire::SliceKind::whole, SoloNode::home(out[0].bytes, 1, relays));
+  }
+};
+
+TEST_F(LoneMember, KnowsNoRingSizeBeforeAPacketOfItsOwnIsHome) {
+  EXPECT_EQ(membership().ring_size(), 0u);
+  solo.join();
+  EXPECT_EQ(membership().ring_size(), 4u);
+}
+
+TEST_F(LoneMember, IsAloneWhereItsPacketsPassNobodyElse) {
+  solo.join();
+  lap(0);
+  EXPECT_EQ(state(), NodeState::alone);
+  lap(3);
+  EXPECT_EQ(state(), NodeState::up);
+}
+
+TEST_F(LoneMember, SaysThatItsIdIsDuplicateAtTheThirdSign) {
+  solo.join();
+  own_id_says_hello(7);
+  own_id_says_hello(7);
+  EXPECT_EQ(state(), NodeState::up);
+  own_id_says_hello(7);
+  EXPECT_EQ(state(), NodeState::duplicate_id);
+  EXPECT_EQ(solo.counters().duplicate_id_signs, 3u);
+}
+
+TEST_F(LoneMember, TakesAReplacedOutputForOneThatWasLost) {
+  solo.join();
+  solo.node().output_up(3_id, solo.now());
+  solo.node().input_lost(solo.now());
+  EXPECT_EQ(state(), NodeState::starting) << "both were lost since a packet was home: it was bypassed";
+}
+
+TEST_F(LoneMember, CountsWhatIsNeitherHelloNorBeacon) {
+  solo.join();
+  solo.receive(wire::SliceKind::whole, Foreign{0, 0xFF}.with_pri(kControlPri).with(text("?")));
+  EXPECT_EQ(solo.counters().control_malformed, 1u);
 }
 
 }  // namespace

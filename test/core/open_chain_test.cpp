@@ -39,6 +39,13 @@ TEST_F(OpenChain, IsKnownToAllWithTheBrokenLine) {
   }
 }
 
+TEST_F(OpenChain, IsToldToAllAtOnceNotWithTheNextBeacon) {
+  ring.cut(2_id);
+  ASSERT_TRUE(ring.run_until([&] { return membership(3_id).state() == NodeState::open_chain; }, 1s));
+  ring.run_for(Duration{20us});  // a lap takes 8 us
+  expect_all(NodeState::open_chain);
+}
+
 TEST_F(OpenChain, IsNotDeclaredWithinTheGrace) {
   ring.cut(2_id);
   ring.run_for(190ms);

@@ -15,6 +15,11 @@ using sim::VirtualRingOptions;
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
 
+/// Counters only count up. One that was counted down from 0 is above anything that happens in a test.
+inline void expect_counted_up(const Counters& counters) {
+  counters.each([](const char* name, const char*, std::uint64_t value) { EXPECT_LT(value, 1ull << 32) << name; });
+}
+
 /// A ring that is watched: whatever a test is about, no promise of the ring may be broken in it.
 class VirtualRing : public sim::VirtualRing {
  public:
@@ -23,6 +28,8 @@ class VirtualRing : public sim::VirtualRing {
     if (const auto& broken = invariants_.violation())
       ADD_FAILURE() << "promise broken: " << sim::to_string(broken->promise) << "\n"
                     << broken->what << "\nat " << core::picoseconds(broken->at.time_since_epoch()) << " ps";
+    for (const NodeId id : order())
+      if (alive(id)) expect_counted_up(counters(id));
   }
 
  private:

@@ -23,6 +23,8 @@ class SoloNode {
     node_.output_up(2_id, now_);
   }
 
+  ~SoloNode() { expect_counted_up(counters()); }
+
   Blocks& node() { return node_; }
   const Counters& counters() const { return node_.counters(); }
   Time now() const { return now_; }

@@ -32,6 +32,37 @@ TEST(ControlMessage, BeaconComesBack) {
   EXPECT_FALSE(back->cpu_comes_back);
 }
 
+// The table of protocol.md section 3.9.
+TEST(ControlMessage, ABeaconsFieldsStandInTheOrderOfTheProtocol) {
+  Beacon beacon{0x0102030405060708,
+                0x11121314,
+                CpuState::silent,
+                0x21222324,
+                LinkState::up,
+                4_id,
+                LinkState::silent,
+                6_id,
+                true,
+                7_id,
+                8_id,
+                true};
+  beacon.stop_latched = true;
+  beacon.latch = {0x31323334, 9_id, 0x4142434445464748};
+  std::array<std::uint8_t, kLongBeaconSize> bytes;
+  ASSERT_EQ(encode(beacon, bytes.data()), kLongBeaconSize);
+  EXPECT_EQ(bytes,
+            (std::array<std::uint8_t, kLongBeaconSize>{
+                2, 1, 2, 3, 4, 5, 6, 7,    8,    0x11, 0x12, 0x13, 0x14, 4,    0x21, 0x22, 0x23, 0x24, 1,    4,
+                2, 6, 1, 7, 8, 1, 1, 0x31, 0x32, 0x33, 0x34, 9,    0x41, 0x42, 0x43, 0x44, 0x45, 0x46, 0x47, 0x48}));
+}
+
+TEST(ControlMessage, ABeaconThatIsToldNothingIsAllZeroButThatTheCpuComesBack) {
+  std::array<std::uint8_t, kBeaconSize> bytes, expected{2};
+  ASSERT_EQ(encode(Beacon{}, bytes.data()), kBeaconSize);
+  expected[25] = 1;
+  EXPECT_EQ(bytes, expected);
+}
+
 TEST(ControlMessage, BeaconWithAStopOrALatchIsLongerAndComesBack) {
   Beacon beacon;
   beacon.stop_latched = true;

@@ -36,14 +36,18 @@ TEST(Slice, GoldenBytes) {
 TEST(Slice, IsIncompleteUntilItsLastByte) {
   SliceWriter writer;
   writer.put(SliceKind::interrupt, view(Bytes(12, 7)));
-  for (std::size_t size = 0; size < writer.view().size; ++size)
-    EXPECT_EQ(parse_slice(writer.view().first(size)).status, Status::incomplete) << size;
+  for (std::size_t size = 0; size < writer.view().size; ++size) {
+    const SliceParse parse = parse_slice(writer.view().first(size));
+    EXPECT_EQ(parse.status, Status::incomplete) << size;
+    EXPECT_EQ(parse.consumed, 0u) << "it is looked at once more when more has come: " << size;
+  }
 }
 
 TEST(Slice, GarbageIsMalformedAtOnce) {
   EXPECT_EQ(parse_slice(view({0x00})).status, Status::malformed);
   EXPECT_EQ(parse_slice(view({0xA7, 0, 0, 0})).status, Status::malformed) << "kind 0";
   EXPECT_EQ(parse_slice(view({0xA7, 8, 0, 0})).status, Status::malformed) << "kind 8";
+  EXPECT_EQ(parse_slice(view({0xA7, 8, 0, 0})).consumed, 0u);
 }
 
 TEST(Slice, SizesTheirKindCannotHaveAreMalformed) {
