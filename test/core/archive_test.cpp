@@ -1,7 +1,8 @@
-// Which members a state has, as a number: it says whether a state that was written down can be gone on from.
+// A state as bytes: another controller goes on from it, and a number says of which members it consists.
 #include "core/archive.h"
 
-#include <gtest/gtest.h>
+#include "core/copied_state.h"
+#include "core/solo_node.h"
 
 namespace limb_ring::core {
 namespace {
@@ -31,6 +32,44 @@ TEST(StateLayout, DiffersWithANameNotWithAValueOrWithWhereTheNameStands) {
 
 TEST(StateLayout, DiffersWithASize) {
   EXPECT_NE(layout_of(Member<>{"hop", 1}), layout_of(Member<std::uint16_t>{"hop", 1}));
+}
+
+TEST(State, HasAllThatABeaconSaid) {
+  wire::Beacon said{7,
+                    1,
+                    wire::CpuState::failed,
+                    2,
+                    wire::LinkState::up,
+                    3_id,
+                    wire::LinkState::folded,
+                    4_id,
+                    true,
+                    5_id,
+                    6_id,
+                    false,
+                    true,
+                    {8, 9_id, 10}};
+  wire::Beacon had;
+  read_state(bytes_of(said), had);
+  std::array<std::uint8_t, wire::kLongBeaconSize> first{}, second{};
+  wire::encode(said, first.data());
+  wire::encode(had, second.data());
+  EXPECT_EQ(first, second);
+}
+
+TEST(State, HasThePacketThatIsComingIn) {
+  SoloNode before;
+  const Bytes packet = Foreign{0, 1}.with(pattern(22));
+  before.join();
+  before.receive(wire::SliceKind::start, {packet.begin(), packet.begin() + 4});
+  before.line();
+  Blocks after{before.node().settings()};
+  read_state(bytes_of(before.node()), after);
+  after.receive({wire::SliceKind::more, {packet.data() + 4, 20}}, before.now());
+  after.receive({wire::SliceKind::end, {packet.data() + 24, packet.size() - 24}}, before.now());
+  ReceivedPacket taken;
+  ASSERT_TRUE(after.take(before.now(), taken));
+  EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
 }
 
 }  // namespace

@@ -156,6 +156,7 @@ TEST_F(Incarnations, AHelloOrBeaconOfAnEarlierOneSaysNothing) {
   data(8, "eight");
   hello(7);
   beacon(6, 0);
+  EXPECT_EQ(solo.counters().earlier_incarnation, 2u);
   EXPECT_EQ(solo.node().membership().peers()[0_id].boot, 8u);
   EXPECT_EQ(data(8, "eight", 0, 1), 1) << "taken before";
   EXPECT_THAT(solo.packets(), ElementsAre(text("eight")));

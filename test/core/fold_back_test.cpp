@@ -1,6 +1,7 @@
 // Fold-back: a second, counter-rotating line closes the ring again around a break. (protocol.md section 8.7)
 #include <map>
 
+#include "core/copied_state.h"
 #include "core/solo_node.h"
 
 namespace limb_ring::core {
@@ -177,6 +178,24 @@ TEST_F(FoldBackTest, ASecondBreakLeavesTwoWorkingParts) {
   EXPECT_EQ(outcome_of(ring, 5_id, ring.send(5_id, 2_id, text("a"))).outcome, Outcome::delivered);
   EXPECT_EQ(outcome_of(ring, 7_id, ring.send(7_id, 0_id, text("a"))).outcome, Outcome::delivered);
   EXPECT_EQ(outcome_of(ring, 7_id, ring.send(7_id, 3_id, text("a"))).outcome, Outcome::no_such_node);
+}
+
+// Own packets that come home to it change nothing: the fold is somewhere else in the ring.
+TEST_F(FoldBackTest, ANodeThatGoesOnFromAStateIsStillFolded) {
+  ring.cut_cable(4_id);
+  ring.run_for(34ms);  // no beacon is under way
+  expect_all(NodeState::folded);
+  NetworkController node{ring.settings(0_id), ring.now()};
+  read_state(bytes_of(ring.node(0_id)), node);
+  const Bytes data = text("round");
+  node.send(send_of(1, 1, 2_id, data), ring.now());
+  node.run(ring.now());
+  const wire::Slice sent = wire::parse_slice(node.output(Line::first).view()).slice;
+  ASSERT_EQ(sent.kind, wire::SliceKind::whole);
+  const Bytes home = SoloNode::home({sent.bytes.begin(), sent.bytes.end()}, 1, kNodes - 1);
+  node.receive(Line::first, {wire::SliceKind::whole, {home.data(), home.size()}}, ring.now());
+  EXPECT_EQ(node.counters().ended_delivered, ring.counters(0_id).ended_delivered + 1);
+  EXPECT_EQ(node.membership().state(), NodeState::folded);
 }
 
 TEST_F(FoldBackTest, TwoPartsGrowTogetherAgain) {
@@ -437,6 +456,23 @@ TEST_F(LoneFold, ABeginIsRepeatedUnlessItWasHeardLessThanHalfABeaconPeriodAgo) {
   EXPECT_TRUE(second().empty());
   hear(wire::FoldWordKind::begin, 6_id, Time{} + half);
   EXPECT_FALSE(second().empty());
+}
+
+TEST_F(LoneFold, ANodeThatGoesOnFromAStateSaysItsWordsInTime) {
+  const auto drain = [](NetworkController& any) {
+    any.run(Time{});
+    any.output(Line::first).clear();
+    any.output(Line::second).clear();
+    Event event;
+    while (any.take_event(Time{}, event)) {
+    }
+  };
+  node.input_lost(Line::first, Time{});
+  drain(node);
+  NetworkController other{node.settings(), Time{}};
+  read_state(bytes_of(node), other);
+  EXPECT_EQ(node.next_deadline(Time{}), Time{} + node.settings().beacon);
+  EXPECT_EQ(other.next_deadline(Time{}), Time{} + node.settings().beacon);
 }
 
 TEST_F(LoneFold, AFoldNodeIsForgottenAfterFiveBeaconPeriodsAndThatIsTold) {

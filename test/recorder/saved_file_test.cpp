@@ -116,7 +116,7 @@ TEST_F(SavedFile, stopsAtAnInstantAndTellsTheState) {
   }
   const std::string late = describe_state(replayed.lives()[1]->replay().controller());
   EXPECT_THAT(early, testing::Not(HasSubstr("ring_size 4")));
-  EXPECT_THAT(late, HasSubstr("membership.ring_size 4"));
+  EXPECT_THAT(late, HasSubstr("\nmembership.ring_size 4\n"));
 }
 
 TEST_F(SavedFile, isThereAfterItsProcessWasKilled) {
