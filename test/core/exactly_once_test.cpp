@@ -239,5 +239,20 @@ TEST(ExactlyOnceJoining, OwnPacketsAreOnlyStripped) {
   EXPECT_THAT(solo.packets(), IsEmpty());
 }
 
+// It may have been in the other part of a ring that was broken twice, and a first try taken before this node started.
+TEST(UnheardSource, ARetryOfItIsNotAnsweredWhereTheRingFoldsBack) {
+  SoloNode solo(Duration{0}, [](Settings& s) { s.fold_back = true; });
+  solo.join();
+  solo.line();
+  solo.receive(wire::SliceKind::interrupt, foreign_interrupt(0, 1, 1, 5, 1));
+  EXPECT_EQ(solo.counters().retries_of_unheard_nodes, 1u);
+  EXPECT_EQ(solo.counters().pins_pulled, 0u);
+  const auto out = solo.line();
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ((wire::PacketFields{{out[0].bytes.data(), out[0].bytes.size()}}.fbc()), wire::kFbcUntaken);
+  solo.receive(wire::SliceKind::interrupt, foreign_interrupt(0, 1, 1, 6, 0));
+  EXPECT_EQ(solo.counters().pins_pulled, 1u) << "a first try is";
+}
+
 }  // namespace
 }  // namespace limb_ring::core
