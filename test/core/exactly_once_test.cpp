@@ -162,6 +162,15 @@ TEST_F(Incarnations, AHelloOrBeaconOfAnEarlierOneSaysNothing) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("eight")));
 }
 
+TEST_F(Incarnations, ABootNumberLowerByAThousandIsEarlierByMoreTheClockWasSetBack) {
+  hello(3000);
+  hello(2000);
+  EXPECT_EQ(solo.counters().earlier_incarnation, 1u);
+  hello(1999);
+  EXPECT_EQ(solo.counters().earlier_incarnation, 1u);
+  EXPECT_EQ(solo.node().membership().peers()[0_id].boot, 1999u);
+}
+
 // Four incarnations of the source were missed, so that its packet seemed to be of the one that was known.
 TEST_F(Incarnations, OneInterruptPullsOnceThoughFourIncarnationsWereMissed) {
   beacon(1000, 3);

@@ -372,5 +372,25 @@ TEST_F(LoneMember, CountsWhatIsNeitherHelloNorBeacon) {
   EXPECT_EQ(solo.counters().control_malformed, 1u);
 }
 
+TEST_F(LoneMember, SendsItsBeaconWithAnothersWhereItIsDueWithinHalfAPeriod) {
+  SoloNode talking(Duration{0}, [](Settings& s) { s.beacon = 100ms; });
+  talking.join();
+  const auto beacons_sent = [&] { return talking.counters().sent_data - talking.counters().hellos; };
+  ASSERT_EQ(beacons_sent(), 1u);
+  talking.receive(wire::SliceKind::whole, SoloNode::home(talking.line().back().bytes, wire::kFbcMax));
+  const auto another_says = [&](std::uint8_t sequence) {
+    std::array<std::uint8_t, wire::kBeaconSize> bytes;
+    wire::encode(wire::Beacon{}, bytes.data());
+    talking.receive(wire::SliceKind::whole,
+                    Foreign{0, 0xFF}.with_sequence(sequence).with_pri(kControlPri).with({bytes.begin(), bytes.end()}));
+  };
+  talking.run_for(Duration{50ms} - Duration{1});
+  another_says(1);
+  EXPECT_EQ(beacons_sent(), 1u);
+  talking.run_for(Duration{1});
+  another_says(2);
+  EXPECT_EQ(beacons_sent(), 2u);
+}
+
 }  // namespace
 }  // namespace limb_ring::core

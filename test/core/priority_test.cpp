@@ -1,6 +1,5 @@
 // Priorities on both sides, queues and their limits.
-#include "core/ring_fixture.h"
-#include "support/node_literal.h"
+#include "core/solo_node.h"
 
 namespace limb_ring::core {
 namespace {
@@ -93,6 +92,19 @@ TEST(Fairness, OwnPacketsAreNotStarvedByAStreamFromUpstream) {
     outcome_of(ring, 2_id, ring.send(2_id, 3_id, Bytes(512)));
     EXPECT_LE(ring.now() - asked, bound + 8ns * 524) << "worst case, from the request on";
   }
+}
+
+TEST(Fairness, WhatANodeIsAskedToSendGoesBeforeWhatComesInThen) {
+  SoloNode solo;
+  solo.join();
+  solo.line();
+  const Bytes data = text("own"), foreign = Foreign{0, 2}.with(text("foreign"));
+  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  solo.receive(wire::SliceKind::whole, foreign);
+  const auto out = solo.line();
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].bytes[wire::field::kSource], 1);
+  EXPECT_EQ(out[1].bytes[wire::field::kSource], 0);
 }
 
 }  // namespace

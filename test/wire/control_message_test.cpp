@@ -56,6 +56,19 @@ TEST(ControlMessage, ABeaconsFieldsStandInTheOrderOfTheProtocol) {
                 2, 6, 1, 7, 8, 1, 1, 0x31, 0x32, 0x33, 0x34, 9,    0x41, 0x42, 0x43, 0x44, 0x45, 0x46, 0x47, 0x48}));
 }
 
+TEST(ControlMessage, ABeaconWithTheLastOfAllStatesIsOne) {
+  Beacon beacon;
+  beacon.cpu_state = CpuState::failed;
+  beacon.input = beacon.output = LinkState::folded;
+  std::array<std::uint8_t, kBeaconSize> bytes;
+  encode(beacon, bytes.data());
+  const auto back = decode_beacon({bytes.data(), bytes.size()});
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->cpu_state, CpuState::failed);
+  EXPECT_EQ(back->input, LinkState::folded);
+  EXPECT_EQ(back->output, LinkState::folded);
+}
+
 TEST(ControlMessage, ABeaconThatIsToldNothingIsAllZeroButThatTheCpuComesBack) {
   std::array<std::uint8_t, kBeaconSize> bytes, expected{2};
   ASSERT_EQ(encode(Beacon{}, bytes.data()), kBeaconSize);

@@ -157,5 +157,12 @@ TEST(InterruptPacket, FactorBeyondSevenIsRefused) {
   EXPECT_EQ(decode({bytes.data(), bytes.size()}, back), PacketError::trailer);
 }
 
+TEST(Channels, HaveTheNumbersOfTheProtocol) {
+  EXPECT_EQ(id_of(Channel::user), 0);
+  EXPECT_EQ(id_of(Channel::control), 1);
+  EXPECT_EQ(id_of(Channel::joint), 2);
+  EXPECT_EQ(id_of(Channel::fragment), 3);
+}
+
 }  // namespace
 }  // namespace limb_ring::wire
