@@ -46,14 +46,19 @@ class Incoming {
   /// @param place of the packet that it is passed on as, whose bytes may lie there; or null
   template <class Archive>
   void archive(Archive& a, std::uint8_t* place) {
-    bool is_own = !open_ || place_ == own_.data();
+    bool is_own = !open_ || place_ == own_.data() || place == nullptr;
     a("open", open_)("hop", hop_)("last_slice", last_slice_)("size", size_)("is_own", is_own);
-    place_ = is_own || place == nullptr ? own_.data() : place;
+    move_to(is_own || place == nullptr ? own_.data() : place);
     Bytes bytes{place_, open_ ? size_ : 0};
     a("bytes", bytes);
   }
 
  private:
+  /// It is passed on no more where its output was lost: then its bytes still lie where they were.
+  void move_to(std::uint8_t* place) {
+    if (open_ && place != place_) std::memcpy(place, place_, std::min(size_, wire::kMaxDataPacketSize));
+    place_ = place;
+  }
   /// The bytes that have come in, wherever they lie.
   struct Bytes {
     std::uint8_t* at;
