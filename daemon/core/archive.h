@@ -38,7 +38,8 @@ constexpr bool is_plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || std::i
 }  // namespace archived
 
 /// What all archives do with containers: their count, then their elements. `Derived` knows plain(), bytes(), view() and
-/// count(), and is told where it is by enter(), element() and leave().
+/// count(), and is told where it is by enter(), element() and leave(); it may have an instant() or elements() of its
+/// own.
 template <class Derived>
 class Archive {
  public:
@@ -60,6 +61,17 @@ class Archive {
 
  protected:
   ~Archive() = default;
+  /// A point in time: its picoseconds.
+  void instant(Time& time) {
+    Int128 count = time.time_since_epoch().count();
+    self().plain(count);
+    time = Time{Duration{count}};
+  }
+  /// So many of the elements are looked at.
+  template <class T>
+  std::size_t elements(std::size_t count) {
+    return count;
+  }
 
  private:
   Derived& self() { return static_cast<Derived&>(*this); }
@@ -77,11 +89,7 @@ class Archive {
     }
   }
   void container(wire::ByteView& bytes) { self().view(bytes); }
-  void container(Time& time) {
-    Int128 count = time.time_since_epoch().count();
-    self().plain(count);
-    time = Time{Duration{count}};
-  }
+  void container(Time& time) { self().instant(time); }
   void container(Duration& span) {
     Int128 count = span.count();
     self().plain(count);
@@ -146,7 +154,8 @@ class Archive {
   }
   template <class All>
   void each(All& all) {
-    for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::size_t end = self().template elements<typename All::value_type>(all.size());
+    for (std::size_t i = 0; i < end; ++i) {
       self().element(i);
       value(all[i]);
       self().leave();

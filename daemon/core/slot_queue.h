@@ -11,6 +11,7 @@ namespace limb_ring::core {
 template <class T>
 class SlotQueue {
  public:
+  using value_type = T;
   bool empty() const { return count_ == 0; }
   std::size_t size() const { return count_; }
   /// @pre i < size(); 0 is the front

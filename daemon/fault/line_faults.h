@@ -64,6 +64,9 @@ class LineFaults {
   /// Nothing is wrong and nothing is held back: all passes as it comes, so the caller need not ask.
   bool idle() const { return active_.empty() && held_.empty() && ready_.empty() && !on_data_ && !told_cut_; }
 
+  /// The same, and what was held back is through.
+  bool at_rest(Time now) const { return idle() && held_.line_free(now); }
+
   const LineCounters& counters() const { return counters_; }
 
  private:

@@ -24,6 +24,11 @@ class DelayLine {
     std::uint64_t epoch = 0;  ///< of the line it left on
     core::Line line = core::Line::first;
     wire::SliceWriter slices;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("at", at)("from", from)("to", to)("line", line)("slices", slices);
+    }
   };
 
   explicit DelayLine(Duration delay) : delay_(delay), slots_(16) {}
@@ -43,6 +48,11 @@ class DelayLine {
     slot.line = line;
     slot.slices.clear();
     slot.slices.swap(slices);
+  }
+  /// All that are under way, in their order.
+  template <class Visit>
+  void each(Visit visit) {
+    for (std::size_t i = 0; i < count_; ++i) visit(slots_[(first_ + i) & (slots_.size() - 1)]);
   }
   /// The next one; valid until the next put(). @pre !empty()
   const Arrival& pop() {

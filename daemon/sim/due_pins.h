@@ -20,6 +20,10 @@ class DuePins {
     if (!due_.empty() && due_.front().at < now) drop_before(now);
   }
   void clear() { due_.clear(); }
+  template <class Archive>
+  void archive(Archive& a) {
+    a("due", due_);
+  }
 
  private:
   struct Due {
@@ -27,6 +31,11 @@ class DuePins {
     wire::Factor factor;
     core::Time at;
     bool sure;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("source", source)("factor", factor)("at", at)("sure", sure);
+    }
   };
   void drop_before(core::Time now);
 

@@ -22,6 +22,11 @@ struct PacketHeader {
   static PacketHeader of(wire::ByteView bytes) {
     return {wire::code_of(bytes[0]), bytes[0], bytes[2], wire::NodeId{bytes[3]}};
   }
+  /// The code byte says what its code is.
+  template <class Archive>
+  void archive(Archive& a) {
+    a("code_byte", code_byte)("hop", hop)("source", source);
+  }
 };
 
 /// Its trailer.
@@ -56,6 +61,11 @@ class ForwardingChecker {
     int fbc;                              ///< kAnyFbc: nobody can tell
     Promise promise = Promise::true_fbc;  ///< that another FBC would break
     bool good = true;                     ///< its CRC is right
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("fbc", fbc)("promise", promise)("good", good);
+    }
   };
   static constexpr int kAnyFbc = -1;
   /// A packet of `size` bytes has come in that others than this node have sent.
@@ -78,6 +88,11 @@ class ForwardingChecker {
   /// The output took nothing until now.
   void released(Time now) { released_ = now; }
   void clear();
+  template <class Archive>
+  void archive(Archive& a) {
+    a("data", data_)("interrupts", interrupts_)("bytes", bytes_)("released", released_);
+    a("interrupts_gone", interrupts_gone_);
+  }
 
  private:
   struct Coming {
@@ -86,6 +101,11 @@ class ForwardingChecker {
     Due due;
     std::size_t size;
     Time at;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("code_byte", code_byte)("source", source)("destination", destination)("due", due)("size", size)("at", at);
+    }
   };
   void check_wait(Time since, Time now, const std::string& which) const;
 

@@ -17,6 +17,10 @@ class InputChecker {
   void input_changes(NodeId node, Line line, Time now);
   /// The node has restarted: what is on its way in is dropped.
   void start(NodeId node) { incoming_[node].collector.drop(); }
+  template <class Archive>
+  void archive(Archive& a) {
+    for (Incoming& in : incoming_) a("incoming", in);
+  }
 
  private:
   /// The DATP that is on its way into a node, and the lines of that node.
@@ -26,6 +30,11 @@ class InputChecker {
     bool own = false;
     Line input = Line::first, output = Line::first;
     Time last{};  ///< when something last came
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("collector", collector)("received", received)("own", own)("input", input)("output", output)("last", last);
+    }
   };
 
   void breaks_off(NodeId node, std::size_t size, Time now);

@@ -20,6 +20,11 @@ class Invariants : public Observer {
   const std::optional<Violation>& violation() const { return record_.violation; }
   /// At the end, when nothing is under way any more: everything asked for must have ended.
   void finish();
+  /// Everything that what comes later is judged by. (study/explore/state_hash.h) @pre no promise was broken
+  template <class Archive>
+  void archive(Archive& a) {
+    a("record", record_)("outputs", outputs_)("inputs", inputs_)("results", results_);
+  }
 
   void asked(NodeId node, const core::SendRequest& request, Time now) override;
   void asked(NodeId node, const core::InterruptRequest& request, Time now) override;

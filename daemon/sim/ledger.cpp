@@ -99,12 +99,11 @@ void Ledger::Slot::begin(std::uint32_t token) {
   if (last.token != 0) former.push_back(last);
   if (former.size() > kMostFormer) former.erase(former.begin());
   last = {token, {}};
+  begun = true;
 }
 
 Ledger::Slot& Ledger::on_line_slot(NodeId source, wire::Code code, NodeId destination) {
-  auto& slots = sources_[source].on_line;
-  if (slots.empty()) slots.resize(2 * 256 * 8);
-  return slots[(code.interrupt ? 2048u : 0u) + destination * 8u + code.sequence];
+  return sources_[source].on_line[(code.interrupt ? 2048u : 0u) + destination * 8u + code.sequence];
 }
 
 void Ledger::try_begins(NodeId source, wire::Code code, Time now) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <deque>
+#include <map>
 #include <vector>
 
 #include "core/network_controller.h"
@@ -20,6 +21,11 @@ struct Sent {
     NodeId node;
     std::uint32_t incarnation;
     bool taken;  ///< or refused
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("node", node)("incarnation", incarnation)("taken", taken);
+    }
   };
   std::uint32_t token = 0;
   NodeId source{0}, destination{0};
@@ -61,6 +67,17 @@ struct Sent {
   /// It is what a CPU has got.
   bool is(const core::ReceivedPacket& packet) const;
   std::string name() const;
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("token", token)("source", source)("destination", destination)("queue", queue)("channel", channel)("size", size);
+    a("checksum", checksum)("source_incarnation", source_incarnation)("asked", asked)("asked_in_ring", asked_in_ring);
+    a("ahead", ahead)("queue_shared", queue_shared)("left", left)("tries", tries)("repeated", repeated);
+    a("attempts", attempts)("may_have_failed", may_have_failed)("last_try", last_try)("home_at", home_at);
+    a("home_fbc", home_fbc)("final", final)("cancelled_at", cancelled_at)("cancel_due", cancel_due);
+    a("first_refused", first_refused)("refused_at", refused_at)("ended", ended)("ended_at", ended_at)("end", end);
+    a("in_doubt", in_doubt)("unread", unread)("verdicts", verdicts)("may_be_taken", may_be_taken);
+  }
 };
 
 /// All sends of a ring, from the CPU's request to the CPU that reads it: whose results, order and
@@ -145,6 +162,13 @@ class Ledger {
       if (!sent.ended && sent.source_incarnation == sources_[source].incarnation) visit(sent);
   }
 
+  /// Everything that what comes later is judged by, for study/explore/state_hash.h; of its classes, too.
+  template <class Archive>
+  void archive(Archive& a) {
+    a("sources", sources_)("passed_over", passed_over_)("newest", newest_);
+    a("interrupt_incarnations", interrupt_incarnations_)("released", released_);
+  }
+
  private:
   /// The packet of one kind that a source has sent last, as far as its header tells.
   struct Outstanding {
@@ -157,26 +181,53 @@ class Ledger {
     unsigned before = 0;   ///< tries of the packet before it, if that was never known
     bool awaited = false;  ///< outstanding: it is not home yet
     bool damaged = false;  ///< a packet of this kind came home damaged since its last try
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("packet", packet)("tries", tries)("counted", counted)("token", token)("since", since)("attempt", attempt);
+      a("before", before)("awaited", awaited)("damaged", damaged);
+    }
   };
   /// A packet with that kind, DID and sequence number.
   struct OnLine {
     std::uint32_t token = 0;
     std::array<std::uint32_t, 4> crcs{};  ///< by try
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("token", token)("crcs", crcs);
+    }
   };
   /// The last ones with it: a line that held packets back may release one whose number was used again since.
   struct Slot {
     OnLine last;
     std::vector<OnLine> former;
+    bool begun = false;  ///< by any packet
     void begin(std::uint32_t token);
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("last", last)("former", former);
+    }
   };
   struct Source {
     std::deque<Sent> sent;
     std::uint32_t first_token = 1;
     std::array<std::deque<std::uint32_t>, 5> waiting;  ///< by queue, in the order of asking
-    std::vector<Slot> on_line;                         ///< by kind, DID, sequence
+    std::map<unsigned, Slot> on_line;                  ///< by kind, DID, sequence
     std::array<Outstanding, 2> outstanding;            ///< DATP, INTP
     bool others_send = false;                          ///< packets left that were not asked for through the ring
     std::uint32_t incarnation = 0;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("sent", sent)("first_token", first_token)("waiting", waiting)("outstanding", outstanding);
+      a("others_send", others_send)("incarnation", incarnation);
+      for (auto& [place, slot] : on_line) {
+        unsigned key = place;
+        if (slot.begun) a("place", key)("slot", slot);
+      }
+    }
   };
 
   Sent& add(NodeId source, std::uint32_t token, std::uint8_t queue, bool in_ring, Time now);

@@ -14,6 +14,10 @@ class OutputChecker {
   explicit OutputChecker(RingRecord& record);
 
   void leaves(NodeId node, const wire::Slice& slice, Time now);
+  template <class Archive>
+  void archive(Archive& a) {
+    a("outgoing", outgoing_);
+  }
 
  private:
   /// The DATP that is on its way out of a node.
@@ -22,6 +26,11 @@ class OutputChecker {
     bool own = false;
     PacketHeader header;
     Time since{};
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("collector", collector)("own", own)("header", header)("since", since);
+    }
   };
 
   void check_header(NodeId node, const PacketHeader& header);

@@ -22,6 +22,11 @@ class PacketCollector {
   /// It is given up by now; what comes in the very instant at which it would be still belongs to it.
   bool stalled(core::Time now) const { return open_ && last_ + stall_ < now; }
 
+  template <class Archive>
+  void archive(Archive& a) {
+    a("open", open_)("size", size_)("last", last_)("bytes", bytes_, open_ ? size_ : 0);
+  }
+
   /// @return the packet where this slice is its end, valid until the next one; else nothing
   wire::ByteView put(const wire::Slice& slice, core::Time now) {
     using wire::SliceKind;

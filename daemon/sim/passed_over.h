@@ -23,6 +23,10 @@ class PassedOver {
   void judge(core::Time now) {
     if (!noted_.empty()) judge_noted(now);
   }
+  template <class Archive>
+  void archive(Archive& a) {
+    a("noted", noted_);
+  }
 
  private:
   struct Noted {
@@ -31,6 +35,11 @@ class PassedOver {
     core::Time since;
     Promise promise;
     std::string what;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("source", source)("token", token)("since", since)("promise", promise)("what", what);
+    }
   };
   void judge_noted(core::Time now);
 

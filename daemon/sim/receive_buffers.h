@@ -24,6 +24,10 @@ class ReceiveBuffers {
   void read(const core::ReceivedPacket& packet, Time now);
   /// The CPU was reset, or the node restarted: all of it is gone.
   void flush();
+  template <class Archive>
+  void archive(Archive& a) {
+    a("unread", unread_)("doubtful", doubtful_);
+  }
 
  private:
   struct Unread {
@@ -31,6 +35,11 @@ class ReceiveBuffers {
     std::uint32_t token;  ///< 0: not asked for through the ring
     Time at;
     bool sure;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("source", source)("token", token)("at", at)("sure", sure);
+    }
   };
   void check_priority(const core::ReceivedPacket& packet, Time now) const;
   void drop_front(std::uint8_t priority);

@@ -49,6 +49,10 @@ class ReceiverModel {
   void may_start_over();
   void set_cpu_present(bool present) { cpu_present_ = present; }
   bool cpu_present() const { return cpu_present_; }
+  template <class Archive>
+  void archive(Archive& a) {
+    a("pages", pages_)("joined", joined_)("cpu_present", cpu_present_);
+  }
 
  private:
   enum class Verdict : std::uint8_t { none, taken, refused, unknown };
@@ -58,6 +62,11 @@ class ReceiverModel {
     Verdict verdict = Verdict::none;
     bool aged = false;          ///< a first try is new
     bool any_sequence = false;  ///< nobody knows which number was decided last
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("decided", decided)("sequence", sequence)("verdict", verdict)("aged", aged)("any_sequence", any_sequence);
+    }
   };
   struct Page {
     std::array<Entry, 4> entries{};
@@ -67,6 +76,12 @@ class ReceiverModel {
     bool from_packet = false;            ///< begun by a packet, not by a hello or beacon
     Tristate peer_known = Tristate::no;  ///< a hello or beacon was heard
     bool any_incarnation = false;        ///< nobody knows which one it has met last
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("entries", entries)("boot", boot)("incarnation", incarnation)("known", known)("from_packet", from_packet);
+      a("peer_known", peer_known)("any_incarnation", any_incarnation);
+    }
   };
 
   Entry& entry(const wire::PacketFields& packet);

@@ -22,6 +22,10 @@ class ResultChecker {
   void judge_open(NodeId node, bool all);
   /// What was to be explained and was not.
   void judge_unexplained(NodeId node);
+  template <class Archive>
+  void archive(Archive& a) {
+    a("unexplained", unexplained_);
+  }
 
  private:
   /// A result for which its node has to show a state.
@@ -29,6 +33,11 @@ class ResultChecker {
     Time when;
     core::Outcome outcome;
     std::string what;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("when", when)("outcome", outcome)("what", what);
+    }
   };
 
   Time last_hello_of(NodeId destination) const;

@@ -11,6 +11,11 @@ struct NodeHistory {
   Time cancelled = core::kNever;   ///< its CPU was reset, or its sends were cancelled
   Time said_hello = core::kNever;  ///< its last hello left
   Time thawed{};                   ///< it went on
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a("state", state)("state_at", state_at)("cancelled", cancelled)("said_hello", said_hello)("thawed", thawed);
+  }
 };
 
 /// Whether a result was justified when it was given, by what was seen on the lines. (protocol.md sections 4.3 to 4.6)

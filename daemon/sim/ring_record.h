@@ -23,9 +23,20 @@ struct NodeRecord {
     std::uint32_t crc = 0;  ///< 0: none is out
     bool hello = false;
     Time left{};
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("code", code)("crc", crc)("hello", hello)("left", left);
+    }
   };
 
   NodeRecord(const core::Settings& of_node, Ledger& ledger, const Complain& complain);
+  template <class Archive>
+  void archive(Archive& a) {
+    a("forwarding", forwarding)("buffers", buffers)("receiver", receiver)("pins", pins)("history", history);
+    a("began", began)("news_at", news_at)("control_home", control_home)("hello_left", hello_left);
+    a("hello_out", hello_out)("control", control)("interrupt_free", interrupt_free)("away_since", away_since);
+  }
 
   core::Settings settings;
   ForwardingChecker forwarding;
@@ -49,6 +60,13 @@ struct RingRecord {
   explicit RingRecord(VirtualRing& of_ring);
   RingRecord(const RingRecord&) = delete;
   RingRecord& operator=(const RingRecord&) = delete;
+  /// All but a violation, after which nothing is judged.
+  template <class Archive>
+  void archive(Archive& a) {
+    a("ledger", ledger)("was_broken", was_broken)("settled_from", settled_from)("said_hello", said_hello);
+    a("released", released);
+    for (const auto& node : nodes) a("node", *node);
+  }
 
   NodeRecord& at(NodeId node) const { return *nodes[node]; }
   bool is_away(NodeId node) const { return node < nodes.size() && nodes[node]->away_since; }

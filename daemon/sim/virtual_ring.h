@@ -132,6 +132,21 @@ class VirtualRing {
   void tap(NodeId id, Tap tap, Line line = Line::first) { wire_of(id, line).tap = std::move(tap); }
   /// What a tap has held back goes onto the line out of `id` now; leaves `slices` empty.
   void put_late(NodeId id, wire::SliceWriter& slices, Line line = Line::first);
+  /// Everything that what comes later depends on, but for what at() was asked for, what taps hold, and logs.
+  /// (study/explore/state_hash.h) @pre between two instants
+  template <class Archive>
+  void archive(Archive& a) {
+    a("now", now_)("nodes", nodes_);
+    for (unsigned id = 0; id < size(); ++id) {
+      Time wake = wakes_[id];
+      a("wake", wake);
+    }
+    for (DelayLine& delay_line : delay_lines_)
+      delay_line.each([&](DelayLine::Arrival& arrival) {
+        if (wire_of(arrival.from, arrival.line).epoch == arrival.epoch) a("arrival", arrival);  // else it is lost
+      });
+  }
+
   /// Told of everything from now on; must outlive the ring.
   void add_observer(Observer& observer);
   /// Tells the observers that a tap lost or damaged something on the line out of `id`, or that its
@@ -152,6 +167,11 @@ class VirtualRing {
     std::uint64_t epoch = 0;      ///< bytes under way on a line that was replaced are lost
     std::uint64_t connected = 0;  ///< how often it was; a cut wire does not undo that
     Tap tap;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("cut", cut)("successor", successor)("predecessor", predecessor);
+    }
   };
   /// Tells the observers what reaches and leaves a node's blocks.
   struct ObserverTap final : NetworkController::Tap {
@@ -175,6 +195,12 @@ class VirtualRing {
     bool paused = false;
     std::vector<DelayLine::Arrival> waiting;  ///< what came while it was
     NodeLog log;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("controller", *controller)("alive", alive)("cpu_reads", cpu_reads)("lines", lines)("starts", starts);
+      a("next_token", next_token)("paused", paused)("waiting", waiting);
+    }
   };
   struct Action {
     Time at;

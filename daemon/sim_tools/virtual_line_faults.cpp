@@ -60,6 +60,15 @@ const fault::LineCounters& VirtualLineFaults::counters(NodeId id, Line line) con
   return lines_[static_cast<std::size_t>(line)][id].faults.counters();
 }
 
+bool VirtualLineFaults::at_rest() const {
+  bool at_rest = true;
+  each_line([&](NodeId id, Line line) {
+    const Wire& wire = lines_[static_cast<std::size_t>(line)][id];
+    at_rest = at_rest && wire.wake == core::kNever && wire.faults.at_rest(ring_.now());
+  });
+  return at_rest;
+}
+
 void VirtualLineFaults::mend_all() {
   each_line([this](NodeId id, Line line) {
     wire_of(id, line).faults.clear();

@@ -31,6 +31,8 @@ class VirtualLineFaults : public Observer {
   const fault::LineCounters& counters(wire::NodeId id, core::Line line) const;
   bool cut(wire::NodeId id, core::Line line) const { return lines_[static_cast<std::size_t>(line)][id].cut; }
   ///@}
+  /// No line has a fault, holds anything back, or will be looked at again.
+  bool at_rest() const;
   /// Ends all on all lines.
   void mend_all();
 

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
@@ -17,8 +18,8 @@ namespace {
 
 struct ExploreOptions {
   study::World world;
-  unsigned faults = 1;
-  unsigned places = 1'000'000;
+  study::Exploration::Bounds bounds;
+  bool all_runs = false;            ///< no state is recognised
   std::optional<std::string> only;  ///< the strikes of one run
   app::Format format = app::Format::text;
 };
@@ -26,7 +27,8 @@ struct ExploreOptions {
 std::string arguments(const ExploreOptions& options) {
   const study::World& world = options.world;
   return "--nodes " + std::to_string(world.nodes) + " --sends " + std::to_string(world.sends) +
-         (world.paced ? "" : " --rate unlimited") + (world.fold_back ? " --redundancy foldback" : "");
+         (world.paced ? "" : " --rate unlimited") + (world.fold_back ? " --redundancy foldback" : "") +
+         (world.broken ? " --open-chain" : "");
 }
 
 std::string violation_text(const ExploreOptions& options, const std::vector<study::Choice>& choices,
@@ -65,22 +67,38 @@ int run_one(const ExploreOptions& options) {
   return kDone;
 }
 
+std::string exhausted_text(const study::Exploration::Bounds& bounds) {
+  const std::string most = bounds.faults == 0   ? "no fault"
+                           : bounds.faults == 1 ? "at most one fault"
+                                                : "at most " + std::to_string(bounds.faults) + " faults";
+  const std::string where = bounds.faults == 0 ? ""
+                            : bounds.places < study::Exploration::kAllPlaces
+                                ? ", each at one of the first " + std::to_string(bounds.places) + " places"
+                                : ", each at any place";
+  return "Exhausted: all runs with " + most + where + ". No promise was broken.\n";
+}
+
 int run_all(const ExploreOptions& options) {
-  study::Exploration exploration(options.world, options.faults, options.places);
+  const study::Exploration::Bounds& bounds = options.bounds;
+  study::Exploration exploration(options.world, bounds);
   Progress progress;
-  exploration.run([&] { progress.tell(std::to_string(exploration.runs()) + " runs, no promise broken"); });
+  exploration.run([&] {
+    progress.tell(std::to_string(exploration.runs()) + " runs, " + std::to_string(exploration.recognised()) +
+                  " of them into a state met before, no promise broken");
+  });
   if (const auto& found = exploration.found()) {
     std::cerr << violation_text(options, found->choices, found->violation);
     return kBroken;
   }
   const app::Row row{{"nodes", options.world.nodes},
                      {"sends", options.world.sends},
-                     {"faults", options.faults},
-                     {"places", std::min(exploration.places(), options.places)},
-                     {"runs", exploration.runs()}};
+                     {"faults", bounds.faults},
+                     {"places", std::min(exploration.places(), bounds.places)},
+                     {"runs", exploration.runs()},
+                     {"states", exploration.states()},
+                     {"recognised", exploration.recognised()}};
   std::cout << app::format_rows({row}, options.format);
-  if (options.format == app::Format::text)
-    std::cout << "These are all with faults at these places. No promise was broken.\n";
+  if (options.format == app::Format::text) std::cout << exhausted_text(bounds);
   return kDone;
 }
 
@@ -92,23 +110,35 @@ void add_explore(CLI::App& app, Context& context) {
   CLI::App* command = add_command(
       app, "explore",
       "Not a sample but all: a small ring with a few sends, once with each fault at each place where it can fall "
-      "(each slice that leaves a node is one), and with each further fault behind that; every promise of the ring "
+      "(each slice that leaves a node is one, until all sends have ended and the ring is whole again), and with each "
+      "further fault behind that; every promise of the ring "
       "checked at every event; stops at the first that is broken. Faults: that slice lost, damaged in its first, "
-      "middle or last byte, doubled (not with fold-back) or late; a node restarted or frozen, a line cut, for 3 ms; "
+      "middle or last byte, doubled (not with fold-back) or late; a node restarted, or frozen for 3 ms, a line cut and "
+      "mended 3 ms later; "
       "and, counted like a fault, an INTP sent by a node just then. Between two strikes at least one slice leaves. "
-      "States that were met before are not recognised.");
+      "A run that comes into a state in which another one was ends there, since both would go on in the same way: its "
+      "states are compared, by a hash of 64 bits, after every slice while more may strike, and when all sends have "
+      "ended.");
   command->add_option("--nodes", world.nodes, "Nodes of the ring, 2 to 6; default 3")->transform(cli::whole(2, 6));
   command
       ->add_option("--sends", world.sends, "Sends asked for at once, DATPs and broadcasts by turns, 1 to 6; default 2")
       ->transform(cli::whole(1, 6));
+  study::Exploration::Bounds& bounds = options->bounds;
   command
-      ->add_option("--faults", options->faults,
+      ->add_option("--faults", bounds.faults,
                    "At most so many in a run, 0 to 3; default 1. Each one more takes some hundred times as long")
       ->transform(cli::whole(0, 3));
   command
-      ->add_option("--places", options->places,
+      ->add_option("--places", bounds.places,
                    "Faults fall at the first so many places of a run alone, 1 to 1000000; default: at all")
-      ->transform(cli::whole(1, 1'000'000));
+      ->transform(cli::whole(1, study::Exploration::kAllPlaces));
+  command->add_flag("--all-runs", options->all_runs, "Runs each to its end: states met before are not recognised");
+  bounds.threads = std::max(1u, std::thread::hardware_concurrency());
+  command
+      ->add_option("--threads", bounds.threads,
+                   "So many runs at once, 1 to 256; default: as many as there are CPUs. With one, the run that is told "
+                   "where a promise is broken is always the same")
+      ->transform(cli::whole(1, 256));
   command
       ->add_option_function<std::string>(
           "--rate", [&world](const std::string& rate) { world.paced = rate == "1Gbit/s"; },
@@ -119,12 +149,16 @@ void add_explore(CLI::App& app, Context& context) {
           "--redundancy", [&world](const std::string& what) { world.fold_back = what == "foldback"; },
           "none (default) or foldback: a second line; then a cut is of the cable, and there are 3 nodes at least")
       ->transform(cli::one_of({"none", "foldback"}));
+  command->add_flag("--open-chain", world.broken,
+                    "The line out of the last node is cut before the sends, and mended at the end; with fold-back its "
+                    "cable, so that the ring is folded");
   command->add_option("--only", options->only, "One run alone, with these strikes: 12:lost,20:restart:1; '' is none");
   add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] {
       if (options->world.fold_back && options->world.nodes < 3)
         throw UsageError("--redundancy foldback: a ring of 2 has no way round a break; --nodes 3 or more");
+      options->bounds.recognise = !options->all_runs;
       return options->only ? run_one(*options) : run_all(*options);
     };
   });

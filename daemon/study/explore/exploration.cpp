@@ -1,33 +1,65 @@
 #include "study/explore/exploration.h"
 
 #include <algorithm>
+#include <thread>
 
 namespace limb_ring::study {
 
-void Exploration::run(const std::function<void()>& progress) {
-  std::vector<Choice> choices;
-  extend(choices, progress);
-}
-
-void Exploration::extend(std::vector<Choice>& choices, const std::function<void()>& progress) {
-  ExploredRun run(world_, choices);
-  run.run();
-  ++runs_;
-  places_ = std::max(places_, run.places());
-  if (run.violation()) found_ = Found{choices, *run.violation()};
-  progress();
-  if (choices.size() == faults_) return;
-  const unsigned end = std::min(run.places(), most_places_);
-  for (unsigned place = choices.empty() ? 0 : choices.back().place + 1; place < end; ++place)
-    for (const Strike& strike : strikes()) {
-      if (found_) return;
-      choices.push_back({place, strike});
+// Each thread takes one first strike after another, with all that can follow it.
+void Exploration::run(const Progress& progress) {
+  const std::vector<Choice> firsts = next({}, run_once({}, progress));
+  std::atomic<std::size_t> taken{0};
+  const auto work = [&] {
+    for (std::size_t i; (i = taken++) < firsts.size() && !stop_;) {
+      std::vector<Choice> choices{firsts[i]};
       extend(choices, progress);
-      choices.pop_back();
     }
+  };
+  std::vector<std::thread> helpers;
+  for (unsigned i = 1; i < bounds_.threads; ++i) helpers.emplace_back(work);
+  work();
+  for (std::thread& helper : helpers) helper.join();
 }
 
-// A fold may bring a doubled copy behind its source's next packet, which the lines of a ring never do.
+void Exploration::extend(std::vector<Choice>& choices, const Progress& progress) {
+  for (const Choice& choice : next(choices, run_once(choices, progress))) {
+    if (stop_) return;
+    choices.push_back(choice);
+    extend(choices, progress);
+    choices.pop_back();
+  }
+}
+
+// Where places are bounded, two runs in one state may have come to different ones: more may strike in one of them.
+// @return places in that run
+unsigned Exploration::run_once(const std::vector<Choice>& choices, const Progress& progress) {
+  ExploredRun run(world_, choices);
+  const bool bounded = bounds_.places < kAllPlaces;
+  const auto left = bounded ? 0 : bounds_.faults - static_cast<unsigned>(choices.size());
+  if (bounds_.recognise) run.recognise(states_, ++begun_, left);
+  run.run();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++runs_;
+  recognised_ += run.recognised() ? 1 : 0;
+  places_ = std::max(places_, run.places());
+  if (run.violation() && !found_) found_ = Found{choices, *run.violation()};
+  if (found_) stop_ = true;
+  progress();
+  return run.places();
+}
+
+/// What may strike next in such a run.
+std::vector<Choice> Exploration::next(const std::vector<Choice>& choices, unsigned places) const {
+  std::vector<Choice> all;
+  if (choices.size() == bounds_.faults || stop_) return all;
+  for (unsigned place = choices.empty() ? 0 : choices.back().place + 1; place < std::min(places, bounds_.places);
+       ++place)
+    for (const Strike& strike : strikes()) all.push_back({place, strike});
+  return all;
+}
+
+// A fold may bring a doubled copy behind its source's next packet, which the lines of a ring never do. Where the ring
+// is broken already, it cannot be cut there.
 std::vector<Strike> Exploration::strikes() const {
   using Kind = Strike::Kind;
   std::vector<Strike> all;
@@ -35,7 +67,9 @@ std::vector<Strike> Exploration::strikes() const {
        {Kind::lost, Kind::header_damaged, Kind::data_damaged, Kind::end_damaged, Kind::doubled, Kind::late})
     if (kind != Kind::doubled || !world_.fold_back) all.push_back({kind, wire::NodeId{0}});
   for (const Kind kind : {Kind::restart, Kind::freeze, Kind::cut, Kind::interrupt})
-    for (unsigned node = 0; node < world_.nodes; ++node) all.push_back({kind, static_cast<wire::NodeId>(node)});
+    for (unsigned node = 0; node < world_.nodes; ++node)
+      if (kind != Kind::cut || !world_.broken || node != world_.last_node())
+        all.push_back({kind, static_cast<wire::NodeId>(node)});
   return all;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
+#include <mutex>
 #include <optional>
 
 #include "study/explore/explored_run.h"
@@ -8,16 +10,27 @@
 namespace limb_ring::study {
 
 /// Every run of a small world with at most so many strikes, each of them at every place where it can fall. A run with k
-/// strikes is run again with a further strike at every place behind its last one. (ours)
+/// strikes is run again with a further strike at every place behind its last one. A run that comes into a state in
+/// which another one was ends there: the other one, and those that begin like it, are all that could follow. (ours)
 class Exploration {
  public:
-  /// @param most_places nothing strikes later than that in a run
-  Exploration(const World& world, unsigned faults, unsigned most_places = 1'000'000)
-      : world_(world), faults_(faults), most_places_(most_places) {}
+  struct Bounds {
+    unsigned faults = 1;
+    unsigned places = kAllPlaces;  ///< nothing strikes later than that in a run
+    bool recognise = true;         ///< states that were met before
+    unsigned threads = 1;          ///< with more of them another broken promise may be found first
+  };
+  static constexpr unsigned kAllPlaces = 1'000'000;
 
-  /// Runs them all, or until a promise is broken. @param progress called after every run
+  Exploration(const World& world, const Bounds& bounds) : world_(world), bounds_(bounds) {}
+
+  /// Runs them all, or until a promise is broken. @param progress called after every run, by one thread at a time
   void run(const std::function<void()>& progress);
   std::uint64_t runs() const { return runs_; }
+  /// Runs that ended in a state that had been met before.
+  std::uint64_t recognised() const { return recognised_; }
+  /// Different ones that were looked at.
+  std::size_t states() const { return states_.count(); }
   /// The largest number of places in one run.
   unsigned places() const { return places_; }
   /// The first run that broke a promise.
@@ -28,12 +41,20 @@ class Exploration {
   const std::optional<Found>& found() const { return found_; }
 
  private:
-  void extend(std::vector<Choice>& choices, const std::function<void()>& progress);
+  using Progress = std::function<void()>;
+
+  unsigned run_once(const std::vector<Choice>& choices, const Progress& progress);
+  void extend(std::vector<Choice>& choices, const Progress& progress);
+  std::vector<Choice> next(const std::vector<Choice>& choices, unsigned places) const;
   std::vector<Strike> strikes() const;
 
   World world_;
-  unsigned faults_, most_places_;
-  std::uint64_t runs_ = 0;
+  Bounds bounds_;
+  KnownStates states_;
+  std::atomic<std::uint64_t> begun_{0};  ///< runs
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;  ///< over what follows
+  std::uint64_t runs_ = 0, recognised_ = 0;
   unsigned places_ = 0;
   std::optional<Found> found_;
 };

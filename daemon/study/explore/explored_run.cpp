@@ -1,6 +1,9 @@
 #include "study/explore/explored_run.h"
 
+#include <algorithm>
+
 #include "sim_tools/mended_ring.h"
+#include "study/explore/state_hash.h"
 
 namespace limb_ring::study {
 
@@ -12,6 +15,9 @@ namespace {
 
 constexpr auto kLasts = 3ms;      ///< a freeze, a cut: longer than it takes to find either
 constexpr auto kLongest = 100ms;  ///< until all sends have ended, which takes 20 ms for one that cannot leave
+constexpr auto kBreaking = 20ms;  ///< until all know of a break
+constexpr auto kSettling =
+    3ms;  ///< after a strike in a broken ring: who restarts beside the break waits for its mending
 constexpr auto kMending = 60ms;
 constexpr auto kSilence = 10ms;
 
@@ -31,9 +37,9 @@ void ExploredRun::make_ring() {
   ring_ = std::make_unique<sim::VirtualRing>(options);
   invariants_ = std::make_unique<sim::Invariants>(*ring_);
   lines_ = std::make_unique<sim::VirtualLineFaults>(*ring_, 1);
-  ring_->on_event = [this](NodeId, const core::Event& event) {
+  ring_->on_event = [this](NodeId id, const core::Event& event) {
     const auto* end = std::get_if<core::SendEnded>(&event.what);
-    if (end != nullptr && waiting_ != 0) --waiting_;
+    if (end != nullptr && waiting_[id] != 0) --waiting_[id];
   };
   for (const NodeId id : ring_->order())
     for (const Line line : ring_->lines())
@@ -47,10 +53,14 @@ void ExploredRun::make_ring() {
 
 void ExploredRun::run() {
   ring_->join();
+  if (world_.broken) break_ring();
   for (unsigned nth = 0; nth < world_.sends; ++nth) ask(nth);
   open_ = true;
-  ring_->run_until([this] { return waiting_ == 0 || invariants_->violation().has_value(); }, kLongest);
+  ring_->run_until([this] { return is_over(); }, kLongest);
   open_ = false;
+  recognised_ = recognised_ || meets_known_state();
+  if (recognised_) return;
+  if (world_.broken) heal(world_.last_node());
   ring_->run_for(kMending);
   invariants_->finish();
   note_violation();
@@ -61,9 +71,51 @@ void ExploredRun::run() {
   if (!violation_) violation_ = sim::not_silent(*ring_, slices_when_quiet_);
 }
 
+void ExploredRun::break_ring() {
+  world_.fold_back ? ring_->cut_cable(world_.last_node()) : ring_->cut(world_.last_node());
+  ring_->run_until([this] { return is_settled(); }, kBreaking);
+}
+
+bool ExploredRun::is_over() {
+  if (invariants_->violation()) return true;
+  recognised_ = left_ != 0 && places_ != compared_at_ && meets_known_state();
+  const bool all_ended = std::all_of(waiting_.begin(), waiting_.end(), [](unsigned sends) { return sends == 0; });
+  return recognised_ || (all_ended && mendings_.empty() && (is_settled() || ring_->now() >= settled_by_));
+}
+
+// Of what a faulty line holds nobody is asked: while it holds something nothing is recognised.
+bool ExploredRun::meets_known_state() {
+  const bool all_struck = struck_ == choices_.size() && !strikes_now_;
+  if (states_ == nullptr || !all_struck || invariants_->violation() || !lines_->at_rest()) return false;
+  compared_at_ = places_;
+  return states_->meet(state_hash(), run_, left_);
+}
+
+std::uint64_t ExploredRun::state_hash() {
+  StateHash hash(world_.nodes, ring_->now());
+  hash("ring", *ring_)("invariants", *invariants_)("waiting", waiting_)("mendings", mendings_);
+  hash("settled_by", settled_by_);
+  return hash.value();
+}
+
+/// All nodes know how the ring is when nothing has struck.
+bool ExploredRun::is_settled() const {
+  using core::NodeState;
+  const NodeState without_a_line = world_.fold_back ? NodeState::folded : NodeState::open_chain;
+  const NodeState state = world_.broken ? without_a_line : NodeState::up;
+  return std::all_of(ring_->order().begin(), ring_->order().end(), [&](NodeId id) {
+    const core::Membership& m = ring_->controller(id).membership();
+    return ring_->alive(id) && m.state() == state && (world_.broken || m.ring_size() == world_.nodes);
+  });
+}
+
+void ExploredRun::settle_later() {
+  if (world_.broken) settled_by_ = ring_->now() + kSettling;
+}
+
 void ExploredRun::ask(unsigned nth) {
-  ++waiting_;
   const NodeId source = ring_->order()[nth % world_.nodes];
+  ++waiting_[source];
   const NodeId before = core::node_after(ring_->order(), source, world_.nodes - 1);
   const NodeId destination = nth % 2 == 0 ? before : NodeId{wire::kBroadcast};
   ring_->send(source, destination, std::vector<std::uint8_t>(7, static_cast<std::uint8_t>(nth)),
@@ -98,6 +150,7 @@ void ExploredRun::strike(const Strike& what, NodeId id, Line line, const wire::S
       begin_line_fault(fault::Name::stall, id, line);
       break;
     default:  // in this very instant, once the slice is on its way
+      strikes_now_ = true;
       ring_->at(ring_->now(), [this, what] { strike_node(what); });
   }
   lines_->pass(id, line, slice, arriving);
@@ -123,6 +176,8 @@ void ExploredRun::begin_line_fault(fault::Name name, NodeId id, Line line) {
 
 void ExploredRun::strike_node(const Strike& what) {
   const NodeId node = what.node;
+  strikes_now_ = false;
+  settle_later();
   switch (what.kind) {
     case Strike::Kind::restart:
       return restart(node);
@@ -132,25 +187,42 @@ void ExploredRun::strike_node(const Strike& what) {
       return cut(node);
     default:
       if (!ring_->alive(node)) return;
+      ++waiting_[node];
       ring_->interrupt(node, core::node_after(ring_->order(), node, 1), 2);
-      ++waiting_;
   }
 }
 
+// Its sends are gone with it, and never end.
 void ExploredRun::restart(NodeId node) {
   if (ring_->alive(node)) ring_->kill(node);
+  waiting_[node] = 0;
   ring_->start(node);
 }
 
 void ExploredRun::freeze(NodeId node) {
   if (!ring_->alive(node)) return;
   ring_->freeze(node);
-  ring_->at(ring_->now() + kLasts, [this, node] { ring_->thaw(node); });
+  mend_later(Strike::Kind::freeze, node);
 }
 
 void ExploredRun::cut(NodeId node) {
   world_.fold_back ? ring_->cut_cable(node) : ring_->cut(node);
-  ring_->at(ring_->now() + kLasts, [this, node] { world_.fold_back ? ring_->heal_cable(node) : ring_->heal(node); });
+  mend_later(Strike::Kind::cut, node);
+}
+
+void ExploredRun::heal(NodeId node) { world_.fold_back ? ring_->heal_cable(node) : ring_->heal(node); }
+
+void ExploredRun::mend_later(Strike::Kind of, NodeId node) {
+  mendings_.push_back({ring_->now() + kLasts, of, node});
+  ring_->at(mendings_.back().at, [this] { mend(); });
+}
+
+// All last as long, so the first that began is the first to end.
+void ExploredRun::mend() {
+  const Mending due = mendings_.front();
+  mendings_.pop_front();
+  settle_later();
+  due.of == Strike::Kind::freeze ? ring_->thaw(due.node) : heal(due.node);
 }
 
 }  // namespace limb_ring::study

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <array>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "sim/invariants.h"
 #include "sim_tools/virtual_line_faults.h"
+#include "study/explore/known_states.h"
 #include "study/explore/strike.h"
 
 namespace limb_ring::study {
@@ -16,13 +19,31 @@ struct World {
   unsigned sends = 2;  ///< asked for at once, by one node after another: DATPs to the node before, and broadcasts
   bool paced = true;   ///< lines of 1 Gbit/s, so that packets leave in slices; else whole, at once
   bool fold_back = false;
+  /// The line out of the last node is cut before the sends and mended at the end: an open chain; with fold_back the
+  /// cable there, so that the ring is folded.
+  bool broken = false;
+
+  static constexpr unsigned kMostNodes = 6;
+  wire::NodeId last_node() const { return static_cast<wire::NodeId>(nodes - 1); }
 };
 
 /// One run of that world, with these strikes. It is the same each time. Strikes may fall from when all have joined
-/// until every send has ended; then all is mended, and the ring has to be whole again and fall silent.
+/// until every send has ended and the ring is again as it was then; then all is mended, and the ring has to be whole
+/// and fall silent.
 class ExploredRun {
  public:
   ExploredRun(const World& world, std::vector<Choice> choices);
+
+  /// From now on it ends in a state that another run was in: once all has struck and the window is closed, and where
+  /// more may strike, also before. @param states must outlive it
+  /// @param left so many more may strike in runs that begin like this one
+  void recognise(KnownStates& states, std::uint64_t run, unsigned left) {
+    states_ = &states;
+    run_ = run;
+    left_ = left;
+  }
+  /// It ended in one of these.
+  bool recognised() const { return recognised_; }
 
   /// Runs it all, or until a promise is broken.
   void run();
@@ -33,7 +54,25 @@ class ExploredRun {
   unsigned places() const { return places_; }
 
  private:
+  /// What a freeze or a cut ends with.
+  struct Mending {
+    core::Time at;
+    Strike::Kind of;
+    wire::NodeId node;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a("at", at)("of", of)("node", node);
+    }
+  };
+
   void make_ring();
+  void break_ring();
+  bool meets_known_state();
+  std::uint64_t state_hash();
+  bool is_over();
+  bool is_settled() const;
+  void settle_later();
   void pass(wire::NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
   void strike(const Strike& what, wire::NodeId id, core::Line line, const wire::Slice& slice,
               wire::SliceWriter& arriving);
@@ -43,21 +82,32 @@ class ExploredRun {
   void restart(wire::NodeId node);
   void freeze(wire::NodeId node);
   void cut(wire::NodeId node);
+  void heal(wire::NodeId node);
+  void mend_later(Strike::Kind of, wire::NodeId node);
+  void mend();
   void ask(unsigned nth);
   void note_violation() { violation_ = invariants_->violation(); }
 
   World world_;
   std::vector<Choice> choices_;
-  std::size_t struck_ = 0;  ///< of choices_
+  std::size_t struck_ = 0;    ///< of choices_
+  bool strikes_now_ = false;  ///< the last strike is of a node, and comes once the slice is on its way
   unsigned places_ = 0;
-  unsigned waiting_ = 0;  ///< sends that have not ended
-  bool open_ = false;     ///< something may strike
+  std::array<unsigned, World::kMostNodes> waiting_{};  ///< sends of each node that have not ended
+  std::deque<Mending> mendings_;                       ///< that are still to come
+  core::Time settled_by_ = core::kNever;               ///< all know how the ring is, or wait for its mending
+  bool open_ = false;                                  ///< something may strike
   bool quiet_ = false;
   std::uint64_t slices_when_quiet_ = 0;
   std::unique_ptr<sim::VirtualRing> ring_;
   std::unique_ptr<sim::VirtualLineFaults> lines_;
   std::unique_ptr<sim::Invariants> invariants_;
   std::optional<sim::Violation> violation_;
+  KnownStates* states_ = nullptr;
+  std::uint64_t run_ = 0;
+  unsigned left_ = 0;
+  unsigned compared_at_ = 0;  ///< so many places had passed then
+  bool recognised_ = false;
 };
 
 }  // namespace limb_ring::study
