@@ -44,8 +44,8 @@ TEST_P(Worlds, KeepEveryPromiseWithEachPairOfFaultsAtTheFirstPlaces) {
 INSTANTIATE_TEST_SUITE_P(Small, Worlds,
                          testing::Values(World{3, 2, true, false}, World{3, 2, false, false}, World{3, 2, true, true},
                                          World{3, 2, true, false, true}, World{3, 2, true, true, true}),
-                         [](const auto& info) {
-                           const World& world = info.param;
+                         [](const auto& made) {
+                           const World& world = made.param;
                            return std::string(world.paced ? "paced" : "unpaced") +
                                   (world.fold_back ? "FoldingBack" : "") + (world.broken ? "Broken" : "");
                          });
