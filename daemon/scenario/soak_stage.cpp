@@ -60,7 +60,7 @@ std::optional<Stage::Failure> SoakStage::end() {
   if (!scenario().ends_mended) return std::nullopt;
   quiet_ = true;
   mend_all();
-  ring_->run_for(200ms);
+  sim::run_until_calm(*ring_, invariants_, slices_when_quiet_);
   invariants_.finish();
   if (broken()) return broken();
   if (const auto violation = sim::not_whole(*ring_)) return failure_of(violation);

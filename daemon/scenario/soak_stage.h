@@ -12,8 +12,8 @@ namespace limb_ring::scenario {
 /// soon as their nodes are, and do nothing by themselves. Single slices can be lost or damaged, also while the nodes
 /// join: time counts from when they start, and steps at 0s come before that.
 ///
-/// At its end all is mended. Then 200 ms pass, and each send must have ended; the ring must be whole again, and fall
-/// silent within 20 ms more.
+/// At its end all is mended, and runs on until it is calm (sim::run_until_calm): each send must have ended, and the ring
+/// must be whole again and stay silent for 20 ms.
 class SoakStage final : public RingStage {
  public:
   /// @param scenario outlives this

@@ -8,6 +8,13 @@ Invariants::Invariants(VirtualRing& ring) : record_(ring), outputs_(record_), in
   ring.add_observer(*this);
 }
 
+bool Invariants::all_ended() const {
+  std::size_t open = 0;
+  for (const NodeId node : record_.ring.order())
+    if (record_.ring.alive(node)) record_.ledger.each_open(node, [&](const Sent&) { ++open; });
+  return open == 0;
+}
+
 void Invariants::finish() {
   record_.ledger.settle(core::kNever);
   for (unsigned id = 0; id < record_.ring.size(); ++id) {

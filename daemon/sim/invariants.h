@@ -18,6 +18,8 @@ class Invariants : public Observer {
   explicit Invariants(VirtualRing& ring);
 
   const std::optional<Violation>& violation() const { return record_.violation; }
+  /// No living node owes a result.
+  bool all_ended() const;
   /// At the end, when nothing is under way any more: everything asked for must have ended.
   void finish();
   /// Everything that what comes later is judged by. (study/explore/state_hash.h) @pre no promise was broken

@@ -1,5 +1,7 @@
 #include "sim_tools/mended_ring.h"
 
+#include <algorithm>
+
 namespace limb_ring::sim {
 
 using core::Duration;
@@ -24,6 +26,19 @@ bool is_traffic(const wire::Slice& slice) {
   const bool control =
       slice.kind != wire::SliceKind::interrupt && slice.bytes.size >= 13 && slice.bytes[slice.bytes.size - 5] >> 2 == 1;
   return !control && slice.kind != wire::SliceKind::start;
+}
+
+void run_until_calm(VirtualRing& ring, const Invariants& invariants, const std::uint64_t& traffic) {
+  constexpr Duration kStep = 1ms, kLongest = 400ms;
+  const core::Settings& settings = ring.settings(ring.order().front());
+  const Duration pause = std::max(10 * settings.beacon, 5 * settings.send_timeout());
+  Duration quiet{0};
+  for (Duration waited{0}; waited < kLongest && quiet < pause; waited += kStep) {
+    const std::uint64_t before = traffic;
+    ring.run_for(kStep);
+    const bool calm = traffic == before && invariants.all_ended() && !not_whole(ring);
+    quiet = calm ? quiet + kStep : Duration{0};
+  }
 }
 
 std::optional<Violation> not_whole(VirtualRing& ring) {

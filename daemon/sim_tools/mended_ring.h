@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "sim/invariants.h"
 #include "sim/violation.h"
 #include "sim/virtual_ring.h"
 
@@ -13,6 +14,12 @@ void set_short_times(core::Settings& settings, bool paced, bool fold_back);
 
 /// It belongs to traffic: it is no beacon's, nor the beginning of a packet, whose end tells.
 bool is_traffic(const wire::Slice& slice);
+
+/// Runs a ring in which all was mended until what is left over has ended: all nodes are up in a ring of them all, each
+/// send has its result, and nothing but beacons has passed for ten of their periods, and for longer than the tries of a
+/// send take. What does not end is for not_whole(), not_silent() and Invariants::finish() to tell.
+/// @param traffic slices of it that were seen so far
+void run_until_calm(VirtualRing& ring, const Invariants& invariants, const std::uint64_t& traffic);
 
 /// All was mended some time ago: nothing where all nodes are up in a ring of them all.
 std::optional<Violation> not_whole(VirtualRing& ring);

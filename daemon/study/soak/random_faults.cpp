@@ -16,10 +16,6 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr unsigned kSteps = 1200;
-/// A ring on which nothing is broken any more is whole after so long at most.
-constexpr Duration kMended = 200ms;
-/// Then whatever is left over has ended: longer than a send may wait (20 ms) and its four tries take.
-constexpr Duration kSettled = 60ms, kSettledWide = 200ms;
 
 }  // namespace
 
@@ -349,8 +345,7 @@ void RandomFaults::calm_down() {
     heal(node);
     if (!ring_->alive(node)) freeze_or_thaw(node);
   }
-  for (Duration waited{0}; waited < kMended && not_whole(*ring_); waited += kMended / 20) ring_->run_for(kMended / 20);
-  ring_->run_for(is_wide_ ? kSettledWide : kSettled);
+  sim::run_until_calm(*ring_, *invariants_, slices_when_quiet_);
   invariants_->finish();
   note_violation();
 }
@@ -369,7 +364,7 @@ void RandomFaults::send_when_mended() {
     ring_->run_for(Duration{1ns} * random(paced_ ? 12000 : 4000));
     note_violation();
   }
-  ring_->run_for(100ms);
+  sim::run_until_calm(*ring_, *invariants_, slices_when_quiet_);
   invariants_->finish();
   note_violation();
 }
