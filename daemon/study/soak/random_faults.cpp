@@ -160,35 +160,31 @@ void RandomFaults::act() {
 
 void RandomFaults::send() {
   const NodeId source = random_node();
-  if (!ring_->alive(source) || ring_->paused(source)) return;
+  if (!can_ask(source)) return;
   std::vector<std::uint8_t> data(once_in(3) ? wire::kMaxPayload : 1 + random(512));
   for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random_());
   // In this order: seeds give the same runs as ever.
   const auto priority = static_cast<std::uint8_t>(random(4));
   const NodeId destination = random_destination();
-  if (keeps_history_) {
-    scenario::Send send;
-    send.from = {source};
-    send.to = destination;
-    send.size = static_cast<unsigned>(data.size());
-    send.priority = priority;
-    history_.push_back({ring_->now(), send});
-  }
+  scenario::Send send;
+  send.from = {source};
+  send.to = destination;
+  send.size = static_cast<unsigned>(data.size());
+  send.priority = priority;
+  note_deed(send);
   ring_->send(source, destination, data, priority);
 }
 
 void RandomFaults::interrupt() {
   const NodeId source = random_node();
-  if (!ring_->alive(source) || ring_->paused(source)) return;
+  if (!can_ask(source)) return;
   const auto factor = static_cast<std::uint8_t>(random(8));
   const NodeId destination = random_destination();
-  if (keeps_history_) {
-    scenario::Send send;
-    send.from = {source};
-    send.to = destination;
-    send.interrupt = factor;
-    history_.push_back({ring_->now(), send});
-  }
+  scenario::Send send;
+  send.from = {source};
+  send.to = destination;
+  send.interrupt = factor;
+  note_deed(send);
   ring_->interrupt(source, destination, factor);
 }
 
@@ -244,7 +240,7 @@ void RandomFaults::line_fault(NodeId node) {
   fault.delay = 1ns * (1 + random(longest));
   fault.jitter = 1ns * random(longest);
   fault.lasts = fault.name == fault::Name::stall ? 1ns * (1 + random(longest)) : 1us * (1 + random(1000));
-  if (keeps_history_) history_.push_back({ring_->now(), fault});
+  note_deed(fault);
   lines_->begin(fault);
 }
 
@@ -304,7 +300,7 @@ void RandomFaults::note(fault::Name name, NodeId node) {
   fault::Fault fault;
   fault.name = name;
   fault.nodes = {node};
-  if (keeps_history_) history_.push_back({ring_->now(), fault});
+  note_deed(fault);
 }
 
 void RandomFaults::note(Kind kind, NodeId node, bool second_line) {
@@ -312,7 +308,7 @@ void RandomFaults::note(Kind kind, NodeId node, bool second_line) {
   action.kind = kind;
   action.node = node;
   action.second_line = second_line;
-  if (keeps_history_) history_.push_back({ring_->now(), action});
+  note_deed(action);
 }
 
 void RandomFaults::count_slice(NodeId id, Line line) {
@@ -332,7 +328,7 @@ void RandomFaults::note_slice(Kind kind, NodeId id, Line line, std::size_t byte,
   action.nth = leaving_[static_cast<std::size_t>(line)][id].slices;
   action.byte = static_cast<unsigned>(byte);
   action.bits = bits;
-  history_.push_back({ring_->now(), action});
+  note_deed(action);
 }
 
 // ---- afterwards -----------------------------------------------------------------------------

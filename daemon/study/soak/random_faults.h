@@ -77,6 +77,12 @@ class RandomFaults {
   void check_silence();
   void note_violation();
 
+  /// A node of a CPU that can ask for sends.
+  bool can_ask(wire::NodeId node) const { return ring_->alive(node) && !ring_->paused(node); }
+  template <class What>
+  void note_deed(const What& what) {
+    if (keeps_history_) history_.push_back({ring_->now(), what});
+  }
   void note(fault::Name name, wire::NodeId node);
   void note(scenario::SoakAction::Kind kind, wire::NodeId node, bool second_line = false);
   void note_slice(scenario::SoakAction::Kind kind, wire::NodeId id, core::Line line, std::size_t byte = 0,
