@@ -60,13 +60,14 @@ std::string words_of(const scenario::ScenarioSize& size) {
 }
 
 /// Writes the smallest scenario that fails as the run did into that folder, and says so.
-void write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std::string& folder, Progress& progress) {
+/// @return false where it is still large
+bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std::string& folder, Progress& progress) {
   const auto shrunk = study::shrunk_soak(run, seed, [&](std::size_t runs) {
     progress.tell("the smallest scenario of seed " + std::to_string(seed) + ": " + std::to_string(runs) + " tried");
   });
   if (!shrunk) {
     std::cerr << "As a scenario it does not fail: the seed alone shows it.\n";
-    return;
+    return true;
   }
   const std::string path = (std::filesystem::path(folder) / ("soak-" + std::to_string(seed) + ".yaml")).string();
   std::ofstream out;
@@ -76,7 +77,11 @@ void write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std:
   if (!problem.empty()) throw UsageError("--shrink: " + problem);
   std::cerr << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
             << " tried\nthe smallest scenario: ringctl scenario run " << path << "\n";
+  return study::is_small(shrunk->after);
 }
+
+/// So many broken seeds more are made smaller where nothing small has come of those that were asked for.
+constexpr std::uint64_t kMoreToShrink = 5;
 
 /// The first seed of a range, drawn so that it has hardly been run before.
 std::uint64_t fresh_range() {
@@ -90,6 +95,7 @@ int run(const SoakOptions& options) {
   Progress progress;
   Tally tally;
   std::uint64_t broken = 0;
+  bool small = false;  ///< a scenario that was made of one of them
   std::cerr << "Seeds " << options.first << " to " << options.first + options.seeds - 1 << ".\n";
   for (std::uint64_t seed = options.first; seed - options.first < options.seeds; ++seed) {
     study::RandomFaults faults(seed, options.all_fold_back ? FoldBack::all : FoldBack::some,
@@ -102,8 +108,8 @@ int run(const SoakOptions& options) {
     if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
     if (faults.violation()) {
       std::cerr << violation_text(faults, seed, options);
-      if (options.shrink_into) write_shrunk(faults, seed, *options.shrink_into, progress);
-      if (++broken >= options.failures) return kBroken;
+      small = !options.shrink_into || write_shrunk(faults, seed, *options.shrink_into, progress) || small;
+      if (++broken >= options.failures + (small ? 0 : kMoreToShrink)) return kBroken;
       continue;
     }
     progress.tell(std::to_string(tally.seeds) + " of " + std::to_string(options.seeds) + " seeds, no promise broken");
@@ -142,9 +148,11 @@ void add_soak(CLI::App& app, Context& context) {
           "still")
       ->transform(cli::one_of({"usual", "wide"}));
   command
-      ->add_option("--shrink", options->shrink_into,
-                   "Make of each broken seed the smallest scenario that fails in the same way, and write it into this "
-                   "folder (default: where you are); 'ringctl scenario run' takes it. Of the usual world alone")
+      ->add_option(
+          "--shrink", options->shrink_into,
+          "Make of each broken seed the smallest scenario that fails in the same way, and write it into this "
+          "folder (default: where you are); 'ringctl scenario run' takes it. Where more than 3 faults or 10 sends "
+          "are left, up to 5 more broken seeds follow. Of the usual world alone")
       ->expected(0, 1)
       ->default_str(".");
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");

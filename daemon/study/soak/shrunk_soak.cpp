@@ -184,6 +184,8 @@ bool fails_as(const std::string& text, const Unmet& wanted, bool ends_mended) {
 
 }  // namespace
 
+bool is_small(const scenario::ScenarioSize& size) { return size.faults <= 3 && size.sends <= 10; }
+
 std::string scenario_of(const RandomFaults& run, std::uint64_t seed) { return history_of(run, seed).text(); }
 
 std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64_t seed,

@@ -11,6 +11,10 @@
 
 namespace limb_ring::study {
 
+/// One sees what it does: at most 3 faults and 10 sends. Of most seeds so little is left; where more is, each step only
+/// moves another one by some nanoseconds, and another seed does it with less.
+bool is_small(const scenario::ScenarioSize& size);
+
 /// What a seed has done to its ring until a promise was broken, as a scenario of the soak's world: the same sends and
 /// faults at the same instants. @pre the run has kept its history, and broken a promise
 std::string scenario_of(const RandomFaults& run, std::uint64_t seed);
