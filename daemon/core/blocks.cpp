@@ -17,9 +17,9 @@ Blocks::Blocks(const Settings& settings)
 
 // ---- the lines ----------------------------------------------------------------------------
 
-void Blocks::input_up(NodeId from, Time now) {
+void Blocks::input_up(NodeId from, Time now, bool folded) {
   relay_.input_gap(now);
-  membership_.input_up(from, now);
+  membership_.input_up(from, folded, now);
 }
 
 void Blocks::input_lost(Time now) {
@@ -27,10 +27,10 @@ void Blocks::input_lost(Time now) {
   membership_.input_lost(now);
 }
 
-void Blocks::output_up(NodeId to, Time now) {
+void Blocks::output_up(NodeId to, Time now, bool folded) {
   output_replaced(now);
   relay_.set_successor(to);
-  membership_.output_up(to, now);
+  membership_.output_up(to, folded, now);
 }
 
 void Blocks::output_lost(Time now) {

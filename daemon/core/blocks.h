@@ -16,11 +16,12 @@ class Blocks {
 
   /// @name The lines
   ///@{
-  void input_up(NodeId from, Time now);
+  /// @param folded it is the second line that stands for it
+  void input_up(NodeId from, Time now, bool folded = false);
   void input_lost(Time now);
   /// Something was lost on the input: a DATP that is coming in will never be whole.
   void input_gap(Time now) { relay_.input_gap(now); }
-  void output_up(NodeId to, Time now);
+  void output_up(NodeId to, Time now, bool folded = false);
   void output_lost(Time now);
   /// The output goes on over another line to the same node: what waited for the old one is dropped. (ours,
   /// protocol.md section 2.6)

@@ -122,6 +122,7 @@ void NetworkController::handle_timeout(Time now) {
 
 void NetworkController::run(Time now) {
   note(input::Run{}, now);
+  update_ready();  // another line may stand for the output since
   Blocks::run(now);
   wire::SliceWriter& given_out = Blocks::line();
   if (tap_ != nullptr && !given_out.empty()) tap_->leaves(given_out.view(), output_line(), now);

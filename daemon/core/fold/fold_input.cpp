@@ -65,9 +65,9 @@ void FoldBack::leave_second_line(Time now) {
   coming_second_.close();
 }
 
-// If another fold still sends on the second line, this node repeats that from now on.
+// If another fold still sends on the second line, this node repeats that from now on, unless it sends back itself.
 void FoldBack::take_first_line(Time) {
-  if (fold_node_) say(FoldWordKind::begin, *fold_node_);
+  if (fold_node_ && out_ == Out::first) say(FoldWordKind::begin, *fold_node_);
 }
 
 // ---- the first line is lost -------------------------------------------------------------------
@@ -125,7 +125,7 @@ void FoldBack::settle_input(Time now) {
   if (up == told_input_) return;
   told_input_ = up;
   if (up)
-    blocks_.input_up(from_, now);
+    blocks_.input_up(from_, now, takes_second());
   else
     blocks_.input_lost(now);
 }

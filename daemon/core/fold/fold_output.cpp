@@ -25,13 +25,13 @@ void FoldBack::on(OutInput input, Time now) {
 void FoldBack::settle_output(Time now) {
   const bool blocked = (!output_up_ && may_fold_) || next_is_deaf_;
   on(blocked ? OutInput::blocked : OutInput::free, now);
-  if (out_ == Out::leaving && !second_output_up_) blocks_.output_replaced(now);
+  if (out_ == Out::leaving && !second_output_up_ && told_output_) blocks_.output_replaced(now);
   if (!blocks_.is_mid_packet()) on(OutInput::packet_ended, now);
   const bool up = out_ == Out::first ? output_up_ : second_output_up_ && told_input_;
   if (up == told_output_) return;
   told_output_ = up;
   if (up)
-    blocks_.output_up(to_, now);
+    blocks_.output_up(to_, now, turned_back());
   else
     blocks_.output_lost(now);
 }

@@ -24,9 +24,6 @@ class KnownBreak {
     if (!known_) return std::nullopt;
     return BrokenLine{before_, behind_};
   }
-  /// The nodes on both sides of it, or of the last one that was known.
-  NodeId before() const { return before_; }
-  NodeId behind() const { return behind_; }
   /// It is the one into this node.
   bool is_own() const { return known_ && behind_ == id_; }
 
@@ -48,8 +45,9 @@ class KnownBreak {
   }
   /// No fold is left in the ring: only a break that this node sees itself may still be there.
   void keep_own_alone() { known_ = is_own(); }
-  /// The ring is closed again; `folded`: the second line stands for this node's input, so the line into it is broken.
-  void ring_closed(bool folded) { known_ = folded; }
+  /// The ring is closed again; `folded`: the second line stands for this node's input, so the line into it is still
+  /// broken where it was.
+  void ring_closed(bool folded) { known_ = folded && is_own(); }
   void forget() { known_ = false; }
   /// archive.h
   template <class Archive>

@@ -89,12 +89,15 @@ NodeState Membership::closed_state() const {
 
 // ---- the node's lines ---------------------------------------------------------------------
 
-void Membership::input_up(NodeId from, Time now) {
+// What beacons say of a line that is up is right at once: another node takes a break that is not folded for an open
+// chain.
+void Membership::input_up(NodeId from, bool folded, Time now) {
   if (input_.up()) input_lost(now);
   input_.state = wire::LinkState::up;
   input_.neighbour = from;
   break_due_ = kNever;
   break_.own_mended();
+  set_folded(folded, output_.folded, now);
   lines_changed(now);
 }
 
@@ -104,10 +107,11 @@ void Membership::input_lost(Time now) {
   lines_changed(now);
 }
 
-void Membership::output_up(NodeId to, Time now) {
+void Membership::output_up(NodeId to, bool folded, Time now) {
   if (output_.up()) output_lost(now);
   output_.state = wire::LinkState::up;
   output_.neighbour = to;
+  set_folded(input_.folded, folded, now);
   lines_changed(now);
 }
 
@@ -174,8 +178,9 @@ void Membership::say_hello_if_lines_up(Time now) {
 
 void Membership::hello_ended(const SendEnded& ended, Time now) {
   hello_out_ = false;
+  // A repeated one that nobody has taken ends lost, but it has come home. (ours, protocol.md section 4.8)
   const bool home = ended.outcome == Outcome::delivered || ended.outcome == Outcome::no_such_node ||
-                    ended.outcome == Outcome::refused;
+                    ended.outcome == Outcome::refused || ended.round_trip != Duration{0};
   if (home || state_ == NodeState::open_chain) return on(Input::hello_home, now);
   on(lines_up() ? Input::hello_lost : Input::hello_lost_no_line, now);
 }
@@ -214,9 +219,14 @@ void Membership::control_ended(Time now) {
 
 // ---- what comes home ----------------------------------------------------------------------
 
-void Membership::came_home(std::uint8_t hop, Time now) {
+// It has not been bypassed by then. A line that is down stays lost. (ours, protocol.md section 4.8)
+void Membership::forget_lost_lines() {
   input_.was_lost = !input_.up();
   output_.was_lost = !output_.up();
+}
+
+void Membership::came_home(std::uint8_t hop, Time now) {
+  forget_lost_lines();
   duplicate_signs_ = 0;
   if (!hello_out_ && has_merged(hop, now)) merged_ = true;
   ring_size_ = hop + 1u;
@@ -233,7 +243,10 @@ void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time n
 
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
   if (boot == boot_) {
-    if (state_ == NodeState::open_chain) ring_size_ = hop + 1u;
+    if (state_ == NodeState::open_chain) {
+      forget_lost_lines();
+      ring_size_ = hop + 1u;
+    }
     return on(Input::own_control_home, now);
   }
   if (boot >= settings_.boot && boot < boot_) return;  // of this process, before its last new hello
@@ -310,8 +323,10 @@ wire::Beacon Membership::beacon(Time now) const {
   b.output = output_.shown();
   b.output_to = output_.neighbour;
   b.break_known = break_.known();
-  b.break_before = break_.before();
-  b.break_behind = break_.behind();
+  if (const auto line = break_.line()) {
+    b.break_before = line->before;
+    b.break_behind = line->behind;
+  }
   b.stop_latched = cpu_.stop_latched;
   b.latch = cpu_.latch;
   return b;

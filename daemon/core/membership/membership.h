@@ -52,9 +52,9 @@ class Membership {
 
   /// @name The node's lines
   ///@{
-  void input_up(NodeId from, Time now);
+  void input_up(NodeId from, bool folded, Time now);
   void input_lost(Time now);
-  void output_up(NodeId to, Time now);
+  void output_up(NodeId to, bool folded, Time now);
   void output_lost(Time now);
   /// Who is next on the first line, also while the second stands for it.
   void set_neighbours(NodeId before, NodeId next) {
@@ -157,6 +157,7 @@ class Membership {
   ///@}
 
   void lines_changed(Time now);
+  void forget_lost_lines();
   bool lines_up() const { return input_.up() && output_.up(); }
   void next_boot();
   void control_ended(Time now);
