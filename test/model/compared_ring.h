@@ -9,9 +9,6 @@
 
 namespace limb_ring::model {
 
-/// What is compared yet: rings without a second line.
-inline bool comparable(const sim::VirtualRing& ring) { return !ring.settings(ring.order().front()).fold_back; }
-
 /// Compares every life of every node of a virtual ring with the model.
 class ComparedRing final : public sim::Observer {
  public:

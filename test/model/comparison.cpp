@@ -9,6 +9,11 @@ namespace limb_ring::model {
 
 namespace {
 
+std::string what_goes_onto(core::Line line) {
+  if (line == core::Line::second) return "8.8, 8.10, 8.11 (what goes onto the second line)";
+  return "2.4, 6.4, 8.8 (what goes onto the line)";
+}
+
 /// Neighbouring parts of one DATP as one.
 std::vector<Given> joined(const std::vector<Given>& slices) {
   std::vector<Given> all;
@@ -87,36 +92,6 @@ bool same_but_for_a_tie(const std::vector<Given>& a, const std::vector<Given>& b
          same(of_source(a, own, false), of_source(b, own, false));
 }
 
-/// Where the nodes of a break lie in a slice that ends a beacon without one; 0: it is none.
-std::size_t unknown_break(const Given& slice) {
-  if (slice.kind != SliceKind::end && slice.kind != SliceKind::whole) return 0;
-  for (const std::size_t size : {wire::kBeaconSize, wire::kLongBeaconSize}) {
-    if (slice.bytes.size() < size + 8) continue;
-    const std::size_t begin = slice.bytes.size() - 8 - size;
-    if (slice.bytes.size() - 8 <= size + 4 && slice.bytes[begin] == 2 && slice.bytes[begin + 22] == 0)
-      return begin + 23;
-  }
-  return 0;
-}
-
-/// What names a break in a beacon that knows none means nothing: the model says the same as the core. (protocol.md
-/// section 3.9)
-void take_over_unknown_break(const std::vector<Given>& core, std::vector<Given>& model, Node& node) {
-  for (std::size_t i = 0; i < core.size() && core.size() == model.size(); ++i) {
-    Given& ours = model[i];
-    const std::size_t at = unknown_break(ours);
-    if (at == 0 || at != unknown_break(core[i]) || ours.bytes.size() != core[i].bytes.size()) continue;
-    const std::size_t crc = ours.bytes.size() - 4;
-    std::uint32_t change = crc_of(ours.bytes, crc);
-    ours.bytes[at] = core[i].bytes[at];
-    ours.bytes[at + 1] = core[i].bytes[at + 1];
-    change ^= crc_of(ours.bytes, crc);
-    for (std::size_t byte = 0; byte < 4; ++byte)
-      ours.bytes[crc + byte] ^= static_cast<std::uint8_t>(change >> (24 - 8 * byte));
-    if (change != 0) node.beacon_names(ours.bytes[at], ours.bytes[at + 1]);
-  }
-}
-
 }  // namespace
 
 std::string in_words(const Difference& d) {
@@ -141,7 +116,8 @@ void Comparison::differ(std::string section, std::string specified, std::string 
 void Comparison::nothing_left() {
   if (!ran_ || difference_) return;
   for (auto& given : model_.given) {
-    if (!given.empty()) differ("2.4, 6.4 (what goes onto the line)", words(joined(given)), "nothing");
+    const core::Line line = &given == &model_.given[1] ? core::Line::second : core::Line::first;
+    if (!given.empty()) differ(what_goes_onto(line), words(joined(given)), "nothing");
     given.clear();
   }
   for (const core::Event& event : model_.events)
@@ -174,14 +150,13 @@ void Comparison::goes_out(core::Line line, wire::ByteView framed_slices) {
     given.push_back({slice.kind, Bytes(slice.bytes.begin(), slice.bytes.end())});
   });
   auto& specified = model_.given[line == core::Line::second ? 1 : 0];
-  if (trace != 0) note("core gives " + words(given));
+  if (trace != 0) note(std::string("core gives ") + (line == core::Line::second ? "2: " : "") + words(given));
   given = joined(given);
   specified = joined(specified);
   const core::Settings& settings = controller_.settings();
-  if (!same(given, specified)) take_over_unknown_break(given, specified, model_);
   if (!same(given, specified) &&
       !(settings.byte_time_out == Duration{0} && same_but_for_a_tie(given, specified, settings.id)))
-    differ("2.4, 6.4 (what goes onto the line)", words(specified), words(given));
+    differ(what_goes_onto(line), words(specified), words(given));
   specified.clear();
 }
 

@@ -11,7 +11,7 @@ bool Node::closed() const {
 
 NodeState Node::closed_state() const {
   if (ring_size_ == 1) return NodeState::alone;
-  return NodeState::up;
+  return fold_known_ ? NodeState::folded : NodeState::up;
 }
 
 void Node::set_state(NodeState state, Time now) {
@@ -83,18 +83,22 @@ void Node::control_ended(const Send& send, Outcome outcome, Time now) {
     beacon_out_ = false;
     return beacons(now);
   }
+  if (!hello_out_) return beacons(now);  // it is home, whatever its FBC (protocol.md section 4.8)
   hello_out_ = false;
-  if (outcome == Outcome::unconfirmed) hello_left_ = true;
+  if (outcome == Outcome::unconfirmed) hello_left_ = true, hello_left_at_ = now;
   if (outcome != Outcome::lost && outcome != Outcome::rejected) return beacons(now);
   if (state_ == NodeState::joining && !both_up()) return set_state(NodeState::starting, now);
-  if (both_up()) say_hello(closed(), now);
+  if (both_up())
+    say_hello(closed(), now);
+  else
+    new_hello_wanted_ = closed();
 }
 
 // protocol.md section 4.7.
 void Node::new_hello_when_due(Time now) {
   if (!new_hello_wanted_ || !closed() || hello_out_) return;
   if (data_.flight || interrupts_.flight) return;
-  new_hello_wanted_ = false;
+  new_hello_wanted_ = grown_together_ = false;
   auto& control = data_.queues[0];
   for (const Send& send : control)
     if (send.beacon()) beacon_out_ = false;
@@ -125,7 +129,7 @@ void Node::own_home(const Packet& packet, Time at, Time now) {
     allowed_since_ = now;
   }
   if (beacon && packet.fbc() != 0xFF && packet.fbc() != 0) tell(now, core::BeaconHome{at - data_.flight->left});
-  reconsider_closed(now);
+  reconsider_closed(at);
 }
 
 void Node::joined(Time now) {
@@ -183,30 +187,49 @@ void Node::heard(const Packet& packet, const std::optional<wire::Hello>& hello,
                     before->output != beacon->output || before->output_to != beacon->output_to ||
                     before->break_known != beacon->break_known;
   peer.beacon = beacon;
+  const bool folds = beacon->input == wire::LinkState::folded || beacon->output == wire::LinkState::folded;
+  if (folds)
+    peer.folds_until = at + 5 * settings_.beacon;
+  else
+    peer.folds_until.reset();
   if (news) tell(at, core::PeerChanged{wire::NodeId{static_cast<std::uint8_t>(source)}});
   heard_break(source, *beacon, at);
-  reconsider_closed(now);
+  look_for_folds(at);
   // They go round together. (protocol.md section 8.2)
   if (!beacon_out_ && !hello_out_ && beacon_at_ != kNever && beacon_at_ - at <= settings_.beacon / 2) want_beacon();
   beacons(at);
 }
 
+/// Its input is lost, or folded, while its output is up.
+void Node::watch_for_break(Time now) {
+  if (!in_.was_up || (in_.up && !in_.folded) || !out_.up || break_at_ != kNever) return;
+  if (in_.up && break_is_own_) return;
+  break_at_ = now + settings_.break_grace;
+}
+
+void Node::own_break_ends() {
+  break_at_ = kNever;
+  if (break_is_own_) break_.reset();
+  break_is_own_ = false;
+}
+
 void Node::heard_break(int source, const wire::Beacon& beacon, Time at) {
   if (break_is_own_) return;
   if (beacon.break_known && beacon.break_behind == source) {
-    break_known({beacon.break_before, beacon.break_behind}, false, at);
+    break_known({beacon.break_before, beacon.break_behind}, false, beacon.input == wire::LinkState::folded, at);
   } else if (!beacon.break_known && break_ && break_->behind == source && state_ != NodeState::open_chain) {
     break_.reset();
   }
 }
 
-void Node::break_known(Break known, bool own, Time now) {
+void Node::break_known(Break known, bool own, bool folded, Time now) {
   const bool joins = state_ == NodeState::starting || state_ == NodeState::joining;
-  drained_at_ = kNever;
+  if (!folded) drained_at_ = kNever;
   const bool same = break_ && break_->before == known.before && break_->behind == known.behind && break_is_own_ == own;
   break_ = known;
   break_is_own_ = own;
-  if (!same && state_ != NodeState::open_chain) want_beacon();
+  if (folded ? own : !same && state_ != NodeState::open_chain) want_beacon();
+  if (folded) return beacons(now);
   if (joins) {
     if (!out_.up) return;
     const bool out = hello_out_;
@@ -215,6 +238,7 @@ void Node::break_known(Break known, bool own, Time now) {
     end_unconfirmed(now);
     if (!out) say_hello(false, now);
   } else if (closed()) {
+    want_beacon();
     set_state(NodeState::open_chain, now);
     allowed_since_ = now_;
     end_unconfirmed(now);
@@ -232,16 +256,19 @@ wire::Beacon Node::beacon_now(Time now) const {
   const auto silent = (now - cpu_.spoke_at) / std::chrono::milliseconds(1);
   beacon.cpu_silent_ms = silent > 0xFFFFFFFF ? 0xFFFFFFFF : static_cast<std::uint32_t>(silent);
   const auto line_state = [](const NcLine& line) {
-    return line.up ? wire::LinkState::up : line.was_up ? wire::LinkState::silent : wire::LinkState::down;
+    return line.up && line.folded ? wire::LinkState::folded
+           : line.up              ? wire::LinkState::up
+           : line.was_up          ? wire::LinkState::silent
+                                  : wire::LinkState::down;
   };
   beacon.input = line_state(in_);
   beacon.input_from = wire::NodeId{static_cast<std::uint8_t>(in_.neighbour)};
   beacon.output = line_state(out_);
   beacon.output_to = wire::NodeId{static_cast<std::uint8_t>(out_.neighbour)};
   beacon.break_known = break_.has_value();
-  const Break last = break_ ? *break_ : Break();
-  beacon.break_before = wire::NodeId{static_cast<std::uint8_t>(last.before)};
-  beacon.break_behind = wire::NodeId{static_cast<std::uint8_t>(last.behind)};
+  const Break known = break_.value_or(Break());
+  beacon.break_before = wire::NodeId{static_cast<std::uint8_t>(known.before)};
+  beacon.break_behind = wire::NodeId{static_cast<std::uint8_t>(known.behind)};
   beacon.cpu_comes_back = cpu_.comes_back;
   beacon.stop_latched = cpu_.stop_latched;
   beacon.latch = cpu_.latch;
@@ -251,15 +278,6 @@ wire::Beacon Node::beacon_now(Time now) const {
 bool Node::may_say_beacon() const {
   if (settings_.beacon == Duration{0} || hello_out_ || beacon_out_) return false;
   return closed() || (state_ == NodeState::open_chain && hello_left_);
-}
-
-void Node::beacon_names(int before, int behind) {
-  if (!data_.flight || !data_.flight->send.beacon()) return;
-  Flight& flight = *data_.flight;
-  if (flight.send.data[22] != 0) return;
-  flight.send.data[23] = static_cast<std::uint8_t>(before);
-  flight.send.data[24] = static_cast<std::uint8_t>(behind);
-  flight.sent = make_packet(flight.sent.code(), id(), flight.send.destination, flight.send.last, flight.send.data);
 }
 
 /// Says one if it is due.
@@ -282,17 +300,19 @@ void Node::beacons(Time now) {
 void Node::membership_timers(Time now) {
   if (break_at_ <= now) {
     break_at_ = kNever;
-    if (out_.up) break_known({in_.neighbour, id()}, true, now);
+    if (out_.up) break_known({in_.neighbour, id()}, true, in_.up, now);
   }
   if (drained_at_ <= now) {
     drained_at_ = kNever;
-    break_.reset();
-    break_is_own_ = false;
+    if (!in_.folded || !break_is_own_) {
+      break_.reset();
+      break_is_own_ = false;
+    }
     set_state(closed_state(), now);
     allowed_since_ = now;
     new_hello_wanted_ = true;
   }
-  if (beacon_at_ <= now) reconsider_closed(now);
+  if (beacon_at_ <= now) look_for_folds(now);
   new_hello_when_due(now);
   beacons(now);
 }

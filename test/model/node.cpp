@@ -13,20 +13,14 @@ Node::Node(const core::Settings& settings, Time now)
   interrupts_.interrupt = true;
   interrupts_.queues.resize(1);
   data_.free_since = interrupts_.free_since = now;
+  if (settings.fold_back) fold_.emplace(settings_, static_cast<BehindFold&>(*this), given, now);
 }
 
 void Node::apply(const core::Input& what, Time now) {
   now_ = now;
-  if (const auto* call = std::get_if<input::InputUp>(&what)) input_up(call->from, now);
-  if (std::holds_alternative<input::InputLost>(what)) input_lost(now);
-  if (std::holds_alternative<input::InputGap>(what)) input_gap(now);
-  if (const auto* call = std::get_if<input::OutputUp>(&what)) {
-    ready_[call->line == Line::second] = true;
-    output_up(call->to, now);
-  }
-  if (std::holds_alternative<input::OutputLost>(what)) output_lost(now);
+  fold_ ? folded_line(what, now) : line(what, now);
+  if (const auto* call = std::get_if<input::OutputUp>(&what)) ready_[call->line == Line::second] = true;
   if (const auto* call = std::get_if<input::OutputReady>(&what)) ready_[call->line == Line::second] = call->ready;
-  if (const auto* call = std::get_if<input::Receive>(&what)) receive(call->slice, now);
   if (const auto* call = std::get_if<input::Send>(&what)) ask(call->request, now);
   if (const auto* call = std::get_if<input::Interrupt>(&what)) ask(call->request, now);
   if (const auto* call = std::get_if<input::Pull>(&what)) pull(call->owner, call->token, call->input, now);
@@ -50,10 +44,11 @@ void Node::apply(const core::Input& what, Time now) {
 // ---- lines ------------------------------------------------------------------------------------
 
 void Node::input_up(int from, Time now) {
+  break_off_input(now);
+  own_break_ends();
   in_.up = in_.was_up = true;
   in_.neighbour = from;
-  break_at_ = kNever;
-  if (break_is_own_ && break_) break_.reset(), break_is_own_ = false;
+  watch_for_break(now);
   lines_changed(now);
 }
 
@@ -63,7 +58,7 @@ void Node::input_lost(Time now) {
   in_.up = false;
   in_.lost_since_home = true;
   lines_changed(now);
-  if (out_.up) break_at_ = now + settings_.break_grace;  // protocol.md section 8.3
+  watch_for_break(now);
 }
 
 void Node::input_gap(Time now) { break_off_input(now); }
@@ -72,7 +67,7 @@ void Node::output_up(int to, Time now) {
   drop_output(now);
   out_.up = out_.was_up = true;
   out_.neighbour = to;
-  if (in_.was_up && !in_.up && break_at_ == kNever && !break_is_own_) break_at_ = now + settings_.break_grace;
+  watch_for_break(now);
   lines_changed(now);
 }
 
@@ -87,17 +82,23 @@ void Node::output_lost(Time now) {
 // ---- time -------------------------------------------------------------------------------------
 
 void Node::timers(Time now) {
+  if (fold_) fold_->timers(now);
   if (incoming_ && incoming_->heard + settings_.stall + 2048 * settings_.byte_time_in <= now) break_off_input(now);
   unit_timers(data_, now);
   unit_timers(interrupts_, now);
   membership_timers(now);
 }
 
-void Node::run(Time now) { step(now); }
+void Node::run(Time now) {
+  if (fold_) fold_->run(now);
+  step(now);
+  if (fold_) fold_->carry(now);
+}
 
 Time Node::next_deadline(Time now) const {
   Time next = std::min({unit_deadline(data_), unit_deadline(interrupts_), membership_deadline(), next_step(now).at});
   if (incoming_) next = std::min(next, incoming_->heard + settings_.stall + 2048 * settings_.byte_time_in);
+  if (fold_) next = std::min(next, fold_->next_deadline());
   for (const core::Event& event : events) next = std::min(next, event.at);
   return next;
 }
@@ -143,6 +144,7 @@ std::string Node::in_words() const {
   std::ostringstream text;
   const auto ps = [](Time at) { return picoseconds(at.time_since_epoch()); };
   text << "state " << to_string(state_) << ", boot " << boot_ << ", ring size " << ring_size_
+       << (in_.lost_since_home ? ", input was lost" : "") << (out_.lost_since_home ? ", output was lost" : "")
        << (in_.up ? "" : ", input down") << (out_.up ? "" : ", output down") << (hello_out_ ? ", hello out" : "")
        << (beacon_out_ ? ", beacon out" : "") << (new_hello_wanted_ ? ", new hello wanted" : "") << ", beacon at "
        << ps(beacon_at_) << ", break at " << ps(break_at_) << ", drained at " << ps(drained_at_) << "; relayed waiting "
@@ -158,6 +160,7 @@ std::string Node::in_words() const {
         text << ", token " << send.token << " to " << send.destination << " PRI " << send.last << " due "
              << ps(send.due);
   }
+  if (fold_) text << "; fold: " << fold_->in_words();
   return text.str();
 }
 

@@ -10,22 +10,15 @@
 #include <vector>
 
 #include "core/journal.h"
+#include "model/fold_back.h"
 #include "model/packet.h"
 
 namespace limb_ring::model {
 
-using core::Line;
 using core::NodeState;
 using core::Outcome;
 using core::picoseconds;
 using core::Reject;
-using wire::SliceKind;
-
-/// A slice that has been given out. (protocol.md section 6.2)
-struct Given {
-  SliceKind kind;
-  Bytes bytes;
-};
 
 /// A DATP or an INTP that was asked for. (protocol.md section 4)
 struct Send {
@@ -128,6 +121,7 @@ struct Peer {
   std::uint64_t boot = 0;
   std::optional<wire::Beacon> beacon;
   Time heard{};
+  std::optional<Time> folds_until;  ///< its input or output is folded, as far as is known (protocol.md section 8.12)
 };
 
 struct Break {
@@ -137,13 +131,16 @@ struct Break {
 /// One of the NC's lines, as it is told of them.
 struct NcLine {
   bool up = false, was_up = false;
+  bool folded = false;  ///< the second line stands for it
   int neighbour = 0;
   bool lost_since_home = false;
 };
 
-class Node {
+class Node : private BehindFold {
  public:
   Node(const core::Settings& settings, Time now);
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
 
   void apply(const core::Input& input, Time now);
   /// When it does something by itself; kNever: not before the next input.
@@ -157,9 +154,6 @@ class Node {
   ///@}
   /// The packet that its CPU gets next.
   core::ReceivedPacket* next_packet(Time now);
-  /// Its own beacon that is out names these nodes, though it knows no break: that means nothing. (protocol.md
-  /// section 3.9)
-  void beacon_names(int before, int behind);
   /// Its state, and what waits in it.
   std::string in_words() const;
 
@@ -170,7 +164,8 @@ class Node {
   void input_gap(Time now);
   void output_up(int to, Time now);
   void output_lost(Time now);
-  void receive(const wire::Slice& slice, Time now);
+  void receive(const Given& slice, Time now);
+  std::size_t output_line() const { return fold_ && fold_->turned_back() ? 1 : 0; }
   void timers(Time now);
   void run(Time now);
   void tell(Time at, decltype(core::Event::what) what);
@@ -182,6 +177,18 @@ class Node {
   Duration try_timeout() const;
   Duration worst_lap() const;
 
+  // -- behind_fold.cpp: protocol.md sections 8.9 to 8.12
+  void line(const core::Input& what, Time now);
+  void folded_line(const core::Input& what, Time now);
+  void lines_are(const Lines& lines, Time now) override;
+  void fold_changed(Time now);
+  void input_breaks(Time now) override { input_gap(now); }
+  void slice_comes(const Given& slice, Time now) override { receive(slice, now); }
+  bool is_mid_packet() const override { return outgoing_.has_value(); }
+  bool takes(const Given& slice) const override;
+  void look_for_folds(Time now);
+  bool grows_together(const Packet& home, Time now);
+
   // -- relay.cpp: protocol.md sections 2.2, 2.6
   Incoming::Fate fate_of(const Bytes& header, bool interrupt, Time now);
   void datp_begins(const Bytes& bytes, Time now);
@@ -190,6 +197,7 @@ class Node {
   void break_off_input(Time now);
   void intp(const Bytes& bytes, Time now);
   bool bypasses(int source) const;
+  bool cut_off(int source) const;
   std::size_t insertion_bytes() const;
   Duration behind(std::size_t bytes) const;
 
@@ -200,6 +208,7 @@ class Node {
   int answer_data(const Packet& packet, Time at, Time now);
   int answer_interrupt(const Packet& packet, Time at, Time now);
   Page* page_for(const Packet& packet, std::uint64_t boot_if_own);
+  bool is_unheard_nodes_retry(const Packet& packet) const;
   Decided* known(Page& page, const Packet& packet, Time now);
   unsigned free_buffers(int priority) const;
 
@@ -228,10 +237,20 @@ class Node {
   void step(Time now);
   bool step_once(Time now);
   struct Next {
-    Time at = kNever;
-    enum { nothing, own_intp, relayed_intp, own_datp, relayed_datp, tail, abort } what = nothing;
+    enum What { nothing, own_intp, relayed_intp, own_datp, relayed_datp, tail, abort };
+    Next(Time when = kNever, What does = nothing) : at(when), what(does) {}
+    Time at;
+    What what;
   };
   Next next_step(Time now) const;
+  Next next_interrupt(Time free) const;
+  Next next_datp(Time free) const;
+  Next next_end(Time free) const;
+  Time embedded_at(Time ready, const Next& end) const;
+  void give_words(Time now);
+  void give_interrupt(bool own, Time now);
+  void give_start(bool own, Time now);
+  void give_end(SliceKind kind, Time now);
   void give(SliceKind kind, const Bytes& bytes);
   void drop_output(Time now);
 
@@ -248,7 +267,9 @@ class Node {
   void heard(const Packet& packet, const std::optional<wire::Hello>& hello, const std::optional<wire::Beacon>& beacon,
              Time at, Time now);
   void heard_break(int source, const wire::Beacon& beacon, Time at);
-  void break_known(Break known, bool own, Time now);
+  void break_known(Break known, bool own, bool folded, Time now);
+  void own_break_ends();
+  void watch_for_break(Time now);
   void start_over(Time now);
   void sign_of_duplicate(Time now);
   void joined(Time at);
@@ -265,6 +286,9 @@ class Node {
   Time now_{};
 
   NcLine in_, out_;
+  std::optional<FoldBack> fold_;
+  bool fold_known_ = false;
+  std::optional<Time> fold_known_at_;  ///< last
   std::array<bool, 2> ready_{true, true};
 
   std::optional<Incoming> incoming_;
@@ -279,6 +303,7 @@ class Node {
 
   Unit data_, interrupts_;
   bool new_hello_wanted_ = false;
+  bool grown_together_ = false;  ///< out of two parts: nothing is confirmed until the new hello is said
 
   NodeState state_ = NodeState::starting;
   std::uint64_t boot_, first_boot_;
@@ -286,6 +311,7 @@ class Node {
   int signs_ = 0;
   bool hello_out_ = false;  ///< it waits, or is outstanding
   bool hello_left_ = true;  ///< in an open chain: nothing else goes before
+  Time hello_left_at_ = Time{} - Duration{1};
   bool beacon_out_ = false;
   bool beacon_wanted_ = false;
   Time allowed_since_{};

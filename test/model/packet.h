@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/time.h"
+#include "wire/slice.h"
 
 /// The specification once more: a node as docs/protocol.md says it, small and slow, written without the core. It uses
 /// the core's door alone (network_controller.h and what its calls take and give), so that both can be compared.
@@ -13,6 +14,13 @@ using core::Duration;
 using core::kNever;
 using core::Time;
 using Bytes = std::vector<std::uint8_t>;
+using wire::SliceKind;
+
+/// A slice that has been given out. (protocol.md section 6.2)
+struct Given {
+  SliceKind kind;
+  Bytes bytes;
+};
 
 constexpr int kAll = 0xFF;  ///< as DID: broadcast
 constexpr std::uint8_t kSop = 0xFB, kEop = 0xFD;

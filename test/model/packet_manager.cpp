@@ -5,7 +5,9 @@
 
 namespace limb_ring::model {
 
-void Node::give(SliceKind kind, const Bytes& bytes) { given[0].push_back({kind, bytes}); }
+void Node::give(SliceKind kind, const Bytes& bytes) {
+  fold_ ? fold_->send({kind, bytes}) : given[0].push_back({kind, bytes});
+}
 
 /// What waits for the output, and what is going out, is dropped. (protocol.md section 2.6)
 void Node::drop_output(Time now) {
@@ -24,138 +26,122 @@ void Node::step(Time now) {
   }
 }
 
+/// The INTP that has waited longer; on a tie the own one.
+Node::Next Node::next_interrupt(Time free) const {
+  Next next;
+  Time own_since_when = kNever;
+  if (const auto since = own_since(interrupts_)) {
+    own_since_when = *since;
+    next = {std::max(*since, free), Next::own_intp};
+  }
+  if (relayed_interrupts_.empty()) return next;
+  const RelayedInterrupt& first = relayed_interrupts_.front();
+  const Time relayed_at = std::max(first.leaves_at, free);
+  const bool waited_longer = next.at == relayed_at && first.since < own_since_when;
+  if (next.at > relayed_at || waited_longer) next = {relayed_at, Next::relayed_intp};
+  return next;
+}
+
+/// The DATP that has waited longer; on a tie the own one.
+Node::Next Node::next_datp(Time free) const {
+  const auto own = own_since(data_);
+  const Time own_at = own ? std::max(free, *own) : kNever;
+  const Time relayed_at = relayed_.empty() ? kNever : std::max(free, relayed_.front()->header_at);
+  if (own && (own_at < relayed_at || (own_at == relayed_at && *own <= relayed_.front()->since)))
+    return {own_at, Next::own_datp};
+  return relayed_.empty() ? Next() : Next{relayed_at, Next::relayed_datp};
+}
+
+/// The end of the DATP that is going out.
+Node::Next Node::next_end(Time free) const {
+  const Outgoing& out = *outgoing_;
+  if (out.relayed && out.relayed->broken) return {free, Next::abort};
+  if (!out.complete()) return {};
+  const int words = static_cast<int>((out.bytes().size() - 12) / 4);
+  const Time words_left = out.header_left + (4 * words + static_cast<int>(12 * out.embedded)) * settings_.byte_time_out;
+  const Time in = out.relayed ? out.relayed->end_at : Time{};
+  return {std::max({words_left, free, in}), Next::tail};
+}
+
+/// An INTP is embedded at a word boundary, or before the tail if that is nearer.
+Time Node::embedded_at(Time ready, const Next& end) const {
+  const Outgoing& out = *outgoing_;
+  const Duration word = 4 * settings_.byte_time_out;
+  if (ready == kNever || word == Duration{0} || ready <= out.grid) return ready;
+  const Time boundary = out.grid + (ready - out.grid + word - Duration{1}) / word * word;
+  return end.what == Next::tail && ready <= end.at ? std::min(boundary, end.at) : boundary;
+}
+
 /// What goes next, and when, if nothing else comes.
 Node::Next Node::next_step(Time now) const {
-  Next next;
-  if (!out_.up || !ready_[0]) return next;
-  const Duration byte = settings_.byte_time_out;
+  if (!out_.up || !ready_[output_line()]) return {};
   const Time free = std::max(line_free_, now);
+  Next intp = next_interrupt(free);
+  const Next datp = outgoing_ ? next_end(free) : next_datp(free);
+  if (outgoing_) intp.at = settings_.embed_interrupts ? embedded_at(intp.at, datp) : kNever;
+  return intp.at != kNever && intp.at <= datp.at ? intp : datp;
+}
 
-  // The INTP that has waited longer; on a tie the own one.
-  Time intp = kNever, intp_since = kNever;
-  if (const auto since = own_since(interrupts_)) intp = intp_since = *since;
-  bool own_intp = intp != kNever;
-  if (!relayed_interrupts_.empty()) {
-    const RelayedInterrupt& first = relayed_interrupts_.front();
-    const Time own_at = std::max(intp, free), relayed_at = std::max(first.leaves_at, free);
-    if (!own_intp || (own_at > relayed_at) || (own_at == relayed_at && first.since < intp_since)) {
-      own_intp = false;
-      intp = first.leaves_at;
-    }
+/// The whole words of the DATP on the line that have come in, and gone.
+void Node::give_words(Time now) {
+  Outgoing& out = *outgoing_;
+  const Duration word = 4 * settings_.byte_time_out;
+  std::size_t bytes = out.bytes().size() / 4 * 4;
+  if (out.complete()) bytes = 4 + (out.bytes().size() - 12) / 4 * 4;
+  if (word > Duration{0}) {
+    const auto gone = (now - out.header_left) / word - 3 * static_cast<int>(out.embedded);
+    bytes = std::min(bytes, 4 + 4 * static_cast<std::size_t>(gone));
   }
-  intp = intp == kNever ? kNever : std::max(intp, free);
+  if (bytes <= out.given) return;
+  const auto begin = out.bytes().begin();
+  give(SliceKind::more, Bytes(begin + static_cast<long>(out.given), begin + static_cast<long>(bytes)));
+  out.given = bytes;
+}
 
-  Time datp = kNever;
+void Node::give_interrupt(bool own, Time now) {
+  line_free_ = now + 12 * settings_.byte_time_out;
   if (outgoing_) {
-    const Outgoing& out = *outgoing_;
-    const Bytes& bytes = out.bytes();
-    if (out.relayed && out.relayed->broken) {
-      datp = std::max(free, now);
-      next.what = Next::abort;
-    } else if (out.complete()) {
-      const int words = static_cast<int>((bytes.size() - 12) / 4);
-      datp = out.header_left + 4 * words * byte + static_cast<int>(12 * out.embedded) * byte;
-      datp = std::max(datp, free);
-      if (out.relayed) datp = std::max(datp, out.relayed->end_at);
-      next.what = Next::tail;
-    }
-    if (intp != kNever && settings_.embed_interrupts) {  // at a word boundary, or before the tail if that is nearer
-      if (byte > Duration{0} && intp > out.grid) {
-        const auto words = (intp - out.grid + 4 * byte - Duration{1}) / (4 * byte);
-        Time boundary = out.grid + words * 4 * byte;
-        if (next.what == Next::tail && intp <= datp) boundary = std::min(boundary, std::max(intp, datp));
-        intp = boundary;
-      }
-    } else {
-      intp = kNever;
-    }
-  } else {
-    Time own = kNever, relayed = kNever;
-    if (const auto since = own_since(data_)) own = *since;
-    if (!relayed_.empty()) relayed = std::max(free, relayed_.front()->header_at);
-    const Time own_at = own == kNever ? kNever : std::max(free, own);
-    if (own_at < relayed || (own_at == relayed && own != kNever && own <= relayed_.front()->since)) {
-      datp = own_at;
-      next.what = Next::own_datp;
-    } else if (relayed != kNever) {
-      datp = relayed;
-      next.what = Next::relayed_datp;
-    }
+    give_words(now);
+    ++outgoing_->embedded;
+    outgoing_->grid = line_free_;
   }
-  next.at = datp;
-  if (intp != kNever && intp <= datp) {
-    next.at = intp;
-    next.what = own_intp ? Next::own_intp : Next::relayed_intp;
-  }
-  return next;
+  if (own) return give(SliceKind::interrupt, launch(interrupts_, now).bytes);
+  give(SliceKind::interrupt, relayed_interrupts_.front().bytes);
+  relayed_interrupts_.pop_front();
+}
+
+void Node::give_start(bool own, Time now) {
+  Outgoing out;
+  if (own)
+    out.own = launch(data_, now).bytes;
+  else
+    out.relayed = relayed_.front();
+  out.header_left = out.grid = line_free_ = now + 4 * settings_.byte_time_out;
+  out.given = settings_.byte_time_out == Duration{0} && !out.complete() ? out.bytes().size() : 4;
+  give(SliceKind::start, Bytes(out.bytes().begin(), out.bytes().begin() + static_cast<long>(out.given)));
+  outgoing_ = out;
+}
+
+void Node::give_end(SliceKind kind, Time now) {
+  const Bytes& bytes = outgoing_->bytes();
+  if (kind == SliceKind::end)
+    line_free_ = now + static_cast<int>((bytes.size() - 12) % 4 + 8) * settings_.byte_time_out;
+  give(kind,
+       kind == SliceKind::end ? Bytes(bytes.begin() + static_cast<long>(outgoing_->given), bytes.end()) : Bytes());
+  if (outgoing_->relayed) relayed_.pop_front();
+  outgoing_.reset();
 }
 
 bool Node::step_once(Time now) {
   const Next next = next_step(now);
   if (next.what == Next::nothing || next.at > now) return false;
-  const int byte_of[] = {4, 12};
-  const Duration byte = settings_.byte_time_out;
-  switch (next.what) {
-    case Next::own_intp:
-    case Next::relayed_intp: {
-      Bytes intp;
-      if (outgoing_) {  // the whole words that have come in, and gone
-        Outgoing& out = *outgoing_;
-        std::size_t words = out.bytes().size() / 4 * 4;
-        if (out.complete()) words = 4 + (out.bytes().size() - 12) / 4 * 4;
-        if (byte > Duration{0}) {
-          const auto gone = (now - out.header_left) / (4 * byte) - 3 * static_cast<int>(out.embedded);
-          words = std::min(words, 4 + 4 * static_cast<std::size_t>(gone));
-        }
-        if (words > out.given)
-          give(SliceKind::more, Bytes(out.bytes().begin() + static_cast<long>(out.given),
-                                      out.bytes().begin() + static_cast<long>(words)));
-        out.given = std::max(out.given, words);
-        ++out.embedded;
-        out.grid = now + byte_of[1] * byte;
-      }
-      if (next.what == Next::own_intp) {
-        intp = launch(interrupts_, now).bytes;
-      } else {
-        intp = relayed_interrupts_.front().bytes;
-        relayed_interrupts_.pop_front();
-      }
-      give(SliceKind::interrupt, intp);
-      line_free_ = now + byte_of[1] * byte;
-      return true;
-    }
-    case Next::own_datp:
-    case Next::relayed_datp: {
-      Outgoing out;
-      if (next.what == Next::own_datp) {
-        out.own = launch(data_, now).bytes;
-      } else {
-        out.relayed = relayed_.front();
-      }
-      out.header_left = out.grid = line_free_ = now + byte_of[0] * byte;
-      out.given = 4;
-      if (byte == Duration{0} && !out.complete()) out.given = out.bytes().size();
-      give(SliceKind::start, Bytes(out.bytes().begin(), out.bytes().begin() + static_cast<long>(out.given)));
-      outgoing_ = out;
-      return true;
-    }
-    case Next::tail: {
-      const Bytes& bytes = outgoing_->bytes();
-      give(SliceKind::end, Bytes(bytes.begin() + static_cast<long>(outgoing_->given), bytes.end()));
-      line_free_ = now + static_cast<int>((bytes.size() - 12) % 4 + 8) * byte;
-      if (outgoing_->relayed) relayed_.pop_front();
-      outgoing_.reset();
-      return true;
-    }
-    case Next::abort:
-      give(SliceKind::abort, {});
-      relayed_.pop_front();
-      outgoing_.reset();
-      return true;
-    case Next::nothing:
-      break;
-  }
-  return false;
+  if (next.what == Next::own_intp || next.what == Next::relayed_intp)
+    give_interrupt(next.what == Next::own_intp, now);
+  else if (next.what == Next::own_datp || next.what == Next::relayed_datp)
+    give_start(next.what == Next::own_datp, now);
+  else
+    give_end(next.what == Next::tail ? SliceKind::end : SliceKind::abort, now);
+  return true;
 }
 
 }  // namespace limb_ring::model

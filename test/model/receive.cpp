@@ -60,6 +60,12 @@ Page* Node::page_for(const Packet& packet, std::uint64_t boot_if_own) {
   return &page;
 }
 
+/// protocol.md section 4.10: its first try may have been taken before the own start.
+bool Node::is_unheard_nodes_retry(const Packet& packet) const {
+  if (!settings_.fold_back || packet.attempt() == 0 || packet.source() == id()) return false;
+  return peers_.count(packet.source()) == 0;
+}
+
 /// What was decided of this packet before; null: it is new.
 Decided* Node::known(Page& page, const Packet& packet, Time now) {
   const auto found = page.decided.find({packet.interrupt(), packet.broadcast()});
@@ -104,14 +110,16 @@ int Node::answer_control(const Packet& packet, Time at, Time now) {
 // ---- data -----------------------------------------------------------------------------------------
 
 int Node::answer_data(const Packet& packet, Time at, Time now) {
+  if (is_unheard_nodes_retry(packet)) return kNoAnswer;
   Page* page = page_for(packet, boot_);
   if (page == nullptr) return 0;
   const int priority = packet.priority();
   const auto free = static_cast<int>(std::min(254u, free_buffers(priority)));
   if (const Decided* decided = known(*page, packet, now)) return decided->taken ? std::max(1, free) : 0;
-  const bool unheard = settings_.fold_back && packet.attempt() > 0 && peers_.count(packet.source()) == 0;
-  if (unheard && packet.source() != id()) return kNoAnswer;
-  const bool joining = !closed() && !(state_ == NodeState::open_chain && hello_left_);
+  // On a line without a rate it is open whether what comes in the instant of the hello comes before it. (protocol.md
+  // section 2.4)
+  const bool left = hello_left_ && (settings_.byte_time_out > Duration{0} || hello_left_at_ < now);
+  const bool joining = !closed() && !(state_ == NodeState::open_chain && left);
   const bool taken = !joining && cpu_present_ && free > 0;
   page->decided[{false, packet.broadcast()}] = {packet.sequence(), taken, now, false};
   if (!taken) return 0;
@@ -131,11 +139,10 @@ int Node::answer_data(const Packet& packet, Time at, Time now) {
 // ---- interrupts -------------------------------------------------------------------------------------
 
 int Node::answer_interrupt(const Packet& packet, Time at, Time now) {
+  if (is_unheard_nodes_retry(packet)) return kNoAnswer;
   Page* page = page_for(packet, boot_);
   if (page == nullptr) return 0;
   if (const Decided* decided = known(*page, packet, now)) return decided->taken ? 1 : 0;
-  const bool unheard = settings_.fold_back && packet.attempt() > 0 && peers_.count(packet.source()) == 0;
-  if (unheard && packet.source() != id()) return kNoAnswer;
   const bool wired = settings_.wired[static_cast<std::size_t>(packet.factor())];
   page->decided[{true, packet.broadcast()}] = {packet.sequence(), wired, now, false};
   if (!wired) return 0;

@@ -11,8 +11,8 @@ Duration Node::behind(std::size_t bytes) const {
   return difference > Duration{0} ? static_cast<int>(bytes) * difference : Duration{0};
 }
 
-void Node::receive(const wire::Slice& slice, Time now) {
-  const Bytes bytes(slice.bytes.begin(), slice.bytes.end());
+void Node::receive(const Given& slice, Time now) {
+  const Bytes& bytes = slice.bytes;
   const auto add = [&] {
     incoming_->bytes.insert(incoming_->bytes.end(), bytes.begin(), bytes.end());
     incoming_->heard = now;
@@ -55,7 +55,7 @@ void Node::receive(const wire::Slice& slice, Time now) {
 }
 
 bool Node::bypasses(int source) const {
-  if (!out_.up || !configured(source)) return false;
+  if (!out_.up || out_.folded || !configured(source)) return false;
   const unsigned to = out_.neighbour == id() ? count_nodes() : distance(id(), out_.neighbour);
   const unsigned away = distance(id(), source);
   return away > 0 && away < to;
@@ -72,6 +72,7 @@ Incoming::Fate Node::fate_of(const Bytes& header, bool interrupt, Time) {
   using Fate = Incoming::Fate;
   if ((header[0] >> 5 & 1) != (interrupt ? 1 : 0) || header[1] != kSop || header[3] == 0xFF) return Fate::not_received;
   if (header[3] == id()) return Fate::own;
+  if (cut_off(header[3])) return Fate::not_received;
   if (header[2] + 1u >= count_nodes()) return Fate::not_received;
   if (bypasses(header[3])) return Fate::received_only;
   if (!out_.up) return Fate::received_only;

@@ -124,7 +124,7 @@ void Node::cancel_all(Time now) {
     if (unit->flight) unit->free_since = now;  // the pace of an open chain goes on (protocol.md section 7.4)
     unit->flight.reset();
   }
-  new_hello_wanted_ = false;
+  new_hello_wanted_ = grown_together_ = false;
 }
 
 /// A break is known. (protocol.md section 8.4)
@@ -150,11 +150,13 @@ void Node::returned(const Packet& packet, Time at, Time now) {
   if (!unit.flight || as_sent.bytes != unit.flight->sent.bytes) return control_home_unmatched(packet, at, now);
   int fbc = packet.fbc();
   if (packet.destination() == id() && closed()) fbc = answer(packet, at, now);
+  const bool grown = grows_together(packet, now);
   own_home(packet, at, now);
   const Duration round_trip = at - unit.flight->left;
   Send& send = unit.flight->send;
   const bool again = !send.interrupt && !packet.broadcast() && !send.cancelled &&
                      (!send.first_refusal || at < *send.first_refusal + settings_.refused_for);
+  if (grown && !send.control()) return end_flight(unit, Outcome::lost, Duration{0}, at, true);
   if (fbc == 0xFF)
     return end_flight(unit, send.repeated ? Outcome::lost : Outcome::no_such_node, round_trip, at, false);
   if (fbc != 0) return end_flight(unit, Outcome::delivered, round_trip, at, true);

@@ -14,11 +14,11 @@ struct ModelMutations : testing::TestWithParam<Mutation> {
   ~ModelMutations() override { core::mutation = Mutation::none; }
 };
 
-/// Rings without a fold, of a few nodes: they are compared in no time.
-std::optional<Difference> first_difference(std::uint64_t seeds) {
+/// Rings of a few nodes: they are compared in no time.
+std::optional<Difference> first_difference(std::uint64_t seeds, study::RandomFaults::FoldBack fold_back) {
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    study::RandomFaults run(seed);
-    if (!comparable(run.ring()) || run.nodes() > 8) continue;
+    study::RandomFaults run(seed, fold_back);
+    if (run.nodes() > 8) continue;
     ComparedRing compared(run.ring());
     run.run();
     if (const auto difference = compared.difference()) return difference;
@@ -28,15 +28,30 @@ std::optional<Difference> first_difference(std::uint64_t seeds) {
 
 TEST_P(ModelMutations, PartFromTheModel) {
   core::mutation = GetParam();
-  const auto difference = first_difference(200);
+  const auto difference = first_difference(200, study::RandomFaults::FoldBack::some);
+  ASSERT_TRUE(difference);
+  EXPECT_NE(difference->specified, difference->core) << in_words(*difference);
+}
+
+struct FoldMutations : ModelMutations {};
+
+TEST_P(FoldMutations, PartFromTheModelOnRingsThatFoldBack) {
+  core::mutation = GetParam();
+  const auto difference = first_difference(200, study::RandomFaults::FoldBack::all);
   ASSERT_TRUE(difference);
   EXPECT_NE(difference->specified, difference->core) << in_words(*difference);
 }
 
 TEST(SoundCore, DoesNotPartFromTheModel) {
-  const auto difference = first_difference(40);
-  EXPECT_FALSE(difference) << in_words(*difference);
+  for (const auto fold_back : {study::RandomFaults::FoldBack::some, study::RandomFaults::FoldBack::all}) {
+    const auto difference = first_difference(40, fold_back);
+    EXPECT_FALSE(difference) << in_words(*difference);
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(Each, FoldMutations,
+                         testing::Values(Mutation::repeats_unasked, Mutation::forgets_last, Mutation::hides_deafness,
+                                         Mutation::takes_at_once));
 
 INSTANTIATE_TEST_SUITE_P(Each, ModelMutations,
                          testing::Values(Mutation::result_twice, Mutation::says_delivered, Mutation::takes_damaged,

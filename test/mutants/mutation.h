@@ -24,7 +24,11 @@ enum class Mutation {
   refused_at_once,      ///< what is refused does not go again
   full_too_early,       ///< a queue is full with two sends
   cancels_nothing,      ///< the sends of a CPU that was reset go on
-  never_heals           ///< a node stays in the open chain though its beacon has come home
+  never_heals,          ///< a node stays in the open chain though its beacon has come home
+  repeats_unasked,      ///< the second line is repeated though no fold is known
+  forgets_last,         ///< a node that sends on the first line again does not say so on the second
+  hides_deafness,       ///< a node that hears nothing on the first line does not say so
+  takes_at_once         ///< the first line is taken before what is on the second has come
 };
 
 inline Mutation mutation = Mutation::none;

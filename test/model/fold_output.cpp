@@ -1,0 +1,45 @@
+// The output half of the fold: protocol.md section 8.10.
+#include "model/fold_back.h"
+
+namespace limb_ring::model {
+
+void FoldBack::decide_output(Time now) {
+  const bool back = (!lines_[0].to && may_fold_) || next_is_deaf_;
+  if (back && output_ == Half::first) {
+    output_ = Half::second;
+    sent_.clear();
+    say_again(now);
+  } else if (back) {
+    output_ = Half::second;
+  } else if (output_ == Half::second) {
+    output_ = Half::between;
+  }
+  if (output_ == Half::between && !nc_.is_mid_packet() && sent_.empty()) output_to_first(now);
+  tell_nc(now);
+  if (!folded()) again_at_ = kNever;
+  if (folded() && again_at_ == kNever) again_at_ = now + period_;
+}
+
+void FoldBack::say_begin() {
+  if (next_is_deaf_ && lines_[0].to) say(Line::first, FoldWordKind::begin, settings_.id);
+  say(Line::second, FoldWordKind::begin, settings_.id);
+}
+
+void FoldBack::output_to_first(Time) {
+  output_ = Half::first;
+  for (const Line line : {Line::second, Line::first}) say(line, FoldWordKind::last, settings_.id);
+  if (repeats()) say(Line::second, FoldWordKind::begin, *fold_node_);
+}
+
+void FoldBack::put_onto_line() {
+  auto& line = given_[turned_back() ? 1 : 0];
+  line.insert(line.end(), sent_.begin(), sent_.end());
+  sent_.clear();
+}
+
+void FoldBack::carry(Time now) {
+  put_onto_line();
+  if (output_ == Half::between && !nc_.is_mid_packet()) decide_output(now);
+}
+
+}  // namespace limb_ring::model
