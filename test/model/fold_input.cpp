@@ -20,10 +20,8 @@ bool ends(const Given& slice) {
 void FoldBack::first_slice(const Given& slice, Time now) {
   if (slice.kind == wire::SliceKind::fold) {
     const auto word = wire::fold_word({slice.kind, {slice.bytes.data(), slice.bytes.size()}});
-    if (!word) return;
-    const bool asks = word->kind == FoldWordKind::begin;
-    if (asks && input_ == Half::first && word->node == lines_[0].from)
-      say(Line::second, FoldWordKind::hears, settings_.id);
+    const bool asks = word && word->kind == FoldWordKind::begin;
+    if (asks && input_ == Half::first && word->node == upstream_) say(Line::second, FoldWordKind::hears, settings_.id);
     if (asks || input_ != Half::between) return;
     has_spoken_ = true;
     drain(now);
