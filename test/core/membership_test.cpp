@@ -392,5 +392,36 @@ TEST_F(LoneMember, SendsItsBeaconWithAnothersWhereItIsDueWithinHalfAPeriod) {
   EXPECT_EQ(beacons_sent(), 2u);
 }
 
+// It ended lost, as a retry that comes home untaken does, and was said again (seed 1938716889 of test/model).
+TEST(Hello, IsHomeAlsoIfItsRetryComesHomeUntaken) {
+  SoloNode solo;
+  solo.run();
+  solo.line();
+  solo.run_for(150ms);
+  const auto retry = solo.line();
+  ASSERT_EQ(retry.size(), 1u);
+  solo.receive(wire::SliceKind::whole, SoloNode::home(retry[0].bytes, wire::kFbcUntaken));
+  EXPECT_EQ(solo.node().membership().state(), NodeState::up);
+  EXPECT_EQ(solo.counters().hellos, 1u);
+}
+
+// The one line was lost before the beacon came home, the other one after it (seed 1061 of test/model).
+TEST(OpenChainOfOne, IsNotBypassedIfABeaconHasComeHomeBetweenTheLossesOfItsLines) {
+  SoloNode solo(Duration{0}, [](Settings& s) { s.beacon = 100ms; });
+  solo.join();
+  solo.node().input_lost(solo.now());
+  solo.run_for(1s);
+  ASSERT_EQ(solo.node().membership().state(), NodeState::open_chain);
+  solo.node().input_up(0_id, solo.now());
+  solo.line();
+  solo.run_for(110ms);
+  const auto beacons = solo.line();
+  ASSERT_FALSE(beacons.empty());
+  solo.receive(wire::SliceKind::whole, SoloNode::home(beacons.back().bytes, wire::kFbcMax));
+  solo.node().output_lost(solo.now());
+  solo.node().output_up(2_id, solo.now());
+  EXPECT_EQ(solo.node().membership().state(), NodeState::open_chain);
+}
+
 }  // namespace
 }  // namespace limb_ring::core
