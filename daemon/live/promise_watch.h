@@ -2,13 +2,11 @@
 
 #include <chrono>
 #include <functional>
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "limb_ring/host_port.h"
+#include "live/observed_daemon.h"
 #include "promises/observation_file.h"
 #include "promises/promise_judge.h"
 
@@ -26,7 +24,7 @@ class PromiseWatch {
     bool folds_back = false;
     std::string runtime = {};  ///< as ConnectOptions
   };
-  PromiseWatch(Ring ring, promises::PromiseJudge::OnBreach on_breach);
+  PromiseWatch(const Ring& ring, promises::PromiseJudge::OnBreach on_breach);
 
   /// Looks at all nodes, and for those that are not there. May wait for 200 ms where one does not answer.
   void poll();
@@ -39,22 +37,17 @@ class PromiseWatch {
   std::chrono::nanoseconds date(std::int64_t at_ns) const { return std::chrono::nanoseconds(at_ns) + to_date_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Node {
     std::uint8_t id;
-    std::optional<HostPort> port;
-    std::unique_ptr<promises::ObservationReader> reader;
+    ObservedDaemon daemon;
+    std::unique_ptr<promises::ObservationReader> reader = nullptr;
     int last_rounds = 0;  ///< until it counts as dead
-    Clock::time_point next_try{};
   };
 
-  void connect(Node& node);
   void hear(Node& node);
   void begin(Node& node, const std::string& json);
   void read(Node& node);
 
-  Ring ring_;
-  std::string folder_;
   promises::PromiseJudge judge_;
   std::vector<Node> nodes_;
   std::vector<promises::Observation> seen_;

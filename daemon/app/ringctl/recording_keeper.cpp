@@ -23,7 +23,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLater{300};
 /// Not more often than this: one cause shows in many ways.
 constexpr std::chrono::seconds kBetween{5};
-constexpr milliseconds kConnectsAgain{500}, kConnects{200};
 
 /// "2026-11-23_061508_123"
 std::string date_text() {
@@ -46,7 +45,7 @@ RecordingKeeper::RecordingKeeper(const RingAccess& ring, Options options)
     : ring_(ring.ring()), folder_(ring_directory(ring.ring())), options_(std::move(options)) {
   live::PromiseWatch::Ring watched{ring_, {}, ring.folds_back()};
   for (const NodeName& node : ring.nodes_here()) {
-    nodes_.push_back({node, -1, std::nullopt, {}});
+    nodes_.push_back({node, -1, live::ObservedDaemon(ring_, node.id, R"({"kinds": ["state"]})")});
     watched.nodes.push_back(node.id);
   }
   if (options_.when.count("promise") != 0)
@@ -80,34 +79,12 @@ void RecordingKeeper::look_for_crash(Node& node) {
 }
 
 void RecordingKeeper::look_for_breaks(Node& node) {
-  if (!node.port && Clock::now() >= node.next_try) {
-    node.next_try = Clock::now() + kConnectsAgain;
-    const live::Holder holder = live::holder_of(folder_, node.name.id);
-    if (!holder.held || holder.frozen) return;
-    try {
-      ConnectOptions options;
-      options.ring = ring_;
-      options.node = std::to_string(node.name.id);
-      options.timeout = kConnects;
-      node.port.emplace(HostPort::connect(options));
-      node.port->observe(R"({"kinds": ["state"]})");
-    } catch (const HostPortError&) {
-      node.port.reset();
-    }
-  }
-  while (node.port) {
-    const auto message = node.port->receive(milliseconds(0));
-    if (!message) {
-      if (!node.port->connected()) node.port.reset();
-      return;
-    }
-    if (const auto* seen = std::get_if<Observed>(&*message)) hear(seen->json);
-    if (std::holds_alternative<Disconnected>(*message)) node.port.reset();
-  }
+  if (!node.states.look_for()) return;
+  while (const auto state = node.states.next()) hear(*state);
 }
 
-void RecordingKeeper::hear(const std::string& json) {
-  const auto state = nlohmann::json::parse(json, nullptr, /*allow_exceptions=*/false);
+void RecordingKeeper::hear(const std::string& text) {
+  const auto state = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!state.is_object() || !state.contains("broken_line")) return;
   const auto& line = state["broken_line"];
   if (!line.is_object()) return broken_.clear();

@@ -37,13 +37,12 @@ class RecordingKeeper {
   struct Node {
     NodeName name;
     pid_t pid = -1;  ///< of its daemon, while it lives
-    std::optional<HostPort> port;
-    Clock::time_point next_try{};
+    live::ObservedDaemon states;
   };
 
   void look_for_crash(Node& node);
   void look_for_breaks(Node& node);
-  void hear(const std::string& json);
+  void hear(const std::string& text);
   /// Saves soon: what comes of it is to be there as well.
   void want(const std::string& what, const std::string& words);
   void save();

@@ -1,0 +1,59 @@
+#include "live/observed_daemon.h"
+
+#include <utility>
+
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
+
+namespace limb_ring::live {
+
+using std::chrono::milliseconds;
+
+namespace {
+
+constexpr milliseconds kAnswers{200};  // a daemon that lives
+constexpr milliseconds kTriesAgain{250};
+
+std::string folder_of(const std::string& ring, const std::string& runtime) {
+  return runtime.empty() ? ring_directory(ring) : runtime + "/limb_ring/" + ring;
+}
+
+}  // namespace
+
+ObservedDaemon::ObservedDaemon(const std::string& ring, std::uint8_t node, std::string what, const std::string& runtime)
+    : folder_(folder_of(ring, runtime)), node_(node), what_(std::move(what)) {
+  daemon_.ring = ring;
+  daemon_.node = std::to_string(node);
+  daemon_.runtime = runtime;
+  daemon_.timeout = kAnswers;
+}
+
+// One that is stopped would let us wait.
+bool ObservedDaemon::look_for() {
+  if (port_ || Clock::now() < next_try_) return connected();
+  next_try_ = Clock::now() + kTriesAgain;
+  const Holder holder = holder_of(folder_, node_);
+  if (!holder.held || holder.frozen) return false;
+  try {
+    port_.emplace(HostPort::connect(daemon_));
+    port_->observe(what_);
+  } catch (const HostPortError&) {
+    port_.reset();
+  }
+  return connected();
+}
+
+std::optional<std::string> ObservedDaemon::next() {
+  while (port_) {
+    const auto message = port_->receive(milliseconds(0));
+    if (!message) {
+      if (!port_->connected()) port_.reset();
+      return std::nullopt;
+    }
+    if (const auto* seen = std::get_if<Observed>(&*message)) return seen->json;
+    if (std::holds_alternative<Disconnected>(*message)) port_.reset();
+  }
+  return std::nullopt;
+}
+
+}  // namespace limb_ring::live
