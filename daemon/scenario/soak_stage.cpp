@@ -32,11 +32,7 @@ std::unique_ptr<sim::VirtualRing> soak_ring(const Scenario& scenario) {
 SoakStage::SoakStage(const Scenario& scenario, std::uint64_t seed) : SoakStage(scenario, seed, soak_ring(scenario)) {}
 
 SoakStage::SoakStage(const Scenario& scenario, std::uint64_t seed, std::unique_ptr<sim::VirtualRing> ring)
-    : RingStage(scenario, *ring, seed),
-      ring_(std::move(ring)),
-      invariants_(*ring_),
-      lines_(*ring_, seed),
-      frozen_(ring_->size(), false) {
+    : ModelStage(scenario, *ring, seed), ring_(std::move(ring)), invariants_(*ring_) {
   ring_->on_event = [this](NodeId at, const core::Event& event) { senders().came(event, at); };
   ring_->on_packet = [this](NodeId, const core::ReceivedPacket& packet) {
     if (const auto send = senders().send_of(packet)) senders().taken(*send);
@@ -48,12 +44,9 @@ SoakStage::SoakStage(const Scenario& scenario, std::uint64_t seed, std::unique_p
 
 // ---- time -----------------------------------------------------------------------------------
 
-bool SoakStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string&) {
+bool SoakStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) {
   if (until.count() == 0) return done();  // what a step at 0s does comes before all
-  const core::Time end = at(until);
-  if (ring_->run_until(done, end - ring_->now())) return true;
-  ring_->run_until(end);
-  return done();
+  return ModelStage::run_until(done, until, what);
 }
 
 std::optional<Stage::Failure> SoakStage::end() {
@@ -72,11 +65,11 @@ std::optional<Stage::Failure> SoakStage::end() {
 
 void SoakStage::mend_all() {
   strikes_.clear();
-  lines_.mend_all();
+  lines().mend_all();
   for (const NodeId id : ring_->order()) {
     ring_->set_cpu_reads(id, true);
     folds_back(scenario().ring) ? ring_->heal_cable(id) : ring_->heal(id);
-    if (!ring_->alive(id)) apply(Fault{frozen_[id] ? Name::thaw : Name::start, {}}, id);
+    if (!ring_->alive(id)) bring_back(id);
   }
 }
 
@@ -92,11 +85,11 @@ void SoakStage::tap(NodeId id, Line line) {
 void SoakStage::pass(NodeId id, Line line, const wire::Slice& slice, wire::SliceWriter& arriving) {
   if (quiet_ && sim::is_traffic(slice)) ++slices_when_quiet_;
   const auto strike = strike_at(id, line);
-  if (!strike) return lines_.pass(id, line, slice, arriving);
+  if (!strike) return lines().pass(id, line, slice, arriving);
   if (strike->kind == SoakAction::Kind::lose_slice) return;
-  if (slice.bytes.empty()) return lines_.pass(id, line, slice, arriving);
+  if (slice.bytes.empty()) return lines().pass(id, line, slice, arriving);
   const std::size_t byte = std::min<std::size_t>(strike->byte, slice.bytes.size - 1);
-  lines_.pass_damaged(id, line, slice, byte, strike->bits, arriving);
+  lines().pass_damaged(id, line, slice, byte, strike->bits, arriving);
 }
 
 std::optional<SoakAction> SoakStage::strike_at(NodeId id, Line line) {
@@ -133,41 +126,8 @@ void SoakStage::apply(const SoakAction& action) {
   }
 }
 
-std::optional<Stage::Failure> SoakStage::apply(const Fault& fault) {
-  if (fault::word_of(fault.name).of == fault::Of::line) {
-    lines_.begin(fault);
-    return std::nullopt;
-  }
-  if (fault.name == Name::power_cycle)
-    for (const NodeId id : fault.nodes) ring_->kill(id);
-  for (const NodeId id : fault.nodes) apply(fault, id);
-  if (fault.lasts.count() != 0) end_later(fault);
-  return std::nullopt;
-}
-
-void SoakStage::end_later(const Fault& fault) {
-  Fault end;
-  end.name = fault.name == Name::freeze ? Name::thaw : Name::resume;
-  end.nodes = fault.nodes;
-  ring_->at(ring_->now() + core::Duration(fault.lasts), [this, end] { apply(end); });
-}
-
-void SoakStage::apply(const Fault& fault, NodeId id) {
+void SoakStage::apply_to_cpu(const Fault& fault, NodeId id) {
   switch (fault.name) {
-    case Name::kill:
-      return ring_->kill(id);
-    case Name::start:
-    case Name::power_cycle:
-      if (ring_->alive(id)) return;
-      frozen_[id] = false;
-      return ring_->start(id);
-    case Name::freeze:
-      frozen_[id] = frozen_[id] || ring_->alive(id);
-      return ring_->freeze(id);
-    case Name::thaw:
-      if (frozen_[id]) ring_->thaw(id);
-      frozen_[id] = false;
-      return;
     case Name::reset:
       if (ring_->alive(id)) ring_->reset_cpu(id);
       return;

@@ -2,8 +2,7 @@
 
 #include <vector>
 
-#include "scenario/ring_stage.h"
-#include "sim_tools/virtual_line_faults.h"
+#include "scenario/model_stage.h"
 
 namespace limb_ring::scenario {
 
@@ -12,9 +11,9 @@ namespace limb_ring::scenario {
 /// soon as their nodes are, and do nothing by themselves. Single slices can be lost or damaged, also while the nodes
 /// join: time counts from when they start, and steps at 0s come before that.
 ///
-/// At its end all is mended, and runs on until it is calm (sim::run_until_calm): each send must have ended, and the ring
-/// must be whole again and stay silent for 20 ms.
-class SoakStage final : public RingStage {
+/// At its end all is mended, and runs on until it is calm (sim::run_until_calm): each send must have ended, and the
+/// ring must be whole again and stay silent for 20 ms.
+class SoakStage final : public ModelStage {
  public:
   /// @param scenario outlives this
   SoakStage(const Scenario& scenario, std::uint64_t seed);
@@ -23,7 +22,7 @@ class SoakStage final : public RingStage {
   bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) override;
   /// The ring's promises.
   std::optional<Failure> broken() const override { return failure_of(invariants_.violation()); }
-  std::optional<Failure> apply(const Fault& fault) override;
+  using ModelStage::apply;
   void apply(const SoakAction& action) override;
   std::optional<Failure> end() override;
 
@@ -41,14 +40,11 @@ class SoakStage final : public RingStage {
   void pass(NodeId id, core::Line line, const wire::Slice& slice, wire::SliceWriter& arriving);
   /// The strike that hits the slice which passes there now.
   std::optional<SoakAction> strike_at(NodeId id, core::Line line);
-  void apply(const Fault& fault, NodeId id);
-  void end_later(const Fault& fault);
+  void apply_to_cpu(const Fault& fault, NodeId id) override;
   void mend_all();
 
   std::unique_ptr<sim::VirtualRing> ring_;
   sim::Invariants invariants_;
-  sim::VirtualLineFaults lines_;
-  std::vector<bool> frozen_;
   std::vector<Strike> strikes_;
   bool quiet_ = false;
   std::uint64_t slices_when_quiet_ = 0;
