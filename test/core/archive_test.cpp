@@ -72,5 +72,15 @@ TEST(State, HasThePacketThatIsComingIn) {
   EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
 }
 
+TEST(State, HasTheEventsThatNobodyHasTaken) {
+  EventQueue before, after;
+  before.put(Time{}, BeaconHome{Duration{5us}});
+  read_state(bytes_of(before), after);
+  Event event;
+  ASSERT_TRUE(after.take(Time{}, event));
+  ASSERT_TRUE(std::holds_alternative<BeaconHome>(event.what));
+  EXPECT_EQ(std::get<BeaconHome>(event.what).round_trip, Duration{5us});
+}
+
 }  // namespace
 }  // namespace limb_ring::core

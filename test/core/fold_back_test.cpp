@@ -424,8 +424,10 @@ TEST_F(LoneFold, TheFirstLineIsTakenAfterAWhileThoughTheSecondNeverEnds) {
   const Time due = Time{} + longest;
   node.handle_timeout(due - Duration{1});
   EXPECT_EQ(node.counters().pins_pulled, 0u);
+  second().clear();
   node.handle_timeout(due);
   EXPECT_EQ(node.counters().pins_pulled, 1u);
+  EXPECT_TRUE(second().empty()) << "no fold is left to tell of";
   EXPECT_EQ(node.input_line(), Line::first);
 }
 

@@ -53,6 +53,28 @@ TEST_F(NewIncarnationOfTheReceiver, DeliversWhatComesHomeTaken) {
   EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::delivered)));
 }
 
+/// The same before a try was repeated.
+struct NewIncarnationAtTheFirstTry : NewIncarnationOfTheReceiver {
+  void SetUp() override {
+    solo.join();
+    hello_of_2(7, 0);
+    solo.node().send(send_of(1, 1, 2_id, text("x")), solo.now());
+    solo.run();
+    ASSERT_EQ(solo.line().size(), 1u);
+  }
+};
+
+TEST_F(NewIncarnationAtTheFirstTry, WhatItRefusedGoesAgainAsANewPacketThatIsRepeated) {
+  hello_of_2(8, 0);
+  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2}.with(text("x")), 0));
+  EXPECT_EQ(solo.counters().refusals, 1u);
+  solo.run_for(1ms);
+  ASSERT_EQ(solo.line().size(), 1u);
+  solo.run_for(100ms);
+  EXPECT_EQ(solo.line().size(), 1u);
+  EXPECT_THAT(solo.ends(), IsEmpty());
+}
+
 // ---- a whole ring ---------------------------------------------------------------------------
 
 struct ExactlyOnceRing : testing::Test {
