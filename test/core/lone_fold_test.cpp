@@ -1,0 +1,264 @@
+// Fold-back at one node, what comes and goes on its lines slice by slice. (protocol.md sections 8.8 to 8.12)
+#include "core/copied_state.h"
+#include "core/solo_node.h"
+#include "wire/fold_word.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// A node of a ring of 8 with its four lines in the hands of the test.
+struct LoneFold : testing::Test {
+  NetworkController node{settings(), Time{}};
+  static Settings settings() {
+    Settings s;
+    s.id = 4_id;
+    for (NodeId id{1}; id < 8; ++id) s.order.push_back(id);
+    s.fold_back = true;
+    s.wired.fill(true);
+    return s;
+  }
+  void SetUp() override {
+    node.input_up(Line::first, 3_id, Time{});
+    node.output_up(Line::first, 5_id, Time{});
+    node.input_up(Line::second, 5_id, Time{});
+    node.output_up(Line::second, 3_id, Time{});
+    second().clear();
+  }
+  wire::SliceWriter& second() { return node.output(Line::second); }
+  void hear(wire::FoldWordKind kind, NodeId from, Time now = {}) {
+    wire::SliceWriter word;
+    wire::put(word, {kind, from});
+    node.receive(Line::second, wire::parse_slice(word.view()).slice, now);
+  }
+  void receive_interrupt(Line line, std::uint8_t sequence, std::uint8_t hop) {
+    wire::InterruptPacket packet;
+    packet.code.sequence = wire::Sequence{sequence};
+    packet.hop = hop;
+    packet.source = 1_id;
+    packet.destination = wire::kBroadcast;
+    const auto bytes = wire::encode(packet);
+    node.receive(line, {wire::SliceKind::interrupt, {bytes.data(), bytes.size()}}, Time{});
+  }
+};
+
+// Its own node would take it off; that one is dead, and bypassed by this one's input.
+TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
+  node.input_up(Line::second, 7_id, Time{});
+  hear(wire::FoldWordKind::begin, 6_id);
+  EXPECT_TRUE(second().empty());
+  receive_interrupt(Line::second, 0, 2);
+  EXPECT_TRUE(second().empty()) << "nor does what follows it go round";
+  hear(wire::FoldWordKind::begin, 0_id);
+  EXPECT_FALSE(second().empty());
+}
+
+// The nodes behind node 3 are dead, so what comes on the second line was turned back at node 1.
+struct FoldedAtNodeOne : LoneFold {
+  void SetUp() override {
+    LoneFold::SetUp();
+    node.input_lost(Line::first, Time{});
+    hear(wire::FoldWordKind::begin, 1_id);
+    node.input_up(Line::first, 3_id, Time{});
+    second().clear();
+  }
+};
+
+TEST_F(FoldedAtNodeOne, TheSecondLineIsTakenUntilTheFirstHasSpoken) {
+  receive_interrupt(Line::second, 0, 5);
+  EXPECT_EQ(node.input_line(), Line::second);
+  receive_interrupt(Line::first, 1, 2);
+  EXPECT_EQ(node.input_line(), Line::first) << "nothing is under way on the second";
+  EXPECT_EQ(node.counters().pins_pulled, 2u);
+}
+
+TEST_F(FoldedAtNodeOne, ANodeThatTakesTheFirstLineAgainTellsOfTheFoldThatIsLeft) {
+  receive_interrupt(Line::first, 1, 2);
+  ASSERT_FALSE(second().empty());
+  const auto word = wire::fold_word(wire::parse_slice(second().view()).slice);
+  ASSERT_TRUE(word);
+  EXPECT_EQ(word->kind, wire::FoldWordKind::begin);
+  EXPECT_EQ(word->node, 1);
+}
+
+// Its `last` was lost: what comes on the first line waits no longer than the table of timers says.
+TEST_F(LoneFold, TheFirstLineIsTakenAfterAWhileThoughTheSecondNeverEnds) {
+  node.input_lost(Line::first, Time{});
+  hear(wire::FoldWordKind::begin, 3_id);
+  node.input_up(Line::first, 3_id, Time{});
+  receive_interrupt(Line::first, 0, 2);
+  const Duration longest = std::min(node.settings().stall, node.settings().send_timeout() / 8);
+  const Time due = Time{} + longest;
+  node.handle_timeout(due - Duration{1});
+  EXPECT_EQ(node.counters().pins_pulled, 0u);
+  second().clear();
+  node.handle_timeout(due);
+  EXPECT_EQ(node.counters().pins_pulled, 1u);
+  EXPECT_TRUE(second().empty()) << "no fold is left to tell of";
+  EXPECT_EQ(node.input_line(), Line::first);
+}
+
+TEST_F(LoneFold, WhatFindsNoRoomOnAWholeRingIsDroppedNotHeld) {
+  node.set_output_ready(Line::first, false);
+  const Bytes packet = Foreign{1, 2}.with(pattern(512));
+  for (int i = 0; i < 20; ++i)
+    node.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+  EXPECT_GT(node.counters().insertion_buffer_full, 0u);
+}
+
+TEST_F(LoneFold, TheSecondOutputsLossIsTheOutputsWhileItIsFolded) {
+  node.output_lost(Line::first, Time{});
+  ASSERT_EQ(node.output_line(), Line::second);
+  receive_interrupt(Line::first, 0, 2);
+  EXPECT_EQ(node.counters().dropped_no_output, 0u);
+  node.output_lost(Line::second, Time{});
+  receive_interrupt(Line::first, 1, 2);
+  EXPECT_GT(node.counters().dropped_no_output, 0u);
+}
+
+// An own `begin` of that node comes each beacon period; what comes sooner has come round.
+TEST_F(LoneFold, ABeginIsRepeatedUnlessItWasHeardLessThanHalfABeaconPeriodAgo) {
+  const Duration half = node.settings().beacon / 2;
+  hear(wire::FoldWordKind::begin, 6_id, Time{});
+  second().clear();
+  hear(wire::FoldWordKind::begin, 6_id, Time{} + half - Duration{1});
+  EXPECT_TRUE(second().empty());
+  hear(wire::FoldWordKind::begin, 6_id, Time{} + half);
+  EXPECT_FALSE(second().empty());
+}
+
+TEST_F(LoneFold, ANodeThatGoesOnFromAStateSaysItsWordsInTime) {
+  node.input_lost(Line::first, Time{});
+  second().clear();
+  NetworkController other{node.settings(), Time{}};
+  read_state(bytes_of(node), other);
+  other.handle_timeout(Time{} + node.settings().beacon);
+  ASSERT_FALSE(other.output(Line::second).empty());
+  EXPECT_EQ(wire::fold_word(wire::parse_slice(other.output(Line::second).view()).slice)->kind,
+            wire::FoldWordKind::deaf);
+}
+
+TEST_F(LoneFold, AFoldNodeIsForgottenAfterFiveBeaconPeriodsAndThatIsTold) {
+  hear(wire::FoldWordKind::begin, 6_id, Time{});
+  second().clear();
+  const Time due = Time{} + 5 * node.settings().beacon;
+  node.handle_timeout(due - Duration{1});
+  EXPECT_TRUE(second().empty());
+  node.handle_timeout(due);
+  ASSERT_FALSE(second().empty());
+  EXPECT_EQ(wire::fold_word(wire::parse_slice(second().view()).slice)->kind, wire::FoldWordKind::lost);
+}
+
+// Its first output was never there, so it may be one that only starts later than the others.
+TEST(FoldPermission, ANodeFoldsSoLongAfterItsStartThoughItsFirstLinesWereNeverBothUp) {
+  const Settings settings = LoneFold::settings();
+  NetworkController node(settings, Time{});
+  node.input_up(Line::first, 3_id, Time{});
+  node.input_up(Line::second, 5_id, Time{});
+  node.output_up(Line::second, 3_id, Time{});
+  const Time due = Time{} + settings.fold_permission;
+  node.handle_timeout(due - Duration{1});
+  EXPECT_EQ(node.output_line(), Line::first);
+  node.handle_timeout(due);
+  EXPECT_EQ(node.output_line(), Line::second);
+}
+
+TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
+  hear(wire::FoldWordKind::begin, 200_id);
+  EXPECT_TRUE(second().empty());
+  EXPECT_EQ(node.counters().fold_discarded, 1u);
+}
+
+// It passed here before the line behind it broke, was turned back at node 6, and is on its way back when the line
+// before this node breaks too.
+TEST_F(LoneFold, WhatComesBackFromBeyondItsOwnBreakIsNotTakenAgain) {
+  hear(wire::FoldWordKind::begin, 6_id);
+  receive_interrupt(Line::first, 0, 2);
+  receive_interrupt(Line::first, 1, 2);
+  EXPECT_EQ(node.counters().pins_pulled, 2u);
+  node.input_lost(Line::first, Time{});
+  receive_interrupt(Line::second, 0, 5);
+  EXPECT_EQ(node.counters().pins_pulled, 2u);
+  EXPECT_EQ(node.counters().orphans_cut_off, 1u);
+}
+
+// Whoever takes it further on would wait for its end.
+TEST_F(LoneFold, WhatBreaksOffOnTheSecondLineIsAbortedThereOnce) {
+  const auto kinds = [this] {
+    std::vector<wire::SliceKind> all;
+    wire::each_slice(second().view(), [&all](const wire::Slice& slice) { all.push_back(slice.kind); });
+    second().clear();
+    return all;
+  };
+  hear(wire::FoldWordKind::begin, 6_id);
+  second().clear();
+  node.input_gap(Line::second, Time{});
+  EXPECT_THAT(kinds(), IsEmpty()) << "nothing was under way";
+  const std::array<std::uint8_t, wire::kHeaderSize> header{0, wire::kSop, 0, 1};
+  node.receive(Line::second, {wire::SliceKind::start, {header.data(), header.size()}}, Time{});
+  node.input_gap(Line::second, Time{});
+  EXPECT_THAT(kinds(), ElementsAre(wire::SliceKind::start, wire::SliceKind::abort));
+  node.input_gap(Line::second, Time{});
+  EXPECT_THAT(kinds(), IsEmpty());
+}
+
+TEST_F(LoneFold, ANewNodeBehindTheFirstLineIsNotDeafBecauseTheLastOneWas) {
+  hear(wire::FoldWordKind::deaf, 5_id);
+  ASSERT_EQ(node.output_line(), Line::second);
+  node.output_lost(Line::first, Time{});
+  node.output_up(Line::first, 6_id, Time{});
+  EXPECT_EQ(node.output_line(), Line::first);
+}
+
+// A `hears` was lost, and the words on the second line stop at another node that has turned back: two such nodes stayed
+// folded for ever. So a node asks the next one on the first line, each beacon period.
+TEST_F(LoneFold, ANodeThatHasTurnedBackAsksTheNextOnTheFirstLineWhetherItHears) {
+  hear(wire::FoldWordKind::deaf, 5_id);
+  EXPECT_EQ(node.output_line(), Line::second);
+  node.output(Line::first).clear();
+  Time now{};
+  for (int deadlines = 0; deadlines < 20 && node.output(Line::first).empty(); ++deadlines) {
+    now = std::max(now, node.next_deadline(now));
+    node.handle_timeout(now);
+    node.run(now);
+    Event event;
+    while (node.take_event(now, event)) {
+    }
+    second().clear();
+  }
+  ASSERT_FALSE(node.output(Line::first).empty());
+  const auto word = wire::fold_word(wire::parse_slice(node.output(Line::first).view()).slice);
+  ASSERT_TRUE(word);
+  EXPECT_EQ(word->kind, wire::FoldWordKind::begin);
+  EXPECT_EQ(word->node, 4);
+}
+
+TEST_F(LoneFold, ANodeThatHearsAnswersTheOneBefore) {
+  wire::SliceWriter question;
+  wire::put(question, {wire::FoldWordKind::begin, 3_id});
+  node.receive(Line::first, wire::parse_slice(question.view()).slice, Time{});
+  ASSERT_FALSE(second().empty());
+  const auto word = wire::fold_word(wire::parse_slice(second().view()).slice);
+  ASSERT_TRUE(word);
+  EXPECT_EQ(word->kind, wire::FoldWordKind::hears);
+  EXPECT_EQ(word->node, 4);
+}
+
+// As much as 254 nodes have under way, and no more, should packets ever go round where nobody strips.
+TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
+  hear(wire::FoldWordKind::begin, 6_id);
+  const std::vector<std::uint8_t> packet(wire::kMaxDataPacketSize, 0x55);
+  const wire::Slice slice{wire::SliceKind::whole, {packet.data(), packet.size()}};
+  constexpr std::size_t kLap = 254 * wire::kMaxDataPacketSize;
+  std::size_t given = 0;
+  for (; given < kLap; given += packet.size()) node.receive(Line::second, slice, Time{});
+  EXPECT_EQ(node.counters().fold_discarded, 0u);
+  for (; given < 4 * kLap; given += packet.size()) node.receive(Line::second, slice, Time{});
+  EXPECT_GT(node.counters().fold_discarded, 0u);
+  EXPECT_LE(second().view().size, 257u * 1024);
+}
+
+}  // namespace
+}  // namespace limb_ring::core
