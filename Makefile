@@ -15,7 +15,7 @@ ROS_SETUP := $(wildcard /opt/ros/noetic/setup.bash)
 SPACE := $(subst ,, )
 WITH_ROS := $(if $(ROS_SETUP),. $(ROS_SETUP) &&)
 
-.PHONY: help all build demo virtual-demo demo-hosts tests test test-quick soak mutants coverage fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
+.PHONY: help all build demo virtual-demo demo-hosts tests test test-quick soak mutants planted coverage fuzz traces bench bench-sim chaos fault-table forge install-dissector deb deb-check deps clean format
 all: build
 
 help: ## This list
@@ -75,6 +75,11 @@ soak: build ## Random faults by seed under the virtual clock (SEEDS=10000)
 # Does a change of the core at a random place go unnoticed by the quick tests? By SEED (1), COUNT of them.
 mutants: deps ## Changes a copy of the core at random places; do the tests notice? (COUNT=20 SEED=1)
 	$(PYTHON) test/mutants/try_mutants $(if $(COUNT),--count $(COUNT)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
+
+# Failures of chaos with a core that is broken on purpose: recorded live, and had again.
+planted: build ## Breaks the core of live rings on purpose, and has what failed again from their recordings (FAILURES=10)
+	$(BUILD_TARGET) limb_ring_python
+	$(PYTHON) test/mutants/plant_failures $(if $(FAILURES),--failures $(FAILURES)) --programs $(BUILD)/devel/lib/limb_ring --jobs $(JOBS)
 
 # Lines and branches that the tests which need no ROS have run, for each folder; in a build of its own. ONLY some of them.
 ONLY ?=
