@@ -48,7 +48,7 @@ demo-hosts: deps $(BUILD)/CMakeCache.txt ## A ring on four hosts (network namesp
 tests: build ## Builds the tests
 	$(BUILD_TARGET) tests
 
-# What is quick, under sanitizers; it takes 3 minutes on 2 cores, and CI has no room for it.
+# What is quick, under sanitizers: 3 minutes on 2 cores.
 QUICK_TESTS := test_wire test_core test_capture test_fault payload_fragment_test payload_joint_test test_study_soak \
                fuzz_slices fuzz_packets fuzz_control_messages fuzz_controller fuzz_fragments fuzz_pcapng
 test-quick: deps ## The quick tests, under address and undefined behaviour sanitizers
