@@ -98,7 +98,10 @@ void FoldBack::output_lost(Line line, Time now) {
   Ends& ends = lines_[static_cast<std::size_t>(line)];
   if (!ends.to) return;
   ends.to.reset();
-  if (line == Line::second && output_ == Half::between) output_to_first(now);
+  if (line == Line::second && output_ == Half::between) {
+    nc_.output_breaks(now);
+    output_to_first(now);
+  }
   decide_output(now);
 }
 

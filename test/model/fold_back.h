@@ -28,6 +28,8 @@ class BehindFold {
   virtual void lines_are(const Lines& lines, Time now) = 0;
   /// A DATP that is coming in will never be whole.
   virtual void input_breaks(Time now) = 0;
+  /// What waits for the output, or is going out, will never leave.
+  virtual void output_breaks(Time now) = 0;
   virtual void slice_comes(const Given& slice, Time now) = 0;
   /// A DATP is going out.
   virtual bool is_mid_packet() const = 0;

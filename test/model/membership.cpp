@@ -230,17 +230,18 @@ void Node::break_known(Break known, bool own, bool folded, Time now) {
   break_is_own_ = own;
   if (folded ? own : !same && state_ != NodeState::open_chain) want_beacon();
   if (folded) return beacons(now);
+  const Time allowed_since = hello_out_ ? now_ : now;  // protocol.md section 6.4
   if (joins) {
     if (!out_.up) return;
+    allowed_since_ = allowed_since;
     const bool out = hello_out_;
     set_state(NodeState::open_chain, now);
-    allowed_since_ = now_;
     end_unconfirmed(now);
     if (!out) say_hello(false, now);
   } else if (closed()) {
+    allowed_since_ = allowed_since;
     want_beacon();
     set_state(NodeState::open_chain, now);
-    allowed_since_ = now_;
     end_unconfirmed(now);
   }
   beacons(now);

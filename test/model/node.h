@@ -183,6 +183,7 @@ class Node : private BehindFold {
   void lines_are(const Lines& lines, Time now) override;
   void fold_changed(Time now);
   void input_breaks(Time now) override { input_gap(now); }
+  void output_breaks(Time now) override { drop_output(now); }
   void slice_comes(const Given& slice, Time now) override { receive(slice, now); }
   bool is_mid_packet() const override { return outgoing_.has_value(); }
   bool takes(const Given& slice) const override;
