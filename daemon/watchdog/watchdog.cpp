@@ -16,7 +16,7 @@ std::string text_of(core::Duration time) {
 
 CpuSighting sighting_of(const core::Peer& peer) {
   const wire::Beacon& beacon = peer.beacon;
-  return {peer.beacon_heard ? std::make_optional(peer.heard_at) : std::nullopt, beacon.cpu_boots, beacon.cpu_state,
+  return {peer.beacon_heard ? std::make_optional(peer.beacon_at) : std::nullopt, beacon.cpu_boots, beacon.cpu_state,
           milliseconds(beacon.cpu_silent_ms), beacon.cpu_comes_back};
 }
 

@@ -70,7 +70,7 @@ void Membership::set_folded(bool input, bool output, Time now) {
 }
 
 bool Membership::says_folded(const Peer& peer, Time now) const {
-  if (!peer.beacon_heard || now - peer.heard_at > wire::kMissedBeacons * settings_.beacon) return false;
+  if (!peer.beacon_heard || now - peer.beacon_at > wire::kMissedBeacons * settings_.beacon) return false;
   return peer.beacon.input == wire::LinkState::folded || peer.beacon.output == wire::LinkState::folded;
 }
 

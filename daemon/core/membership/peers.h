@@ -14,11 +14,13 @@ struct Peer {
   std::uint64_t boot = 0;
   std::uint8_t hop = 0;  ///< relays between it and this node, of its last control packet
   Time heard_at{};
+  Time beacon_at{};     ///< when its last beacon was heard
   wire::Beacon beacon;  ///< its last one
 
   template <class Archive>
   void archive(Archive& a) {
-    a("known", known)("beacon_heard", beacon_heard)("boot", boot)("hop", hop)("heard_at", heard_at)("beacon", beacon);
+    a("known", known)("beacon_heard", beacon_heard)("boot", boot)("hop", hop)("heard_at", heard_at)(
+        "beacon_at", beacon_at)("beacon", beacon);
   }
 };
 
@@ -44,6 +46,7 @@ class Peers {
                       b.output_to != beacon.output_to || b.break_known != beacon.break_known;
     hear(peer, hop, beacon.boot, now);
     peer.beacon_heard = true;
+    peer.beacon_at = now;
     peer.beacon = beacon;
     return news;
   }

@@ -1,0 +1,48 @@
+// What a node knows of folds elsewhere in the ring, from beacons. (protocol.md section 8.12)
+#include "core/solo_node.h"
+
+namespace limb_ring::core {
+namespace {
+
+/// A node in whose ring nothing is folded at itself; beacons come each 100 ms.
+struct KnownFold : testing::Test {
+  SoloNode solo{Duration{0}, [](Settings& s) {
+                  s.fold_back = true;
+                  s.beacon = 100ms;
+                }};
+  void SetUp() override { solo.join(); }
+  void hear(std::uint8_t source, std::uint8_t sequence, std::uint64_t boot, const Bytes& message) {
+    Foreign packet = Foreign{source, 0xFF}.with_sequence(sequence).with_pri(kControlPri);
+    packet.incarnation = wire::incarnation_of(boot);
+    solo.receive(wire::SliceKind::whole, packet.with(message));
+  }
+  void hear_beacon(std::uint8_t source, std::uint8_t sequence, wire::LinkState output) {
+    wire::Beacon beacon;
+    beacon.boot = 200;
+    beacon.input = wire::LinkState::up;
+    beacon.output = output;
+    Bytes message(wire::kLongBeaconSize);
+    message.resize(wire::encode(beacon, message.data()));
+    hear(source, sequence, beacon.boot, message);
+  }
+  void hear_hello(std::uint8_t source, std::uint64_t boot) {
+    Bytes message(wire::kHelloSize);
+    wire::encode(wire::Hello{boot, true}, message.data());
+    hear(source, 0, boot, message);
+  }
+  NodeState state() { return solo.node().membership().state(); }
+};
+
+TEST_F(KnownFold, IsForgottenFivePeriodsAfterTheLastFoldedBeaconThoughThatNodeSaysHello) {
+  hear_beacon(2, 0, wire::LinkState::folded);
+  EXPECT_EQ(state(), NodeState::folded);
+  solo.run_for(450ms);
+  hear_hello(2, 201);
+  EXPECT_EQ(state(), NodeState::folded);
+  solo.run_for(100ms);
+  hear_beacon(3, 0, wire::LinkState::up);
+  EXPECT_EQ(state(), NodeState::up);
+}
+
+}  // namespace
+}  // namespace limb_ring::core
