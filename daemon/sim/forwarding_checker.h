@@ -85,7 +85,7 @@ class ForwardingChecker {
   void own_interrupt_went(Time since, Time now);
   /// An INTP leaves, own or not: others may have to wait for it.
   void count_interrupt(Time now);
-  /// The output took nothing until now.
+  /// The output took nothing until now, or the node stood still.
   void released(Time now) { released_ = now; }
   void clear();
   template <class Archive>

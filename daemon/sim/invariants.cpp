@@ -90,11 +90,12 @@ void Invariants::state_changes(NodeId node, NodeState state, Time now) {
 void Invariants::incident(NodeId node, Incident incident, Time now, Line) {
   record_.disturbed(now);
   if (incident != Incident::cpu_reset && incident != Incident::cancelled) record_.was_broken = true;
-  if (incident == Incident::late_slice) {
+  if (incident == Incident::late_slice || incident == Incident::resumed) {
     record_.released = now;
     record_.ledger.line_released(now);
   }
   NodeRecord& n = record_.at(node);
+  if (incident == Incident::resumed) n.forwarding.released(now);
   if (incident == Incident::killed || incident == Incident::frozen) n.away_since = now;
   if (incident == Incident::started || incident == Incident::thawed) n.away_since.reset();
   if (incident == Incident::thawed) n.history.thawed = now;

@@ -20,6 +20,7 @@ enum class Incident : std::uint8_t {
   lost_slice,
   damaged_slice,  ///< on the line out of the node
   late_slice,     ///< ... had been held back, and goes on
+  resumed,        ///< the node stood still; what came in meanwhile goes on late
   cpu_reset,
   cancelled
 };

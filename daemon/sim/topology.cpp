@@ -171,7 +171,7 @@ void VirtualRing::pause(NodeId id) {
 void VirtualRing::resume(NodeId id) {
   if (!paused(id)) return;
   nodes_[id].paused = false;
-  tell(id, Incident::late_slice);
+  tell(id, Incident::resumed);
   std::vector<DelayLine::Arrival> waiting;
   waiting.swap(nodes_[id].waiting);
   for (const DelayLine::Arrival& arrival : waiting) deliver(arrival);

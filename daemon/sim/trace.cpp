@@ -37,10 +37,35 @@ std::uint64_t mix(std::uint64_t x) {
 }  // namespace
 
 const char* to_string(Incident incident) {
-  constexpr const char* kNames[] = {"killed",        "started",    "frozen",          "thawed",
-                                    "cut",           "healed",     "output replaced", "slice lost",
-                                    "slice damaged", "slice late", "CPU reset",       "sends cancelled"};
-  return kNames[static_cast<std::size_t>(incident)];
+  switch (incident) {
+    case Incident::killed:
+      return "killed";
+    case Incident::started:
+      return "started";
+    case Incident::frozen:
+      return "frozen";
+    case Incident::thawed:
+      return "thawed";
+    case Incident::cut:
+      return "cut";
+    case Incident::healed:
+      return "healed";
+    case Incident::output_replaced:
+      return "output replaced";
+    case Incident::lost_slice:
+      return "slice lost";
+    case Incident::damaged_slice:
+      return "slice damaged";
+    case Incident::late_slice:
+      return "slice late";
+    case Incident::resumed:
+      return "goes on";
+    case Incident::cpu_reset:
+      return "CPU reset";
+    case Incident::cancelled:
+      return "sends cancelled";
+  }
+  return "?";
 }
 
 std::string hash_text(std::uint64_t hash) {

@@ -51,12 +51,12 @@ TEST(RandomFaults, BreakNoPromise) {
   std::cout << "sends by outcome: " << testing::PrintToString(ended) << '\n';
 }
 
-// The last three raised false alarms: two for a slice that came in the very instant of its deadline, one since a wire
-// that was cut kept its sender from hearing of its neighbour.
+// The last four raised false alarms: two for a slice that came in the very instant of its deadline, one since a wire
+// that was cut kept its sender from hearing of its neighbour, one for an INTP that waited in a node that stood still.
 TEST(RandomFaults, BreakNoPromiseInWideWorlds) {
   std::vector<std::uint64_t> seeds(kRuns / 6);
   std::iota(seeds.begin(), seeds.end(), 960000000);
-  seeds.insert(seeds.end(), {960000269, 970000160, 960000291});
+  seeds.insert(seeds.end(), {960000269, 970000160, 960000291, 3800000176});
   for (const std::uint64_t seed : seeds) {
     RandomFaults run(seed, RandomFaults::FoldBack::some, RandomFaults::World::wide);
     run.run();
