@@ -93,7 +93,9 @@ void PromiseJudge::changed_state(std::uint8_t id, std::uint8_t after) {
   SeenNode& node = ring_.at(id);
   node.state = after;
   node.state_round = ring_.round;
-  if (after == kStarting) node.pins_life = node.next_life();
+  if (after != kStarting) return;
+  node.pins_life = node.next_life();
+  node.pins_round = ring_.round;
 }
 
 void PromiseJudge::round_is_over() {

@@ -82,6 +82,7 @@ struct Pending {
 struct SeenNode {
   bool known = false, closing = false;
   Round known_round = 0, flushed_round = 0, state_round = 0, empty_round = 0, seen_round = 0;
+  Round pins_round = 0;  ///< in which `pins_life` began
   std::int64_t known_at = 0, at = 0, empty_at = 0;
   std::int64_t alive = 0;  ///< for so long it was seen to go on, ns
   std::int64_t longest_send = 0;

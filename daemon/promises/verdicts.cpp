@@ -86,10 +86,14 @@ bool Verdicts::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiv
 
 /// What the receiver took was taken for another send of that content, which was not delivered.
 bool Verdicts::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
+  // Its pin may have been pulled before the receiver started over.
+  const SeenNode& to = ring_.at(receiver);
+  const bool any_life = flow.queue == Observation::kInterrupt && to.pins_round + 1 >= sent.asked_round;
   return any_alike(flow, sent, receiver, [&](Sent& other) {
     const bool must = !other.by_node || other.by_node->passed[receiver];
     const bool sure = other.ended && other.outcome == Outcome::delivered && must;
-    if (sure || other.taken_in(receiver) != ring_.at(receiver).life_of(flow.queue)) return false;
+    const std::uint16_t taken = other.taken_in(receiver);
+    if (sure || taken == 0 || (!any_life && taken != to.life_of(flow.queue))) return false;
     std::swap(other.taken_in(receiver), sent.taken_in(receiver));
     return true;
   });

@@ -106,6 +106,11 @@ struct JudgeTest : testing::Test {
     seen.channel = factor;
     judge.see(at, seen);
   }
+  void state(std::uint8_t at, std::uint8_t after) {
+    Observation seen = of(Kind::state);
+    seen.detail = after;
+    judge.see(at, seen);
+  }
   std::vector<Promise> broken() const {
     std::vector<Promise> promises;
     for (const Breach& breach : breaches) promises.push_back(breach.promise);
@@ -232,6 +237,34 @@ TEST_F(JudgeTest, anInterruptThatIsDeliveredAndPullsNoPinIsNamed) {
   ASSERT_THAT(broken(), ElementsAre(Promise::true_result));
 }
 
+// What the receiver sees may be read before what the source asked for.
+TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverStartsOver) {
+  interrupt(1, 3, 14, 0);
+  end_interrupt(1, 3, 14, Outcome::lost);
+  rounds(20);
+  pin(3, 1, 0);
+  state(3, kStarting);
+  rounds(1);
+  interrupt(1, 3, 15, 0);
+  end_interrupt(1, 3, 15, Outcome::delivered);
+  state(3, kStateUp);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
+TEST_F(JudgeTest, anInterruptThatPullsNoPinIsNamedAlsoWhereTheReceiverHadStartedOver) {
+  interrupt(1, 3, 14, 0);
+  pin(3, 1, 0);
+  end_interrupt(1, 3, 14, Outcome::lost);
+  rounds(2);
+  state(3, kStarting);
+  rounds(20);
+  interrupt(1, 3, 15, 0);
+  end_interrupt(1, 3, 15, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), ElementsAre(Promise::true_result));
+}
+
 TEST_F(JudgeTest, aPacketThatNobodyAskedForIsNamed) {
   deliver(1, 2, 5);
   take(2, 1, 12345);
@@ -262,7 +295,7 @@ TEST_F(JudgeTest, aBroadcastIsNotJudgedWhileTheRingChanges) {
   for (const std::uint8_t id : {2, 3}) take(id, 1, 6, kAll, Kind::passed);
   take(2, 1, 6, kAll);
   end(1, kAll, 6, Outcome::delivered);
-  judge.see(3, of(Kind::state));  // starting
+  state(3, kStarting);
   rounds(20);
   EXPECT_THAT(broken(), IsEmpty());
   EXPECT_EQ(unjudged(Unjudged::ring_changed), 1u);
