@@ -60,8 +60,7 @@ void Output::write(wire::ByteView framed_slices) {
 }
 
 void Output::write_late(wire::ByteView framed_slice) {
-  if (!current_ || !current_->hold_back(framed_slice)) return write(framed_slice);
-  counters_.bytes += framed_slice.size;
+  if (current_ && current_->hold_back(framed_slice)) counters_.bytes += framed_slice.size;
 }
 
 void Output::set_wire(Wire wire) {

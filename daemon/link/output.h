@@ -67,7 +67,7 @@ class Output final : private Downstream::Owner {
   ///        inside, what is given while down() or after a failure is discarded and counted.
   void write(wire::ByteView framed_slices);
   /// One slice that is to arrive late: over UDP its datagram keeps its sequence number and is sent behind the next one.
-  /// On a UNIX line, and where something waits inside, it goes as with write().
+  /// On other lines, and where something waits inside, it is lost, which is what lateness is to the receiver.
   void write_late(wire::ByteView framed_slice);
   /// Connected, and nothing waits inside.
   bool ready() const { return current_ && current_->drained(); }

@@ -38,21 +38,19 @@ void UdpBatch::start_session(std::uint64_t session, Sealer* sealer) {
 }
 
 bool UdpBatch::hold_back(wire::ByteView slice) {
-  if (!late_.empty()) return false;
+  if (late_.size() == kMostLate) return false;
   size_ = 0;
   append(slice);
-  late_.assign(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size_));
+  late_.emplace_back(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size_));
   return true;
 }
 
 // What the kernel does not take is lost, as on the wire.
 void UdpBatch::send_late(int socket) {
-  const bool sent = send_run(socket, {late_.data(), late_.size()}, late_.size()) >= 0;
-  ++counters_.writes;
-  if (sent) {
-    ++counters_.datagrams;
-  } else {
-    ++counters_.datagrams_unsent;
+  for (const auto& datagram : late_) {
+    const bool sent = send_run(socket, {datagram.data(), datagram.size()}, datagram.size()) >= 0;
+    ++counters_.writes;
+    ++(sent ? counters_.datagrams : counters_.datagrams_unsent);
   }
   late_.clear();
 }

@@ -14,6 +14,7 @@ namespace limb_ring::link {
 /// as a stream under load.
 class UdpBatch {
  public:
+  static constexpr std::size_t kMostLate = 64;  ///< datagrams
   enum class Status { sent, blocked, gone };
   struct Result {
     Status status;
@@ -26,7 +27,7 @@ class UdpBatch {
   /// @param slices whole slices, framed
   Result send(int socket, wire::ByteView slices);
   /// The slice gets its sequence number now, but is sent after the next datagram: it arrives late.
-  /// @return false, and it was not taken: another one is held back already
+  /// @return false, and it was not taken: kMostLate are held back already
   bool hold_back(wire::ByteView slice);
   /// As for kernels without UDP_SEGMENT, which are detected without this. For tests.
   void send_singly() { joined_ = false; }
@@ -51,7 +52,7 @@ class UdpBatch {
   std::vector<std::uint8_t> buffer_;
   std::size_t size_ = 0;
   bool joined_ = true;
-  std::vector<std::uint8_t> late_;  ///< a whole datagram
+  std::vector<std::vector<std::uint8_t>> late_;  ///< whole datagrams
 };
 
 }  // namespace limb_ring::link

@@ -34,7 +34,7 @@ void FaultyLine::pass_all(wire::ByteView framed_slices, core::Time now) {
 }
 
 // A datagram that is to be late is sent after the next one, with its own sequence number, and the receiver discards it.
-// What the faults put onto the line is what is left for the receiver then.
+// What the faults put onto the line is what is left for the receiver then; what goes before it has its number first.
 void FaultyLine::pass(const wire::Slice& slice, core::Time now) {
   const auto late = faults_.counters().line_reordered;
   faults_.pass(slice, now);
@@ -42,6 +42,7 @@ void FaultyLine::pass(const wire::Slice& slice, core::Time now) {
   if (faults_.counters().line_reordered == late || !in_one_piece) return;
   wire::SliceWriter one;
   one.put(slice.kind, slice.bytes);
+  write_due(now);
   output_.write_late(one.view());
 }
 
@@ -49,11 +50,15 @@ void FaultyLine::update(core::Time now) {
   using link::Wire;
   wire_ = faults_.cut(now) ? Wire::cut : faults_.stalled(now) ? Wire::held : Wire::whole;
   output_.set_wire(wire_);
+  write_due(now);
+  active_ = !faults_.idle();
+  arm_timer();
+}
+
+void FaultyLine::write_due(core::Time now) {
   faults_.take(now, due_);
   if (!due_.empty()) output_.write(due_.view());
   due_.clear();
-  active_ = !faults_.idle();
-  arm_timer();
 }
 
 void FaultyLine::arm_timer() {

@@ -39,6 +39,7 @@ class FaultyLine final : public LineBreaker {
   void pass_all(wire::ByteView framed_slices, core::Time now);
   void pass(const wire::Slice& slice, core::Time now);
   void update(core::Time now);
+  void write_due(core::Time now);
   void arm_timer();
 
   const Clock& clock_;
