@@ -175,6 +175,7 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const LeavingPacket& packet
   const bool same_incarnation = before && before->source_incarnation == sources_[source].incarnation;
   if (code.attempt > 0 && same_incarnation && !over(before) && packet.matches(*before)) {
     slot.last.crcs[code.attempt] = packet.crc;
+    before->refused_at = core::kNever;  // a second copy of the last try was none that counted
     if (sources_[source].outstanding[code.interrupt ? 1 : 0].token != before->token) count_tries(*before, code);
     return before;
   }

@@ -71,6 +71,13 @@ TEST(RandomFaults, BreakNoPromiseWhereAJoiningNodeWaitsForALineAgain) {
   EXPECT_EQ(in_words(run), "");
 }
 
+// Of two copies of a try the first came home damaged, and so it was sent again: the good one refused nothing.
+TEST(RandomFaults, BreakNoPromiseWhereASecondCopyComesHomeInTheInstantOfARetry) {
+  RandomFaults run(3600034134);
+  run.run();
+  EXPECT_EQ(in_words(run), "");
+}
+
 TEST(RandomFaults, OfTheSameSeedAreTheSame) {
   RandomFaults first(7), second(7);
   first.run();
