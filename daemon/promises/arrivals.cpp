@@ -16,14 +16,17 @@ void Arrivals::taken(std::uint8_t id, const Observation& seen) {
   if (seen.destination != id && seen.destination != wire::kBroadcast)
     return findings_.break_promise(Promise::undamaged, id, seen.source, seen.at_ns,
                                    name_of(seen, seen.source) + ", was given to the CPU of node " + std::to_string(id));
+  const Pending came{seen, ring_.round, node.life_of(seen.queue), node.empty_at};
   // Behind one that waits for its cause others wait as well: their order is judged.
-  if (!node.pending.empty() || !match(id, seen)) node.pending.push_back({seen, ring_.round, node.empty_at});
+  if (!node.pending.empty() || !match(id, came, false)) node.pending.push_back(came);
 }
 
 /// The first send of that content behind what this receiver took last. INTPs of one factor are all alike, so their
-/// order cannot be told; a pin is pulled at once, so rather one that has not ended.
-Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Observation& seen) {
+/// order cannot be told; a pin is pulled at once, so rather one that has not ended, and one that ended long before only
+/// where all that can be its cause has been seen.
+Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked) {
   if (flow == nullptr) return nullptr;
+  const Observation& seen = came.seen;
   const std::uint64_t last = seen.kind == Kind::pin ? 0 : ring_.newest(receiver, seen.source, seen.queue);
   Sent* old = nullptr;
   auto it = std::upper_bound(flow->sends.begin(), flow->sends.end(), last,
@@ -32,26 +35,31 @@ Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Observati
     const bool before_its_life = it->ended_round <= ring_.at(receiver).known_round;
     if (it->ended && (it->outcome == Outcome::rejected || before_its_life)) continue;
     const std::uint16_t taken = it->taken_in(receiver);
-    const bool again = taken != 0 && (it->ended || taken == ring_.at(receiver).life_of(seen.queue));
+    const bool again = taken != 0 && (it->ended || taken == came.life);
     if (again || !it->asked.same_content(seen)) continue;
     if (seen.kind != Kind::pin || !it->ended || it->ended_round + 2 >= ring_.round) return &*it;
-    if (old == nullptr) old = &*it;
+    if (all_asked && old == nullptr) old = &*it;
   }
   return old;
 }
 
 // A pin does not tell whether the INTP was to all.
-bool Arrivals::match(std::uint8_t receiver, const Observation& seen) {
-  Sent* sent = next_in_order(receiver, ring_.find_flow(seen.source, seen.queue, seen.destination), seen);
+/// @param all_asked what it is caused by has been seen, if that was asked for at all
+bool Arrivals::match(std::uint8_t receiver, const Pending& came, bool all_asked) {
+  const Observation& seen = came.seen;
+  const auto next_to = [&](std::uint8_t destination) {
+    return next_in_order(receiver, ring_.find_flow(seen.source, seen.queue, destination), came, all_asked);
+  };
+  Sent* sent = next_to(seen.destination);
   if (seen.kind == Kind::pin && seen.source != receiver) {
-    Sent* to_all = next_in_order(receiver, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast), seen);
+    Sent* to_all = next_to(wire::kBroadcast);
     const auto is_open = [](const Sent& one) { return !one.ended; };
     const bool rather = to_all != nullptr && sent != nullptr &&
                         (is_open(*to_all) != is_open(*sent) ? is_open(*to_all) : to_all->index < sent->index);
     if (sent == nullptr || rather) sent = to_all;
   }
   if (sent == nullptr) return false;
-  sent->taken_in(receiver) = ring_.at(receiver).life_of(seen.queue);
+  sent->taken_in(receiver) = came.life;
   sent->taken_at = seen.at_ns;
   ring_.newest(receiver, seen.source, seen.queue) = sent->index;
   return true;
@@ -64,9 +72,9 @@ void Arrivals::settle(std::uint8_t receiver) {
     const Pending next = pending.front();
     pending.pop_front();
     const std::size_t from = next.seen.source * kQueues + next.seen.queue;
-    const bool pass = next.seen.kind == Kind::passed;
-    if (!waits[from] && (pass ? mark_passed(receiver, next.seen) : match(receiver, next.seen))) continue;
-    if (next.round == ring_.round) {
+    const bool pass = next.seen.kind == Kind::passed, all_asked = next.round != ring_.round;
+    if (!waits[from] && (pass ? mark_passed(receiver, next.seen) : match(receiver, next, all_asked))) continue;
+    if (!all_asked) {
       waits[from] = waits[from] || !pass;
       pending.push_back(next);
     } else if (!pass) {
@@ -91,8 +99,8 @@ void Arrivals::classify(std::uint8_t receiver, const Pending& pending) {
   const Observation& seen = pending.seen;
   if (!certain(receiver, pending)) return void(findings_.leave(Unjudged::source_unknown));
   const bool pin = seen.kind == Kind::pin;
-  if (judge_alike(receiver, seen, ring_.find_flow(seen.source, seen.queue, seen.destination))) return;
-  if (pin && judge_alike(receiver, seen, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast))) return;
+  if (judge_alike(receiver, pending, ring_.find_flow(seen.source, seen.queue, seen.destination))) return;
+  if (pin && judge_alike(receiver, pending, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast))) return;
   findings_.break_promise(Promise::undamaged, receiver, seen.source, seen.at_ns,
                           name_of(seen, seen.source) + ", " + (pin ? "has pulled a pin of" : "was taken by") +
                               " node " + std::to_string(receiver) + ", and was not asked for");
@@ -100,16 +108,16 @@ void Arrivals::classify(std::uint8_t receiver, const Pending& pending) {
 
 /// What comes although everything of that content has come already, or should have come before.
 /// @return false where nothing of that content was asked for in that flow
-bool Arrivals::judge_alike(std::uint8_t receiver, const Observation& seen, Flow* from) {
+bool Arrivals::judge_alike(std::uint8_t receiver, const Pending& came, Flow* from) {
   if (from == nullptr) return false;
+  const Observation& seen = came.seen;
   const auto alike = std::find_if(from->sends.rbegin(), from->sends.rend(), [&](const Sent& sent) {
     return sent.asked.same_content(seen) && !(sent.ended && sent.outcome == Outcome::rejected);
   });
   if (alike == from->sends.rend()) return false;
-  const std::uint16_t life = ring_.at(receiver).life_of(seen.queue);
-  const std::uint16_t taken = std::exchange(alike->taken_in(receiver), life);
-  if (taken != 0 && taken != life) return true;  // a late copy, in another life of the receiver
-  const bool twice = taken == life;
+  const std::uint16_t taken = std::exchange(alike->taken_in(receiver), came.life);
+  if (taken != 0 && taken != came.life) return true;  // a late copy, in another life of the receiver
+  const bool twice = taken == came.life;
   const std::string by = " node " + std::to_string(receiver);
   const std::string what = !twice                   ? ", was taken by" + by + " after one that was asked for later"
                            : seen.kind == Kind::pin ? ", has pulled its pin twice at" + by
@@ -120,7 +128,7 @@ bool Arrivals::judge_alike(std::uint8_t receiver, const Observation& seen, Flow*
 }
 
 void Arrivals::passed(std::uint8_t id, const Observation& seen) {
-  ring_.at(id).pending.push_back({seen, ring_.round, 0});
+  ring_.at(id).pending.push_back({seen, ring_.round, 0, 0});
 }
 
 bool Arrivals::mark_passed(std::uint8_t id, const Observation& seen) {

@@ -19,12 +19,12 @@ class Arrivals {
   void settle(std::uint8_t receiver);
 
  private:
-  bool match(std::uint8_t receiver, const Observation& seen);
-  Sent* next_in_order(std::uint8_t receiver, Flow* flow, const Observation& seen);
+  bool match(std::uint8_t receiver, const Pending& came, bool all_asked);
+  Sent* next_in_order(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked);
   bool mark_passed(std::uint8_t id, const Observation& seen);
   bool certain(std::uint8_t receiver, const Pending& pending) const;
   void classify(std::uint8_t receiver, const Pending& pending);
-  bool judge_alike(std::uint8_t receiver, const Observation& seen, Flow* from);
+  bool judge_alike(std::uint8_t receiver, const Pending& came, Flow* from);
 
   SeenRing& ring_;
   Findings& findings_;

@@ -75,6 +75,7 @@ struct Flow {
 struct Pending {
   Observation seen;
   Round round;
+  std::uint16_t life;     ///< of the receiver
   std::int64_t empty_at;  ///< when the receiver's buffers were last seen empty
 };
 

@@ -252,6 +252,33 @@ TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverStart
   EXPECT_THAT(broken(), IsEmpty());
 }
 
+TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverFreezesBehindIt) {
+  interrupt(1, 3, 14, 0);
+  end_interrupt(1, 3, 14, Outcome::lost);
+  rounds(20);
+  pin(3, 1, 0);
+  rounds(1);
+  interrupt(1, 3, 15, 0);
+  end_interrupt(1, 3, 15, Outcome::delivered);
+  silent = 3;
+  rounds(20);
+  silent = -1;
+  state(3, kStarting);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
+TEST_F(JudgeTest, aPinMayBePulledForTheFirstOfTwoEqualInterruptsAndThenTheReceiverStartsOver) {
+  interrupt(1, 3, 14, 0);
+  interrupt(1, 3, 15, 0);
+  pin(3, 1, 0);
+  state(3, kStarting);
+  end_interrupt(1, 3, 14, Outcome::lost);
+  end_interrupt(1, 3, 15, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
 TEST_F(JudgeTest, anInterruptThatPullsNoPinIsNamedAlsoWhereTheReceiverHadStartedOver) {
   interrupt(1, 3, 14, 0);
   pin(3, 1, 0);
