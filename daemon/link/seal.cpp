@@ -98,7 +98,8 @@ bool Sealer::seal(std::uint8_t* datagram, std::size_t size) {
   const CipherNonce nonce = cipher_nonce(++number_);
   wire::store_u64(datagram + size, number_);
   unsigned long long tag_size = 0;
-  ::crypto_aead_chacha20poly1305_ietf_encrypt_detached(nullptr, datagram + size + 8, &tag_size, nullptr, 0, datagram,
+  std::uint8_t nothing = 0;  // nothing is encrypted, but libsodium wants a place for it that is not null
+  ::crypto_aead_chacha20poly1305_ietf_encrypt_detached(&nothing, datagram + size + 8, &tag_size, nullptr, 0, datagram,
                                                        size, nullptr, nonce.data(), key_.data());
   return true;
 }
@@ -108,7 +109,8 @@ Opener::Verdict Opener::open(wire::ByteView datagram) {
   const std::size_t size = datagram.size - kSealSize;
   const std::uint64_t number = wire::load_u64(datagram.data + size);
   const CipherNonce nonce = cipher_nonce(number);
-  if (::crypto_aead_chacha20poly1305_ietf_decrypt_detached(nullptr, nullptr, nullptr, 0, datagram.data + size + 8,
+  const std::uint8_t nothing = 0;  // as above
+  if (::crypto_aead_chacha20poly1305_ietf_decrypt_detached(nullptr, nullptr, &nothing, 0, datagram.data + size + 8,
                                                            datagram.data, size, nonce.data(), key_.data()) != 0)
     return Verdict::forged;
   return window_.take(number) ? Verdict::good : Verdict::replayed;

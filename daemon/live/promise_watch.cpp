@@ -53,8 +53,8 @@ void PromiseWatch::hear(Node& node) {
   judge_.closes(node.id);
 }
 
-void PromiseWatch::begin(Node& node, const std::string& json) {
-  const auto told = nlohmann::json::parse(json, nullptr, /*allow_exceptions=*/false);
+void PromiseWatch::begin(Node& node, const std::string& message) {
+  const auto told = nlohmann::json::parse(message, nullptr, /*allow_exceptions=*/false);
   if (told.is_object() && told.contains("error"))
     throw HostPortError("node " + std::to_string(node.id) + ": " + told["error"].get<std::string>());
   if (!told.is_object() || told.value("kind", "") != "promises") return;

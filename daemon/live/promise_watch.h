@@ -45,7 +45,7 @@ class PromiseWatch {
   };
 
   void hear(Node& node);
-  void begin(Node& node, const std::string& json);
+  void begin(Node& node, const std::string& message);
   void read(Node& node);
 
   promises::PromiseJudge judge_;

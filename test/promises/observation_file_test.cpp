@@ -14,10 +14,10 @@ struct ObservationFileTest : testing::Test {
   ObservationFileTest()
       : path((std::filesystem::temp_directory_path() / ("seen" + std::to_string(::getpid()))).string()) {}
   void write(std::uint32_t count) {
-    Observation seen;
+    Observation one;
     for (std::uint32_t i = 0; i < count; ++i) {
-      seen.token = next++;
-      file.put(seen);
+      one.token = next++;
+      file.put(one);
     }
   }
   std::string path;

@@ -16,7 +16,8 @@ TEST(ControlMessage, HelloComesBack) {
 }
 
 TEST(ControlMessage, BeaconComesBack) {
-  Beacon beacon{42, 3, CpuState::silent, 250, LinkState::up, 4_id, LinkState::silent, 6_id, true, 4_id, 5_id, false};
+  Beacon beacon{42,    3, CpuState::silent, 250, LinkState::up, 4_id, LinkState::silent, 6_id, true, 4_id, 5_id, false,
+                false, {}};
   std::array<std::uint8_t, kBeaconSize> bytes;
   ASSERT_EQ(encode(beacon, bytes.data()), kBeaconSize);
   const auto back = decode_beacon({bytes.data(), bytes.size()});
@@ -45,9 +46,9 @@ TEST(ControlMessage, ABeaconsFieldsStandInTheOrderOfTheProtocol) {
                 true,
                 7_id,
                 8_id,
-                true};
-  beacon.stop_latched = true;
-  beacon.latch = {0x31323334, 9_id, 0x4142434445464748};
+                true,
+                true,
+                {0x31323334, 9_id, 0x4142434445464748}};
   std::array<std::uint8_t, kLongBeaconSize> bytes;
   ASSERT_EQ(encode(beacon, bytes.data()), kLongBeaconSize);
   EXPECT_EQ(bytes,

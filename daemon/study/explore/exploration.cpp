@@ -61,14 +61,14 @@ std::vector<Choice> Exploration::next(const std::vector<Choice>& choices, unsign
 // A fold may bring a doubled copy behind its source's next packet, which the lines of a ring never do. Where the ring
 // is broken already, it cannot be cut there.
 std::vector<Strike> Exploration::strikes() const {
-  using Kind = Strike::Kind;
+  using What = Strike::Kind;
   std::vector<Strike> all;
-  for (const Kind kind :
-       {Kind::lost, Kind::header_damaged, Kind::data_damaged, Kind::end_damaged, Kind::doubled, Kind::late})
-    if (kind != Kind::doubled || !world_.fold_back) all.push_back({kind, wire::NodeId{0}});
-  for (const Kind kind : {Kind::restart, Kind::freeze, Kind::cut, Kind::interrupt})
+  for (const What kind :
+       {What::lost, What::header_damaged, What::data_damaged, What::end_damaged, What::doubled, What::late})
+    if (kind != What::doubled || !world_.fold_back) all.push_back({kind, wire::NodeId{0}});
+  for (const What kind : {What::restart, What::freeze, What::cut, What::interrupt})
     for (unsigned node = 0; node < world_.nodes; ++node)
-      if (kind != Kind::cut || !world_.broken || node != world_.last_node())
+      if (kind != What::cut || !world_.broken || node != world_.last_node())
         all.push_back({kind, static_cast<wire::NodeId>(node)});
   return all;
 }
