@@ -82,6 +82,8 @@ planted: build ## Breaks the core of live rings on purpose, and has what failed 
 	$(PYTHON) test/mutants/plant_failures $(if $(FAILURES),--failures $(FAILURES)) --programs $(BUILD)/devel/lib/limb_ring --jobs $(JOBS)
 
 # Lines and branches that the tests which need no ROS have run, for each folder; in a build of its own. ONLY some of them.
+# What links to our libraries from outside cannot be built with it; a daemon that is killed while it writes down what it has
+# run leaves less than all, and libgcov says so in gcov_errors.
 ONLY ?=
 coverage: deps ## How much of the sources the tests run, by folder (ONLY="test_core test_wire" FILES=daemon/core; needs gcovr)
 	@command -v gcovr > /dev/null || { echo "make coverage needs gcovr: apt-get install gcovr"; exit 2; }
@@ -89,7 +91,7 @@ coverage: deps ## How much of the sources the tests run, by folder (ONLY="test_c
 	  -DCMAKE_CXX_FLAGS_COVERAGE="-O0 --coverage" -DLIMB_RING_PATIENCE=10 -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-coverage -j$(JOBS) --target $(if $(ONLY),$(ONLY),all tests)
 	find $(BUILD)-coverage -name '*.gcda' -delete
-	cd $(BUILD)-coverage && ctest -j$(JOBS) --output-on-failure $(if $(ONLY),-R '^($(subst $(SPACE),|,$(strip $(ONLY))))$$') || \
+	cd $(BUILD)-coverage && GCOV_ERROR_FILE=$$PWD/gcov_errors ctest -j$(JOBS) --output-on-failure -E '^consumer_of' $(if $(ONLY),-R '^($(subst $(SPACE),|,$(strip $(ONLY))))$$') || \
 	  echo "Not all tests have passed: what is printed is of all that were run."
 	$(PYTHON) test/coverage/print_coverage --build $(BUILD)-coverage $(if $(FILES),--files $(FILES))
 
