@@ -79,7 +79,13 @@ class UpDown(RingTest):
         self.assertRegex(self.up_on_a_disk_of('8k'), r'cannot write .*/[12]\.log: No space left on device')
 
     def test_a_daemon_can_say_that_the_disk_is_full(self):
-        self.assertRegex(self.up_on_a_disk_of('16k'), r'cannot write .*/[012]\.lock: No space left on device')
+        # The last log and the first daemon's lock ask for the same room, and either may be first.
+        for _ in range(10):
+            said = self.up_on_a_disk_of('16k')
+            self.assertRegex(said, r'cannot write .*/[012]\.(lock|log): No space left on device')
+            if '.lock' in said:
+                return
+        self.fail('no daemon has said it: ' + said)
 
     def test_a_live_scenario_names_the_full_disk(self):
         scenario = os.path.join(os.path.dirname(ring_process.__file__), '../scenarios/03-two-nodes-dead.yaml')
