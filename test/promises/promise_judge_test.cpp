@@ -227,7 +227,6 @@ TEST_F(JudgeTest, whatComesBehindOneThatWaitsForItsCauseWaitsToo) {
 }
 
 // A power cycle: its new process sends before anybody looks at it, and the old one counts as dead a little later.
-
 TEST_F(JudgeTest, whatANodeSendsWhoseDaemonHasGoneIsNotJudged) {
   judge.closes(1);
   take(2, 1, 7);
@@ -237,7 +236,6 @@ TEST_F(JudgeTest, whatANodeSendsWhoseDaemonHasGoneIsNotJudged) {
 }
 
 // The one before it on the same way waits for its cause, and so does what was taken behind it.
-
 TEST_F(JudgeTest, whatIsTakenButWaitsBehindAnotherIsNotMissing) {
   ask(1, 2, 8);
   end(1, 2, 8, Outcome::delivered);
