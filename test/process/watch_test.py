@@ -1,7 +1,9 @@
 """ringctl watch: a ring's promises judged from outside, and recordings that save themselves."""
 
+import glob
 import json
 import os
+import re
 import signal
 import subprocess
 
@@ -81,6 +83,19 @@ class SavedByThemselves(RingTest):
         self.wait('it is kept', lambda: os.path.exists(log) and 'when something goes wrong' in self.read(log))
         return log
 
+    def keeper_waits(self):
+        """How often the keeper of recordings has slept: once after each look."""
+        for status in glob.glob('/proc/[0-9]*/status'):
+            try:
+                with open(os.path.join(os.path.dirname(status), 'cmdline')) as file:
+                    words = file.read().split('\0')
+                if 'keep' in words and self.ring in words:
+                    with open(status) as file:
+                        return int(re.search(r'^voluntary_ctxt_switches:\s*(\d+)', file.read(), re.M).group(1))
+            except OSError:
+                pass   # it has ended
+        self.fail('no keeper is there')
+
     def saved(self):
         return sorted(os.listdir(self.saves)) if os.path.isdir(self.saves) else []
 
@@ -97,6 +112,9 @@ class SavedByThemselves(RingTest):
         log = self.up(['crash'])
         self.wait('a node is seen to be killed on purpose', lambda: self.ctl(
             'fault', 'kill', 'node2').returncode == 0)
+        looked = self.keeper_waits() + 3
+        self.wait('the keeper has seen that', lambda: self.keeper_waits() >= looked)
+        self.wait('and back', lambda: self.ctl('fault', 'start', 'node2').returncode == 0 and self.is_closed(range(3)))
         os.kill(self.row(1)['pid'], signal.SIGKILL)
         self.wait('saved', lambda: 'recordings are saved in' in self.read(log))
         saved, = self.saved()
