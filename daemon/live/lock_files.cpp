@@ -75,8 +75,8 @@ std::string noted_fault(const std::string& folder, std::uint8_t node) {
 }
 
 bool is_leftover(const fs::path& file) {
-  const std::array<const char*, 11> ours{".boot", ".fault", ".former", ".host", ".link", ".link2",
-                                         ".lock", ".log",   ".record", ".sock", ".watch"};
+  const std::array<const char*, 12> ours{".boot",  ".fault", ".former", ".host",   ".killed", ".link",
+                                         ".link2", ".lock",  ".log",    ".record", ".sock",   ".watch"};
   return std::any_of(ours.begin(), ours.end(), [&](const char* extension) { return file.extension() == extension; });
 }
 

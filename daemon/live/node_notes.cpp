@@ -17,15 +17,23 @@ std::string path_of(const std::string& folder, wire::NodeId node) {
   return folder + "/" + std::to_string(node) + ".fault";
 }
 
+std::string killed_path(const std::string& folder, wire::NodeId node) {
+  return folder + "/" + std::to_string(node) + ".killed";
+}
+
+std::string write_line(const std::string& path, const std::string& line) {
+  std::ofstream file(path);
+  file << line << '\n' << std::flush;
+  return file ? "" : "cannot write " + path + ": " + std::strerror(errno);
+}
+
 }  // namespace
 
 std::string NodeNote::name() const { return words.substr(0, words.find(' ')); }
 
 std::string write_note(const std::string& folder, wire::NodeId node, const std::string& words) {
   const auto now = std::chrono::duration_cast<milliseconds>(system_clock::now().time_since_epoch());
-  std::ofstream file(path_of(folder, node));
-  file << now.count() << ' ' << words << '\n' << std::flush;
-  return file ? "" : "cannot write " + path_of(folder, node) + ": " + std::strerror(errno);
+  return write_line(path_of(folder, node), std::to_string(now.count()) + ' ' + words);
 }
 
 void remove_note(const std::string& folder, wire::NodeId node) { std::remove(path_of(folder, node).c_str()); }
@@ -42,6 +50,15 @@ std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node) {
 bool is_killed(const std::string& folder, wire::NodeId node) {
   const auto note = note_of(folder, node);
   return note && note->name() == fault::word_of(fault::Name::kill).word;
+}
+
+std::string write_killed(const std::string& folder, wire::NodeId node, pid_t daemon) {
+  return write_line(killed_path(folder, node), std::to_string(daemon));
+}
+
+bool was_killed(const std::string& folder, wire::NodeId node, pid_t daemon) {
+  pid_t killed = 0;
+  return std::ifstream(killed_path(folder, node)) >> killed && killed == daemon;
 }
 
 }  // namespace limb_ring::live

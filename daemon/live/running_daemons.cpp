@@ -103,6 +103,8 @@ void RunningDaemons::signal(wire::NodeId id, int number) const {
 void RunningDaemons::kill(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::kill, id)) return;
   const pid_t pid = holder(id).pid;
+  const std::string problem = write_killed(folder_, id, pid);
+  if (!problem.empty()) throw NotDone("node " + node(id).name + ": " + problem);
   signal(id, SIGKILL);
   // A supervisor of the process may have started the next daemon, which then holds the lock.
   const auto gone = [&] { return process::is_gone(pid) || holder(id).pid != pid; };

@@ -48,7 +48,8 @@ TEST_F(RingFolder, ADaemonThatStartsGetsItsNodeWhileOthersAskWhoHoldsIt) {
 }
 
 TEST_F(RingFolder, LeftoversGoWithTheirFolder) {
-  for (const char* name : {"3.boot", "3.lock", "3.host", "3.link", "3.log"}) std::ofstream(ring + "/" + name);
+  for (const char* name : {"3.boot", "3.lock", "3.host", "3.killed", "3.link", "3.log"})
+    std::ofstream(ring + "/" + name);
   std::filesystem::create_symlink("3.host", ring + "/left_knee.host");
   remove_leftovers(ring);
   EXPECT_FALSE(std::filesystem::exists(ring));
@@ -82,6 +83,16 @@ TEST_F(RingFolder, ANodeThatIsFrozenWasNotKilled) {
 TEST_F(RingFolder, AFileThatIsNoNoteIsIgnored) {
   std::ofstream(ring + "/3.fault") << "nonsense\n";
   EXPECT_FALSE(note_of(ring, 3_id));
+}
+
+TEST_F(RingFolder, WhoWasKilledOnPurposeIsKnownAlsoWhenTheNextDaemonRuns) {
+  EXPECT_FALSE(was_killed(ring, 3_id, 4711));
+  EXPECT_EQ(write_killed(ring, 3_id, 4711), "");
+  write_note(ring, 3_id, "kill left_knee");
+  remove_note(ring, 3_id);  // 'fault start'
+  EXPECT_TRUE(was_killed(ring, 3_id, 4711));
+  EXPECT_FALSE(was_killed(ring, 3_id, 4712));
+  EXPECT_FALSE(was_killed(ring, 4_id, 4711));
 }
 
 /// @return why `act` could not be done

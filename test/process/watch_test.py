@@ -2,17 +2,23 @@
 
 import glob
 import json
+import mmap
 import os
 import re
 import signal
+import struct
 import subprocess
+import zlib
 
 import ring_process
 from ring_process import GUARD, RingTest, plain_nodes, program
 from limb_ring import Result
 
 
-class Watching(RingTest):
+TAKEN = 2   # Observation::Kind
+
+
+class WatchingTest(RingTest):
     def watch(self, *arguments):
         return self.start('watch', [program('ringctl'), 'watch', *arguments])
 
@@ -31,6 +37,8 @@ class Watching(RingTest):
         self.assertEqual(self.wait_exit(watch), 0, self.log_of(watch))
         return self.log_of(watch)
 
+
+class Watching(WatchingTest):
     def test_finds_nothing_while_nodes_die_and_come_back(self):
         daemons = self.start_ring(plain_nodes(4))
         watch = self.watch()
@@ -71,7 +79,7 @@ class Watching(RingTest):
         self.assertIn('promises: all kept; 50 sends', done.stdout)
 
 
-class SavedByThemselves(RingTest):
+class SavedByThemselves(WatchingTest):
     def up(self, when, **more):
         self.saves = os.path.join(self.folder, 'saves')
         config = self.write_ring(plain_nodes(3), recorder=dict(
@@ -83,18 +91,29 @@ class SavedByThemselves(RingTest):
         self.wait('it is kept', lambda: os.path.exists(log) and 'when something goes wrong' in self.read(log))
         return log
 
-    def keeper_waits(self):
-        """How often the keeper of recordings has slept: once after each look."""
-        for status in glob.glob('/proc/[0-9]*/status'):
+    def keeper(self):
+        """The pid of the keeper of recordings."""
+        for command in glob.glob('/proc/[0-9]*/cmdline'):
             try:
-                with open(os.path.join(os.path.dirname(status), 'cmdline')) as file:
-                    words = file.read().split('\0')
-                if 'keep' in words and self.ring in words:
-                    with open(status) as file:
-                        return int(re.search(r'^voluntary_ctxt_switches:\s*(\d+)', file.read(), re.M).group(1))
+                words = self.read(command).split('\0')
             except OSError:
-                pass   # it has ended
+                continue   # it has ended
+            if 'keep' in words and self.ring in words:
+                return int(command.split('/')[2])
         self.fail('no keeper is there')
+
+    def stop_keeper(self):
+        keeper = self.keeper()
+        os.kill(keeper, signal.SIGSTOP)
+        self.wait('it stands still', lambda: 'State:\tT' in self.read('/proc/%d/status' % keeper))
+        return keeper
+
+    def let_look(self, keeper):
+        """It sleeps once after each look."""
+        def sleeps():
+            return int(re.search(r'^voluntary_ctxt_switches:\s*(\d+)', self.read('/proc/%d/status' % keeper), re.M).group(1))
+        before = sleeps()
+        self.wait('the keeper looks some times', lambda: sleeps() > before + 5)
 
     def saved(self):
         return sorted(os.listdir(self.saves)) if os.path.isdir(self.saves) else []
@@ -110,17 +129,42 @@ class SavedByThemselves(RingTest):
 
     def test_when_a_daemon_crashes_but_not_when_one_is_ended(self):
         log = self.up(['crash'])
-        self.wait('a node is seen to be killed on purpose', lambda: self.ctl(
-            'fault', 'kill', 'node2').returncode == 0)
-        looked = self.keeper_waits() + 3
-        self.wait('the keeper has seen that', lambda: self.keeper_waits() >= looked)
-        self.wait('and back', lambda: self.ctl('fault', 'start', 'node2').returncode == 0 and self.is_closed(range(3)))
+        keeper = self.stop_keeper()   # so that it looks only when node 2 is back
+        for fault in 'kill', 'start':
+            done = self.ctl('fault', fault, 'node2')
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        os.kill(keeper, signal.SIGCONT)
+        self.let_look(keeper)
+        self.wait('the ring is closed', lambda: self.is_closed(range(3)))
         os.kill(self.row(1)['pid'], signal.SIGKILL)
         self.wait('saved', lambda: 'recordings are saved in' in self.read(log))
         saved, = self.saved()
         self.assertRegex(saved, '^%s-.*-crash$' % self.ring)
         self.assertIn('node 1 (node1) has crashed', self.read(log))
         self.assertIn('1.record', os.listdir(os.path.join(self.saves, saved)))
+        self.replay(os.path.join(self.saves, saved))
+
+    def falsify_what_was_taken(self, node, data):
+        """In what the node lets see, its CPU gets other data (promises/observation.h)."""
+        with open(os.path.join(self.ring_folder(), '%d.watch' % node), 'r+b') as file:
+            seen = mmap.mmap(file.fileno(), 0)
+            at = seen.find(struct.pack('<I', zlib.crc32(data)))
+            self.assertEqual(seen[at + 14], TAKEN)
+            seen[at] ^= 1
+            seen.close()
+
+    def test_when_a_promise_is_broken(self):
+        log = self.up(['promise'])
+        self.wait('it is watched', lambda: all(self.is_watched(node) for node in range(3)))
+        self.let_look(self.keeper())   # at all of them, before it judges what they send
+        keeper = self.stop_keeper()
+        self.send(0, 2, count=1)
+        self.falsify_what_was_taken(2, b'watched 0')
+        os.kill(keeper, signal.SIGCONT)
+        self.wait('saved', lambda: 'recordings are saved in' in self.read(log))
+        saved, = self.saved()
+        self.assertRegex(saved, '-promise$')
+        self.assertIn('promise broken: ', self.read(log))
         self.replay(os.path.join(self.saves, saved))
 
     def test_when_a_break_is_located(self):

@@ -68,13 +68,14 @@ void RecordingKeeper::poll() {
   if (!wanted_.empty() && Clock::now() >= due_) save();
 }
 
-// One that ends cleanly takes its door away; what was killed on purpose has a note.
+// One that ends cleanly takes its door away; who was killed on purpose is noted. A node that is killed on a virtual
+// ring leaves the process alive.
 void RecordingKeeper::look_for_crash(Node& node) {
   const live::Holder holder = live::holder_of(folder_, node.name.id);
-  const pid_t before = std::exchange(node.pid, holder.held ? holder.pid : -1);
+  const pid_t before = std::exchange(node.pid, holder.held || holder.on_virtual_ring ? holder.pid : -1);
   if (before <= 0 || holder.pid < 0 || node.pid == before) return;
   const bool left_its_door = node.pid > 0 || fs::exists(folder_ + '/' + std::to_string(node.name.id) + ".host");
-  if (left_its_door && !live::is_killed(folder_, wire::NodeId{node.name.id}))
+  if (left_its_door && !live::was_killed(folder_, wire::NodeId{node.name.id}, before))
     want("crash", "node " + label(node.name) + " has crashed");
 }
 
