@@ -38,7 +38,7 @@ demo: deps $(BUILD)/CMakeCache.txt ## Builds what it needs; a humanoid walks, ha
 	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/demo $(if $(DURATION),--duration $(DURATION))
 
 virtual-demo: deps $(BUILD)/CMakeCache.txt ## The same on a virtual clock, twice the same, beside its bound (DURATION=20)
-	$(BUILD_TARGET) demo_programs
+	$(BUILD_TARGET) virtual_demo_programs
 	. $(BUILD)/devel/setup.bash && $(PYTHON) scripts/virtual_demo $(if $(DURATION),--duration $(DURATION))
 
 demo-hosts: deps $(BUILD)/CMakeCache.txt ## A ring on four hosts (network namespaces; needs root): cable pulled, host killed

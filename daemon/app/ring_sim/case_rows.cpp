@@ -11,7 +11,7 @@ namespace {
 constexpr double kPercent = 100;
 
 /// A share in percent, to 6 decimals: more is but rounding of the division.
-double percent(double share) {
+double exact_percent(double share) {
   return static_cast<double>(static_cast<std::int64_t>(share * kPercent * 1e6 + 0.5)) / 1e6;
 }
 
@@ -29,8 +29,8 @@ app::Row case_row(study::Case which, const study::Medium& medium, const study::C
   row["formula_us"] = time ? app::Row(microseconds(result.formula)) : app::Row();
   row["measured_us"] = time ? app::Row(microseconds(worst)) : app::Row();
   row["difference_us"] = time ? app::Row(microseconds(worst - result.formula)) : app::Row();
-  row["formula_percent"] = time ? app::Row() : app::Row(percent(result.formula_share));
-  row["measured_percent"] = time ? app::Row() : app::Row(percent(result.measured_share));
+  row["formula_percent"] = time ? app::Row() : app::Row(exact_percent(result.formula_share));
+  row["measured_percent"] = time ? app::Row() : app::Row(exact_percent(result.measured_share));
   return row;
 }
 
@@ -41,7 +41,7 @@ app::Row run_row(study::Case which, const study::Medium& medium, const study::Ca
   row["mean_us"] = microseconds(result.measured.mean());
   row["p99_us"] = microseconds(result.measured.quantile(0.99));
   row["max_us"] = microseconds(result.measured.max());
-  row["occupancy_percent"] = percent(result.occupancy);
+  row["occupancy_percent"] = exact_percent(result.occupancy);
   row["seed"] = seed;
   row["trace_hash"] = sim::hash_text(result.trace_hash);
   return row;

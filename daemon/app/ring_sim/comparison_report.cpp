@@ -15,10 +15,10 @@ using study::Subject;
 
 namespace {
 
-double megabits(std::uint64_t rate) { return static_cast<double>(rate) / 1e6; }
+double in_mbit_s(std::uint64_t rate) { return static_cast<double>(rate) / 1e6; }
 
 Row row_of(const Subject& subject) {
-  return {{"method", subject.method}, {"own_rate", subject.own_rate}, {"rate_mbit_s", megabits(subject.rate)}};
+  return {{"method", subject.method}, {"own_rate", subject.own_rate}, {"rate_mbit_s", in_mbit_s(subject.rate)}};
 }
 
 void put(Row& row, const std::string& name, const Spread& spread) {
@@ -68,7 +68,7 @@ std::vector<Row> rows_of(const Points& points) {
 Row medium_of(const ComparisonOptions& options) {
   return {{"nodes", options.medium.nodes},
           {"payload_bytes", options.medium.payload},
-          {"rate_mbit_s", megabits(options.medium.rate)},
+          {"rate_mbit_s", in_mbit_s(options.medium.rate)},
           {"relay_delay_us", microseconds(options.medium.relay_delay)},
           {"random_load", study::kRandomLoad},
           {"seed", options.seed}};

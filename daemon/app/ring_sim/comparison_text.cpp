@@ -19,20 +19,20 @@ using study::Subject;
 namespace {
 
 using Cells = std::vector<std::string>;
-using Table = std::vector<Cells>;
+using TextTable = std::vector<Cells>;
 
 /// Enough digits for any two methods to differ, in as few columns.
 std::string us(study::Duration duration) {
   const double value = study::microseconds(duration);
   return number(value, value < 1000 ? 2 : 1);
 }
-std::string percent(double share) { return number(100 * share, 1); }
+std::string percent_text(double share) { return number(100 * share, 1); }
 
 void put(Cells& row, const Spread& spread) { row.insert(row.end(), {us(spread.worst), us(spread.mean)}); }
 
-Table table_of(const Comparison& comparison, bool own_rate, const Cells& heading,
-               const std::function<void(Cells&, const Figures&)>& fill) {
-  Table table{heading};
+TextTable table_of(const Comparison& comparison, bool own_rate, const Cells& heading,
+                   const std::function<void(Cells&, const Figures&)>& fill) {
+  TextTable table{heading};
   for (const study::MethodRow& method : comparison.methods) {
     if (method.subject.own_rate != own_rate) continue;
     table.push_back({method.subject.method, megabits(method.subject.rate)});
@@ -58,7 +58,7 @@ std::string full_load(const Comparison& comparison, bool own_rate) {
   const Cells heading{"", "Mbit/s", "interrupt, us", "mean, us", "join, us", "efficiency, %"};
   return app::text_table(table_of(comparison, own_rate, heading, [](Cells& row, const Figures& figures) {
     put(row, figures.interrupt);
-    row.insert(row.end(), {us(figures.join), percent(figures.efficiency)});
+    row.insert(row.end(), {us(figures.join), percent_text(figures.efficiency)});
   }));
 }
 
@@ -66,7 +66,7 @@ std::string full_load(const Comparison& comparison, bool own_rate) {
 template <class Points>
 std::string series(const Points& points, bool own_rate, Cells heading,
                    const std::function<std::string(const typename Points::value_type&)>& cell) {
-  Table table{std::move(heading)};
+  TextTable table{std::move(heading)};
   for (const auto& point : points) {
     if (point.subject.own_rate != own_rate) continue;
     if (table.size() == 1 || table.back().front() != point.subject.method)
@@ -78,9 +78,9 @@ std::string series(const Points& points, bool own_rate, Cells heading,
 
 std::string against_load(const Comparison& comparison, const ComparisonOptions& options, bool own_rate) {
   Cells heading{"", "Mbit/s"};
-  for (const double load : options.loads) heading.push_back(percent(load));
+  for (const double load : options.loads) heading.push_back(percent_text(load));
   return series(comparison.against_load, own_rate, heading,
-                [](const study::LoadPoint& point) { return percent(point.delivered); });
+                [](const study::LoadPoint& point) { return percent_text(point.delivered); });
 }
 
 std::string against_nodes(const Comparison& comparison, const ComparisonOptions& options, bool own_rate) {
@@ -96,7 +96,7 @@ std::string group(const Comparison& comparison, const ComparisonOptions& options
   text +=
       "\nLatency of a message, us, worst seen and mean: alone; all nodes at once, to the node opposite and\n"
       "to random ones; random load of " +
-      percent(study::kRandomLoad) + " % of R ('-': saturated)\n";
+      percent_text(study::kRandomLoad) + " % of R ('-': saturated)\n";
   text += latencies(comparison, own_rate);
   text +=
       "\nUnder full load: latency of an interrupt-like message, worst seen and mean; time until a new node\n"
