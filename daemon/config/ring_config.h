@@ -120,8 +120,8 @@ struct Timeouts {
   milliseconds refused_backoff{64};   ///< ceiling of the doubling wait between those tries
   milliseconds queue{5000};           ///< a send that could not go onto the line by then ends
   milliseconds stall{50};             ///< a packet in flight without a slice for so long is aborted
-  milliseconds idle{20};              ///< a quiet link sends idle so often
-  milliseconds silence{60};           ///< a link silent for so long counts as broken
+  milliseconds idle{50};              ///< a quiet link sends idle so often
+  milliseconds silence{250};          ///< a link silent for so long counts as broken
   milliseconds first_successor{200};  ///< at start: only the configured successor is asked for so long
   milliseconds break_grace{200};      ///< an input lost for so long: a broken line
   milliseconds fold_permission{200};  ///< so long after its start a node may fold, whatever it has heard

@@ -33,8 +33,8 @@ std::string to_string(const Endpoint& endpoint);
 
 /// The times both ends of a link live by. (ours, protocol.md section 7.4)
 struct Timing {
-  milliseconds idle{20};              ///< a quiet end says so this often; also the grain of all else here
-  milliseconds silence{60};           ///< an end silent for so long counts as gone
+  milliseconds idle{50};              ///< a quiet end says so this often; also the grain of all else here
+  milliseconds silence{250};          ///< an end silent for so long counts as gone
   milliseconds first_successor{200};  ///< at start: only the configured successor is asked for so long
   milliseconds attempt{1000};         ///< an attempt to connect that is not answered by then is given up
   milliseconds retry{20};             ///< a node that was not there, or busy, is asked again; see candidate_retry()

@@ -56,10 +56,10 @@ TEST(ExpectedOfALine, IsKeptApartFromWhatIsEmulated) {
 }
 
 TEST(ExpectedOfALine, HasToFitIntoTheSilence) {
-  const std::string error = problem(ring("expected: {delay: 20ms}"));
-  EXPECT_THAT(error, HasSubstr("takes 20ms one way, and timeouts.silence is only 60ms"));
-  EXPECT_THAT(error, HasSubstr("at least 80ms"));
-  EXPECT_EQ(problem(ring("expected: {delay: 20ms}", "timeouts: {silence: 80ms}\n")), "");
+  const std::string error = problem(ring("expected: {delay: 100ms}"));
+  EXPECT_THAT(error, HasSubstr("takes 100ms one way, and timeouts.silence is only 250ms"));
+  EXPECT_THAT(error, HasSubstr("at least 300ms"));
+  EXPECT_EQ(problem(ring("expected: {delay: 100ms}", "timeouts: {silence: 300ms}\n")), "");
 }
 
 }  // namespace

@@ -125,12 +125,12 @@ TEST(WrongEntry, RingNameMissingOrUnfit) {
 }
 
 TEST(WrongEntry, IdleThatIsNoSignOfLife) {
-  EXPECT_THAT(refusal_of(two_nodes("timeouts: {idle: 40ms}\n")),
-              AllOf(StartsWith("ring.yaml:6:18: entry 'timeouts.idle': idle 40ms is too long for "
-                               "silence 60ms"),
+  EXPECT_THAT(refusal_of(two_nodes("timeouts: {idle: 140ms}\n")),
+              AllOf(StartsWith("ring.yaml:6:18: entry 'timeouts.idle': idle 140ms is too long for "
+                               "silence 250ms"),
                     HasSubstr("at most half of silence")));
   EXPECT_THAT(refusal_of(two_nodes("timeouts: {silence: 15ms}\n")),
-              HasSubstr("'timeouts.silence': idle 20ms is too long for silence 15ms"));
+              HasSubstr("'timeouts.silence': idle 50ms is too long for silence 15ms"));
 }
 
 TEST(WrongEntry, LongOrUnprintableValuesAreShownInOneShortLine) {

@@ -50,7 +50,10 @@ class LinkRig {
   using Transport = Endpoint::Transport;
   static constexpr std::uint64_t kRing = 42;
 
-  LinkRig(std::size_t nodes, Transport transport, Timing timing = {}) : timing_(timing) {
+  /// Quicker than by default: silence is waited for.
+  static constexpr Timing kQuick{std::chrono::milliseconds(20), std::chrono::milliseconds(60)};
+
+  LinkRig(std::size_t nodes, Transport transport, Timing timing = kQuick) : timing_(timing) {
     for (std::size_t i = 0; i < nodes; ++i) {
       nodes_.push_back(std::make_unique<RigNode>());
       order_.push_back(static_cast<std::uint8_t>(i));

@@ -9,7 +9,7 @@ using std::chrono::seconds;
 
 struct SilenceAt20And60 : testing::Test {
   Time now{seconds(100)};
-  Silence silence{Timing{}};
+  Silence silence{Timing{milliseconds(20), milliseconds(60)}};
   SilenceAt20And60() { silence.restart(now); }
   bool tick(milliseconds after) { return silence.tick(now += after); }
 };

@@ -12,7 +12,7 @@ using testing::IsEmpty;
 /// We and three others: candidates 0, 1, 2, and 3 for ourselves.
 struct SuccessorOfFour : testing::Test {
   Time now{seconds(100)};
-  Successor successor{4, Timing{}, now};
+  Successor successor{4, Timing{milliseconds(20), milliseconds(60)}, now};
 
   std::vector<std::size_t> tried() {
     std::vector<std::size_t> all;

@@ -12,7 +12,7 @@ from limb_ring import Packet, Result
 
 RECEIVER, SENDERS, NODES = 2, (0, 4), 5
 OUTSTANDING = 16
-SHIPPED = {'silence': '60ms', 'stall': '50ms', 'send': '100ms'}  # as a ring has them by default
+SHIPPED = {'silence': '250ms', 'stall': '50ms', 'send': '100ms'}  # as a ring has them by default
 MAY_HAVE_ARRIVED = {'lost', 'unconfirmed', 'cancelled'}
 NEVER_ARRIVED = {'no such node', 'refused', 'rejected'}
 

@@ -15,7 +15,7 @@ LinkHeader = collections.namedtuple('LinkHeader', 'magic version type ring sessi
 LINK_HEADER = struct.Struct('>HBBQQIBB')
 
 
-TIMEOUTS = {'send': 100, 'stall': 50, 'idle': 20, 'silence': 60, 'first_successor': 200, 'break_grace': 200,
+TIMEOUTS = {'send': 100, 'stall': 50, 'idle': 50, 'silence': 250, 'first_successor': 200, 'break_grace': 200,
             'fold_permission': 200, 'beacon': 100}  # protocol.md section 7.4
 PARTS = 7
 AGREEMENT = struct.Struct('>%dQ' % PARTS)

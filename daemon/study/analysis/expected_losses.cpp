@@ -28,7 +28,9 @@ std::string percent_text(double share) { return number_text(100 * share, " %"); 
 
 /// Of almost 1: by how much it falls short says more.
 std::string all_but(double share) {
-  return share == 1 ? "always" : "all but " + number_text(1e6 * (1 - share), " in a million");
+  if (share == 1) return "always";
+  const double missing = 1 - share;
+  return "all but " + (missing < 1e-3 ? number_text(1e6 * missing, " in a million") : percent_text(missing));
 }
 
 std::string often(double seconds) {

@@ -36,12 +36,13 @@ TEST(ExpectedDelay, IsInTheBoundsAndInTheTimeOutOfATry) {
 
 // Three signs of life in 60 ms: all lost once in 0.05^-3 ticks and a little more.
 TEST(ShortTimeouts, AreThoseThatTakeALineForBroken) {
-  const config::Timeouts timeouts;
-  EXPECT_NEAR(seconds_to_false_silence(timeouts, 0.05), 0.02 * 8000 / 0.95, 1e-6);
   EXPECT_THAT(short_timeouts(between_hosts(0, 0ns)), IsEmpty());
   config::RingConfig ring = between_hosts(0.05, 1ms);
+  ring.timeouts.idle = 20ms;
+  ring.timeouts.silence = 60ms;
+  EXPECT_NEAR(seconds_to_false_silence(ring.timeouts, 0.05), 0.02 * 8000 / 0.95, 1e-6);
   EXPECT_THAT(short_timeouts(ring), testing::Contains(HasSubstr("would be taken for broken every 2.81 min")));
-  EXPECT_EQ(advised_silence(timeouts, 0.05), 120ms);
+  EXPECT_EQ(advised_silence(ring.timeouts, 0.05), 120ms);
   ring.timeouts.silence = 120ms;
   EXPECT_THAT(short_timeouts(ring), IsEmpty());
   EXPECT_TRUE(plan(ring, {}).carried());
@@ -50,7 +51,7 @@ TEST(ShortTimeouts, AreThoseThatTakeALineForBroken) {
 TEST(ShortTimeouts, AreThoseThatDoNotWaitForABypass) {
   config::RingConfig ring = between_hosts(0, 100ms);
   EXPECT_THAT(short_timeouts(ring), ElementsAre(HasSubstr("timeouts.break_grace 200ms is too short")));
-  ring.timeouts.break_grace = 270ms;
+  ring.timeouts.break_grace = 360ms;
   EXPECT_THAT(short_timeouts(ring), IsEmpty());
 }
 
@@ -59,6 +60,8 @@ TEST(ExpectedWords, SayWhatIsExpectedOfWhichLine) {
   const std::string words = expected_words(between_hosts(0.01, 2ms));
   EXPECT_THAT(words, HasSubstr("2ms one way, 1 % lost"));
   EXPECT_THAT(words, HasSubstr("98 %"));
+  EXPECT_THAT(words, HasSubstr("within four tries all but 0.157 in a million"));
+  EXPECT_THAT(expected_words(between_hosts(0.1, 2ms)), HasSubstr("within four tries all but 0.13 %"));
 }
 
 }  // namespace
