@@ -15,16 +15,16 @@
 #include "core/time.h"
 #include "wire/slice.h"
 
-/// The state of a network controller as bytes, so that another one can go on from it. Every class says in one place,
-/// its archive(), of which members it consists, with their names:
+/// Turns the state of a network controller into bytes, so that another controller can go on from them. Each class lists
+/// its members, with their names, in one place, its archive():
 ///
 ///     template <class Archive>
 ///     void archive(Archive& a) {
 ///       a("open", open_)("hop", hop_);
 ///     }
 ///
-/// The same function writes, reads and describes. A member that is forgotten there is found by a test that goes on from
-/// copies of random states. (ours)
+/// The same function writes, reads and describes the state. A test that goes on from copies of random states finds a
+/// member that is missing there. (ours)
 namespace limb_ring::core {
 
 namespace archived {
@@ -37,9 +37,9 @@ template <class T>
 constexpr bool is_plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, Int128>;
 }  // namespace archived
 
-/// What all archives do with containers: their count, then their elements. `Derived` knows plain(), bytes(), view() and
-/// count(), and is told where it is by enter(), element() and leave(); it may have an instant() or elements() of its
-/// own.
+/// The base of all archives. It handles containers: first the count, then the elements. `Derived` provides plain(),
+/// bytes(), view() and count(); enter(), element() and leave() tell it where in the state it is. It may provide its own
+/// instant() or elements().
 template <class Derived>
 class Archive {
  public:
@@ -67,7 +67,7 @@ class Archive {
     self().plain(count);
     time = Time{Duration{count}};
   }
-  /// So many of the elements are looked at.
+  /// @return how many of a container's `count` elements are archived
   template <class T>
   std::size_t elements(std::size_t count) {
     return count;
@@ -167,7 +167,7 @@ class Archive {
   }
 };
 
-/// Writes into room that is given; changes nothing of what it writes.
+/// Writes a state into a buffer of the caller's. The state does not change.
 class StateWriter : public Archive<StateWriter> {
  public:
   StateWriter(std::uint8_t* room, std::size_t size) : first_(room), next_(room), end_(room + size) {}
@@ -204,11 +204,11 @@ class StateWriter : public Archive<StateWriter> {
   bool failed_ = false;
 };
 
-/// Reads what a StateWriter has written. Of other bytes it makes some state, and says so.
+/// Reads what a StateWriter has written. Other bytes give an arbitrary state; see complete().
 class StateReader : public Archive<StateReader> {
  public:
   explicit StateReader(wire::ByteView bytes) : rest_(bytes) {}
-  /// All was there, and nothing is left.
+  /// True if no byte was missing, and none is left.
   bool complete() const { return !failed_ && rest_.empty(); }
   bool failed() const { return failed_; }
   wire::ByteView rest() const { return rest_; }
@@ -254,8 +254,8 @@ class StateReader : public Archive<StateReader> {
   bool failed_ = false;
 };
 
-/// A number that differs where the members of a state, their names, sizes or order do: of the program, not of one
-/// state.
+/// A hash of the layout of a state: it differs if the members, their names, sizes or order differ. It depends on the
+/// program, not on the values of one state.
 class StateLayout : public Archive<StateLayout> {
  public:
   std::uint64_t value() const { return value_; }
@@ -273,7 +273,7 @@ class StateLayout : public Archive<StateLayout> {
   }
   void bytes(const void*, std::size_t) { mix(0xB5); }
   void view(const wire::ByteView&) { mix(0xB6); }
-  /// One of each, so that what a container holds is looked at as well.
+  /// One element of each container, so that the layout of its elements counts, too.
   std::size_t count(std::size_t) { return 1; }
   void mix(std::uint8_t byte) { value_ = (value_ ^ byte) * 0x100000001B3u; }  // FNV-1a
 

@@ -71,10 +71,10 @@ void Blocks::handle_timeout(Time now) {
 
 void Blocks::run(Time now) {
   act(true, now);
-  act(false, now);  // a send into an open chain ends as it goes, and the number it takes may be the last
+  act(false, now);  // a send into an open chain ends as it leaves, and may use up the sequence numbers
 }
 
-// What has ended decides what may go.
+// Ends first: a send that has ended decides what may go onto the line.
 void Blocks::act(bool goes_on, Time now) {
   membership_.settle(now);
   if (goes_on) packet_manager_.run(now);

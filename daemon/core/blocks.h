@@ -5,8 +5,8 @@
 namespace limb_ring::core {
 
 /// The blocks of a network controller, wired: Relay, Transmit, Packet Manager, Receive (paper), pins and interrupt
-/// inputs (paper), membership (ours), between one line in and one line out. Which lines of the node these are is for
-/// the fold to say (network_controller.h, which is what everybody else uses).
+/// inputs (paper), membership (ours), between one line in and one line out. The fold decides which lines of the node
+/// these are; everybody else uses network_controller.h.
 class Blocks {
  public:
   explicit Blocks(const Settings& settings);
@@ -16,7 +16,7 @@ class Blocks {
 
   /// @name The lines
   ///@{
-  /// @param folded it is the second line that stands for it
+  /// @param folded true: the second line stands for the input, or the output
   void input_up(NodeId from, Time now, bool folded = false);
   void input_lost(Time now);
   /// Something was lost on the input: a DATP that is coming in will never be whole.
@@ -26,12 +26,12 @@ class Blocks {
   /// The output goes on over another line to the same node: what waited for the old one is dropped. (ours,
   /// protocol.md section 2.6)
   void output_replaced(Time now);
-  /// Who is next on the first line, also while the second stands for it; nodes between this one and
+  /// The neighbours on the first line, also while the second line stands for it. Nodes between this one and
   /// `successor` are bypassed. (ours, protocol.md section 8.9)
   void set_neighbours(NodeId before, NodeId next, NodeId successor);
-  /// The second line stands for the input, for the output: beacons say so. (ours, protocol.md section 8.12)
+  /// Whether the second line stands for input and output; beacons tell it. (ours, protocol.md section 8.12)
   void set_folded(bool input, bool output, Time now) { membership_.set_folded(input, output, now); }
-  /// The second line stands for the input, and what comes was turned back at `node`. (ours, protocol.md section 4.9)
+  /// What comes in was turned back at `node`; nothing: the input is the first line. (ours, protocol.md section 4.9)
   void set_turned_back_at(std::optional<NodeId> node) { relay_.set_turned_back_at(node); }
   /// line() holds something.
   bool has_given_out() const { return !line_.empty(); }
@@ -91,7 +91,7 @@ class Blocks {
   std::size_t received_waiting(wire::Priority priority) const { return receive_.waiting(priority); }
   const InsertionBuffer& insertion_buffer() const { return packet_manager_.insertion_buffer(); }
 
-  /// archive.h. @pre a reader's is of the same settings, and nothing has been told to it
+  /// See archive.h. @pre to read: made with the same settings, and without any input so far
   template <class Archive>
   void archive(Archive& a) {
     a("counters", counters_)("events", events_)("line", line_)("transmit", transmit_)("memory", memory_);
@@ -99,7 +99,7 @@ class Blocks {
   }
 
  private:
-  /// After every input: what it has changed, and where `goes_on`, what may go onto the line.
+  /// After every input: settles what it has changed; if `goes_on`, also puts onto the line what may go now.
   void act(bool goes_on, Time now);
 
   const Settings settings_;

@@ -76,7 +76,7 @@ struct Counters {
   }
 };
 
-/// Counts it. @return `result`, so that a rule and its counter stand in one line
+/// Adds 1 to the counter. @return `result`, so that a rule and its counter stand in one line
 template <class Result>
 Result counted(std::uint64_t& counter, Result result) {
   ++counter;

@@ -12,7 +12,7 @@ namespace limb_ring::core {
 
 using wire::NodeId;
 
-/// Who asked for a send; what a reset or a lost connection cancels. 0 is the NC itself.
+/// Who asked for a send. A reset or a lost connection cancels the sends of one owner. 0 is the NC itself.
 using Owner = std::uint32_t;
 constexpr Owner kController = 0;
 
@@ -97,8 +97,8 @@ struct Event {
   }
 };
 
-/// Events in the order of their time. On a paced line the tail of a packet that has been decided
-/// is still coming in, so an event can lie a few byte times ahead: it is given out when due.
+/// Events in the order of their time. On a line with a data rate a packet is judged while its last bytes still come
+/// in, so an event can lie a few byte times ahead: it is given out when due.
 class EventQueue {
  public:
   template <class What>

@@ -136,7 +136,7 @@ using Input = std::variant<input::InputUp, input::InputLost, input::InputGap, in
 class Journal {
  public:
   virtual ~Journal() = default;
-  /// It is done next.
+  /// `input` is the next call.
   /// @param now kNever for set_output_ready() and set_cpu_present(), which are not told the time
   virtual void goes_in(const Input& input, Time now) = 0;
   /// Framed slices of that line, which are about to be written.

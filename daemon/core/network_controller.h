@@ -24,11 +24,11 @@ namespace limb_ring::core {
 /// A ring without a second line never uses Line::second: what is said of it then has no effect. (ours)
 class NetworkController : private Blocks {
  public:
-  /// Sees each packet once, on whichever line it comes and goes; what only passes back on the second is not shown.
+  /// Sees each packet once, on whichever line it comes and goes, but not what the node only repeats on the second.
   class Tap {
    public:
     virtual ~Tap() = default;
-    /// A slice is about to reach the blocks; they have taken it.
+    /// Before the blocks take a slice, and after they have taken it.
     virtual void arrives(const wire::Slice&, Line, Time) {}
     virtual void has_arrived(const wire::Slice&, Line, Time) {}
     /// What the blocks have given out, framed.
@@ -48,7 +48,7 @@ class NetworkController : private Blocks {
   /// @pre it was down
   void output_up(Line line, NodeId to, Time now);
   void output_lost(Line line, Time now);
-  /// The line takes more, or no more for now; it takes more once it is up.
+  /// Whether the line takes more for now. It does when it comes up.
   void set_output_ready(Line line, bool ready);
   /// One slice that came in on that line.
   void receive(Line line, const wire::Slice& slice, Time now);
@@ -58,7 +58,7 @@ class NetworkController : private Blocks {
     if (journal_ != nullptr && !framed.empty()) journal_->goes_out(line, framed.view());
     return framed;
   }
-  /// The line that stands for the input, for the output: the second one at a fold.
+  /// The line that the node hears now, and the one that it sends on: at a fold the second.
   Line input_line() const { return fold_ && fold_->takes_second() ? Line::second : Line::first; }
   Line output_line() const { return fold_ && fold_->turned_back() ? Line::second : Line::first; }
   Lines lines() const { return Lines(fold_.has_value()); }
@@ -91,9 +91,9 @@ class NetworkController : private Blocks {
   bool take_event(Time now, Event& out);
   ///@}
 
-  /// From now on `tap`, which may be null, sees the packets; it must outlive that.
+  /// From now on `tap` sees the packets; null: nobody does. It must live as long as it is set.
   void set_tap(Tap* tap) { tap_ = tap; }
-  /// From now on `journal`, which may be null, sees what goes in and out; it must outlive that.
+  /// From now on `journal` sees what goes in and out; null: nobody does. It must live as long as it is set.
   void set_journal(Journal* journal) { journal_ = journal; }
 
   using Blocks::counters;
@@ -102,8 +102,8 @@ class NetworkController : private Blocks {
   using Blocks::received_waiting;
   using Blocks::settings;
 
-  /// Its state, all but tap and journal. (archive.h) @pre a reader's is of the same settings, and nothing has been told
-  /// to it
+  /// Its state, all but tap and journal. (archive.h) @pre to read: made with the same settings, and without any input
+  /// so far
   template <class Archive>
   void archive(Archive& a) {
     Blocks::archive(a);

@@ -10,7 +10,7 @@ namespace limb_ring::core {
 /// All configured nodes, by id, as the ring passes them.
 using RingOrder = std::vector<wire::NodeId>;
 
-/// From 0; the size of the order where the node is not in it.
+/// Index of the node in the order, from 0; order.size() if it is not in it.
 inline std::size_t place_of(const RingOrder& order, wire::NodeId node) {
   return static_cast<std::size_t>(std::find(order.begin(), order.end(), node) - order.begin());
 }
@@ -19,7 +19,7 @@ inline bool is_in(const RingOrder& order, wire::NodeId node) { return place_of(o
 inline std::size_t distance(const RingOrder& order, wire::NodeId from, wire::NodeId to) {
   return (place_of(order, to) + order.size() - place_of(order, from)) % order.size();
 }
-/// The node that so many lines lead to. @pre `node` is in it
+/// The node that is `lines` lines behind `node` in ring order. @pre `node` is in it
 inline wire::NodeId node_after(const RingOrder& order, wire::NodeId node, std::size_t lines) {
   return order[(place_of(order, node) + lines) % order.size()];
 }

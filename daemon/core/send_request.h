@@ -34,7 +34,7 @@ struct InterruptRequest {
   }
 };
 
-/// What is known of its end when it is asked for. Its outcome is `rejected` until it has another.
+/// The SendEnded of a request, as far as it is known at the start. Its outcome is `rejected` until it gets another.
 inline SendEnded end_of(const SendRequest& request) {
   SendEnded end;
   end.owner = request.owner;

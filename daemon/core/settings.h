@@ -36,7 +36,7 @@ struct Settings {
 
   /// Worst lap of the whole ring where its lines differ; 0: nodes() times the own line's T + d.
   Duration lap{0};
-  /// d of all nodes together where they differ; 0: nodes() times the own.
+  /// Sum of the d of all nodes, if they differ; 0: nodes() times the own relay_delay.
   Duration all_delays{0};
 
   unsigned insertion_buffer = 8;   ///< DATPs of the largest size, at least 2
@@ -52,10 +52,10 @@ struct Settings {
   Duration stall = std::chrono::milliseconds(50);
   Duration beacon = std::chrono::milliseconds(100);            ///< 0: no beacons
   Duration break_grace = std::chrono::milliseconds(200);       ///< input lost so long: a broken line
-  Duration fold_permission = std::chrono::milliseconds(200);   ///< so long after its start a node may fold at any rate
-  Duration unconfirmed_pace = std::chrono::microseconds(100);  ///< open chain, unpaced links
+  Duration fold_permission = std::chrono::milliseconds(200);   ///< after its start; then a node may fold in any case
+  Duration unconfirmed_pace = std::chrono::microseconds(100);  ///< open chain: least time between two of a kind
 
-  /// INTPs cut into a DATP on its way out (paper); false only to show what that is worth.
+  /// Embeds INTPs into a DATP that is on its way out (paper); false only to show what that is worth.
   bool embed_interrupts = true;
 
   bool fold_back = false;  ///< there is a second, counter-rotating line (ours)
@@ -87,8 +87,8 @@ struct Settings {
     return std::max(nodes() * (byte_time_out * static_cast<int>(2 * wire::kInterruptPacketSize) + relay_delay),
                     unconfirmed_pace);
   }
-  /// Time-out of one try: two laps, and never less than send_timeout_least. Where the ring may be folded,
-  /// a lap has the second line's delays too: a packet may have left before the fold. (ours)
+  /// Time-out of one try: two laps, and never less than send_timeout_least. In a ring that folds back a lap includes
+  /// the second line's delays even while nothing is folded: a packet may leave before a fold. (ours)
   Duration send_timeout() const { return std::max(send_timeout_least, 2 * (worst_lap() + second_line_lap())); }
   Duration second_line_lap() const {
     if (!fold_back) return Duration{0};

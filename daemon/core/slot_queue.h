@@ -6,8 +6,8 @@
 
 namespace limb_ring::core {
 
-/// A queue whose slots are used again: packets are large, and a queue that allocates for each costs
-/// more than the rest of its way through a node. Whoever uses it keeps its limit.
+/// A queue that reuses its slots: packets are large, and one allocation for each would cost more than
+/// the rest of its way through a node. It grows without a limit; its user sets one.
 template <class T>
 class SlotQueue {
  public:
@@ -26,10 +26,10 @@ class SlotQueue {
   }
   void pop() {
     --count_;
-    first_ = count_ == 0 ? 0 : (first_ + 1) & (slots_.size() - 1);  // empty: the slot still in cache
+    first_ = count_ == 0 ? 0 : (first_ + 1) & (slots_.size() - 1);  // empty: reuse slot 0, still in cache
   }
   void clear() { count_ = 0; }
-  /// Takes out those from place `from` on of which which(T&) is true; the others keep their order.
+  /// Removes the elements from index `from` on for which which(T&) is true; the others keep their order.
   template <class Which>
   void erase_if(std::size_t from, Which which) {
     std::size_t kept = from;

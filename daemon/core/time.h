@@ -12,7 +12,7 @@ __extension__ typedef __int128 Int128;
 
 }  // namespace limb_ring::core
 
-/// The library knows the range of Int128 only where GNU extensions are on, and says 0 elsewhere.
+/// The standard library knows the range of Int128 only with GNU extensions; without them it says 0.
 template <>
 struct std::chrono::duration_values<limb_ring::core::Int128> {
   using Int128 = limb_ring::core::Int128;
@@ -37,7 +37,7 @@ struct RingClock {
 };
 using Time = RingClock::time_point;
 
-/// In 64 bits, for text, random draws and traces: below 0 as 0, above 106 days as 106 days.
+/// A span in picoseconds as 64 bits, for text, random draws and traces; clamped to 0 and 106 days.
 constexpr std::int64_t picoseconds(Duration span) {
   constexpr Duration most{std::numeric_limits<std::int64_t>::max()};
   return static_cast<std::int64_t>((span < Duration{0} ? Duration{0} : span < most ? span : most).count());

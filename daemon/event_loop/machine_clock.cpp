@@ -5,7 +5,7 @@
 namespace limb_ring::event_loop {
 namespace {
 
-/// What was set again or cancelled in the turn in which it ran out does not call.
+/// Does not call back if it was set again or cancelled in the turn in which it ran out.
 class MachineTimer final : public Timer {
  public:
   MachineTimer(boost::asio::io_context& io, std::function<void()> on_time)

@@ -28,7 +28,7 @@ class NodeClock {
   virtual Time now() const = 0;
   /// ns since 1970 at that instant, for stamps; or since the virtual ring's start.
   virtual std::int64_t wall_ns(Time when) = 0;
-  /// Exact while packets pass too.
+  /// A timer that is exact even while packets pass; see packet_timer.h.
   virtual std::unique_ptr<Timer> timer(std::function<void()> on_time) = 0;
 };
 

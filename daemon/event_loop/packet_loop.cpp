@@ -14,8 +14,8 @@ namespace limb_ring::event_loop {
 namespace {
 
 constexpr int kMostEvents = 32;
-/// So many times in a row something came within kColdPeriod of the last: packets pass. Fewer are not worth watching
-/// for the next: the beacons of a quiet ring come in handfuls.
+/// Packets pass once something has come so many times in a row, each within kColdPeriod of the last. Fewer are not
+/// worth run_hot(): the beacons of a quiet ring come in handfuls.
 constexpr unsigned kTraffic = 8;
 
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
@@ -90,7 +90,7 @@ void PacketLoop::at_turn_end(std::function<void()> call) {
   finish_soon();
 }
 
-// Outside of a turn there may be nobody else who comes back to it.
+// Outside of a turn nobody else may come back to what waits, so a posted call does.
 void PacketLoop::finish_soon() {
   if (in_turn_ || running_ || std::exchange(posted_, true)) return;
   boost::asio::post(io_, [this] {
@@ -133,7 +133,7 @@ void PacketLoop::call_those_again() {
   called_again_.clear();
 }
 
-// Such a call may ask for another one.
+// A call may add another one to at_turn_end_.
 void PacketLoop::end_turn() {
   for (std::size_t i = 0; i < at_turn_end_.size(); ++i) {
     const auto call = std::move(at_turn_end_[i]);
@@ -160,8 +160,8 @@ void PacketLoop::run(std::chrono::nanoseconds spin) {
   running_ = false;
 }
 
-// Each time a wait has a time-out of its own the kernel sets a timer, which on a virtual machine costs more than all
-// else; one timer that ticks meanwhile is cheap.
+// For each wait with a time-out the kernel sets a timer, which on a virtual machine costs more than all else. One timer
+// that ticks all the time is cheap.
 void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
   take_from_asio();
   set_timer(cold_timer_.get(), 0, kColdPeriod, kColdPeriod);
@@ -188,7 +188,7 @@ void PacketLoop::let_asio_wait() {
   asio_waits_ = true;
   if (!asios_.is_open()) asios_.assign(set_.get());
   asios_.async_wait(boost::asio::posix::stream_descriptor::wait_read, [this](const boost::system::error_code& error) {
-    if (error) return;  // taken back
+    if (error) return;  // cancelled by take_from_asio()
     asio_waits_ = false;
     turn(false);
     const Clock::time_point now = Clock::now();
@@ -199,7 +199,7 @@ void PacketLoop::let_asio_wait() {
   });
 }
 
-// A set that is itself in another set costs time at every packet.
+// While the set is itself in Asio's set, it costs time at every packet.
 void PacketLoop::take_from_asio() {
   if (asios_.is_open()) asios_.release();
   asio_waits_ = false;

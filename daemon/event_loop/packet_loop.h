@@ -13,30 +13,30 @@
 namespace limb_ring::event_loop {
 
 /// The part of an event loop that packets pass through, one for each io_context. Its descriptors stay in an epoll set
-/// of its own: a packet costs one system call to wait for it, and those that read and write it. Boost.Asio, which makes
-/// one more whenever it waits for a descriptor again, keeps all that is seldom: timers, connections, signals. (ours)
+/// of its own: a packet costs one system call to wait for it, and those that read and write it. Boost.Asio makes one
+/// more each time it waits for a descriptor again; it handles what is rare: timers, connections, signals. (ours)
 ///
 /// While nothing passes, Asio waits for the set as for any descriptor. While packets pass, run() waits on the set
 /// itself, and lets Asio see to its own every kColdPeriod. A program that calls io_context::run() instead gets the same
 /// calls, more slowly.
 class PacketLoop final : public boost::asio::execution_context::service {
  public:
-  /// What Asio looks after is at most so late while packets pass.
+  /// While packets pass, what Asio looks after is late by at most this.
   static constexpr std::chrono::milliseconds kColdPeriod{5};
 
   static boost::asio::execution_context::id id;
 
   /// The one of this io_context; made when it is first asked for.
   static PacketLoop& of(boost::asio::io_context& io);
-  /// For the call above. @throw std::system_error
+  /// Called by of() only. @throw std::system_error
   explicit PacketLoop(boost::asio::execution_context& io);
 
   /// Runs everything until the io_context is stopped. A core that has nothing else to do may look for packets for
   /// `spin` before it sleeps.
   void run(std::chrono::nanoseconds spin = {});
 
-  /// Calls it at the end of this turn: when all that is ready has been read. What a turn leads to is so written at
-  /// once.
+  /// Calls `call` at the end of this turn, when all that is ready has been read, so that what a turn leads to is
+  /// written together.
   void at_turn_end(std::function<void()> call);
 
  private:
@@ -53,7 +53,7 @@ class PacketLoop final : public boost::asio::execution_context::service {
   bool turn(bool may_sleep);
   void call_those_again();
   void end_turn();
-  /// What was asked for outside of a turn.
+  /// A turn that does not wait: does what was asked for outside of a turn.
   void catch_up();
   void finish_soon();
   bool has_work() const { return !again_.empty() || !at_turn_end_.empty(); }

@@ -11,7 +11,7 @@ namespace limb_ring::event_loop {
 PacketTimer::PacketTimer(boost::asio::io_context& io, std::function<void()> on_time)
     : timer_(make_timer()), watch_(io, timer_.get(), EPOLLIN, [call = std::move(on_time)](std::uint32_t) { call(); }) {}
 
-// 0 would mean never.
+// At least 1 ns: 0 would disarm the timer.
 void PacketTimer::expires_at(std::chrono::steady_clock::time_point when) {
   const std::chrono::nanoseconds at =
       std::max(std::chrono::nanoseconds(1), std::chrono::nanoseconds(when.time_since_epoch()));

@@ -15,7 +15,7 @@ class PacketTimer {
   /// @throw std::system_error
   PacketTimer(boost::asio::io_context& io, std::function<void()> on_time);
 
-  /// Calls once, then; replaces an earlier instant.
+  /// Calls back once, at `when`; replaces an earlier instant.
   void expires_at(std::chrono::steady_clock::time_point when);
   void cancel();
 

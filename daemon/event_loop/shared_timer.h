@@ -22,7 +22,7 @@ class SharedTimer {
   SharedTimer(boost::asio::io_context& io, std::chrono::milliseconds period) : io_(io), period_(period) {}
 
   void add(std::shared_ptr<Ticker::State> ticker);
-  /// Some have stopped: with the last one the timer does, too.
+  /// Removes the tickers that have stopped; without any left the timer stops, too.
   void forget_stopped();
 
  private:
@@ -35,7 +35,7 @@ class SharedTimer {
   bool ticking_ = false;
 };
 
-/// Those of an io_context, by period.
+/// The shared timers of an io_context, by period.
 class SharedTimers final : public boost::asio::execution_context::service {
  public:
   static boost::asio::execution_context::id id;

@@ -17,8 +17,8 @@ inline int make_timer() {
   return timer;
 }
 
-/// Runs out at `when`, then every `period`; 0: never, or only once. Setting it again forgets that it has run out, so
-/// one that runs out once needs not be read. @param flags TFD_TIMER_ABSTIME, or 0
+/// The timer runs out at `when` (0: never), then every `period` (0: only once). Setting it again forgets that it has
+/// run out, so one without a period need not be read. @param flags TFD_TIMER_ABSTIME, or 0
 inline void set_timer(int timer, int flags, std::chrono::nanoseconds when, std::chrono::nanoseconds period) {
   const auto spec_of = [](std::chrono::nanoseconds time) {
     constexpr std::int64_t kSecond = 1'000'000'000;
@@ -28,7 +28,7 @@ inline void set_timer(int timer, int flags, std::chrono::nanoseconds when, std::
   ::timerfd_settime(timer, flags, &spec, nullptr);
 }
 
-/// One with a period goes on only when it has been read.
+/// Reads a timer that has run out: one with a period goes on only then.
 inline void tick_again(int timer) {
   std::uint64_t times;
   [[maybe_unused]] const auto got = ::read(timer, &times, sizeof times);

@@ -5,8 +5,8 @@
 
 namespace limb_ring::event_loop {
 
-/// CLOCK_REALTIME of instants of CLOCK_MONOTONIC. How far apart the two are is measured once a
-/// second: packets of one batch keep their distances, and a clock that is set is soon followed.
+/// Converts instants of CLOCK_MONOTONIC to CLOCK_REALTIME. The difference of the two is measured once a
+/// second: packets of one batch keep their distances, and a wall clock that is set is soon followed.
 class WallClock {
  public:
   using Steady = std::chrono::steady_clock;
@@ -18,7 +18,7 @@ class WallClock {
   }
 
  private:
-  // Of three readings the one during which the process was held up least.
+  // The shortest of three readings counts: during that one the process was held up least.
   void measure(Steady::time_point when) {
     measured_ = when;
     auto shortest = Steady::duration::max();

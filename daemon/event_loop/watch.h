@@ -28,7 +28,7 @@ class Watch {
 
   /// Waits for these events from now on. @pre watching
   void set_events(std::uint32_t events);
-  /// In the loop's next turn, whether anything comes or not: the others get their turn before. @pre watching
+  /// Calls back in the loop's next turn even if nothing comes; the others get their turn before. @pre watching
   void call_again();
   /// No call after this, also not one that is due. May be called from within a call.
   void stop();

@@ -15,7 +15,7 @@ using core::Time;
 /// Slices that a line holds back, in order. (ours)
 class HeldSlices {
  public:
-  /// @param byte_time what was held back goes on no faster
+  /// @param byte_time of the line: what was held back goes on no faster
   explicit HeldSlices(Duration byte_time) : byte_time_(byte_time) {}
 
   bool empty() const { return slices_.empty(); }
@@ -25,19 +25,19 @@ class HeldSlices {
   /// The last one that went on is through.
   bool line_free(Time now) const { return free_at_ <= now; }
 
-  /// @param due not before then, nor before those that are held already
+  /// @param due when it may go on at the earliest; never before those that are held already
   void put(wire::SliceKind kind, wire::ByteView bytes, Time due) {
     slices_.push_back({due, kind, {bytes.begin(), bytes.end()}});
     bytes_ += size_of(slices_.back());
   }
   /// Nothing goes on before `time`.
   void block_until(Time time) { free_at_ = std::max(free_at_, time); }
-  /// When the next one may go on, kNever where there is none. @param pace per byte, beside the line's own
+  /// When the next one may go on, kNever if there is none. @param pace least time per byte, beside the line's own
   Time next(Duration pace) const {
     if (slices_.empty()) return core::kNever;
     const Held& first = slices_.front();
     const auto size = static_cast<std::int64_t>(first.bytes.size());
-    // What is due has passed by then, at the line's own pace; a slower one begins with it.
+    // By its due time a slice has passed at the line's own pace; at a slower pace it only begins then.
     return std::max({first.due, free_at_ + byte_time_ * size, std::max(first.due, free_at_) + pace * size});
   }
   /// The next one goes on. @pre next(pace) is not in the future

@@ -62,7 +62,7 @@ std::vector<LineFaults::Listed> LineFaults::list(Time now) {
   return all;
 }
 
-// What a stall held back goes on from its end, not from when somebody looks.
+// What a stall held back goes on when the stall ends, not when somebody next calls.
 void LineFaults::advance(Time now) {
   now_ = std::max(now_, now);
   const auto over = [&](const Active& active) {
@@ -122,7 +122,7 @@ Time LineFaults::next_deadline() const {
 void LineFaults::line_lost() {
   counters_.line_lost += held_.count();
   held_.clear();
-  if (on_data_) on_data_ = Verdict{Name::cut, Duration{0}};  // what follows of it belongs to nothing
+  if (on_data_) on_data_ = Verdict{Name::cut, Duration{0}};  // the rest of that DATP is lost, too
 }
 
 // ---- what becomes of a packet ---------------------------------------------------------------
@@ -150,7 +150,7 @@ LineFaults::Verdict LineFaults::decide(bool interrupt, Time now) {
   return verdict;
 }
 
-// The first that hits counts; an INTP is too short to be truncated in a way of its own.
+// The first fault that hits counts. An INTP is too short to be truncated.
 void LineFaults::decide_damage(Active& active, bool interrupt, Verdict& verdict) {
   std::uint64_t* counter = nullptr;
   switch (active.fault.name) {
@@ -192,11 +192,11 @@ void LineFaults::pass(const Slice& slice, Time now) {
   if (slice.kind == SliceKind::interrupt) return pass_interrupt(slice, now);
   if (slice.kind == SliceKind::fold) return put(slice.kind, slice.bytes, now, now);
   if (slice.kind != SliceKind::idle) return pass_data(slice, now);
-  // Where others wait it says nothing; and it would fill the memory.
+  // An idle slice behind slices that wait says nothing new, and would fill the memory.
   if (held_.empty() && !stalled(now)) put(slice.kind, slice.bytes, now, now);
 }
 
-/// What comes while the line is cut is lost, also what follows of it after that.
+/// What comes while the line is cut is lost, and so is the rest of a DATP of which a part was lost.
 void LineFaults::swallow(const Slice& slice) {
   if (slice.kind == SliceKind::idle || slice.kind == SliceKind::fold) return;
   const bool interrupt = slice.kind == SliceKind::interrupt;
@@ -248,7 +248,7 @@ void LineFaults::pass_interrupt(const Slice& slice, Time now) {
     put(slice.kind, slice.bytes, due + byte_time_ * static_cast<std::int64_t>(slice.bytes.size), now);
 }
 
-// A fault that waits for it hits the next packet, not this one.
+// A fault that waits for this packet (after_packets) hits the next one, not this one.
 void LineFaults::count_milestones(wire::ByteView end, Time now) {
   const std::uint8_t last = end[end.size - wire::kCrcSize - 1];
   if (wire::channel_of(last) == static_cast<std::uint8_t>(wire::Channel::control)) return;
@@ -257,7 +257,7 @@ void LineFaults::count_milestones(wire::ByteView end, Time now) {
       start(active, now);
 }
 
-// Straight on where nothing is in the way: a line that is well but for a rare fault costs little.
+// Passes a slice straight on if nothing is in its way, so that a line with only a rare fault costs little.
 void LineFaults::put(SliceKind kind, wire::ByteView bytes, Time due, Time now) {
   const bool straight = due <= now && held_.empty() && held_.line_free(now) && !stalled(now) && pace(now).count() == 0;
   if (straight) return ready_.put(kind, bytes);
@@ -266,7 +266,7 @@ void LineFaults::put(SliceKind kind, wire::ByteView bytes, Time due, Time now) {
   held_.put(kind, bytes, due);
 }
 
-// Not in the header: it would make the packet none at all or another's, which nobody counts as damaged.
+// Never in the header: it would be no packet any more, or one of another source, and nobody would count it as damaged.
 void LineFaults::put_damaged(const Slice& slice, Time due, Time now) {
   std::vector<std::uint8_t> bytes(slice.bytes.begin(), slice.bytes.end());
   const std::size_t size = bytes.size() - (begins(slice) || slice.kind == SliceKind::interrupt ? wire::kHeaderSize : 0);
@@ -275,7 +275,7 @@ void LineFaults::put_damaged(const Slice& slice, Time due, Time now) {
   put(slice.kind, {bytes.data(), bytes.size()}, due, now);
 }
 
-/// What has a header and whole words of it has begun; then nothing more comes.
+/// Of a `whole`, passes on the header and the whole words of data as a `start`. Then comes an abort.
 void LineFaults::put_cut_short(const Slice& slice, Time due, Time now) {
   if (slice.kind == SliceKind::whole) {
     const std::size_t words = (slice.bytes.size - wire::kOverhead) / 4;

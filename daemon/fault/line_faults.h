@@ -21,13 +21,13 @@ using core::Time;
 ///
 /// A packet is hit whole, however many slices it travels in; an INTP inside a DATP is a packet of its own.
 /// A damaged packet has one bit wrong, anywhere behind its header; of one that travels in several slices, in the last.
-/// A truncated DATP ends in an abort. A link keeps order (protocol.md section 6.1), so a packet that came behind
-/// the next one counts as late and never arrives, and where it was an INTP inside a DATP the gap aborts that.
-/// Where the line takes time, what was held back goes on no faster than the line.
+/// A truncated DATP ends in an abort. A link keeps order (protocol.md section 6.1), so a packet that would come behind
+/// the next one counts as late and never arrives; if it was an INTP inside a DATP, the gap aborts that DATP.
+/// On a line with a data rate, what was held back goes on no faster than that.
 class LineFaults {
  public:
   using Id = std::uint32_t;  ///< of one fault, from 1
-  /// Bytes that are held back at most, and one packet that has begun; what comes then is dropped whole.
+  /// Most bytes that are held back, the rest of a packet that has begun apart; further packets are dropped whole.
   static constexpr std::size_t kLimit = 256 << 10;
 
   /// @param byte_time of the line, 0: as fast as it takes them
@@ -49,13 +49,13 @@ class LineFaults {
   /// All that have not ended, in the order in which they began.
   std::vector<Listed> list(Time now);
 
-  /// The wire is broken now: whoever drives the line has to take it down, and up again.
+  /// True if the wire is broken now: the caller takes the line down, and up again when this is false again.
   bool cut(Time now);
   /// Nothing passes now, not even what says that the line is alive.
   bool stalled(Time now) const;
-  /// A slice comes onto the line. What it means for the line comes out of take(), in the same instant at the earliest.
+  /// A slice comes onto the line. What passes of it comes out of take(), in the same instant at the earliest.
   void pass(const wire::Slice& slice, Time now);
-  /// What is due on the line by now goes behind what is in `out`.
+  /// Appends to `out` what is due on the line by now.
   void take(Time now, wire::SliceWriter& out);
   /// When to call cut() and take() again, kNever: not before the next slice or fault. As of the last call.
   Time next_deadline() const;
@@ -110,8 +110,8 @@ class LineFaults {
   Time now_{};                      ///< of the last call
   bool told_cut_ = false;           ///< by cut(), the last time
   std::optional<Verdict> on_data_;  ///< of the DATP that is passing
-  NodeId data_source_{0};           ///< of that one
-  std::vector<std::uint8_t> copy_;  ///< of that one, where it will follow itself
+  NodeId data_source_{0};           ///< source of that DATP
+  std::vector<std::uint8_t> copy_;  ///< its bytes so far, if it is to be duplicated
   HeldSlices held_;
   wire::SliceWriter ready_;  ///< due at once
   LineCounters counters_;

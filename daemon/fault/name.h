@@ -34,10 +34,10 @@ enum class Name {
   babble  // a CPU; its controller goes on
 };
 
-/// What a fault is of.
+/// What a fault hits.
 enum class Of { line, node, cpu };
 
-/// What a fault may be told, beside what it is of; parse.h has a word for each.
+/// The parameters of a fault, beside what it hits; parse.h has a word for each.
 enum Key : unsigned {
   kPackets = 1u << 0,
   kOnceIn = 1u << 1,
@@ -55,7 +55,7 @@ struct Word {
   Name name;
   const char* word;
   Of of;
-  unsigned keys;  ///< of Key, what it takes
+  unsigned keys;  ///< the parameters it takes, a set of Key
   const char* meaning;
 };
 

@@ -114,7 +114,7 @@ std::size_t place_of(const std::string& name, const RingNodes& nodes) {
   throw ParseError(with_guess("is no node of the ring", name, names), config::join(names));
 }
 
-/// As it is spoken of.
+/// The node's name. @throw ParseError
 const std::string& name_of(NodeId id, const RingNodes& nodes) {
   const auto found = std::find_if(nodes.begin(), nodes.end(), [&](const NamedNode& node) { return node.id == id; });
   if (found == nodes.end()) throw ParseError("node " + std::to_string(id) + " is none of the ring", "its nodes");

@@ -35,7 +35,7 @@ struct ParseError : std::runtime_error {
 ///
 /// Times have a unit (ns, us, ms, s), rates too (kbit/s, Mbit/s ...). @throw ParseError
 Fault from_words(const std::string& text, const RingNodes& nodes);
-/// The same form back: from_words() of it is the same fault.
+/// The same form back: from_words() of the result is the same fault. @throw ParseError if it names an unknown node
 std::string to_words(const Fault& fault, const RingNodes& nodes);
 
 /// The keys that a fault takes, with their meanings, for help and errors.
@@ -50,11 +50,11 @@ std::vector<KeyWord> keys_of(const Word& word);
 void set_key(Fault& fault, const std::string& key, const std::string& value, const RingNodes& nodes);
 /// Its nodes: one or several, or `all`. @throw ParseError
 void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNodes& nodes);
-/// A line, from a node to the next one in the ring; to the one before it, the second line. @throw ParseError
+/// Its line: from a node to the next one in the ring, or, for the second line, to the one before it. @throw ParseError
 void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes);
-/// A second line is there only where the ring folds back. @throw ParseError
+/// A fault of the second line needs a ring that folds back. @throw ParseError if it does not
 void check_second_line(const Fault& fault, bool folds_back, const RingNodes& nodes);
-/// What must be given is, and fits together. @throw ParseError
+/// Checks that all that the fault needs is given. @throw ParseError
 void check(const Fault& fault);
 
 }  // namespace limb_ring::fault

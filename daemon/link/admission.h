@@ -13,8 +13,8 @@ namespace limb_ring::link {
 /// Why a node that asked to connect was refused, other than for being farther away; for people. "It" is that node.
 std::string why_unfit(const LinkHeader& connect, const LinkHeader& refuse);
 
-/// Who may be our upstream neighbour (ours, protocol.md section 6.8). The nearest living node in ring order is; so one
-/// that is at least as near as the present one takes its place: the same id is a restart.
+/// Who may be our upstream neighbour (ours, protocol.md section 6.8): the nearest living node in ring order. So a node
+/// that is at least as near as the present neighbour takes its place; the same id again is a restart.
 class Admission {
  public:
   /// @param order all node ids in ring order, `self.id` among them
@@ -24,7 +24,7 @@ class Admission {
   /// @param present the upstream neighbour we have and still hear, if any
   /// @return Refusal::none where the sender of `connect` may come in
   Refusal judge(const LinkHeader& connect, std::optional<std::uint8_t> present) const;
-  /// The same, of a node that has just said what it expects of our file.
+  /// The same for a node that has also told what it expects of our ring file (`theirs`).
   /// @return the `refuse` header to be answered; nothing where it may come in
   std::optional<LinkHeader> judge(const LinkHeader& connect, const Agreement& theirs,
                                   std::optional<std::uint8_t> present) const;

@@ -12,10 +12,11 @@ namespace limb_ring::link {
 /// its owner from the event loop only, never from within a call, and not after close().
 class Downstream {
  public:
+  /// `candidate` is its index in OutputSettings::candidates.
   struct Owner {
     virtual void on_accepted(std::size_t candidate) = 0;
     virtual void on_refused(std::size_t candidate, const LinkHeader& refuse) = 0;
-    /// As on_refused, from somebody who cannot prove to be who it says: for people, and nothing else follows.
+    /// As on_refused, but the sender has not proved who it is: for people only, nothing else follows from it.
     virtual void on_hint(std::size_t candidate, const LinkHeader& refuse) = 0;
     virtual void on_no_node(std::size_t candidate) = 0;  ///< what is there answers, but is no node of the ring
     virtual void on_ended(std::size_t candidate, std::string_view reason) = 0;
@@ -42,7 +43,7 @@ class Downstream {
     idle.put(wire::SliceKind::idle, {});
     write(idle.view());
   }
-  /// Once per `idle`: looks whether the other end says that it lives. That alone does not wake this one.
+  /// Once per `idle`: looks for signs of life of the other end, which alone do not wake this end.
   virtual void tick() = 0;
   /// Called now and then until accepted: asks again where questions can get lost.
   virtual void ask_again() = 0;

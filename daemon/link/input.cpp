@@ -16,7 +16,7 @@ std::shared_ptr<InputLine> opened(boost::asio::io_context& io, const InputSettin
 
 }  // namespace
 
-// UDP first: where its address is not this machine's, nothing else has been opened.
+// UDP first: if its address is not this machine's, it throws before anything else is opened.
 Input::Input(boost::asio::io_context& io, const InputSettings& settings, InputHandler& handler) {
   if (settings.delay.count() > 0) {
     delay_ = std::make_unique<DelayedInput>(io, settings.delay, handler, report_.counters);

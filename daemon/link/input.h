@@ -12,8 +12,8 @@
 namespace limb_ring::link {
 
 /// The receiving end of the link INTO a node: listens (for nodes of its own host and of others), has one upstream
-/// neighbour at a time, and takes a nearer one, or the same restarted, in its place. Tells it every `idle` that
-/// somebody is here. One thread, one io_context. Not to be destroyed from within a call of its handler.
+/// neighbour at a time, and takes a nearer one, or the same restarted, in its place. Tells the neighbour every `idle`
+/// that this end lives. One thread, one io_context. Not to be destroyed from within a call of its handler.
 class Input {
  public:
   /// @throw std::runtime_error where it cannot listen: names the endpoint, the cause, the cure

@@ -24,8 +24,8 @@ struct InputHandler {
   virtual void on_input_up(std::uint8_t from) = 0;
   /// It is gone, or another one takes its place. `reason` is for people.
   virtual void on_input_lost(std::string_view reason) = 0;
-  /// Who asked to be our upstream neighbour cannot be it; once for each reason while the input is the same. `reason`
-  /// is for people.
+  /// A peer has asked to be our upstream neighbour that cannot be; once for each reason until an input comes up.
+  /// `reason` is for people.
   virtual void on_unknown_peer(std::string_view reason) = 0;
 };
 

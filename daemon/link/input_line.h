@@ -33,7 +33,7 @@ struct InputReport {
     ++counters.unknown_peers;
     last_unknown_peer = std::move(why);
   }
-  /// The sender of `connect`, which people know as `who`, was answered `refuse`.
+  /// The sender of `connect`, shown to people as `who`, was answered `refuse`: counts it, and tells the handler once.
   void turned_away(const std::string& who, const LinkHeader& connect, const LinkHeader& refuse, InputHandler& handler);
 };
 
@@ -45,7 +45,7 @@ class InputLine {
   /// Makes its socket's file again, where it has one and that was removed. What is connected stays so.
   /// @throw std::runtime_error
   virtual void listen_again() {}
-  /// Its upstream neighbour; nothing where it has none, which may have come in by another line.
+  /// The upstream neighbour that came in by this line; nothing if there is none, or it came in by another line.
   virtual std::optional<std::uint8_t> from() const = 0;
   /// Tells its upstream neighbour that node `by` takes its place, and loses it. @pre from()
   virtual void replace(std::uint8_t by) = 0;

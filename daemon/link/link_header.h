@@ -67,7 +67,7 @@ struct LinkHeader {
 void store_header(std::uint8_t* out, const LinkHeader& header);
 std::array<std::uint8_t, kLinkHeaderSize> encode(const LinkHeader& header);
 
-/// One end has no key, or another one.
+/// True if the reason is the key: one end has none, or another one.
 bool of_keys(Refusal refusal);
 /// It asks to connect, in one of the three ways.
 bool asks_to_connect(LinkHeaderType type);
@@ -76,13 +76,13 @@ bool asks_to_connect(LinkHeaderType type);
 constexpr std::size_t kConnectSize = kLinkHeaderSize + kAgreementSize;
 std::array<std::uint8_t, kConnectSize> encode_connect(const LinkHeader& connect, const Agreement& ours);
 
-/// @return nothing where these are not the first bytes of a header. Of another version only a `connect`, and a `refuse`
-/// for that reason, are headers: they stay as they are in all versions, so that each end can say what is wrong.
+/// @return nothing if `bytes` do not begin with a header. Of another version only a `connect`, and a `refuse` for that
+/// reason, are headers: their format is the same in all versions, so that each end can say what is wrong.
 std::optional<LinkHeader> parse_header(wire::ByteView bytes);
 
 /// Why the sender of `refuse` does not want us, in words for people.
 std::string reason_of(const LinkHeader& refuse);
-/// The sender of a header of version `peer` and we do not understand each other.
+/// For people: the other end speaks version `peer`, which we do not; and which end to update.
 std::string version_mismatch(std::uint8_t peer);
 /// What is at the other end sends no headers.
 constexpr const char* kNoNode = "peer is not a limb_ring node";

@@ -37,13 +37,13 @@ std::ptrdiff_t MemoryDownstream::put(wire::ByteView slices, std::string& reason)
   return taken;
 }
 
-// A header comes when there is room.
+// The reader sends a header when there is room.
 std::uint32_t MemoryDownstream::wait_for_room() {
   if (!queue_->wait_for_room()) try_again();
   return EPOLLIN;
 }
 
-// Headers come only with an end, or with room: both wake this end up.
+// Nothing to read here: headers come only with an end, or with room, and both wake this end.
 void MemoryDownstream::tick() {
   if (queue_->heard_beat()) heard();
 }

@@ -21,8 +21,8 @@ class MemoryDownstream final : public UnixDownstream {
   bool greet(const LinkHeader& connect) override;
   std::ptrdiff_t put(wire::ByteView slices, std::string& reason) override;
   std::uint32_t wait_for_room() override;
-  /// As much as a UNIX line's socket holds of small packets: the queue is no larger than one lap of a closed ring, to
-  /// stay in the cache, and where a ring opens all nodes send at once what has waited. (ours)
+  /// As much as a UNIX line's socket holds of small packets. The queue alone is too small: to stay in the cache it
+  /// holds no more than one lap of a closed ring, but when a ring opens all nodes send at once what has waited. (ours)
   std::size_t may_wait() const override { return 256 * 1024; }
 
   std::size_t capacity_;

@@ -60,7 +60,7 @@ std::optional<QueueMemory> QueueMemory::make(std::size_t capacity) {
   return map(std::move(fd), capacity);
 }
 
-// Memory that its maker could cut off under us would kill us at the next access.
+// Without the seals its maker could shrink the memory, and our next access would kill this process.
 std::optional<QueueMemory> QueueMemory::open(process::UniqueFd memory) {
   struct stat found {};
   const int seals = ::fcntl(memory.get(), F_GET_SEALS);
@@ -92,8 +92,8 @@ std::ptrdiff_t QueueWriter::put(wire::ByteView bytes) {
   return static_cast<std::ptrdiff_t>(size);
 }
 
-// Either this sees that the reader sleeps, or the reader, before it does, sees what was put: all four accesses are in
-// one order. The same holds for room.
+// All four accesses are sequentially consistent: either this sees that the reader sleeps, or the reader sees what was
+// put before it sleeps. The same holds for room.
 bool QueueWriter::must_wake() {
   std::atomic<std::uint32_t>& sleeps = memory_->control().reader_sleeps;
   if (sleeps.load() == 0) return false;

@@ -13,8 +13,8 @@ namespace limb_ring::link {
 /// What the two ends of a line through shared memory have in common (ours, protocol.md section 6.12): a queue of bytes
 /// with one writer and one reader, the slices of the line one after another, as on a stream.
 ///
-/// Either end keeps its own index to itself and only publishes it. What it finds of the other's is checked before use,
-/// so an end that writes nonsense over all of it can end the line and do nothing else.
+/// Each end keeps its own index to itself and only publishes it. It checks the other end's index before use, so an end
+/// that writes nonsense over all of the memory can end the line and do nothing else.
 struct QueueControl {
   alignas(64) std::atomic<std::uint64_t> written;  ///< bytes since the beginning; the writer's
   std::atomic<std::uint32_t> writer_waits;         ///< 1: it wants to be told when there is room
@@ -54,7 +54,7 @@ class QueueMemory {
   std::size_t capacity_;
 };
 
-/// How big a queue has to be for a ring: a full packet of every node fits.
+/// Bytes of capacity that a queue needs for a ring: a full packet of every node fits.
 std::size_t queue_capacity(std::size_t nodes);
 
 /// The other end's index is none that it can have.
@@ -67,12 +67,12 @@ class QueueWriter {
 
   /// @return how many of `bytes` there was room for; -1: the reader's end is invalid
   std::ptrdiff_t put(wire::ByteView bytes);
-  /// The reader sleeps and has to be woken for what was put. To be asked after put(); true once.
+  /// True if the reader sleeps and has to be woken; true only once. To be called after put().
   bool must_wake();
   /// Asks to be told of room. @return false: there is room by now
   bool wait_for_room();
   void beat() { memory_->control().writer_beat.fetch_add(1, std::memory_order_relaxed); }
-  /// The reader has told that it lives since this was asked last.
+  /// True if the reader has said that it lives since the last call.
   bool heard_beat();
 
  private:
@@ -88,7 +88,7 @@ class QueueReader {
 
   /// @return how many bytes were put into `space`, at most `size`; -1: the writer's end is invalid
   std::ptrdiff_t take(std::uint8_t* space, std::size_t size);
-  /// The writer waits for room, which take() has made. True once.
+  /// True if the writer waits for room; true only once. To be called after take(), which makes room.
   bool must_tell_of_room();
   /// From now on the writer wakes the reader. @return false: something has come meanwhile
   bool sleep();

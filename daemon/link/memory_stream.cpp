@@ -5,7 +5,7 @@
 namespace limb_ring::link {
 namespace {
 
-/// Then the host port and the timers get their turn.
+/// Reads in a row, before the host port and the timers get their turn.
 constexpr int kMostReads = 8;
 
 }  // namespace

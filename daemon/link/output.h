@@ -24,8 +24,8 @@ struct OutputHandler {
   virtual void on_output_up(std::uint8_t to) = 0;
   /// It is gone, or a nearer one has come back (an on_output_up follows at once).
   virtual void on_output_lost(std::string_view reason) = 0;
-  /// The node there will not be our downstream neighbour, or is none of this ring; once for each reason while the
-  /// output is the same. `reason` is for people.
+  /// Node `by` will not be our downstream neighbour, or what is there is no node of this ring; once for each reason
+  /// until an output comes up. `reason` is for people.
   virtual void on_output_refused(std::uint8_t by, std::string_view reason) = 0;
   /// Something had to wait inside, and has gone out: ready() is true again.
   virtual void on_output_ready() = 0;
@@ -56,8 +56,8 @@ enum class Wire : std::uint8_t {
 /// One thread, one io_context. Not to be destroyed from within a call of its handler.
 class Output final : private Downstream::Owner {
  public:
-  /// @throw std::invalid_argument without candidates; std::runtime_error where one's UDP address
-  ///        is none
+  /// @throw std::invalid_argument without candidates; std::runtime_error if a candidate's UDP address
+  ///        is not numeric
   Output(boost::asio::io_context& io, const OutputSettings& settings, OutputHandler& handler);
   ~Output() { close(); }
   Output(const Output&) = delete;

@@ -8,7 +8,7 @@
 
 namespace limb_ring::link {
 
-/// Who does not get together with us at one end of a link, and why: for each node the last reason. At most 256.
+/// The nodes that cannot connect to us at one end of a link: for each the last reason. At most 256.
 class Refusals {
  public:
   struct Refusal {

@@ -27,7 +27,7 @@ using Tag = std::array<std::uint8_t, kTagSize>;
 Nonce fresh_long_nonce();
 Key fresh_key();
 
-/// Of a `connect_keyed`: as a `connect`, then the nonce of who asks, then a tag.
+/// Bytes of a `connect_keyed`: those of a `connect`, the asker's nonce, a tag.
 constexpr std::size_t kKeyedConnectSize = kConnectSize + sizeof(Nonce) + kTagSize;
 
 /// Lets each number through once, in whatever order they come, as long as it is not far behind the highest one.
@@ -60,7 +60,7 @@ class Sealer {
   std::uint64_t number_ = 0;
 };
 
-/// Judges the datagrams that come from that end.
+/// Judges the datagrams that come from the other end of a session.
 class Opener {
  public:
   enum class Verdict : std::uint8_t {
@@ -86,7 +86,7 @@ struct SessionKeys {
   Key backward;  ///< signs of life and refusals
 };
 
-/// What both ends say of a session before it is one.
+/// What the two ends have told each other before a session begins; its keys are made from it.
 struct Handshake {
   Nonce asker{};     ///< the sending end's
   Nonce answerer{};  ///< the receiving end's
@@ -95,13 +95,13 @@ struct Handshake {
 };
 
 /// A ring's key, on one of its lines: makes and checks the tags of a handshake, and the keys of its sessions. A tag or
-/// a session of one line, ring or pair of nodes is none of another's.
+/// a session key of one line, ring or pair of nodes is worth nothing for another.
 class LineKey {
  public:
   /// @param ring ring_hash() of its name
   LineKey(const Key& ring_key, std::uint64_t ring, bool second_line);
 
-  /// Of a message of the handshake to node `to`. What answers is bound to the nonce of the one that asked.
+  /// The tag of a handshake message to node `to`. An answer's tag covers the asker's nonce: it fits no other question.
   Tag tag(wire::ByteView message, const Nonce& asker, std::uint8_t to) const;
   bool check(wire::ByteView message, const Nonce& asker, std::uint8_t to, const std::uint8_t* tag) const;
 

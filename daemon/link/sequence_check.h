@@ -4,7 +4,7 @@
 
 namespace limb_ring::link {
 
-/// Keeps order and lets nothing through twice on a line that may do both wrong. (ours, protocol.md section 6.7)
+/// Discards what comes late or twice on a line that may reorder or double datagrams. (ours, protocol.md section 6.7)
 class SequenceCheck {
  public:
   struct Verdict {

@@ -15,7 +15,7 @@ class Silence {
   void heard() { heard_ = true; }
   /// Call at every tick. @return true: nothing came for `timing.silence`.
   bool tick(Time now);
-  /// After a tick that said true: nothing has come since, also not with a last read.
+  /// To be called after tick() has said true and one more read: true if that read brought nothing either.
   bool still() const { return !heard_; }
 
  private:

@@ -29,7 +29,7 @@ class UdpBatch {
   /// The slice gets its sequence number now, but is sent after the next datagram: it arrives late.
   /// @return false, and it was not taken: kMostLate are held back already
   bool hold_back(wire::ByteView slice);
-  /// As for kernels without UDP_SEGMENT, which are detected without this. For tests.
+  /// For tests: one datagram per call, as on kernels without UDP_SEGMENT, which are detected without this.
   void send_singly() { joined_ = false; }
 
  private:

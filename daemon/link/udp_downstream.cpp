@@ -11,10 +11,10 @@
 namespace limb_ring::link {
 namespace {
 
-/// Once a session is accepted, nothing that comes back is urgent: errors are always told.
+/// No events once a session is accepted: nothing that comes back is urgent, and epoll tells of errors in any case.
 constexpr std::uint32_t kForErrors = 0;
 
-/// An accept of a keyed line; of what is longer only its size is wanted.
+/// Room for an `accept` of a keyed line, and for 8 bytes more: a longer datagram is then seen to be too long.
 constexpr std::size_t kLongestAnswer = kLinkHeaderSize + sizeof(Nonce) + kTagSize + 8;
 
 }  // namespace

@@ -19,8 +19,8 @@ namespace limb_ring::link {
 
 /// The receiving end on a UDP socket. A connect is answered with the offer of a session; the
 /// first slice in that session takes it up. So a connect that the network has kept for an hour
-/// changes nothing. On a keyed line (protocol.md section 6.14) nothing but its count is left of a datagram of somebody
-/// who has not the key.
+/// changes nothing. On a keyed line (protocol.md section 6.14) a datagram of somebody without the key leaves nothing
+/// behind but its count.
 class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput> {
  public:
   /// @throw std::runtime_error where it cannot be bound, with the address and the cause
@@ -64,7 +64,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void drop_old_offers(Time now);
   void tell(LinkHeaderType type, Session& session, Refusal refusal = Refusal::none);
   void send(wire::ByteView datagram, const UdpAddress& to);
-  /// With a tag behind it, on a keyed line. @param to the node that has asked
+  /// Sends `message`, on a keyed line with a tag behind it. @param to the node that has asked
   void send_tagged(wire::ByteView message, const Nonce& asker, std::uint8_t to, const UdpAddress& address);
 
   boost::asio::io_context& io_;
@@ -82,7 +82,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   Silence silence_;
   event_loop::Ticker ticker_;
   bool batch_ = false;       ///< something was handed on since the last on_batch_end
-  bool hinted_ = false;      ///< as told_stale_: what nobody can trust is said once per tick
+  bool hinted_ = false;      ///< one answer that nobody can trust per tick is enough
   bool told_stale_ = false;  ///< one answer to stale sessions per tick is enough
   bool closed_ = false;
   event_loop::Watch watch_;

@@ -21,7 +21,7 @@ UdpAddress udp_address(const Endpoint& endpoint);
 /// @throw std::runtime_error naming the endpoint and the cause
 UdpSocket listen_udp(boost::asio::io_context& io, const Endpoint& endpoint);
 
-/// Connected, so that nobody else's datagrams reach it. Closed where that cannot be done.
+/// Connected, so that nobody else's datagrams reach it. @return a closed socket if that fails
 UdpSocket connect_udp(boost::asio::io_context& io, const UdpAddress& to);
 
 /// One read: a datagram, or a run of them that the kernel has joined (UDP_GRO). All have

@@ -11,7 +11,7 @@
 namespace limb_ring::link {
 namespace {
 
-/// Until it is accepted. Afterwards nothing that comes back is urgent but its end.
+/// Events until the other end has accepted. Afterwards nothing that comes back is urgent but its end.
 constexpr std::uint32_t kForAnswer = EPOLLIN | EPOLLRDHUP;
 constexpr std::uint32_t kForEnd = EPOLLRDHUP;
 

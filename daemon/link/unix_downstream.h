@@ -31,11 +31,11 @@ class UnixDownstream : public Downstream, public std::enable_shared_from_this<Un
  protected:
   /// Sends the first header. @return false where it cannot
   virtual bool greet(const LinkHeader& connect);
-  /// Sends what there is room for. @return how much; -1 and `reason` where the line has failed
+  /// Sends what there is room for. @return bytes sent; -1 and `reason` if the line has failed
   virtual std::ptrdiff_t put(wire::ByteView slices, std::string& reason);
   /// So many bytes may wait here before the line takes no more: none, since a socket holds enough.
   virtual std::size_t may_wait() const { return 0; }
-  /// What there was no room for waits. @return the events that say there is room
+  /// Called when something waits for room. @return the epoll events that tell of room
   virtual std::uint32_t wait_for_room();
 
   bool open() const { return owner_ != nullptr; }

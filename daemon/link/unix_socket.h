@@ -14,7 +14,7 @@
 
 namespace limb_ring::link {
 
-// With the event loop's own executor: one of any kind costs time at every packet.
+// With the event loop's own executor type: a type-erased executor costs time at every packet.
 using LoopExecutor = boost::asio::io_context::executor_type;
 using UnixSocket = boost::asio::basic_stream_socket<boost::asio::local::stream_protocol, LoopExecutor>;
 using UnixAcceptor = boost::asio::basic_socket_acceptor<boost::asio::local::stream_protocol, LoopExecutor>;
@@ -28,7 +28,7 @@ constexpr int kSocketBuffer = 1 << 20;
 /// @throw std::runtime_error naming the path, what is wrong and what would be right
 UnixAcceptor listen_unix(boost::asio::io_context& io, const std::string& path);
 
-/// Connects without waiting. @return an invalid one where nobody listens or the queue is full.
+/// Connects without waiting. @return an invalid one if nobody of our user listens, or the queue is full
 process::UniqueFd connect_unix(const std::string& path);
 
 /// True where the process at the other end belongs to our user.
@@ -36,7 +36,7 @@ bool same_user(int socket);
 
 void enlarge_buffers(int socket);
 
-/// send() and recv() that never wait and raise no signal; as those, -1 with errno.
+/// As send() and recv(), but they never wait and raise no signal. @return bytes, or -1 with errno
 ssize_t send_now(int socket, wire::ByteView bytes);
 ssize_t receive_now(int socket, std::uint8_t* space, std::size_t size);
 /// The same with descriptors, at most kMostDescriptors: they come with the first of the bytes.

@@ -22,7 +22,7 @@ UnixStream::UnixStream(boost::asio::io_context& io, process::UniqueFd socket, co
         read();
       }) {}
 
-// The end is told once; what came before it may take more than one read.
+// epoll tells of the end only once, but what came before it may take more than one read.
 void UnixStream::read() {
   const auto self = shared_from_this();  // the handler may close the input
   const std::size_t space = feed_.space_size();

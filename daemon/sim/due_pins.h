@@ -15,7 +15,7 @@ class DuePins {
   /// The last bit of an INTP is in. @param sure false: perhaps it was taken before
   void put(wire::NodeId source, wire::Factor factor, core::Time at, bool sure);
   void pulled(const core::PinPulled& pin, core::Time at);
-  /// Those of all instants before `now` must have been pulled.
+  /// Pins that were due before `now` must have been pulled.
   void judge(core::Time now) {
     if (!due_.empty() && due_.front().at < now) drop_before(now);
   }

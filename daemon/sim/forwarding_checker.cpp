@@ -5,8 +5,8 @@
 namespace limb_ring::sim {
 namespace {
 
-/// More than a node can hold, and than a line without a rate that was held up lets go at one instant (256 KiB of the
-/// smallest packets); what was dropped on its way through is forgotten so.
+/// More packets than a node can hold, and than a line without a rate lets go at one instant after it was held up
+/// (256 KiB of the smallest packets). With this limit what the node has dropped is forgotten in the end.
 constexpr std::size_t kMostComing = 1 << 15;
 
 std::string name(const PacketHeader& header, const PacketTrailer& tail) {

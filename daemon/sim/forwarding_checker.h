@@ -22,14 +22,14 @@ struct PacketHeader {
   static PacketHeader of(wire::ByteView bytes) {
     return {wire::code_of(bytes[0]), bytes[0], bytes[2], wire::NodeId{bytes[3]}};
   }
-  /// The code byte says what its code is.
+  /// Without `code`, which code_byte holds, too.
   template <class Archive>
   void archive(Archive& a) {
     a("code_byte", code_byte)("hop", hop)("source", source);
   }
 };
 
-/// Its trailer.
+/// The trailer and the CRC of a packet on a line.
 struct PacketTrailer {
   std::uint8_t fbc = 0;
   NodeId destination{0};
@@ -46,7 +46,7 @@ struct PacketTrailer {
   }
 };
 
-/// What has come into one node and has to go on: with which FBC, and an INTP by when.
+/// What has come into one node and has to go on. Checks that it does with the right FBC, and an INTP in time.
 class ForwardingChecker {
  public:
   /// @param byte_time,byte_time_in of the lines out of it and into it
@@ -68,18 +68,18 @@ class ForwardingChecker {
     }
   };
   static constexpr int kAnyFbc = -1;
-  /// A packet of `size` bytes has come in that others than this node have sent.
+  /// A packet of another node has come in, of `size` bytes.
   void came(const PacketHeader& header, NodeId destination, Due due, std::size_t size, Time now);
-  /// So many bytes of a DATP have come in, and no more of it will.
+  /// `size` bytes of a DATP have come in, and no more of it will.
   void broke_off(std::size_t size, Time now) {
     came({{}, 0, 0, wire::kBroadcast}, wire::kBroadcast, {kAnyFbc}, size, now);
   }
-  /// Of all DATPs that have come in and not left: at least what the node holds.
+  /// Bytes of all DATPs that have come in and not left: the node holds no more than that.
   std::size_t bytes() const { return bytes_; }
-  /// Of those that have come in since then.
+  /// The same of those that have come in at `since` or later.
   std::size_t bytes_since(Time since) const;
-  /// One that others have sent leaves.
-  /// @return true where it had come in good, or nobody knows
+  /// A packet of another node leaves.
+  /// @return true if it had come in good, or nobody knows
   bool went(const PacketHeader& header, const PacketTrailer& tail, Time now);
   /// One of its own INTPs leaves that could have left since `since`.
   void own_interrupt_went(Time since, Time now);

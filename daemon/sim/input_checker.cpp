@@ -13,7 +13,7 @@ namespace {
 /// The longest pause between two slices of a DATP. (protocol.md section 7.4)
 core::Duration stall_of(const core::Settings& settings) { return settings.stall + 2048 * settings.byte_time_in; }
 
-/// Then what a slow line has held up comes all at once further on, and the bound is not promised.
+/// If lines differ, what a slow one has held up comes all at once further on, and the bound is not promised.
 bool lines_differ(const core::Settings& settings) {
   const core::Duration each =
       settings.byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kOverhead) + settings.relay_delay;
@@ -35,8 +35,8 @@ std::size_t tail_size(const PacketFields& packet) {
   return packet.data().size % 4 + wire::kTrailerSize + wire::kCrcSize;
 }
 
-// min(FBC, free buffers before), 0 where refused; the same verdict, at least 1 where it was taken, for what was decided
-// before. (protocol.md sections 3.5 and 4.10)
+// The right FBC: min(FBC, free buffers before), or 0 if refused. What was decided before gets the same verdict again,
+// at least 1 if it was taken. (protocol.md sections 3.5 and 4.10)
 ForwardingChecker::Due due(Answer answer, const PacketFields& packet, std::size_t free) {
   const auto least = [&](std::size_t value) {
     return static_cast<int>(std::min({std::size_t{packet.fbc()}, value, std::size_t{wire::kFbcMax}}));
@@ -112,8 +112,8 @@ void InputChecker::begins_to_arrive(NodeId node, const wire::Slice& slice) {
   incoming_[node].received = is_received(node, slice.bytes, false);
 }
 
-// Whether it reaches Receive. (protocol.md sections 2.2 and 4.9) Of what comes on the second line nobody outside knows
-// whose source is cut off; and of a buffer that may be full, what of it was aborted.
+// Whether a packet reaches Receive. (protocol.md sections 2.2 and 4.9) From outside nobody knows which sources are cut
+// off on the second line, nor how full an insertion buffer is that holds aborted packets.
 Tristate InputChecker::is_received(NodeId node, wire::ByteView bytes, bool interrupt) {
   NodeRecord& n = record_.at(node);
   const PacketHeader header = PacketHeader::of(bytes);
@@ -234,8 +234,8 @@ void InputChecker::comes_home(NodeId node, const PacketFields& packet, Time at_e
   record_.ledger.come_home(sent, fbc, at_end);
 }
 
-// While nothing is lost a node whose output is no slower is behind its input by its own DATP and INTP; what has left of
-// the DATP on the line counts until its end is through. (protocol.md section 2.5)
+// While nothing is lost, a node whose output is no slower than its input lags behind it by its own DATP and INTP at
+// most. A DATP on the line counts in full until its end is through. (protocol.md section 2.5)
 void InputChecker::check_insertion(NodeId node, Time now) {
   constexpr std::size_t kNormal = 2 * wire::kMaxDataPacketSize + wire::kInterruptPacketSize;
   const NodeRecord& n = record_.at(node);
@@ -243,7 +243,7 @@ void InputChecker::check_insertion(NodeId node, Time now) {
       n.settings.byte_time_out > n.settings.byte_time_in)
     return;
   if (n.forwarding.bytes() <= kNormal || lines_differ(n.settings)) return;
-  // What has come earlier was dropped.
+  // What came in more than a worst lap ago and has not left was dropped.
   const std::size_t bytes = n.forwarding.bytes_since(now - n.settings.worst_lap());
   if (bytes > kNormal)
     record_.complain(Promise::insertion_bound, std::to_string(bytes) + " bytes wait in node " + std::to_string(node) +

@@ -7,8 +7,8 @@
 
 namespace limb_ring::sim {
 
-/// Judges what comes into the nodes of a ring: what each has to receive, pass on with which FBC, or know as its own
-/// that is home; and what waits in its insertion buffer. (protocol.md sections 2.2, 2.3, 2.5 and 4.10)
+/// Judges what comes into the nodes of a ring: what each has to receive, with which FBC it has to pass it on, and which
+/// own packets are home; also what waits in its insertion buffer. (protocol.md sections 2.2, 2.3, 2.5 and 4.10)
 class InputChecker {
  public:
   explicit InputChecker(RingRecord& record);

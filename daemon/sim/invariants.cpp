@@ -73,7 +73,7 @@ void Invariants::state_changes(NodeId node, NodeState state, Time now) {
     n.receiver.set_joined(Tristate::unknown);
   if (state != NodeState::starting && state != NodeState::duplicate_id) return;
   if (state == NodeState::starting) record_.ledger.forgets_interrupts(node);
-  // A hello may leave in the same instant, and is told first.
+  // A hello may leave in the same instant; the observer is told of it before it is told of the state.
   n.began = record_.ring.now();
   n.hello_left = n.control.hello && n.control.left == n.began;
   if (!n.hello_left) n.control = {};

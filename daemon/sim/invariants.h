@@ -22,7 +22,7 @@ class Invariants : public Observer {
   bool all_ended() const;
   /// At the end, when nothing is under way any more: everything asked for must have ended.
   void finish();
-  /// Everything that what comes later is judged by. (study/explore/state_hash.h) @pre no promise was broken
+  /// All that later events are judged by. (study/explore/state_hash.h) @pre no promise was broken
   template <class Archive>
   void archive(Archive& a) {
     a("record", record_)("outputs", outputs_)("inputs", inputs_)("results", results_);

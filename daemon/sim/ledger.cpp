@@ -77,7 +77,7 @@ void Ledger::ask(NodeId source, const core::InterruptRequest& request, bool in_r
   sent.channel = request.factor;
 }
 
-// A send that is not needed any more: no copy is under way, and the CPUs of its receivers have read it.
+// Drops sends that are not needed any more: no copy is under way, and the CPUs of the receivers have read them.
 void Ledger::forget_settled(Source& s) {
   const auto settled = [](const Sent& sent) {
     const Outcome outcome = sent.end.outcome;
@@ -134,8 +134,8 @@ void Ledger::count_tries(Sent& sent, wire::Code code) {
   sent.home_at = core::kNever;
 }
 
-// Strictly before: what is asked for while the line is given away may come too late, and what ends in that instant is
-// told later.
+// Times are compared strictly: a send that is asked for in the instant in which the line is given away may come too
+// late, and one that ends in that instant is told of later.
 void Ledger::note_passed_over(const Sent& leaving, Time since) {
   const auto waited = [&](const Sent* sent) {
     return sent && !sent->ended && !sent->final && sent->asked < since && since < sent->cancelled_at;
@@ -161,9 +161,9 @@ void Ledger::note_passed_over(const Sent& leaving, Time since) {
   }
 }
 
-// A retry is the packet that had its sequence number before, unless nothing of that one got out; a
-// first try the first that waits and matches (one that is cancelled may end while it leaves, an
-// unconfirmed one ends as it leaves).
+// A retry belongs to the send that had its sequence number before, unless no try of that was seen. A first
+// try belongs to the first send that waits and matches. (A send that is cancelled may end while it leaves, an
+// unconfirmed one ends as it leaves.)
 Sent* Ledger::depart(NodeId source, wire::Code code, const LeavingPacket& packet, Time since) {
   Slot& slot = on_line_slot(source, code, packet.destination);
   const auto over = [&](const Sent* sent) {
@@ -175,7 +175,7 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const LeavingPacket& packet
   const bool same_incarnation = before && before->source_incarnation == sources_[source].incarnation;
   if (code.attempt > 0 && same_incarnation && !over(before) && packet.matches(*before)) {
     slot.last.crcs[code.attempt] = packet.crc;
-    before->refused_at = core::kNever;  // a second copy of the last try was none that counted
+    before->refused_at = core::kNever;  // what came home refused was a second copy, and did not count
     if (sources_[source].outstanding[code.interrupt ? 1 : 0].token != before->token) count_tries(*before, code);
     return before;
   }
@@ -188,7 +188,7 @@ Sent* Ledger::depart(NodeId source, wire::Code code, const LeavingPacket& packet
     sent->refused_at = core::kNever;
     slot.begin(token);
     slot.last.crcs[code.attempt] = packet.crc;
-    if (code.attempt == 0) note_passed_over(*sent, since);  // of others nobody knows when they began
+    if (code.attempt == 0) note_passed_over(*sent, since);  // a retry: when the send began was not seen
     count_tries(*sent, code);
     return sent;
   }

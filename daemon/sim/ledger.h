@@ -37,20 +37,20 @@ struct Sent {
   Time asked{};
   bool asked_in_ring = false;        ///< its node showed that users may send
   std::size_t ahead = 0;             ///< sends in its queue when it was asked for
-  bool queue_shared = false;         ///< others may have sends in it, too
+  bool queue_shared = false;         ///< other owners may have sends in its queue, too
   bool left = false;                 ///< it was on the line
-  unsigned tries = 0;                ///< of it that were seen there
+  unsigned tries = 0;                ///< tries of it that were seen on the line
   bool repeated = false;             ///< one of them was a retry
   unsigned attempts = 0;             ///< tries of its last packet
-  bool may_have_failed = false;      ///< that one came home damaged
-  Time last_try{};                   ///< when the first byte of the last one left
-  Time home_at = core::kNever;       ///< the last bit of that one was back
+  bool may_have_failed = false;      ///< its last try may have come home damaged
+  Time last_try{};                   ///< when the first byte of its last try left
+  Time home_at = core::kNever;       ///< when the last bit of that try was back
   int home_fbc = 0;                  ///< with this FBC
-  bool final = false;                ///< a matching return is in, which may not be told yet
-  Time cancelled_at = core::kNever;  ///< it does not leave any more
-  Time cancel_due = core::kNever;    ///< it was cancelled while out or waiting
+  bool final = false;                ///< a return that decides its outcome is in; the end may not be told yet
+  Time cancelled_at = core::kNever;  ///< from then on it does not leave any more
+  Time cancel_due = core::kNever;    ///< when it was cancelled while out or waiting
   Time first_refused = core::kNever;
-  Time refused_at = core::kNever;  ///< a refusal is in: it waits a while and goes again
+  Time refused_at = core::kNever;  ///< when a refusal was in: it waits a while and goes again
   bool ended = false;
   Time ended_at{};
   core::SendEnded end;
@@ -61,10 +61,10 @@ struct Sent {
   bool interrupt() const { return queue == 4; }
   /// As a new packet, not as a retry.
   bool may_leave(Time now) const { return now < cancelled_at && (!left || refused_at < now); }
-  bool may_be_taken = false;  ///< by somebody of whom that cannot be told
+  bool may_be_taken = false;  ///< somebody may have taken it; that cannot be told from outside
 
   bool taken() const;
-  /// It is what a CPU has got.
+  /// `packet`, which a CPU has got, is this send.
   bool is(const core::ReceivedPacket& packet) const;
   std::string name() const;
 
@@ -80,8 +80,8 @@ struct Sent {
   }
 };
 
-/// All sends of a ring, from the CPU's request to the CPU that reads it: whose results, order and
-/// contents are as promised. Packets are known on the line by (SID, kind, DID, sequence).
+/// All sends of a ring, from the CPU's request to the CPU that reads them. Checks that their results, order
+/// and contents are as promised. Packets are known on the line by (SID, kind, DID, sequence).
 class Ledger {
  public:
   Ledger(unsigned nodes, Complain complain);
@@ -104,7 +104,7 @@ class Ledger {
   void ask(NodeId source, const core::InterruptRequest& request, bool in_ring, Time now);
   /// The first byte of a try of `source` leaves it.
   void try_begins(NodeId source, wire::Code code, Time now);
-  /// That packet is no user's.
+  /// The DATP that has just left `source` is a hello or beacon, not a user's.
   void try_is_control(NodeId source) {
     sources_[source].outstanding[0].counted = sources_[source].outstanding[0].tries;
   }
@@ -113,7 +113,7 @@ class Ledger {
   Sent* depart(NodeId source, wire::Code code, const LeavingPacket& packet, Time since);
   /// What has come home to its source.
   struct Return {
-    Sent* sent = nullptr;  ///< whose last try it is, for the first time; null: of nobody
+    Sent* sent = nullptr;  ///< the send whose last try is home now, and was not before; null: none
     bool sure = true;      ///< false: its source may have given that try up
   };
   Return returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
@@ -125,18 +125,18 @@ class Ledger {
   bool was_damaged(NodeId source, bool interrupt) const {
     return sources_[source].outstanding[interrupt ? 1 : 0].damaged;
   }
-  /// Nothing that is on its way from `source` is waited for any more.
+  /// `source` waits for none of its packets any more.
   void waits_for_nothing(NodeId source) { sources_[source].outstanding = {}; }
   /// Packets of that node are under way that were not asked for through the ring.
   bool others_send(NodeId source) const { return sources_[source].others_send; }
-  /// The same packet, somewhere on the ring; null if it is not known: of another owner, of
+  /// The send of a packet that is somewhere on the ring; null if it is not known: of another owner, of
   /// before a restart, or no packet of that source at all.
   Sent* on_line(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc);
   /// It has come home and matched; its source knows at `at`. @param fbc below 0: nobody can tell
   void come_home(Sent* sent, int fbc, Time at);
   /// null where it is not known, or not needed any more.
   Sent* find(NodeId source, std::uint32_t token);
-  /// Node `node` has refused it; has taken it, or pulled its pin.
+  /// Node `node` has refused it; take(): has taken it, or pulled its pin.
   void refuse(Sent* sent, NodeId node) {
     if (sent) sent->verdicts.push_back({node, 0, false});
   }
@@ -145,7 +145,7 @@ class Ledger {
   bool has_taken(const core::ReceivedPacket& packet, NodeId node) const;
   /// What `source` was asked for until now and has not begun to send is cancelled.
   void cancel(NodeId source, Time now);
-  /// @return null where that is not judged further: of another owner, or told twice
+  /// @return null if that is not judged further: of another owner, not known any more, or told twice
   const Sent* end(NodeId source, const core::SendEnded& end, Time at);
   /// `node` has restarted, with an empty memory.
   void start(NodeId node);
@@ -162,7 +162,7 @@ class Ledger {
       if (!sent.ended && sent.source_incarnation == sources_[source].incarnation) visit(sent);
   }
 
-  /// Everything that what comes later is judged by, for study/explore/state_hash.h; of its classes, too.
+  /// All that later events are judged by, for study/explore/state_hash.h; the same in the classes below.
   template <class Archive>
   void archive(Archive& a) {
     a("sources", sources_)("passed_over", passed_over_)("newest", newest_);
@@ -172,11 +172,11 @@ class Ledger {
  private:
   /// The packet of one kind that a source has sent last, as far as its header tells.
   struct Outstanding {
-    int packet = -1;          ///< its Code but for the try; -1: nothing yet
-    unsigned tries = 0;       ///< of it that were seen
-    unsigned counted = 0;     ///< of those that are counted for its send
-    std::uint32_t token = 0;  ///< of that; 0: not known before its end is out
-    Time since{};             ///< the last try
+    int packet = -1;          ///< its Code without the try; -1: nothing yet
+    unsigned tries = 0;       ///< tries of it that were seen
+    unsigned counted = 0;     ///< how many of those are counted for its send
+    std::uint32_t token = 0;  ///< of that send; 0: not known, as before the packet's end is out
+    Time since{};             ///< when its last try began
     std::uint8_t attempt = 0;
     unsigned before = 0;   ///< tries of the packet before it, if that was never known
     bool awaited = false;  ///< outstanding: it is not home yet
@@ -198,11 +198,12 @@ class Ledger {
       a("token", token)("crcs", crcs);
     }
   };
-  /// The last ones with it: a line that held packets back may release one whose number was used again since.
+  /// The last packets with one kind, DID and sequence number: a line may release one that it held back so long that
+  /// its number has been used again.
   struct Slot {
     OnLine last;
     std::vector<OnLine> former;
-    bool begun = false;  ///< by any packet
+    bool begun = false;  ///< some packet has had this number
     void begin(std::uint32_t token);
 
     template <class Archive>

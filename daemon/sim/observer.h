@@ -38,14 +38,14 @@ class Observer {
   virtual void arrives(NodeId, const wire::Slice&, Time) {}
   /// A line into a node comes up, or is lost.
   virtual void input_changes(NodeId, Line, Time) {}
-  /// The lines out of a node take nothing more; or again, or one comes up.
+  /// The lines out of a node take nothing more for now (false); they take slices again, or one comes up (true).
   virtual void output_ready(NodeId, bool, Time) {}
   /// The CPU of a node is there, or gone.
   virtual void cpu_present(NodeId, bool, Time) {}
   /// A node gives out an event, or a packet to its CPU.
   virtual void event(NodeId, const core::Event&) {}
   virtual void packet(NodeId, const core::ReceivedPacket&) {}
-  /// A fault, or its end: what the ring promises is weaker for a while. Of a line, the one it is on.
+  /// A fault, or its end: what the ring promises is weaker for a while. The line counts for faults of a line only.
   virtual void incident(NodeId, Incident, Time, Line) {}
 };
 

@@ -16,10 +16,10 @@ class PacketCollector {
   explicit PacketCollector(core::Duration stall) : stall_(stall) {}
 
   bool open() const { return open_; }
-  /// Bytes of it that have come, also of the one that was broken off or is whole now.
+  /// Bytes of the DATP that have come in; also after it was broken off, or is whole.
   std::size_t size() const { return size_; }
   void drop() { open_ = false; }
-  /// It is given up by now; what comes in the very instant at which it would be still belongs to it.
+  /// True if the DATP is given up by now. A slice in the very instant at which it would be still belongs to it.
   bool stalled(core::Time now) const { return open_ && last_ + stall_ < now; }
 
   template <class Archive>

@@ -11,15 +11,15 @@ namespace limb_ring::sim {
 class Ledger;
 struct Sent;
 
-/// Sends that waited while another one of their node, which comes behind them, went onto the line. They are judged when
-/// that instant is over, since results of the same instant are told at its end. (protocol.md section 4.5)
+/// Sends that waited while another send of their node, which should go after them, went onto the line. They are judged
+/// when that instant is over, since results of the same instant are told at its end. (protocol.md section 4.5)
 class PassedOver {
  public:
   PassedOver(Ledger& ledger, const Complain& complain) : ledger_(ledger), complain_(complain) {}
 
   /// @param since when the other one began to leave
   void note(const Sent& waiting, const Sent& leaving, core::Time since);
-  /// Of all instants before `now`.
+  /// Judges what was noted in instants before `now`.
   void judge(core::Time now) {
     if (!noted_.empty()) judge_noted(now);
   }

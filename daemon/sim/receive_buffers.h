@@ -7,7 +7,7 @@
 
 namespace limb_ring::sim {
 
-/// What lies in the receive buffers of one node, as can be told from outside, and whether its CPU gets that, the
+/// What lies in the receive buffers of one node, as far as can be told from outside. Checks that its CPU gets that, the
 /// highest priority first and in order within one. (protocol.md section 2.3)
 class ReceiveBuffers {
  public:
@@ -15,7 +15,7 @@ class ReceiveBuffers {
       : node_(node), ledger_(ledger), complain_(complain) {}
 
   /// A packet was taken. @param sent null: not asked for through the ring. @param at its last bit was in
-  /// @param sure false: perhaps it was not
+  /// @param sure false: perhaps it was not taken
   void put(Sent* sent, NodeId source, std::uint8_t priority, Time at, bool sure);
   /// Packets of that priority in it, at least and at most.
   std::size_t least(std::uint8_t priority) const { return unread_[priority].size() - doubtful_[priority]; }

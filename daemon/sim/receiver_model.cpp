@@ -8,7 +8,7 @@ using wire::PacketFields;
 
 namespace {
 
-/// Boot numbers that are lower by so few are of earlier incarnations. (protocol.md section 4.10)
+/// A boot number that is lower by at most this is of an earlier incarnation. (protocol.md section 4.10)
 constexpr std::uint64_t kEarlier = 1000;
 constexpr int kTries = 4;
 
@@ -97,7 +97,7 @@ Tristate ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const
   return pages_[packet.source()].peer_known == Tristate::no ? Tristate::yes : Tristate::unknown;
 }
 
-// It may have been received, or not.
+// Nobody outside knows whether `packet` was received.
 void ReceiverModel::doubt(const PacketFields& packet) {
   Page& page = pages_[packet.source()];
   if (!packet.code().interrupt && wire::is_control(packet)) {
@@ -192,7 +192,7 @@ void ReceiverModel::start_over(bool forgets_peers, Time now) {
   }
 }
 
-// Where it did not, what it had decided holds.
+// If it did not start over, what it had decided still holds; nobody outside knows.
 void ReceiverModel::may_start_over() {
   joined_ = Tristate::no;
   for (Page& page : pages_) {

@@ -33,7 +33,7 @@ class ReceiverModel {
   explicit ReceiverModel(const core::Settings& settings);
 
   /// A packet with a good CRC has come in. @param has_buffer one of its priority is free
-  /// @param received it reached Receive; unknown: what becomes of it is not judged, nor what hangs on it later
+  /// @param received it reached Receive; unknown: neither what becomes of it nor what depends on that is judged
   Answer data(const wire::PacketFields& packet, Tristate received, Tristate has_buffer, Time at);
   Answer interrupt(const wire::PacketFields& packet, Tristate received, Time at);
 
@@ -43,9 +43,9 @@ class ReceiverModel {
   void join();
   void set_joined(Tristate joined) { joined_ = joined; }
   Tristate joined() const { return joined_; }
-  /// It was bypassed; with `forgets_peers` it starts all over.
+  /// The node begins a new incarnation; with `forgets_peers` it starts all over, since it was bypassed.
   void start_over(bool forgets_peers, Time now);
-  /// It was bypassed, or its hello was lost and a line is down.
+  /// Perhaps it starts over: it was bypassed, or only its hello was lost and a line is down.
   void may_start_over();
   void set_cpu_present(bool present) { cpu_present_ = present; }
   bool cpu_present() const { return cpu_present_; }

@@ -52,8 +52,8 @@ void ResultChecker::state_changes(NodeId node, NodeState state) {
   if (state == NodeState::starting || state == NodeState::duplicate_id) explains(core::Outcome::cancelled);
 }
 
-// A node that starts over ends its sends before it shows that; and what a beacon says is acted on when its end begins,
-// and shown when its last bit is in.
+// The state that explains a result may be shown after it: a node that starts over ends its sends first; and what a
+// beacon says is acted on when its `end` begins, and shown when its last bit is in.
 void ResultChecker::judge_unexplained(NodeId node) {
   const core::Duration tail = record_.at(node).settings.byte_time_in * static_cast<std::int64_t>(wire::kOverhead);
   for (const Unexplained& result : unexplained_[node])

@@ -18,9 +18,9 @@ class ResultChecker {
   void state_changes(NodeId node, core::NodeState state);
   /// The node has restarted.
   void start(NodeId node) { unexplained_[node].clear(); }
-  /// What is due by now must have ended. @param all at the end: everything
+  /// Sends that are due by now must have ended. @param all true: all sends, at the end of a run
   void judge_open(NodeId node, bool all);
-  /// What was to be explained and was not.
+  /// Complains of results that no state has explained in time.
   void judge_unexplained(NodeId node);
   template <class Archive>
   void archive(Archive& a) {

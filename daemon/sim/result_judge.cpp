@@ -34,7 +34,7 @@ const char* ResultJudge::objection() const {
     case Outcome::rejected:
       return against_rejected();
     case Outcome::cancelled:
-      return nullptr;  // a node that starts over says so behind it
+      return nullptr;  // a node that starts over shows that state after it
   }
   return nullptr;
 }
@@ -45,8 +45,8 @@ Time ResultJudge::due() const {
   return std::max(sent_.asked + settings_.queue_timeout + 2 * tries, source_.thawed);
 }
 
-// It has started since, or begun new numbers: what is out to it is not repeated. (protocol.md section 4.10) Who missed
-// its hello learns it from its beacons.
+// The receiver has started since, or begun new numbers: what is out to it is not repeated. (protocol.md section 4.10) A
+// source that missed its hello learns of it from its beacons.
 bool ResultJudge::receiver_forgot() const {
   const core::Duration until_heard = 10 * settings_.beacon + kMostTries * settings_.send_timeout();
   return said_hello_ != core::kNever && sent_.ended_at - said_hello_ < until_heard;

@@ -4,7 +4,7 @@
 
 namespace limb_ring::sim {
 
-/// What a node went through, as far as it ends sends.
+/// What has happened to a node that can end its sends.
 struct NodeHistory {
   core::NodeState state = core::NodeState::starting;
   Time state_at{};                 ///< since when
@@ -21,7 +21,7 @@ struct NodeHistory {
 /// Whether a result was justified when it was given, by what was seen on the lines. (protocol.md sections 4.3 to 4.6)
 class ResultJudge {
  public:
-  /// @param said_hello the last hello of a receiver
+  /// @param said_hello when a receiver of the send last said hello; core::kNever: never
   ResultJudge(const Sent& sent, const core::Settings& settings, const NodeHistory& source, Time said_hello,
               bool ring_was_broken)
       : sent_(sent), settings_(settings), source_(source), said_hello_(said_hello), ring_was_broken_(ring_was_broken) {}

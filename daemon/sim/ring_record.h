@@ -48,7 +48,7 @@ struct NodeRecord {
   Time news_at{core::Duration{-1}};  ///< a hello or beacon of another node was in
   Time control_home{};               ///< its last hello or beacon came home: what a hello holds back may leave
   bool hello_left = false;
-  bool hello_out = false;  ///< and is not home: nothing else may leave
+  bool hello_out = false;  ///< a hello has left and is not home: nothing else may leave
   OwnControl control;
   Time interrupt_free{};           ///< its last own INTP ended
   std::optional<Time> away_since;  ///< killed or frozen
@@ -72,7 +72,7 @@ struct RingRecord {
   bool is_away(NodeId node) const { return node < nodes.size() && nodes[node]->away_since; }
   /// A beacon may have told the node of a break, which it shows when the instant is over.
   bool has_news(NodeId node, Time now) const;
-  /// A slice comes as its last bytes, so many, begin: when they are in.
+  /// When the last bit is in of a slice that comes at `now`, as its last `tail_size` bytes begin.
   Time last_bit(NodeId node, std::size_t tail_size, Time now) const;
   /// After a fault some bounds are wider for a while.
   void disturbed(Time now) { settled_from = std::max(settled_from, now + settling); }
@@ -85,7 +85,7 @@ struct RingRecord {
   std::vector<std::unique_ptr<NodeRecord>> nodes;
   bool was_broken = false;         ///< some line or node was ever lost
   core::Duration settling{0};      ///< after a fault no copies are under way for longer
-  Time settled_from{};             ///< nothing has been lost, damaged or ended for so long
+  Time settled_from{};             ///< until then some bounds are wider, because of a fault before
   Time said_hello = core::kNever;  ///< the last hello of anybody
   Time released{};                 ///< a line has released what it held back
   std::optional<Violation> violation;

@@ -81,7 +81,7 @@ void Trace::record(Time now, NodeId node, const char* what, std::uint64_t a, std
   if (text_) *text_ << time << ' ' << unsigned{node} << ' ' << what << ' ' << a << ' ' << b << ' ' << c << '\n';
 }
 
-// The CRC of a packet that holds its own is always the same: its last four bytes count beside it.
+// The CRC over a packet with its own CRC is always the same, so the last four bytes are recorded apart.
 void Trace::leaves(NodeId node, const wire::Slice& slice, Time now) {
   const wire::ByteView bytes = slice.bytes;
   if (bytes.size < 4) return record(now, node, kind_name(slice.kind), bytes.size, 0, 0);

@@ -11,7 +11,7 @@ namespace limb_ring::sim {
 /// and as lines of text where somebody wants to read them. The same seed and configuration give the
 /// same trace, on any build.
 ///
-///   time in ps, node, what, and of a slice: size, header or trailer, CRC-32 of its bytes
+///   time in ps, node, what, and of a slice: size, its last four bytes, CRC-32 of those before them
 class Trace : public Observer {
  public:
   /// @param text where lines go, null for the hash alone; must live as long as the ring runs

@@ -22,7 +22,7 @@ VirtualRing::VirtualRing(const VirtualRingOptions& options)
     : options_(options), nodes_(ids_of(options)), wakes_(ids_of(options)) {
   if (options_.order.empty())
     for (unsigned id = 0; id < options.nodes; ++id) options_.order.push_back(static_cast<NodeId>(id));
-  for (unsigned id = 0; id < size(); ++id) make_node(static_cast<NodeId>(id));  // also those that no node has
+  for (unsigned id = 0; id < size(); ++id) make_node(static_cast<NodeId>(id));  // also for ids that no node has
   for (const NodeId id : order()) {
     nodes_[id].delay_line = delay_line_of(nodes_[id].controller->settings().relay_delay);
     nodes_[id].alive = options.start;
@@ -182,8 +182,8 @@ void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
   if (to.paused) return to.waiting.push_back(arrival);
   NetworkController& controller = *to.controller;
   wire::each_slice(arrival.slices.view(), [&](const Slice& slice) { controller.receive(arrival.line, slice, now_); });
-  // Where the line takes time, most of what comes in has to wait for its turn: then there is nothing
-  // to be done but to say when.
+  // On a line with a data rate most of what comes in has to wait for its turn: then there is nothing to
+  // be done but to note when.
   const Time deadline = controller.next_deadline(now_);
   if (deadline <= now_ || controller.has_output(now_)) return touch(arrival.to);
   wakes_.set(arrival.to, deadline);

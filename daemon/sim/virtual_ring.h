@@ -40,21 +40,21 @@ struct NodeLog {
 /// is bypassed at once, as the daemon's links do it.
 class VirtualRing {
  public:
-  /// Who sends on all nodes where the ring is asked to: no client of a host port has this number
+  /// The owner of what send(), interrupt() and pull() ask for: no client of a host port has this number
   /// (runtime/send_owner.h).
   static constexpr core::Owner kUser = 0xFFFFFF04;
 
   explicit VirtualRing(const VirtualRingOptions& options);
 
   Time now() const { return now_; }
-  /// The node is given the line, and its events are taken, before time goes on.
+  /// To tell a node something: before time goes on, it may use its lines, and its events are taken.
   NetworkController& node(NodeId id) {
     touch(id);
     return *nodes_[id].controller;
   }
-  /// Above every id.
+  /// One above the largest id.
   unsigned size() const { return static_cast<unsigned>(nodes_.size()); }
-  /// The same without that: for who says himself, by node(), when something was asked of it.
+  /// As node(), but without that: for a caller that calls node() itself when it has asked something of the node.
   NetworkController& controller(NodeId id) { return *nodes_[id].controller; }
   const core::RingOrder& order() const { return options_.order; }
   core::Lines lines() const { return nodes_.front().controller->lines(); }
@@ -63,7 +63,7 @@ class VirtualRing {
   /// The lines that its packets come on, and leave on.
   Line input_line(NodeId id) const { return nodes_[id].controller->input_line(); }
   Line output_line(NodeId id) const { return nodes_[id].controller->output_line(); }
-  /// Somebody is at the other end of that one.
+  /// Somebody is at the other end of output_line().
   bool has_output(NodeId id) const {
     return nodes_[id].lines[static_cast<std::size_t>(output_line(id))].successor >= 0;
   }
@@ -82,9 +82,9 @@ class VirtualRing {
   bool take(NodeId id, core::ReceivedPacket& packet);
   /// The CPU of node `id` is reset: its sends end, its receive buffers are emptied.
   void reset_cpu(NodeId id);
-  /// It is there, or gone; a node that starts has one.
+  /// Its CPU is there, or gone; a node that starts has one.
   void set_cpu_present(NodeId id, bool present);
-  /// It takes its packets, which it does from the start (true), or reads nothing.
+  /// Its CPU takes its packets (true, as from the start), or reads nothing.
   void set_cpu_reads(NodeId id, bool reads);
   bool cpu_reads(NodeId id) const { return nodes_[id].cpu_reads; }
   /// Its sends end cancelled.
@@ -132,7 +132,7 @@ class VirtualRing {
   void tap(NodeId id, Tap tap, Line line = Line::first) { wire_of(id, line).tap = std::move(tap); }
   /// What a tap has held back goes onto the line out of `id` now; leaves `slices` empty.
   void put_late(NodeId id, wire::SliceWriter& slices, Line line = Line::first);
-  /// Everything that what comes later depends on, but for what at() was asked for, what taps hold, and logs.
+  /// All that later events depend on, except what at() was asked for, what taps hold, and logs.
   /// (study/explore/state_hash.h) @pre between two instants
   template <class Archive>
   void archive(Archive& a) {
@@ -164,8 +164,8 @@ class VirtualRing {
     bool cut = false;
     int successor = -1;
     int predecessor = -1;
-    std::uint64_t epoch = 0;      ///< bytes under way on a line that was replaced are lost
-    std::uint64_t connected = 0;  ///< how often it was; a cut wire does not undo that
+    std::uint64_t epoch = 0;      ///< goes up when the line ends: what is under way from before is lost
+    std::uint64_t connected = 0;  ///< how often it was connected; a cut does not change that
     Tap tap;
 
     template <class Archive>

@@ -28,7 +28,7 @@ void encode_tail(const Beacon& b, std::uint8_t* out) {
   store_u64(out + kLatchClock, b.latch.clock_ns);
 }
 
-/// @return whether it is one: it tells something, and of no latch no more than that there is none
+/// @return false if it is no valid tail: it must tell something, and the latch fields must be 0 without a latch
 bool decode_tail(ByteView data, Beacon& b) {
   using namespace beacon_field;
   if (data[kStopLatched] > 1) return false;

@@ -14,22 +14,22 @@ namespace limb_ring::wire {
 ///   | type 1 | boot number 64 | remembers 8 |      10 bytes
 struct Hello {
   std::uint64_t boot = 0;  ///< never repeats for one node id
-  /// Its numbers start again at 0, and it has forgotten nothing of the others, as they believe after a start.
+  /// False: it starts, and has forgotten the others. True: only its own sequence numbers start again at 0.
   bool remembers = false;
 };
 constexpr std::size_t kHelloSize = 10;
 
 enum class CpuState : std::uint8_t { none, absent, booting, running, silent, failed };
-/// folded: the second line stands for it (ours; fold-back, protocol.md section 8.7).
+/// folded: the second line stands for the line (ours; fold-back, protocol.md section 8.7).
 enum class LinkState : std::uint8_t { down, up, silent, folded };
 const char* to_string(CpuState state);
 const char* to_string(LinkState state);
 
-/// A node's clock as it was when its pin for that was pulled.
+/// A node's clock at the moment when its sync pin was pulled.
 struct ClockLatch {
-  std::uint32_t count = 0;  ///< latches since the node's start; 0: none yet
-  NodeId source{0};         ///< who asked for the last one
-  std::uint64_t clock_ns = 0;
+  std::uint32_t count = 0;     ///< latches since the node's start; 0: none yet
+  NodeId source{0};            ///< who asked for the last one
+  std::uint64_t clock_ns = 0;  ///< CLOCK_MONOTONIC of the node, ns
 
   template <class Archive>
   void archive(Archive& a) {
@@ -37,7 +37,7 @@ struct ClockLatch {
   }
 };
 
-/// Sent every 100 ms by default and at once on any change, but for its latch.
+/// Sent every 100 ms by default, and at once on any change except that of the clock latch.
 ///
 ///   | type 2 | boot 64 | CPU boots 32 | CPU state 8 | CPU silent for, ms 32 | input state 8 |
 ///   | input from 8 | output state 8 | output to 8 | break known 8 | before 8 | behind 8 |
@@ -55,11 +55,11 @@ struct Beacon {
   NodeId input_from{0};  ///< meaningful where input is not down
   LinkState output = LinkState::down;
   NodeId output_to{0};
-  bool break_known = false;  ///< the line between the next two is broken
+  bool break_known = false;  ///< the line from break_before to break_behind is broken
   NodeId break_before{0};
   NodeId break_behind{0};
   bool cpu_comes_back = true;  ///< somebody starts the CPU again when a reset kills it
-  bool stop_latched = false;   ///< by the CPU's own word
+  bool stop_latched = false;   ///< the CPU says that it has stopped, and has not been resumed
   ClockLatch latch;
 
   template <class Archive>
@@ -72,10 +72,10 @@ struct Beacon {
 };
 constexpr std::size_t kBeaconSize = 26, kLongBeaconSize = 40;
 
-/// So many beacons, or repeated fold words, missed in a row: who says them is gone, or beyond a second break. (ours)
+/// After so many missed beacons, or repeated fold words, their sender is gone, or beyond a second break. (ours)
 constexpr int kMissedBeacons = 5;
 
-/// @param out room for kHelloSize, kLongBeaconSize bytes. @return bytes written
+/// @param out room for kHelloSize bytes for a hello, kLongBeaconSize for a beacon. @return bytes written
 std::size_t encode(const Hello& hello, std::uint8_t* out);
 std::size_t encode(const Beacon& beacon, std::uint8_t* out);
 

@@ -7,21 +7,21 @@
 #include "wire/packet.h"
 #include "wire/slice.h"
 
-/// What nodes tell each other on the second line, in slices of their own between packets. (ours, protocol.md
+/// What nodes of a ring that folds back tell each other, in slices of their own between packets. (ours, protocol.md
 /// section 8.8)
 ///
 ///   | kind 8 | node 8 | check 8 |      3 bytes; check = 0xFF xor kind xor node
 ///
-/// A word that noise has changed would have a node fold, or unfold, for nothing: it is none, and the next one,
-/// a beacon period later, says it again.
+/// A word that noise has changed could make a node fold, or unfold, for nothing. So one with a wrong check is
+/// discarded; the sender repeats it a beacon period later.
 namespace limb_ring::wire {
 
 enum class FoldWordKind : std::uint8_t {
   begin = 1,  ///< what follows is the ring's traffic, turned back at `node`, which is before a break
-  last,       ///< it was the last of it: `node` sends on the first line again
-  lost,       ///< there is no more of it: the second line is broken at `node`
+  last,       ///< the end of that traffic: `node` sends on the first line again
+  lost,       ///< no more of that traffic comes: the second line is broken at `node`
   deaf,       ///< to the neighbour only: `node` hears nothing on the first line
-  hears       ///< to the neighbour only: it does again
+  hears       ///< to the neighbour only: `node` hears the first line again
 };
 
 struct FoldWord {
@@ -37,7 +37,7 @@ inline void put(SliceWriter& line, FoldWord word) {
   line.put(SliceKind::fold, {bytes.data(), bytes.size()});
 }
 
-/// @return nothing where the slice is none, is damaged, or says what nobody knows
+/// @return nothing if the slice is no fold word, is damaged, or has an unknown kind
 inline std::optional<FoldWord> fold_word(const Slice& slice) {
   if (slice.kind != SliceKind::fold || slice.bytes.size != kFoldWordSize) return std::nullopt;
   const std::uint8_t kind = slice.bytes[0];

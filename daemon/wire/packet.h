@@ -13,7 +13,7 @@
 ///   CRC     32 bits, big-endian           over everything before it, as it is on that line
 namespace limb_ring::wire {
 
-/// A number of one byte that is a type of its own, so that it is not taken for another one.
+/// A number of one byte with a type of its own, so that different kinds of numbers cannot be mixed up.
 template <class What>
 class Number {
  public:
@@ -46,7 +46,7 @@ constexpr std::size_t kTrailerSize = 4;
 constexpr std::size_t kCrcSize = 4;
 constexpr std::size_t kOverhead = kHeaderSize + kTrailerSize + kCrcSize;
 
-/// Where the fields of a packet lie: those of the header from its first byte on, the others back from its end.
+/// Offsets of a packet's fields: in the header from its first byte, in the trailer back from the packet's end.
 namespace field {
 constexpr std::size_t kCode = 0, kSop = 1, kHop = 2, kSource = 3;
 constexpr std::size_t kEopFromEnd = 8, kFbcFromEnd = 7, kDestinationFromEnd = 6, kLastFromEnd = 5;
@@ -93,7 +93,7 @@ inline bool header_valid(ByteView header, bool interrupt) {
   return code_of(header[field::kCode]).interrupt == interrupt && header[field::kSop] == kSop &&
          header[field::kSource] != kBroadcast;
 }
-/// True where trailer and size can end one. @pre bytes.size >= kOverhead
+/// True if EOP is where the trailer of a packet of that size begins. @pre packet.size >= kOverhead
 inline bool trailer_valid(ByteView packet) { return packet[packet.size - field::kEopFromEnd] == kEop; }
 
 /// CRC of a packet after its HOP was XORed with `hop_delta` and its FBC with `fbc_delta`, from the

@@ -19,7 +19,7 @@ namespace limb_ring::wire {
 ///   start  header (4 B) and whole words of payload
 ///   more   whole words of payload
 ///   end    the rest of the payload, trailer and CRC (8 B at least)
-/// `fold` is the second line's own (fold_word.h).
+/// `fold` is a word of a ring that folds back (fold_word.h).
 enum class SliceKind : std::uint8_t { start = 1, more, end, whole, interrupt, abort, idle, fold };
 
 constexpr std::size_t kFoldWordSize = 3;

@@ -34,14 +34,14 @@ class OpenPacket {
 /// own answer is switches to a redundant line, US10742444)
 ///
 /// It stands between a node's four lines and its blocks. The node before a break, the fold node, turns its output back
-/// onto the second line; on that one all others only repeat, and the node behind the break takes it for its input. So
-/// the blocks see each packet once, in ring order:
+/// onto the second line. The node behind the break takes the second line for its input; all others only repeat what
+/// comes on it. So the blocks see each packet once, in ring order:
 ///
 ///     first line     a -> b    c -> d -> a          the line from b to c is broken
 ///     second line    a <- b    c <- d <- a          b turns back, a and d repeat, c takes
 ///
-/// Each half, input and output, is a state machine with a table of its own (fold_input.cpp, fold_output.cpp). Bytes and
-/// time in, bytes and a deadline out, as Blocks. After Blocks::run() comes carry().
+/// Each half, input and output, is a state machine with a table of its own (fold_input.cpp, fold_output.cpp). Like
+/// Blocks it takes bytes and the time, and gives bytes and a deadline. Call carry() after Blocks::run().
 class FoldBack {
  public:
   /// All must outlive this. @pre blocks.settings().fold_back
@@ -50,8 +50,8 @@ class FoldBack {
   FoldBack(const FoldBack&) = delete;
   FoldBack& operator=(const FoldBack&) = delete;
 
-  /// One of the inputs below, by tell<&FoldBack::receive>(now, line, slice). What follows from it is settled behind it,
-  /// here and nowhere else.
+  /// Calls one of the inputs below, as in tell<&FoldBack::receive>(now, line, slice), then settles what follows from
+  /// it. That is done here and nowhere else.
   template <auto input, class... What>
   void tell(Time now, What&&... what) {
     (this->*input)(what..., now);
@@ -59,8 +59,8 @@ class FoldBack {
   }
 
   /// @name Inputs, for tell()
-  /// The second line's input comes from the next node, its output goes to the one before. That its input is up does not
-  /// mean that there is a fold; the words and packets on it do.
+  /// The second line comes in from the next node, and goes out to the one before. An input that is up does not mean
+  /// that there is a fold; words and packets on it do.
   ///@{
   void input_up(Line line, NodeId from, Time now);
   void input_lost(Line line, Time now);
@@ -94,12 +94,12 @@ class FoldBack {
   }
 
  private:
-  /// draining: the first line is back, and what is on the second comes first.
+  /// draining: the first line is back, but what is still on the second must be taken first.
   enum class In : std::uint8_t { first, second, draining };
   enum class InInput : std::uint8_t {
     first_up,
     first_lost,
-    through  ///< nothing more comes on the second line, or nobody knows of what
+    through  ///< nothing more comes on the second line, no fold node is known, or the drain timer has ended
   };
   using InRow = Transition<FoldBack, InInput, In>;
   static const InRow kInputTable[];
@@ -110,13 +110,13 @@ class FoldBack {
   enum class OutInput : std::uint8_t {
     blocked,  ///< the first line is down, or the next node hears nothing on it
     free,
-    packet_ended  ///< the one that was still going out on the second line
+    packet_ended  ///< the DATP that was still going out on the second line
   };
   using OutRow = Transition<FoldBack, OutInput, Out>;
   static const OutRow kOutputTable[];
   void on(OutInput input, Time now);
 
-  /// What follows from the lines, the words and both halves: for the output, and for what the blocks know.
+  /// After each input: updates the output half, and tells the blocks what has changed for them.
   void settle(Time now);
   void tell_neighbours();
 
@@ -177,15 +177,15 @@ class FoldBack {
 
   In in_ = In::second;
   HeldSlices held_;
-  bool first_spoke_ = false;  ///< its sender has spoken on it, so it sends on the second line no more
-  bool told_input_ = false;   ///< as the blocks were told: up
+  bool first_spoke_ = false;  ///< the upstream neighbour has sent on the first line: no longer on the second
+  bool told_input_ = false;   ///< the blocks were told that their input is up
   Time drain_due_ = kNever;
 
   Out out_ = Out::first;
   bool next_is_deaf_ = false;  ///< the next node hears nothing of us on the first line
-  bool told_output_ = false;   ///< as the blocks were told: up
+  bool told_output_ = false;   ///< the blocks were told that their output is up
 
-  std::optional<NodeId> fold_node_;  ///< where what comes in on the second line was turned back
+  std::optional<NodeId> fold_node_;  ///< the node that has turned back what comes in on the second line
   Time fold_node_due_ = kNever;      ///< it is forgotten then, unless it is announced again
   OpenPacket coming_second_;         ///< the DATP that is coming in on the second line
 

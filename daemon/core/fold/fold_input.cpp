@@ -11,15 +11,15 @@ using wire::SliceKind;
 
 namespace {
 
-/// How much of the first line may wait while the second drains: more than a lap of largest packets of 64 nodes.
+/// Bytes of the first line that may wait while the second drains: more than a lap of largest packets of 64 nodes.
 constexpr std::size_t kMostHeld = 64 * 1024;
-/// Packets may be held for this part of a try's time-out: no copy may live longer than that time-out.
+/// Packets are held for at most 1 / kHoldShare of a try's time-out: no copy may live longer than that time-out.
 constexpr int kHoldShare = 8;
 
 }  // namespace
 
-// What the node before has turned back is still on its way on the second line and must be taken first. That node says
-// on both lines when it has stopped sending on the second.
+// When the first line is back, packets that the upstream neighbour had turned back may still be on the second line, and
+// must be taken first. That neighbour says on both lines when it has stopped sending on the second.
 // clang-format off
 const FoldBack::InRow FoldBack::kInputTable[] = {
     // input              from                                                to            first, then
@@ -65,7 +65,8 @@ void FoldBack::leave_second_line(Time now) {
   coming_second_.close();
 }
 
-// If another fold still sends on the second line, this node repeats that from now on, unless it sends back itself.
+// If another fold node still sends on the second line, this node repeats its packets from now on, unless it sends back
+// itself.
 void FoldBack::take_first_line(Time) {
   if (fold_node_ && out_ == Out::first) say(FoldWordKind::begin, *fold_node_);
 }
@@ -90,8 +91,8 @@ void FoldBack::receive_first(const Slice& slice, Time now) {
   drain_if_settled(now);
 }
 
-// The node before has turned back because it believes that this one hears nothing on the first line. Its word has come
-// on that line: a `hears` was lost.
+// The upstream neighbour has turned back because it believes that this node hears nothing on the first line. Since its
+// word has come on that line, a `hears` of this node was lost.
 void FoldBack::answer(FoldWord word) {
   if (word.node == from_ && in_ == In::first) say(FoldWordKind::hears, id());
 }
@@ -104,7 +105,7 @@ void FoldBack::hold(const Slice& slice, Time now) {
   held_.put(slice);
 }
 
-// As fast as the insertion buffer takes it.
+// Gives held slices to the blocks as fast as the insertion buffer takes them.
 void FoldBack::release(Time now) {
   if (in_ != In::first) return;
   for (; !held_.empty(); held_.pop()) {

@@ -11,7 +11,7 @@ using wire::SliceKind;
 
 namespace {
 
-/// What may wait to be repeated: more than a lap of largest packets of 254 nodes. Nobody takes packets off the second
+/// Bytes that may wait to be repeated: more than a lap of largest packets of 254 nodes. Nobody takes packets off that
 /// line, so if words are lost and lines duplicate packets, their number could grow until the fold node is forgotten.
 constexpr std::size_t kMostRepeated = 256 * 1024;
 
@@ -51,22 +51,22 @@ void FoldBack::hear(FoldWord word, const Slice& slice, Time now) {
   if (!next_is_deaf_) greet_next_node();
 }
 
-// The node of the word lies between this node and the one that sends to it on the second line: it is bypassed there, so
-// its word has gone all the way round, and nobody else takes it off.
+// The node of the word lies between this node and the one that sends to this node on the second line. It is bypassed
+// there, so its word has gone all the way round, and nobody else takes it off.
 bool FoldBack::has_come_round(FoldWord word) const {
   const std::size_t ahead = lines_between(id(), word.node);
   return ahead != 0 && ahead < lines_between(id(), second_from_);
 }
 
 void FoldBack::hear_of_fold_node(FoldWord word, const Slice& slice, Time now) {
-  // An own word was repeated by all the others, so no node is behind a break. If this node has said `begin` since its
-  // `lost`, it says `lost` once more: otherwise nobody would take what is on the second line.
+  // All others have repeated this own word, so no node is behind a break. If it is a `lost`, and this node knows a fold
+  // node again (it has said `begin` since), it says `lost` once more: nobody would take packets off the second line.
   if (word.node == id()) {
     if (word.kind == FoldWordKind::lost && fold_node_) lose_second_input(now);
     return;
   }
   if (has_come_round(word)) return;
-  // The node before still sends back what this one would hear: a `hears` was lost.
+  // The upstream neighbour still sends back, although this node hears the first line: a `hears` was lost.
   if (word.kind == FoldWordKind::begin && word.node == from_ && in_ == In::first) say(FoldWordKind::hears, id());
   const bool said_just_now = word.kind == FoldWordKind::begin && fold_node_ == word.node &&
                              fold_node_due_ - now > wire::kMissedBeacons * repeat_period() - repeat_period() / 2;

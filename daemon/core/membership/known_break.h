@@ -13,8 +13,8 @@ struct BrokenLine {
   NodeId before, behind;
 };
 
-/// Which line is broken, as far as this node knows; it is written down here alone. Only the node behind a break is
-/// believed, since the beacons of others would repeat it after the break is mended. (ours, protocol.md section 8.3)
+/// The broken line that this node knows of; it is stored nowhere else. Only the node behind a break is believed: the
+/// beacons of others would still tell of the break after it is mended. (ours, protocol.md section 8.3)
 class KnownBreak {
  public:
   explicit KnownBreak(NodeId id) : id_(id) {}
@@ -24,7 +24,7 @@ class KnownBreak {
     if (!known_) return std::nullopt;
     return BrokenLine{before_, behind_};
   }
-  /// It is the one into this node.
+  /// True if the line into this node is the broken one.
   bool is_own() const { return known_ && behind_ == id_; }
 
   /// The line from `before` into this node counts as broken.
@@ -35,18 +35,18 @@ class KnownBreak {
     set(beacon.break_before, beacon.break_behind);
     return true;
   }
-  /// A beacon of that node knows of no break.
+  /// A beacon of `source` says that it knows of no break.
   void withdrawn_by(NodeId source) {
     if (behind_ == source) known_ = false;
   }
-  /// The line into this node is up again, or nothing stands for it any longer.
+  /// The line into this node is up again, or the second line no longer stands for it.
   void own_mended() {
     if (is_own()) known_ = false;
   }
   /// No fold is left in the ring: only a break that this node sees itself may still be there.
   void keep_own_alone() { known_ = is_own(); }
-  /// The ring is closed again; `folded`: the second line stands for this node's input, so the line into it is still
-  /// broken where it was.
+  /// The ring is closed again. `folded`: it is closed by the second line, which stands for this node's input; then a
+  /// break of the own input is still there.
   void ring_closed(bool folded) { known_ = folded && is_own(); }
   void forget() { known_ = false; }
   /// archive.h

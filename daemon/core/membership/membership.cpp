@@ -5,8 +5,8 @@ namespace {
 
 constexpr std::uint32_t kHelloToken = 1;
 constexpr std::uint32_t kBeaconToken = 2;
-/// So many hellos and beacons with the own id, but not of this node, mean a duplicate id. Leftovers of the time before
-/// a restart pass only once; a living double goes on sending.
+/// This many hellos and beacons with the own id that this node has not sent mean a duplicate id. Leftovers from before
+/// a restart pass only once; another living node with this id goes on sending.
 constexpr unsigned kDuplicateSigns = 3;
 
 constexpr unsigned kStarting = in(NodeState::starting), kJoining = in(NodeState::joining),
@@ -89,8 +89,7 @@ NodeState Membership::closed_state() const {
 
 // ---- the node's lines ---------------------------------------------------------------------
 
-// What beacons say of a line that is up is right at once: another node takes a break that is not folded for an open
-// chain.
+// Line and fold are set before a beacon can go: other nodes would take a broken line without a fold for an open chain.
 void Membership::input_up(NodeId from, bool folded, Time now) {
   if (input_.up()) input_lost(now);
   input_.state = wire::LinkState::up;
@@ -153,7 +152,7 @@ void Membership::begin_incarnation(Time now) {
   next_boot();
 }
 
-// Its packets say of which incarnation they are, and its sequence numbers start again at 0.
+// A new incarnation: packets show it from now on, and sequence numbers start again at 0.
 void Membership::next_boot() {
   ++boot_;
   transmit_.restart_numbers(boot_);
@@ -192,8 +191,8 @@ void Membership::join(Time now) {
   transmit_.set_gate(Gate::open, now);
 }
 
-// Sequence numbers are used up without a verdict: everyone is told to forget them, once all that is out has ended.
-// (ours, protocol.md section 4.7)
+// Begins new sequence numbers: once nothing is outstanding, a hello tells everyone to forget the old ones. (ours,
+// protocol.md section 4.7)
 void Membership::renumber(Time now) {
   if (!renumbering_) transmit_.set_gate(Gate::closed, now);
   renumbering_ = true;
@@ -219,7 +218,7 @@ void Membership::control_ended(Time now) {
 
 // ---- what comes home ----------------------------------------------------------------------
 
-// It has not been bypassed by then. A line that is down stays lost. (ours, protocol.md section 4.8)
+// An own packet is home, so this node was not bypassed. A line that is down stays lost. (ours, protocol.md section 4.8)
 void Membership::forget_lost_lines() {
   input_.was_lost = !input_.up();
   output_.was_lost = !output_.up();
@@ -279,13 +278,13 @@ bool Membership::heard_hello(const wire::PacketFields& packet, const wire::Hello
     ++counters_.earlier_incarnation;
     return false;
   }
-  // It no longer knows what it took of us.
+  // The source has forgotten which packets of this node it took.
   if (peers_.heard_hello(source, packet.hop(), hello, now) && !goes_on) transmit_.forgotten_by(source, now);
   return true;
 }
 
 // In an open chain a hello can be missed; the boot number in later beacons still tells of the restart. The first beacon
-// of a node is no sign of one. (ours, protocol.md section 4.10)
+// that is heard of a node does not. (ours, protocol.md section 4.10)
 bool Membership::heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now) {
   const NodeId source = packet.source();
   if (!memory_.meet_beacon(source, beacon.boot, now)) {
@@ -341,7 +340,8 @@ void Membership::beacon_changed(Time now) {
     send_beacon(now);
 }
 
-// Beacons go round together: a quiet ring wakes each node once for all of them. (ours, protocol.md section 8.2)
+// Sends the own beacon with that of another node if it is due soon: then a quiet ring wakes each node once for all
+// beacons. (ours, protocol.md section 8.2)
 void Membership::send_beacon_along(Time now) {
   if (!beacon_.out && beacon_.due <= now + settings_.beacon / 2) send_beacon(now);
 }

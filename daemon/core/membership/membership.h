@@ -43,9 +43,9 @@ class Membership {
   /// Nodes in the ring, from the HOP of own packets that came home; 0 while none has.
   unsigned ring_size() const { return ring_size_; }
   const Peers& peers() const { return peers_; }
-  /// As the node behind it, or that node itself, says. Nothing where the ring is whole as far as is known.
+  /// The broken line, as the node behind it says, which may be this node; nothing if no break is known.
   std::optional<BrokenLine> broken_line() const { return break_.line(); }
-  /// Its hello has been home since it started, or started over: packets of users are taken.
+  /// The own hello has come home since the node started, or started over: packets of users are taken.
   bool joined() const { return joined_; }
   /// Users may send.
   bool accepts_sends() const { return state_ == NodeState::open_chain || closed(); }
@@ -56,12 +56,12 @@ class Membership {
   void input_lost(Time now);
   void output_up(NodeId to, bool folded, Time now);
   void output_lost(Time now);
-  /// Who is next on the first line, also while the second stands for it.
+  /// The neighbours on the first line, also while the second line stands for it.
   void set_neighbours(NodeId before, NodeId next) {
     input_.neighbour = before;
     output_.neighbour = next;
   }
-  /// The second line stands for the input, for the output (fold_back.h).
+  /// Whether the second line stands for the input, and for the output (fold_back.h).
   void set_folded(bool input, bool output, Time now);
   ///@}
 
@@ -72,16 +72,16 @@ class Membership {
   /// A control packet of another node, before Receive decides on it.
   /// @return false where it is of an earlier incarnation of its source, and says nothing
   bool heard(const wire::PacketFields& packet, Time now);
-  /// A retry of a source that has not been heard since this node started: its first try may have been taken before. The
-  /// source may not know of that start: it was in the other part of a ring that was broken twice. (ours,
-  /// protocol.md section 4.10)
+  /// True for a retry of a source that has not been heard since this node started: the node may have taken its first
+  /// try before that start. The source may not know of the start if it was in the other part of a ring that was broken
+  /// twice. (ours, protocol.md section 4.10)
   bool is_unheard_nodes_retry(const wire::PacketFields& packet);
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);
   /// An own packet came home with a good CRC, whether it matched anything or not.
   void own_seen(const wire::PacketFields& packet, bool matched, Time now);
-  /// An own packet came home with that HOP from a ring that has grown together out of two parts: nodes of the
-  /// other part may have missed hellos, so their verdict may be on an older packet of the same number. One node
+  /// True if an own packet that came home with that HOP shows that two parts of a ring have grown together. Nodes of
+  /// the other part may have missed hellos, so their verdict may be on an older packet with the same number. One node
   /// more is no merger: it was alone, has forgotten everything and says hello itself. (ours, protocol.md section 4.10)
   bool has_merged(std::uint8_t hop, Time now) const {
     return merged_ || (settings_.fold_back && ring_size_ != 0 && hop > ring_size_ && now < fold_over_);
@@ -114,15 +114,15 @@ class Membership {
  private:
   /// What can change the state.
   enum class Input : std::uint8_t {
-    both_lines_up,    ///< one of them has just come up
+    both_lines_up,    ///< both are up, and one has just come up
     both_lines_lost,  ///< since an own packet last came home: this node was bypassed, perhaps it was only frozen
     hello_home,
     hello_lost,  ///< both lines are up
     hello_lost_no_line,
     own_packet_home,
     own_control_home,  ///< a hello or beacon with the present boot number
-    numbers_due,       ///< used up, or worth nothing since two parts of the ring have grown together
-    break_known,       ///< and nothing is folded around it
+    numbers_due,       ///< new ones: the old are used up, or two parts of the ring have grown together
+    break_known,       ///< of a line around which nothing is folded
     drained,           ///< the open chain is closed again, and nothing old is under way
     duplicate_id
   };
@@ -211,7 +211,7 @@ class Membership {
 
   bool joined_ = false;
   bool hello_out_ = false;
-  bool renumbering_ = false;      ///< that hello, out or to come, begins new numbers
+  bool renumbering_ = false;      ///< the hello that is out, or comes next, begins new numbers
   bool merged_ = false;           ///< with another part of the ring: numbers start again at 0
   unsigned duplicate_signs_ = 0;  ///< since an own packet last came home
 

@@ -1,20 +1,20 @@
-// Membership's part in a broken ring. What is left of it is an open chain, in which everything goes on and nothing is
-// confirmed; a fold closes it again. (ours, protocol.md sections 8.3, 8.4 and 8.12)
+// Membership's part in a broken ring. What is left of the ring is an open chain: everything goes on, nothing is
+// confirmed. A fold closes the ring again. (ours, protocol.md sections 8.3, 8.4 and 8.12)
 #include "core/membership/membership.h"
 
 namespace limb_ring::core {
 
 // ---- broken lines ---------------------------------------------------------------------------
 
-// The input stays lost while the output is up: a broken line, and not that this node was bypassed.
+// An input that stays lost while the output is up is a broken line: a node that is bypassed loses both.
 void Membership::watch_for_break(Time now) {
   if (input_.folded && break_.is_own()) return;
   const bool lost = input_.state == wire::LinkState::silent || input_.folded;
   if (lost && output_.up() && break_due_ == kNever) break_due_ = now + settings_.break_grace;
 }
 
-// The node behind the break knows at once; after a grace for the bypass it announces it. (ours, protocol.md
-// section 8.3)
+// The node behind a break sees the loss at once. It announces the break only after break_grace, since a bypass may mend
+// it. (ours, protocol.md section 8.3)
 void Membership::own_input_broken(Time now) {
   break_due_ = kNever;
   break_.found(input_.neighbour);
@@ -24,7 +24,7 @@ void Membership::own_input_broken(Time now) {
     break_known(now);
 }
 
-// The last node of the chain belongs to it too, though its output may be gone; but no node joins without an output.
+// The last node of the chain belongs to it even if its output is gone. But a node that has not joined yet needs one.
 void Membership::break_known(Time now) {
   if (accepts_sends() || output_.up()) on(Input::break_known, now);
 }

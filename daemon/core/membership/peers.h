@@ -64,7 +64,7 @@ class Peers {
     peer.hop = hop;
     peer.heard_at = now;
   }
-  std::vector<Peer> peers_ = std::vector<Peer>(256);  ///< apart from what every hop needs
+  std::vector<Peer> peers_ = std::vector<Peer>(256);  ///< on the heap: kept away from what every hop reads
 };
 
 }  // namespace limb_ring::core

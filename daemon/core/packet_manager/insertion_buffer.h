@@ -13,8 +13,8 @@ namespace limb_ring::core {
 /// A DATP that Relay has handed to the Packet Manager, perhaps still coming in.
 struct RelayedPacket {
   enum class State : std::uint8_t { receiving, complete, aborted } state = State::receiving;
-  Time arrived{};          ///< its header came in: its place in the order
-  Time tail_at{};          ///< its end came in
+  Time arrived{};          ///< when its header came in: decides the order
+  Time tail_at{};          ///< when its end came in
   std::uint16_t size = 0;  ///< bytes that have come in
   std::array<std::uint8_t, wire::kMaxDataPacketSize> bytes;
 
@@ -25,8 +25,8 @@ struct RelayedPacket {
 };
 
 /// Where relayed DATPs wait while the line is taken (paper: "the other waits in a buffer").
-/// Bounded in bytes: one DATP of the largest size is enough while nothing is lost, many small ones
-/// as well, and each copy of an own packet in flight adds one. (ours, protocol.md section 2.5)
+/// Bounded in bytes: room for one DATP of the largest size is enough while nothing is lost, also for
+/// many small ones; each further copy of an own packet in flight adds one. (ours, protocol.md section 2.5)
 class InsertionBuffer {
  public:
   /// @param capacity DATPs of the largest size
@@ -36,7 +36,7 @@ class InsertionBuffer {
   /// No room for a DATP of the largest size: how long one will be is not known when it begins.
   bool full() const { return bytes_ + wire::kMaxDataPacketSize > most_bytes_; }
   std::size_t count() const { return packets_.size(); }
-  /// Of all of them, also of what has left of the front one.
+  /// Bytes of all packets in it, with those of the front one that have left already.
   std::size_t bytes() const { return bytes_; }
   RelayedPacket& front() { return packets_.front(); }
   const RelayedPacket& front() const { return packets_.front(); }
@@ -45,11 +45,11 @@ class InsertionBuffer {
   RelayedPacket& push(Time now) {
     RelayedPacket& slot = packets_.push();
     slot.state = RelayedPacket::State::receiving;
-    slot.arrived = slot.tail_at = now;  // nothing is left of who was in the slot before: replays compare it
+    slot.arrived = slot.tail_at = now;  // nothing of the slot's last packet stays: replays compare it
     slot.size = 0;
     return slot;
   }
-  /// So many more bytes of the last one have come in.
+  /// `bytes` more bytes of the last packet have come in.
   void grow(std::size_t bytes) {
     back().size = static_cast<std::uint16_t>(back().size + bytes);
     bytes_ += bytes;

@@ -16,7 +16,7 @@ PacketManager::PacketManager(const Settings& settings, Transmit& transmit, Count
 
 // ---- from Relay ---------------------------------------------------------------------------
 
-// Nothing else is on it, or asks for it.
+// Nothing else is on the line, or asks for it.
 bool PacketManager::line_is_free(Time now) const {
   return !paced() && ready_ && !is_open_ && buffer_.empty() && interrupts_.empty() && transmit_.data.ready_at() > now &&
          transmit_.interrupts.ready_at() > now;

@@ -27,15 +27,15 @@ class PacketManager {
 
   /// @name From Relay: one DATP at a time, whole or begin, words, end or abort; HOP, FBC and CRC are Relay's
   ///@{
-  /// Room for one more of the largest size; where there is no output, none is needed.
+  /// One more DATP of the largest size fits; without an output none is kept, so one always does.
   bool has_room() const { return !output_up_ || !buffer_.full(); }
   const InsertionBuffer& insertion_buffer() const { return buffer_; }
   /// Where a DATP is to be put.
   struct Place {
     std::uint8_t* bytes;  ///< null where there is no output: it is dropped
-    bool on_line;         ///< the line was free, so that it is on it already
+    bool on_line;         ///< true: the line was free, and the DATP is on it already
   };
-  /// A whole one, which the caller puts there before anything else is called.
+  /// A whole DATP of `size` bytes, which the caller puts there before it calls anything else.
   Place relay_whole(std::size_t size, Time now);
   /// One that comes in piece by piece. @return where its bytes are to be put; null where there is no output
   std::uint8_t* relay_begin(Time now);
@@ -95,8 +95,8 @@ class PacketManager {
 
   bool paced() const { return settings_.byte_time_out.count() != 0; }
   Duration bytes_time(std::size_t bytes) const { return settings_.byte_time_out * static_cast<std::int64_t>(bytes); }
-  /// How much later than on the input so many bytes may begin on the output, where that one is faster: no byte leaves
-  /// before it has come in. (ours, protocol.md section 6.4)
+  /// How much later than on the input a part of `bytes` bytes may begin on the output. If the output is faster, it has
+  /// to wait: no byte leaves before it has come in. (ours, protocol.md section 6.4)
   Duration lag(std::size_t bytes) const {
     return std::max(Duration{0}, settings_.byte_time_in - settings_.byte_time_out) * static_cast<std::int64_t>(bytes);
   }
@@ -136,7 +136,7 @@ class PacketManager {
   bool receiving_ = false;  ///< buffer_.back() is still coming in
   bool is_open_ = false;
   Open open_;
-  Time free_at_{};  ///< header, INTP or tail on the line is through
+  Time free_at_{};  ///< when the header, INTP or tail on the line is through
 };
 
 }  // namespace limb_ring::core

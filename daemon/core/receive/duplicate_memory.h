@@ -11,10 +11,10 @@ namespace limb_ring::core {
 /// Exactly once: a receiver remembers, per (SID, kind, unicast or broadcast), the last sequence
 /// number it decided, and its verdict. Links keep order, so the last one is enough. (ours, protocol.md section 4.10)
 ///
-/// Numbers hold within one incarnation of their source. Each packet says of which it is (Code), so nothing
-/// depends on whether a hello was heard in time: a later one makes the receiver forget the former, and of an
-/// earlier one no packet is taken. Two bits tell apart the one before, this one and the next two; hellos
-/// and beacons say the whole boot number. (ours, protocol.md section 4.8)
+/// Numbers are valid within one incarnation of their source. Each packet shows its incarnation (Code), so nothing
+/// depends on whether a hello was heard in time: a later incarnation makes the receiver forget the one before, and
+/// packets of an earlier one are not taken. The two bits in a packet distinguish the incarnation before the known one,
+/// the known one, and the next two; hellos and beacons carry the whole boot number. (ours, protocol.md section 4.8)
 class DuplicateMemory {
  public:
   enum class Verdict : std::uint8_t { none, taken, refused };
@@ -24,7 +24,7 @@ class DuplicateMemory {
   explicit DuplicateMemory(Duration horizon) : horizon_(horizon) {}
 
   /// A packet of that incarnation came.
-  /// @return false where it is of an earlier one than is known: not to be taken
+  /// @return false if a later incarnation of its source is known: the packet must not be taken
   bool meet(wire::NodeId source, wire::Incarnation incarnation) {
     Source& s = sources_[source];
     switch (s.known ? (incarnation - s.incarnation) & 3 : 2) {
@@ -40,15 +40,15 @@ class DuplicateMemory {
     s.incarnation = incarnation;
     return true;
   }
-  /// A hello of that boot number came. Nothing else of its incarnation comes before it.
-  /// @return false where it is of an earlier incarnation than is known
+  /// A hello with that boot number came. It is the first packet of its incarnation.
+  /// @return false if a later incarnation of its source is known
   bool meet_hello(wire::NodeId source, std::uint64_t boot) {
     return meet_boot(source, boot, [](Source& s) { s = {}; });
   }
-  /// A beacon of that boot number came. Where its hello was missed, other packets of this incarnation may have come
-  /// before: what was decided of them stays. Where the two bits are those of the last one that was heard of, four
-  /// incarnations ago, nobody can tell whose it was: retries of what was decided just now are still known.
-  /// @return false where it is of an earlier incarnation than is known
+  /// A beacon with that boot number came. If its hello was missed, other packets of this incarnation may have come
+  /// before the beacon: verdicts on them stay. But if the last hello or beacon heard had the same two bits, it is at
+  /// least four incarnations old, and nobody can tell to which one a verdict belongs: recent ones stay, for retries.
+  /// @return false if a later incarnation of its source is known
   bool meet_beacon(wire::NodeId source, std::uint64_t boot, Time now) {
     return meet_boot(source, boot, [&](Source& s) {
       if (s.incarnation != wire::incarnation_of(boot)) s = {};
@@ -67,9 +67,9 @@ class DuplicateMemory {
     sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict, false};
   }
 
-  /// For a node that was bypassed: numbers of data may have wrapped meanwhile, and are forgotten. INTPs are taken while
-  /// the own hello is out, and until it is home a source may repeat what was taken before: a first try is new from now
-  /// on, a retry is still known.
+  /// For a node that was bypassed. Numbers of DATPs may have wrapped meanwhile, and are forgotten. INTPs are taken even
+  /// while the own hello is out, and until it is home a source may repeat one that was taken before: from now on a
+  /// first try of an INTP is new, a retry is still known.
   void start_over(Time now) {
     for (Source& source : sources_) {
       source.entries[0] = source.entries[1] = {};
@@ -90,7 +90,7 @@ class DuplicateMemory {
 
  private:
   static constexpr int kTries = 4;
-  /// Boot numbers that are lower by so few are of earlier incarnations; by more: the node's clock was set back.
+  /// A boot number that is lower by at most this is of an earlier incarnation; by more: the node's clock was set back.
   static constexpr std::uint64_t kEarlier = 1000;
 
   struct Entry {
@@ -128,7 +128,7 @@ class DuplicateMemory {
     s.boot = boot;
     return true;
   }
-  /// First tries are new from now on; retries are known where all tries of one packet may not be over yet.
+  /// From now on first tries are new. Retries stay known as long as a try of the same packet may still come.
   void age(Source& s, Time now) const {
     for (Entry& e : s.entries) {
       if (now - e.decided > kTries * horizon_) e = {};

@@ -21,7 +21,7 @@ class Pins {
   std::uint8_t pass(const wire::PacketFields& packet, Time at) {
     return membership_.is_unheard_nodes_retry(packet) ? packet.fbc() : offer(packet, at);
   }
-  /// The same of any INTP, an own one to this node too, when nothing else speaks against it.
+  /// The part of pass() that applies to an own INTP to this node, too. @param at when its last bit is in
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
 
  private:

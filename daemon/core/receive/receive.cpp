@@ -41,7 +41,7 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
   const auto least = [&](std::size_t value) {
     return static_cast<std::uint8_t>(std::min<std::size_t>(packet.fbc(), value));
   };
-  // Hellos and beacons may be taken twice, since they say the same; a verdict on an older packet must not keep them
+  // Taking a hello or beacon twice does no harm; but a verdict on an older packet with its number must not keep it
   // out.
   if (wire::is_control(packet)) {
     memory_.remember(packet.source(), packet.code(), broadcast, Verdict::taken, at);

@@ -41,7 +41,7 @@ class Receive {
   /// A packet of another node, with a good CRC, passes.
   /// @return the FBC it goes on with
   std::uint8_t pass(const wire::PacketFields& packet, Time at);
-  /// The same of any packet, an own one to this node too, when nothing else speaks against taking it.
+  /// The part of pass() that applies to an own packet to this node, too. @param at when its last bit is in
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
 
   /// The next packet for the CPU, highest priority first. @return false where none is there yet

@@ -9,19 +9,19 @@
 
 namespace limb_ring::core {
 
-/// The DATP that is coming in slice by slice. Receive needs it whole, since DID and CRC come last (ours); where Relay
-/// passes it on, its bytes lie in the buffer in which that one waits, so that it is copied once.
+/// The DATP that is coming in slice by slice. Receive needs it whole, since DID and CRC come last (ours). If Relay
+/// passes it on, its bytes lie in its slot of the insertion buffer, so that they are copied only once.
 class Incoming {
  public:
   bool open() const { return open_; }
   Time last_slice() const { return last_slice_; }
-  /// With the HOP it came with; its HOP may have been counted up already for its way on.
+  /// Its bytes, with the HOP that it came with: in place, HOP may have been counted up already for the next node.
   wire::ByteView bytes() {
     place_[wire::field::kHop] = hop_;
     return {place_, size_};
   }
 
-  /// @param place room for the largest DATP, valid until it is closed; null: its own
+  /// @param place room for the largest DATP, valid until close(); null: use a buffer of its own
   void begin(wire::ByteView bytes, Time now, std::uint8_t* place) {
     open_ = true;
     size_ = 0;
@@ -29,8 +29,8 @@ class Incoming {
     place_ = place ? place : own_.data();
     append(bytes, now, wire::kMaxDataPacketSize);
   }
-  /// @param most bytes of it that may have come in then
-  /// @return false where it would be longer
+  /// @param most bytes that it may have with these
+  /// @return false if it would have more; nothing is added then
   bool append(wire::ByteView bytes, Time now, std::size_t most) {
     if (size_ + bytes.size > most) return false;
     std::memcpy(place_ + size_, bytes.data, bytes.size);
@@ -39,11 +39,11 @@ class Incoming {
     return true;
   }
   void close() { open_ = false; }
-  /// Where its bytes lie. @return the largest DATP has room
+  /// Where its bytes lie; the largest DATP has room there.
   std::uint8_t* place() { return place_; }
 
   /// archive.h
-  /// @param place of the packet that it is passed on as, whose bytes may lie there; or null
+  /// @param place where its bytes lie if it is passed on (PacketManager::receiving_place()); or null
   template <class Archive>
   void archive(Archive& a, std::uint8_t* place) {
     bool is_own = !open_ || place_ == own_.data() || place == nullptr;
@@ -54,7 +54,7 @@ class Incoming {
   }
 
  private:
-  /// It is passed on no more where its output was lost: then its bytes still lie where they were.
+  /// If the output was lost, the packet is not passed on any more, but its bytes still lie in its slot: moves them.
   void move_to(std::uint8_t* place) {
     if (open_ && place != place_) std::memcpy(place, place_, std::min(size_, wire::kMaxDataPacketSize));
     place_ = place;

@@ -121,7 +121,7 @@ void Relay::on_more(ByteView bytes, Time now) {
   if (append(bytes, now, most) && fate_ == Fate::pass_on) packet_manager_.relay_words(bytes.size);
 }
 
-// An `end` slice comes as the last odd bytes, trailer and CRC begin on the line; they are in a few byte times later.
+// An `end` slice comes when its bytes (last odd bytes, trailer, CRC) begin on the line; they are in at `at`.
 void Relay::on_end(ByteView bytes, Time now) {
   if (!append(bytes, now, wire::kMaxDataPacketSize)) return;
   const PacketFields packet{incoming_.bytes()};

@@ -15,9 +15,9 @@
 namespace limb_ring::core {
 
 /// Relay: passes every incoming packet on with HOP + 1, and discards a packet whose SID is its own. (paper) It puts
-/// together what comes in slice by slice, judges it as soon as its header is in, and gives what goes on HOP, FBC and
-/// CRC. Receive and the pins work on the same input (paper) and say the FBC. What becomes of orphans, whose source can
-/// no longer discard them, is ours (protocol.md sections 2.2 and 4.9).
+/// the slices of a packet together, judges it as soon as its header is in, and sets HOP, FBC and CRC of what it passes
+/// on. Receive and the pins work on the same input (paper) and determine the FBC. How it treats orphans, whose source
+/// can no longer discard them, is ours (protocol.md sections 2.2 and 4.9).
 class Relay {
  public:
   Relay(const Settings& settings, PacketManager& packet_manager, Receive& receive, Pins& pins, Returns& returns,
@@ -42,8 +42,8 @@ class Relay {
     successor_ = successor;
     bypassed_ = between(settings_.id, successor);
   }
-  /// What comes in was turned back at `node`. Nodes between it and this one are beyond the break: what still comes of
-  /// them has passed here before the line broke. Nothing: the input is the first line. (ours,
+  /// What comes in was turned back at `node`; nothing: the input is the first line. Nodes between `node` and this one
+  /// are beyond the break: packets of theirs that still come have passed here already, before the line broke. (ours,
   /// protocol.md section 4.9)
   void set_turned_back_at(std::optional<NodeId> node) {
     if (turned_back_at_ == node) return;

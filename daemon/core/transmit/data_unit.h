@@ -20,19 +20,19 @@ class DataUnit final : public SendUnit {
   Reject enqueue(const SendRequest& request, Time now);
   /// Hello or beacon: a broadcast on channel 1, before everything else.
   void enqueue_control(wire::ByteView message, std::uint32_t token, Time now);
-  /// Takes the NC's own packets out of the queue, without an end. @pre !busy()
+  /// Removes the NC's own packets from their queue; they get no outcome. @pre !busy()
   void drop_control() {
     jobs_ -= queues_[kControlQueue].size();
     queues_[kControlQueue].clear();
   }
 
-  /// Since when (or from when on) it asks for the line; kNever where it does not.
+  /// When it began, or will begin, to ask for the line; kNever: it does not.
   Time ready_at() const {
     if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since();
     if (flight_.phase() == Flight::Phase::out || jobs_ == 0) return kNever;
     return next_ready();
   }
-  /// The line is its own: the packet that goes now. @pre ready_at() <= now
+  /// It gets the line. @return the packet that goes now. @pre ready_at() <= now
   wire::ByteView start(Time now);
 
   void handle_timeout(Time now) {
@@ -40,7 +40,7 @@ class DataUnit final : public SendUnit {
   }
   Time deadline() const { return any_waits() ? waiting_deadline() : try_deadline(); }
 
-  /// As SendUnit's; what was refused ends too if it may have been taken before.
+  /// As SendUnit::forgotten_by(); also ends a refused send of which an earlier try may have been taken.
   void forgotten_by(NodeId peer, Time now);
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
   void cancel(Owner owner, Time now);
@@ -62,7 +62,7 @@ class DataUnit final : public SendUnit {
   struct JobState : Send {
     std::uint8_t pri = 0;
     Time not_before{};   ///< held back after a refusal
-    Duration backoff{};  ///< next hold
+    Duration backoff{};  ///< how long the next refusal holds it back
     Time refused_until = kNever;
     std::uint16_t size = 0;
   };
@@ -87,7 +87,7 @@ class DataUnit final : public SendUnit {
 
   /// True where something waits for the line, or for its time.
   bool any_waits() const { return jobs_ > (flight_.phase() == Flight::Phase::out ? 1u : 0u); }
-  /// Its front waits for the line, or for its time.
+  /// The front of `queue` waits for the line, or for its time, with no try out or to be repeated.
   bool front_waits(std::size_t queue) const { return !queues_[queue].empty() && (flight_.idle() || queue != current_); }
   Time next_ready() const;
   Time front_ready(std::size_t queue) const;
@@ -102,7 +102,7 @@ class DataUnit final : public SendUnit {
   void end_overdue(Time now);
   Time waiting_deadline() const;
   void end_waiting(Queue& queue, Outcome outcome, Time now);
-  /// What waited behind a head that is gone is due from now on, not since it was asked for.
+  /// The head of `queue` is gone: the send behind it is due from now on, not since it was asked for.
   static void hold_next(Queue& queue, Time now);
 
   std::array<Queue, kQueues> queues_;

@@ -18,13 +18,13 @@ class InterruptUnit final : public SendUnit {
   /// @return Reject::none where it was queued; its SendEnded comes later
   Reject enqueue(const InterruptRequest& request, Time now);
 
-  /// Since when (or from when on) it asks for the line; kNever where it does not.
+  /// When it began, or will begin, to ask for the line; kNever: it does not.
   Time ready_at() const {
     if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since();
     if (flight_.phase() == Flight::Phase::out || queue_.empty() || gate_ != Gate::open) return kNever;
     return std::max(queue_.front().asked, free_at_);
   }
-  /// The line is its own: the packet that goes now. @pre ready_at() <= now
+  /// It gets the line. @return the packet that goes now. @pre ready_at() <= now
   wire::ByteView start(Time now);
 
   void handle_timeout(Time now) {

@@ -7,8 +7,8 @@
 
 namespace limb_ring::core {
 
-/// Own packets that have come home. The return is the acknowledgement (paper); its HOP says how many nodes the ring
-/// has, and what this node never sent tells of a duplicate id. (ours, protocol.md sections 4.2, 4.7 and 8.6)
+/// Own packets that have come home. The return is the acknowledgement (paper). Its HOP says how many nodes the ring
+/// has. A packet that this node never sent is a sign of a duplicate id. (ours, protocol.md sections 4.2, 4.7 and 8.6)
 class Returns {
  public:
   Returns(const Settings& settings, Transmit& transmit, Membership& membership, Receive& receive, Pins& pins,
@@ -20,7 +20,7 @@ class Returns {
         pins_(pins),
         counters_(counters) {}
 
-  /// @param good its CRC and trailer are
+  /// @param good its CRC and trailer are right
   void data(const wire::PacketFields& packet, bool good, Time at);
   void interrupt(const wire::PacketFields& packet, bool good, Time at);
   /// A DATP came home, but not as a whole.

@@ -53,7 +53,7 @@ bool SendUnit::returned(const wire::PacketFields& packet, std::uint8_t fbc, bool
   return true;
 }
 
-// What the FBC says of one try says nothing of an earlier one that may have been taken.
+// The FBC of one try says nothing about an earlier try, which may have been taken.
 void SendUnit::decide(std::uint8_t fbc, Time at) {
   const Duration round_trip = at - flight_.sent_at();
   const bool sure = !outstanding().repeated;

@@ -24,18 +24,18 @@ class SendUnit {
 
   void set_gate(Gate gate, Time now) {
     gate_ = gate;
-    free_at_ = std::max(free_at_, now);  // what waited at it asks for the line now, not when it was asked for
+    free_at_ = std::max(free_at_, now);  // what waited at the gate asks for the line only from now on
   }
   /// Open chain: nothing returns, so every send ends `unconfirmed` as it leaves, at a pace.
   void set_open_chain(bool open, Time now);
 
   /// True while a packet is out, or waits for its retry.
   bool busy() const { return !flight_.idle(); }
-  /// It is what was sent last, and not home yet. @pre its CRC is good
+  /// `packet` is what was sent last, and is not home yet. @pre its CRC is good
   bool expects(const wire::PacketFields& packet) const { return flight_.is_return(packet); }
-  /// An own packet came home with a good CRC; `fbc` what the receivers wrote.
-  /// @param doubtful the FBC proves nothing (Membership::has_merged): it ends lost
-  /// @return true where it was the one outstanding
+  /// An own packet came home with a good CRC; `fbc`: what the receivers wrote.
+  /// @param doubtful the FBC proves nothing (Membership::has_merged): the send ends lost, if it is a user's
+  /// @return true if it was the packet outstanding
   bool returned(const wire::PacketFields& packet, std::uint8_t fbc, bool doubtful, Time at);
   /// An own packet came home damaged or broken off: a failed try.
   void returned_damaged(Time at);
@@ -73,12 +73,12 @@ class SendUnit {
   /// Takes it out of its queue.
   virtual void pop_outstanding() = 0;
   virtual void count_return() = 0;
-  /// All receivers that took it were full. @return true where it goes again later
+  /// It came home refused (FBC 0). @return true if it goes again later
   virtual bool goes_again(Time at) = 0;
   /// Where the end of a send is told.
   virtual void give_out(const SendEnded& ended, Time at);
 
-  /// Puts its next try onto the line. In an open chain that is its end: it is not busy then.
+  /// Puts the next try onto the line. In an open chain the send ends with that, and busy() is false.
   wire::ByteView launch(Time now);
   void end_outstanding(Outcome outcome, Time at, Duration round_trip = Duration{0});
   /// Tells the result, if it was not told before.
@@ -91,7 +91,7 @@ class SendUnit {
   }
   Time overdue_at(const Send& send) const { return send.asked + settings_.queue_timeout; }
   void give_up(Time at);
-  /// What has had its result is not sent again, also where its retry waits for the line already.
+  /// A send that has its result already is not repeated, even if its retry waits for the line.
   void give_up_told_retry(Time now) {
     if (flight_.phase() == Flight::Phase::waiting && outstanding().told) give_up(now);
   }
@@ -106,7 +106,7 @@ class SendUnit {
   EventQueue& events_;
   Gate gate_ = Gate::closed;
   Flight flight_;
-  Time free_at_{};  ///< not before: the tail of the last return is in, or the gate was opened
+  Time free_at_{};  ///< nothing goes earlier: tail of the last return, gate opened, pace of an open chain
   SequenceNumbers numbers_;
 
  private:
