@@ -58,7 +58,7 @@ Bridge::Bridge(ros::NodeHandle nodes, Parameters parameters)
   status_.on_status([this](const RingStatus& status) { diagnostics_.take(status); });
   port_.start();
   status_.start();
-  // By the thread that serves the topics, since it is to show that this thread is alive.
+  // Called by the thread that serves the topics, because the sign of life is about this thread.
   alive_ = nodes_.createWallTimer(kAlive, [this](const ros::WallTimerEvent&) { port_.alive(); });
 }
 

@@ -16,10 +16,9 @@
 
 namespace limb_ring::bridge {
 
-/// Lets the time of a virtual ring go on as far as `/clock` has come, which somebody else publishes (Gazebo, rosbag
-/// play
-/// --clock): `ringctl up --clock follow`. 0 of the ring's clock is the first `/clock` that was heard; where that
-/// stands, the ring does. Where it jumps back the ring goes on from where it is, and its stamps follow `/clock`.
+/// Lets the time of a virtual ring (`ringctl up --clock follow`) go on as far as `/clock`, which somebody else
+/// publishes (Gazebo, rosbag play --clock). The first `/clock` that is heard is 0 of the ring's clock. While `/clock`
+/// stands, so does the ring. If it jumps back, the ring goes on from where it is, and its stamps follow `/clock`.
 class ClockFollower {
  public:
   /// @param daemon says how to reach the daemon of the bridge's node; its role is ignored @param clock outlives this
@@ -29,10 +28,10 @@ class ClockFollower {
  private:
   void on_clock(const rosgraph_msgs::Clock& message);
   void run();
-  /// The next time that has not been passed on; nothing where this ends.
+  /// Waits for a `/clock` that has not been passed on yet, in ns; nothing when this object is being destroyed.
   std::optional<std::int64_t> await_time();
   void pass_on(HostPort& port, std::int64_t time_ns);
-  /// Of a bridge that was here before.
+  /// Takes over the zero and the allowed time that a previous bridge has set.
   void take_over(HostPort& port);
 
   ConnectOptions daemon_;

@@ -51,7 +51,7 @@ class CommandIn {
   /// Any thread: ends a latched stop of a node; `done` is called once, from the ring thread.
   /// False where the ring thread has too much to do.
   bool resume(std::uint8_t node, RingPort::OnResult done);
-  /// Any thread: somebody would send commands on that topic, one of `bridge: {lockstep}`.
+  /// Any thread: whether that topic, one of `bridge: {lockstep}`, has a publisher.
   bool has_sender(const std::string& topic) const { return subscribers_.at(topic).getNumPublishers() != 0; }
   /// The full name of that topic.
   std::string resolved(const std::string& topic) const { return subscribers_.at(topic).getTopic(); }

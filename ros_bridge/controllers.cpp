@@ -32,7 +32,8 @@ Controllers::Controllers(const config::RingConfig& ring, RingPort& port, JointDa
   commands_.on_heard([this](const CommandIn::Heard& command) { on_command(command); });
 }
 
-/// roscpp knows a publisher before that knows us: it would publish its first answer to nobody.
+/// roscpp counts a publisher before that has connected to us, so its first answer could go to nobody. Therefore both
+/// ends are asked.
 bool Controllers::are_there() {
   const auto arrives = [this](const Controller& controller) {
     return commands_.has_sender(controller.topic) &&
@@ -41,7 +42,7 @@ bool Controllers::are_there() {
   return joints_.is_heard() && std::all_of(controllers_.begin(), controllers_.end(), arrives);
 }
 
-/// Once: the first joint states are for them already.
+/// Called once, before the first joint states, since the controllers must hear these already.
 void Controllers::await_first() {
   if (!port_.in_lockstep() || awaited_first_) return;
   if (!are_there() && !std::exchange(told_, true))
@@ -50,7 +51,7 @@ void Controllers::await_first() {
         "most",
         topics().c_str(), static_cast<long long>(kFirstWithin.count() / 1000));
   const Held held = port_.hold_time_until([this] { return are_there(); }, kFirstWithin);
-  if (held == Held::let_go) return;  // the next joint states are the first then
+  if (held == Held::let_go) return;  // we wait again before the next joint states
   awaited_first_ = true;
   if (held == Held::fulfilled) return;
   if (!joints_.is_heard()) ROS_WARN("bridge.lockstep: nobody hears joint_states");
@@ -58,7 +59,8 @@ void Controllers::await_first() {
     if (!commands_.has_sender(controller.topic)) give_up(controller, kFirstWithin);
 }
 
-// An answer comes after the joint states: where a node has fallen silent, two of them in a row may have the same stamp.
+// `answered` is cleared here because an answer must come after the joint states. Stamps alone do not show that: if a
+// node has fallen silent, two joint states in a row may have the same stamp.
 void Controllers::await_answers(ros::Time stamp) {
   if (!port_.in_lockstep() || !awaited_first_) return;
   awaited_ = stamp;

@@ -13,9 +13,9 @@
 
 namespace limb_ring::bridge {
 
-/// The controllers that a virtual ring's time waits for (`bridge: {lockstep}`), one for each topic of joint commands:
-/// it stands from joint_states until each has answered them. One that does not is named, and not waited for again until
-/// its next command. Ring thread only.
+/// The controllers that a virtual ring's time waits for (`bridge: {lockstep}`), one for each topic of joint commands.
+/// After each joint_states, time stands until all have answered. A controller that does not is named in a warning, and
+/// is not waited for again until its next command. Ring thread only.
 class Controllers {
  public:
   /// All outlive this. Before the port starts.

@@ -13,7 +13,7 @@
 namespace limb_ring::bridge {
 
 /// Turns what daemons tell an observer (daemon/host/requests.md) into typed events. Two of them concern the
-/// whole ring and come of what all daemons say together: a fault located, the ring healed.
+/// whole ring and are derived from the reports of all daemons: a fault located, the ring healed.
 class EventConversion {
  public:
   explicit EventConversion(const config::RingConfig& ring) : ring_(ring) {}

@@ -7,8 +7,8 @@
 
 namespace limb_ring::bridge {
 
-/// What was seen by the daemon of `node`, as a message; what was left out is not filled in. A node that
-/// is not configured goes by its id. Fields that the packet did not come to are 0.
+/// A packet that the daemon of `node` has captured, as a message; what was left out is not filled in. A node that
+/// is not configured is named by its id. Fields beyond the end of a cut-off packet are 0.
 Frame to_frame(const CapturedPacket& packet, const config::NodeConfig& node, const config::RingConfig& ring);
 
 }  // namespace limb_ring::bridge

@@ -4,8 +4,8 @@
 
 namespace limb_ring::bridge {
 
-/// Names of frames as tf is to know them: behind the parameter `tf_prefix`, where one is set in this node's namespace
-/// or above, as robot_state_publisher has it. So two robots of one URDF have frames of their own.
+/// Names of frames for tf: with the parameter `tf_prefix` in front, if it is set in this node's namespace or above, as
+/// in robot_state_publisher. So two robots with the same URDF have frames of their own.
 class FrameNames {
  public:
   /// Asks the parameter server.

@@ -44,7 +44,7 @@ void LineHealth::note_growth(CounterGrowth& counters, const NodeStatus& node, Cl
 LineHealth::Finding LineHealth::finding() const {
   if (said_broken_) return {Level::ERROR, "broken (or " + from_.name + " does not send)"};
   if (!is_known(before_) && !is_known(behind_)) return {Level::STALE, "neither end is known"};
-  // The receiving end knows best; of a node on another host the sending end tells.
+  // The receiving end knows best. If it is not known (on another host), the sending end tells.
   const bool by_input = is_known(behind_);
   const bool up = by_input ? behind_.input_state == "up" : before_.output_state == "up";
   if (!up) return {Level::ERROR, (by_input ? to_.name + " has no input" : from_.name + " has no output")};

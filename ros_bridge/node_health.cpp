@@ -58,7 +58,7 @@ void NodeHealth::take(const RingStatus& ring, Clock::time_point now) {
   heard_at_ = now;
 }
 
-// A daemon on this host is asked itself; of another host's the beacons tell, and they may be old.
+// A daemon on this host answers itself. A node on another host is known only by its beacons, which may be old.
 bool NodeHealth::is_heard() const {
   if (status_.state.empty() || status_.state == "down") return false;
   return status_.pid != 0 || status_.beacon_age <= longest_silence_;
@@ -91,7 +91,7 @@ void NodeHealth::tell_node(DiagnosticStatusWrapper& out, Clock::time_point now) 
   if (is_heard()) {
     if (!is_well(status_.state)) out.mergeSummary(static_cast<unsigned char>(level_of(status_.state)), status_.state);
   } else if (!bridge_connected_) {
-    // Not Level::ERROR: nothing is known of this node, the bridge's own tells what is wrong.
+    // Not Level::ERROR: nothing is known of this node. The problem is reported at the bridge's own node.
     out.summary(Level::STALE, "nobody to ask: the bridge has no connection to its daemon");
   } else if (was_heard_) {
     out.summary(Level::ERROR, "down: not heard for " + seconds_ago(now - heard_at_));

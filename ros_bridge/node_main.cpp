@@ -28,7 +28,8 @@ int complain(const std::exception& error, int code) {
   return code;
 }
 
-/// The master would end that one, whoever is to start it again would end this one, and so on.
+/// Two nodes of one name would end each other for ever: the master ends the older one, and whatever restarts that one
+/// thereby ends this one.
 bool is_name_taken() {
   const std::string& name = ros::this_node::getName();
   if (!ros::service::exists(name + "/get_loggers", /*print_failure_reason=*/false)) return false;
@@ -37,7 +38,8 @@ bool is_name_taken() {
 }
 
 int run_or_complain(const NodeProgram& program) {
-  // ROS ends with the last NodeHandle, and rosconsole with it: this one lasts until the last message is out.
+  // When the last NodeHandle is destroyed, ROS shuts down, and rosconsole with it. This one keeps both alive until the
+  // last message is out.
   const ros::NodeHandle until_all_is_said;
   try {
     program.run();

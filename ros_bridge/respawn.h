@@ -4,8 +4,8 @@
 
 namespace limb_ring::bridge {
 
-/// Runs `program` in a child process, and again whenever that ends: a reset of its node kills a bridge.
-/// roslaunch's own respawn would start one with wrong parameters for ever.
+/// Runs `program` in a child process, and again whenever that ends, since a reset of its node kills a bridge.
+/// roslaunch's own respawn would also restart, for ever, a bridge with wrong parameters.
 ///
 /// Ends where this process is asked to (SIGINT, SIGTERM, SIGHUP: passed on to the child), and where the
 /// child ends with 2: with wrong parameters another try would end the same way.

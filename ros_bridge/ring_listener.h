@@ -14,8 +14,8 @@
 
 namespace limb_ring::bridge {
 
-/// Observes daemons on this host, as any tool may, for as long as it lives: a thread of its own. A
-/// daemon that is gone, or not there yet, is looked for ten times a second; on another host it never is found.
+/// Observes daemons on this host, as any tool may, in a thread of its own until it is destroyed. A daemon
+/// that is gone, or not there yet, is tried ten times a second; one on another host is never found.
 class RingListener {
  public:
   /// What came of a node, Disconnected included; called from the listening thread.

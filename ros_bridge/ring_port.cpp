@@ -179,7 +179,7 @@ RingPort::Clock::time_point RingPort::next_deadline() const {
   return deadline;
 }
 
-// In lockstep what is posted waits for the next turn, a millisecond of the ring's time later at most.
+// In lockstep posted work does not wake this thread: it waits for the next turn, at most 1 ms of ring time later.
 void RingPort::wait_for_something() {
   if (in_lockstep()) {
     if (!more_to_take_) message_ = port_->receive(std::max<Clock::duration>(0ns, next_deadline() - now()));

@@ -51,8 +51,8 @@ class RingPort {
   void on_connection(OnConnection handler) { connection_.push_back(std::move(handler)); }
   /// Called on a virtual ring alone, each millisecond of its time, and where tell_time() asks for it.
   void on_time(std::function<void(std::chrono::nanoseconds)> handler) { time_ = std::move(handler); }
-  /// Called at absolute deadlines of now(), after everything that has come in was taken: what has arrived
-  /// while this process was not scheduled is not judged as missing.
+  /// Called at absolute deadlines by now(), but only after everything that has come in was taken, so that what
+  /// arrived while this process was not scheduled is not taken for missing.
   /// @param phase so long after the multiples of the period on now(); none: counted from the start
   void every(Clock::duration period, std::function<void()> tick, std::optional<std::chrono::nanoseconds> phase = {});
   void start();
@@ -68,16 +68,17 @@ class RingPort {
 
   /// Ring thread only: the steady clock's time, or the ring's where that is virtual.
   Clock::time_point now() const;
-  /// Any thread: the clock of what is published. On a virtual ring it is as far as the ring thread has seen.
+  /// Any thread: the clock for stamps of what is published. On a virtual ring it shows the time that the ring thread
+  /// has last seen.
   RosClock& ros_clock() { return ros_clock_; }
   const RosClock& ros_clock() const { return ros_clock_; }
   /// Ring thread only: the stamp of what came at that time of the steady clock: since 1970, or now() on a virtual ring.
   std::int64_t stamp_of(Clock::time_point came) const;
   enum class Held : std::uint8_t { fulfilled, in_vain, let_go };
-  /// Ring thread only: waits, in real time, until `condition` holds, which posted work may bring about; the ring's time
-  /// stands meanwhile. In vain where it did not within `patience`; let go where somebody keeps a TimeGoesOn.
+  /// Ring thread only: waits, in real time, until `condition` holds; the ring's time stands meanwhile, and posted work
+  /// is done. @return in_vain after `patience`; let_go if somebody keeps a TimeGoesOn
   Held hold_time_until(const std::function<bool()>& condition, std::chrono::milliseconds patience);
-  /// While one is kept, the ring's time is not held: for who waits for something that takes the ring's time.
+  /// While one exists, the ring's time is not held. For callers that wait for something that takes ring time.
   class TimeGoesOn {
    public:
     explicit TimeGoesOn(RingPort& port);
@@ -89,7 +90,7 @@ class RingPort {
     RingPort& port_;
   };
 
-  /// Ring thread only: before something is published. on_time() is called, unless it was in this instant.
+  /// Ring thread only, before something is published: calls on_time()'s handler, unless it was called in this instant.
   void tell_time();
 
   /// Ring thread only: the ring is virtual, and its time stands while this thread acts.

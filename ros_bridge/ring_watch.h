@@ -21,8 +21,8 @@ class RingWatch {
   /// `daemon` says how to reach the daemon of the bridge's own node; its role is ignored.
   RingWatch(const config::RingConfig& ring, const ConnectOptions& daemon);
 
-  /// What the own node and the beacons that it hears tell about states, CPUs and boots, as text: poll() is worth its
-  /// cost only where this has changed. Empty where the own daemon is silent.
+  /// States, CPUs and boots as text, as told by the own node and the beacons that it hears. The costlier poll() is
+  /// needed only when this has changed. Empty if the own daemon does not answer.
   std::string digest();
   /// All configured nodes, in ring order.
   std::vector<NodeStatus> poll();

@@ -8,8 +8,8 @@
 
 namespace limb_ring::bridge {
 
-/// Stamps of what the bridge publishes: by the machine's clock, on a virtual ring by that, and where that follows an
-/// outer clock by the outer one. Any thread.
+/// The clock for stamps of what the bridge publishes: the machine's, on a virtual ring the ring's, and if that follows
+/// an outer clock, the outer one. Any thread.
 class RosClock {
  public:
   static constexpr std::int64_t kMachine = -1;

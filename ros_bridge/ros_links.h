@@ -6,13 +6,13 @@
 
 namespace limb_ring::bridge {
 
-/// Whether the connections between this ROS node and those that hear a topic of it and answer on another are in place
-/// at both ends: what a node publishes before its end is, is lost. One thread.
+/// Checks the connections between this ROS node and nodes that hear one of its topics and answer on another. They must
+/// be in place at both ends: what a node publishes before its own end is connected is lost. One thread.
 class RosLinks {
  public:
   /// @param heard, answered topics, resolved names
-  /// @return true where somebody publishes `answered`, everybody who does has his connection to this node, and hears
-  /// `heard`, unless he has not subscribed to it within a second. It takes up to half a second for each of them.
+  /// @return true if somebody publishes `answered`, and each such node is connected to this one and hears `heard`. A
+  /// node that has not subscribed to `heard` within a second need not hear it. Takes up to half a second per node.
   bool answers_arrive(const std::string& heard, const std::string& answered);
 
  private:

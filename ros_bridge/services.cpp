@@ -33,7 +33,8 @@ std::string known_nodes(const config::RingConfig& ring) {
 
 double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
-/// As asked for; 0 is the usual one. rosservice takes a whole number for nanoseconds, which nobody means here.
+/// The time-out that was asked for; 0: the usual one. Very short ones are refused: rosservice reads a whole number as
+/// nanoseconds, which nobody means here. @throw std::invalid_argument
 milliseconds timeout_of(const ros::Duration& asked, std::chrono::seconds usual) {
   if (asked.isZero()) return usual;
   if (asked.toSec() < kShortest || asked.toSec() > kLongest)
@@ -58,7 +59,7 @@ void fill(Response& response, const std::string& outcome, double round_trip, con
 // Whatever goes wrong becomes the answer: a service that just fails gives its caller no reason.
 template <typename Response, typename Call>
 bool answered(RingPort& port, Response& response, Call call) {
-  const RingPort::TimeGoesOn time_goes_on(port);  // also where it waits for a controller: what is asked for takes time
+  const RingPort::TimeGoesOn time_goes_on(port);  // even if it is held for a controller, as calls take ring time
   try {
     call();
   } catch (const std::exception& error) {

@@ -16,8 +16,8 @@ NodeStatus unheard_node(const config::NodeConfig& node);
 /// of another type leave the field as it is.
 void merge_status_row(const nlohmann::json& row, NodeStatus& status);
 
-/// Fills in what the beacons of a node told another: an entry of a row's `heard`. A node heard
-/// of no longer than `fresh` ago, but whose own row could not be had, is `up`.
+/// Fills in what another node has heard in this node's beacons: an entry of that row's `heard`. If the
+/// node's own row is missing, but it was heard no longer than `fresh` ago, its state is `up`.
 void merge_beacon(const nlohmann::json& heard, std::chrono::milliseconds fresh, NodeStatus& status);
 
 }  // namespace limb_ring::bridge

@@ -9,8 +9,8 @@
 namespace limb_ring::bridge {
 
 /// The services of this node, each under two names: the node's own (`ring_bridge/stop`), which nobody else has, and the
-/// short one of its namespace (`stop`). Where another node that lives offers the short one, it is left to that node:
-/// the master would take it away without a word.
+/// short one of its namespace (`stop`). If another living node offers the short name already, it keeps it: the master
+/// would otherwise take it away from that node without a message.
 class TwoNames {
  public:
   /// @param nodes of the short names; calls come by its queue

@@ -20,16 +20,17 @@ struct KnownStop {
   StopState state = StopState::unknown;
 };
 
-/// A node on another host tells by its beacons whether it has stopped, and not whether its pin was pulled.
-/// @param age of the stop: a pin that was pulled longer ago was pulled by another one
-/// @param delivered it came home: all pins were pulled
+/// What is known of each node. The beacons of a node on another host say whether it has stopped, but not whether its
+/// pin was pulled.
+/// @param age of the stop; a pin that was pulled longer ago was pulled by an earlier stop
+/// @param delivered the INTP came home, so all pins were pulled
 std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, std::chrono::milliseconds age,
                                    bool delivered = false);
 
-/// Polls until every CPU that was told says that it has stopped, for 1 s at most; for 200 ms of one that was not
-/// reached: in an open chain a stop may still be under way.
+/// Polls for 1 s at most, until every CPU that was told says that it has stopped. Waits at most 200 ms for a node that
+/// was not reached: in an open chain a stop may still be under way.
 /// @param sent when the stop was asked for
-/// @param delivered it came home
+/// @param delivered the INTP came home
 std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
                                       std::chrono::steady_clock::time_point sent, bool delivered);
 

@@ -16,17 +16,19 @@ struct ResetQuery {
   std::chrono::milliseconds timeout{3000};
 };
 
-/// How many times the target's CPU has booted, as far as a row tells: its own, or one that has lately heard it.
+/// How many times the target's CPU has booted, as told by its own status row or by that of a node that has heard its
+/// beacon in the last second.
 std::optional<std::uint32_t> boots_in(const nlohmann::json& row, std::uint8_t target);
 
-/// Who sends so that the INTP arrives in an open chain: the node behind the break reaches all others.
+/// The node that should send. In an open chain, if the sender is free: the node behind the break, which reaches all
+/// others.
 std::uint8_t best_sender(const Rows& rows, const ResetQuery& query);
 
-/// Where the daemon that sent cannot know what has become of it, by what the others see: the answer with `success`,
-/// `effect`, `message` and `seen_by` as they are then. @param before rows from before the reset
+/// Corrects an answer in which the sending daemon does not know the effect: if other rows show that the CPU has booted
+/// again, sets `success`, `effect`, `boots`, `message` and `seen_by`. @param before rows from before the reset
 nlohmann::json judged(nlohmann::json answer, const ResetQuery& query, const Rows& before, const Rows& now);
 
-/// Resets, and waits until it is known what has become of it, for `timeout` and a little more.
+/// Resets, and waits until the effect is known: at most for `timeout` and a little more.
 /// @return the daemon's answer to the request `reset`; effect "seen", "none" or "unknown"
 /// @throw HostPortError where the daemon does not answer, or says that it cannot be done
 nlohmann::json reset_node(ResetQuery query);

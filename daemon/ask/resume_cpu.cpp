@@ -16,7 +16,7 @@ Result resume_cpu(HostPort& port, std::uint8_t node, std::chrono::milliseconds t
   command.resume = true;
   command.stamp_ns = port.stamp().count();
   command.valid_for_us = static_cast<std::uint32_t>(kValidFor.count());
-  const auto bytes = payload::encode(command);  // no joints: nothing in it that could not be written
+  const auto bytes = payload::encode(command);  // cannot fail: it names no joints
   return port.wait(port.send(node, *bytes, kPriority, payload::kJointChannel), timeout);
 }
 

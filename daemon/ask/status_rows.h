@@ -9,7 +9,7 @@
 
 namespace limb_ring::ask {
 
-/// What a daemon is given to answer, where rows are asked for again and again.
+/// How long a daemon may take to answer when rows are polled.
 constexpr std::chrono::milliseconds kRowTimeout{500};
 
 struct Node {
@@ -25,7 +25,7 @@ Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::c
 /// The same of all daemons on this host.
 Rows status_rows_here(const std::string& ring, std::chrono::milliseconds timeout);
 
-/// What the newest beacon of a node says that a daemon of this host has lately heard (`heard` in its row); null where
+/// The newest beacon of a node that a daemon of this host has lately heard (an entry of `heard` in its row); null if
 /// none has.
 nlohmann::json lately_heard(const Rows& rows, std::uint8_t node);
 

@@ -15,7 +15,7 @@ std::optional<cpu_set_t> cores_for(Pinning pinning);
 /// How many cores this process may use.
 unsigned core_count();
 
-/// Holds the calling process there.
+/// Pins the calling process to these cores; nothing: leaves it free.
 void stay_on(const std::optional<cpu_set_t>& cores);
 
 }  // namespace limb_ring::bench

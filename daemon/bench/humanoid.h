@@ -7,11 +7,11 @@
 
 namespace limb_ring::bench {
 
-/// Writes the humanoid's file with other rates.
+/// Writes a copy of the humanoid's file with other rates.
 /// @param state_rate Hz, of its limb nodes
-/// @param bridge the section `bridge` begins so, such as "rate: 1000"
-/// @return the file's path
-/// @throw std::runtime_error where that file has changed
+/// @param bridge text for the beginning of the section `bridge`, such as "rate: 1000"
+/// @return the copy's path
+/// @throw std::runtime_error if the humanoid's file no longer has the text that is to be replaced
 std::string write_humanoid(const Setup& setup, const live::PrivateFolder& folder, unsigned state_rate,
                            const std::string& bridge);
 

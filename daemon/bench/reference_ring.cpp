@@ -56,7 +56,7 @@ void write_all(int fd, const std::uint8_t* bytes, std::size_t size) {
   }
 }
 
-/// Nobody begins before all are there: a first lap would be as long as starting them takes.
+/// Waits until all have started: otherwise the first lap would include the time that this takes.
 void meet(std::atomic<unsigned>& started, unsigned all) {
   ++started;
   while (started < all) std::this_thread::yield();

@@ -44,7 +44,7 @@ class ChainEnds {
     publisher_.publish(message_);
   }
 
-  // A relay connects to the next one only when something has come: until all have, go on trying.
+  // A relay connects to the next one only when a first message has come, so we publish until one has passed all.
   void knock(const ros::WallTimerEvent&) {
     if (!running_ || Samples::Clock::now() - sent_ > std::chrono::seconds(1)) publish();
   }

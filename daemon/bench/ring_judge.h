@@ -14,7 +14,7 @@ class RingJudge {
  public:
   /// Returns when it watches all nodes. @throw std::runtime_error where that takes too long
   RingJudge(const Setup& setup, const PrivateRing& ring, Pinning pinning);
-  /// @throw std::runtime_error where it found a promise broken, which is none of a measurement's
+  /// @throw std::runtime_error if it found a broken promise: the measurement is void then
   void require_kept() const;
 
  private:

@@ -40,7 +40,7 @@ std::string write_keyed(const live::PrivateFolder& folder, unsigned nodes, const
   return write_ring(folder.path() + '/' + name + " keyed.yaml", nodes, "links: {key: '" + key + "'}\n");
 }
 
-/// As many as have a core each; 0: this machine has none for them.
+/// How many nodes can have a core each; 0: this machine has too few cores.
 unsigned spin_nodes(const Setup& setup) {
   const unsigned nodes = std::min(core_count(), setup.nodes);
   return nodes < 2 ? 0 : nodes;

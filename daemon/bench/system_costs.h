@@ -2,7 +2,7 @@
 
 namespace limb_ring::bench {
 
-/// What this machine charges for what every message between processes is made of, both on one core; us.
+/// What the basic steps of a message between two processes cost on this machine, both on one core, in us.
 struct SystemCosts {
   double system_call = 0;  ///< the smallest there is: getppid()
   double process_switch =

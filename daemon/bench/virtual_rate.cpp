@@ -25,14 +25,14 @@ using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
 constexpr const char* kRing = "bench-virtual";
-/// From the ring's start, in its time: it is closed by then, and every CPU runs.
+/// Ring time from its start after which it is closed and every CPU runs.
 constexpr std::chrono::milliseconds kJoined{100};
 constexpr std::uint32_t kValidForUs = 100'000;
-/// Of real time: a daemon may take so long to start, and to end.
+/// Real time that a daemon may take to start, and to end.
 constexpr std::chrono::seconds kStart{10};
 constexpr std::chrono::milliseconds kEndsWithin{2000};
 
-/// Real time by the ring's: one that takes longer is given up.
+/// Real time per ring time; a run that is slower is given up.
 constexpr double kSlowest = 50;
 
 double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }

@@ -65,7 +65,7 @@ void Connection::flush() {
     const auto status = socket_.write(left, written);
     done += written;
     if (status == UnixSocket::Status::done) deadline = {};
-    // A write that fails may find a last word of the daemon to read; read() ends it all.
+    // If the write fails, the daemon may have left a last message: read() takes it and ends the connection.
     if (status == UnixSocket::Status::closed) read();
     if (status == UnixSocket::Status::closed) lose(kDaemonGone);
     if (status != UnixSocket::Status::would_block) continue;
@@ -76,7 +76,7 @@ void Connection::flush() {
   if (alive_period_.count() > 0) last_written_ = now();
 }
 
-/// Reads meanwhile: a daemon that waits for us to read must not wait for ever.
+/// Reads while it waits: otherwise we and a daemon that waits for us to read would block each other.
 void Connection::wait_to_write(Clock::time_point deadline) {
   const short events = socket_.wait(POLLIN | POLLOUT, deadline);
   if (events == 0) lose("the daemon has not read for 5 s");
@@ -98,7 +98,7 @@ void Connection::sleep_until(std::chrono::nanoseconds time) {
   for (read(); connected_ && now() < time; read()) wait_until(time);
 }
 
-// For as long as it takes: other programs may be debugged.
+// Without a time-out: another program of the ring may be stopped in a debugger.
 void Connection::await_turn() {
   while (connected_ && !my_turn_) {
     socket_.wait(POLLIN, Clock::time_point::max());

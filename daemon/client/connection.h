@@ -35,18 +35,18 @@ class Connection {
     if (credit_owed_ > 0) append(out_, Credit{std::exchange(credit_owed_, std::uint16_t{0})});
     flush();
   }
-  /// A new token. Where the connection has ended, its end is in the inbox at once.
+  /// Registers a call and returns its token. If the connection has ended, the call's end is in the inbox at once.
   std::uint32_t begin(Pending::Ends ends);
   /// Ends a call without asking the daemon: a Result `rejected`, or a Reply holding the error.
   void reject(std::uint32_t token, const std::string& reason, Reason why = Reason::none);
 
   /// Reads what has come into the inbox, at most 64 kB.
   void read();
-  /// Waits until something can be read, or until `until` by now().
+  /// Waits until something can be read, or until now() reaches `until`.
   void wait_until(std::chrono::nanoseconds until);
-  /// Reads until now() is that.
+  /// Reads until now() reaches `time`.
   void sleep_until(std::chrono::nanoseconds time);
-  /// The clock of what waits here: the ring's in lockstep, else the machine's.
+  /// The clock by which this connection waits: the ring's in lockstep, else the machine's.
   std::chrono::nanoseconds now() const;
   ClockKind clock() const { return clock_; }
   std::optional<Message> take();

@@ -52,7 +52,7 @@ class FrameWriter {
   FrameWriter& u64(std::uint64_t value);
   /// 16 bits of length, then the text; what is beyond 65535 bytes is cut off.
   FrameWriter& text(std::string_view value);
-  /// All that is left of the frame.
+  /// Appends `bytes` without a length; the last field, as it takes all that is left of the frame.
   FrameWriter& rest(wire::ByteView bytes);
   FrameWriter& rest(std::string_view text);
 

@@ -18,7 +18,7 @@ using client::Pending;
 namespace {
 
 constexpr std::chrono::hours kLongest{24 * 365};
-/// A virtual clock that does not wait for us is asked so often, and answers within that.
+/// How often we ask a virtual clock that does not wait for us; it answers within kClockAnswer.
 constexpr std::chrono::milliseconds kPoll{1};
 constexpr std::chrono::seconds kClockAnswer{5};
 constexpr std::string_view kNow = "\"now_ns\":";
@@ -32,7 +32,7 @@ std::chrono::nanoseconds at_most_longest(std::chrono::milliseconds timeout) {
 struct HostPort::Impl {
   explicit Impl(client::Connection opened) : connection(std::move(opened)) {}
 
-  /// Begins a call and sends it. Whether its arguments are right, the daemon says.
+  /// Begins a call and sends it. The daemon checks the arguments.
   template <typename Request>
   std::uint32_t call(Request request) {
     request.token = connection.begin(Pending::Ends::with_result);
@@ -40,7 +40,7 @@ struct HostPort::Impl {
     return request.token;
   }
 
-  /// Reads until `taken` gives something or the time is over. What else comes stays in the inbox.
+  /// Reads until `taken` returns something or the deadline has passed. Other messages stay in the inbox.
   template <typename Taken>
   auto read_until(Taken taken, std::chrono::nanoseconds deadline) {
     for (;;) {
@@ -51,7 +51,7 @@ struct HostPort::Impl {
     }
   }
 
-  /// What does not take part in a virtual ring has to ask what time it is there.
+  /// The ring's time. A client that is not in lockstep with a virtual ring has to ask the daemon for it.
   std::chrono::nanoseconds now() {
     if (connection.clock() != client::ClockKind::ring) return connection.now();
     const std::uint32_t token = request(R"({"do": "clock"})");

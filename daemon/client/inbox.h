@@ -11,8 +11,8 @@ namespace limb_ring::client {
 
 /// What has come and was not yet taken by the application.
 ///
-/// Interrupts are handed out first. Everything else keeps its order of arrival, but where a
-/// packet's turn has come, it goes to the packet of the highest priority that is here.
+/// Interrupts are handed out first. Everything else keeps its order of arrival, except that a
+/// packet's place in that order is given to the packet of the highest priority that is here.
 /// Limits: packets by the credit granted to the daemon; Observed and CapturedPacket to 4096 each,
 /// those beyond are counted; the rest to 65536, see full().
 class Inbox {
@@ -31,7 +31,7 @@ class Inbox {
   std::optional<Result> take_result(std::uint32_t token);
   std::optional<Reply> take_reply(std::uint32_t token);
   bool empty() const;
-  /// The application has let so many results and interrupts lie that no more are taken in.
+  /// The application has left so many results and interrupts untaken that no more are accepted.
   bool full() const;
 
  private:

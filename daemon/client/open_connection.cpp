@@ -86,7 +86,7 @@ void refuse_foreign_daemon(const UnixSocket& socket, const std::string& path) {
   throw HostPortError(path + " is served by another user's process");
 }
 
-/// Connects; nothing where nobody listens yet, with `problem` saying so.
+/// Connects. @return nothing if nobody listens yet; `problem` then says so. @throw HostPortError for other errors
 std::optional<UnixSocket> open_socket(const Target& target, std::string& problem) {
   refuse_foreign_folder(target.rings);
   refuse_foreign_folder(target.directory);
@@ -103,7 +103,7 @@ std::optional<UnixSocket> open_socket(const Target& target, std::string& problem
   return std::nullopt;
 }
 
-/// One try; nothing where another may help.
+/// One attempt to connect and greet. @return nothing if a later one may succeed
 std::optional<Connection> try_once(const Target& target, const ConnectOptions& options, Clock::time_point deadline,
                                    std::string& problem) {
   std::optional<UnixSocket> socket = open_socket(target, problem);

@@ -8,14 +8,14 @@
 
 namespace limb_ring::client {
 
-/// Calls whose end has not come yet, by token. Each gets exactly one: the daemon's, or where the
+/// Calls that have not ended yet, by token. Each gets exactly one end: the daemon's, or if the
 /// connection ends first, one from here.
 class Pending {
  public:
   enum class Ends : std::uint8_t { with_result, with_reply };
 
   std::uint32_t add(Ends ends);
-  /// False where nothing of that token is outstanding: a second end, which is not passed on.
+  /// @return false if no such call is outstanding: this is a second end, which must not be passed on
   bool remove(std::uint32_t token) { return calls_.erase(token) > 0; }
   bool contains(std::uint32_t token) const { return calls_.count(token) > 0; }
   /// Ends one here: with that result, or a Reply holding its reason as its error.

@@ -32,7 +32,7 @@ std::optional<ToDaemon> read_greeting(FieldReader reader) {
   message.alive_period = std::chrono::milliseconds{reader.u32()};
   message.ring = reader.text();
   if (!magic || message.version == 0) return std::nullopt;
-  // A later version may say more; its number is what the daemon has to see then.
+  // A later version may have more fields. Its greeting is passed on all the same, so that the daemon can refuse it.
   const bool sound = reader.complete() && role <= static_cast<std::uint8_t>(Role::cpu);
   if (!sound && message.version == kHostPortVersion) return std::nullopt;
   return message;

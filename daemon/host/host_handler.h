@@ -31,7 +31,7 @@ class HostHandler {
  public:
   virtual ~HostHandler() = default;
 
-  /// A CPU in lockstep has greeted, and is attached when its boot is over in the ring's time.
+  /// A CPU in lockstep has greeted. It is attached when its boot time is over on the ring's clock.
   virtual void on_greeted(pid_t /*pid*/) {}
   /// A client has greeted. @return a reason to refuse it
   virtual std::optional<std::string> on_attach(const ClientInfo& client) = 0;
@@ -41,7 +41,7 @@ class HostHandler {
   virtual void on_interrupt(ClientId client, const client::InterruptRequest& request) = 0;
   virtual void on_pull(ClientId client, const client::PullRequest& request) = 0;
   virtual void on_request(ClientId client, const client::JsonRequest& request) = 0;
-  /// Whether such a request does more than to ask.
+  /// Whether such a request changes something, rather than only asking.
   virtual bool changes_something(const client::JsonRequest&) const { return false; }
   virtual void on_observe(ClientId client, const client::ObserveRequest& request) = 0;
   /// A sign of life: called for every message of a client, before the message's own call.

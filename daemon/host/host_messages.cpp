@@ -30,7 +30,7 @@ void HostServer::on_message(Session& session, const client::ToDaemon& message) {
   std::visit([&](const auto& kind) { on(session, kind); }, message);
 }
 
-/// The system may show a new CPU's greeting before the old one's end, both being there.
+/// If both are pending, the kernel may report a new CPU's greeting before the end of the old CPU's connection.
 void HostServer::free_cpu_slot_of_the_dead() {
   if (cpu_ && cpu_->hung_up()) {
     const SessionPtr dead = cpu_;

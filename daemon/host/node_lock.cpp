@@ -24,8 +24,8 @@ int open_lock_file(const std::string& path) {
   return fd;
 }
 
-/// A lock of the open file, and of a kind that others can ask about without taking it (live/lock_files.cpp): nobody who
-/// asks is taken for a holder.
+/// A lock of the open file (F_OFD_SETLK). Others can query it without taking it (live/lock_files.cpp), so that a
+/// process that only asks is never mistaken for a holder.
 bool try_lock(int fd) {
   struct flock whole_file {};
   whole_file.l_type = F_WRLCK;
@@ -68,7 +68,7 @@ void write_holder(int fd, const std::string& path) {
   if (!written) throw_errno("cannot write " + path);
 }
 
-/// 'ringctl down' removes the lock files of a ring that has ended, perhaps just after we opened ours.
+/// False if our file was removed: 'ringctl down' may do so, for a ring that has ended, just after we opened it.
 bool is_still_at(const std::string& path, int fd) {
   struct stat ours {
   }, there{};

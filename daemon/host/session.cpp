@@ -32,7 +32,8 @@ std::string reason_of(SessionOwner::End how) {
 
 bool not_now(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
-/// A poll() with a time-out has the kernel set a timer, which on a virtual machine costs more than all else.
+/// SO_RCVTIMEO in place of poll(): a poll() with a time-out makes the kernel set a timer, which on a virtual machine
+/// costs more than all else.
 void limit_wait(int socket, std::chrono::microseconds patience) {
   const timeval limit{0, static_cast<suseconds_t>(patience.count())};
   ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
@@ -55,7 +56,7 @@ void Session::wait_for_greeting() {
   greeting_timer_.expires_after(kGreetingDeadline);
   greeting_timer_.async_wait([self = shared_from_this()](boost::system::error_code error) {
     if (error || self->attached_) return;
-    if (self->frozen_) return self->wait_for_greeting();  // it may have greeted
+    if (self->frozen_) return self->wait_for_greeting();  // a greeting may be waiting unread
     self->fail(SessionOwner::End::never_greeted);
   });
 }
@@ -87,7 +88,7 @@ void Session::begin_turn(std::chrono::nanoseconds now) {
 void Session::end_turn(std::chrono::nanoseconds until) {
   has_turn_ = false;
   if (!std::exchange(waited_for_, true)) watch_.set_events(input_events());
-  // What has been gathered goes out with its next turn.
+  // Results that wait go out with the client's next turn, so that comes within kGatherResults.
   waits_until_ = queued() > 0 ? std::min(until, turns_->now() + kGatherResults) : until;
 }
 
@@ -125,7 +126,7 @@ void Session::thaw() {
   if (open()) watch_.call_again();
 }
 
-// The end is told once; what came before it may take more than one read.
+// epoll reports the end of the connection only once. What came before may take several reads, hence call_again().
 void Session::take(ssize_t got) {
   const bool ended = got == 0 || (got < 0 && !not_now(errno) && errno != EINTR);
   if (got > 0) in_.added(static_cast<std::size_t>(got));
@@ -191,7 +192,7 @@ void Session::tell_observed_lost() {
   if (lost > 0) put(ObservedLost{lost});
 }
 
-// A client in lockstep is sent it when its turn begins.
+// A client in lockstep gets its messages when its turn begins, not now.
 void Session::flush_soon() {
   if (turns_ != nullptr) {
     has_news_ = true;
@@ -242,7 +243,7 @@ void Session::wait_writable() {
   watch_.set_events(input_events() | EPOLLOUT);
 }
 
-/// Moving the rest to the front costs: done only where at least as much has gone.
+/// Moving the rest to the front is expensive, so it is done only when at least as much has been written.
 void Session::drop_written() {
   if (written_ < queued()) return;
   out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(written_));

@@ -23,7 +23,8 @@ class SessionOwner {
   virtual ~SessionOwner() = default;
   virtual void on_message(Session& session, const client::ToDaemon& message) = 0;
   enum class End : std::uint8_t { closed, garbage, never_greeted, too_slow };
-  /// Once, unless the owner ended it. May come from inside Session::put(): tell nobody else yet.
+  /// Called once, unless the owner ended the session. It may come from inside Session::put(), so the owner must not
+  /// tell anybody else yet.
   virtual void on_end(Session& session, End end) = 0;
 };
 
@@ -36,17 +37,17 @@ class Session : public std::enable_shared_from_this<Session> {
   static constexpr std::size_t kMaxQueued = 4 * 1024 * 1024;
   /// An Observed is left out where more than this is waiting.
   static constexpr std::size_t kMaxQueuedForObserved = 256 * 1024;
-  /// A captured packet is left out where it would be more than this: 25 ms of a ring at its
-  /// busiest, since an observer that is scheduled late must not lose for that alone.
+  /// A captured packet is left out if more bytes than this would be waiting: 25 ms of a ring at its
+  /// busiest, so that an observer loses nothing merely because it is scheduled late.
   static constexpr std::size_t kMaxQueuedForCaptured = 1024 * 1024;
-  /// Captured packets are gathered for so long, or until they are so many bytes: an observer that is
-  /// woken for every packet costs the ring more than all else about it.
+  /// Captured packets are gathered for this time, or until kCapturedLot bytes are waiting: waking an
+  /// observer for every packet would be its largest cost for the ring.
   static constexpr std::chrono::milliseconds kGatherCaptured{5};
-  /// So long may a result wait for what else is sent, where the client has said so.
+  /// A result may wait this long for other messages to be sent with it, if the client has allowed that.
   static constexpr std::chrono::milliseconds kGatherResults{20};
   static constexpr std::size_t kCapturedLot = 32 * 1024;
   static constexpr std::chrono::seconds kGreetingDeadline{2};
-  /// So long one client in lockstep is listened to before the others, which do not act, are looked at.
+  /// How long listen() waits for one client in lockstep before other work, such as the idle clients, has its turn.
   static constexpr std::chrono::milliseconds kPatience{2};
 
   /// @throw std::system_error where it cannot be waited for
@@ -65,28 +66,28 @@ class Session : public std::enable_shared_from_this<Session> {
   void put(const Kind& message) {
     if (append(message)) flush_soon();
   }
-  /// At once, or with what comes next, as the client has asked.
+  /// Sent at once, or together with later messages if the client has allowed that.
   void put_result(const Result& result);
   /// @return false where it was left out
   bool put_observed(const Observed& observed);
   bool put_captured(const client::CapturedView& packet);
 
-  /// @name A client in lockstep: it is sent what is for it when its turn begins, and acts until it ends that
+  /// @name A client in lockstep: it gets its messages when its turn begins, and acts until it ends the turn
   ///@{
   /// In nanoseconds of the ring's clock.
   void begin_turn(std::chrono::nanoseconds now);
   void end_turn(std::chrono::nanoseconds until);
   bool has_turn() const { return has_turn_; }
-  /// Something is there that it wants to know at once.
+  /// A message is waiting that the client should get at once.
   bool has_news() const { return has_news_; }
   std::chrono::nanoseconds waits_until() const { return waits_until_; }
-  /// Waits in real time until it says something, and takes that. @return false where nothing came within kPatience
+  /// Waits, in real time, for a message of the client and handles it. @return false if none came within kPatience
   bool listen();
-  /// It has taken too long: what it says is taken whenever it comes, and no more from listen() alone.
+  /// The client has taken too long. From now on its messages are read whenever they come, not only by listen().
   void wait_no_more();
   ///@}
 
-  /// Neither reads nor writes, until thaw(): then all at once.
+  /// Neither reads nor writes until thaw(), which handles everything that has piled up.
   void freeze() { frozen_ = true; }
   void thaw();
 
@@ -115,7 +116,7 @@ class Session : public std::enable_shared_from_this<Session> {
   }
   bool keeps_limit();
   void flush_soon();
-  /// At the latest in so long; what asks for less time takes along what may wait longer.
+  /// Flushes within `time`. An earlier deadline also sends everything that could have waited longer.
   void flush_within(std::chrono::milliseconds time);
   void flush();
   int write_now();  ///< 0, or the errno that stopped it
@@ -141,7 +142,7 @@ class Session : public std::enable_shared_from_this<Session> {
   TurnKeeper* turns_ = nullptr;  ///< of a client in lockstep
   bool greeted_ = false;         ///< and is not attached yet
   bool has_turn_ = false;
-  /// In lockstep: it is read by listen() alone, so that those who act at once are heard in their order.
+  /// In lockstep: only listen() reads it, so that clients acting in the same instant are heard in their order.
   bool waited_for_ = true;
   bool has_news_ = false;
   std::chrono::nanoseconds waits_until_ = std::chrono::nanoseconds::max();

@@ -9,7 +9,7 @@ namespace limb_ring::host {
 
 class Session;
 
-/// Whoever keeps the virtual clock that the clients of a host port in lockstep go by.
+/// Keeps the virtual clock for the clients of a host port that run in lockstep with it.
 class TurnKeeper {
  public:
   virtual ~TurnKeeper() = default;
@@ -23,8 +23,7 @@ class TurnKeeper {
   virtual void has_news() = 0;
   /// A client that the clock does not wait for has changed something.
   virtual void disturbed() = 0;
-  /// The CPU of a node can take so many packets more: the first time as many as it likes to have, later as many as it
-  /// has taken.
+  /// The CPU of a node can take `packets` more packets: the first time its whole window, later as many as it has taken.
   virtual void credited(std::uint8_t /*node*/, unsigned /*packets*/) {}
 };
 

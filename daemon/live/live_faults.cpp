@@ -71,7 +71,7 @@ std::vector<Begun> LiveFaults::begin(const Fault& fault) const {
   return begun;
 }
 
-// The ring does it to all nodes at one instant, keeps the notes, and thaws after a time of its own.
+// The virtual ring does it to all nodes at one instant, keeps the notes, and thaws by its own clock.
 std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault) const {
   daemons_.ask_ring({{"do", "fault"}, {"fault", fault::to_words(fault, daemons_.nodes())}});
   const bool comes_up = fault.name == Name::start || fault.name == Name::power_cycle;
@@ -111,8 +111,8 @@ void LiveFaults::note(wire::NodeId node, const std::string& words) const {
   if (!problem.empty()) throw NotDone("node " + daemons_.node(node).name + ": " + problem);
 }
 
-// Noted first, so that 'ringctl up --respawn' finds the note however soon it looks. The caller notes it again: who
-// lists the faults while the node is still alive removes the note.
+// The note is written before the kill, so that 'ringctl up --respawn' finds it however soon it looks. The caller writes
+// it again, because listing the faults while the node is still alive removes the note.
 void LiveFaults::kill(wire::NodeId node, const std::string& words) const {
   const bool first = !is_killed(daemons_.folder(), node);
   if (first) note(node, words);
@@ -133,13 +133,13 @@ void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
   remove_note(daemons_.folder(), node);  // last: without it 'ringctl up --respawn' would start a second daemon
 }
 
-// A frozen daemon cannot end it by itself, so the caller waits. It stays in the list meanwhile.
+// A frozen daemon cannot thaw itself, so the caller waits. The fault stays in the list meanwhile.
 void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const {
   std::this_thread::sleep_for(lasts);
   if (node_fault(node)) revive(node);
 }
 
-// Time may be slow there, or be made to stand.
+// Polled without a deadline: the ring's time may be slow or paused.
 void LiveFaults::wait_until_thawed(wire::NodeId node) const {
   while (daemons_.is_stopped(node)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
@@ -221,7 +221,7 @@ void LiveFaults::revive(wire::NodeId node) const {
 }
 
 void LiveFaults::clear_at(wire::NodeId node) const {
-  if (!daemons_.holder(node).held && !node_fault(node)) return;  // not there, and not by us
+  if (!daemons_.holder(node).held && !node_fault(node)) return;  // it does not run, and we did not kill it
   revive(node);
   daemons_.ask(node, {{"do", "clear_faults"}});
 }

@@ -28,7 +28,7 @@ std::vector<fs::path> files_in(const std::string& folder) {
   return files;
 }
 
-/// Whose lock file that is; nothing where it is none.
+/// The id of the node whose lock file this is; nothing if it is no lock file.
 std::optional<std::uint8_t> node_of(const fs::path& file) {
   const std::string digits = file.stem();
   const bool number =
@@ -68,7 +68,7 @@ bool are_of_virtual_ring(const std::vector<std::string>& arguments) {
   return as_two || has("--clock=virtual") || has("--clock=follow");
 }
 
-/// A virtual ring notes what holds of its nodes; empty: it runs.
+/// The fault that a virtual ring has noted for one of its nodes; empty: the node runs.
 std::string noted_fault(const std::string& folder, std::uint8_t node) {
   const auto note = note_of(folder, wire::NodeId{node});
   return note ? note->name() : "";

@@ -23,13 +23,14 @@ struct NodeNote {
 std::string write_note(const std::string& folder, wire::NodeId node, const std::string& words);
 void remove_note(const std::string& folder, wire::NodeId node);
 std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node);
-/// Whether the node's note says that it was killed. Then nobody but `fault start` is to start its daemon again.
+/// Whether the node's note says that it was killed. If so, only `fault start` may start its daemon again.
 bool is_killed(const std::string& folder, wire::NodeId node);
 
-/// Keeps who was killed on purpose, in ID.killed of the ring's folder; it stays when the node is started again, so that
-/// who looks only then knows that this daemon has not crashed. Written before the signal. @return as write_note
+/// Records in ID.killed, in the ring's folder, the pid of the daemon that is killed on purpose. The file stays when the
+/// node is started again, so that a program that looks only then does not report a crash. To be called before the
+/// signal is sent. @return as write_note
 std::string write_killed(const std::string& folder, wire::NodeId node, pid_t daemon);
-/// Whether that daemon is the one of the node that was killed on purpose last.
+/// Whether `daemon`, a pid, is the node's daemon that was last killed on purpose.
 bool was_killed(const std::string& folder, wire::NodeId node, pid_t daemon);
 
 }  // namespace limb_ring::live

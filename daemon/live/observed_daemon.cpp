@@ -28,7 +28,7 @@ ObservedDaemon::ObservedDaemon(const std::string& ring, std::uint8_t node, std::
   daemon_.timeout = kAnswers;
 }
 
-// One that is stopped would let us wait.
+// A frozen daemon is left out: it would keep us waiting.
 bool ObservedDaemon::look_for() {
   if (port_ || Clock::now() < next_try_) return connected();
   next_try_ = Clock::now() + kTriesAgain;

@@ -9,21 +9,21 @@
 
 namespace limb_ring::live {
 
-/// What a node's daemon lets see (`observe`), which may die, stand still and come back. (ours)
+/// The observations (`observe`) of one node's daemon, which may die, stop and come back. (ours)
 class ObservedDaemon {
  public:
   /// @param node its id
-  /// @param what it is asked to let see, in JSON
+  /// @param what is to be observed, in JSON
   /// @param runtime as ConnectOptions
   ObservedDaemon(const std::string& ring, std::uint8_t node, std::string what, const std::string& runtime = {});
 
   bool connected() const { return port_.has_value(); }
-  /// Looks for it, four times a second at most, and waits 200 ms at most for its answer. @return true where it is there
+  /// Tries to connect, at most four times a second, and waits at most 200 ms for an answer. @return true if connected
   /// now
   bool look_for();
-  /// The next of what it has let see. @return nothing where no more is there now, and where it is gone
+  /// The next observation. @return nothing if none is waiting, or the daemon is gone
   std::optional<std::string> next();
-  /// To be looked for again.
+  /// Drops the connection; look_for() makes a new one.
   void drop() { port_.reset(); }
   /// From its clock to dates since 1970. @pre connected()
   std::chrono::nanoseconds to_date() const { return port_->stamp() - port_->now(); }

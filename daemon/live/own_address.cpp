@@ -9,7 +9,7 @@
 
 namespace limb_ring::live {
 
-// By trying: 127.0.0.2 is no address that an interface has, and yet this machine's own.
+// Tries to bind rather than listing interfaces: no interface has 127.0.0.2, and yet it is this machine's own.
 bool is_own_address(const std::string& address) {
   addrinfo hints{};
   hints.ai_flags = AI_NUMERICHOST | AI_PASSIVE;

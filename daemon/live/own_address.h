@@ -4,7 +4,7 @@
 
 namespace limb_ring::live {
 
-/// Whether a process of this machine can listen at that address, in numbers: it is one of its own. (ours)
+/// Whether `address`, which must be numeric, is this machine's own: a process here can bind to it. (ours)
 bool is_own_address(const std::string& address);
 
 }  // namespace limb_ring::live

@@ -13,7 +13,8 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-/// What a dead daemon has written is all there; one that has closed its door goes on for a moment.
+/// Rounds in which a daemon's file is still read after its connection has ended: a daemon that closes its host port
+/// still writes for a moment. (A dead daemon has written all already.)
 constexpr int kLastRounds = 3;
 
 }  // namespace

@@ -12,10 +12,10 @@
 
 namespace limb_ring::live {
 
-/// Judges the promises of a living ring from what its daemons let see. Nodes may die, stand still and come back. (ours)
+/// Judges the promises of a living ring from its daemons' observations. Nodes may die, stop and come back. (ours)
 class PromiseWatch {
  public:
-  /// How often poll() is to be called; what breaks is told within a second.
+  /// The period at which poll() is to be called; a broken promise is reported within a second.
   static constexpr std::chrono::milliseconds kRound{50};
 
   struct Ring {
@@ -26,7 +26,7 @@ class PromiseWatch {
   };
   PromiseWatch(const Ring& ring, promises::PromiseJudge::OnBreach on_breach);
 
-  /// Looks at all nodes, and for those that are not there. May wait for 200 ms where one does not answer.
+  /// Reads from all connected nodes and looks for the others. May wait 200 ms for each that does not answer.
   void poll();
   /// Reads what is left, and judges it: some rounds more.
   void finish();

@@ -84,7 +84,7 @@ json RunningDaemons::ask_through(HostPort& port, const json& request) const {
 
 bool RunningDaemons::is_stopped(wire::NodeId id) const { return holder(id).frozen; }
 
-/// A signal would hit all of its nodes.
+/// On a virtual ring the process is asked to do it: a signal would hit all of its nodes.
 bool RunningDaemons::done_in_virtual_ring(fault::Name what, wire::NodeId id) const {
   if (!is_virtual()) return false;
   ask_ring({{"do", "fault"}, {"fault", fault::word_of(what).word + (' ' + node(id).number)}});

@@ -27,7 +27,7 @@ class RunningDaemons {
 
   /// One process has all nodes, on a virtual clock.
   bool is_virtual() const { return holder(nodes_.front().id).on_virtual_ring; }
-  /// Asks that process for something that is of no node alone. @pre is_virtual()
+  /// Sends that process a request that concerns the ring as a whole. @pre is_virtual()
   nlohmann::json ask_ring(const nlohmann::json& request) const;
 
   /// On a virtual ring the following four are done to the node in the simulation.

@@ -17,13 +17,13 @@ void Arrivals::taken(std::uint8_t id, const Observation& seen) {
     return findings_.break_promise(Promise::undamaged, id, seen.source, seen.at_ns,
                                    name_of(seen, seen.source) + ", was given to the CPU of node " + std::to_string(id));
   const Pending came{seen, ring_.round, node.life_of(seen.queue), node.empty_at};
-  // Behind one that waits for its cause others wait as well: their order is judged.
+  // While one waits for its send to be seen, later ones have to wait as well, because their order is judged.
   if (!node.pending.empty() || !match(id, came, false)) node.pending.push_back(came);
 }
 
-/// The first send of that content behind what this receiver took last. INTPs of one factor are all alike, so their
-/// order cannot be told; a pin is pulled at once, so rather one that has not ended, and one that ended long before only
-/// where all that can be its cause has been seen.
+/// The first send of this content after the send that the receiver took last. INTPs of one factor are all alike, so
+/// for a pin the order is unknown. As a pin is pulled at once, a send that is open or has just ended is preferred; one
+/// that ended long ago counts only when every possible cause has been seen.
 Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked) {
   if (flow == nullptr) return nullptr;
   const Observation& seen = came.seen;
@@ -43,8 +43,8 @@ Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& 
   return old;
 }
 
-// A pin does not tell whether the INTP was to all.
-/// @param all_asked what it is caused by has been seen, if that was asked for at all
+// A pulled pin does not show whether the INTP was a broadcast, so both flows are searched.
+/// @param all_asked its send, if there was one, has been seen by now
 bool Arrivals::match(std::uint8_t receiver, const Pending& came, bool all_asked) {
   const Observation& seen = came.seen;
   const auto next_to = [&](std::uint8_t destination) {
@@ -67,7 +67,7 @@ bool Arrivals::match(std::uint8_t receiver, const Pending& came, bool all_asked)
 
 void Arrivals::settle(std::uint8_t receiver) {
   auto& pending = ring_.at(receiver).pending;
-  std::bitset<kNodes * kQueues> waits;  // by source and queue: one of these does
+  std::bitset<kNodes * kQueues> waits;  // by source and queue: one of these still waits for its send
   for (std::size_t left = pending.size(); left != 0; --left) {
     const Pending next = pending.front();
     pending.pop_front();
@@ -83,7 +83,7 @@ void Arrivals::settle(std::uint8_t receiver) {
   }
 }
 
-/// No send can be under way that was not seen.
+/// True if no unseen send of that source can still have been under way.
 bool Arrivals::certain(std::uint8_t receiver, const Pending& pending) const {
   const SeenNode& from = ring_.at(pending.seen.source);
   const SeenNode& to = ring_.at(receiver);
@@ -106,8 +106,8 @@ void Arrivals::classify(std::uint8_t receiver, const Pending& pending) {
                               " node " + std::to_string(receiver) + ", and was not asked for");
 }
 
-/// What comes although everything of that content has come already, or should have come before.
-/// @return false where nothing of that content was asked for in that flow
+/// Reports something that came again although every send of its content was taken already, or that came out of order.
+/// @return false if nothing of that content was asked for in that flow
 bool Arrivals::judge_alike(std::uint8_t receiver, const Pending& came, Flow* from) {
   if (from == nullptr) return false;
   const Observation& seen = came.seen;

@@ -15,7 +15,7 @@ class Arrivals {
   void taken(std::uint8_t id, const Observation& seen);
   /// A broadcast has passed that node.
   void passed(std::uint8_t id, const Observation& seen);
-  /// What waited for its cause has it by now, or has none.
+  /// At the end of a round: matches what still waited for its send. What then has none after a whole round is judged.
   void settle(std::uint8_t receiver);
 
  private:

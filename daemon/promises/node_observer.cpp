@@ -48,7 +48,8 @@ void NodeObserver::say_it_goes_on(core::Time now) {
   sink_.put(seen);
 }
 
-// What is on the second line is only passed back there, but at a fold, of which this says nothing.
+// Packets on the second line are only passed back on it, so it is not observed. At a fold node that is not so: what it
+// receives there is not reported.
 void NodeObserver::see(const core::input::Receive& call, core::Time now) {
   if (call.line != core::Line::first) return;
   if (call.slice.kind == wire::SliceKind::whole || call.slice.kind == wire::SliceKind::interrupt)
@@ -154,7 +155,7 @@ void NodeObserver::taken(const core::ReceivedPacket& packet, core::Time now) {
   sink_.put(seen);
 }
 
-// Four tries, each of which may wait for the line, behind four of the send before it.
+// Four tries, each of which may wait for the line, after four tries of the previous send.
 nanoseconds longest_send(const core::Settings& settings) {
   const core::Duration tries = kTries * (settings.send_timeout() + settings.queue_timeout);
   return std::chrono::duration_cast<nanoseconds>(settings.queue_timeout + 2 * tries);

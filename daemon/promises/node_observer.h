@@ -16,8 +16,8 @@ class NodeObserver final : public core::Journal {
  public:
   /// @param settings,sink must outlive this
   /// @param zero the machine's time at 0 of the controller's
-  /// @param waiting packets in its receive buffers
-  /// @param goes_on so often it says that the node does, and whether the buffers are empty
+  /// @param waiting returns the number of packets in the receive buffers
+  /// @param goes_on how often it reports that the node goes on, and whether the receive buffers are empty
   NodeObserver(const core::Settings& settings, std::chrono::nanoseconds zero, std::function<std::size_t()> waiting,
                ObservationSink& sink, core::Duration goes_on = std::chrono::milliseconds(50));
 

@@ -22,7 +22,7 @@ namespace {
 constexpr std::array<char, 8> kRingMagic{'l', 'i', 'm', 'b', 's', 'e', 'e', '1'};
 /// Half a MiB: more than half a second of the fastest ring.
 constexpr std::size_t kCapacity = 16384;
-/// So many behind the newest are not read: they are being written.
+/// This many of the oldest records in the file are not read: the writer may be overwriting them.
 constexpr std::uint64_t kBeingWritten = 64;
 
 }  // namespace
@@ -47,7 +47,7 @@ MappedRing map_ring(int fd, int protection, const std::string& path) {
   return MappedRing(static_cast<ObservationRing*>(memory));
 }
 
-// Room is taken now: a disk that fills up later would end the daemon by SIGBUS.
+// Disk space is allocated now: if the disk filled up later, a write to the mapping would end the daemon by SIGBUS.
 MappedRing make_ring(const std::string& path) {
   ::unlink(path.c_str());
   const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -98,7 +98,7 @@ std::uint64_t ObservationReader::read(std::vector<Observation>& seen) {
   std::uint64_t from = count > kCapacity ? std::max(first, count - kCapacity + kBeingWritten) : first;
   for (std::uint64_t i = from; i < count; ++i) seen.push_back(ring_->all[i % kCapacity]);
   std::atomic_thread_fence(std::memory_order_acquire);
-  // What was overwritten while it was copied is no good.
+  // Drops what the writer has overwritten during the copy.
   const std::uint64_t now = ring_->count.load(std::memory_order_relaxed);
   const std::uint64_t good = now + kBeingWritten > kCapacity ? now + kBeingWritten - kCapacity : 0;
   if (good > from) {

@@ -15,8 +15,8 @@ struct UnmapRing {
 };
 using MappedRing = std::unique_ptr<ObservationRing, UnmapRing>;
 
-/// Where a node's observations are written: mapped memory of a bounded size, read by whoever watches. Who is too slow
-/// loses some, and sees that; the node never waits, and what it has written is there after it was killed. (ours)
+/// Where a node's observations are written: a mapped file of bounded size, for any number of readers. A reader that is
+/// too slow loses some, and knows how many. The node never waits, and what it has written survives a kill. (ours)
 class ObservationFile final : public ObservationSink {
  public:
   /// One that is there is replaced. @throw std::system_error

@@ -88,7 +88,7 @@ void PromiseJudge::see(std::uint8_t id, const Observation& seen) {
   }
 }
 
-// What it had decided of INTPs before it started over it may decide once more.
+// A node that has started over has forgotten its verdicts on INTPs, so it may pull a pin a second time.
 void PromiseJudge::changed_state(std::uint8_t id, std::uint8_t after) {
   SeenNode& node = ring_.at(id);
   node.state = after;

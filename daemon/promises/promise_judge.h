@@ -10,9 +10,9 @@ namespace limb_ring::promises {
 /// most once and in order, pins are pulled once, nothing circles. It is told what was seen at each node, living or
 /// recorded.
 ///
-/// It compares no clocks of two nodes. Observations come in rounds: what a node has seen by the end of one round has
-/// its causes at other nodes, and these have been seen by the end of the next. So whoever calls it reads in each round
-/// from every node all there is, or in order of time where the clock is one. (ours)
+/// It never compares the clocks of two nodes. Observations come in rounds: for all that was seen at a node by the end
+/// of one round, the causes at other nodes have been seen by the end of the next. So in each round the caller must pass
+/// on everything that each node has, or, if all nodes share a clock, everything in order of time. (ours)
 class PromiseJudge {
  public:
   using OnBreach = Findings::OnBreach;
@@ -27,7 +27,7 @@ class PromiseJudge {
   void see(std::uint8_t node, const Observation& seen);
   /// Observations of that node are missing here.
   void lost(std::uint8_t node, std::uint64_t count);
-  /// Its daemon has gone, or will: more of it may still be read, and another life of it may send already, unseen.
+  /// Its daemon has ended or is ending. More of its observations may follow, and its next life may already send unseen.
   void closes(std::uint8_t node) { ring_.at(node).closing = true; }
   /// It is dead; all there was has been told.
   void ends(std::uint8_t node);

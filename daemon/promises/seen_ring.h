@@ -51,7 +51,7 @@ struct Sent {
     ended_round = round;
     ended_at = at;
   }
-  /// Nobody will say how.
+  /// Ends it although its result will never be seen.
   void cut(Round round, std::int64_t at) {
     end(wire::Outcome::cancelled, round, at);
     cut_short = true;
@@ -71,7 +71,7 @@ struct Flow {
   }
 };
 
-/// What was taken, and whose send has not been found yet.
+/// Something that was taken, but whose send has not been found yet.
 struct Pending {
   Observation seen;
   Round round;

@@ -34,7 +34,7 @@ void Sends::asked(std::uint8_t id, const Observation& seen) {
   ring_.active.push_back(&to);
 }
 
-/// The flows that a send which has ended may be in; visit(flow) returns true where it wants no more of them.
+/// Visits the flows in which a send that has ended may be. visit(flow) returns true to stop.
 template <class Visit>
 bool Sends::any_flow(std::uint8_t id, const Observation& ended, Visit visit) {
   const bool interrupt = ended.queue == Observation::kInterrupt;
@@ -61,7 +61,7 @@ void Sends::ended(std::uint8_t id, const Observation& seen) {
   sent->tries = seen.tries;
   const bool was_out = seen.tries != 0 && sent->outcome != Outcome::cancelled;
   std::int64_t& proven = ring_.at(id).proven_at[sent->asked.queue];
-  // Sends of a queue go in order: all that were asked for before anybody looked have ended.
+  // Sends of a queue go in order, so all that were asked for before we began to observe have ended by now.
   if (was_out && proven == 0) proven = seen.at_ns;
 }
 

@@ -13,7 +13,7 @@ class Sends {
 
   void asked(std::uint8_t id, const Observation& seen);
   void ended(std::uint8_t id, const Observation& seen);
-  /// Nobody will say how those of that node end that have not.
+  /// Ends that node's open sends: their results will never be seen.
   void cut_short(std::uint8_t id);
   /// They are judged no more.
   void forget(std::uint8_t id, Unjudged why);

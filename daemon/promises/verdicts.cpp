@@ -10,7 +10,7 @@ using wire::Outcome;
 
 namespace {
 
-/// A send that was not delivered may still be read by a CPU for so many rounds.
+/// For so many rounds after its end, a CPU may still read a send that was not delivered.
 constexpr Round kLate = 60;
 /// core::NodeState::up, in which users may send into a closed ring.
 constexpr std::uint8_t kUp = 2;
@@ -33,7 +33,7 @@ void Verdicts::settle(Flow& flow) {
   }
 }
 
-/// It can come to nobody any more, and a second copy would have come.
+/// Nobody can receive it any more, and a second copy would have been seen by now.
 bool Verdicts::is_done_with(const Flow& flow, const Sent& sent) const {
   const SeenNode& source = ring_.at(flow.source);
   if (!sent.judged || !sent.ended) return false;
@@ -69,8 +69,8 @@ bool Verdicts::judge_unicast(Flow& flow, Sent& sent) {
   return judge_missing(flow, sent, flow.destination);
 }
 
-/// Sends that cannot be told from that one at the receiver: a pin does not tell whether the INTP was to all.
-/// @param visit returns true where it wants no more of them
+/// Visits the other sends that look the same at the receiver: a pin does not show whether the INTP was a broadcast.
+/// @param visit returns true to stop @return whether one did
 template <class Visit>
 bool Verdicts::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, Visit visit) {
   const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
@@ -84,9 +84,10 @@ bool Verdicts::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiv
   return false;
 }
 
-/// What the receiver took was taken for another send of that content, which was not delivered.
+/// Corrects a wrong match: the receiver took this send, but that was credited to another one of the same content,
+/// which need not have been delivered. @return false if there is no such send
 bool Verdicts::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
-  // Its pin may have been pulled before the receiver started over.
+  // The pin may have been pulled for it before the receiver started over.
   const SeenNode& to = ring_.at(receiver);
   const bool any_life = flow.queue == Observation::kInterrupt && to.pins_round + 1 >= sent.asked_round;
   return any_alike(flow, sent, receiver, [&](Sent& other) {
@@ -99,7 +100,8 @@ bool Verdicts::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
   });
 }
 
-/// It was not taken: another send of that content was, which had not been found so.
+/// Corrects a wrong match the other way: this send was not taken, but another one of the same content was.
+/// @return false if there is no such send
 bool Verdicts::other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver) {
   return any_alike(flow, sent, receiver, [&](Sent& other) {
     const bool untaken = other.taken_in(receiver) != ring_.at(receiver).life_of(flow.queue);
@@ -137,11 +139,11 @@ bool Verdicts::judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver) {
   return true;
 }
 
-// A node that is up and through which it has passed must have taken it, or refused.
+// A node that is up and that the broadcast has passed must have taken or refused it.
 bool Verdicts::judge_broadcast(Flow& flow, Sent& sent) {
   if (sent.outcome != Outcome::delivered) return is_over_everywhere(flow, sent);
   if (ring_.round < sent.ended_round + 3) return false;
-  // What turns back somewhere passes nodes that do not take it.
+  // A packet that turns back at a fold passes nodes without being taken there.
   const auto whole = [&](std::uint8_t id) { return is_in_ring_since(id, sent); };
   const bool may_turn_back =
       fold_back_ && (sent.tries > 1 || !std::all_of(ring_.known.begin(), ring_.known.end(), whole));

@@ -34,8 +34,8 @@ FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t
   begin_half();
 }
 
-// Whoever is killed on the way leaves the other half: this one has no generation until its state is there. It does not
-// follow the one before where that one ended early.
+// The half has generation 0 until its state is written, so a process that is killed meanwhile leaves the other half
+// valid. If the previous half ended early, the generation skips one number: the halves do not follow each other.
 void FlightRecorder::begin_half() {
   generation_ += full_ ? 2 : 1;
   second_ = !second_;
@@ -68,7 +68,8 @@ void FlightRecorder::put(const What& what, core::Time at) {
   head().used.store(used_, std::memory_order_release);
 }
 
-// Before an input the state is what all records before it have made of it; between the outputs of one it is not.
+// Only an input may begin a half: before it, the state is exactly the result of all records so far. Between the
+// outputs of one input it is not.
 void FlightRecorder::goes_in(const core::Input& input, core::Time now) {
   if (full_ || room() < kMargin) begin_half();
   if (!stopped_) put(input, now == core::kNever ? last_ : now);

@@ -17,17 +17,17 @@ class FlightRecorder final : public core::Journal {
   /// Least size of its memory, bytes.
   static constexpr std::size_t kLeast = 1u << 18;
 
-  /// From now on until its end it is the controller's journal.
+  /// It is the controller's journal until it is destroyed.
   /// @param memory zeroes, `size` bytes, at least kLeast, aligned to 8; must outlive this
   /// @param title `layout`, `program` and `half` are filled in
-  /// @param on_too_small called where the state of the core has no room in a half: nothing is written down any more
+  /// @param on_too_small called if the state of the core does not fit into a half: recording has stopped then
   FlightRecorder(core::NetworkController& controller, std::uint8_t* memory, std::size_t size, Title title,
                  core::Time now, std::function<void()> on_too_small);
   ~FlightRecorder() override { controller_.set_journal(nullptr); }
   FlightRecorder(const FlightRecorder&) = delete;
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
-  /// Another journal of the same controller, which may be null; it must outlive this, or that.
+  /// Passes everything on to another journal, too; null: to none. It must outlive this, or the next set_next().
   void set_next(core::Journal* next) {
     next_ = next;
     if (stopped_) controller_.set_journal(next);
@@ -39,7 +39,7 @@ class FlightRecorder final : public core::Journal {
   void taken(const core::ReceivedPacket& packet, core::Time now) override;
 
  private:
-  /// What follows from one input fits into it: the outputs of a turn are a few largest packets.
+  /// Bytes. Enough for all that follows from one input: the outputs of a turn are at most a few largest packets.
   static constexpr std::size_t kMargin = 1u << 15;
 
   std::uint8_t* half() const { return memory_ + kTitleSize + (second_ ? half_ : 0); }

@@ -41,7 +41,7 @@ struct HalfHead {
 };
 static_assert(sizeof(HalfHead) == 16 && std::atomic<std::uint64_t>::is_always_lock_free);
 
-/// The one that a core of this program has.
+/// The layout of the state of a core of this program, as in Title::layout.
 std::uint64_t state_layout();
 
 }  // namespace limb_ring::recorder

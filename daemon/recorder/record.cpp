@@ -6,7 +6,7 @@ namespace limb_ring::recorder {
 namespace {
 
 constexpr std::size_t kInputs = std::variant_size_v<core::Input>;
-/// Of what is no input; those are tagged by their place in core::Input.
+/// Tags of records that are no inputs. An input's tag is its index in core::Input.
 constexpr std::uint8_t kWritten = kInputs, kEvent = kInputs + 1, kPacket = kInputs + 2, kTags = kInputs + 3;
 
 template <std::size_t... kPlaces>
@@ -28,7 +28,7 @@ void put(core::StateWriter& room, const T& what) {
   const_cast<T&>(what).archive(room);
 }
 
-/// @name What a core may be told, as its driver does: the bytes may be anybody's
+/// @name What a driver may pass to a core. Checked because the bytes may come from anybody
 ///@{
 bool exists(core::Line line) { return line == core::Line::first || line == core::Line::second; }
 template <class Call>
@@ -53,7 +53,7 @@ bool legal(const Record& record) {
 }
 ///@}
 
-/// From the start of the core to so late (ten thousand years), and never back.
+/// Time never runs backwards, and stays between the start of the core and ten thousand years later.
 bool follows(core::Time last, core::Duration step) {
   constexpr core::Time kLatest{std::chrono::hours(24 * 366 * 10000LL)};
   return last >= core::Time{} && last <= kLatest && step >= core::Duration{0} && step <= kLatest - last;

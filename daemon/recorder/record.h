@@ -6,8 +6,8 @@
 #include "core/archive.h"
 #include "core/journal.h"
 
-/// What a flight recorder writes down of a node's core, and how it is had again. Numbers are in the byte order of the
-/// machine: who replays has the same program. (ours)
+/// The records of a flight recorder, and how they are read back. Numbers are in the byte order of the machine, as a
+/// recording is replayed by the same program. (ours)
 namespace limb_ring::recorder {
 
 /// Framed slices that the driver took for that line.
@@ -55,8 +55,8 @@ class TimeStep {
 };
 
 /// @name Write one record
-/// @param room failed() afterwards where it was not enough
-/// @param last the time of the record before; of this one afterwards
+/// @param room where it is written; failed() afterwards if there was not enough
+/// @param last in: the time of the previous record; out: the time of this one
 ///@{
 void write(core::StateWriter& room, core::Time at, const core::Input& input, core::Time& last);
 void write(core::StateWriter& room, core::Time at, const Written& written, core::Time& last);

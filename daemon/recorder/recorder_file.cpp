@@ -39,13 +39,13 @@ std::uint8_t* map(const File& file, std::size_t size, int protection, const std:
   return static_cast<std::uint8_t*>(memory);
 }
 
-// All of it can be written from now on, so that no packet waits for a page. MAP_POPULATE would only make it readable.
+// Writes to each page now, so that no packet has to wait for a page fault. MAP_POPULATE would only make them readable.
 void touch(std::uint8_t* memory, std::size_t size) {
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   for (std::size_t at = 0; at < size; at += page) static_cast<volatile std::uint8_t*>(memory)[at] = 0;
 }
 
-// Room is taken now: a disk that fills up later would end the daemon by SIGBUS.
+// Disk space is allocated now: if the disk filled up later, a write to the mapping would end the daemon by SIGBUS.
 std::uint8_t* map_new(const std::string& path, std::size_t size) {
   std::rename(path.c_str(), (path + kFormer).c_str());  // fails where there is none
   const File file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));

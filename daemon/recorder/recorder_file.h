@@ -17,7 +17,7 @@ using Mapping = std::unique_ptr<std::uint8_t, Unmap>;
 /// A flight recorder whose memory is a file: what it has written is there after the process was killed. (ours)
 class RecorderFile {
  public:
-  /// The file of a former life goes on as `path` + ".former".
+  /// An existing file, of the node's previous life, is renamed to `path` + ".former".
   /// @param size bytes of the file, at least FlightRecorder::kLeast
   /// @param on_too_small see FlightRecorder
   /// @throw std::system_error where it cannot be made
@@ -35,8 +35,8 @@ class RecorderFile {
 /// Where the node of that id records, in its ring's runtime folder.
 std::string recording_of(const std::string& folder, unsigned id);
 
-/// Recordings of a ring's nodes in its runtime folder, of their last lives and the ones before, also of dead ones:
-/// "5.record", "5.record.former".
+/// Names of the recordings in a ring's runtime folder, also of dead nodes: of each node's last life and the one before
+/// it, "5.record" and "5.record.former".
 std::vector<std::string> recordings_in(const std::string& folder);
 
 /// That recording is of the life before the last.

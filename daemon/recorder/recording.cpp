@@ -42,7 +42,7 @@ Title read_title(wire::ByteView bytes) {
   return title;
 }
 
-/// The half as it was at one instant: what is copied while the recorder begins it anew is copied again.
+/// Copies the half as it was at one instant. If the recorder starts it afresh during the copy, the copy is repeated.
 void save_half(wire::ByteView half, std::vector<std::uint8_t>& saved) {
   const auto& head = *reinterpret_cast<const HalfHead*>(half.data);
   const std::size_t at = saved.size();

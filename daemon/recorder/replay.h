@@ -18,7 +18,7 @@ struct Difference {
   std::string recorded, replayed;  ///< both versions, in words or as bytes
 };
 
-/// Puts into a core again what was recorded of one, and compares all that comes out. (ours)
+/// Feeds the recorded inputs into a core, and compares all its outputs with the recorded ones. (ours)
 class Replay {
  public:
   /// @param recording must outlive this
@@ -28,12 +28,12 @@ class Replay {
   /// Does the next record. @return false at the end, and where there is a difference
   /// @throw std::runtime_error where what was recorded is damaged
   bool step();
-  /// Of the next record; kNever at the end.
+  /// The time of the next record; kNever at the end.
   core::Time next() const { return next_ ? next_->at : core::kNever; }
   /// The record that was done last. @pre step() was called
   const Record& last() const { return last_; }
   const std::optional<Difference>& difference() const { return difference_; }
-  /// The core as it is now. Another one stands for it at the end of a half.
+  /// The core as it is now. At the end of a half it is replaced by another object, so do not keep the reference.
   core::NetworkController& controller() { return *controller_; }
   /// Sees the packets from now on; may be null.
   void set_tap(core::NetworkController::Tap* tap) {
@@ -63,7 +63,7 @@ class Replay {
   std::uint64_t records_ = 0;
 };
 
-/// All members of a core that are not as in one that has just been made, a line each: "membership.ring_size 16".
+/// All members of a core that differ from a new core's, one per line: "membership.ring_size 16".
 std::string describe_state(core::NetworkController& controller);
 /// One record in a line.
 std::string describe(const Record& record);

@@ -45,7 +45,8 @@ class ReplayCapture::NodeTap : public core::NetworkController::Tap {
   capture::PacketAssembler in_, out_;
 };
 
-// One date for all: nodes that started one after the other read the date anew, and it may have been set meanwhile.
+// One offset from machine time to dates for all nodes: each read the date when it started, and somebody may have set
+// the clock in between.
 ReplayCapture::ReplayCapture(ReplayedRing& ring, std::ostream& out) : writer_(out, names_of(ring)) {
   const Title& first = ring.lives().front()->title();
   const std::chrono::nanoseconds date(first.date - first.zero);

@@ -12,7 +12,7 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-/// Rounds after the last record, so that all is judged that can be.
+/// Rounds after the last record, so that everything that can be judged is.
 constexpr int kLastRounds = 4;
 
 }  // namespace
@@ -59,8 +59,8 @@ void ReplayedPromises::begin(ReplayedLife& life) {
   histories_[&life] = std::make_unique<NodeHistory>(life, judge_, goes_on_);
 }
 
-// Files are saved one after the other: what others did since the last record of this one cannot be judged. Where a
-// later life follows, its process ended there.
+// If a later life of the node follows, the process ended here. Otherwise the file was merely saved before the others,
+// and what other nodes did after its last record cannot be judged.
 void ReplayedPromises::end(ReplayedLife& life) {
   const auto follows = [&](const auto& other) { return other->node() == life.node() && other->began() > life.began(); };
   if (std::any_of(ring_.lives().begin(), ring_.lives().end(), follows) && !life.replay().difference())

@@ -12,7 +12,7 @@
 namespace limb_ring::recorder {
 
 /// Judges the ring's promises over all nodes of a replayed ring together. A recording may begin in the middle of a
-/// life, and end with the process: what cannot be judged for that is counted. (ours)
+/// life, and end with the process. What cannot be judged because of that is counted. (ours)
 class ReplayedPromises {
  public:
   /// @param ring must outlive this

@@ -20,7 +20,7 @@ class ReplayedLife {
   const Title& title() const { return recording_.title; }
   wire::NodeId node() const { return title().settings.id; }
   Replay& replay() { return replay_; }
-  /// By the machine's steady clock, which all nodes of a host share.
+  /// `at` on the machine's steady clock, which all nodes of a host share.
   std::chrono::nanoseconds machine_time(core::Time at) const;
   std::chrono::nanoseconds began() const { return began_; }
 
@@ -41,9 +41,9 @@ class ReplayedRing {
 
   std::vector<std::unique_ptr<ReplayedLife>>& lives() { return lives_; }
   const std::vector<std::unique_ptr<ReplayedLife>>& lives() const { return lives_; }
-  /// The first record of all.
+  /// Machine time of the very first record.
   std::chrono::nanoseconds began() const { return began_; }
-  /// So long after it.
+  /// `machine_time` counted from began().
   std::chrono::nanoseconds after(std::chrono::nanoseconds machine_time) const { return machine_time - began_; }
   /// Does the next record of all, unless it is later than `until` after the first. Each life stops at its first
   /// difference.

@@ -9,8 +9,8 @@
 
 namespace limb_ring::recorder {
 
-/// Values in words, with the names of their members. As inside a line: "from 3 line 0". Or a line each, with the way
-/// to it: "membership.peers[4].boot 17". (ours)
+/// Values as text, with the names of their members: all in one line, "from 3 line 0", or one per line with the path to
+/// the member, "membership.peers[4].boot 17". (ours)
 class TextArchive : public core::Archive<TextArchive> {
  public:
   enum class Form { one_line, lines };

@@ -51,7 +51,7 @@ void BootRecord::write(std::uint64_t boot) {
   Bytes bytes;
   wire::store_u32(bytes.data(), static_cast<std::uint32_t>(boot >> 32));
   wire::store_u32(bytes.data() + 4, static_cast<std::uint32_t>(boot));
-  // A number that could not be written (disk full) is only a little less help to the next process.
+  // A failed write (disk full) is ignored: the next process then has only an older number to go on from.
   [[maybe_unused]] const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), 0);
 }
 

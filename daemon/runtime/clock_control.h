@@ -6,7 +6,8 @@
 
 namespace limb_ring::runtime {
 
-/// What clients may ask of a ring's virtual clock: none of it changes what happens on the ring at which instant.
+/// What clients may ask of a ring's virtual clock. Nothing here changes what happens on the ring, or at which instant
+/// of its time.
 class ClockControl {
  public:
   using nanoseconds = std::chrono::nanoseconds;
@@ -27,11 +28,13 @@ class ClockControl {
   virtual void pause() = 0;
   /// Goes on after a pause.
   virtual void run() = 0;
-  /// Pauses so much later than now; `done` is called once, when it has, or somebody has asked for something else.
+  /// Pauses after another `time`. `done` is called once: when the clock has paused, or another request has replaced
+  /// this one.
   virtual void step(nanoseconds time, std::function<void()> done) = 0;
-  /// The outer clock has come so far. @return false where this ring does not follow one
+  /// The outer clock has reached `until`, in ns of the ring's time. @return false if this ring follows no outer clock
+  /// @param outer_zero what the outer clock shows at 0 of the ring's
   virtual bool allow(nanoseconds until, nanoseconds outer_zero) = 0;
-  /// Time has gone on without somebody who should have been waited for: the run would be another one next time.
+  /// Time has gone on although `whom` should have been waited for, so the run is not repeatable.
   virtual void went_on_without(const std::string& whom) = 0;
 };
 

@@ -25,12 +25,12 @@ void CpuFaults::hang(const Done& done) {
   stopping_ = pid;
   const auto stopped = [this, pid] {
     if (process::is_stopped(pid) || process::is_gone(pid)) stopping_ = -1;
-    return stopping_ != pid;  // also where it was woken before
+    return stopping_ != pid;  // also if wake() was called meanwhile
   };
   wait(stopped, "pid " + std::to_string(pid) + " does not stop", done);
 }
 
-// A stopped process would be hit only when it goes on.
+// SIGCONT follows because a stopped process acts on a signal only when it continues.
 void CpuFaults::crash(const Done& done) {
   const pid_t pid = cpu_.status().pid;
   const CpuActionResult sent = cpu_.signal(SIGSEGV);

@@ -13,7 +13,7 @@ namespace limb_ring::runtime {
 /// signals, whether it is our child or attached; what a CPU reads and sends is changed at its socket. (ours)
 class CpuFaults {
  public:
-  /// Called once, when it has taken effect, with an empty text, or with why it has not.
+  /// Called once: with an empty text when the action has taken effect, else with the reason why it has not.
   using Done = std::function<void(const std::string& problem)>;
 
   CpuFaults(boost::asio::io_context& io, NodeDriver& engine, CpuSocket& cpu)
@@ -34,7 +34,7 @@ class CpuFaults {
   void read_on();
   void be_quiet() { babbling_.stop(); }
 
-  /// Its process is stopped, by us, perhaps just now, or by others.
+  /// Its process is stopped, by us or by others. True as soon as we have sent SIGSTOP.
   bool hangs() const;
   std::uint64_t babbled() const { return babbling_.sent(); }
   void on_ended(const core::SendEnded& ended) { babbling_.on_ended(ended); }

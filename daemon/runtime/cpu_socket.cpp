@@ -20,12 +20,12 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver
 void CpuSocket::start() {
   process_.start();
   engine_.set_cpu_present(is_sink());
-  if (process_.status().kind != CpuKind::child) report();  // a child's start has told: on_cpu_changed()
+  if (process_.status().kind != CpuKind::child) report();  // a child's start calls on_cpu_changed(), which reports
 }
 
 std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
   if (is_sink()) return "this node is configured with 'cpu: none'; 'cpu: attached' would let a process be its CPU";
-  // A healthy CPU that promised less than its ring's file does is not to be taken for a hung one.
+  // The longer period counts: a healthy CPU that speaks as often as the ring's file says must not be called hung.
   const auto alive_period = std::max(client.alive_period, alive_period_);
   if (!process_.attached(client.pid, client.restarted_by_owner, alive_period))
     return "this process has ended or is being reset";
@@ -34,7 +34,7 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
   return std::nullopt;
 }
 
-// What waited for the old CPU is stale for the next one.
+// Packets that waited for the old CPU are stale for the next one, so they are dropped.
 void CpuSocket::detach(const host::ClientInfo& client) {
   process_.detached(client.pid);
   if (host_.cpu() != nullptr && host_.cpu()->id != client.id) return;

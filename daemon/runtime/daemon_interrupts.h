@@ -10,8 +10,8 @@
 
 namespace limb_ring::runtime {
 
-/// Interrupts that the daemon itself sends, for its clients and for the watchdog, and the resets that wait for what
-/// such an interrupt does.
+/// Interrupts that the daemon itself sends, for its clients and for the watchdog, and the resets that wait for the
+/// effect of such an interrupt.
 class DaemonInterrupts {
  public:
   using Ended = std::function<void(const core::SendEnded&)>;
@@ -20,7 +20,7 @@ class DaemonInterrupts {
   DaemonInterrupts(NodeDriver& engine, const CpuSightings& cpus) : engine_(engine), cpus_(cpus) {}
 
   void interrupt(wire::NodeId to, std::uint8_t factor, Ended done);
-  /// Pulls the reset pin of `node` and waits until it is known what has come of it.
+  /// Pulls the reset pin of `node`. `done` is called when the effect is known, or after `timeout`.
   void reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout, ResetDone done);
 
   void on_ended(const core::SendEnded& ended);
@@ -39,7 +39,7 @@ class DaemonInterrupts {
   };
   using ResetPlace = std::list<Reset>::iterator;
 
-  /// @param report none: it goes on
+  /// @param report how the reset ended; none: it is still under way, and nothing is done
   void finish(ResetPlace place, const watchdog::ResetOrder::Report& report);
   ResetPlace place_of(const Reset* reset);
 

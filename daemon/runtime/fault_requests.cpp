@@ -29,7 +29,7 @@ Fault fault_in(const json& request, const fault::RingNodes& nodes) {
   return fault;
 }
 
-/// The configured one behind this.
+/// The next node in the configured ring order.
 const config::NodeConfig& next_of(const FaultTargets& to) {
   return to.ring.nodes[(setup::index_of(to.ring, to.node) + 1) % to.ring.nodes.size()];
 }

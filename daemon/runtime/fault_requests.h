@@ -11,7 +11,7 @@ namespace limb_ring::runtime {
 
 using Answer = std::function<void(const nlohmann::json&)>;
 
-/// As faults name them.
+/// The ring's nodes with the ids and names by which faults refer to them.
 fault::RingNodes fault_nodes(const config::RingConfig& ring);
 
 /// What requests about faults are for.

@@ -13,7 +13,8 @@ using nlohmann::json;
 
 namespace {
 
-/// A mended line has to be connected again. Where no node answers it stays down for other reasons, so this ends.
+/// How long to wait until a mended line is connected again. If no node answers, the line is down for other reasons,
+/// so the wait is bounded.
 constexpr std::chrono::milliseconds kLinePatience{2000};
 
 double seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
@@ -81,7 +82,7 @@ void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
   listed("");
 }
 
-// It lasts from now on, though the process stops a little later.
+// Its duration counts from now, although the process stops a little later.
 void Faults::begin_hang(const Fault& fault, const Begun& begun) {
   const Id id = add(fault);
   end_later(id);
@@ -131,7 +132,7 @@ void Faults::clear(const Done& done) {
   });
 }
 
-// Another one of the same kind may still hold.
+// Mends nothing while another fault of the same kind is still active.
 void Faults::mend(Name name, const Done& done) {
   const auto holds = [name](const auto& entry) {
     const Name other = entry.second.fault.name;

@@ -16,7 +16,7 @@ class Faults {
   using Id = std::uint32_t;                 ///< from 1; 0: it was over when it was done (heal, resume, reset, crash)
   static constexpr std::size_t kMost = 64;  ///< at the same time
 
-  /// Called once, when it has taken effect: with an empty text, or why it has not.
+  /// Called once: with an empty text when it has taken effect, else with the reason why it has not.
   using Done = std::function<void(const std::string& problem)>;
   using Begun = std::function<void(Id id, const std::string& problem)>;
 
@@ -37,7 +37,7 @@ class Faults {
   /// A CPU that has booted again has none of its old faults.
   void cpu_booted();
   void on_ended(const core::SendEnded& ended) { cpu_.on_ended(ended); }
-  /// The daemon ends. An outside CPU that was made to hang is not to do so for ever.
+  /// Called when the daemon ends. An outside CPU that was made to hang must not stay so for ever.
   void stop();
 
  private:

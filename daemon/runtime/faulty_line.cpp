@@ -4,7 +4,7 @@
 
 namespace limb_ring::runtime {
 
-// Every fault whose damage is random comes with a seed of its own, so this one decides nothing.
+// The seed 0 has no effect: every fault with random damage brings its own seed.
 FaultyLine::FaultyLine(boost::asio::io_context& io, const Clock& clock, link::Output& output)
     : clock_(clock), output_(output), faults_(0), timer_(io, [this] { update(clock_.now()); }) {}
 
@@ -33,8 +33,9 @@ void FaultyLine::pass_all(wire::ByteView framed_slices, core::Time now) {
   update(now);
 }
 
-// A datagram that is to be late is sent after the next one, with its own sequence number, and the receiver discards it.
-// What the faults put onto the line is what is left for the receiver then; what goes before it has its number first.
+// A reordered datagram is sent after the next one but keeps its own sequence number, so the receiver discards it. The
+// faults therefore treat it as lost: they put only the other slices onto the line. Slices that come before the late
+// datagram are written first, so that they get the lower sequence numbers.
 void FaultyLine::pass(const wire::Slice& slice, core::Time now) {
   const auto late = faults_.counters().line_reordered;
   faults_.pass(slice, now);

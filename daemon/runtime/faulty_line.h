@@ -11,8 +11,8 @@ namespace limb_ring::runtime {
 /// A line out of this node with its faults on purpose, between the Engine and the Output. While there is a fault, every
 /// slice passes through it; while there is none, it costs nothing. (ours)
 ///
-/// Idles are the link's own and do not pass here: a line that drops every packet is not silent, one that
-/// stalls or is cut is.
+/// Idles are sent by the link itself and do not pass through here. So a line that drops every packet is not silent,
+/// but one that stalls or is cut is.
 class FaultyLine final : public LineBreaker {
  public:
   FaultyLine(boost::asio::io_context& io, const Clock& clock, link::Output& output);

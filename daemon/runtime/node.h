@@ -34,14 +34,14 @@ namespace limb_ring::runtime {
 struct NodeBase {
   /// Null: the node makes its own, and holds the node as long as it lives.
   std::shared_ptr<NodeFolder> folder;
-  /// Of the node whose files these are. The listener is not to be called before the driver is made.
+  /// Makes the driver of the node to which the folder belongs. The listener must not be called before it returns.
   std::function<std::unique_ptr<NodeDriver>(const NodeFolder&, EngineListener&)> make_driver;
   /// Starts this process anew, as if the node's power went off and on; null: that cannot be done.
   std::function<void()> start_anew;
   std::optional<cpu_set_t> cpu_cores;  ///< for the CPU's processes; empty: as this one
   host::TurnKeeper* turns = nullptr;   ///< of a virtual clock
   ClockControl* clock = nullptr;       ///< the same, as clients steer it
-  /// What clients call for passes through it; null: nothing does.
+  /// Makes a filter through which all calls of clients pass; null: no filter.
   std::function<std::unique_ptr<host::HostHandler>(host::HostHandler& calls)> make_filter;
   /// The CPU's state, pid or boots have changed; may be empty.
   std::function<void(const CpuStatus&)> on_cpu_changed;
@@ -68,10 +68,11 @@ class Node {
 
   /// @name Faults of a node that shares its process with others
   ///@{
-  /// As if the process were killed: clients lose their connections without a word, a child CPU dies, an attached one
-  /// goes on. All that is left to be done with this is to destroy it.
+  /// As if the process were killed: clients lose their connections without a message, a child CPU dies, an attached
+  /// one goes on. Afterwards this object may only be destroyed.
   void die();
-  /// As if the process were stopped: whoever connects or asks waits. The driver and its clock are the caller's to stop.
+  /// As if the process were stopped: clients that connect or ask have to wait. The caller stops the driver and its
+  /// clock.
   void freeze() { host_.freeze(); }
   void thaw() { host_.thaw(); }
   ///@}

@@ -22,8 +22,8 @@ struct EngineListener {
   virtual void on_link(std::string_view what) = 0;
 };
 
-/// Sees what comes to the node's controller and leaves it, and changes nothing. Where the ring has folded back
-/// that is each packet once, on whichever line; what only passes back on the second one is not shown.
+/// Sees what enters and leaves the node's controller, and changes nothing. In a folded ring it sees each packet once,
+/// on whichever line it comes; packets that are only passed back on the second line are not shown.
 struct LineTap {
   using Time = event_loop::NodeClock::Time;
 
@@ -35,12 +35,12 @@ struct LineTap {
   virtual void on_output_gap(Time at) = 0;
 };
 
-/// Who is at the other ends of a line's two links of a node; nothing: the link is down.
+/// The nodes at the far ends of a node's two links of one line; nothing: the link is down.
 struct LineEnds {
   std::optional<std::uint8_t> from, to;
 };
 
-/// Nodes that do not get together with this one on a line; null: there are none.
+/// Nodes that cannot connect with this one on a line, because one of the two refuses; null: there are none.
 struct LineRefusals {
   const link::Refusals* by_input = nullptr;
   const link::Refusals* of_output = nullptr;
@@ -61,20 +61,21 @@ class NodeDriver {
   virtual void cpu_reset(core::Owner owner) { controller().cpu_reset(owner, now()); }
   ///@}
   virtual event_loop::NodeClock& clock() = 0;
-  /// By the controller's time: one instant for all that a batch, and what follows from it, sets off.
+  /// The controller's time. It stands still while a batch, and all that follows from it, is handled.
   virtual core::Time now() const = 0;
-  /// When it was made, by the same.
+  /// When this driver was made, on the same clock.
   virtual core::Time started() const { return core::Time{}; }
-  /// By its clock, rounded up: a timer never comes before its time.
+  /// `when` on clock(), rounded up so that a timer never fires early.
   virtual event_loop::NodeClock::Time steady(core::Time when) const = 0;
 
   /// To be called after anything was asked of the controller. Calling it from within a handler
   /// only makes another round follow.
   virtual void pump() = 0;
-  /// The same at the end of the event loop's turn, once for all that comes in it: for what comes with every packet.
+  /// Calls pump() once at the end of the event loop's turn, however often it is asked for in that turn. For calls that
+  /// come with every packet.
   virtual void pump_soon() = 0;
   virtual void close() = 0;
-  /// The links' listening sockets, in a runtime folder that was removed. @throw std::runtime_error
+  /// Makes the links' listening sockets again, after the runtime folder was removed. @throw std::runtime_error
   virtual void listen_again() = 0;
   /// From now on `tap`, which may be null, sees the lines; it must outlive that.
   virtual void set_tap(LineTap* tap) = 0;
@@ -94,9 +95,9 @@ class NodeDriver {
   virtual LineBreaker& breaker(core::Line line) = 0;
   virtual const LineBreaker& breaker(core::Line line) const = 0;
   ///@}
-  /// When the first line's input was last lost, or where it fell silent, when it was last heard.
+  /// When the first line's input was last lost. If it fell silent instead: when it was last heard.
   virtual core::Time input_lost_at() const = 0;
-  /// When this node came to know of a broken line.
+  /// When this node learned of a broken line.
   virtual core::Time broken_since() const = 0;
 };
 

@@ -9,7 +9,7 @@
 
 namespace limb_ring::runtime {
 
-/// The files of one node in its ring's runtime folder, but for its sockets: the lock, which keeps other daemons off,
+/// The files of one node in its ring's runtime folder, except its sockets: the lock, which keeps other daemons off,
 /// and the boot record.
 class NodeFolder {
  public:
@@ -18,10 +18,10 @@ class NodeFolder {
 
   const std::string& path() const { return path_; }
   bool is_in_place() const { return lock_ && lock_->is_in_place(); }
-  /// After the folder was removed. @throw as the constructor
+  /// Makes them again after the folder was removed. @throw as the constructor
   void make_again();
 
-  /// Of this process.
+  /// The first boot number of this process: see BootRecord::first().
   std::uint64_t first_boot() const;
   void note_boot(std::uint64_t boot) { boots_->note(boot); }
 

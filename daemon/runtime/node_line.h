@@ -25,7 +25,7 @@ struct LineHandler {
   ~LineHandler() = default;
 };
 
-/// A line of the ring at this node: the link into it, the link out of it, and what is wrong with that one on purpose.
+/// A line of the ring at this node: the link into the node, the link out of it, and the latter's faults on purpose.
 class NodeLine final : private link::InputHandler, private link::OutputHandler {
  public:
   /// All but `links` must outlive this.
@@ -39,7 +39,7 @@ class NodeLine final : private link::InputHandler, private link::OutputHandler {
   /// Puts it onto the line; leaves `slices` empty.
   void write(wire::SliceWriter& slices, core::Time now);
   void close();
-  /// Its listening socket again, in a runtime folder that was removed. @throw std::runtime_error
+  /// Makes the listening socket again, after the runtime folder was removed. @throw std::runtime_error
   void listen_again() { input_.listen_again(); }
 
  private:

@@ -21,7 +21,7 @@ class Observers {
   bool any() const { return !wanted_.empty(); }
   /// `what` gets "kind" and "time_ns" (CLOCK_REALTIME) added.
   void tell(const std::string& kind, nlohmann::json what);
-  /// Tells of figures that change without an event of their own, where they have changed since the last call.
+  /// Reports figures that change without an event of their own, if they have changed since the last call.
   void tell_changes(const NodeDriver& engine);
 
  private:

@@ -11,9 +11,9 @@
 
 namespace limb_ring::runtime {
 
-/// Clients that judge the ring's promises. While there are any, what goes into the node's network controller and comes
-/// out is written into a file, ID.watch in the ring's folder; each is told where, and from where on. Nothing is spent
-/// while there are none. (ours)
+/// Clients that judge the ring's promises. While there are any, what enters and leaves the node's network controller
+/// is written into a file, ID.watch in the ring's folder. Each client is told the path of the file and the position
+/// at which to begin. While there are none, this costs nothing. (ours)
 class PromiseObservers {
  public:
   /// @param folder the ring's

@@ -8,7 +8,7 @@ namespace limb_ring::runtime {
 
 /// Starts the program of this process again in its place, with the same arguments, environment, pid and parent: for its
 /// parent the process does not end. All descriptors but 0, 1 and 2 are closed.
-/// @param cores it may use, where this process has pinned itself since; else as this process
+/// @param cores that the new program may use; none: the same as this process
 /// @throw std::system_error where the program cannot be executed (any more)
 [[noreturn]] void re_exec(const std::optional<cpu_set_t>& cores);
 

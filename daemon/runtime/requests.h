@@ -40,7 +40,7 @@ class Requests {
   /// `answer` is called exactly once, now or later; with {"error": ...} where it cannot be done.
   /// @param of_cpu asked by the CPU itself
   void handle(const std::string& text, bool of_cpu, const Answer& answer);
-  /// Whether it is a request that does more than to ask.
+  /// Whether the request changes something, rather than only asking.
   static bool changes_something(const std::string& text);
 
  private:

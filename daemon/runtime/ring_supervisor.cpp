@@ -24,7 +24,7 @@ void RingSupervisor::start() {
   poll_later();
 }
 
-// By the clock and not by the beacons themselves: whoever slept reads them all before it judges.
+// Polled by the clock and not by the beacons, so that a daemon that was not scheduled reads all waiting beacons first.
 void RingSupervisor::poll_later() { timer_->expires_at(engine_.clock().now() + ring_.timeouts.beacon); }
 
 void RingSupervisor::poll() {

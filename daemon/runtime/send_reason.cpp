@@ -73,7 +73,8 @@ SendReason SendReasons::refused_data(const core::SendEnded& ended) const {
   return probably(by_beacon(membership().peers()[ended.destination]), "");
 }
 
-/// One node that does not take it is enough: the first whose beacon shows a reason, else some node's buffers.
+/// One node that does not take a broadcast is enough. We name the first node whose beacon shows a reason; if none
+/// does, some node's receive buffers must be full.
 SendReason SendReasons::refused_by_some() const {
   for (const config::NodeConfig& node : ring_.nodes) {
     const core::Peer& peer = membership().peers()[wire::NodeId{node.id}];

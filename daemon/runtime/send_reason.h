@@ -16,8 +16,8 @@ struct SendReason {
   std::string text;  ///< for people; says "probably" where it is an inference
 };
 
-/// Why sends of this node ended as they did. Of a refusal the ring brings home no more than that it was one: of a pin
-/// the ring's file tells, of a packet the last beacon of the destination, of the own CPU its state. (ours)
+/// Why sends of this node ended as they did. A refused packet comes home without a reason, so the reason is inferred:
+/// for a pin from the ring's file, for data from the destination's last beacon, for the own CPU from its state. (ours)
 class SendReasons {
  public:
   /// All must outlive this.

@@ -35,13 +35,13 @@ json cpu_json(const CpuSocket& cpu, core::Time now) {
           {"last_exit", s.last_exit}};
 }
 
-/// Of the line out of the node; null where that is as fast as the host.
+/// The rate of the line out of the node; null if the line is as fast as the host.
 json rate_json(const core::Settings& settings) {
   const std::int64_t byte_time = core::picoseconds(settings.byte_time_out);
   return byte_time == 0 ? json() : json(8 * core::Duration::period::den / byte_time);
 }
 
-/// What its faults do is counted with those of the first line; what is lost between its ends has names of its own.
+/// What faults on purpose did is added to the counts of the first line; the links' counters have names of their own.
 void add_second_line(const NodeDriver& engine, json& all) {
   engine.breaker(core::Line::second).counters().each([&](const char* name, const char*, std::uint64_t value) {
     all[name] = all[name].get<std::uint64_t>() + value;
@@ -86,7 +86,7 @@ json broken_line_json(const StatusSources& from) {
   json broken{{"before", std::uint8_t{line->before}},
               {"behind", std::uint8_t{line->behind}},
               {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
-  // A node that was folded already, around another break, does not change its state for this one.
+  // If the node was folded already, around another break, its state does not change and broken_since() is older.
   if (behind && engine.broken_since() >= since)
     broken["announced_ms"] = std::chrono::duration<double, std::milli>(engine.broken_since() - since).count();
   return broken;
@@ -100,7 +100,7 @@ json fold_json(const NodeDriver& engine) {
           {"second_output", second.to ? "up" : "down"}};
 }
 
-/// Somebody who is refused asks again many times a second: what is older than this is over.
+/// A refused node tries again many times a second, so a refusal older than this is over.
 constexpr std::chrono::seconds kRefusalLasts{3};
 
 std::string name_of(const config::RingConfig& ring, std::uint8_t id) {

@@ -9,7 +9,7 @@ namespace limb_ring::scenario {
 /// Whether a condition holds at this moment.
 bool holds(const Condition& condition, const StageView& view);
 
-/// What is seen instead, in words: "left_knee is joining, in a ring of 15".
+/// What the ring shows at the moment, in words: "left_knee is joining, in a ring of 15".
 std::string seen(const Condition& condition, const StageView& view);
 
 }  // namespace limb_ring::scenario

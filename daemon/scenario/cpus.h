@@ -19,11 +19,11 @@ class Cpus {
   Cpus(const Cpus&) = delete;
   Cpus& operator=(const Cpus&) = delete;
 
-  /// It asks its network controller for what it has to send.
+  /// Whether it runs, so that it asks its network controller to send what the scenario says.
   bool sends(NodeId id) const { return ring_.alive(id) && cpus_[id].running; }
 
   void hang(NodeId id);
-  /// It works again: it neither hangs, nor is slow, nor babbles, and it reads.
+  /// Cures it: it no longer hangs, is slow or babbles, and it reads again.
   void resume(NodeId id);
   void stop_reading(NodeId id);
   /// It takes one packet in each `period` from now on.

@@ -36,7 +36,7 @@ config::RingConfig ring_of(const Entry& file) {
   return config::load_ring((beside / path->text("a file")).lexically_normal().string());
 }
 
-/// Nodes are spoken of by name or id and kept as places.
+/// In the file nodes have names or ids; we keep them as places in ring order.
 void learn_nodes(config::Document& document, const config::RingConfig& ring) {
   for (std::size_t place = 0; place < ring.nodes.size(); ++place) {
     document.nodes[ring.nodes[place].name] = static_cast<std::uint8_t>(place);

@@ -60,7 +60,7 @@ struct SoakAction {
 struct Limit {
   nanoseconds sim{0}, live{0};
 };
-/// Where a file gives one time for both, a live run allows so much more. (ours)
+/// If a file gives one time for both, a live run allows this much more. (ours)
 constexpr std::chrono::seconds kLiveGuard{5};
 
 struct Range {
@@ -103,12 +103,12 @@ struct Results {
   core::Outcome are = core::Outcome::delivered;
   Range range;
 };
-/// How many of that name CPUs have taken; of an interrupt, pins pulled.
+/// How many packets of that name CPUs have taken; for an interrupt, how many pins were pulled.
 struct Taken {
   std::string send;
   Range range;
 };
-/// The worst so far of that name, from the CPU's request to the confirmation, of what was delivered.
+/// The worst latency so far of delivered sends of that name, from the CPU's request to the confirmation.
 struct Latency {
   std::string send;
   Limit at_most;
@@ -159,8 +159,8 @@ inline bool folds_back(const config::RingConfig& ring) {
   return ring.redundancy == config::RingConfig::Redundancy::foldback;
 }
 
-/// Whether the scenario says what has to be seen, or its world does. Without that it could fail by the ring's own
-/// promises alone.
+/// Whether the scenario, or its world, says what has to be seen. Otherwise it could fail only by a broken promise of
+/// the ring.
 bool expects_something(const Scenario& scenario);
 
 }  // namespace limb_ring::scenario

@@ -17,7 +17,7 @@ constexpr const char* kLineRule = "two nodes of the ring, such as left_hip -> le
 constexpr config::TimeRange kTimes{0s, 3600s, 1ns};
 constexpr config::TimeRange kDelays{0s, 1s, 1ns};
 
-/// Read before all else, by load_scenario: nodes are known by them.
+/// For options that load_scenario reads before all others, because they decide which nodes there are.
 Option<Scenario> read_already(const char* name, const char* allowed, const char* meaning) {
   return {name, "none", allowed, meaning, [](const Entry&, Scenario&) {}};
 }

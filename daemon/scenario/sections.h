@@ -15,11 +15,11 @@ Condition read_condition(const config::Entry& entry);
 /// `{FAULT: ...}`, `{send: {...}}` or an action of the soak's world, into the step. @throw config::ConfigError
 void read_action(const config::Entry& entry, Step& step);
 
-/// bit/s, not unlimited; and the relay delay d: of lines that the ring's file gives no rate.
+/// The rate (bit/s, not unlimited) and the relay delay d of lines for which the ring's file gives no rate.
 std::uint64_t read_line_rate(const config::Entry& entry);
 nanoseconds read_relay_delay(const config::Entry& entry);
 
-/// What they say alone, without anything else of the file.
+/// Reads the entry alone, without anything else of the file.
 World read_world(const config::Entry& entry);
 config::RingConfig::Redundancy read_redundancy(const config::Entry& entry);
 
@@ -36,7 +36,7 @@ Located read_line(const config::Entry& entry);
 
 /// `{wire: {cut: A -> B}}` and its like; nothing where it is none of them. @throw config::ConfigError
 std::optional<SoakAction> read_soak_action(const config::Member& action, const fault::RingNodes& nodes);
-/// Their words.
+/// All keys that read_soak_action() knows.
 std::vector<std::string> soak_words();
 
 }  // namespace limb_ring::scenario

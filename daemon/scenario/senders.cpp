@@ -6,7 +6,8 @@ namespace limb_ring::scenario {
 
 namespace {
 
-/// Of a babble that says none: more than a node of 16 gets through at 1 Gbit/s, so its queue is full. (ours)
+/// The period of a babble that gives none. In a ring of 16 at 1 Gbit/s a node cannot send that often, so its queue is
+/// full. (ours)
 constexpr std::chrono::microseconds kBabblePeriod{10};
 constexpr wire::ChannelId kUserChannel{0};
 

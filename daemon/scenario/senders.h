@@ -31,7 +31,7 @@ class Senders {
   /// All zero where nothing of that name was sent yet.
   const Tally& tally(const std::string& name) const;
 
-  /// What the ring gives out.
+  /// To be called for each event of the ring.
   void came(const core::Event& event, NodeId at);
   /// The send that a packet belongs to, as a number; nothing: a CPU's own.
   std::optional<std::size_t> send_of(const core::ReceivedPacket& packet) const;

@@ -39,7 +39,7 @@ YAML::Node at(const YAML::Node& root, const Place& place) {
   return node;
 }
 
-/// Without so many of its entries. @pre it is a map or a sequence
+/// Removes `count` entries. @pre it is a map or a sequence
 void take_out(YAML::Node node, std::size_t from, std::size_t count) {
   YAML::Node rest(node.Type());
   rest.SetStyle(node.Style());
@@ -56,7 +56,7 @@ void take_out(YAML::Node node, std::size_t from, std::size_t count) {
   node = rest;
 }
 
-/// What says what the scenario is and where it plays, and how often something goes: without it that would be endless.
+/// Keys that are never left out: they identify the scenario and its world, and a send without `count` would not end.
 bool has_to_stay(const std::string& key) {
   return key == "scenario" || key == "seed" || key == "count" || key == "world";
 }
@@ -72,7 +72,8 @@ std::string without_numbers(const std::string& text) {
   return words;
 }
 
-/// Would what is missed within its time come to hold later? Without the cause of it, it never would.
+/// Whether the missed condition would hold later. If it does, it is missed only for its time, and must stay so: after
+/// its cause was left out it would never hold.
 bool holds_later(Scenario scenario, std::uint64_t seed, const Unmet& missed) {
   const auto is_missed = [&missed](const Step& step) {
     return step.when && missed.expected == expectation(*step.when, step.within.sim);
@@ -106,7 +107,7 @@ class Shrinker {
   }
 
  private:
-  /// What the soak's world does at its end takes most of the time of a run.
+  /// Whether it fails before the end. If so, the end of the soak's world, which takes most of a run's time, is skipped.
   bool fails_without_end(Scenario scenario) {
     if (scenario.world != World::soak) return false;
     scenario.ends_mended = false;
@@ -140,7 +141,7 @@ class Shrinker {
     return true;
   }
 
-  /// Many at once first: most of a long scenario has nothing to do with it.
+  /// Tries to remove many entries at once first: most of a long scenario has nothing to do with the failure.
   bool leave_out_of_sequence(const Place& place) {
     bool any = false;
     for (std::size_t count = at(best_, place).size(); count > 0; count /= 2) {
@@ -169,7 +170,7 @@ class Shrinker {
     return each_below(place, [this](const Place& below) { return leave_out(below); }) || any;
   }
 
-  /// Whole numbers: the smallest first, then half as many.
+  /// Makes whole numbers smaller: tries 1 first, then half.
   bool lessen(const Place& place) {
     const YAML::Node node = at(best_, place);
     if (place.size() == 1 && key_of(best_, place[0]) == "seed") return false;
@@ -226,8 +227,8 @@ bool alike(const Unmet& one, const Unmet& other) {
   return one.expected == other.expected && without_numbers(one.seen) == without_numbers(other.seen);
 }
 
-// Large pieces first, as most of them have nothing to do with it; from the end on, as what is late follows from what is
-// early.
+// Removes large pieces first, as most have nothing to do with the failure; and from the end on, since later steps
+// depend on earlier ones.
 std::vector<std::size_t> needed_steps(std::size_t count,
                                       const std::function<bool(const std::vector<std::size_t>&)>& fails_alike) {
   std::vector<std::size_t> needed(count);

@@ -25,7 +25,7 @@ struct Shrunk {
 
 /// What the scenario does to a ring, and how often.
 ScenarioSize size_of(const Scenario& scenario);
-/// The same expectation is missed in the same way, numbers aside: counters and times differ in a smaller ring.
+/// Both miss the same expectation in the same way. Numbers are ignored: counters and times differ in a smaller ring.
 bool alike(const Unmet& one, const Unmet& other);
 
 struct ShrinkRequest {
@@ -37,16 +37,16 @@ struct ShrinkRequest {
   std::function<void(std::size_t runs)> tell = [](std::size_t) {};
 };
 
-/// Leaves out of a scenario whatever it is not as expected without: steps, nodes, entries; and makes its numbers
-/// smaller. What remains misses the same expectation and shows the same instead, numbers aside, under the virtual
-/// clock; what came too late still comes. (ours, after Zeller and Hildebrandt's delta debugging)
-/// @return nothing where the scenario is as expected
+/// Makes a failing scenario smaller: leaves out all steps, nodes and entries that it fails without, and makes its
+/// numbers smaller. The result fails alike() under the virtual clock; an expectation that was met too late is still
+/// met too late. (ours, after Zeller and Hildebrandt's delta debugging)
+/// @return nothing if the scenario does not fail
 /// @throw config::ConfigError, as load_scenario()
 std::optional<Shrunk> shrink(const ShrinkRequest& request);
 
-/// Of the steps of a scenario those, in their order, without which it is not missed alike: of thousands a few, before
-/// shrink() looks closer. @param fails_alike runs a scenario with some of the steps
-/// @return their numbers
+/// The steps without which a scenario no longer fails alike: a few out of thousands, before shrink() looks closer.
+/// @param count of its steps
+/// @param fails_alike runs the scenario with only these steps @return the numbers of the needed steps, in order
 std::vector<std::size_t> needed_steps(std::size_t count,
                                       const std::function<bool(const std::vector<std::size_t>&)>& fails_alike);
 

@@ -45,7 +45,7 @@ SoakStage::SoakStage(const Scenario& scenario, std::uint64_t seed, std::unique_p
 // ---- time -----------------------------------------------------------------------------------
 
 bool SoakStage::run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) {
-  if (until.count() == 0) return done();  // what a step at 0s does comes before all
+  if (until.count() == 0) return done();  // steps at 0s come before the nodes start
   return ModelStage::run_until(done, until, what);
 }
 

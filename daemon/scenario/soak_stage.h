@@ -6,10 +6,10 @@
 
 namespace limb_ring::scenario {
 
-/// A ring as `ring_sim soak` has it, so that what it finds can be told as a scenario: plain nodes with short times and
-/// few buffers (sim::set_short_times), lines that are all alike, with a rate or without one, and CPUs that are there as
-/// soon as their nodes are, and do nothing by themselves. Single slices can be lost or damaged, also while the nodes
-/// join: time counts from when they start, and steps at 0s come before that.
+/// A ring as in `ring_sim soak`, so that a failure found there can be written as a scenario: plain nodes with short
+/// times and few buffers (sim::set_short_times); lines that are all alike, with a rate or without one; CPUs that are
+/// there as soon as their nodes are, and do nothing by themselves. Single slices can be lost or damaged, even while
+/// the nodes join: time counts from when they start, and steps at 0s come before that.
 ///
 /// At its end all is mended, and runs on until it is calm (sim::run_until_calm): each send must have ended, and the
 /// ring must be whole again and stay silent for 20 ms.

@@ -19,12 +19,12 @@ class StageView {
 
   virtual unsigned size() const = 0;  ///< nodes, living or not
   virtual const std::string& name(NodeId id) const = 0;
-  /// Neither dead nor frozen; if it is, the values below mean nothing.
+  /// Neither dead nor frozen. If it is not alive, the values below mean nothing.
   virtual bool alive(NodeId id) const = 0;
   virtual core::NodeState state(NodeId id) const = 0;
   virtual unsigned ring_size(NodeId id) const = 0;  ///< as that node has learned it; 0: not yet
-  /// The last beacon of `of` that `by` has heard, its nodes as places; nothing where none. Of it no more is used
-  /// than the CPU's state and boots, and the break.
+  /// The last beacon of `of` that `by` has heard, its nodes as places; nothing if none. Only the CPU's state and
+  /// boots, and the break, are used.
   virtual std::optional<wire::Beacon> heard(NodeId by, NodeId of) const = 0;
   /// By name, of core/counters.h; of the node since its last start. 0 where it is dead.
   virtual std::uint64_t counter(NodeId id, const std::string& name) const = 0;
@@ -46,14 +46,14 @@ class Stage : public StageView {
   /// Brings the ring up. Time counts from then. @return what was not as expected
   virtual std::optional<Failure> begin() = 0;
   virtual core::Duration now() const = 0;
-  /// A step whose time has passed is an error; otherwise it is done at once.
+  /// True: a step whose time has passed is an error. False: it is then done at once.
   virtual bool exact() const = 0;
   /// Lets time go on and polls, until `done` is true or `until` has come. @param what for people who wait
   /// @return what `done` said last
   virtual bool run_until(const std::function<bool()>& done, core::Duration until, const std::string& what) = 0;
-  /// What is expected of every ring, whatever the scenario says. @return the first expectation that was not met
+  /// Checks what is expected of every ring, whatever the scenario says. @return the first expectation that was not met
   virtual std::optional<Failure> broken() const = 0;
-  /// What has happened since the last call that nobody asked for, for the report.
+  /// Unrequested events since the last call, for the report.
   virtual std::vector<std::string> take_notes() { return {}; }
 
   /// Returns when it has taken effect; a CPU that was reset boots meanwhile. @return why it could not be done
@@ -61,7 +61,7 @@ class Stage : public StageView {
   virtual void send(const Send& send) = 0;
   /// @pre this is the soak's world
   virtual void apply(const SoakAction&) {}
-  /// All steps are done. @return what the stage itself expects now and was not so
+  /// Called when all steps are done. @return an expectation of the stage itself that is not met at the end
   virtual std::optional<Failure> end() { return std::nullopt; }
 };
 

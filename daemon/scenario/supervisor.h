@@ -25,7 +25,7 @@ class Supervisor {
   void start();
   /// A node's daemon was started again. If it is the supervisor, it has forgotten all.
   void started(NodeId id);
-  /// What the ring gives out.
+  /// To be called for each event of the ring.
   void came(const core::Event& event, NodeId at);
 
  private:

@@ -12,7 +12,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-/// Of real time: a process that was killed, or sent a signal that it may catch.
+/// Real time: how long a process may take to end after it was killed, or was sent a signal that it may catch.
 constexpr std::chrono::seconds kEndsWithin{10};
 
 }  // namespace
@@ -20,13 +20,13 @@ constexpr std::chrono::seconds kEndsWithin{10};
 Boots::Boots(const sim::VirtualRing& ring, const config::RingConfig& config, IsAway is_away)
     : ring_(ring), config_(config), is_away_(std::move(is_away)) {}
 
-/// Of a CPU that begins to boot now: as exact as the clock of its node.
+/// When a CPU that begins to boot now has booted. Rounded to ns, like the clock of its node.
 core::Time Boots::boot_end() const {
   const auto now = std::chrono::floor<nanoseconds>(ring_.now().time_since_epoch());
   return core::Time{} + now + config_.virtual_clock.boot_time;
 }
 
-// The bridge is to be there from the start, since a controller is.
+// The bridge has to be there from the start, because a robot's controller is.
 void Boots::expect_bridge(std::uint8_t node) {
   if (is_bridge(node)) boots_[node] = {boot_end()};
 }
@@ -41,13 +41,13 @@ bool Boots::greeted(std::uint8_t node, const std::function<void()>& attach) {
   const auto boot = boots_.find(node);
   if (boot == boots_.end()) return false;
   if (boot->second.ends)
-    attach();  // which is refused
+    attach();  // the attempt is refused
   else
     boot->second.attach = attach;
   return true;
 }
 
-// One that is new boots; the one that was there before is ending.
+// A new process is booting; cpu.ending means that the previous one is ending.
 bool Boots::changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
   const bool child = cpu.kind == runtime::CpuKind::child;
   const bool boots = child && cpu.state == wire::CpuState::booting && cpu.pid > 0;
@@ -116,7 +116,7 @@ void Boots::give_up_late_ones() {
   }
 }
 
-/// It is started by others, and has not come; or was to end, and has not.
+/// True if a CPU that others start has not come in time, or a process that was to end has not.
 bool Boots::is_late(std::uint8_t node, const Boot& boot) const {
   const bool by_others = config_.find(node)->cpu.kind == config::CpuConfig::Kind::attached;
   if (boot.attach || is_away_(node) || !(boot.ends || by_others)) return false;

@@ -12,23 +12,23 @@
 
 namespace limb_ring::virtual_host {
 
-/// CPUs of a virtual ring that boot, or whose process is ending. Each holds the clock at an instant that does not
-/// depend on how long that really takes.
+/// CPUs of a virtual ring that boot, or whose process is ending. Each stops the ring's clock at a fixed instant until
+/// that is over, so that a run does not depend on how long it really takes.
 class Boots {
  public:
   /// True where nobody waits for the CPU of that node: the node is frozen, or the CPU stopped.
   using IsAway = std::function<bool(std::uint8_t node)>;
-  /// Of real time, from its node's start, a CPU that others start is waited for: ROS nodes take some seconds.
+  /// How long, in real time from its node's start, to wait for a CPU that others start: ROS nodes take some seconds.
   static constexpr std::chrono::seconds kAttachedWithin{30};
-  /// All outlive this. No CPU before its boot_time is over.
+  /// All outlive this. No CPU attaches before its boot_time is over.
   Boots(const sim::VirtualRing& ring, const config::RingConfig& config, IsAway is_away);
 
-  /// Its CPU, where others start that, is waited for from now on if it is a bridge in lockstep.
+  /// From now on waits for the node's CPU, if that is a bridge in lockstep, which others start.
   void expect_bridge(std::uint8_t node);
-  /// The CPU of that node is such a one.
+  /// The CPU of that node is a bridge in lockstep.
   bool is_bridge(std::uint8_t node) const;
   /// The CPU of a node has greeted. `attach` is called when its boot is over.
-  /// @return false where nobody knew that it would come; `attach` was not called
+  /// @return false if it was not expected; `attach` was not called
   bool greeted(std::uint8_t node, const std::function<void()>& attach);
   /// What is known of the CPU process of a node has changed. @return true where it is a new one
   bool changed(std::uint8_t node, const runtime::CpuStatus& cpu);
@@ -37,10 +37,10 @@ class Boots {
   bool is_ending(std::uint8_t node) const;
   /// Nobody boots there any more.
   void forget(std::uint8_t node);
-  /// It was away, and has its time from now on.
+  /// Called when the node is no longer away: its time limits start again now.
   void goes_on(std::uint8_t node);
 
-  /// Time stands at that instant until those have come, or gone; kNever where there are none.
+  /// The instant at which time stands until these CPUs have come or gone; kNever if there are none.
   core::Time held_at() const;
   /// Attaches those whose boot is over by now, in the order of the nodes, once all of them have come.
   /// @return false where one is still waited for

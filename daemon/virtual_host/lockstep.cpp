@@ -16,7 +16,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-/// So long they are heard before what else there is has its turn.
+/// How long listen() goes on before the event loop has its turn, real time.
 constexpr milliseconds kHearing{2};
 
 double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
@@ -76,7 +76,7 @@ void Lockstep::node_thawed(std::uint8_t node) {
   goes_on(node);
 }
 
-// One that has booted meanwhile, or was acting, has its time from now on.
+// Time limits of a program that booted or acted meanwhile start again now.
 void Lockstep::goes_on(std::uint8_t node) {
   boots_.goes_on(node);
   for (auto& [key, program] : programs_)

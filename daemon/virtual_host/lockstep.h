@@ -16,12 +16,12 @@
 
 namespace limb_ring::virtual_host {
 
-/// Who goes by the ring's clock, and whose turn it is. What programs do in an instant counts in the order of the nodes;
-/// time goes on when all wait. A CPU that boots, or whose process is ending, holds the clock at an instant that does
-/// not depend on how long that really takes.
+/// The programs that go by the ring's clock, and whose turn it is. What they do in one instant is ordered by node.
+/// Time goes on when all wait. A CPU that boots or ends stops the clock at a fixed instant, so that a run does not
+/// depend on how long it really takes.
 class Lockstep final : public host::TurnKeeper {
  public:
-  /// All outlive this. No CPU before its boot_time is over.
+  /// All outlive this. No CPU attaches before its boot_time is over.
   Lockstep(sim::VirtualRing& ring, const config::RingConfig& config);
 
   // From the host ports.
@@ -33,34 +33,35 @@ class Lockstep final : public host::TurnKeeper {
   void credited(std::uint8_t node, unsigned packets) override { on_credited(node, packets); }
   /// What is known of the CPU process of a node has changed.
   void cpu_changed(std::uint8_t node, const runtime::CpuStatus& cpu);
-  /// That process was sent a signal: stopped, it is out of the lockstep at this very instant, and continued, in it
-  /// again; one that ends it holds the clock until it has.
+  /// The node's CPU process was sent a signal. SIGSTOP takes it out of the lockstep at this very instant, SIGCONT
+  /// brings it back. After a signal that ends it, the clock stands until it has ended.
   void cpu_signalled(std::uint8_t node, int number);
 
   /// @name Faults of whole nodes, called while no program acts
   ///@{
   /// Its clients are gone, and nobody boots there.
   void node_died(std::uint8_t node);
-  /// It has started: its CPU, where others start that, is waited for as at the ring's start.
+  /// It has started: if others start its CPU, that is waited for as at the ring's start.
   void node_started(std::uint8_t node) { boots_.expect_bridge(node); }
   /// Its programs have no turns, and time does not wait for them.
   void node_frozen(std::uint8_t node) { frozen_.insert(node); }
   void node_thawed(std::uint8_t node);
   ///@}
 
-  /// Something has happened that somebody is to learn of before time goes on; forgets it.
+  /// Whether something has happened that a program must learn of before time goes on. Clears the flag.
   bool take_news() { return std::exchange(news_, false); }
   bool has_news_now() const { return news_; }
   /// A program acts: time stands.
   bool somebody_acts() { return acting() != nullptr; }
-  /// Takes what they say, one after the other, waiting for it a little. One that takes too long is stuck from then on.
+  /// Waits briefly for messages of the acting programs, one after the other, and handles them. A program that takes too
+  /// long counts as stuck from then on.
   void listen();
-  /// Gives those programs a turn that have something, or have waited until now: one of each node, since what another
-  /// node's does meanwhile is seen later in any case. @return false where there is none
+  /// Gives a turn to programs that have messages, or whose wait is over: one per node at a time. Different nodes may
+  /// act side by side, as they see each other's actions only later. @return false if there is none
   bool give_turns();
-  /// Time goes on to there at most; kNever: as far as the ring likes.
+  /// When the next program wants to wake, so how far time may go on; kNever: no limit.
   core::Time next_wake() const;
-  /// A CPU boots or ends, and time stands at that instant until it has.
+  /// As Boots.
   core::Time held_at() const { return boots_.held_at(); }
   /// As Boots.
   bool attach_those_due() { return boots_.attach_those_due(); }
@@ -72,7 +73,7 @@ class Lockstep final : public host::TurnKeeper {
   /// A program does not answer. @param program its name
   std::function<void(std::uint8_t node, const std::string& program)> on_stuck = [](std::uint8_t, const std::string&) {};
 
-  /// Why a run like this one would be another: empty where nothing is known that would make it so.
+  /// Why this run is not repeatable; empty if no reason is known.
   std::string not_repeatable() const;
 
  private:

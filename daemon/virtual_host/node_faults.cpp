@@ -58,7 +58,7 @@ std::string NodeFaults::carry_out(const Fault& fault) {
   return problem;
 }
 
-// All are off before the first is on again.
+// All nodes go off before the first comes on again.
 std::string NodeFaults::power_cycle(const Fault& fault) {
   for (const NodeId node : fault.nodes) kill(node);
   std::string problem;
@@ -105,7 +105,7 @@ void NodeFaults::thaw(NodeId node) {
   power_.thaw(node);
 }
 
-/// Before it is done: what cannot be noted is not done, since nobody would see it.
+/// Called before the fault begins. If it cannot be noted it is not done, since nobody could see that it is active.
 std::string NodeFaults::note(const Fault& fault) const {
   for (const NodeId node : fault.nodes) {
     Fault one = fault;

@@ -28,8 +28,8 @@ class NodeFaults {
   /// The notes of an earlier ring are removed. @param ring, power outlive this
   NodeFaults(sim::VirtualRing& ring, NodePower& power, fault::RingNodes nodes, std::string folder);
 
-  /// Does it at this instant, to all of its nodes or to none; a node frozen for a time is thawed after so much of the
-  /// ring's time. @pre it is of nodes, and no program acts: an action of the ring's (VirtualRing::at)
+  /// Does it at this instant, to all of its nodes or to none. A node frozen for a time is thawed by the ring's clock.
+  /// @pre a fault of nodes, and no program acts: called from an action of the ring (VirtualRing::at)
   /// @return why not; empty: it is done
   std::string begin(const fault::Fault& fault);
 

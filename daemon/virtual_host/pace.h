@@ -7,8 +7,8 @@
 
 namespace limb_ring::virtual_host {
 
-/// How fast the time of a virtual ring goes on beside real time: never faster than that. Where the machine is slower,
-/// the ring falls behind; what it is behind by more than kMostBehind it does not make up for.
+/// How fast, at most, the time of a virtual ring goes on compared with real time. If the machine is slower, the ring
+/// falls behind. It catches up by at most kMostBehind; the rest is lost.
 class Pace {
  public:
   using Real = std::chrono::steady_clock::time_point;
@@ -18,13 +18,13 @@ class Pace {
   Pace(double factor, Real now) : factor_(factor), real_(now) {}
 
   double factor() const { return factor_; }
-  /// From now on; the ring is at `reached`.
+  /// Sets the factor from now on; the ring is at `reached`.
   void set_factor(double factor, Real now, core::Time reached);
-  /// Its time has stood until now: that is not to be made up for.
+  /// The ring's time has stood until now: it must not catch up for that.
   void restart(Real now, core::Time reached);
-  /// The ring may go on so far by now, and is at `reached`.
+  /// How far the ring, which is at `reached`, may go on by now.
   core::Time allowed(Real now, core::Time reached);
-  /// When it may go on so far.
+  /// When the ring may reach `time`.
   Real when(core::Time time) const;
   /// How late the ring is, being at `reached` now; 0: it is not, or goes as fast as it can.
   std::chrono::nanoseconds late(Real now, core::Time reached) const;

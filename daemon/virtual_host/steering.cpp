@@ -50,7 +50,7 @@ bool Steering::allow(nanoseconds until, nanoseconds outer_zero) {
 
 core::Time Steering::limit() const { return follows_ ? std::min(pause_at_, allowed_) : pause_at_; }
 
-// What it stands is no time that is to be made up for.
+// The pace restarts, so that the ring does not catch up for the time that it stood.
 bool Steering::holds() {
   if (ring_.now() < limit()) return false;
   if (pace_) pace_->restart(steady_clock::now(), ring_.now());

@@ -9,8 +9,8 @@
 
 namespace limb_ring::virtual_host {
 
-/// How far the time of a virtual ring may go on now, as clients have asked: paused, by steps, no further than an outer
-/// clock; and at which pace.
+/// How far, and at which pace, the time of a virtual ring may go on. Clients can pause it, step it, or make it follow
+/// an outer clock.
 class Steering final : public runtime::ClockControl {
  public:
   /// @param ring outlives this
@@ -29,10 +29,10 @@ class Steering final : public runtime::ClockControl {
   bool allow(nanoseconds until, nanoseconds outer_zero) override;
   void went_on_without(const std::string& whom) override { left_behind_ = whom; }
 
-  /// Who was not waited for, last; empty: nobody.
+  /// Whom time has last gone on without; empty: nobody.
   const std::string& left_behind() const { return left_behind_; }
   core::Time limit() const;
-  /// All wait at the ring's time. @return whether that is as far as it may go for now
+  /// To be called when all programs wait. @return true if the ring's time has reached the limit and must stand
   bool holds();
 
  private:

@@ -12,11 +12,11 @@ std::optional<std::string> Turnaround::on_attach(const host::ClientInfo& client)
 }
 
 void Turnaround::on_detach(const host::ClientInfo& client) {
-  late_.erase(client.id);  // what it has sent and has not entered yet never will
+  late_.erase(client.id);  // its sends that have not entered the node yet are dropped
   calls_.on_detach(client);
 }
 
-/// One instant for all of a turn, and none before an earlier one's.
+/// When sends of the current turn enter the node: one instant for the whole turn, never before an earlier turn's.
 core::Time Turnaround::entry() {
   if (std::exchange(turn_, ring_.now()) == ring_.now()) return entry_;
   const auto most = static_cast<std::uint64_t>(cpu_.jitter.count());

@@ -6,8 +6,8 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-/// What it has asked the clock for cannot be taken back: it then finds that it is another's turn, or that the timer is
-/// gone.
+/// A call that the timer has asked the clock for cannot be cancelled. Instead, when it comes, it does nothing if the
+/// timer was set again meanwhile or is gone.
 class VirtualTimer final : public event_loop::Timer {
  public:
   VirtualTimer(VirtualClock& clock, const std::function<void()>& on_expired, std::function<void()> on_time)

@@ -9,7 +9,7 @@
 
 namespace limb_ring::virtual_host {
 
-/// The clock of a virtual ring, counted from its start, for what at one of its nodes else goes by the machine's.
+/// The clock of a virtual ring, counted from its start. At one of its nodes it takes the place of the machine's clock.
 class VirtualClock final : public event_loop::NodeClock {
  public:
   /// @param ring outlives this, and this its timers
@@ -18,7 +18,7 @@ class VirtualClock final : public event_loop::NodeClock {
       sim::VirtualRing& ring, std::function<void()> on_expired = [] {})
       : ring_(ring), on_expired_(std::move(on_expired)) {}
 
-  /// Rounded up: who waits until then finds that it has come.
+  /// Rounded up to ns, so that a wait until then never ends early.
   static Time at(core::Time when);
   static core::Time ring_time(Time when) { return core::Time{} + when.time_since_epoch(); }
 
@@ -26,10 +26,10 @@ class VirtualClock final : public event_loop::NodeClock {
   std::int64_t wall_ns(Time when) override { return when.time_since_epoch().count(); }
   /// Runs out in the ring's own time, before any node acts in that instant.
   std::unique_ptr<event_loop::Timer> timer(std::function<void()> on_time) override;
-  /// The same, once, and not to be taken back; nothing is called once this clock is gone.
+  /// Calls `call` once at `when`, as a timer would; it cannot be cancelled. Not called once this clock is gone.
   void call_at(core::Time when, std::function<void()> call);
 
-  /// @name A node that stands still: what runs out meanwhile is called when it goes on
+  /// @name A frozen node: timers that run out meanwhile are called when it is thawed
   ///@{
   void freeze() { frozen_ = true; }
   void thaw();

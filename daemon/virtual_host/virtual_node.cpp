@@ -31,7 +31,7 @@ LineEnds VirtualNode::ends(Line line) const {
 
 static_assert(runtime::SendOwner::of(runtime::SendOwner::Kind::ring_user).to_core() == sim::VirtualRing::kUser);
 
-// What was sent for the CPU by the ring's own user ends with the CPU.
+// Sends that the ring's own user (VirtualRing::kUser) made for this CPU end with the CPU.
 void VirtualNode::cpu_reset(core::Owner owner) {
   controller().cpu_reset(owner, now());
   world_.ring.reset_cpu(id_);

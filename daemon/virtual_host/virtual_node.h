@@ -94,7 +94,7 @@ class VirtualNode final : public runtime::NodeDriver {
   core::Time input_lost_at_{};
   core::Time broken_since_{};
   core::Time started_;
-  /// There are no links: slices and bytes alone, as if they had gone through one.
+  /// There are no links. Only slices and bytes are counted, as if they had gone through one.
   std::array<link::InputCounters, 2> in_;
   std::array<link::OutputCounters, 2> out_;
   bool closed_ = false;

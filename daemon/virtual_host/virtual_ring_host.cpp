@@ -13,13 +13,13 @@ using std::chrono::steady_clock;
 
 namespace {
 
-/// So long the ring is simulated before clients get their turn.
+/// How long, in real time, the ring is simulated before the event loop has its turn.
 constexpr milliseconds kTurn{2};
-/// The clock is read once in so many instants.
+/// The real clock is read once in this many instants, since reading it costs time.
 constexpr unsigned kInstantsPerLook = 64;
-/// So often those that are waited for are looked at, should nothing come.
+/// How often we look at those that are waited for, if no event comes.
 constexpr milliseconds kTick{100};
-/// Nobody waits for an instant: so far the ring goes on at once.
+/// How far the ring goes on in one step if no program waits for an instant.
 constexpr std::chrono::milliseconds kLongestStep{10};
 
 /// The simulation has a controller for every number up to the largest id; those that are no node's are never alive.
@@ -30,7 +30,7 @@ core::Settings settings_of(const config::RingConfig& ring, const core::Settings&
   return settings;
 }
 
-/// Who asks for the whole ring asks at the address of all nodes.
+/// The ring's own host port: its id is that of all nodes (kBroadcast).
 host::HostOptions port_options(const config::RingConfig& ring, const std::string& folder) {
   return {folder, ring.ring, wire::kBroadcast, "", ring.limits.clients};
 }
@@ -266,7 +266,7 @@ bool VirtualRingHost::all_wait() {
   return false;
 }
 
-// What is posted to the event loop, or is for a program, comes before the next instant.
+// Stops early when there are messages for a program: they must be delivered before the next instant.
 void VirtualRingHost::advance(core::Time until, const std::function<bool()>& done) {
   const auto end = steady_clock::now() + kTurn;
   unsigned instants = 0;

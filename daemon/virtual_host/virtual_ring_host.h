@@ -42,15 +42,15 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   void start();
   /// Lets time go on, no faster than `pace`, until the event loop is stopped; at `end`, stop() is called.
   void run(Pace& pace, core::Time end);
-  /// Before it runs: its time goes on no further than a client allows.
+  /// To be called before it runs: time then goes on no further than a client allows.
   void follow() { steering_.follow(); }
-  /// As fast as can be, until `done`, which is asked at every instant, or until `end`, all programs having done what
-  /// they do then; or the event loop is stopped. @return what `done` said last
+  /// Runs as fast as possible until `done`, asked at every instant, returns true; until `end`, when all programs have
+  /// done what they do then; or until the event loop is stopped. @return what `done` said last
   bool run_until(const std::function<bool()>& done, core::Time end);
   /// Ends everything cleanly; `done` is called from the event loop.
   void stop(const std::function<void()>& done);
 
-  /// Does it at that instant of the ring's: no program acts then.
+  /// Calls `action` at that instant of the ring's time, while no program acts.
   void at(core::Time when, std::function<void()> action);
   /// Does a fault now, of whatever it is. @pre within an action, see at(); where it takes a seed, it has one
   /// @param done told for each of its nodes, perhaps later, why not, or nothing; a reset is done when the CPU has
@@ -67,7 +67,7 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   core::Time now() const { return ring_.now(); }
   /// Of all that happened on the ring.
   std::uint64_t trace_hash() const { return trace_.hash(); }
-  /// Why a run like this one would be another: empty where nothing is known that would make it so.
+  /// Why this run is not repeatable; empty if no reason is known.
   std::string not_repeatable() const;
   Lockstep& lockstep() { return lockstep_; }
   const Lockstep& lockstep() const { return lockstep_; }
@@ -91,10 +91,10 @@ class VirtualRingHost final : private sim::Observer, private NodePower {
   void input_changes(wire::NodeId node, core::Line line, core::Time now) override;
   void incident(wire::NodeId node, sim::Incident incident, core::Time now, core::Line line) override;
 
-  /// Until now no program acts, and none is to have its turn. @return false where one is, or is waited for
+  /// @return true if time may go on: no program acts, none is due for a turn, and none that boots or ends is waited for
   bool all_wait();
   void advance(core::Time until, const std::function<bool()>& done);
-  /// Whatever comes, or until real time has come so far.
+  /// Waits for the next event of the event loop, or until real time reaches `when`.
   void sleep_until(Pace::Real when);
   void look_at_lines();
 

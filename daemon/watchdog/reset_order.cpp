@@ -41,7 +41,7 @@ ResetOrder::Report ResetOrder::in_doubt(const CpuKnown& cpu, core::Time now) {
 }
 
 ResetOrder::Report ResetOrder::cpu_changed(const CpuKnown& cpu, core::Time now) {
-  if (phase_ == Phase::sent) return std::nullopt;  // not for what happens to be under way
+  if (phase_ == Phase::sent) return std::nullopt;  // not for a boot that was under way anyway
   report_.boots = cpu.boots;
   if (cpu.boots <= before_.boots) return std::nullopt;
   return end(Effect::seen,

@@ -53,7 +53,7 @@ class ResetOrder {
     report_.ended.outcome = core::Outcome::lost;
   }
 
-  /// The INTP has ended. @return the end of the reset, where that ends it
+  /// The INTP has ended. @return how the reset ended, if it is over now
   Report interrupt_ended(const core::SendEnded& ended, const CpuKnown& cpu, core::Time now);
   /// Something new may be known of the CPU.
   Report cpu_changed(const CpuKnown& cpu, core::Time now);

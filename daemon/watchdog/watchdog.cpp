@@ -87,7 +87,7 @@ void Watchdog::evaluate(Entry& cpu, const CpuSighting& seen, core::Time now) {
 
 void Watchdog::judge(Entry& cpu, const CpuSighting& seen, core::Time now) {
   if (seen.boots != cpu.boots) booted(cpu, seen.boots, now);
-  // The process that a reset has killed is neither booting nor absent: it is not cured yet.
+  // While a hung CPU is being reset, "booting" or "absent" only shows the process just killed: it is not cured yet.
   const bool cured_yet = !(cpu.verdict == CpuVerdict::hung && cpu.under_reset);
   switch (seen.state) {
     case wire::CpuState::running:

@@ -23,7 +23,7 @@ struct CpuSighting {
   bool comes_back = true;               ///< somebody starts it again when a reset kills it
 };
 
-/// Of another node's CPU, by the beacons of its node.
+/// The sighting of another node's CPU, from the beacons of its node.
 CpuSighting sighting_of(const core::Peer& peer);
 
 /// Beacons of its node have come lately: one or two may be late on a busy machine, or lost. (ours)

@@ -10,11 +10,12 @@ namespace limb_ring::app {
 /// whose cells below the heading all are numbers or '-' are aligned to the right.
 std::string text_table(const std::vector<std::vector<std::string>>& rows);
 
-/// As much of a text as `width` columns hold: its begin and its end, with '~' between. Names that belong together
-/// differ at either end.
+/// The text cut to `width` columns: its beginning and its end, with '~' between, since similar names differ at either
+/// end.
 std::string shortened(const std::string& text, std::size_t width);
 
-/// Lines broken between words so that they fit, as far as words do; what goes on is indented.
+/// Breaks lines between words so that they fit into `width` columns, unless a word is longer. Continued lines are
+/// indented.
 std::string wrapped(const std::string& text, std::size_t width);
 
 /// "1 daemon", "2 daemons": a noun whose plural has an s.

@@ -84,7 +84,7 @@ std::string json(const Comparison& comparison, const ComparisonOptions& options)
   return all.dump(2) + "\n";
 }
 
-/// One row for every value of `rows` beyond the subject and `against`, with the options in front.
+/// One row for every value in `rows`, except the subject and `against`; the options come first in each row.
 void put_values(const Row& front, const std::vector<Row>& rows, const std::string& against, std::vector<Row>& out) {
   for (const Row& row : rows) {
     for (const auto& [name, value] : row.items()) {

@@ -7,9 +7,8 @@ namespace limb_ring::ring_sim {
 /// What ring_sim ends with; every --help says so too.
 enum ExitCode : int {
   kDone = 0,
-  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, a recording
-  /// is not had again, gnuplot is missing or fails,
-  /// or a disk is full.
+  /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, the replay of a
+  /// recording differs from it, gnuplot is missing or fails, or a disk is full.
   kBroken = 1,
   /// Wrong arguments, a configuration that is refused, or a folder that cannot be written.
   kUsage = 2

@@ -80,7 +80,7 @@ bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std:
   return study::is_small(shrunk->after);
 }
 
-/// So many broken seeds more are made smaller where nothing small has come of those that were asked for.
+/// If no seed that was asked for gives a small scenario, this many more broken seeds are tried.
 constexpr std::uint64_t kMoreToShrink = 5;
 
 /// The first seed of a range, drawn so that it has hardly been run before.

@@ -13,8 +13,8 @@ class CaptureSink {
   virtual ~CaptureSink() = default;
   virtual void packet(const CapturedPacket& packet) = 0;
   virtual void event(const capture::CapturedEvent& event) = 0;
-  /// Writes what is buffered, since somebody may be reading.
-  /// @return false where nobody can be any more (a pipe that was closed, a full disk)
+  /// Writes what is buffered, since somebody may be reading it now.
+  /// @return false if nothing can be written any more (a closed pipe, a full disk)
   virtual bool flush() = 0;
   /// Why a flush() was false: names the file.
   const std::string& problem() const { return problem_; }

@@ -13,15 +13,16 @@ struct LineDelay {
   std::optional<double> us;      ///< empty: the two have different clocks, and one way alone cannot be known
 };
 
-/// What the latches of one sync tell of the lines, in the order in which it travelled, from the source back to it.
+/// What the latches of one sync interrupt tell about the lines, in the order in which it travelled: from the source
+/// around the ring back to it.
 struct LineDelays {
   std::vector<LineDelay> lines;
   unsigned between_hosts = 0;   ///< how many of them lead from one clock to another
   double between_hosts_us = 0;  ///< of all these together: the round trip less what is known
 };
 
-/// Two latches of one host are of one clock: their difference is a delay one way. Between hosts it would hold the
-/// difference of the clocks as well; only the sum around the ring is free of it.
+/// Two latches on one host are by the same clock, so their difference is a one-way delay. Between hosts it also
+/// contains the difference of the clocks; only the sum around the ring does not.
 /// @param latches_ns as clock_offsets() takes them
 /// @param hosts of each node in ring order: nodes with the same one have one clock
 LineDelays line_delays(const std::vector<std::optional<std::int64_t>>& latches_ns,

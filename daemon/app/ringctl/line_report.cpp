@@ -23,7 +23,7 @@ std::string broken_lines(const std::vector<json>& rows) {
     const json& line = row["broken_line"];
     const bool knows = row["id"] == line["behind"];
     if (!knows && lines.count(line["behind"]) != 0) continue;
-    // By its beacons, of a node on another host, it is known where, but not since when.
+    // The beacons of a node on another host say where the break is, but not since when.
     lines[line["behind"]] =
         "broken line " + line_name(rows, line["before"], line["behind"]) +
         (line.contains("since_s") ? " since " + app::number(line["since_s"].get<double>()) + " s" : "") +
@@ -36,7 +36,7 @@ std::string broken_lines(const std::vector<json>& rows) {
   return text;
 }
 
-/// Whose second line leads to the node at `place`: the next one that is there; null where there is none.
+/// The node whose second line leads to the node at `place`: the next one, in ring order, that is there; null if none.
 const json* answering_after(const std::vector<json>& rows, std::size_t place) {
   for (std::size_t i = 1; i < rows.size(); ++i)
     if (const json& row = rows[(place + i) % rows.size()]; has(row, "fold") || row.value("elsewhere", false))
@@ -44,7 +44,7 @@ const json* answering_after(const std::vector<json>& rows, std::size_t place) {
   return nullptr;
 }
 
-/// Nothing else shows it until a line of the ring breaks as well, and then it is too late.
+/// Reported because a broken second line has no other effect until a first line breaks, too, and then it is too late.
 std::string broken_second_lines(const std::vector<json>& rows) {
   std::string text;
   for (std::size_t place = 0; place < rows.size(); ++place) {
@@ -56,7 +56,7 @@ std::string broken_second_lines(const std::vector<json>& rows) {
   return text;
 }
 
-/// One in so many of the damaged packets that a node has seen counts as under way.
+/// Tolerance of noisy_line(): this fraction, one in so many, of a node's damaged packets may be under way.
 constexpr std::int64_t kUnderWay = 8;
 
 std::int64_t counter(const json& row, const char* name) { return row["counters"].value(name, std::int64_t{0}); }
@@ -68,8 +68,8 @@ std::int64_t passed_on_damaged(const std::vector<json>& rows, const json& id) {
   return 0;
 }
 
-/// A damaged packet is counted at every input it comes to: those that were damaged before are not this line's.
-/// The rows are not of one instant, so a few of many may just have come to one node and not to the next.
+/// A damaged packet is counted at every input that it reaches, so those that the previous node passed on are deducted.
+/// The rows are not of one instant, so a few packets may have been counted at one node but not yet at the next.
 std::string noisy_line(const std::vector<json>& rows, const json& row) {
   if (!has(row, "input") || row["input"]["from"].is_null()) return {};
   const json& from = row["input"]["from"];
@@ -80,7 +80,7 @@ std::string noisy_line(const std::vector<json>& rows, const json& row) {
          app::counted(static_cast<std::uint64_t>(damaged), "packet") + " came in damaged\n";
 }
 
-/// Both ends may say it, of their first and their second line: once is enough.
+/// Both ends of a line may report a refusal, for the first and the second line. One report per pair of nodes is enough.
 std::string refused_nodes(const std::vector<json>& rows) {
   std::map<std::pair<json, json>, std::string> lines;
   for (const json& row : rows)

@@ -18,7 +18,7 @@ using std::chrono::steady_clock;
 namespace {
 
 constexpr milliseconds kLastWords{1000};  // how long a daemon may take to count up
-/// Taken from one node before the next has its turn.
+/// Messages taken from one node before the next node has its turn.
 constexpr int kAtOnce = 1000;
 
 std::string event_words(const nlohmann::json& seen) {
@@ -87,7 +87,7 @@ void LiveDump::wait() {
   ::poll(ports.data(), ports.size(), static_cast<int>(SignalWait::kTick.count()));
 }
 
-/// Asks for the last counts; what was under way is counted and not shown.
+/// Asks for the final counts. Packets that still arrive meanwhile are counted, but not shown.
 void LiveDump::end() {
   ending_ = true;
   const auto deadline = steady_clock::now() + kLastWords;
@@ -111,7 +111,7 @@ void LiveDump::add_up() {
     totals_.nodes.filtered += counts.filtered;
     totals_.nodes.sampled_out += counts.sampled_out;
     totals_.nodes.limited += counts.limited;
-    // What was given and never came out here was lost in this process.
+    // Packets that the daemon has given but that never came out here were lost in this process.
     totals_.nodes.lost += counts.lost + (counts.given - std::min(counts.given, source.received));
   }
 }

@@ -12,8 +12,9 @@ namespace limb_ring::ringctl {
 /// @throw std::invalid_argument where the ring has no hosts
 std::string machines_file(const config::RingConfig& ring, const std::string& env_loader, const std::string& user);
 
-/// What runs a program in a set-up like this process's, if the hosts are alike: env.sh of the first catkin workspace
-/// or installation in `prefix_path`, else /usr/bin/env. @param prefix_path folders parted by ':' (CMAKE_PREFIX_PATH)
+/// A script that runs a program in an environment like this process's, if the hosts are set up alike: env.sh of the
+/// first catkin workspace or installation in `prefix_path`, else /usr/bin/env.
+/// @param prefix_path folders separated by ':' (CMAKE_PREFIX_PATH)
 std::string usual_env_loader(const std::string& prefix_path);
 
 }  // namespace limb_ring::ringctl

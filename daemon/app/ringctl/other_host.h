@@ -7,9 +7,9 @@
 
 namespace limb_ring::ringctl {
 
-/// Runs the same command line on the host that can do it, by ssh without asking for anything (BatchMode), in the folder
-/// of the same name if there is one, and with the ringctl of the same path, else the one on PATH. Its output is ours,
-/// and so is its exit code; kNoRing where ssh does not get there.
+/// Runs the same command line on the host that can do it, by ssh without prompts (BatchMode). It runs in the folder of
+/// the same name, if there is one, with the ringctl of the same path, else the one on PATH. Its output and exit code
+/// become ours; kNoRing if ssh cannot reach the host.
 /// @param arguments without the program's name and without --ssh
 /// @return an ExitCode, only where ssh cannot be started
 int run_there(const Elsewhere& where, const std::vector<std::string>& arguments);

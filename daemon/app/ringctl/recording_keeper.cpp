@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-/// What follows from it is to be recorded as well.
+/// How long to wait before saving, so that the consequences are recorded as well.
 constexpr milliseconds kLater{300};
 /// Not more often than this: one cause shows in many ways.
 constexpr std::chrono::seconds kBetween{5};
@@ -68,8 +68,8 @@ void RecordingKeeper::poll() {
   if (!wanted_.empty() && Clock::now() >= due_) save();
 }
 
-// One that ends cleanly takes its door away; who was killed on purpose is noted. A node that is killed on a virtual
-// ring leaves the process alive.
+// A crash leaves the socket ID.host behind: a daemon that ends cleanly removes it. Daemons killed on purpose are noted
+// (live/node_notes.h) and do not count. On a virtual ring the process outlives a killed node.
 void RecordingKeeper::look_for_crash(Node& node) {
   const live::Holder holder = live::holder_of(folder_, node.name.id);
   const pid_t before = std::exchange(node.pid, holder.held || holder.on_virtual_ring ? holder.pid : -1);

@@ -43,7 +43,7 @@ class RecordingKeeper {
   void look_for_crash(Node& node);
   void look_for_breaks(Node& node);
   void hear(const std::string& text);
-  /// Saves soon: what comes of it is to be there as well.
+  /// Saves a little later, so that the consequences are recorded as well.
   void want(const std::string& what, const std::string& words);
   void save();
 

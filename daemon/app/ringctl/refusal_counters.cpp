@@ -21,7 +21,7 @@ std::uint64_t count(const nlohmann::json& row, const char* name) {
   return row.contains("counters") ? row["counters"].value(name, std::uint64_t{0}) : 0;
 }
 
-/// A CPU that is not there is absent, boots or has failed; the counter does not tell these apart, its state does.
+/// The counter of refusals does not say whether a missing CPU is absent, boots or has failed; the CPU's state does.
 Reason refined(Reason reason, const nlohmann::json& row) {
   if (!row.contains("cpu")) return reason;
   const std::string state = row["cpu"].value("state", "");

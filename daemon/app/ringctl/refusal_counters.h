@@ -7,14 +7,14 @@
 
 namespace limb_ring::ringctl {
 
-/// What the destinations' own daemons have counted as refused, where they can be asked on this host. What the source
-/// only infers from beacons, they know.
+/// Refusals as counted by the destinations' own daemons, if these run on this host. They know the reason, which the
+/// source can only infer from beacons.
 class RefusalCounters {
  public:
   /// @param before their status rows from before the sends
   explicit RefusalCounters(ask::Rows before) : before_(std::move(before)) {}
 
-  /// The reason of a refused result is the destinations' own, where exactly one reason has been counted since.
+  /// Replaces the reason of each refused result by the destinations' own, if exactly one reason was counted since.
   /// @param now rows of the same nodes, after the sends
   void explain(std::vector<Result>& results, const std::vector<ask::Node>& nodes, const ask::Rows& now) const;
 

@@ -13,7 +13,7 @@ namespace {
 
 using capture::PacketView;
 
-/// Where packets were seen: at its input or not, from, to.
+/// Where packets were seen: whether at a node's input, and the line's two nodes (from, to).
 using Place = std::tuple<bool, wire::NodeId, wire::NodeId>;
 /// What a retry has in common with the try before: destination and sequence number.
 using Mark = std::pair<wire::NodeId, std::uint8_t>;

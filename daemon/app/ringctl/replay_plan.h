@@ -26,8 +26,8 @@ struct ReplayPlan {
   std::uint64_t elsewhere = 0;  ///< seen on another line than the one its source is taken from
 };
 
-/// A packet goes along many lines and may have been captured on several. Each source is taken from one:
-/// the line out of it, or where that was not captured, the first on which it was seen.
+/// A packet passes many lines and may have been captured on several. Each source's packets are taken from one
+/// line only: the line out of it, or if that was not captured, the first line on which it was seen.
 ReplayPlan plan_replay(capture::PcapngReader& reader);
 
 }  // namespace limb_ring::ringctl

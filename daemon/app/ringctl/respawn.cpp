@@ -15,8 +15,8 @@ using std::chrono::milliseconds;
 namespace {
 
 constexpr process::BackOff::Limits kPauses{milliseconds(500), milliseconds(10000), milliseconds(10000)};
-/// Longer than 'ringctl down' may take. Until then a daemon that was no child of ours may have been ended by it: we
-/// know only that it is gone.
+/// Longer than 'ringctl down' may take. If a daemon that is not our child is gone, we cannot tell a crash from 'ringctl
+/// down', so we wait this long for the latter to finish.
 constexpr milliseconds kDownTakes{8000};
 
 void tell(const std::string& what) { std::cerr << "ringctl: " << what << std::endl; }

@@ -9,10 +9,10 @@
 
 namespace limb_ring::ringctl {
 
-/// Starts the daemons of a ring again that end by themselves, each after a pause that grows while it goes on
-/// ending. What somebody has ended on purpose stays so: by 'ringctl down', by 'ringctl fault kill' (until 'fault
-/// start' or 'fault clear', whose daemon is no child of ours: should it die, it is started again after 8 s), by
-/// SIGTERM.
+/// Restarts daemons of a ring that end by themselves, each after a pause that grows while it keeps ending.
+/// A daemon that somebody has ended on purpose stays down: by 'ringctl down', by SIGTERM, or by 'ringctl fault kill'.
+/// After the last, 'fault start' or 'fault clear' starts a daemon that is no child of ours; if that one dies, it is
+/// restarted after 8 s.
 class Respawn {
  public:
   explicit Respawn(live::LaunchedRing& daemons);

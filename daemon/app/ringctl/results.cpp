@@ -24,7 +24,7 @@ double microseconds_of(const Result& result) { return static_cast<double>(result
 
 bool delivered(const Result& result) { return result.outcome == Outcome::delivered; }
 
-/// It may have arrived: nothing has come home that says whether.
+/// It was delivered, or may have been: nothing has come home that says otherwise.
 bool may_be(const Result& result) {
   const bool reached = result.why != Reason::out_of_reach;
   return delivered(result) || result.outcome == Outcome::lost || (result.outcome == Outcome::unconfirmed && reached);

@@ -22,7 +22,7 @@ std::vector<Result> send_all(HostPort& port, unsigned count, const std::function
 /// Prints one result, or how many ended how, or all as JSON. @return exit_code()
 int report(const std::vector<Result>& results, bool as_json);
 
-/// As send_all; and what was refused has its reason from its destinations, where they can be asked on this host.
+/// As send_all(). The reasons of refused sends come from their destinations, if these can be asked on this host.
 /// @param to id of a node of the ring, or kBroadcast
 std::vector<Result> send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
                                      const std::function<std::uint32_t()>& send,

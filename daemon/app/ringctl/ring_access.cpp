@@ -75,7 +75,7 @@ RingAccess described_by(const std::string& ring, const std::string& node) {
                     index_of(nodes, port.id()), hosts_of(config));
 }
 
-/// Frozen ones last: they let us wait.
+/// The order in which to ask daemons: frozen ones last, because they would keep us waiting.
 std::vector<std::string> whom_to_ask(const std::string& ring, const std::string& first) {
   std::vector<std::string> nodes, frozen;
   if (!first.empty() && first != "all") nodes.push_back(first);

@@ -33,8 +33,8 @@ struct PlannedNode {
   bool has_child = false;  ///< its CPU is a process that ringd starts
 };
 
-/// A ring, or one host's part of it, to be started: known to be well configured, one daemon for each node, or one for
-/// all on a virtual clock.
+/// A ring, or one host's part of it, that is to be started. Its configuration has been checked. It has one daemon per
+/// node, or on a virtual clock one for all.
 struct RingPlan {
   std::string ring;
   std::vector<PlannedNode> nodes;      ///< those started here

@@ -34,7 +34,7 @@ std::string lack_of_row(const json& row, std::size_t nodes) {
   return child && cpu_word(row) != "running" ? "its CPU is " + cpu_word(row) : "";
 }
 
-/// Why a node will not get into the ring however long one waits.
+/// Why a node will never get into the ring: it is refused. Empty if no node is.
 std::string refusal_in(const std::vector<json>& rows) {
   for (const json& row : rows)
     for (const json& refusal : row.value("refusals", json::array())) return "; " + refusal.value("text", "");

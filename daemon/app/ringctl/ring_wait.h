@@ -8,7 +8,7 @@
 
 namespace limb_ring::ringctl {
 
-/// What status rows lack of what is waited for, in words; empty where nothing.
+/// Says in words what is still missing in the status rows; empty if the wait is over.
 using Lack = std::function<std::string(const std::vector<nlohmann::json>& rows)>;
 
 /// Whole: every node is up in a ring of all of them, not folded back, its second line (where it has one) leads on,

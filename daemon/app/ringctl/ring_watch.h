@@ -12,8 +12,8 @@ namespace limb_ring::ringctl {
 /// What a node still lacks before the ring counts as closed: state up, a ring of all nodes, and
 /// its CPU running where that is a child of ringd. Empty where nothing.
 std::string missing(const PlannedNode& planned, const nlohmann::json& status, std::size_t nodes);
-/// The same of a host's part of a ring of which more may come: it works with the `nodes` of this host at least, or in
-/// the open chain.
+/// The same for one host's part of a ring, while other hosts may still be missing: the node has to be in a ring of at
+/// least this host's `nodes`, or in an open chain.
 std::string missing_in_part(const PlannedNode& planned, const nlohmann::json& status, std::size_t nodes);
 
 /// Watches a ring that is being started, over connections that it keeps.
@@ -32,7 +32,7 @@ class RingWatch {
 
  private:
   std::string lack_of(std::size_t index);
-  /// Why a node will not get into the ring however long one waits, said by any that answers; empty where none says so.
+  /// Why a node will never get into the ring, as told by any node that answers; empty if none says so.
   std::string refusal();
   nlohmann::json status_of(std::size_t index);
 

@@ -30,7 +30,7 @@ std::string broken_line(const std::vector<json>& rows) {
   return "";
 }
 
-/// What was done to a whole node on purpose is noted in the ring's folder; a note may be older than what holds now.
+/// The fault of a whole node, as noted in the ring's folder. The note is ignored if it no longer fits the node's state.
 json faults_of_absent(const std::string& folder, std::uint8_t node, bool frozen) {
   const auto note = live::note_of(folder, wire::NodeId{node});
   if (!note || (note->name() == fault::word_of(fault::Name::freeze).word) != frozen) return json::array();
@@ -70,7 +70,7 @@ json down_row(const NodeName& node) {
 
 namespace {
 
-/// Of a node on another host a beacon tells; the newest that one on this host has heard. Null where it is too old.
+/// The newest beacon of a node on another host that a node on this host has heard; null if it is too old.
 json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& answers, std::uint8_t node) {
   json newest;
   for (const std::optional<json>& answer : answers)
@@ -82,8 +82,8 @@ json heard_of(const RingAccess& ring, const std::vector<std::optional<json>>& an
   return fresh ? newest : json();
 }
 
-/// What its beacon says of a node, in the words of a status row. Away from the break it says that there is one; whether
-/// the ring is folded back around it, the nodes here know, which hear it and so are in the same part.
+/// A node's state by its beacon, in the words of a status row. A beacon from away from the break says only that there
+/// is one. Whether the ring is folded back, our own nodes tell: as they hear that node, they are in the same part.
 json state_in(const json& heard, const std::vector<std::optional<json>>& answers) {
   for (const char* line : {"input", "output"})
     if (heard.value(line, "") == wire::to_string(wire::LinkState::folded)) return "folded";

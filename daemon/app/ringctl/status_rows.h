@@ -13,9 +13,9 @@ namespace limb_ring::ringctl {
 
 /// The row of a node whose daemon does not answer: state "down", and null for what only it knows.
 nlohmann::json down_row(const NodeName& node);
-/// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs. Of a node whose daemon has not
-/// answered: "frozen" and its pid where its process on this host is stopped; where it is on another host, or has never
-/// run on this one, and its beacons are heard, `elsewhere`, and state, CPU and clock latch as they say; else "down".
+/// The rows of all nodes in ring order, with the supervisor's verdicts on the CPUs. For a node whose daemon has not
+/// answered: "frozen" and its pid if its process on this host is stopped; `elsewhere`, with state, CPU and clock latch
+/// from its beacons, if these are heard and it is on another host or has never run on this one; else "down".
 /// @param answers to "status", in ring order
 std::vector<nlohmann::json> complete_rows(const RingAccess& ring,
                                           const std::vector<std::optional<nlohmann::json>>& answers);
@@ -31,8 +31,8 @@ std::string line_name(const std::vector<nlohmann::json>& rows, const nlohmann::j
                       const nlohmann::json& behind);
 /// Does the node's network controller take part in a closed ring?
 bool is_up(const nlohmann::json& row);
-/// "running", "stopped", "hung" ...: the supervisor's word where it says hung, since the node's own network
-/// controller says silent, no more, and that only of a CPU which has promised to speak. "latched" where a stop is.
+/// "running", "stopped", "hung" ...; "latched" if a stop is latched. "hung" comes from the supervisor: the node's own
+/// network controller says no more than "silent", and that only of a CPU that has promised to speak.
 std::string cpu_word(const nlohmann::json& row);
 /// Packets that were lost, damaged or discarded at this node since its start, under whatever name.
 std::uint64_t errors_of(const nlohmann::json& row);

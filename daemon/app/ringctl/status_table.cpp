@@ -40,7 +40,7 @@ std::size_t widest_line(const std::string& table) {
   return widest;
 }
 
-/// What is too wide is taken from the names.
+/// If the table is too wide, the names are shortened.
 std::string fitted(std::vector<std::vector<std::string>> table, std::size_t width) {
   const std::string whole_table = app::text_table(table);
   const std::size_t widest = widest_line(whole_table);

@@ -19,7 +19,7 @@ const json* supervisor_of(const std::vector<json>& rows) {
 
 bool has_hung(const json& cpu) { return cpu["hangs"] != 0; }
 
-/// Behind a break that may be half the ring: a line for all that are so for the same reason.
+/// One line for all CPUs that are unreachable for the same reason, since a break can cut off half the ring.
 std::string unreachable_lines(const json& watched) {
   std::map<std::string, std::string> names;  // by reason
   for (const json& cpu : watched)

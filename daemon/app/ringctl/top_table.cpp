@@ -39,7 +39,7 @@ std::uint64_t bytes_in(const json& row) {
   return all - std::min(all, kSliceHeader * sum(row, {"input_slices", "input_idle_slices"}));
 }
 
-/// Of the same boot, so that the counters have not begun again at 0.
+/// Both rows are of the same boot, so the counters have not restarted at 0 in between.
 bool comparable(const json& before, const json& now) {
   return now.contains("pid") && now["pid"].is_number() && before.value("pid", json()) == now["pid"];
 }
@@ -52,7 +52,7 @@ double elapsed(const StatusSample& before, const StatusSample& now, std::size_t 
   return at_present.get<double>() - then.get<double>();
 }
 
-/// Growth of a figure in a second; nothing where it cannot be known.
+/// Growth of a figure per second; nothing if it is not known.
 template <typename Figure>
 std::optional<double> rate(const StatusSample& before, const StatusSample& now, std::size_t index, Figure figure) {
   if (index >= now.rows.size() || !comparable(before.rows[index], now.rows[index])) return std::nullopt;

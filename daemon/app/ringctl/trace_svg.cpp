@@ -104,7 +104,7 @@ class Picture {
     for (const SeenPacket& cut : hop.cut_by) seen(cut, row, kInterrupt);
   }
 
-  /// Below what it waited for, which stays in sight.
+  /// Draws the wait below the packets that it waited for, so that these stay visible.
   void wait(const Hop& hop, std::size_t row) {
     const double left = x(hop.in->began), width = x(hop.out->began) - left;
     if (width <= 0) return;

@@ -39,7 +39,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv);
 /// The ring these options mean. @throw UsageError, config::ConfigError
 config::RingConfig ring_of(const Options& options);
 
-/// What does not go together with a virtual clock. @throw UsageError
+/// Checks that no option is given that cannot be used with a virtual clock. @throw UsageError
 void check_virtual(const Options& options);
 
 /// This daemon's node in it. @throw UsageError

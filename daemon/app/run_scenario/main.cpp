@@ -1,5 +1,5 @@
-// run_scenario: 'ringctl scenario run' as rostest starts a <test>. Where rostest wants the result is where the JUnit
-// goes, and what roslaunch adds for ROS nodes is left out.
+// run_scenario: 'ringctl scenario run' for a <test> of rostest. The JUnit report goes to the path that rostest gives,
+// and arguments that roslaunch adds for ROS nodes are dropped.
 #include <cerrno>
 #include <cstdio>
 #include <cstring>

@@ -1,5 +1,5 @@
-// scenario_cpu: the CPU of a node in a scenario on live daemons, started by ringd. It takes what comes and counts it;
-// what it sends, the scenario sends for it.
+// scenario_cpu: the CPU of a node in a scenario on live daemons, started by ringd. It takes packets and counts them.
+// It sends nothing: the scenario sends in its place.
 #include <limb_ring/host_port.h>
 
 #include <cstdio>

@@ -200,7 +200,7 @@ void CpuProcess::silence_due() {
   if (!attached_) return;
   const Time now = clock_.now();
   if (!attached_->silent(now)) return watch_silence();  // it spoke meanwhile
-  // A daemon that was itself not scheduled judges nobody: perhaps the CPU was not, either.
+  // If this daemon itself was not scheduled in time, the CPU perhaps was not either: give it another period.
   const bool late = now - silence_at_ > attached_->alive_period() / 4;
   if (late) return watch_silence_until(now + attached_->alive_period());
   silent_ = true;

@@ -48,13 +48,14 @@ struct CpuOptions {
   std::chrono::milliseconds stop_timeout{500};       ///< from SIGTERM to SIGKILL
   std::chrono::milliseconds command_timeout{10000};  ///< of a pin's command
   process::BackOff::Limits back_off;
-  /// Not 0: on a virtual ring. By the clock no child attaches sooner, and one that ends sooner is seen to end then; and
-  /// the end of one that is attached is seen when its connection has ended, too: one instant, in whatever order.
+  /// The boot time on a virtual ring, by the ring's clock; 0: no virtual ring. No child attaches earlier, and a child
+  /// that ends earlier is seen to end only then. The end of an attached child is seen once both its process and its
+  /// connection have ended, so that their order does not matter.
   std::chrono::nanoseconds boots_for{0};
   /// The CPU's process has been sent that signal; may be empty.
   std::function<void(int number)> on_signal;
   std::string log_prefix;
-  /// Cores of the CPU's processes, where the daemon has pinned itself to one; empty: as ours.
+  /// Cores of the CPU's processes, if the daemon has pinned itself to one; empty: the same cores as this process.
   std::optional<cpu_set_t> affinity;
   int output = -1;  ///< descriptor for what they print; -1: as this process
   process::ProcessHandle::By by = process::ProcessHandle::By::pidfd;
@@ -68,7 +69,7 @@ class CpuProcess {
  public:
   using Time = event_loop::NodeClock::Time;
 
-  /// All must outlive this. By `clock` a CPU is silent, and is started again; to boot and to end it has real time.
+  /// All must outlive this. Silence and restarts are timed by `clock`, booting and ending by real time.
   CpuProcess(boost::asio::io_context& io, event_loop::NodeClock& clock, CpuOptions options, CpuEvents& events);
   /// Kills the child. stop() is the gentle way.
   ~CpuProcess();
@@ -79,14 +80,14 @@ class CpuProcess {
   /// event loop. An attached outside process is left alone.
   void stop(std::function<void()> done);
 
-  /// That process has connected, and will be attached: if it is the child, it has booted in time.
+  /// The process `pid` has connected and will be attached. If it is the child, it has booted in time.
   void greeted(pid_t pid) {
     if (child_.owns(pid)) boot_timer_.cancel();
   }
   /// A process took the CPU's place on the host port. `pid` by SO_PEERCRED.
   /// @return false where that process has ended or is being killed: close its connection.
   bool attached(pid_t pid, bool restarted_by_owner, std::chrono::milliseconds alive_period);
-  /// The connection of `pid` has ended. Says nothing where another has its place by now.
+  /// The connection of `pid` has ended. Has no effect if another process has taken its place.
   void detached(pid_t pid);
   /// The CPU said something.
   void spoke(Time now);
@@ -94,7 +95,7 @@ class CpuProcess {
   /// Kills the CPU, stopped or not, and starts the child again at once; an attached process is
   /// started again by its owner, if it has one. The caller ends its connection.
   CpuActionResult reset(const std::string& reason);
-  /// Kills and reaps the child at once, for good: nothing is to follow but the end of this process.
+  /// Kills and reaps the child at once and for good. Only for use just before this process ends.
   void kill() { child_.kill(); }
   /// Sends a POSIX signal to the CPU's process.
   CpuActionResult signal(int number);

@@ -50,7 +50,7 @@ void PinCommands::ended(Slot& slot, const process::ExitStatus& status) {
 }
 
 void PinCommands::timed_out(Slot& slot) {
-  // A handler queued for the command before this one comes too early.
+  // Ignores a handler that was queued for the previous command in this slot.
   if (!slot.child.running() || slot.deadline.expiry() > std::chrono::steady_clock::now()) return;
   ++counters_.timed_out;
   spdlog::warn("command '{}' of a pin is killed: not done in {} ms", slot.name, deadline_.count());

@@ -37,7 +37,7 @@ class CaseRing : public sim::WatchedRing {
   /// When the ring had joined and was quiet: time zero of the case.
   Time zero() const { return zero_; }
   std::uint64_t trace_hash() const { return trace_.hash(); }
-  /// Share of the time since `since` in which the lines were in use, `bytes` of LineUse then given.
+  /// Share of the time since `since` in which the lines were in use. @param bytes what LineUse had counted at `since`
   double occupancy(Time since, std::uint64_t bytes) const;
   const LineUse& line_use() const { return line_use_; }
 

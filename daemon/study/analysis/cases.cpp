@@ -32,7 +32,8 @@ struct Run {
   std::uint32_t send(NodeId from, NodeId to) {
     return ring.send(from, to, std::vector<std::uint8_t>(medium.payload, from));
   }
-  /// Node i's own packet starts in the instant in which one that left node 0 at `start` arrives there.
+  /// The worst case: each node starts a packet of its own at the instant at which the one that left node 0 at `start`
+  /// arrives there.
   void send_in_front(Time start) {
     for (unsigned id = 1; id < medium.nodes; ++id)
       ring.at(start + d() * id + T() * (id - 1), [this, id] { send(static_cast<NodeId>(id), kFirst); });
@@ -82,7 +83,7 @@ void adversarial(Run& run) {
   run.run_until_ended(run.nodes());
 }
 
-// The last node's packet begins to pass node 0; a picosecond later its CPU asks.
+// The last node's packet begins to pass node 0. One picosecond later, the CPU of node 0 asks for its send.
 void request(Run& run) {
   run.result.formula = run.T() * (run.n() + 1) + run.d() * run.n();
   const Time asked = run.ring.now() + run.d() + Duration{1};
@@ -121,7 +122,7 @@ void interrupt(Run& run) {
   run.run_until_ended(run.nodes());
 }
 
-/// So many laps that the packets of all nodes make some ten thousand hops.
+/// Enough laps for the packets of all nodes to make some ten thousand hops.
 unsigned laps(const Run& run) { return std::max(10u, 40000u / (run.nodes() * run.nodes())); }
 
 /// Every node sends the next as the last one ends, after a pause.

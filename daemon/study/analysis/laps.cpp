@@ -55,8 +55,8 @@ Duration Laps::all_but(NodeId source, NodeId line) const {
   return sum;
 }
 
-// An own packet takes from the line out what its return leaves free of the line in: so one own packet is
-// all that ever waits, where the line out is not slower.
+// An own packet takes time on the line out, but its return, which is not relayed, gives the same time back. So at most
+// one own packet ever has to be waited for, unless the line out is slower than the line in.
 Duration Laps::data_queue(NodeId source, NodeId node) const {
   if (narrows(node)) return all_but(source, node);
   return node == source ? Duration{0} : on_line(node, largest_[node]);

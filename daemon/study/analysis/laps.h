@@ -38,8 +38,8 @@ class Laps {
   struct Interrupts {
     Duration period{0}, under_way{0};
   };
-  /// What the ring's INTPs take from its DATPs: without it, nothing.
-  /// @return false where they leave no room for a DATP
+  /// Sets the INTPs that delay the ring's DATPs; until it is called, there are none.
+  /// @return false if they leave no room for a DATP
   bool set_interrupts(const std::vector<Interrupts>& interrupts);
   /// The shortest round trip of an INTP of this node, and so the shortest time between two of them.
   Duration least_interrupt() const;

@@ -88,8 +88,8 @@ Spread measure_interrupt(const Network& network, const Medium& medium, std::uint
   return spread(latencies(network, medium, messages, Time{} + 2 * span, [](const Message& m) { return m.interrupt; }));
 }
 
-/// From the first tenth of the deliveries to about their half: neither filling up nor running dry. Taken
-/// as the mean over many ends, so that it does not matter where in a cycle the ends lie.
+/// Measured from the first tenth of the deliveries to about half of them, when the network neither fills up nor runs
+/// dry. It is a mean over many starts and ends, so that it does not matter where in a cycle these lie.
 double measure_saturated(const Network& network, const Medium& medium, std::uint64_t seed) {
   Random random(seed);
   const auto messages = all_at_once(medium, Time{}, kSaturatedEach, Destination::random, random);

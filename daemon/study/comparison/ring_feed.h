@@ -11,8 +11,8 @@
 
 namespace limb_ring::study {
 
-/// Gives messages to a virtual ring as they are asked for and notes when they come out. What a node's
-/// own queue has no room for waits here, in order, so that the limit of a queue does not change the latency.
+/// Gives messages to a virtual ring as they are asked for and notes when they come out. A message for which a
+/// node's own queue has no room waits here, in order, so that the queue's limit does not change the latency.
 class RingFeed {
  public:
   /// Message times count from ring.now(). Takes the ring's callbacks; both must outlive this.

@@ -49,7 +49,7 @@ std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Mes
   sim::WatchedRing ring(ring_options(medium));
   join_and_settle(ring, medium);
   RingFeed feed(ring, messages);
-  // Time zero is now, so that "never" lies beyond what the ring's own clock can say.
+  // `until` counts from now, so kNever would overflow the ring's own clock: hence the limit.
   const Duration left = core::kNever - ring.now();
   ring.run_until([&feed] { return feed.done(); }, std::min(until - Time{}, left));
   ring.check();

@@ -13,8 +13,8 @@ class RingNetwork : public Network {
  public:
   /// @throw std::runtime_error where the ring does not close: the settings are wrong
   std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
-  /// Until the hello is home, the longest of some moments spread over a lap: the links are moved, what
-  /// is on them at that moment is lost and sent again by its sources.
+  /// Until the hello is home: the longest time for several moments spread over a lap. The links are moved,
+  /// and packets that are on them at that moment are lost and sent again by their sources.
   /// @throw std::runtime_error as above
   Duration time_to_join(const Medium& medium) const override;
 };

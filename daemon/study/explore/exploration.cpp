@@ -5,7 +5,7 @@
 
 namespace limb_ring::study {
 
-// Each thread takes one first strike after another, with all that can follow it.
+// Each thread takes one first strike after another and explores everything that can follow it.
 void Exploration::run(const Progress& progress) {
   const std::vector<Choice> firsts = next({}, run_once({}, progress));
   std::atomic<std::size_t> taken{0};
@@ -30,8 +30,8 @@ void Exploration::extend(std::vector<Choice>& choices, const Progress& progress)
   }
 }
 
-// Where places are bounded, two runs in one state may have come to different ones: more may strike in one of them.
-// @return places in that run
+// If places are bounded, two runs in the same state may be at different places, so that more can still strike in one of
+// them. Then states are recognised only once nothing more may strike. @return places in that run
 unsigned Exploration::run_once(const std::vector<Choice>& choices, const Progress& progress) {
   ExploredRun run(world_, choices);
   const bool bounded = bounds_.places < kAllPlaces;
@@ -58,8 +58,8 @@ std::vector<Choice> Exploration::next(const std::vector<Choice>& choices, unsign
   return all;
 }
 
-// A fold may bring a doubled copy behind its source's next packet, which the lines of a ring never do. Where the ring
-// is broken already, it cannot be cut there.
+// No doubling in a ring that folds back: a fold may bring the copy after its source's next packet, which the lines of a
+// ring never do. And no cut where the ring is broken already.
 std::vector<Strike> Exploration::strikes() const {
   using What = Strike::Kind;
   std::vector<Strike> all;

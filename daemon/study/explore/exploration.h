@@ -9,9 +9,9 @@
 
 namespace limb_ring::study {
 
-/// Every run of a small world with at most so many strikes, each of them at every place where it can fall. A run with k
-/// strikes is run again with a further strike at every place behind its last one. A run that comes into a state in
-/// which another one was ends there: the other one, and those that begin like it, are all that could follow. (ours)
+/// Every run of a small world with at most Bounds::faults strikes, each of them at every place where it can fall. A run
+/// with k strikes is run again with a further strike at every place after its last one. A run that reaches a state of
+/// an earlier run ends there: the earlier run, and those that begin like it, cover all that could follow. (ours)
 class Exploration {
  public:
   struct Bounds {
@@ -29,7 +29,7 @@ class Exploration {
   std::uint64_t runs() const { return runs_; }
   /// Runs that ended in a state that had been met before.
   std::uint64_t recognised() const { return recognised_; }
-  /// Different ones that were looked at.
+  /// The number of different states that were seen.
   std::size_t states() const { return states_.count(); }
   /// The largest number of places in one run.
   unsigned places() const { return places_; }

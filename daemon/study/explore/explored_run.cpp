@@ -83,7 +83,7 @@ bool ExploredRun::is_over() {
   return recognised_ || (all_ended && mendings_.empty() && (is_settled() || ring_->now() >= settled_by_));
 }
 
-// Of what a faulty line holds nobody is asked: while it holds something nothing is recognised.
+// The hash does not contain what a faulty line holds back, so no state is recognised while a line holds anything.
 bool ExploredRun::meets_known_state() {
   const bool all_struck = struck_ == choices_.size() && !strikes_now_;
   if (states_ == nullptr || !all_struck || invariants_->violation() || !lines_->at_rest()) return false;
@@ -98,7 +98,7 @@ std::uint64_t ExploredRun::state_hash() {
   return hash.value();
 }
 
-/// All nodes know how the ring is when nothing has struck.
+/// All nodes are in the state that the ring has when nothing has struck.
 bool ExploredRun::is_settled() const {
   using core::NodeState;
   const NodeState without_a_line = world_.fold_back ? NodeState::folded : NodeState::open_chain;
@@ -192,7 +192,7 @@ void ExploredRun::strike_node(const Strike& what) {
   }
 }
 
-// Its sends are gone with it, and never end.
+// The node's open sends are lost with it and never end, so they are not waited for.
 void ExploredRun::restart(NodeId node) {
   if (ring_->alive(node)) ring_->kill(node);
   waiting_[node] = 0;
@@ -217,7 +217,7 @@ void ExploredRun::mend_later(Strike::Kind of, NodeId node) {
   ring_->at(mendings_.back().at, [this] { mend(); });
 }
 
-// All last as long, so the first that began is the first to end.
+// All last equally long, so the first that began is the first to end.
 void ExploredRun::mend() {
   const Mending due = mendings_.front();
   mendings_.pop_front();

@@ -19,30 +19,30 @@ struct World {
   unsigned sends = 2;  ///< asked for at once, by one node after another: DATPs to the node before, and broadcasts
   bool paced = true;   ///< lines of 1 Gbit/s, so that packets leave in slices; else whole, at once
   bool fold_back = false;
-  /// The line out of the last node is cut before the sends and mended at the end: an open chain; with fold_back the
-  /// cable there, so that the ring is folded.
+  /// The line out of the last node is cut before the sends and mended at the end, so the ring is an open chain. With
+  /// fold_back the whole cable there is cut, so the ring is folded.
   bool broken = false;
 
   static constexpr unsigned kMostNodes = 6;
   wire::NodeId last_node() const { return static_cast<wire::NodeId>(nodes - 1); }
 };
 
-/// One run of that world, with these strikes. It is the same each time. Strikes may fall from when all have joined
-/// until every send has ended and the ring is again as it was then; then all is mended, and the ring has to be whole
-/// and fall silent.
+/// One run of a world with given strikes; it is the same each time. The window for strikes opens when all nodes have
+/// joined, and closes when every send has ended and the ring is as it was at the beginning. Then all is mended, and
+/// the ring has to be whole and fall silent.
 class ExploredRun {
  public:
   ExploredRun(const World& world, std::vector<Choice> choices);
 
-  /// From now on it ends in a state that another run was in: once all has struck and the window is closed, and where
-  /// more may strike, also before. @param states must outlive it
-  /// @param left so many more may strike in runs that begin like this one
+  /// Lets the run end when it reaches a state of another run. This is checked once all has struck: when the window has
+  /// closed, and if `left` is not 0 also before. @param states must outlive it
+  /// @param left how many more may strike in runs that begin like this one
   void recognise(KnownStates& states, std::uint64_t run, unsigned left) {
     states_ = &states;
     run_ = run;
     left_ = left;
   }
-  /// It ended in one of these.
+  /// It ended in a state of another run.
   bool recognised() const { return recognised_; }
 
   /// Runs it all, or until a promise is broken.
@@ -50,7 +50,7 @@ class ExploredRun {
   /// The ring, for further observers before it runs.
   sim::VirtualRing& ring() { return *ring_; }
   const std::optional<sim::Violation>& violation() const { return violation_; }
-  /// At so many places something could have struck.
+  /// The number of places at which something could have struck.
   unsigned places() const { return places_; }
 
  private:

@@ -9,8 +9,8 @@ namespace limb_ring::study {
 /// The states in which runs were. Several threads may ask. (ours)
 class KnownStates {
  public:
-  /// Notes that a run is in that state. @param left so many faults may strike from there on
-  /// @return true where another run was in it with as many to strike: both go on in the same way
+  /// Notes that a run is in that state. @param left how many faults may still strike from there on
+  /// @return true if another run was in it with at least as many left, so that its continuations cover this run's
   bool meet(std::uint64_t state, std::uint64_t run, unsigned left) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto [place, is_new] = states_.try_emplace(state, Visit{run, left});

@@ -4,9 +4,9 @@
 
 namespace limb_ring::study {
 
-/// A number for the state of what has an archive() (core/archive.h), such as a whole virtual ring with all that judges
-/// it: equal states have the same, and others hardly ever, as it has 64 bits. What only counts is left out: two states
-/// go on in the same way, however many packets were lost on the way to them.
+/// A 64-bit hash of anything that has an archive() (core/archive.h), such as a whole virtual ring with all that judges
+/// it. Mere counters are left out: two states go on in the same way, however many packets were lost on the way to
+/// them.
 class StateHash : public core::Archive<StateHash> {
  public:
   /// @param nodes of the ring: of tables with an entry for every id only those of its nodes are looked at

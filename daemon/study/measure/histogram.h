@@ -12,8 +12,8 @@ struct Bin {
   std::size_t count = 0;
 };
 
-/// Bins of one width that follow each other without a gap, from that of the least value to that of the
-/// greatest; all limits are multiples of the width. Empty where there are no values.
+/// Bins of one width without gaps, from the bin of the smallest value to that of the greatest; all limits are
+/// multiples of the width. Empty if there are no values.
 /// @param values above zero
 /// @param width above zero
 std::vector<Bin> histogram(const std::vector<Duration>& values, Duration width);

@@ -163,7 +163,7 @@ void RandomFaults::send() {
   if (!can_ask(source)) return;
   std::vector<std::uint8_t> data(once_in(3) ? wire::kMaxPayload : 1 + random(512));
   for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random_());
-  // In this order: seeds give the same runs as ever.
+  // Keep this order of draws: otherwise seeds would no longer give the same runs as before.
   const auto priority = static_cast<std::uint8_t>(random(4));
   const NodeId destination = random_destination();
   scenario::Send send;
@@ -244,7 +244,7 @@ void RandomFaults::line_fault(NodeId node) {
   lines_->begin(fault);
 }
 
-// As long as a line holds back, and no longer than that, for the same reason.
+// The node stands still for at most as long as a line may hold back, for the same reason: see line_fault().
 void RandomFaults::stand_still(NodeId node) {
   const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / (doubles_ ? 32 : 16) / 1ns);
   ring_->pause(node);
@@ -353,7 +353,7 @@ void RandomFaults::check_silence() {
   if (!violation_) violation_ = sim::not_silent(*ring_, slices_when_quiet_);
 }
 
-// All bounds are in force again.
+// With all mended, every bound is in force again for this traffic.
 void RandomFaults::send_when_mended() {
   for (unsigned step = 0; step < kSteps / 8 && !violation_; ++step) {
     once_in(7) ? interrupt() : send();

@@ -18,7 +18,7 @@ using Kind = SoakAction::Kind;
 
 namespace {
 
-/// Sends are told apart by their data, as long as that goes.
+/// Number of different names. A named send is identified by one byte of its data, so names repeat after this many.
 constexpr std::size_t kNames = 200;
 
 std::string name_of(NodeId node) { return "node" + std::to_string(node); }
@@ -80,7 +80,7 @@ bool is_of_slice(const Deed& deed) {
   return action && (action->kind == Kind::lose_slice || action->kind == Kind::damage_slice);
 }
 
-/// When its step is due: what hits a slice has to be there before that leaves.
+/// When the step is due. One that hits a slice has to be in place before the slice leaves.
 std::chrono::nanoseconds due(const Deed& deed) {
   using std::chrono::nanoseconds;
   const core::Duration since = deed.at.time_since_epoch();
@@ -140,7 +140,7 @@ class StepTrial {
     return run.unmet && alike(*run.unmet, wanted_);
   }
 
-  /// The promise was broken only there.
+  /// The promise was broken only at the end, so that has to be played, too.
   bool plays_the_end() const { return some_.ends_mended; }
 
  private:
@@ -163,7 +163,8 @@ void each_node(Deed& deed, Visit visit) {
   }
 }
 
-/// The same among so many nodes: those that are spoken of keep their order, and the rest stand behind them.
+/// The same history in a ring of `nodes`: the nodes that it mentions come first, in their order.
+/// @return nothing if it mentions more nodes than that
 std::optional<History> among(const History& history, unsigned nodes) {
   History fewer = history;
   std::set<unsigned> used;

@@ -86,7 +86,7 @@ int run(const std::string& ring) {
   return kDone;
 }
 
-/// @return kDone too where there is none
+/// Ends all rings of this user. @return an ExitCode; kDone also if there is none
 int run_all() {
   const std::vector<std::string> rings = live::held_rings();
   for (const std::string& ring : rings) run(ring);

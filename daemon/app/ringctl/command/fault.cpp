@@ -59,7 +59,7 @@ fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes, boo
 }
 
 int begin(const Context& context, const fault::Word& word, const FaultOptions& options) {
-  // 'A -> B' without quotes: the shell has taken "> B" for a file.
+  // The user typed A -> B without quotes, so the shell has redirected the output to a file named B.
   if (!options.where.empty() && options.where.back() == "-")
     throw UsageError(std::string(word.word) + ": the shell has taken '>' for itself: write A:B, or quote 'A -> B'");
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));

@@ -36,7 +36,7 @@ int run(const Context& context, const ResetOptions& options) {
   try {
     answer = ask::reset_node(query);
   } catch (const HostPortError& problem) {
-    // What the daemon says cannot be done is no missing ring.
+    // A daemon that answers with an error is not a missing ring: kNotDone instead of kNoRing.
     if (ring.connect(ring.source(options.from)).connected()) throw NotDone(problem.what());
     throw;
   }

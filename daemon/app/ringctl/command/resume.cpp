@@ -21,8 +21,8 @@ struct ResumeOptions {
   bool json = false;
 };
 
-/// Those that have joints, here and on other hosts, and all that say that a stop is latched; as the ROS service
-/// `resume`.
+/// For "all": the nodes with joints, here and on other hosts, and all that say that a stop is latched; as in the ROS
+/// service `resume`.
 std::vector<NodeName> meant(const RingAccess& ring, HostPort& port, const std::string& which) {
   if (which != "all") return {ring.node(which)};
   std::set<std::uint8_t> ids;

@@ -22,7 +22,7 @@ struct ScenarioListOptions {
   bool json = false;
 };
 
-/// One whose author did not mean it as a scenario, or that has a mistake: what is wrong says which.
+/// A file that was not meant as a scenario, or one with a mistake: the error text says which.
 struct NoScenario {
   std::string file, why;
 };
@@ -50,7 +50,7 @@ app::Row row_of(const std::string& file, bool json) {
   return row;
 }
 
-/// Of a folder all that are scenarios; what else lies there is named and left aside.
+/// Adds all scenarios of a folder. Other files there are only named.
 void add_folder(const std::string& folder, bool json, std::vector<app::Row>& rows, std::vector<NoScenario>& others) {
   const std::size_t before = rows.size();
   for (const std::string& file : files_in(folder)) {

@@ -41,7 +41,7 @@ std::size_t index_of(const RingAccess& ring, std::uint8_t id) {
 
 using Latches = std::vector<std::optional<json>>;
 
-/// What each node latched last: its own daemon's word, of a node on another host that of its beacons.
+/// The last latch of each node, as told by its own daemon, or for a node on another host by its beacons.
 Latches last_latches(const RingAccess& ring) {
   Latches latches = ask_all(ring.ring(), ring.nodes_here(), {{"do", "latch"}});
   if (ring.hosts().empty()) return latches;
@@ -67,14 +67,14 @@ std::optional<std::int64_t> new_latch(const std::optional<json>& before, const s
   return after->value("clock_ns", std::int64_t{0});
 }
 
-/// Of each node in ring order, whose clock it has: its host's.
+/// For each node in ring order, the name of its host: nodes of one host share a clock.
 std::vector<std::string> clocks_of(const RingAccess& ring) {
   std::vector<std::string> clocks;
   for (const NodeName& node : ring.nodes()) clocks.push_back(node.host);
   return clocks;
 }
 
-/// Beacons of other hosts come with the next of their periods.
+/// Waits for the latches of nodes on other hosts, which come only with their next beacons.
 Latches latches_after(const RingAccess& ring, const Latches& before, std::uint8_t source) {
   const auto deadline = std::chrono::steady_clock::now() + wire::kMissedBeacons * ring.beacon();
   for (;;) {
@@ -105,7 +105,7 @@ Sync synchronize(const RingAccess& ring, const NodeName& from) {
   return sync;
 }
 
-/// From the one before it that has latched; empty where that is not known.
+/// One-way time in us to `node` from the previous node that has latched; empty if it is not known.
 std::optional<double> one_way_us(const Sync& sync, std::size_t node) {
   for (const LineDelay& line : sync.delays.lines)
     if (line.to == node) return line.us;

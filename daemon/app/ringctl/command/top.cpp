@@ -26,7 +26,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-/// How long one that does not answer may hold up the picture.
+/// How long a daemon that does not answer may delay the next picture.
 constexpr milliseconds kAnswerWait{500};
 
 struct TopOptions {

@@ -34,7 +34,8 @@ nanoseconds time_of(const std::string& option, const std::string& text) {
   return *time;
 }
 
-/// With a unit: since the first packet; without: seconds as `dump` prints them. A double would lose the ns.
+/// With a unit, the time since the first packet; without, seconds as `dump` prints them. Parsed by hand, as a double
+/// would lose the ns.
 nanoseconds instant_of(const std::string& text, nanoseconds first) {
   constexpr std::size_t kDecimals = 9;
   constexpr std::int64_t kLatest = std::chrono::floor<std::chrono::seconds>(nanoseconds::max()).count() - 1;

@@ -83,7 +83,8 @@ void tell_ended(live::LaunchedRing& daemons) {
     if (!daemon->ended()->clean) std::cerr << "ringctl: " << daemon->exit_reason() << std::endl;
 }
 
-/// Killed on purpose and started again ('ringctl fault start'), so no children of ours: they end with the ring.
+/// Ends daemons that were killed on purpose and started again by 'ringctl fault start': they are not our children, but
+/// have to end with the ring.
 void end_restarted(const std::string& ring) {
   for (const live::HeldNode& node : live::held_nodes(ring_directory(ring))) {
     if (node.pid <= 0) continue;
@@ -111,7 +112,7 @@ int stay(live::LaunchedRing& daemons, SignalWait& signals) {
   return clean ? kDone : kNotDone;
 }
 
-/// A daemon that exits with an error while the ring has never been closed would do so again.
+/// Gives up on a daemon that exits with an error before the ring was ever closed: it would fail again.
 void require_started(const live::LaunchedRing& daemons) {
   const live::LaunchedDaemon* dead = daemons.first_ended();
   if (dead != nullptr && !dead->ended()->clean && !dead->ended()->by_signal) throw NotDone(dead->exit_reason());
@@ -145,7 +146,7 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, SignalW
       watch.reset();
     }
   }
-  if (down) return;  // what runs by now is somebody else's
+  if (down) return;  // daemons that run now were started by somebody else
   end(daemons, signals);
   end_restarted(plan.ring);
 }
@@ -223,7 +224,7 @@ void read_clock(UpOptions& options) {
   if (follows) options.timeout_s = kForever;  // the outer clock may stand for as long as it likes
 }
 
-/// What a virtual ring is told.
+/// Adds the options of a virtual ring.
 void add_clock(CLI::App& command, UpOptions& options) {
   CLI::Option* clock =
       command

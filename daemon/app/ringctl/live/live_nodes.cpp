@@ -18,7 +18,7 @@ constexpr milliseconds kGrace{3000};
 constexpr milliseconds kNodesTick{20};    ///< signals are looked at so often
 constexpr milliseconds kPatience{10000};  ///< with a daemon that runs; machines are busy
 
-/// Waits until the process is so; what it ended with is left to whoever reaps it.
+/// Waits until the process has stopped or ended (`state`: flags of waitid()). Its exit status is left for reap().
 void wait_until(const live::LaunchedRing& daemons, int state) {
   siginfo_t info{};
   ::waitid(P_PID, static_cast<id_t>(daemons.all()[0].program.pid()), &info, state | WEXITED | WNOWAIT);
@@ -94,7 +94,7 @@ void LiveNodes::connect(std::size_t place) {
   }
 }
 
-/// @return whether one that runs is still to answer
+/// @return whether the answer of a running node is still missing
 bool LiveNodes::ask_for_rows() {
   for (std::size_t place = 0; place < nodes_.size(); ++place) {
     Node& node = nodes_[place];
@@ -164,7 +164,7 @@ void LiveNodes::take(std::size_t place, const Message& message) {
   }
 }
 
-// One that nobody waits for any more was to a node that was frozen meanwhile.
+// An answer that belongs to no request comes from a node that was frozen meanwhile: nobody waits for it any more.
 void LiveNodes::answered(std::size_t place, const Reply& reply) {
   const auto is = [&](const Asked& asked) { return asked.place == place && asked.token == reply.token; };
   const json answer = json::parse(reply.json);

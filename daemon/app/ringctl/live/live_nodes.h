@@ -30,7 +30,7 @@ class LiveNodes {
   LiveNodes(const LiveNodes&) = delete;
   LiveNodes& operator=(const LiveNodes&) = delete;
 
-  /// @name In effect when they return; nothing where it is so already
+  /// @name In effect when they return. They do nothing if the node is in that state already
   ///@{
   void start(std::size_t place);
   void kill(std::size_t place);
@@ -41,24 +41,25 @@ class LiveNodes {
   std::size_t size() const { return nodes_.size(); }
   /// Its process lives and is not frozen.
   bool running(std::size_t place) const { return nodes_[place].daemons && !nodes_[place].frozen; }
-  /// Why a daemon ended that was not to; nothing where none did.
+  /// Why a daemon ended that should not have; nothing if none did.
   std::optional<std::string> exit_reason();
   /// The last lines of a node's log.
   std::string last_lines(std::size_t place) const;
 
-  /// Fresh status rows of all that run. @return who does not answer, or what an order() met. @throw Interrupted
+  /// Fetches fresh status rows of all that run. @return which node does not answer, or the error of an order(); empty:
+  /// all is well. @throw Interrupted
   std::string poll();
-  /// Of the last poll(); null where the node was not there.
+  /// The row of the last poll(); null if the node was not there.
   const nlohmann::json* row(std::size_t place) const { return nodes_[place].row ? &*nodes_[place].row : nullptr; }
   /// null where there is no connection.
   HostPort* port(std::size_t place) { return nodes_[place].port ? &*nodes_[place].port : nullptr; }
 
-  /// Passes messages on until then, or until `done`. @return whether it was done. @throw Interrupted
+  /// Passes messages on until `until`, or until done() is true. @return whether it was. @throw Interrupted
   bool pump(
       Clock::time_point until, const std::function<bool()>& done = [] { return false; });
-  /// Its answer, while all else goes on. @throw NotDone with what it says is wrong, or where it does not answer
+  /// The node's answer; messages are passed on meanwhile. @throw NotDone with its error, or if it does not answer
   nlohmann::json ask(std::size_t place, const nlohmann::json& request);
-  /// Does not wait for the answer; where that is an error, a later poll() says so. @throw NotDone as ask()
+  /// As ask(), without waiting for the answer: a later poll() reports its error. @throw NotDone without a connection
   void order(std::size_t place, const nlohmann::json& request);
 
   /// Results and observations; called from pump().

@@ -13,8 +13,8 @@ namespace limb_ring::ringctl {
 /// Sends what a scenario says on live daemons, as a tool beside each node's CPU, and keeps account by name. A CPU
 /// that does not run asks for nothing; an interrupt input is pulled whatever its CPU does.
 ///
-/// Of a stream no more than kMostWaiting wait at a node: on a busy machine a stream is late, and its packets are not
-/// rejected for that.
+/// At most kMostWaiting packets of a stream wait at a node. So on a busy machine a stream is late, instead of its
+/// packets being rejected.
 class LiveSenders {
  public:
   using Clock = LiveNodes::Clock;
@@ -30,7 +30,7 @@ class LiveSenders {
   void set_hung(std::size_t place, bool hung) { hung_[place] = hung; }
 
   void came(std::size_t place, const Message& message);
-  /// By name; of `taken` only the pins.
+  /// The counts of a named send; `taken` counts only pins here.
   const scenario::Tally& tally(const std::string& send) const { return tallies_[mark_of(send)]; }
   /// The first byte of a send's packets.
   std::uint8_t mark_of(const std::string& send) const;

@@ -20,7 +20,7 @@ namespace {
 constexpr milliseconds kBetweenLooks{20};
 constexpr std::chrono::seconds kToJoin{30};  // of a closed ring on a busy machine
 
-/// The value of E whose to_string() it is; the first where none is.
+/// The value of E for which to_string() gives `word`; the first value if there is none.
 template <class E>
 E from_word(const std::string& word, E last) {
   for (unsigned i = 0; i <= static_cast<unsigned>(last); ++i)
@@ -72,7 +72,7 @@ std::optional<wire::Beacon> LiveStage::heard(NodeId by, NodeId of) const {
   wire::Beacon beacon;
   beacon.cpu_state = from_word(peer->value("cpu_state", ""), wire::CpuState::failed);
   beacon.cpu_boots = peer->value("cpu_boots", 0u);
-  const json& broken = row.at("broken_line");  // of all breaks it is the node behind it that tells
+  const json& broken = row.at("broken_line");  // only the node behind a break announces it in its beacons
   beacon.break_known = broken.is_object() && place_of(broken.at("behind")) == of;
   if (beacon.break_known) beacon.break_before = place_of(broken.at("before"));
   beacon.break_behind = of;

@@ -9,8 +9,8 @@
 
 namespace limb_ring::ringctl {
 
-/// A ring of live daemons of its own as a stage for scenarios. It is seen as its daemons say it, in fresh status
-/// rows of all at every poll; it has ended when this is destroyed. (ours)
+/// A ring of live daemons, started for this alone, as a stage for scenarios. What is seen of it comes from fresh
+/// status rows of all daemons at every poll. All daemons have ended when this is destroyed. (ours)
 ///
 /// begin(), run_until() and apply() may throw Interrupted.
 class LiveStage final : public scenario::Stage {
