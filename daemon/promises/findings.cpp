@@ -7,7 +7,7 @@ namespace limb_ring::promises {
 const char* to_string(Unjudged why) {
   switch (why) {
     case Unjudged::receiver_unknown:
-      return "the receiver was not seen";
+      return "the receiver was not seen for long enough";
     case Unjudged::receiver_restarted:
       return "the receiver or its CPU was restarted";
     case Unjudged::source_unknown:

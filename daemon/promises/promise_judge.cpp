@@ -18,6 +18,7 @@ void PromiseJudge::begins(std::uint8_t id, std::uint8_t state, std::chrono::nano
   SeenNode& node = ring_.at(id);
   ends(id);  // a former life of which nobody has said so
   node.known = true;
+  ++node.lives;
   node.closing = false;
   ring_.known.push_back(id);
   node.known_round = node.state_round = ring_.round;

@@ -82,6 +82,7 @@ struct Pending {
 /// A node, and what was seen at it.
 struct SeenNode {
   bool known = false, closing = false;
+  unsigned lives = 0;  ///< of its daemon that were seen
   Round known_round = 0, flushed_round = 0, state_round = 0, empty_round = 0, seen_round = 0;
   Round pins_round = 0;  ///< in which `pins_life` began
   std::int64_t known_at = 0, at = 0, empty_at = 0;

@@ -174,6 +174,24 @@ class SavedByThemselves(WatchingTest):
         saved, = self.saved()
         self.assertRegex(saved, '-break$')
 
+    def test_a_crash_soon_after_another_save(self):
+        log = self.up(['break', 'crash'])
+        self.assertEqual(self.ctl('fault', 'cut', 'node0:node1').returncode, 0)
+        self.wait('saved', lambda: 'recordings are saved in' in self.read(log))
+        os.kill(self.row(2)['pid'], signal.SIGKILL)
+        self.wait('saved again', lambda: self.read(log).count('recordings are saved in') == 2)
+        self.assertEqual([name.rsplit('-', 1)[1] for name in self.saved()], ['break', 'crash'])
+
+    def test_its_keeper_ends_with_the_ring_though_another_of_its_name_follows(self):
+        self.up(['crash'])
+        keeper = self.stop_keeper()   # so that it looks only when the other ring is there
+        self.assertEqual(self.ctl('down').returncode, 0)
+        config = self.write_ring(plain_nodes(3))
+        done = self.ctl('up', config, '--detach', '--timeout', 60)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        os.kill(keeper, signal.SIGCONT)
+        self.wait('it has ended', lambda: not os.path.exists('/proc/%d' % keeper))
+
     def test_and_the_oldest_go(self):
         self.up(['crash'], keep=2)
         for i in range(3):

@@ -1,5 +1,8 @@
 #include "app/ringctl/recording_keeper.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
@@ -21,7 +24,7 @@ using std::chrono::milliseconds;
 
 /// How long to wait before saving, so that the consequences are recorded as well.
 constexpr milliseconds kLater{300};
-/// Not more often than this: one cause shows in many ways.
+/// Not more often than this: one cause shows in many ways. A crash is always a cause, so its save is made later then.
 constexpr std::chrono::seconds kBetween{5};
 
 /// "2026-11-23_061508_123"
@@ -42,7 +45,10 @@ void tell_user(const std::string& what) { std::cerr << "ringctl: " << what << st
 }  // namespace
 
 RecordingKeeper::RecordingKeeper(const RingAccess& ring, Options options)
-    : ring_(ring.ring()), folder_(ring_directory(ring.ring())), options_(std::move(options)) {
+    : ring_(ring.ring()),
+      folder_(ring_directory(ring.ring())),
+      opened_folder_(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)),
+      options_(std::move(options)) {
   live::PromiseWatch::Ring watched{ring_, {}, ring.folds_back()};
   for (const NodeName& node : ring.nodes_here()) {
     nodes_.push_back({node, -1, live::ObservedDaemon(ring_, node.id, R"({"kinds": ["state"]})")});
@@ -54,7 +60,10 @@ RecordingKeeper::RecordingKeeper(const RingAccess& ring, Options options)
     });
 }
 
+// 'ringctl down' removes the folder. By the next look another ring of this name may have made a new one.
 bool RecordingKeeper::ring_is_gone() const {
+  struct stat folder {};
+  if (::fstat(opened_folder_.get(), &folder) != 0 || folder.st_nlink == 0) return true;
   return std::none_of(nodes_.begin(), nodes_.end(),
                       [this](const Node& node) { return live::holder_of(folder_, node.name.id).pid >= 0; });
 }
@@ -96,10 +105,12 @@ void RecordingKeeper::hear(const std::string& text) {
 }
 
 void RecordingKeeper::want(const std::string& what, const std::string& words) {
-  if (!wanted_.empty() || (last_ != Clock::time_point{} && Clock::now() - last_ < kBetween)) return;
+  if (!wanted_.empty()) return tell_user(words + "; the save that is about to be made has it, too");
+  const Clock::time_point now = Clock::now(), next = last_ ? *last_ + kBetween : now;
+  if (what != "crash" && now < next) return tell_user(words + "; not saved, so soon after the last save");
   wanted_ = what;
   words_ = words;
-  due_ = Clock::now() + kLater;
+  due_ = std::max(now + kLater, next);
 }
 
 void RecordingKeeper::save() {

@@ -11,6 +11,7 @@
 
 #include "app/ringctl/ring_access.h"
 #include "live/promise_watch.h"
+#include "process/unique_fd.h"
 
 namespace limb_ring::ringctl {
 
@@ -48,12 +49,14 @@ class RecordingKeeper {
   void save();
 
   std::string ring_, folder_;
+  process::UniqueFd opened_folder_;
   Options options_;
   std::vector<Node> nodes_;
   std::set<std::pair<int, int>> broken_;  ///< lines that are, by the nodes at their ends
   std::optional<live::PromiseWatch> watch_;
   std::string wanted_, words_;  ///< empty: nothing
-  Clock::time_point due_{}, last_{};
+  Clock::time_point due_{};
+  std::optional<Clock::time_point> last_;  ///< save
 };
 
 }  // namespace limb_ring::ringctl
