@@ -38,6 +38,18 @@ LinkConfig::Transport transport_between(const NodeConfig& from, const NodeConfig
   return from.host == to.host ? to.link.transport : LinkConfig::Transport::udp;
 }
 
+const char* words_of(LinkConfig::Transport transport) {
+  switch (transport) {
+    case LinkConfig::Transport::unix_stream:
+      return "a UNIX stream";
+    case LinkConfig::Transport::shm:
+      return "shared memory";
+    case LinkConfig::Transport::udp:
+      break;
+  }
+  return "UDP";
+}
+
 bool hears_other_hosts(const RingConfig& ring, const NodeConfig& node) {
   if (node.link.address.rfind("127.", 0) == 0 || node.link.address == "::1") return false;
   if (node.link.transport == LinkConfig::Transport::udp) return true;

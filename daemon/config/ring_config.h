@@ -235,6 +235,9 @@ struct RingConfig {
 /// How a line goes from one node to another: within a host as the second one's link says, else by UDP. (ours)
 LinkConfig::Transport transport_between(const NodeConfig& from, const NodeConfig& to);
 
+/// What a line is, in a sentence: "shared memory", "a UNIX stream", "UDP".
+const char* words_of(LinkConfig::Transport transport);
+
 /// UDP comes to this node from beyond its host, also where only a bypass would bring it.
 bool hears_other_hosts(const RingConfig& ring, const NodeConfig& node);
 

@@ -114,6 +114,19 @@ std::size_t place_of(const std::string& name, const RingNodes& nodes) {
   throw ParseError(with_guess("is no node of the ring", name, names), config::join(names));
 }
 
+bool is_node(const std::string& name, const RingNodes& nodes) {
+  return std::any_of(nodes.begin(), nodes.end(),
+                     [&](const NamedNode& node) { return node.name == name || node.number == name; });
+}
+
+/// The first key of the fault that takes such a value; empty where none does.
+std::string key_taking(const std::string& value, const Word& word) {
+  Fault scratch;
+  for (const Row& row : kRows)
+    if ((word.keys & row.key.key) != 0 && row.read(scratch, value)) return row.key.word;
+  return {};
+}
+
 /// The node's name. @throw ParseError
 const std::string& name_of(NodeId id, const RingNodes& nodes) {
   const auto found = std::find_if(nodes.begin(), nodes.end(), [&](const NamedNode& node) { return node.id == id; });
@@ -209,16 +222,37 @@ void check(const Fault& fault) {
 
 namespace {
 
-void set_place(Fault& fault, const std::vector<std::string>& who, const RingNodes& nodes) {
-  if (word_of(fault.name).of != Of::line) return set_nodes(fault, who, nodes);
+[[noreturn]] void refuse_bare(const std::string& bare, const Word& word) {
+  const std::string key = key_taking(bare, word);
+  const std::vector<std::string> known = key_words(word);
+  const std::string keys = known.empty() ? "" : ", and as KEY=VALUE " + config::join(known);
+  throw BareWord(bare, key, key.empty() ? "one line A -> B" + keys : key + '=' + bare);
+}
+
+std::string first_of(const std::vector<std::string>& parts) { return parts.empty() ? "" : parts[0]; }
+
+void set_line_in(Fault& fault, const std::vector<std::string>& who, const RingNodes& nodes) {
+  const Word& word = word_of(fault.name);
   std::string line;
-  for (const std::string& part : who) line += part;
+  for (const std::string& part : who) line += part + ' ';  // apart: a word too many is no part of a node's name
   for (const std::string between : {"->", ":"}) {
     const std::size_t at = line.find(between);
-    if (at != std::string::npos) return set_line(fault, line.substr(0, at), line.substr(at + between.size()), nodes);
+    if (at == std::string::npos) continue;
+    const auto before = split(line.substr(0, at)), behind = split(line.substr(at + between.size()));
+    if (before.size() > 1) refuse_bare(before[0], word);
+    if (behind.size() > 1) refuse_bare(behind[1], word);
+    return set_line(fault, first_of(before), first_of(behind), nodes);
   }
-  throw ParseError(std::string(word_of(fault.name).word) + " says no line",
+  throw ParseError(std::string(word.word) + " says no line",
                    "A -> B, a node and the next one (or A:B, which no shell takes for itself)");
+}
+
+void set_place(Fault& fault, const std::vector<std::string>& who, const RingNodes& nodes) {
+  const Word& word = word_of(fault.name);
+  if (word.of == Of::line) return set_line_in(fault, who, nodes);
+  for (const std::string& part : who)
+    if (!is_node(part, nodes) && !key_taking(part, word).empty()) refuse_bare(part, word);
+  set_nodes(fault, who, nodes);
 }
 
 }  // namespace

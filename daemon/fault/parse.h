@@ -24,6 +24,14 @@ struct ParseError : std::runtime_error {
   std::string problem, allowed;
 };
 
+/// A word of a text that is neither where the fault is nor has a key before it, as `1Mbit/s` for `rate=1Mbit/s`.
+struct BareWord : ParseError {
+  BareWord(std::string bare, std::string meant, const std::string& right)
+      : ParseError('\'' + bare + "' is a word too many", right), word(std::move(bare)), key(std::move(meant)) {}
+  std::string word;
+  std::string key;  ///< a key of the fault that takes such a value; empty where none does
+};
+
 /// The one form of a fault as text, of tools, services and scenarios: its word, what it is of, then what it is told.
 ///
 ///   drop left_hip -> left_hip_yaw packets=3 once_in=10 for=2s seed=4

@@ -29,9 +29,20 @@ Fault fault_in(const json& request, const fault::RingNodes& nodes) {
   return fault;
 }
 
-/// The next node in the configured ring order.
-const config::NodeConfig& next_of(const FaultTargets& to) {
-  return to.ring.nodes[(setup::index_of(to.ring, to.node) + 1) % to.ring.nodes.size()];
+/// The node to which the line of the fault leads: the next in the configured ring order, by the second line the
+/// previous one.
+const config::NodeConfig& end_of_line(const Fault& fault, const FaultTargets& to) {
+  const std::size_t nodes = to.ring.nodes.size();
+  return to.ring.nodes[(setup::index_of(to.ring, to.node) + (fault.second_line ? nodes - 1 : 1)) % nodes];
+}
+
+/// Only datagrams can overtake each other.
+void require_udp(const Fault& fault, const FaultTargets& to) {
+  const config::NodeConfig& end = end_of_line(fault, to);
+  const auto transport = config::transport_between(to.node, end);
+  if (transport == config::LinkConfig::Transport::udp) return;
+  throw RequestError("reorder: the line from " + to.node.name + " to " + end.name + " is " +
+                     config::words_of(transport) + ", which keeps order; it needs a UDP line (transport: udp)");
 }
 
 void require_own(const Fault& fault, const FaultTargets& to) {
@@ -43,10 +54,7 @@ void require_own(const Fault& fault, const FaultTargets& to) {
   if (word.of == Of::node && fault.name != Name::power_cycle)
     throw RequestError(std::string(word.word) + " is not for the daemon itself: 'ringctl fault' does it from outside");
   fault::check_second_line(fault, to.engine.has_second_line(), to.faults.nodes());
-  const config::NodeConfig& next = next_of(to);
-  if (fault.name == Name::reorder && config::transport_between(to.node, next) != config::LinkConfig::Transport::udp)
-    throw RequestError("reorder: the line from " + to.node.name + " to " + next.name +
-                       " is a UNIX stream, which keeps order; it needs a UDP line (transport: udp)");
+  if (fault.name == Name::reorder) require_udp(fault, to);
 }
 
 /// Sends no answer: the process ends.

@@ -33,7 +33,8 @@ void judge(const Scenario& scenario, const Step& step, const std::string& transp
   if (step.when) judge(scenario, *step.when, reasons);
   const auto* action = std::get_if<Fault>(&step.action);
   if (action && action->name == fault::Name::reorder && !is_udp(scenario, action->nodes[0], transport))
-    reasons.push_back(step.words + ": a UNIX stream keeps order; with --transport udp it can be had live");
+    reasons.push_back(step.words +
+                      ": UNIX streams and shared memory keep order; with --transport udp it can be had live");
 }
 
 }  // namespace

@@ -4,6 +4,15 @@ namespace limb_ring::watchdog {
 
 using core::Outcome;
 
+namespace {
+
+/// In quotes: not every outcome is a word that fits into a sentence ("no such node").
+std::string words_of_end(const core::SendEnded& ended) {
+  return std::string("the interrupt ended '") + to_string(ended.outcome) + '\'';
+}
+
+}  // namespace
+
 CpuKnown known_of(const CpuSighting& cpu, bool heard, const Reach& reach) {
   return {cpu.boots, cpu.comes_back, cpu.state == wire::CpuState::absent, heard, reach};
 }
@@ -23,8 +32,7 @@ const char* to_string(Effect effect) {
 ResetOrder::Report ResetOrder::interrupt_ended(const core::SendEnded& ended, const CpuKnown& cpu, core::Time now) {
   report_.ended = ended;
   if (ended.outcome == Outcome::unconfirmed || ended.outcome == Outcome::lost) return in_doubt(cpu, now);
-  if (ended.outcome != Outcome::delivered)
-    return end(Effect::none, std::string("the interrupt was ") + to_string(ended.outcome), now);
+  if (ended.outcome != Outcome::delivered) return end(Effect::none, words_of_end(ended), now);
   phase_ = Phase::pulled;
   if (!before_.comes_back && before_.absent)
     return end(Effect::none, "the reset pin was pulled, but no CPU is attached to that node: nothing to reset", now);
@@ -44,10 +52,8 @@ ResetOrder::Report ResetOrder::cpu_changed(const CpuKnown& cpu, core::Time now) 
   if (phase_ == Phase::sent) return std::nullopt;  // not for a boot that was under way anyway
   report_.boots = cpu.boots;
   if (cpu.boots <= before_.boots) return std::nullopt;
-  return end(Effect::seen,
-             phase_ == Phase::pulled ? "the CPU has booted again"
-                                     : std::string("the interrupt ended ") + to_string(report_.ended.outcome) +
-                                           ", but the CPU has booted again: seen by its node's beacon",
+  if (phase_ == Phase::pulled) return end(Effect::seen, "the CPU has booted again", now);
+  return end(Effect::seen, words_of_end(report_.ended) + ", but the CPU has booted again: seen by its node's beacon",
              now);
 }
 

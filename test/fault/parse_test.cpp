@@ -82,6 +82,19 @@ TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
   EXPECT_THAT(refusal_of("rate hip -> knee rate=unlimited"), HasSubstr("allowed: a rate such as"));
 }
 
+TEST(FaultWords, NameAValueThatStandsAloneAndItsKey) {
+  EXPECT_EQ(refusal_of("rate hip:knee 1Mbit/s"), "'1Mbit/s' is a word too many; allowed: rate=1Mbit/s");
+  EXPECT_EQ(refusal_of("rate 1Mbit/s hip -> knee"), "'1Mbit/s' is a word too many; allowed: rate=1Mbit/s");
+  EXPECT_EQ(refusal_of("rate hip -> nee 1Mbit/s"), "'1Mbit/s' is a word too many; allowed: rate=1Mbit/s");
+  EXPECT_EQ(refusal_of("drop hip -> knee 3"), "'3' is a word too many; allowed: packets=3");
+  EXPECT_EQ(refusal_of("delay hip : knee 2ms"), "'2ms' is a word too many; allowed: delay=2ms");
+  EXPECT_EQ(refusal_of("flap hip->knee 40ms"), "'40ms' is a word too many; allowed: every=40ms");
+  EXPECT_EQ(refusal_of("hang knee 1s"), "'1s' is a word too many; allowed: for=1s");
+  EXPECT_THAT(refusal_of("stall hip:knee ankle"),
+              StartsWith("'ankle' is a word too many; allowed: one line A -> B, and as KEY=VALUE for, after"));
+  EXPECT_THAT(refusal_of("heal hip:knee 3"), StartsWith("'3' is a word too many; allowed: one line A -> B"));
+}
+
 TEST(FaultWords, SayWhatIsMissing) {
   EXPECT_THAT(refusal_of("rate hip -> knee"), StartsWith("rate says no rate"));
   EXPECT_THAT(refusal_of("delay hip -> knee"), StartsWith("delay says no delay or jitter"));

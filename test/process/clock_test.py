@@ -38,7 +38,7 @@ class Clock(RingTest):
             after = self.clock('step', step)
             self.assertEqual((after['now_ns'] - before, after['paused']), (length, True))
         self.assertIn('ring %s stands at ' % self.ring, self.ctl('step', '1ms', self.ring).stdout)
-        self.assertIn(' goes on from ', self.ctl('run', self.ring).stdout)
+        self.assertRegex(self.ctl('run', self.ring).stdout, r' goes on from [0-9.]+ s, pace 1\n$')
         gone_on = self.clock('pause')
         self.assertGreater(gone_on['now_ns'], stands['now_ns'])
 
@@ -53,6 +53,10 @@ class Clock(RingTest):
     def test_changes_its_pace(self):
         self.up(self.write_ring(plain_nodes(3)))
         self.assertEqual(self.clock('pace', '0.25')['pace'], 0.25)
+        for pace in ('0.25', '1', '20', 'max'):
+            told = ', pace %s\n' % pace
+            self.assertTrue(self.ctl('pace', pace, self.ring).stdout.endswith(told), pace)
+            self.assertIn(told[:-1], self.ctl('status').stdout.splitlines()[0], 'in the same form')
         self.assertEqual(self.clock('pace', 'max')['pace'], 'max')
         before = self.clock('pace', 'max')['now_ns']
         self.wait('a minute of its time', lambda: self.clock('pace', 'max')['now_ns'] > before + 60000 * MS)

@@ -18,6 +18,7 @@ class Keyed(RingTest):
         path = os.path.join(os.path.dirname(self.write('beside.yaml', '')), name)
         made = self.ctl('keygen', path)
         self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertIn("in a ring's file in the same folder: links: {key: %s}; elsewhere" % name, made.stdout)
         return path
 
     def file(self, name, nodes=3, **links):

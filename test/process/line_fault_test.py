@@ -70,9 +70,14 @@ class Lines(FaultTest):
         for counter in ('input_datagrams_duplicate', 'input_datagrams_lost'):
             self.assertEqual(after[counter] - before[counter], 1, counter)
 
-    def test_a_unix_line_keeps_order_and_says_so(self):
-        self.start_ring(plain_nodes(2))
-        self.assertIn('needs a UDP line', self.fault('reorder', 'node0:node1', code=1))
+    def test_a_line_that_keeps_order_says_what_it_is(self):
+        nodes = plain_nodes(3)
+        nodes[2]['link'] = {'transport': 'unix'}
+        self.start_ring(nodes)
+        for line, what in (('node0:node1', 'from node0 to node1 is shared memory,'),
+                           ('node1:node2', 'from node1 to node2 is a UNIX stream,')):
+            refused = self.fault('reorder', line, '--packets', 2, code=1)
+            self.assertIn(what + ' which keeps order; it needs a UDP line', refused)
 
     def test_delay_and_rate_make_round_trips_longer_until_removed(self):
         self.start_ring(plain_nodes(3))

@@ -62,7 +62,7 @@ class OpenChain(LimbRing):
     def test_an_unconfirmed_stop_says_of_each_node_what_is_known(self):
         part = self.ctl('stop', '--from', 'node0')
         self.assertEqual(part.returncode, 4, part.stdout)
-        self.assertIn('stop unconfirmed: the ring is open', part.stdout)
+        self.assertIn("the stop ended 'unconfirmed': the ring is open", part.stdout)
         self.assertIn('2 of 4 stopped; not reached: node2, node3', part.stdout)
         whole = self.ctl_json('stop', '--from', 'node2')  # it is the first of the chain
         self.assertEqual([node['stop'] for node in whole['nodes']], ['stopped'] * 4)
@@ -140,6 +140,8 @@ class Reasons(RingTest):
         self.wait_closed([0, 2])
         sent = self.ctl_json('send', '--from', 0, '--to', 1, '--size', 8, code=1)['results'][0]
         self.assertEqual((sent['outcome'], sent['reason_code']), ('no such node', 'node_missing'))
+        for command, what in (('stop', 'the stop'), ('resume', 'node1: the resume'), ('reset', 'the interrupt')):
+            self.assertRegex(self.ctl(command, 'node1').stdout, r"(?m)^%s ended 'no such node'( after [0-9.]+ us)?: \w" % what)
 
     def test_bad_arguments_say_which(self):
         self.start_ring(plain_nodes(2))

@@ -39,7 +39,8 @@ TEST(OnlyVirtual, EmbeddingWhereLinesTakeNoTime) {
 
 TEST(OnlyVirtual, ReorderOnAStreamButNotOverUdp) {
   const std::string reorder = "steps: [{do: {reorder: {line: node0 -> node1, packets: 1}}}]\n";
-  EXPECT_THAT(reasons(reorder), ElementsAre(HasSubstr("--transport udp")));
+  EXPECT_THAT(reasons(reorder),
+              ElementsAre(HasSubstr("UNIX streams and shared memory keep order; with --transport udp")));
   EXPECT_THAT(reasons(reorder, "udp"), IsEmpty());
 }
 

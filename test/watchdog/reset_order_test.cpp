@@ -56,7 +56,11 @@ TEST_F(ResetOrderTest, ARefusedInterruptHasDoneNothing) {
   const auto report = ends(Outcome::refused);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->effect, Effect::none);
-  EXPECT_EQ(report->message, "the interrupt was refused");
+  EXPECT_EQ(report->message, "the interrupt ended 'refused'");
+}
+
+TEST_F(ResetOrderTest, OfANodeThatIsNotThereItEndsInAPlainSentence) {
+  EXPECT_EQ(ends(Outcome::no_such_node)->message, "the interrupt ended 'no such node'");
 }
 
 TEST_F(ResetOrderTest, ALostInterruptMayHaveArrivedAndTheBeaconTells) {
@@ -64,7 +68,8 @@ TEST_F(ResetOrderTest, ALostInterruptMayHaveArrivedAndTheBeaconTells) {
   const auto report = boots();
   ASSERT_TRUE(report);
   EXPECT_TRUE(report->success());
-  EXPECT_THAT(report->message, HasSubstr("ended lost, but the CPU has booted again: seen by its node's beacon"));
+  EXPECT_THAT(report->message,
+              HasSubstr("the interrupt ended 'lost', but the CPU has booted again: seen by its node's beacon"));
 }
 
 TEST_F(ResetOrderTest, ALostInterruptWithoutABootLeavesItOpen) {

@@ -89,6 +89,17 @@ nlohmann::json to_json(const Result& result) {
           {"reason_code", to_string(result.why)}};
 }
 
+std::string ended_text(const std::string& outcome, double round_trip_us, unsigned tries, const std::string& reason) {
+  std::string after;
+  if (round_trip_us > 0) after = app::number(round_trip_us) + " us";
+  if (tries > 1) after += (after.empty() ? "" : " and ") + std::to_string(tries) + " tries";
+  return "ended '" + outcome + '\'' + (after.empty() ? "" : " after " + after) + (reason.empty() ? "" : ": " + reason);
+}
+
+std::string ended_text(const Result& result) {
+  return ended_text(to_string(result.outcome), microseconds_of(result), result.tries, result.reason);
+}
+
 std::string to_text(const Result& result) {
   std::string text = to_string(result.outcome);
   if (result.round_trip.count() > 0) text += " in " + app::number(microseconds_of(result)) + " us";

@@ -34,5 +34,9 @@ int exit_code(const std::vector<Result>& results);
 nlohmann::json to_json(const Result& result);
 /// "delivered in 61.2 us", "refused in 70.1 us: pin INT5 of head is wired to nothing", "lost after 4 tries"
 std::string to_text(const Result& result);
+/// The same within a sentence, behind the name of what was sent: "ended 'no such node' after 61.2 us". The outcome is
+/// in quotes, since not every outcome is a word that fits into a sentence. 0 us, 1 try and no reason are left out.
+std::string ended_text(const std::string& outcome, double round_trip_us, unsigned tries, const std::string& reason);
+std::string ended_text(const Result& result);
 
 }  // namespace limb_ring::ringctl

@@ -239,7 +239,16 @@ Result result(Outcome outcome, std::string reason = {}) {
 
 TEST(Results, OneIsToldInWords) {
   EXPECT_EQ(to_text(result(Outcome::delivered)), "delivered in 61.2 us");
-  EXPECT_THAT(to_text(result(Outcome::rejected, "queue full")), HasSubstr("rejected in 61.2 us: queue full"));
+  EXPECT_EQ(to_text(result(Outcome::rejected, "queue full")), "rejected in 61.2 us: queue full");
+}
+
+TEST(Results, HaveOneFormInASentenceForEveryOutcome) {
+  for (const Outcome outcome : {Outcome::delivered, Outcome::refused, Outcome::no_such_node, Outcome::lost,
+                                Outcome::unconfirmed, Outcome::rejected, Outcome::cancelled})
+    EXPECT_EQ(ended_text(to_string(outcome), 0, 1, "so"), std::string("ended '") + to_string(outcome) + "': so");
+  EXPECT_EQ(ended_text("no such node", 1154.62, 1, ""), "ended 'no such node' after 1154.6 us");
+  EXPECT_EQ(ended_text("lost", 0, 4, ""), "ended 'lost' after 4 tries");
+  EXPECT_EQ(ended_text("delivered", 61.24, 2, ""), "ended 'delivered' after 61.2 us and 2 tries");
 }
 
 TEST(Results, ExitCodeSaysWhetherAllWereDelivered) {

@@ -8,6 +8,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_clock.h"
 #include "cli/values.h"
 
 namespace limb_ring::ringctl {
@@ -29,9 +30,8 @@ struct ClockOptions {
 void print(const std::string& ring, const json& state) {
   char now[32];
   std::snprintf(now, sizeof now, "%.9f", static_cast<double>(state.at("now_ns").get<std::int64_t>()) / 1e9);
-  const json& pace = state.at("pace");
   std::cout << "ring " << ring << (state.at("paused").get<bool>() ? " stands at " : " goes on from ") << now
-            << " s, pace " << (pace.is_string() ? pace.get<std::string>() : pace.dump()) << '\n';
+            << " s, pace " << pace_text(state.at("pace")) << '\n';
 }
 
 /// Asks any node of the ring, which has one clock.

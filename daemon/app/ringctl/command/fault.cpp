@@ -48,11 +48,25 @@ std::string words_of(const fault::Word& word, const FaultOptions& options) {
   return words;
 }
 
+/// "after_packets" -> "--after-packets"
+std::string option_name(const std::string& key) {
+  std::string name = "--" + key;
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+/// What a user of a command line writes for a value that stands alone.
+std::string option_for(const fault::BareWord& bare) {
+  return bare.key.empty() ? "one line A:B, and options" : option_name(bare.key) + ' ' + bare.word;
+}
+
 fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes, bool folds_back) {
   try {
     const fault::Fault fault = fault::from_words(words, nodes);
     fault::check_second_line(fault, folds_back, nodes);
     return fault;
+  } catch (const fault::BareWord& bare) {
+    throw UsageError(words + ": " + bare.problem + "; allowed: " + option_for(bare));
   } catch (const fault::ParseError& error) {
     throw UsageError(words + ": " + error.what());
   }
@@ -110,13 +124,6 @@ int clear(const Context& context, const FaultOptions& options) {
   if (!lacking.empty()) throw NotDone("but it is not whole again: " + lacking);
   std::cout << "it is whole again: " << ring.nodes().size() << " nodes up" << std::endl;
   return kDone;
-}
-
-/// "after_packets" -> "--after-packets"
-std::string option_name(const std::string& key) {
-  std::string name = "--" + key;
-  std::replace(name.begin(), name.end(), '_', '-');
-  return name;
 }
 
 void add_word(CLI::App& faults, Context& context, const fault::Word& word) {

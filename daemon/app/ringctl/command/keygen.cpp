@@ -17,8 +17,11 @@ int make_key(const std::string& file) {
   } catch (const config::ConfigError& problem) {
     throw NotDone(problem.what());
   }
-  std::cout << "made " << file << ": copy it to all hosts of the ring (scp -p), and name it in the ring's file: "
-            << "links: {key: " << file << "}" << std::endl;
+  // A path in a ring's file counts from the folder of that file, not from where the user stands now.
+  const std::string name = file.substr(file.rfind('/') + 1);
+  std::cout << "made " << file
+            << ": copy it to all hosts of the ring (scp -p), and name it in a ring's file in the same "
+            << "folder: links: {key: " << name << "}; elsewhere by its absolute path" << std::endl;
   return kDone;
 }
 

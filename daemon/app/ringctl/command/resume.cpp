@@ -49,7 +49,7 @@ int run(const Context& context, const ResumeOptions& options) {
     row["name"] = node.name;
     list.push_back(row);
     if (!options.json && results.back().outcome != Outcome::delivered)
-      std::cout << node.name << ": " << to_text(results.back()) << '\n';
+      std::cout << node.name << ": the resume " << ended_text(results.back()) << '\n';
   }
   const int code = exit_code(results);
   if (options.json)

@@ -2,10 +2,10 @@
 #include <iostream>
 #include <memory>
 
-#include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/results.h"
 #include "ask/known_stops.h"
 
 namespace limb_ring::ringctl {
@@ -25,11 +25,9 @@ nlohmann::json to_json(const std::vector<ask::KnownStop>& stops) {
 }
 
 std::string text_of(const nlohmann::json& answer, const std::vector<ask::KnownStop>& stops) {
-  std::string text = "stop " + answer.at("outcome").get<std::string>();
-  const double round_trip = answer.value("round_trip_us", 0.0);
-  if (round_trip > 0) text += " in " + app::number(round_trip) + " us";
-  if (!answer.value("reason", "").empty()) text += ": " + answer.value("reason", "");
-  return text + '\n' + sentence_of(stops) + '\n';
+  const std::string ended = ended_text(answer.at("outcome").get<std::string>(), answer.value("round_trip_us", 0.0),
+                                       answer.value("tries", 0u), answer.value("reason", ""));
+  return "the stop " + ended + '\n' + sentence_of(stops) + '\n';
 }
 
 int code_of(const std::string& outcome, const std::vector<ask::KnownStop>& stops) {
