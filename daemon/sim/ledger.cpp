@@ -215,8 +215,10 @@ void Ledger::returned_damaged(NodeId source, bool interrupt) {
 Ledger::Return Ledger::returned(NodeId source, wire::Code code, NodeId destination, std::uint32_t crc) {
   Outstanding& outstanding = sources_[source].outstanding[code.interrupt ? 1 : 0];
   const OnLine& last = on_line_slot(source, code, destination).last;
+  const int packet = wire::Code{code.interrupt, 0, code.sequence, code.incarnation}.byte();
   const bool same = outstanding.awaited && outstanding.token != 0 && outstanding.token == last.token &&
-                    outstanding.attempt == code.attempt && last.crcs[code.attempt] == crc;
+                    outstanding.packet == packet && outstanding.attempt == code.attempt &&
+                    last.crcs[code.attempt] == crc;
   if (!same) return {};
   outstanding.awaited = false;
   Sent* sent = find(source, outstanding.token);
@@ -330,7 +332,9 @@ void Ledger::check_measures(const Sent& sent) {
                                         std::to_string(core::picoseconds(seen)) + " were seen");
   const Outstanding& outstanding = sources_[sent.source].outstanding[sent.interrupt() ? 1 : 0];
   const unsigned under_way = outstanding.token == 0 ? outstanding.tries - outstanding.counted : 0;  // perhaps its own
-  for (const unsigned unknown : {0u, under_way, outstanding.before})
+  // A node that starts over in the instant of a try takes it off the line unseen.
+  const unsigned unseen = sent.end.outcome == Outcome::cancelled ? 1 : 0;
+  for (const unsigned unknown : {0u, under_way, outstanding.before, unseen})
     if (sent.end.tries == sent.tries + unknown) return;
   complain_(Promise::true_result, sent.name() + " ended " + core::to_string(sent.end.outcome) + " after " +
                                       std::to_string(sent.end.tries) + " tries, and " + std::to_string(sent.tries) +
