@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <deque>
+#include <iterator>
+#include <utility>
 #include <variant>
 
 #include "core/outcome.h"
@@ -106,6 +109,14 @@ class EventQueue {
     auto place = events_.end();
     while (place != events_.begin() && std::prev(place)->at > at) --place;
     events_.insert(place, Event{at, std::move(what)});
+  }
+  /// States are shown in their order: those that lie ahead come before this one, at the same time. (ours, protocol.md
+  /// section 6.4)
+  void put(Time at, StateChanged change) {
+    for (Event& event : events_)
+      if (std::holds_alternative<StateChanged>(event.what)) event.at = std::min(event.at, at);
+    std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.at < b.at; });
+    put<StateChanged>(at, std::move(change));
   }
   /// @return false where none is due
   bool take(Time now, Event& out) {

@@ -20,6 +20,18 @@ struct NewIncarnationOfTheReceiver : testing::Test {
     solo.receive(SliceKind::whole, hello.with(bytes));
     solo.line();
   }
+  /// The line into node 3 is broken.
+  void beacon_of_3() {
+    wire::Beacon beacon;
+    beacon.input = wire::LinkState::silent;
+    beacon.break_known = true;
+    beacon.break_before = 2_id;
+    beacon.break_behind = 3_id;
+    Bytes bytes(wire::kBeaconSize);
+    wire::encode(beacon, bytes.data());
+    solo.receive(SliceKind::whole, Foreign{3, wire::kBroadcast}.with_hop(1).with_pri(kControlPri).with(bytes));
+    solo.line();
+  }
   void SetUp() override {
     solo.join();
     hello_of_2(7, 0);
@@ -45,6 +57,18 @@ TEST_F(NewIncarnationOfTheReceiver, DoesNotSendAgainWhatItRefusedWhileItJoined) 
   EXPECT_EQ(solo.ends()[0].outcome, Outcome::lost);
   solo.run_for(50ms);
   EXPECT_EQ(solo.counters().sent_data, 1u + 2u + 1u) << "hello, two tries, and the next in the queue";
+}
+
+// In an open chain it may not hear of the receiver's new incarnation.
+TEST_F(NewIncarnationOfTheReceiver, DoesNotSendIntoAnOpenChainWhatWasRefusedAfterARetry) {
+  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2}.with_attempt(1).with(text("x")), 0));
+  EXPECT_EQ(solo.counters().refusals, 1u);
+  beacon_of_3();
+  ASSERT_EQ(solo.node().membership().state(), NodeState::open_chain);
+  ASSERT_EQ(solo.ends().size(), 1u);
+  EXPECT_EQ(solo.ends()[0].outcome, Outcome::unconfirmed);
+  solo.run_for(50ms);
+  EXPECT_EQ(solo.counters().sent_data, 1u + 2u) << "hello, and two tries";
 }
 
 TEST_F(NewIncarnationOfTheReceiver, DeliversWhatComesHomeTaken) {
@@ -73,6 +97,15 @@ TEST_F(NewIncarnationAtTheFirstTry, WhatItRefusedGoesAgainAsANewPacketThatIsRepe
   solo.run_for(100ms);
   EXPECT_EQ(solo.line().size(), 1u);
   EXPECT_THAT(solo.ends(), IsEmpty());
+}
+
+TEST_F(NewIncarnationAtTheFirstTry, WhatItRefusedGoesAgainIntoAnOpenChain) {
+  solo.receive(SliceKind::whole, SoloNode::home(Foreign{1, 2}.with(text("x")), 0));
+  beacon_of_3();
+  EXPECT_THAT(solo.ends(), IsEmpty());
+  solo.run_for(1ms);
+  EXPECT_EQ(solo.line().size(), 1u);
+  EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::unconfirmed)));
 }
 
 // ---- a whole ring ---------------------------------------------------------------------------

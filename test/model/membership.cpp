@@ -16,6 +16,8 @@ NodeState Node::closed_state() const {
 
 void Node::set_state(NodeState state, Time now) {
   if (state == state_) return;
+  for (core::Event& event : events)  // told with the next change at the latest (protocol.md section 6.4)
+    if (std::holds_alternative<core::StateChanged>(event.what)) event.at = std::min(event.at, now);
   tell(now, core::StateChanged{state_, state});
   state_ = state;
 }

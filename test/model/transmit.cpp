@@ -129,8 +129,15 @@ void Node::cancel_all(Time now) {
 
 /// A break is known. (protocol.md section 8.4)
 void Node::end_unconfirmed(Time now) {
-  for (Unit* unit : {&data_, &interrupts_})
+  for (Unit* unit : {&data_, &interrupts_}) {
     if (unit->flight) end_flight(*unit, Outcome::unconfirmed, Duration{0}, now, true);
+    for (auto& queue : unit->queues) {
+      if (queue.empty() || !queue.front().repeated) continue;
+      Send send = queue.front();
+      queue.pop_front();
+      end(send, Outcome::unconfirmed, Reject::none, Duration{0}, now);
+    }
+  }
 }
 
 // ---- tries: protocol.md sections 4.2 to 4.4 ---------------------------------------------------------------------

@@ -138,13 +138,22 @@ Time DataUnit::waiting_deadline() const {
   return deadline;
 }
 
-void DataUnit::forgotten_by(NodeId peer, Time now) {
-  // A repeated packet may have been taken before the receiver restarted and refused after it.
+// A repeated packet may have been taken before the receiver restarted and refused after it.
+template <class Predicate>
+void DataUnit::end_doubtful(Outcome outcome, Time now, Predicate is_meant) {
   for (std::size_t q = kControlQueue + 1; q < kQueues; ++q) {
     Queue& queue = queues_[q];
-    const bool doubtful = front_waits(q) && queue.front().repeated && queue.front().end.destination == peer;
-    if (doubtful) end_waiting(queue, Outcome::lost, now);
+    if (front_waits(q) && queue.front().repeated && is_meant(queue.front())) end_waiting(queue, outcome, now);
   }
+}
+
+void DataUnit::set_open_chain(bool open, Time now) {
+  SendUnit::set_open_chain(open, now);
+  if (open) end_doubtful(Outcome::unconfirmed, now, [](const Job&) { return true; });
+}
+
+void DataUnit::forgotten_by(NodeId peer, Time now) {
+  end_doubtful(Outcome::lost, now, [&](const Job& job) { return job.end.destination == peer; });
   SendUnit::forgotten_by(peer, now);
 }
 

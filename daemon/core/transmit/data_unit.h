@@ -40,6 +40,9 @@ class DataUnit final : public SendUnit {
   }
   Time deadline() const { return any_waits() ? waiting_deadline() : try_deadline(); }
 
+  /// As SendUnit::set_open_chain(); also ends refused sends of which an earlier try may have been taken: in an open
+  /// chain this node may not hear that their receiver has forgotten that. (ours, protocol.md section 8.4)
+  void set_open_chain(bool open, Time now);
   /// As SendUnit::forgotten_by(); also ends a refused send of which an earlier try may have been taken.
   void forgotten_by(NodeId peer, Time now);
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
@@ -92,6 +95,8 @@ class DataUnit final : public SendUnit {
   Time next_ready() const;
   Time front_ready(std::size_t queue) const;
   std::size_t choose(Time now) const;
+  template <class Predicate>
+  void end_doubtful(Outcome outcome, Time now, Predicate is_meant);
   void push(Queue& queue, const SendRequest& request, Time now);
   void pop(Queue& queue) {
     queue.pop();

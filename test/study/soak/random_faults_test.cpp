@@ -78,6 +78,31 @@ TEST(RandomFaults, BreakNoPromiseWhereASecondCopyComesHomeInTheInstantOfARetry) 
   EXPECT_EQ(in_words(run), "");
 }
 
+// A refused packet of which an earlier try had been taken went again into an open chain, where nobody could tell its
+// source that the receiver had forgotten that try.
+TEST(RandomFaults, BreakNoPromiseWhereAReceiverStartsOverBeforeABreak) {
+  RandomFaults run(3602020784);
+  run.run();
+  EXPECT_EQ(in_words(run), "");
+}
+
+// A node that started over between the end of a beacon and its last bit still showed the state that the beacon told.
+TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverAsABeaconComesIn) {
+  RandomFaults run(3602031428);
+  run.run();
+  EXPECT_EQ(in_words(run), "");
+}
+
+// False alarms: a try that was taken off the line in its instant, by a node that started over; and the second copy of
+// a refused try, which came home while the send was out again.
+TEST(RandomFaults, BreakNoPromiseWhereATryIsUnseenOrComesHomeTwice) {
+  for (const std::uint64_t seed : {3602048072, 3605032413}) {
+    RandomFaults run(seed);
+    run.run();
+    EXPECT_EQ(in_words(run), "") << "seed " << seed;
+  }
+}
+
 TEST(RandomFaults, OfTheSameSeedAreTheSame) {
   RandomFaults first(7), second(7);
   first.run();
