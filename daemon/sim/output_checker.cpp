@@ -20,7 +20,8 @@ void OutputChecker::check_header(NodeId node, const PacketHeader& header) {
   if (gone_round) record_.complain(Promise::no_circling, what + ": it has gone round");
 }
 
-// The packets of a node that is gone have passed after one time-out; or one time-out after a line released them.
+// The packets of a node that is gone have passed after a time-out and a lap, counted from when a line released them if
+// that was later.
 void OutputChecker::check_source(NodeId node, const PacketHeader& header, Time now) {
   if (header.source >= record_.ring.size()) return;
   const auto& away = record_.at(header.source).away_since;

@@ -37,7 +37,7 @@ struct ClockLatch {
   }
 };
 
-/// Sent every 100 ms by default, and at once on any change except that of the clock latch.
+/// Sent every 100 ms by default, and at once on most changes (protocol.md section 8.2).
 ///
 ///   | type 2 | boot 64 | CPU boots 32 | CPU state 8 | CPU silent for, ms 32 | input state 8 |
 ///   | input from 8 | output state 8 | output to 8 | break known 8 | before 8 | behind 8 |

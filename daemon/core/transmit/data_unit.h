@@ -47,7 +47,7 @@ class DataUnit final : public SendUnit {
   void forgotten_by(NodeId peer, Time now);
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
   void cancel(Owner owner, Time now);
-  /// Ends everything, the NC's own too. New numbers are due then.
+  /// Ends everything, the NC's own too. The sequence numbers go on.
   void restart(Time now);
 
   bool has_control_end() const { return !control_ends_.empty(); }

@@ -37,7 +37,7 @@ class InterruptUnit final : public SendUnit {
 
   /// Ends all sends of one owner `cancelled`; one that is out is no longer repeated.
   void cancel(Owner owner, Time now);
-  /// Ends everything. New numbers are due then.
+  /// Ends everything. The sequence numbers go on.
   void restart(Time now);
   /// archive.h
   template <class Archive>
