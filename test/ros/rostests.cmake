@@ -75,7 +75,7 @@ set_tests_properties(machines PROPERTIES TIMEOUT 180 RUN_SERIAL TRUE SKIP_REGULA
 # Eight seconds of the ring's time, twice.
 add_test(NAME virtual_demo COMMAND ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/virtual_demo --duration 8
          --programs $<TARGET_FILE_DIR:ringd>)
-set_tests_properties(virtual_demo PROPERTIES TIMEOUT 300 RUN_SERIAL TRUE
+set_tests_properties(virtual_demo PROPERTIES TIMEOUT 300 PROCESSORS 2 RESOURCE_LOCK humanoid16 COST 100
   ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home;PYTHONDONTWRITEBYTECODE=1;LIMB_RING_DEMO_ENTERED=1")
 ring_rostest(scenario 300)
 ring_rostest(side_by_side 300)
