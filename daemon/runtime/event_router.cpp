@@ -46,7 +46,7 @@ void EventRouter::tell_client(host::ClientId client, const core::SendEnded& ende
   const SendReason reason = to_.reasons.of(ended);
   const Outcome outcome = public_outcome(ended.outcome);
   to_.host.result(client, {ended.token, outcome, round_trip, ended.tries, reason.text, reason.reason});
-  if (!to_.observers.any()) return;
+  if (!to_.observers.wants("sent")) return;
   to_.observers.tell("sent", {{"outcome", to_string(outcome)},
                               {"reason_code", to_string(reason.reason)},
                               {"reason", reason.text},

@@ -1,5 +1,6 @@
 #include "runtime/observers.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace limb_ring::runtime {
@@ -10,8 +11,13 @@ void Observers::set(host::ClientId client, const std::set<std::string>& kinds) {
   wanted_[client] = kinds;
 }
 
+bool Observers::wants(const std::string& kind) const {
+  return std::any_of(wanted_.begin(), wanted_.end(),
+                     [&](const auto& client) { return client.second.count(kind) != 0; });
+}
+
 void Observers::tell(const std::string& kind, nlohmann::json what) {
-  if (!any()) return;
+  if (!wants(kind)) return;
   what["kind"] = kind;
   what["time_ns"] = clock_.wall_ns(clock_.now());
   const std::string line = what.dump();

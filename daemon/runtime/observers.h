@@ -19,6 +19,8 @@ class Observers {
   void set(host::ClientId client, const std::set<std::string>& kinds);
   void remove(host::ClientId client) { wanted_.erase(client); }
   bool any() const { return !wanted_.empty(); }
+  /// Some client wants events of that kind: only then need they be put into words.
+  bool wants(const std::string& kind) const;
   /// `what` gets "kind" and "time_ns" (CLOCK_REALTIME) added.
   void tell(const std::string& kind, nlohmann::json what);
   /// Reports figures that change without an event of their own, if they have changed since the last call.
