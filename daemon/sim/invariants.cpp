@@ -66,6 +66,7 @@ void Invariants::event(NodeId node, const core::Event& event) {
 void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   NodeRecord& n = record_.at(node);
   const NodeState before = n.history.state;
+  if (before == NodeState::open_chain) n.history.open_chain_until = record_.ring.now();
   n.history.state = state;
   n.history.state_at = record_.ring.now();
   results_.state_changes(node, state);

@@ -33,7 +33,9 @@ void ResultChecker::ends(NodeId node, const core::SendEnded& end, Time at_end) {
     record_.complain(Promise::true_result, ended + objection);
   if (end.outcome == core::Outcome::cancelled && n.history.cancelled != at_end)
     unexplained.push_back({record_.ring.now(), end.outcome, ended + ", and nobody had cancelled it"});
-  if (end.outcome == core::Outcome::unconfirmed && n.history.state != NodeState::open_chain)
+  const bool was_in_chain =
+      n.history.open_chain_until != Time{} && at_end - n.history.open_chain_until <= told_within(n.settings);
+  if (end.outcome == core::Outcome::unconfirmed && n.history.state != NodeState::open_chain && !was_in_chain)
     unexplained.push_back({record_.ring.now(), end.outcome, ended + ", and its node is in no open chain"});
   const bool was_in_ring = sent->asked_in_ring && n.history.state_at < sent->asked;
   if (end.reject == core::Reject::not_in_ring && was_in_ring)
@@ -52,10 +54,9 @@ void ResultChecker::state_changes(NodeId node, NodeState state) {
   if (state == NodeState::starting || state == NodeState::duplicate_id) explains(core::Outcome::cancelled);
 }
 
-// The state that explains a result may be shown after it: a node that starts over ends its sends first; and what a
-// beacon says is acted on when its `end` begins, and shown when its last bit is in.
+// The state that explains a result may be shown after it: a node that starts over ends its sends first.
 void ResultChecker::judge_unexplained(NodeId node) {
-  const core::Duration tail = record_.at(node).settings.byte_time_in * static_cast<std::int64_t>(wire::kOverhead);
+  const core::Duration tail = told_within(record_.at(node).settings);
   for (const Unexplained& result : unexplained_[node])
     if (result.when + tail < record_.ring.now()) record_.complain(Promise::true_result, result.what);
 }

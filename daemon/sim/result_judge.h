@@ -8,13 +8,15 @@ namespace limb_ring::sim {
 struct NodeHistory {
   core::NodeState state = core::NodeState::starting;
   Time state_at{};                 ///< since when
+  Time open_chain_until{};         ///< it was in an open chain before it showed another state; 0: never
   Time cancelled = core::kNever;   ///< its CPU was reset, or its sends were cancelled
   Time said_hello = core::kNever;  ///< its last hello left
   Time thawed{};                   ///< it went on
 
   template <class Archive>
   void archive(Archive& a) {
-    a("state", state)("state_at", state_at)("cancelled", cancelled)("said_hello", said_hello)("thawed", thawed);
+    a("state", state)("state_at", state_at)("open_chain_until", open_chain_until)("cancelled", cancelled);
+    a("said_hello", said_hello)("thawed", thawed);
   }
 };
 
@@ -49,6 +51,12 @@ class ResultJudge {
   Time said_hello_;
   bool ring_was_broken_;
 };
+
+/// What a packet says is acted on when its `end` begins; what follows is told when its last bit is in, at most so much
+/// later. (protocol.md section 6.4)
+inline core::Duration told_within(const core::Settings& settings) {
+  return settings.byte_time_in * static_cast<std::int64_t>(wire::kOverhead);
+}
 
 /// In a ring, or in an open chain: users may send. (protocol.md section 8.1)
 inline bool may_send(core::NodeState state) {
