@@ -23,7 +23,7 @@ void Arrivals::taken(std::uint8_t id, const Observation& seen) {
 
 /// The first send of this content after the send that the receiver took last. INTPs of one factor are all alike, so
 /// for a pin the order is unknown. As a pin is pulled at once, a send that is open or has just ended is preferred; one
-/// that ended long ago counts only when every possible cause has been seen.
+/// that ended untaken, or long ago, counts only when every possible cause has been seen.
 Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& came, bool all_asked) {
   if (flow == nullptr) return nullptr;
   const Observation& seen = came.seen;
@@ -37,7 +37,8 @@ Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& 
     const std::uint16_t taken = it->taken_in(receiver);
     const bool again = taken != 0 && (it->ended || taken == came.life);
     if (again || !it->asked.same_content(seen)) continue;
-    if (seen.kind != Kind::pin || !it->ended || it->ended_round + 2 >= ring_.round) return &*it;
+    const bool just_ended = it->ended_round + 2 >= ring_.round && !says_untaken(it->outcome);
+    if (seen.kind != Kind::pin || !it->ended || just_ended) return &*it;
     if (all_asked && old == nullptr) old = &*it;
   }
   return old;

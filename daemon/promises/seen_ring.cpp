@@ -6,6 +6,11 @@
 
 namespace limb_ring::promises {
 
+bool says_untaken(wire::Outcome outcome) {
+  using wire::Outcome;
+  return outcome == Outcome::refused || outcome == Outcome::no_such_node || outcome == Outcome::rejected;
+}
+
 std::uint16_t SeenNode::next_life() const { return static_cast<std::uint16_t>(std::max(life, pins_life) + 1); }
 
 bool SeenNode::has_pending(const Flow& flow) const {

@@ -15,11 +15,6 @@ constexpr Round kLate = 60;
 /// core::NodeState::up, in which users may send into a closed ring.
 constexpr std::uint8_t kUp = 2;
 
-/// Nobody has taken it.
-bool says_untaken(Outcome outcome) {
-  return outcome == Outcome::refused || outcome == Outcome::no_such_node || outcome == Outcome::rejected;
-}
-
 }  // namespace
 
 void Verdicts::settle(Flow& flow) {
