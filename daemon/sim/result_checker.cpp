@@ -19,7 +19,8 @@ ResultJudge ResultChecker::judge_of(NodeId node, const Sent& sent) const {
 void ResultChecker::ends(NodeId node, const core::SendEnded& end, Time at_end) {
   NodeRecord& n = record_.at(node);
   const bool paced = end.outcome == core::Outcome::unconfirmed;  // as it left. (protocol.md section 8.4)
-  if (end.interrupt) n.interrupt_free = at_end + (paced ? n.settings.open_chain_interrupt_pace() : core::Duration{0});
+  const core::Duration pace = paced ? n.settings.open_chain_interrupt_pace() : core::Duration{0};
+  if (end.interrupt) n.interrupt_free = std::max(n.interrupt_free, at_end + pace);  // others are cancelled meanwhile
   record_.ledger.settle(at_end);
   judge_unexplained(node);
   // If tries fail or numbers are used up, copies are under way, and a hello may come between them.
