@@ -13,13 +13,12 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::system_clock;
 
-std::string path_of(const std::string& folder, wire::NodeId node) {
-  return folder + "/" + std::to_string(node) + ".fault";
+std::string file_of(const std::string& folder, wire::NodeId node, const char* extension) {
+  return folder + "/" + std::to_string(node) + extension;
 }
 
-std::string killed_path(const std::string& folder, wire::NodeId node) {
-  return folder + "/" + std::to_string(node) + ".killed";
-}
+std::string fault_file(const std::string& folder, wire::NodeId node) { return file_of(folder, node, ".fault"); }
+std::string killed_file(const std::string& folder, wire::NodeId node) { return file_of(folder, node, ".killed"); }
 
 std::string write_line(const std::string& path, const std::string& line) {
   std::ofstream file(path);
@@ -33,13 +32,13 @@ std::string NodeNote::name() const { return words.substr(0, words.find(' ')); }
 
 std::string write_note(const std::string& folder, wire::NodeId node, const std::string& words) {
   const auto now = std::chrono::duration_cast<milliseconds>(system_clock::now().time_since_epoch());
-  return write_line(path_of(folder, node), std::to_string(now.count()) + ' ' + words);
+  return write_line(fault_file(folder, node), std::to_string(now.count()) + ' ' + words);
 }
 
-void remove_note(const std::string& folder, wire::NodeId node) { std::remove(path_of(folder, node).c_str()); }
+void remove_note(const std::string& folder, wire::NodeId node) { std::remove(fault_file(folder, node).c_str()); }
 
 std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node) {
-  std::ifstream file(path_of(folder, node));
+  std::ifstream file(fault_file(folder, node));
   std::int64_t since = 0;
   NodeNote note;
   if (!(file >> since) || !std::getline(file >> std::ws, note.words)) return std::nullopt;
@@ -53,12 +52,12 @@ bool is_killed(const std::string& folder, wire::NodeId node) {
 }
 
 std::string write_killed(const std::string& folder, wire::NodeId node, pid_t daemon) {
-  return write_line(killed_path(folder, node), std::to_string(daemon));
+  return write_line(killed_file(folder, node), std::to_string(daemon));
 }
 
 bool was_killed(const std::string& folder, wire::NodeId node, pid_t daemon) {
   pid_t killed = 0;
-  return std::ifstream(killed_path(folder, node)) >> killed && killed == daemon;
+  return std::ifstream(killed_file(folder, node)) >> killed && killed == daemon;
 }
 
 }  // namespace limb_ring::live

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <initializer_list>
 #include <numeric>
 #include <random>
 
@@ -29,6 +30,14 @@ std::string in_words(const RandomFaults& run) {
   if (!broken) return "";
   return std::string(sim::to_string(broken->promise)) + ": " + broken->what + ", at " +
          std::to_string(core::picoseconds(broken->at.time_since_epoch())) + " ps";
+}
+
+void expect_no_breach(std::initializer_list<std::uint64_t> seeds) {
+  for (const std::uint64_t seed : seeds) {
+    RandomFaults run(seed);
+    run.run();
+    EXPECT_EQ(in_words(run), "") << "seed " << seed;
+  }
 }
 
 TEST(RandomFaults, BreakNoPromise) {
@@ -65,54 +74,28 @@ TEST(RandomFaults, BreakNoPromiseInWideWorlds) {
 }
 
 // A joining node whose hello is lost while a line is down does not start over: what it refused it refuses again.
-TEST(RandomFaults, BreakNoPromiseWhereAJoiningNodeWaitsForALineAgain) {
-  RandomFaults run(2000009148);
-  run.run();
-  EXPECT_EQ(in_words(run), "");
-}
+TEST(RandomFaults, BreakNoPromiseWhereAJoiningNodeWaitsForALineAgain) { expect_no_breach({2000009148}); }
 
 // Of two copies of a try the first came home damaged, and so it was sent again: the good one refused nothing.
-TEST(RandomFaults, BreakNoPromiseWhereASecondCopyComesHomeInTheInstantOfARetry) {
-  RandomFaults run(3600034134);
-  run.run();
-  EXPECT_EQ(in_words(run), "");
-}
+TEST(RandomFaults, BreakNoPromiseWhereASecondCopyComesHomeInTheInstantOfARetry) { expect_no_breach({3600034134}); }
 
 // A refused packet of which an earlier try had been taken went again into an open chain, where nobody could tell its
 // source that the receiver had forgotten that try.
-TEST(RandomFaults, BreakNoPromiseWhereAReceiverStartsOverBeforeABreak) {
-  RandomFaults run(3602020784);
-  run.run();
-  EXPECT_EQ(in_words(run), "");
-}
+TEST(RandomFaults, BreakNoPromiseWhereAReceiverStartsOverBeforeABreak) { expect_no_breach({3602020784}); }
 
 // False alarms that came with that: the source had been reset, or had started over, before the last bit of the beacon
 // with the break was in, and its result was told only then.
 TEST(RandomFaults, BreakNoPromiseWhereASourceStartsOverAsItHearsOfABreak) {
-  for (const std::uint64_t seed : {3615001321, 3615010875, 3610015667}) {
-    RandomFaults run(seed);
-    run.run();
-    EXPECT_EQ(in_words(run), "") << "seed " << seed;
-  }
+  expect_no_breach({3615001321, 3615010875, 3610015667});
 }
 
 // A node that started over between the end of a beacon and its last bit still showed the state that the beacon told.
-TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverAsABeaconComesIn) {
-  RandomFaults run(3602031428);
-  run.run();
-  EXPECT_EQ(in_words(run), "");
-}
+TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverAsABeaconComesIn) { expect_no_breach({3602031428}); }
 
 // False alarms: a try that was taken off the line in its instant, by a node that started over; the second copy of a
 // refused try, which came home while the send was out again; and an INTP that waited for the pace of an open chain
 // which the node had left, where others had been cancelled.
-TEST(RandomFaults, BreakNoPromiseWhereTheJudgeOnceThoughtSo) {
-  for (const std::uint64_t seed : {3602048072, 3605032413, 3625015259}) {
-    RandomFaults run(seed);
-    run.run();
-    EXPECT_EQ(in_words(run), "") << "seed " << seed;
-  }
-}
+TEST(RandomFaults, BreakNoPromiseWhereTheJudgeOnceThoughtSo) { expect_no_breach({3602048072, 3605032413, 3625015259}); }
 
 TEST(RandomFaults, OfTheSameSeedAreTheSame) {
   RandomFaults first(7), second(7);
