@@ -1,13 +1,9 @@
 // Datagrams that come to the input of a plain UDP line, from a neighbour that knows its sessions and says anything:
 // what is handed on comes between "up" and "lost", and datagrams are counted once each.
-#include <array>
-#include <boost/asio/io_context.hpp>
 #include <vector>
 
 #include "fuzz/fuzz.h"
-#include "link/input.h"
-#include "link/udp_socket.h"
-#include "link/unix_socket.h"
+#include "link/datagram_input.h"
 
 using namespace limb_ring;
 
@@ -35,17 +31,12 @@ struct Heard : link::InputHandler {
   bool up = false;
 };
 
-link::Endpoint free_endpoint() {
-  boost::asio::io_context io;
-  return link::Endpoint::udp("127.0.0.1",
-                             link::listen_udp(io, link::Endpoint::udp("127.0.0.1", 0)).local_endpoint().port());
-}
-
-/// Node 1 of three, and this program as all others.
-class Line {
+/// The line of node 1 of three, and this program as all others.
+class Line : link::InputLine {
  public:
-  explicit Line(const link::Endpoint& endpoint)
-      : input_(io_, settings(endpoint), heard_), socket_(link::connect_udp(io_, link::udp_address(endpoint))) {}
+  Line()
+      : input_(settings(), *this, heard_, report_, upstream_,
+               [this](wire::ByteView datagram, const link::UdpAddress&) { hear(datagram); }) {}
 
   void send(link::LinkHeader header, wire::ByteView behind) {
     std::vector<std::uint8_t> bytes(link::kLinkHeaderSize);
@@ -54,46 +45,44 @@ class Line {
     send({bytes.data(), bytes.size()});
   }
   void send(wire::ByteView datagram) {
-    if (link::send_now(socket_.native_handle(), datagram) < 0) return;
-    ++sent_;
-    io_.restart();
-    io_.poll();
-    fuzz::require(input_.counters().datagrams == sent_, "a datagram is counted once");
-    hear();
+    input_.take(datagram, {}, now_);
+    fuzz::require(report_.counters.datagrams == ++sent_, "a datagram is counted once");
+  }
+  void pass(link::milliseconds time) {
+    now_ += time;
+    input_.end_batch();
+    if (input_.tick(now_)) input_.lose_if_silent();
   }
   std::uint64_t session() const { return session_; }
 
  private:
-  static link::InputSettings settings(const link::Endpoint& endpoint) {
+  static link::InputSettings settings() {
     link::InputSettings settings;
     settings.self = {kRing, 1};
-    settings.endpoint = endpoint;
     settings.order = {0, 1, 2};
     return settings;
   }
-  void hear() {
-    std::array<std::uint8_t, 256> bytes;
-    for (;;) {
-      const auto size = link::receive_now(socket_.native_handle(), bytes.data(), bytes.size());
-      if (size <= 0) return;
-      const auto header = link::parse_header({bytes.data(), static_cast<std::size_t>(size)});
-      fuzz::require(header && header->ring == kRing && header->sender == 1, "it answers with headers of its own");
-      if (header->type == link::LinkHeaderType::accept) session_ = header->session;
-    }
+  void hear(wire::ByteView datagram) {
+    const auto header = link::parse_header(datagram);
+    fuzz::require(header && header->ring == kRing && header->sender == 1, "it answers with headers of its own");
+    if (header->type == link::LinkHeaderType::accept) session_ = header->session;
   }
+  void close() override { input_.close(); }
+  std::optional<std::uint8_t> from() const override { return input_.from(); }
+  void replace(std::uint8_t by) override { input_.replace(by); }
 
-  boost::asio::io_context io_;
   Heard heard_;
-  link::Input input_;
-  link::UdpSocket socket_;
+  link::InputReport report_;
+  link::Upstream upstream_;
+  link::Time now_{};
   std::uint64_t sent_ = 0, session_ = 0;
+  link::DatagramInput input_;
 };
 
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const link::Endpoint endpoint = free_endpoint();
-  Line line(endpoint);
+  Line line;
   fuzz::Input input(data, size);
   std::uint32_t sequence = 0;
   while (!input.empty()) {
@@ -122,7 +111,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         line.send(header, input.bytes(what & 0x3C));
         break;
       default:
-        line.send(input.bytes(what & 0x3F));
+        if ((what & 0x20) != 0) line.pass(link::milliseconds(50));
+        line.send(input.bytes(what & 0x1F));
     }
   }
   return 0;

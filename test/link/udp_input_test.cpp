@@ -9,10 +9,8 @@ namespace limb_ring::link {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
-/// Node 1's input, with this test as node 0 sending datagrams by hand.
+/// Node 1's input on its socket, with this test as node 0 sending datagrams by hand.
 struct UdpInputFromHand : testing::Test {
   LinkRig rig{3, Endpoint::Transport::udp};
   boost::asio::io_context io;
@@ -79,87 +77,6 @@ struct UdpInputFromHand : testing::Test {
     return all;
   }
 };
-
-TEST_F(UdpInputFromHand, HandsADoubledDatagramOnOnce) {
-  for (const std::uint32_t i : {2u, 2u, 3u, 3u, 2u}) datagram(i, static_cast<std::uint8_t>(i));
-  ASSERT_TRUE(until_datagrams(7));
-  EXPECT_THAT(values(), ElementsAre(2, 3));
-  EXPECT_EQ(counters().datagrams_duplicate, 3u);
-  EXPECT_EQ(counters().datagrams_lost, 0u);
-}
-
-TEST_F(UdpInputFromHand, SaysWhereDatagramsAreMissing) {
-  datagram(2, 2);
-  datagram(6, 6);
-  ASSERT_TRUE(until_datagrams(4));
-  EXPECT_THAT(heard.log, ElementsAre("up 0", "slice", "gap 3", "slice", "batch end"));
-  EXPECT_EQ(counters().datagrams_lost, 3u);
-}
-
-TEST_F(UdpInputFromHand, DiscardsAnOvertakenDatagram) {
-  for (const std::uint32_t i : {3u, 2u, 4u}) datagram(i, static_cast<std::uint8_t>(i));
-  ASSERT_TRUE(until_datagrams(5));
-  EXPECT_THAT(values(), ElementsAre(3, 4));
-  EXPECT_EQ(counters().datagrams_lost, 1u);
-  EXPECT_EQ(counters().datagrams_duplicate, 1u);
-}
-
-TEST_F(UdpInputFromHand, DiscardsDatagramsOfASessionItDoesNotHaveAndSaysSo) {
-  session += 1;
-  datagram(2, 2);
-  const auto refuse = answer(LinkHeaderType::refuse);
-  ASSERT_TRUE(refuse);
-  EXPECT_EQ(refuse->refusal, Refusal::unknown_session);
-  EXPECT_EQ(counters().datagrams_stale, 1u);
-  EXPECT_THAT(heard.slices, IsEmpty());
-}
-
-TEST_F(UdpInputFromHand, StartsAfreshInANewSessionOnly) {
-  datagram(2, 2);
-  const std::uint64_t old = session;
-  session = ask_for_session(8);
-  EXPECT_NE(session, old);
-  datagram(1, 10);
-  ASSERT_TRUE(rig.until([&] { return counters().replaced == 1; }));
-  session = old;
-  datagram(3, 3);
-  ASSERT_TRUE(rig.until([&] { return counters().datagrams_stale == 1; }));
-  EXPECT_THAT(values(), ElementsAre(2, 10));
-}
-
-TEST_F(UdpInputFromHand, IsNotMovedByAnOldConnectThatComesLate) {
-  ask_for_session(6);  // answered with an offer, which nobody takes up
-  datagram(2, 2);
-  ASSERT_TRUE(rig.until([&] { return heard.slices.size() == 1; }));
-  EXPECT_EQ(heard.log.front(), "up 0");
-  EXPECT_EQ(counters().connects, 1u);
-}
-
-TEST_F(UdpInputFromHand, GivesADoubledConnectTheSameSession) {
-  EXPECT_EQ(ask_for_session(7), session);
-  const std::uint64_t offer = ask_for_session(9);
-  EXPECT_EQ(ask_for_session(9), offer);
-}
-
-TEST_F(UdpInputFromHand, MakesAGapOfAGarbledDatagram) {
-  LinkHeader h = header(LinkHeaderType::slices, session);
-  h.sequence = 2;
-  const std::vector<std::uint8_t> garbage(10, 0xEE);
-  send(h, {garbage.data(), garbage.size()});
-  ASSERT_TRUE(rig.until([&] { return counters().malformed == 1; }));
-  EXPECT_THAT(heard.log, ElementsAre("up 0", "gap 1", "batch end"));
-  EXPECT_TRUE(rig.node(1).input->up());
-}
-
-TEST_F(UdpInputFromHand, IsLostOnGoodbyeAndOnSilence) {
-  send(header(LinkHeaderType::bye, session));
-  ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
-  session = ask_for_session(8);
-  datagram(1, {});
-  ASSERT_TRUE(rig.until([&] { return rig.node(1).input->up(); }));
-  ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
-  EXPECT_THAT(heard.log, ElementsAre("up 0", HasSubstr("closed"), "up 0", "lost: silent"));
-}
 
 TEST_F(UdpInputFromHand, TakesRunsOfDatagramsInFewerReadsWhereTheKernelCan) {
   OutputCounters sent;
