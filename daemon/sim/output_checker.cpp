@@ -75,7 +75,11 @@ void OutputChecker::own_data_leaves(NodeId node, const PacketFields& packet) {
   // Nothing else is sent before the hello is home. (protocol.md section 4.8)
   n.hello_out = hello.has_value();
   const bool joins = hello ? n.history.state == NodeState::open_chain : n.receiver.joined() != Tristate::yes;
-  if (joins && outgoing_[node].since > n.began) n.receiver.join();
+  // What began in the instant of the start may be of the life before.
+  if (joins && outgoing_[node].since > n.began)
+    n.receiver.join();
+  else if (joins && hello && n.receiver.joined() == Tristate::no)
+    n.receiver.set_joined(Tristate::unknown);
   if (control) {
     n.control = {packet.code_byte(), packet.crc(), hello.has_value(), record_.ring.now()};
     return record_.ledger.try_is_control(node);
