@@ -15,10 +15,17 @@ constexpr std::uint8_t kStarting = 0;
 
 void PromiseJudge::begins(std::uint8_t id, std::uint8_t state, std::chrono::nanoseconds longest_send,
                           std::int64_t at_ns) {
-  SeenNode& node = ring_.at(id);
   ends(id);  // a former life of which nobody has said so
+  SeenNode& node = ring_.at(id);
+  node.before = node.seen_before ? Unjudged::receiver_restarted : Unjudged::receiver_unknown;
+  node.seen_before = true;
+  looks_at(id, state, longest_send, at_ns);
+}
+
+void PromiseJudge::looks_at(std::uint8_t id, std::uint8_t state, std::chrono::nanoseconds longest_send,
+                            std::int64_t at_ns) {
+  SeenNode& node = ring_.at(id);
   node.known = true;
-  ++node.lives;
   node.closing = false;
   ring_.known.push_back(id);
   node.known_round = node.state_round = ring_.round;
@@ -31,7 +38,7 @@ void PromiseJudge::begins(std::uint8_t id, std::uint8_t state, std::chrono::nano
   node.proven_at.fill(0);
   node.newest.clear();
   for (const Pending& pending : node.pending)
-    if (pending.seen.kind != Kind::passed) findings_.leave(Unjudged::receiver_restarted);
+    if (pending.seen.kind != Kind::passed) findings_.leave(node.before);
   node.pending.clear();
 }
 
@@ -49,10 +56,12 @@ void PromiseJudge::leaves(std::uint8_t id) {
 }
 
 void PromiseJudge::lost(std::uint8_t id, std::uint64_t count) {
-  const SeenNode& node = ring_.at(id);
+  SeenNode& node = ring_.at(id);
   findings_.counts.lost += count;
   sends_.forget(id, Unjudged::observations_lost);
-  begins(id, node.state, std::chrono::nanoseconds(node.longest_send), node.at);
+  ends(id);
+  node.before = Unjudged::observations_lost;
+  looks_at(id, node.state, std::chrono::nanoseconds(node.longest_send), node.at);
 }
 
 void PromiseJudge::see(std::uint8_t id, const Observation& seen) {

@@ -38,6 +38,7 @@ class PromiseJudge {
   const JudgeCounts& counts() const { return findings_.counts; }
 
  private:
+  void looks_at(std::uint8_t id, std::uint8_t state, std::chrono::nanoseconds longest_send, std::int64_t at_ns);
   void changed_state(std::uint8_t id, std::uint8_t after);
 
   const JudgeTimes times_;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "promises/findings.h"
 #include "promises/observation.h"
 #include "wire/outcome.h"
 
@@ -82,7 +83,8 @@ struct Pending {
 /// A node, and what was seen at it.
 struct SeenNode {
   bool known = false, closing = false;
-  unsigned lives = 0;  ///< of its daemon that were seen
+  bool seen_before = false;                      ///< it has begun once at least
+  Unjudged before = Unjudged::receiver_unknown;  ///< why what was at it before `known_at` is not judged
   Round known_round = 0, flushed_round = 0, state_round = 0, empty_round = 0, seen_round = 0;
   Round pins_round = 0;  ///< in which `pins_life` began
   std::int64_t known_at = 0, at = 0, empty_at = 0;

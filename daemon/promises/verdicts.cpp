@@ -119,8 +119,7 @@ bool Verdicts::judge_taken(Flow& flow, Sent& sent) {
 bool Verdicts::judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver) {
   const SeenNode& to = ring_.at(receiver);
   const bool delivered = sent.outcome == Outcome::delivered;
-  if (!to.known || to.known_round + 2 > sent.asked_round)
-    return !delivered || findings_.leave(to.lives > 1 ? Unjudged::receiver_restarted : Unjudged::receiver_unknown);
+  if (!to.known || to.known_round + 2 > sent.asked_round) return !delivered || findings_.leave(to.before);
   if (to.flushed_round + 2 >= sent.asked_round) return !delivered || findings_.leave(Unjudged::receiver_restarted);
   if (!delivered) return is_over_at(receiver, flow, sent);
   const std::uint32_t looked = flow.queue == Observation::kInterrupt ? to.seen_round : to.empty_round;

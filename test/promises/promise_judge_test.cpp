@@ -202,6 +202,7 @@ TEST_F(JudgeTest, lostObservationsSuspendJudgementAndAreCounted) {
   EXPECT_THAT(broken(), IsEmpty());
   EXPECT_EQ(judge.counts().lost, 1010u);
   EXPECT_GT(judge.counts().all_unjudged(), 2u);
+  EXPECT_EQ(unjudged(Unjudged::receiver_restarted), 0u);
 }
 
 TEST_F(JudgeTest, whatOtherNodesSeeFirstWaitsForItsCause) {
