@@ -51,6 +51,7 @@ namespace limb_ring::core {
   X(control_malformed, "channel 1 packet that is neither hello nor beacon")                                     \
   X(flushed_on_reset, "received packet thrown away because the CPU was reset")                                  \
   X(retries_of_unheard_nodes, "retry not taken: its source has not been heard since the own start (fold-back)") \
+  X(retries_of_unaware_nodes, "retry not taken: its source may not know of the own start (open chain)")         \
   X(folds, "input or output taken over by the second line")                                                     \
   X(fold_discarded, "slice on the second line that nobody was to have")                                         \
   X(fold_held_dropped, "slice dropped while the first line came back")                                          \

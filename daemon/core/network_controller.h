@@ -59,7 +59,9 @@ class NetworkController : private Blocks {
     return framed;
   }
   /// The line that the node hears now, and the one that it sends on: at a fold the second.
-  Line input_line() const { return fold_ && fold_->takes_second() ? Line::second : Line::first; }
+  Line input_line() const { return fold_ && fold_->hears_second() ? Line::second : Line::first; }
+  /// The second line stands for the input.
+  bool input_folded() const { return fold_ && fold_->takes_second(); }
   Line output_line() const { return fold_ && fold_->turned_back() ? Line::second : Line::first; }
   Lines lines() const { return Lines(fold_.has_value()); }
   ///@}

@@ -94,7 +94,7 @@ json broken_line_json(const StatusSources& from) {
 
 json fold_json(const NodeDriver& engine) {
   const LineEnds second = engine.ends(core::Line::second);
-  return {{"input", engine.controller().input_line() == core::Line::second},
+  return {{"input", engine.controller().input_folded()},
           {"output", engine.controller().output_line() == core::Line::second},
           {"second_input", second.from ? "up" : "down"},
           {"second_output", second.to ? "up" : "down"}};

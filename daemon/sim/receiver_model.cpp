@@ -97,6 +97,12 @@ Tristate ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const
   return pages_[packet.source()].peer_known == Tristate::no ? Tristate::yes : Tristate::unknown;
 }
 
+Tristate ReceiverModel::is_unaware_peers_retry(const PacketFields& packet) const {
+  if (packet.code().attempt == 0 || packet.source() == id_ || joined_ == Tristate::no || announced_ == Tristate::yes)
+    return Tristate::no;
+  return joined_ == Tristate::yes && announced_ == Tristate::no ? Tristate::yes : Tristate::unknown;
+}
+
 // Nobody outside knows whether `packet` was received.
 void ReceiverModel::doubt(const PacketFields& packet) {
   Page& page = pages_[packet.source()];
@@ -146,6 +152,9 @@ ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Tristate r
   Answer answer = of_known(e, packet, at);
   if (answer == Answer::repeats_taken || answer == Answer::repeats_refused) return answer;
   if (answer == Answer::none) {
+    const Tristate unaware_peers_retry = is_unaware_peers_retry(packet);
+    if (unaware_peers_retry == Tristate::yes) return Answer::none;
+    if (unaware_peers_retry == Tristate::unknown) return doubt(packet), Answer::unknown;
     const bool refuses = joined_ == Tristate::no || !cpu_present_ || has_buffer == Tristate::no;
     const bool takes = joined_ == Tristate::yes && has_buffer == Tristate::yes;
     answer = refuses ? Answer::refuses : takes ? Answer::takes : Answer::unknown;
@@ -184,7 +193,7 @@ void ReceiverModel::join() {
 }
 
 void ReceiverModel::start_over(bool forgets_peers, Time now) {
-  joined_ = Tristate::no;
+  joined_ = announced_ = Tristate::no;
   for (Page& page : pages_) {
     page.entries[0] = page.entries[1] = {};
     age(page, now);
@@ -195,6 +204,7 @@ void ReceiverModel::start_over(bool forgets_peers, Time now) {
 // If it did not start over, what it had decided still holds; nobody outside knows.
 void ReceiverModel::may_start_over() {
   joined_ = Tristate::no;
+  if (announced_ == Tristate::yes) announced_ = Tristate::unknown;
   for (Page& page : pages_) {
     for (Entry& e : page.entries)
       if (e.verdict != Verdict::none) e.any_sequence = true;

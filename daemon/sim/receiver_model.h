@@ -43,6 +43,9 @@ class ReceiverModel {
   void join();
   void set_joined(Tristate joined) { joined_ = joined; }
   Tristate joined() const { return joined_; }
+  /// Its hello, or a beacon with its boot number, has come home since it started: all know of the start.
+  void set_announced(Tristate announced) { announced_ = announced; }
+  Tristate announced() const { return announced_; }
   /// The node begins a new incarnation; with `forgets_peers` it starts all over, since it was bypassed.
   void start_over(bool forgets_peers, Time now);
   /// Perhaps it starts over: it was bypassed, or only its hello was lost and a line is down.
@@ -51,7 +54,7 @@ class ReceiverModel {
   bool cpu_present() const { return cpu_present_; }
   template <class Archive>
   void archive(Archive& a) {
-    a("pages", pages_)("joined", joined_)("cpu_present", cpu_present_);
+    a("pages", pages_)("joined", joined_)("announced", announced_)("cpu_present", cpu_present_);
   }
 
  private:
@@ -87,6 +90,7 @@ class ReceiverModel {
   Entry& entry(const wire::PacketFields& packet);
   bool addressed(const wire::PacketFields& packet) const;
   Tristate is_unknown_peers_retry(const wire::PacketFields& packet) const;
+  Tristate is_unaware_peers_retry(const wire::PacketFields& packet) const;
   bool hear(const wire::PacketFields& packet, Time at);
   template <class Forget>
   bool hear_boot(NodeId source, std::uint64_t boot, Forget forget);
@@ -101,7 +105,7 @@ class ReceiverModel {
   std::array<bool, 8> wired_;
   core::Duration horizon_;  ///< a number decided longer ago is new
   std::vector<Page> pages_;
-  Tristate joined_ = Tristate::no;
+  Tristate joined_ = Tristate::no, announced_ = Tristate::no;
   bool cpu_present_ = true;
 };
 

@@ -311,6 +311,7 @@ class Node : private BehindFold {
   unsigned ring_size_ = 0;
   int signs_ = 0;
   bool hello_out_ = false;  ///< it waits, or is outstanding
+  bool announced_ = false;  ///< the own hello, or a beacon of this boot number, was home
   bool hello_left_ = true;  ///< in an open chain: nothing else goes before
   Time hello_left_at_ = Time{} - Duration{1};
   bool beacon_out_ = false;

@@ -120,6 +120,8 @@ int Node::answer_data(const Packet& packet, Time at, Time now) {
   // section 2.4)
   const bool left = hello_left_ && (settings_.byte_time_out > Duration{0} || hello_left_at_ < now);
   const bool joining = !closed() && !(state_ == NodeState::open_chain && left);
+  // Its source may not know of the own start. (protocol.md section 4.10)
+  if (!joining && !announced_ && packet.attempt() > 0 && packet.source() != id()) return kNoAnswer;
   const bool taken = !joining && cpu_present_ && free > 0;
   page->decided[{false, packet.broadcast()}] = {packet.sequence(), taken, now, false};
   if (!taken) return 0;

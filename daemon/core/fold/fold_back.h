@@ -77,6 +77,8 @@ class FoldBack {
   bool turned_back() const { return out_ != Out::first; }
   /// The second line stands for the input.
   bool takes_second() const { return in_ != In::first && fold_node_; }
+  /// What comes in on the second line is for the NC, also while no fold node is known.
+  bool hears_second() const { return in_ != In::first; }
 
   Time deadline() const {
     return std::min(std::min(may_fold_at_, repeat_words_at_), std::min(drain_due_, fold_node_due_));

@@ -145,7 +145,7 @@ void Membership::begin_incarnation(Time now) {
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed, now);
   memory_.start_over(now);
-  joined_ = hello_out_ = renumbering_ = merged_ = false;
+  joined_ = announced_ = hello_out_ = renumbering_ = merged_ = false;
   beacon_.out = false;
   beacon_.due = break_due_ = drained_at_ = kNever;
   break_.forget();
@@ -242,6 +242,7 @@ void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time n
 
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
   if (boot == boot_) {
+    announced_ = true;
     if (state_ == NodeState::open_chain) {
       forget_lost_lines();
       ring_size_ = hop + 1u;

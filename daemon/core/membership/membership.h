@@ -47,6 +47,8 @@ class Membership {
   std::optional<BrokenLine> broken_line() const { return break_.line(); }
   /// The own hello has come home since the node started, or started over: packets of users are taken.
   bool joined() const { return joined_; }
+  /// The own hello, or a beacon with the present boot number, has come home since then: all know of the start.
+  bool announced() const { return announced_; }
   /// Users may send.
   bool accepts_sends() const { return state_ == NodeState::open_chain || closed(); }
 
@@ -104,7 +106,8 @@ class Membership {
   template <class Archive>
   void archive(Archive& a) {
     a("state", state_)("boot", boot_)("ring_size", ring_size_)("peers", peers_)("cpu", cpu_);
-    a("input", input_)("output", output_)("joined", joined_)("hello_out", hello_out_)("renumbering", renumbering_);
+    a("input", input_)("output", output_)("joined", joined_)("announced", announced_)("hello_out", hello_out_)(
+        "renumbering", renumbering_);
     a("merged", merged_)("duplicate_signs", duplicate_signs_)("beacon.out", beacon_.out)("beacon.wanted",
                                                                                          beacon_.wanted);
     a("beacon.due", beacon_.due)("break", break_)("break_due", break_due_)("drained_at", drained_at_);
@@ -210,6 +213,7 @@ class Membership {
   LineEnd input_, output_;
 
   bool joined_ = false;
+  bool announced_ = false;
   bool hello_out_ = false;
   bool renumbering_ = false;      ///< the hello that is out, or comes next, begins new numbers
   bool merged_ = false;           ///< with another part of the ring: numbers start again at 0

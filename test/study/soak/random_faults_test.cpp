@@ -89,15 +89,19 @@ TEST(RandomFaults, BreakNoPromiseWhereASourceStartsOverAsItHearsOfABreak) {
   expect_no_breach({3615001321, 3615010875, 3610015667});
 }
 
+// A node that had started over said its hello into an open chain; behind the break nobody heard it, and who had not
+// heard of the break yet repeated what the node had taken before.
+TEST(RandomFaults, BreakNoPromiseWhereASourceHearsNeitherOfABreakNorOfAStart) { expect_no_breach({3640009074}); }
+
 // A node that started over between the end of a beacon and its last bit still showed the state that the beacon told.
 TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverAsABeaconComesIn) { expect_no_breach({3602031428}); }
 
 // False alarms: a try that was taken off the line in its instant, by a node that started over; the second copy of a
 // refused try, which came home while the send was out again; an INTP that waited for the pace of an open chain which
-// the node had left, where others had been cancelled; and a hello that left in the instant in which its node thawed and
-// found an open chain.
+// the node had left, where others had been cancelled; a hello that left in the instant in which its node thawed and
+// found an open chain; and the first line's loss, told a second time, while a node heard the second line.
 TEST(RandomFaults, BreakNoPromiseWhereTheJudgeOnceThoughtSo) {
-  expect_no_breach({3602048072, 3605032413, 3625015259, 3640001489});
+  expect_no_breach({3602048072, 3605032413, 3625015259, 3640001489, 3630007879});
 }
 
 TEST(RandomFaults, OfTheSameSeedAreTheSame) {

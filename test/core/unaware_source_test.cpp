@@ -1,0 +1,76 @@
+// A node that starts over says its hello into an open chain: who does not hear it may repeat what the node took before.
+#include "core/solo_node.h"
+#include "support/node_literal.h"
+
+namespace limb_ring::core {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+using wire::SliceKind;
+
+/// Node 1 has taken "x" of node 0, has started over, and has joined the open chain behind the broken line 2 -> 3.
+struct UnawareSource : testing::Test {
+  SoloNode solo{Duration{0}, [](Settings& s) { s.beacon = 100ms; }};
+  Bytes hello;
+
+  /// @return FBC that the packet went on with
+  std::uint8_t comes(std::uint8_t sequence, std::uint8_t attempt, const char* data = "x") {
+    solo.line();
+    solo.receive(SliceKind::whole, Foreign{0, 1}.with_sequence(sequence).with_attempt(attempt).with(text(data)));
+    const Bytes out = solo.line().at(0).bytes;
+    return wire::PacketFields{{out.data(), out.size()}}.fbc();
+  }
+  void beacon_of_3() {
+    wire::Beacon beacon;
+    beacon.input = wire::LinkState::silent;
+    beacon.break_known = true;
+    beacon.break_before = 2_id;
+    beacon.break_behind = 3_id;
+    Bytes bytes(wire::kBeaconSize);
+    wire::encode(beacon, bytes.data());
+    solo.receive(SliceKind::whole, Foreign{3, wire::kBroadcast}.with_hop(1).with_pri(kControlPri).with(bytes));
+  }
+  void SetUp() override {
+    solo.join();
+    ASSERT_NE(comes(0, 0), 0);
+    ASSERT_THAT(solo.packets(), SizeIs(1));
+    solo.node().input_lost(solo.now());
+    solo.node().output_lost(solo.now());
+    solo.node().output_up(2_id, solo.now());
+    solo.node().input_up(0_id, solo.now());
+    solo.line();
+    beacon_of_3();
+    solo.run_for(1ms);
+    for (const auto& slice : solo.line())
+      if (slice.bytes.at(3) == 1) hello = hello.empty() ? slice.bytes : hello;
+    ASSERT_EQ(solo.node().membership().state(), NodeState::open_chain);
+    ASSERT_TRUE(solo.node().membership().joined());
+  }
+};
+
+TEST_F(UnawareSource, ARetryOfItIsNotAnswered) {
+  EXPECT_EQ(comes(0, 1), wire::kFbcUntaken);
+  EXPECT_THAT(solo.packets(), IsEmpty());
+  EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 1u);
+}
+
+TEST_F(UnawareSource, AFirstTryOfItIsTakenAndItsRetryIsKnown) {
+  EXPECT_NE(comes(1, 0), wire::kFbcUntaken);
+  EXPECT_NE(comes(1, 1), wire::kFbcUntaken);
+  EXPECT_THAT(solo.packets(), SizeIs(1));
+  EXPECT_EQ(solo.counters().duplicates, 1u);
+  EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 0u);
+}
+
+// All know of the start then, and repeat nothing that was under way before.
+TEST_F(UnawareSource, ARetryIsTakenOnceTheHelloHasComeHome) {
+  ASSERT_FALSE(hello.empty());
+  solo.receive(SliceKind::whole, SoloNode::home(hello, wire::kFbcMax));
+  EXPECT_NE(comes(2, 1), wire::kFbcUntaken);
+  EXPECT_THAT(solo.packets(), SizeIs(1));
+}
+
+}  // namespace
+}  // namespace limb_ring::core
