@@ -38,7 +38,7 @@ endfunction()
 if(NOT DEFINED CMAKE_UNITY_BUILD AND CMAKE_BUILD_TYPE STREQUAL Release)
   set(CMAKE_UNITY_BUILD ON)
 endif()
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 24)
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)  # all in one
 set(CMAKE_OPTIMIZE_DEPENDENCIES ON)  # libraries wait for none but generated files (CMake 3.19; before: for each other)
 function(limb_ring_precompile target)
   get_target_property(unity ${target} UNITY_BUILD)

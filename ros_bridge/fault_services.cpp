@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "ros_bridge/answered.h"
+
 namespace limb_ring::bridge {
 namespace {
 
@@ -12,20 +14,6 @@ fault::RingNodes nodes_of(const config::RingConfig& ring) {
   fault::RingNodes nodes;
   for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
   return nodes;
-}
-
-// As in services.cpp: a service that just fails gives its caller no reason.
-template <typename Response, typename Call>
-bool answered(RingPort& port, Response& response, Call call) {
-  const RingPort::TimeGoesOn time_goes_on(port);
-  try {
-    response.success = true;
-    call();
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
 }
 
 void append(std::string& text, const std::string& more, const char* between) {

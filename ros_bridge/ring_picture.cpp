@@ -11,8 +11,8 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr double kRadius = 0.85;  // m, around a robot of 1.1 m
-constexpr double kNames = 1.19;   // of the radius
+constexpr double kRadius = 0.85;      // m, around a robot of 1.1 m
+constexpr double kNameRadius = 1.19;  // of the radius
 constexpr double kBall = 0.07, kText = 0.042, kShaft = 0.012, kHead = 0.035, kCross = 0.05, kStroke = 0.015;
 const double kTurn = 2 * std::acos(-1.0);
 
@@ -86,7 +86,7 @@ Marker RingPicture::node_marker(std::size_t index, const RingStatus& status) con
 Marker RingPicture::name_marker(std::size_t index, const NodeStatus* node) const {
   const auto& config = ring_.nodes[index];
   Marker text = blank_marker(kRingFrame, "names", config.id, Marker::TEXT_VIEW_FACING);
-  text.pose.position = place(index, kNames * kRadius);
+  text.pose.position = place(index, kNameRadius * kRadius);
   text.scale.z = kText;
   text.color = colour(1, 1, 1);
   text.text = config.name;

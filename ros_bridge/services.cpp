@@ -9,6 +9,7 @@
 #include "ask/known_stops.h"
 #include "ask/reset_node.h"
 #include "config/quantity.h"
+#include "ros_bridge/answered.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {
@@ -22,7 +23,7 @@ constexpr int kThreads = 3;
 constexpr auto kServiceConnect = 1s;
 constexpr auto kServiceAnswer = 10s;  // a send ends after timeouts.queue and its tries
 constexpr auto kReset = 3s;
-constexpr double kShortest = 1e-3, kLongest = 60.0;  // s, of a time-out
+constexpr double kShortestTimeout = 1e-3, kLongestTimeout = 60.0;  // s, of a time-out
 
 std::string known_nodes(const config::RingConfig& ring) {
   std::string names;
@@ -37,7 +38,7 @@ double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<
 /// nanoseconds, which nobody means here. @throw std::invalid_argument
 milliseconds timeout_of(const ros::Duration& asked, std::chrono::seconds usual) {
   if (asked.isZero()) return usual;
-  if (asked.toSec() < kShortest || asked.toSec() > kLongest)
+  if (asked.toSec() < kShortestTimeout || asked.toSec() > kLongestTimeout)
     throw std::invalid_argument("timeout of " + config::format_time(std::chrono::nanoseconds(asked.toNSec())) +
                                 "; it must be 0 (for " + std::to_string(usual.count()) +
                                 " s), or 1 ms to 60 s: to rosservice 2 s are {secs: 2}");
@@ -54,19 +55,6 @@ void fill(Response& response, const std::string& outcome, double round_trip, con
   response.success = response.outcome == "delivered";
   response.round_trip = round_trip;
   response.message = message;
-}
-
-// Whatever goes wrong becomes the answer: a service that just fails gives its caller no reason.
-template <typename Response, typename Call>
-bool answered(RingPort& port, Response& response, Call call) {
-  const RingPort::TimeGoesOn time_goes_on(port);  // even if it is held for a controller, as calls take ring time
-  try {
-    call();
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
 }
 
 const ros::NodeHandle& on_queue(ros::NodeHandle& nodes, ros::CallbackQueue& queue) {
@@ -188,12 +176,12 @@ bool Services::resume(Resume::Request& request, Resume::Response& response) {
     const auto ids = nodes_to_resume(request.node.empty() ? kBroadcast : destination(request.node));
     if (ids.empty())
       throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");
-    response.success = true;
     for (const auto id : ids) {
       const auto result = resume_one(id, deadline);
       if (result.outcome == Outcome::delivered) continue;
       response.success = false;
-      response.message += "node " + std::to_string(id) + ": " + to_string(result.outcome) + " " + result.reason + "; ";
+      response.message += "node " + std::to_string(id) + ": the resume ended '" + to_string(result.outcome) + "'" +
+                          (result.reason.empty() ? "" : ", " + result.reason) + "; ";
     }
   });
 }

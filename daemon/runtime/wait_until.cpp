@@ -8,7 +8,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPeriod{2};
+constexpr std::chrono::milliseconds kLookEvery{2};
 
 struct Wait : std::enable_shared_from_this<Wait> {
   Wait(boost::asio::io_context& io, std::weak_ptr<void> whose, std::function<bool()> what, steady_clock::time_point end,
@@ -19,7 +19,7 @@ struct Wait : std::enable_shared_from_this<Wait> {
     if (owner.expired()) return;
     if (condition()) return done(true);
     if (steady_clock::now() >= deadline) return done(false);
-    timer.expires_after(kPeriod);
+    timer.expires_after(kLookEvery);
     timer.async_wait([self = shared_from_this()](const auto& error) {
       if (!error) self->poll();
     });

@@ -6,6 +6,8 @@
 #include <locale>
 #include <sstream>
 
+#include "config/xml_text.h"
+
 namespace limb_ring::scenario {
 
 namespace {
@@ -29,27 +31,6 @@ std::string seconds(nanoseconds time) {
   return out.str();
 }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
-
 /// Below the times.
 std::string trace_line(const ScenarioRun& run) {
   if (!run.trace) return "";
@@ -59,12 +40,12 @@ std::string trace_line(const ScenarioRun& run) {
 
 std::string test_case(const ScenarioRun& run) {
   const std::string file = std::filesystem::path(run.path).stem().string();
-  std::string text = "    <testcase classname=\"scenarios\" name=\"" + escaped(file + ": " + run.name) + "\" time=\"" +
-                     seconds(run.lasted) + "\">\n";
+  std::string text = "    <testcase classname=\"scenarios\" name=\"" + config::xml_text(file + ": " + run.name) +
+                     "\" time=\"" + seconds(run.lasted) + "\">\n";
   if (run.unmet)
-    text += "      <failure message=\"" + escaped("expected: " + run.unmet->expected + "; seen: " + run.unmet->seen) +
-            "\"/>\n";
-  return text + "      <system-out>" + escaped(text_of(run)) + "</system-out>\n    </testcase>\n";
+    text += "      <failure message=\"" +
+            config::xml_text("expected: " + run.unmet->expected + "; seen: " + run.unmet->seen) + "\"/>\n";
+  return text + "      <system-out>" + config::xml_text(text_of(run)) + "</system-out>\n    </testcase>\n";
 }
 
 }  // namespace

@@ -59,12 +59,12 @@ std::string broken_second_lines(const std::vector<json>& rows) {
 /// Tolerance of noisy_line(): this fraction, one in so many, of a node's damaged packets may be under way.
 constexpr std::int64_t kUnderWay = 8;
 
-std::int64_t counter(const json& row, const char* name) { return row["counters"].value(name, std::int64_t{0}); }
+std::int64_t counted(const json& row, const char* name) { return row["counters"].value(name, std::int64_t{0}); }
 
 /// Damaged packets that a node has passed on: all but its own, which end there.
 std::int64_t passed_on_damaged(const std::vector<json>& rows, const json& id) {
   for (const json& row : rows)
-    if (row["id"] == id) return counter(row, "crc_errors") - counter(row, "returns_damaged");
+    if (row["id"] == id) return counted(row, "crc_errors") - counted(row, "returns_damaged");
   return 0;
 }
 
@@ -73,7 +73,7 @@ std::int64_t passed_on_damaged(const std::vector<json>& rows, const json& id) {
 std::string noisy_line(const std::vector<json>& rows, const json& row) {
   if (!has(row, "input") || row["input"]["from"].is_null()) return {};
   const json& from = row["input"]["from"];
-  const std::int64_t seen = counter(row, "crc_errors");
+  const std::int64_t seen = counted(row, "crc_errors");
   const std::int64_t damaged = seen - passed_on_damaged(rows, from);
   if (damaged <= seen / kUnderWay) return {};
   return "noisy line " + line_name(rows, from, row["id"]) + ": " +

@@ -5,27 +5,13 @@
 #include <stdexcept>
 
 #include "app/ringctl/host_choice.h"
+#include "config/xml_text.h"
 
 namespace limb_ring::ringctl {
 namespace {
 
-std::string escaped(const std::string& text) {
-  std::string xml;
-  for (const char c : text) {
-    if (c == '&')
-      xml += "&amp;";
-    else if (c == '<')
-      xml += "&lt;";
-    else if (c == '"')
-      xml += "&quot;";
-    else
-      xml += c;
-  }
-  return xml;
-}
-
 std::string attribute(const char* name, const std::string& value) {
-  return value.empty() ? "" : std::string(" ") + name + "=\"" + escaped(value) + '"';
+  return value.empty() ? "" : std::string(" ") + name + "=\"" + config::xml_text(value) + '"';
 }
 
 struct Login {

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "app/ringctl/trace_words.h"
+#include "config/xml_text.h"
 
 namespace limb_ring::ringctl {
 
@@ -21,21 +22,6 @@ constexpr const char* kPacket = "#1f6fb2";
 constexpr const char* kWaiting = "#bcd9f0";
 constexpr const char* kOther = "#9a9a9a";
 constexpr const char* kInterrupt = "#d02020";
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '<')
-      safe += "&lt;";
-    else if (c == '>')
-      safe += "&gt;";
-    else if (c == '&')
-      safe += "&amp;";
-    else
-      safe += c;
-  }
-  return safe;
-}
 
 /// 1, 2 or 5 times a power of ten, so that not too many ticks fit into the time.
 std::int64_t tick_of(nanoseconds time) {
@@ -70,14 +56,14 @@ class Picture {
   static double y(std::size_t row) { return kTop + kRow * static_cast<double>(row); }
 
   void text(double x, double y, const std::string& words, const char* anchor) {
-    out_ << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\">" << escaped(words)
+    out_ << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\">" << config::xml_text(words)
          << "</text>\n";
   }
 
   void bar(nanoseconds from, nanoseconds to, std::size_t row, const char* colour, const std::string& title) {
     const double left = x(from), width = std::max(kThinnest, x(to) - left);
     out_ << "<rect x=\"" << left << "\" y=\"" << y(row) << "\" width=\"" << width << "\" height=\"" << kBar
-         << "\" fill=\"" << colour << "\"><title>" << escaped(title) << "</title></rect>\n";
+         << "\" fill=\"" << colour << "\"><title>" << config::xml_text(title) << "</title></rect>\n";
   }
 
   void axis() {
