@@ -70,10 +70,15 @@ def all_mutants(seed):
 
 
 def equivalents(path, mutants):
-    """The names in an equivalent.txt: paragraphs of a file, '- old line', '+ new line', and why.
+    """The names in an equivalent.txt: paragraphs of a file, '- old line', '+ new line', and why. Comments at the end of a
+    line do not matter.
 
     @raise ValueError what is wrong with it"""
-    possible = {m.name for m in mutants}
+    def code(name):
+        return name[0], name[1].split('//')[0].strip(), name[2]
+    possible = collections.defaultdict(set)
+    for mutant in mutants:
+        possible[code(mutant.name)].add(mutant.name)
     found = set()
     text = ''.join(line for line in path.read_text(encoding='utf-8').splitlines(keepends=True) if not line.startswith('#'))
     for paragraph in filter(None, (part.strip() for part in text.split('\n\n'))):
@@ -81,8 +86,8 @@ def equivalents(path, mutants):
         if len(lines) < 4 or not lines[1].startswith('- ') or not lines[2].startswith('+ '):
             raise ValueError('%s: should be a file, "- old line", "+ new line" and why it is equivalent:\n%s'
                              % (path, paragraph))
-        entry = lines[0], lines[1][2:].strip(), lines[2][2:].strip()
+        entry = code((lines[0], lines[1][2:], lines[2][2:].strip()))
         if entry not in possible:
             raise ValueError('%s: no such change of the sources is possible any more; remove or mend:\n%s' % (path, paragraph))
-        found.add(entry)
+        found |= possible[entry]
     return found

@@ -44,6 +44,11 @@ class TryMutants(unittest.TestCase):
         paragraph = '%s\n- %s\n+ %s\nNobody asks.\n' % name
         self.assertEqual(self.equivalents_in('# a comment\n\n' + paragraph), {name})
 
+    def test_a_comment_behind_an_equivalent_one_does_not_matter(self):
+        name = next(m.name for m in self.module.all_mutants(1) if '//' in m.name[1])
+        paragraph = '%s\n- %s  // as it was before\n+ %s\nNobody asks.\n' % (name[0], name[1].split('//')[0], name[2])
+        self.assertIn(name, self.equivalents_in(paragraph))
+
     def test_an_equivalent_one_that_is_gone_is_an_error(self):
         with self.assertRaisesRegex(ValueError, 'no such change'):
             self.equivalents_in('daemon/core/blocks.cpp\n- a == b;\n+ a != b;\nNobody asks.\n')
