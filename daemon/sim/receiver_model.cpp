@@ -184,12 +184,25 @@ void ReceiverModel::says_hello(std::uint64_t boot) {
   hear_boot(id_, boot, [](Page& page) { page = {}; });
 }
 
-// What it had decided of INTPs before it started over holds until its hello is home.
-void ReceiverModel::join() {
-  joined_ = Tristate::yes;
+// What it had decided of INTPs before it started over holds until all know of the start.
+void ReceiverModel::forget_aged() {
   for (Page& page : pages_)
     for (Entry& e : page.entries)
       if (e.aged && !e.any_sequence) e = {};
+}
+
+void ReceiverModel::join() {
+  joined_ = Tristate::yes;
+  if (announced_ == Tristate::yes) forget_aged();
+}
+
+void ReceiverModel::set_announced(Tristate announced) {
+  announced_ = announced;
+  if (announced == Tristate::yes && joined_ == Tristate::yes) forget_aged();
+  if (announced != Tristate::unknown) return;
+  for (Page& page : pages_)
+    for (Entry& e : page.entries)
+      if (e.aged && e.verdict != Verdict::none) e.verdict = Verdict::unknown;
 }
 
 void ReceiverModel::start_over(bool forgets_peers, Time now) {

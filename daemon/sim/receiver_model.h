@@ -44,7 +44,7 @@ class ReceiverModel {
   void set_joined(Tristate joined) { joined_ = joined; }
   Tristate joined() const { return joined_; }
   /// Its hello, or a beacon with its boot number, has come home since it started: all know of the start.
-  void set_announced(Tristate announced) { announced_ = announced; }
+  void set_announced(Tristate announced);
   Tristate announced() const { return announced_; }
   /// The node begins a new incarnation; with `forgets_peers` it starts all over, since it was bypassed.
   void start_over(bool forgets_peers, Time now);
@@ -99,6 +99,7 @@ class ReceiverModel {
   void decide(Entry& entry, const wire::PacketFields& packet, Answer answer, Time at);
   void doubt(const wire::PacketFields& packet);
   void age(Page& page, Time now) const;
+  void forget_aged();
 
   NodeId id_;
   bool fold_back_;

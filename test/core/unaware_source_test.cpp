@@ -36,6 +36,8 @@ struct UnawareSource : testing::Test {
     solo.join();
     ASSERT_NE(comes(0, 0), 0);
     ASSERT_THAT(solo.packets(), SizeIs(1));
+    solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 5, 0));
+    ASSERT_EQ(solo.counters().pins_pulled, 1u);
     solo.node().input_lost(solo.now());
     solo.node().output_lost(solo.now());
     solo.node().output_up(2_id, solo.now());
@@ -62,6 +64,14 @@ TEST_F(UnawareSource, AFirstTryOfItIsTakenAndItsRetryIsKnown) {
   EXPECT_THAT(solo.packets(), SizeIs(1));
   EXPECT_EQ(solo.counters().duplicates, 1u);
   EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 0u);
+}
+
+TEST_F(UnawareSource, APinIsNotPulledAgainByItsRetry) {
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 5, 1));
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+  EXPECT_EQ(solo.counters().duplicates, 1u);
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 6, 1));
+  EXPECT_EQ(solo.counters().pins_pulled, 2u) << "a retry of another one is new";
 }
 
 // All know of the start then, and repeat nothing that was under way before.

@@ -187,7 +187,7 @@ void Membership::hello_ended(const SendEnded& ended, Time now) {
 void Membership::join(Time now) {
   renumbering_ = false;
   joined_ = true;
-  memory_.forget_aged();
+  if (announced_) memory_.forget_aged();
   transmit_.set_gate(Gate::open, now);
 }
 
@@ -240,9 +240,15 @@ void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time n
   if (const auto beacon = wire::decode_beacon(packet.data())) own_control_seen(beacon->boot, packet.hop(), now);
 }
 
+// All know of this node's start: they repeat nothing that it may have taken before.
+void Membership::announce() {
+  if (joined_ && !announced_) memory_.forget_aged();
+  announced_ = true;
+}
+
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
   if (boot == boot_) {
-    announced_ = true;
+    announce();
     if (state_ == NodeState::open_chain) {
       forget_lost_lines();
       ring_size_ = hop + 1u;

@@ -68,8 +68,8 @@ class DuplicateMemory {
   }
 
   /// For a node that was bypassed. Numbers of DATPs may have wrapped meanwhile, and are forgotten. INTPs are taken even
-  /// while the own hello is out, and until it is home a source may repeat one that was taken before: from now on a
-  /// first try of an INTP is new, a retry is still known.
+  /// while the own hello is out, and until all know of the start a source may repeat one that was taken before: from
+  /// now on a first try of an INTP is new, a retry is still known.
   void start_over(Time now) {
     for (Source& source : sources_) {
       source.entries[0] = source.entries[1] = {};
