@@ -5,6 +5,11 @@
 #include <utility>
 
 namespace limb_ring::runtime {
+namespace {
+
+constexpr std::chrono::milliseconds kPutOffEvery{10};
+
+}  // namespace
 
 Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const std::vector<setup::LinkSettings>& lines,
                EngineListener& listener)
@@ -186,10 +191,13 @@ void Engine::write_lines() {
   }
 }
 
-// A timer that fires too early costs less than setting it again for every packet.
+// Setting the timer later for every packet costs more than letting it fire too early; but a quiet node that wakes for
+// nothing costs more than setting it.
 void Engine::arm_timer() {
-  if (deadline_ >= armed_for_) return;
+  const bool too_early = deadline_ > armed_for_ && deadline_ != core::kNever && at_ >= may_put_off_at_;
+  if (deadline_ >= armed_for_ && !too_early) return;
   armed_for_ = deadline_;
+  may_put_off_at_ = at_ + kPutOffEvery;
   timer_.expires_at(clock_.steady(deadline_));
 }
 

@@ -87,6 +87,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   event_loop::PacketLoop& loop_;
   event_loop::PacketTimer timer_;
   core::Time armed_for_ = core::kNever;
+  core::Time may_put_off_at_{};  ///< the timer, to a later instant
   core::Time deadline_{};
   core::Time at_{};
   LineTap* tap_ = nullptr;
