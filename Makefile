@@ -88,7 +88,7 @@ ONLY ?=
 coverage: deps ## How much of the sources the tests run, by folder (ONLY="test_core test_wire" FILES=daemon/core; needs gcovr)
 	@command -v gcovr > /dev/null || { echo "make coverage needs gcovr: apt-get install gcovr"; exit 2; }
 	cmake -S . -B $(BUILD)-coverage -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Coverage -DCMAKE_UNITY_BUILD=ON \
-	  -DCMAKE_CXX_FLAGS_COVERAGE="-O0 --coverage" -DLIMB_RING_PATIENCE=10 -DPYTHON_EXECUTABLE=$(PYTHON)
+	  -DCMAKE_CXX_FLAGS_COVERAGE="-Og --coverage" -DLIMB_RING_PATIENCE=10 -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-coverage -j$(JOBS) --target $(if $(ONLY),$(ONLY),all tests)
 	find $(BUILD)-coverage -name '*.gcda' -delete
 	cd $(BUILD)-coverage && GCOV_ERROR_FILE=$$PWD/gcov_errors ctest -j$(JOBS) --output-on-failure -E '^consumer_of' $(if $(ONLY),-R '^($(subst $(SPACE),|,$(strip $(ONLY))))$$') || \
