@@ -46,7 +46,7 @@ TEST(MachinesFile, LeavesOutAHostWithoutNodesAndEscapesWhatItIsTold) {
   auto ring = two_hosts();
   ring.nodes.pop_back();
   const std::string file = machines_file(ring, "/a \"b\" & <c>", "");
-  EXPECT_THAT(file, AllOf(Not(HasSubstr("head")), HasSubstr("env-loader=\"/a &quot;b&quot; &amp; &lt;c>\"")));
+  EXPECT_THAT(file, AllOf(Not(HasSubstr("head")), HasSubstr("env-loader=\"/a &quot;b&quot; &amp; &lt;c&gt;\"")));
 }
 
 TEST(MachinesFile, NeedsHosts) {
