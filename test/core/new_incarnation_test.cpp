@@ -20,16 +20,8 @@ struct NewIncarnationOfTheReceiver : testing::Test {
     solo.receive(SliceKind::whole, hello.with(bytes));
     solo.line();
   }
-  /// The line into node 3 is broken.
   void beacon_of_3() {
-    wire::Beacon beacon;
-    beacon.input = wire::LinkState::silent;
-    beacon.break_known = true;
-    beacon.break_before = 2_id;
-    beacon.break_behind = 3_id;
-    Bytes bytes(wire::kBeaconSize);
-    wire::encode(beacon, bytes.data());
-    solo.receive(SliceKind::whole, Foreign{3, wire::kBroadcast}.with_hop(1).with_pri(kControlPri).with(bytes));
+    hear_of_break(solo);
     solo.line();
   }
   void SetUp() override {

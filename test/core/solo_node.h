@@ -175,4 +175,16 @@ inline Bytes tail_of(const Bytes& packet) {
   return {packet.begin() + static_cast<long>((packet.size() - 8) / 4 * 4), packet.end()};
 }
 
+/// Node 3 says that the line from node 2 into it is broken.
+inline void hear_of_break(SoloNode& solo) {
+  wire::Beacon beacon;
+  beacon.input = wire::LinkState::silent;
+  beacon.break_known = true;
+  beacon.break_before = 2_id;
+  beacon.break_behind = 3_id;
+  Bytes bytes(wire::kBeaconSize);
+  wire::encode(beacon, bytes.data());
+  solo.receive(wire::SliceKind::whole, Foreign{3, wire::kBroadcast}.with_hop(1).with_pri(kControlPri).with(bytes));
+}
+
 }  // namespace limb_ring::core

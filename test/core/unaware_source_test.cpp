@@ -22,16 +22,6 @@ struct UnawareSource : testing::Test {
     const Bytes out = solo.line().at(0).bytes;
     return wire::PacketFields{{out.data(), out.size()}}.fbc();
   }
-  void beacon_of_3() {
-    wire::Beacon beacon;
-    beacon.input = wire::LinkState::silent;
-    beacon.break_known = true;
-    beacon.break_before = 2_id;
-    beacon.break_behind = 3_id;
-    Bytes bytes(wire::kBeaconSize);
-    wire::encode(beacon, bytes.data());
-    solo.receive(SliceKind::whole, Foreign{3, wire::kBroadcast}.with_hop(1).with_pri(kControlPri).with(bytes));
-  }
   void SetUp() override {
     solo.join();
     ASSERT_NE(comes(0, 0), 0);
@@ -43,7 +33,7 @@ struct UnawareSource : testing::Test {
     solo.node().output_up(2_id, solo.now());
     solo.node().input_up(0_id, solo.now());
     solo.line();
-    beacon_of_3();
+    hear_of_break(solo);
     solo.run_for(1ms);
     for (const auto& slice : solo.line())
       if (slice.bytes.at(3) == 1) hello = hello.empty() ? slice.bytes : hello;

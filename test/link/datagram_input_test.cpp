@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "link/hand_made_datagram.h"
 #include "link/recording_handler.h"
 
 namespace limb_ring::link {
@@ -48,18 +49,10 @@ struct DatagramInputFromHand : testing::Test, InputLine {
   void replace(std::uint8_t by) override { input.replace(by); }
 
   LinkHeader header(LinkHeaderType type, std::uint64_t number, std::uint8_t sender = 0) {
-    LinkHeader header;
-    header.type = type;
-    header.ring = kRing;
-    header.session = number;
-    header.sender = sender;
-    return header;
+    return header_of(kRing, type, number, sender);
   }
   void send(const LinkHeader& header, wire::ByteView slices = {}) {
-    std::vector<std::uint8_t> bytes(kLinkHeaderSize);
-    store_header(bytes.data(), header);
-    if (header.type == LinkHeaderType::connect) bytes.resize(kConnectSize);  // and nothing to disagree about
-    bytes.insert(bytes.end(), slices.begin(), slices.end());
+    const auto bytes = datagram_of(header, slices);
     input.take({bytes.data(), bytes.size()}, {}, now);
   }
   /// A datagram of the session with one slice holding `value`, or an idle one.

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "link/hand_made_datagram.h"
 #include "link/link_header.h"
 #include "link/link_rig.h"
 #include "link/udp_batch.h"
@@ -26,18 +27,10 @@ struct UdpInputFromHand : testing::Test {
     ASSERT_TRUE(rig.until([&] { return rig.node(1).input->from() == 0; }));
   }
   LinkHeader header(LinkHeaderType type, std::uint64_t number, std::uint8_t sender = 0) {
-    LinkHeader header;
-    header.type = type;
-    header.ring = LinkRig::kRing;
-    header.session = number;
-    header.sender = sender;
-    return header;
+    return header_of(LinkRig::kRing, type, number, sender);
   }
   void send(const LinkHeader& header, wire::ByteView slices = {}) {
-    std::vector<std::uint8_t> bytes(kLinkHeaderSize);
-    store_header(bytes.data(), header);
-    if (header.type == LinkHeaderType::connect) bytes.resize(kConnectSize);  // and nothing to disagree about
-    bytes.insert(bytes.end(), slices.begin(), slices.end());
+    const auto bytes = datagram_of(header, slices);
     ASSERT_EQ(send_now(line.native_handle(), {bytes.data(), bytes.size()}), static_cast<ssize_t>(bytes.size()));
   }
   /// A datagram of the session with one slice holding `value`, or an idle one.
