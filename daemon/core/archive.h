@@ -173,6 +173,16 @@ class StateWriter : public Archive<StateWriter> {
   StateWriter(std::uint8_t* room, std::size_t size) : first_(room), next_(room), end_(room + size) {}
   /// Bytes written.
   std::size_t size() const { return static_cast<std::size_t>(next_ - first_); }
+  std::size_t left() const { return static_cast<std::size_t>(end_ - next_); }
+  /// Where the next byte goes.
+  const std::uint8_t* next() const { return next_; }
+  /// `size` bytes for the caller to write; null where there is no room for them.
+  std::uint8_t* space(std::size_t size) {
+    failed_ = failed_ || size > left();
+    if (failed_) return nullptr;
+    next_ += size;
+    return next_ - size;
+  }
   /// There was not room enough.
   bool failed() const { return failed_; }
 
@@ -186,10 +196,8 @@ class StateWriter : public Archive<StateWriter> {
     bytes(&what, sizeof what);
   }
   void bytes(const void* from, std::size_t size) {
-    failed_ = failed_ || size > static_cast<std::size_t>(end_ - next_);
-    if (failed_ || size == 0) return;
-    std::memcpy(next_, from, size);
-    next_ += size;
+    std::uint8_t* const to = space(size);
+    if (to != nullptr && size != 0) std::memcpy(to, from, size);
   }
   void view(const wire::ByteView& what) {
     plain(static_cast<std::uint32_t>(what.size));

@@ -20,9 +20,10 @@ std::uint64_t state_layout() {
 FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t* memory, std::size_t size, Title title,
                                core::Time now, std::function<void()> on_too_small)
     : controller_(controller),
-      memory_(memory),
+      halves_(memory + kTitleSize),
       half_((size - kTitleSize) / 2 & ~std::size_t{7}),
-      last_(now),
+      head_(reinterpret_cast<HalfHead*>(halves_)),
+      records_(core::StateWriter(halves_, 0), now),
       on_too_small_(std::move(on_too_small)) {
   title.layout = state_layout();
   title.program = LIMB_RING_VERSION;
@@ -37,19 +38,19 @@ FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t
 // The half has generation 0 until its state is written, so a process that is killed meanwhile leaves the other half
 // valid. If the previous half ended early, the generation skips one number: the halves do not follow each other.
 void FlightRecorder::begin_half() {
-  generation_ += full_ ? 2 : 1;
-  second_ = !second_;
-  used_ = 0;
-  full_ = false;
-  auto* head = new (half()) HalfHead{};
-  head->generation.store(0, std::memory_order_release);
-  core::StateWriter writer(half() + sizeof(HalfHead), half_ - sizeof(HalfHead));
-  writer("time", last_);
-  controller_.archive(writer);
-  used_ = writer.size();
-  if (writer.failed() || room() < kMargin) return stop();
-  head->used.store(used_, std::memory_order_release);
-  head->generation.store(generation_, std::memory_order_release);
+  generation_ += records_.failed() ? 2 : 1;
+  const bool in_first = reinterpret_cast<std::uint8_t*>(head_) == halves_;
+  std::uint8_t* const half = halves_ + (in_first ? half_ : 0);
+  head_ = new (half) HalfHead{};
+  head_->generation.store(0, std::memory_order_release);
+  core::StateWriter room(half + sizeof(HalfHead), half_ - sizeof(HalfHead));
+  core::Time last = records_.last();
+  room("time", last);
+  controller_.archive(room);
+  if (room.failed() || room.left() < kMargin) return stop();
+  records_ = RecordWriter(room, last);
+  head_->used.store(room.size(), std::memory_order_release);
+  head_->generation.store(generation_, std::memory_order_release);
 }
 
 void FlightRecorder::stop() {
@@ -60,24 +61,20 @@ void FlightRecorder::stop() {
 
 template <class What>
 void FlightRecorder::put(const What& what, core::Time at) {
-  core::StateWriter writer(half() + sizeof(HalfHead) + used_, full_ ? 0 : room());
-  write(writer, at, what, last_);
-  full_ = full_ || writer.failed();
-  if (full_) return;
-  used_ += writer.size();
-  head().used.store(used_, std::memory_order_release);
+  records_.put(at, what);
+  if (!records_.failed()) head_->used.store(records_.size(), std::memory_order_release);
 }
 
 // Only an input may begin a half: before it, the state is exactly the result of all records so far. Between the
 // outputs of one input it is not.
 void FlightRecorder::goes_in(const core::Input& input, core::Time now) {
-  if (full_ || room() < kMargin) begin_half();
-  if (!stopped_) put(input, now == core::kNever ? last_ : now);
+  if (records_.failed() || records_.left() < kMargin) begin_half();
+  if (!stopped_) put(input, now == core::kNever ? records_.last() : now);
   if (next_ != nullptr) next_->goes_in(input, now);
 }
 
 void FlightRecorder::goes_out(core::Line line, wire::ByteView framed_slices) {
-  put(Written{line, framed_slices}, last_);
+  put(Written{line, framed_slices}, records_.last());
   if (next_ != nullptr) next_->goes_out(line, framed_slices);
 }
 

@@ -6,12 +6,12 @@
 
 #include "core/network_controller.h"
 #include "recorder/layout.h"
-#include "recorder/record.h"
+#include "recorder/record_writer.h"
 
 namespace limb_ring::recorder {
 
 /// Writes down all that goes into a network controller and comes out of it, into memory of a fixed size: the newest
-/// stays. It is one copy of each byte, and no system call. (ours)
+/// stays. It is one copy of what comes in, and no system call. (ours)
 class FlightRecorder final : public core::Journal {
  public:
   /// Least size of its memory, bytes.
@@ -42,22 +42,17 @@ class FlightRecorder final : public core::Journal {
   /// Bytes. Enough for all that follows from one input: the outputs of a turn are at most a few largest packets.
   static constexpr std::size_t kMargin = 1u << 15;
 
-  std::uint8_t* half() const { return memory_ + kTitleSize + (second_ ? half_ : 0); }
-  HalfHead& head() const { return *reinterpret_cast<HalfHead*>(half()); }
-  std::size_t room() const { return half_ - sizeof(HalfHead) - used_; }
   void begin_half();
   void stop();
   template <class What>
   void put(const What& what, core::Time at);
 
   core::NetworkController& controller_;
-  std::uint8_t* memory_;
-  std::size_t half_;
+  std::uint8_t* halves_;
+  std::size_t half_;  ///< bytes
   std::uint64_t generation_ = 0;
-  bool second_ = false;  ///< of the halves
-  std::size_t used_ = 0;
-  core::Time last_;
-  bool full_ = false;  ///< something had no room: the half ends before it
+  HalfHead* head_;        ///< of the half in use
+  RecordWriter records_;  ///< behind it
   bool stopped_ = false;
   std::function<void()> on_too_small_;
   core::Journal* next_ = nullptr;

@@ -71,7 +71,7 @@ std::pair<std::string, std::string> first_difference(const std::string& a, const
 
 }  // namespace
 
-Replay::Replay(const Recording& recording) : recording_(recording), bytes_(wire::ByteView{}) {
+Replay::Replay(const Recording& recording) : recording_(recording), reader_({}, {}) {
   if (recording.title.layout != state_layout())
     throw std::runtime_error("the recorded core is not this program's: recorded by limb_ring " +
                              recording.title.program + ", or by one built from other sources");
@@ -81,11 +81,13 @@ Replay::Replay(const Recording& recording) : recording_(recording), bytes_(wire:
 
 void Replay::begin_half(std::size_t half) {
   half_ = half;
-  bytes_ = core::StateReader(recording_.halves[half].bytes);
-  bytes_("time", time_);
-  auto controller = std::make_unique<NetworkController>(recording_.title.settings, time_);
-  controller->archive(bytes_);
-  if (bytes_.failed()) throw std::runtime_error("the recorded state is damaged");
+  core::StateReader bytes(recording_.halves[half].bytes);
+  core::Time begun{};
+  bytes("time", begun);
+  auto controller = std::make_unique<NetworkController>(recording_.title.settings, begun);
+  controller->archive(bytes);
+  if (bytes.failed()) throw std::runtime_error("the recorded state is damaged");
+  reader_ = RecordReader(bytes.rest(), begun);
   controller->set_tap(tap_);
   std::swap(controller, controller_);
   if (controller == nullptr) return;  // the first half
@@ -96,11 +98,11 @@ void Replay::begin_half(std::size_t half) {
 
 void Replay::read_next() {
   next_.reset();
-  if (bytes_.complete()) {
+  if (reader_.complete()) {
     if (half_ + 1 == recording_.halves.size()) return;
     begin_half(half_ + 1);
   }
-  next_ = read(bytes_, time_);
+  next_ = reader_.next();
   if (!next_) throw std::runtime_error("a record is damaged");
 }
 

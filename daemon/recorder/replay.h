@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/network_controller.h"
-#include "recorder/record.h"
+#include "recorder/record_reader.h"
 #include "recorder/recording.h"
 
 namespace limb_ring::recorder {
@@ -53,8 +53,7 @@ class Replay {
 
   const Recording& recording_;
   std::size_t half_ = 0;
-  core::StateReader bytes_;
-  core::Time time_{};  ///< of the last record that was read
+  RecordReader reader_;
   std::unique_ptr<core::NetworkController> controller_;
   core::NetworkController::Tap* tap_ = nullptr;
   std::optional<Record> next_;

@@ -2,47 +2,48 @@
 #include <algorithm>
 
 #include "fuzz/fuzz.h"
-#include "recorder/record.h"
+#include "recorder/record_reader.h"
+#include "recorder/record_writer.h"
 
 using namespace limb_ring;
+using recorder::Record;
 
 namespace {
 
-/// @param space where the record is written, with its time, as a recorder leaves it
-/// @return that part of it
-wire::ByteView written(const recorder::Record& record, core::Time last, std::vector<std::uint8_t>& space) {
-  core::StateWriter writer(space.data(), space.size());
-  if (const auto* input = std::get_if<core::Input>(&record.what)) {
-    recorder::write(writer, record.at, *input, last);
-  } else if (const auto* slices = std::get_if<recorder::Written>(&record.what)) {
-    recorder::write(writer, record.at, *slices, last);
-  } else if (const auto* event = std::get_if<core::Event>(&record.what)) {
-    recorder::write(writer, record.at, *event, last);
-  } else {
-    recorder::write(writer, record.at, std::get<core::ReceivedPacket>(record.what), last);
-  }
+void write(recorder::RecordWriter& writer, const Record& record) {
+  std::visit([&](const auto& what) { writer.put(record.at, what); }, record.what);
   fuzz::require(!writer.failed(), "a record that was read can be written");
-  return {space.data(), writer.size()};
+}
+
+std::vector<std::uint8_t> bytes_of(const Record& record) {
+  if (const auto* input = std::get_if<core::Input>(&record.what))
+    return std::visit([](const auto& call) { return recorder::bytes_of(call); }, *input);
+  if (const auto* written = std::get_if<recorder::Written>(&record.what)) return recorder::bytes_of(*written);
+  if (const auto* event = std::get_if<core::Event>(&record.what)) return recorder::bytes_of(*event);
+  return recorder::bytes_of(std::get<core::ReceivedPacket>(record.what));
 }
 
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static std::vector<std::uint8_t> space(1u << 17), more(1u << 17);
-  core::StateReader reader({data, size});
+  static std::vector<std::uint8_t> space(1u << 23);
+  recorder::RecordReader reader({data, size}, core::Time{});
+  recorder::RecordWriter writer(core::StateWriter(space.data(), space.size()), core::Time{});
   core::Time last{};
-  while (!reader.complete()) {
-    const core::Time before = last;
-    const auto record = recorder::read(reader, last);
-    if (!record) return 0;
-    fuzz::require(record->at == last && last >= before, "time does not run backwards");
-    const wire::ByteView once = written(*record, before, space);
-    core::StateReader again(once);
-    core::Time then = before;
-    const auto same = recorder::read(again, then);
-    fuzz::require(same && again.complete(), "what was written is a record");
-    const wire::ByteView twice = written(*same, before, more);
-    fuzz::require(std::equal(once.begin(), once.end(), twice.begin(), twice.end()), "and the same one");
+  std::vector<std::vector<std::uint8_t>> expected;
+  while (!reader.complete() && writer.left() > space.size() / 2) {
+    const auto record = reader.next();
+    if (!record) break;
+    fuzz::require(record->at >= last, "time does not run backwards");
+    last = record->at;
+    write(writer, *record);
+    expected.push_back(bytes_of(*record));
   }
+  recorder::RecordReader again({space.data(), writer.size()}, core::Time{});
+  for (const auto& bytes : expected) {
+    const auto record = again.next();
+    fuzz::require(record && bytes_of(*record) == bytes, "what was written is the same record");
+  }
+  fuzz::require(again.complete() && writer.last() == last, "and there is no other");
   return 0;
 }

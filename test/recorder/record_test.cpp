@@ -1,7 +1,8 @@
 // Records of a core's inputs: as they were written, and refused where no driver of a core would leave them.
 #include <gtest/gtest.h>
 
-#include "recorder/record.h"
+#include "recorder/record_reader.h"
+#include "recorder/record_writer.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -18,12 +19,13 @@ constexpr Time kNow{1s};
 template <class What>
 std::optional<Record> again(const What& what, Time at = kNow, Time last = kNow) {
   std::uint8_t room[2048];
-  core::StateWriter writer(room, sizeof room);
-  Time written_last = last;
-  write(writer, at, what, written_last);
+  RecordWriter writer(core::StateWriter(room, sizeof room), last);
+  writer.put(at, what);
   EXPECT_FALSE(writer.failed());
-  core::StateReader reader({room, writer.size()});
-  return read(reader, last);
+  RecordReader reader({room, writer.size()}, last);
+  auto record = reader.next();
+  EXPECT_TRUE(!record || reader.complete());
+  return record;
 }
 
 TEST(Record, isReadAsItWasWritten) {
@@ -59,6 +61,19 @@ TEST(Record, ofAPacketLongerThanAnyIsNone) {
 TEST(Record, thatIsEarlierThanTheOneBeforeIsNone) {
   EXPECT_TRUE(again(core::Input{input::Run{}}, kNow, kNow - 1us));
   EXPECT_FALSE(again(core::Input{input::Run{}}, kNow - 1us, kNow));
+}
+
+TEST(Record, atTheTimeOfTheOneBeforeSaysSoInItsTagAlone) {
+  std::uint8_t room[16];
+  RecordWriter writer(core::StateWriter(room, sizeof room), kNow);
+  writer.put(kNow, core::Input{input::Run{}});
+  EXPECT_EQ(writer.size(), 1u);
+  writer.put(kNow + 1us, core::Input{input::Run{}});
+  EXPECT_GT(writer.size(), 2u);
+  RecordReader reader({room, writer.size()}, kNow);
+  EXPECT_EQ(reader.next()->at, kNow);
+  EXPECT_EQ(reader.next()->at, kNow + 1us);
+  EXPECT_TRUE(reader.complete());
 }
 
 }  // namespace
