@@ -14,6 +14,14 @@ def memory_kb(pid):
         return next(int(line.split()[1]) for line in status if line.startswith('VmRSS'))
 
 
+def footprint(pid):
+    """(descriptors, resident kB); None of a process that has ended: its memory is given back before it is reaped."""
+    try:
+        return descriptors(pid), memory_kb(pid)
+    except (FileNotFoundError, ProcessLookupError, StopIteration):
+        return None
+
+
 class Footprint:
     """To be asked while the ring is whole and all connections stand."""
 
@@ -23,11 +31,16 @@ class Footprint:
         self.grown_fds = self.grown_kb = 0
 
     def measure(self):
-        """Measures new processes for the first time; says what has grown too much in the others."""
+        """Measures new processes for the first time; says what has grown too much in the others.
+
+        A daemon that has ended is not measured: LiveRing reports it.
+        """
         problems = []
         for node, incarnation in self.ring.starts.items():
             pid = self.ring.daemons[node].pid
-            now = (descriptors(pid), memory_kb(pid))
+            now = footprint(pid)
+            if now is None:
+                continue
             fds, memory = self.first.setdefault((node, incarnation), now)
             self.grown_fds = max(self.grown_fds, now[0] - fds)
             self.grown_kb = max(self.grown_kb, now[1] - memory)

@@ -14,7 +14,7 @@ import unittest
 import ring_process
 from ring_process import GUARD, STEP
 
-from live_ring import faults, payload, report
+from live_ring import faults, footprint, payload, report
 from live_ring.loop import Loop
 from live_ring.promises import Promises
 from live_ring.traffic import Send, Traffic
@@ -146,6 +146,29 @@ class Accounts(unittest.TestCase):
         self.assertEqual(report.percentile([3, 1, 2, 4], 50), 2)
         self.assertEqual(report.percentile([5], 50), 5)
         self.assertEqual(report.percentile(range(1, 101), 99), 99)
+
+
+class MemoryAndDescriptors(unittest.TestCase):
+    def setUp(self):
+        self.process = subprocess.Popen(['sleep', '60'])
+        self.addCleanup(self.process.wait)
+        self.addCleanup(self.process.kill)
+        ring = types.SimpleNamespace(starts={3: 1}, daemons={3: self.process})
+        self.measured = footprint.Footprint(ring, footprint.MEMORY_MARGIN_MB)
+
+    def test_what_lives_is_measured(self):
+        self.assertEqual(self.measured.measure(), [])
+        descriptors, memory = self.measured.first[3, 1]
+        self.assertGreaterEqual(descriptors, 3)
+        self.assertGreater(memory, 0)
+
+    def test_what_has_ended_is_not_and_is_no_growth(self):
+        self.process.kill()
+        os.waitid(os.P_PID, self.process.pid, os.WEXITED | os.WNOWAIT)   # a zombie: ended, not reaped yet
+        self.assertEqual(self.measured.measure(), [])
+        self.process.wait()
+        self.assertEqual(self.measured.measure(), [])
+        self.assertEqual(self.measured.first, {})
 
 
 class Program(unittest.TestCase):
