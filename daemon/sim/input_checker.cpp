@@ -162,7 +162,8 @@ void InputChecker::data_arrives(NodeId node, const PacketFields& packet, Time no
 
 Answer InputChecker::offer(NodeId node, const PacketFields& packet, Sent* sent, Tristate received, Time at_end) {
   NodeRecord& n = record_.at(node);
-  const bool may_have_joined = n.receiver.joined() == Tristate::no && n.hello_left && record_.has_news(node, at_end);
+  const bool may_have_joined =
+      n.receiver.joined() == Tristate::no && n.hello_leaves() && record_.has_news(node, at_end);
   if (may_have_joined) n.receiver.set_joined(Tristate::unknown);
   const Answer answer = n.receiver.data(packet, received, has_buffer(node, packet), at_end);
   if (may_have_joined) n.receiver.set_joined(Tristate::no);

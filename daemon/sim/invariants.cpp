@@ -62,7 +62,7 @@ void Invariants::event(NodeId node, const core::Event& event) {
   if (const auto* end = std::get_if<core::SendEnded>(&event.what)) results_.ends(node, *end, event.at);
 }
 
-// A hello that has left counts as home in an open chain. (protocol.md section 4.8)
+// A hello that has begun to leave counts as home in an open chain. (protocol.md section 4.8)
 void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   NodeRecord& n = record_.at(node);
   const NodeState before = n.history.state;
@@ -70,7 +70,7 @@ void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   n.history.state = state;
   n.history.state_at = record_.ring.now();
   results_.state_changes(node, state);
-  if (state == NodeState::open_chain && n.hello_left && n.receiver.joined() != Tristate::yes)
+  if (state == NodeState::open_chain && n.hello_leaves() && n.receiver.joined() != Tristate::yes)
     n.receiver.set_joined(Tristate::unknown);
   if (state != NodeState::starting && state != NodeState::duplicate_id) return;
   if (state == NodeState::starting) record_.ledger.forgets_interrupts(node);
@@ -120,6 +120,7 @@ void Invariants::starts(NodeId node, Time now) {
   n.history.state_at = now;
   n.history.cancelled = core::kNever;
   n.began = now;
+  n.hello_begun.reset();
   n.hello_left = false;
   n.control = {};
   n.pins.clear();

@@ -49,8 +49,19 @@ void OutputChecker::begins_to_leave(NodeId node, const wire::Slice& slice, Time 
   out.since = now;
   check_header(node, out.header);
   if (!out.own) return;
-  record_.at(node).control = {};  // what is out now is this one
+  NodeRecord& n = record_.at(node);
+  n.control = {};  // what is out now is this one
+  if (n.receiver.joined() != Tristate::yes) hello_begins(n, now);
   record_.ledger.try_begins(node, out.header.code, now);
+}
+
+// The first packet is the hello. In an open chain it counts as home as soon as it begins to leave. (protocol.md
+// section 4.8)
+void OutputChecker::hello_begins(NodeRecord& n, Time now) {
+  n.hello_begun = now;
+  if (n.history.state != NodeState::open_chain || n.receiver.joined() != Tristate::no) return;
+  // What begins in the instant of the start may be of the life before.
+  now > n.began ? n.receiver.join() : n.receiver.set_joined(Tristate::unknown);
 }
 
 void OutputChecker::data_leaves(NodeId node, const wire::Slice& end, wire::ByteView own, Time now) {

@@ -36,6 +36,7 @@ class OutputChecker {
   void check_header(NodeId node, const PacketHeader& header);
   void check_source(NodeId node, const PacketHeader& header, Time now);
   void begins_to_leave(NodeId node, const wire::Slice& slice, Time now);
+  void hello_begins(NodeRecord& n, Time now);
   void data_leaves(NodeId node, const wire::Slice& end, wire::ByteView own, Time now);
   void own_data_leaves(NodeId node, const wire::PacketFields& packet);
   void interrupt_leaves(NodeId node, const wire::Slice& slice, Time now);

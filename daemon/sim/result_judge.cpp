@@ -18,7 +18,9 @@ bool is_taken(int fbc) { return fbc > 0 && fbc != wire::kFbcUntaken; }
 const char* ResultJudge::objection() const {
   if (sent_.in_doubt) return nullptr;
   if (sent_.ended_at > due()) return ", so late";
-  const core::Duration told = sent_.end.outcome == Outcome::unconfirmed ? told_within(settings_) : core::Duration{0};
+  // A break heard, or a damaged return, ends a send as its last part comes, and is told with the last bit of that.
+  const bool told_later = sent_.end.outcome == Outcome::unconfirmed || sent_.end.outcome == Outcome::lost;
+  const core::Duration told = told_later ? told_within(settings_) : core::Duration{0};
   const bool reset = sent_.cancel_due != core::kNever && sent_.ended_at > sent_.cancel_due + told && !home();
   if (reset && sent_.end.outcome != Outcome::cancelled) return ", and it had been cancelled before";
   switch (sent_.end.outcome) {

@@ -34,9 +34,13 @@ struct NodeRecord {
   template <class Archive>
   void archive(Archive& a) {
     a("forwarding", forwarding)("buffers", buffers)("receiver", receiver)("pins", pins)("history", history);
-    a("began", began)("news_at", news_at)("control_home", control_home)("hello_left", hello_left);
-    a("hello_out", hello_out)("control", control)("interrupt_free", interrupt_free)("away_since", away_since);
+    a("began", began)("news_at", news_at)("control_home", control_home);
+    a("hello_begun", hello_begun)("hello_left", hello_left)("hello_out", hello_out)("control", control);
+    a("interrupt_free", interrupt_free)("away_since", away_since);
   }
+
+  /// Its hello has begun to leave since it began: in an open chain it has joined by that. (protocol.md section 4.8)
+  bool hello_leaves() const { return hello_left || (hello_begun && *hello_begun >= began); }
 
   core::Settings settings;
   ForwardingChecker forwarding;
@@ -47,6 +51,7 @@ struct NodeRecord {
   Time began{};                      ///< it started, or started over
   Time news_at{core::Duration{-1}};  ///< a hello or beacon of another node was in
   Time control_home{};               ///< its last hello or beacon came home: what a hello holds back may leave
+  std::optional<Time> hello_begun;   ///< to leave, or another packet before the node has joined
   bool hello_left = false;
   bool hello_out = false;  ///< a hello has left and is not home: nothing else may leave
   OwnControl control;
