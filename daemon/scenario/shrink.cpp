@@ -117,6 +117,8 @@ class Shrinker {
 
   /// It misses the same expectation in the same way.
   bool fails_alike(const YAML::Node& candidate) {
+    result_.stopped = result_.runs >= request_.most_runs;
+    if (result_.stopped) return false;
     try {
       Scenario scenario = parse_scenario(YAML::Dump(candidate), request_.path);
       if (fails_before_end_) scenario.ends_mended = false;
@@ -199,7 +201,8 @@ class Shrinker {
       const fs::path ring = fs::path(request_.path).parent_path() / best_["ring"].Scalar();
       best_["ring"] = fs::absolute(ring).lexically_normal().lexically_proximate(fs::absolute(request_.beside)).string();
     }
-    return "# " + request_.path + ", made as small as it could be.\n# Expected: " + wanted_.expected +
+    const std::string how = result_.stopped ? "made smaller in so many runs" : "made as small as it could be";
+    return "# " + request_.path + ", " + how + ".\n# Expected: " + wanted_.expected +
            "\n# Seen:     " + result_.run.unmet->seen + "\n" + YAML::Dump(best_) + "\n";
   }
 
@@ -229,14 +232,15 @@ bool alike(const Unmet& one, const Unmet& other) {
 
 // Removes large pieces first, as most have nothing to do with the failure; and from the end on, since later steps
 // depend on earlier ones.
-std::vector<std::size_t> needed_steps(std::size_t count,
+std::vector<std::size_t> needed_steps(std::size_t count, std::size_t most_runs,
                                       const std::function<bool(const std::vector<std::size_t>&)>& fails_alike) {
   std::vector<std::size_t> needed(count);
   std::iota(needed.begin(), needed.end(), std::size_t{0});
   bool any = false;
+  std::size_t runs = 0;
   for (std::size_t piece = count; piece > 0; piece = any && piece == 1 ? 1 : piece / 2) {
     any = false;
-    for (std::size_t end = needed.size(); end > 0;) {
+    for (std::size_t end = needed.size(); end > 0 && runs < most_runs; ++runs) {
       const std::size_t from = end > piece ? end - piece : 0;
       std::vector<std::size_t> fewer = needed;
       fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(from), fewer.begin() + static_cast<std::ptrdiff_t>(end));

@@ -21,6 +21,7 @@ struct Shrunk {
   ScenarioRun run;   ///< what it does
   ScenarioSize before, after;
   std::size_t runs = 0;  ///< that were tried
+  bool stopped = false;  ///< after `most_runs`: it could be smaller
 };
 
 /// What the scenario does to a ring, and how often.
@@ -28,11 +29,15 @@ ScenarioSize size_of(const Scenario& scenario);
 /// Both miss the same expectation in the same way. Numbers are ignored: counters and times differ in a smaller ring.
 bool alike(const Unmet& one, const Unmet& other);
 
+/// Far more than any failure has needed so far but one, of which no end was seen: everything in it mattered.
+constexpr std::size_t kMostShrinkingRuns = 5000;
+
 struct ShrinkRequest {
   std::string path;                   ///< of the scenario's file
   std::optional<std::string> text;    ///< instead of what is in that file
   std::optional<std::uint64_t> seed;  ///< instead of the file's own
   std::string beside = ".";           ///< folder where the smaller one is to lie
+  std::size_t most_runs = kMostShrinkingRuns;
   /// Called after each run; throws to end it all.
   std::function<void(std::size_t runs)> tell = [](std::size_t) {};
 };
@@ -46,8 +51,9 @@ std::optional<Shrunk> shrink(const ShrinkRequest& request);
 
 /// The steps without which a scenario no longer fails alike: a few out of thousands, before shrink() looks closer.
 /// @param count of its steps
+/// @param most_runs of fails_alike()
 /// @param fails_alike runs the scenario with only these steps @return the numbers of the needed steps, in order
-std::vector<std::size_t> needed_steps(std::size_t count,
+std::vector<std::size_t> needed_steps(std::size_t count, std::size_t most_runs,
                                       const std::function<bool(const std::vector<std::size_t>&)>& fails_alike);
 
 }  // namespace limb_ring::scenario

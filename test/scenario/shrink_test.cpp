@@ -53,6 +53,19 @@ TEST_F(Shrink, LeavesWhatTheExpectationIsMissedBy) {
     EXPECT_THAT(small->text, Not(HasSubstr(gone))) << gone;
 }
 
+TEST_F(Shrink, EndsAfterSoManyRunsWithWhatItHas) {
+  request_.most_runs = 3;
+  const auto smaller = shrunk(kNight);
+  ASSERT_TRUE(smaller);
+  EXPECT_EQ(smaller->runs, 3u);
+  EXPECT_TRUE(smaller->stopped);
+  EXPECT_THAT(smaller->text, Not(HasSubstr("as small as it could be")));
+  const Scenario scenario = parse_scenario(smaller->text, "smaller.yaml");
+  EXPECT_TRUE(run_scenario(scenario, scenario.seed).unmet);
+  request_.most_runs = kMostShrinkingRuns;
+  EXPECT_FALSE(shrunk(kNight)->stopped);
+}
+
 TEST_F(Shrink, WhatRemainsIsAScenarioThatFailsAgain) {
   const auto small = shrunk(kNight);
   ASSERT_TRUE(small);

@@ -74,7 +74,8 @@ TEST(NeededSteps, AreThoseWithoutWhichItDoesNotFail) {
   const auto fails = [](const std::vector<std::size_t>& steps) {
     return std::count(steps.begin(), steps.end(), 3u) + std::count(steps.begin(), steps.end(), 7u) == 2;
   };
-  EXPECT_THAT(needed_steps(100, fails), ElementsAre(3u, 7u));
+  EXPECT_THAT(needed_steps(100, kMostShrinkingRuns, fails), ElementsAre(3u, 7u));
+  EXPECT_EQ(needed_steps(100, 0, fails).size(), 100u) << "none may be tried";
 }
 
 }  // namespace

@@ -76,7 +76,8 @@ bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std:
   if (problem.empty()) problem = app::finish_writing(out, path);
   if (!problem.empty()) throw UsageError("--shrink: " + problem);
   std::cerr << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
-            << " tried\nthe smallest scenario: ringctl scenario run " << path << "\n";
+            << " tried" << (shrunk->stopped ? ", and no more: it may not be the smallest" : "")
+            << "\nthe smallest scenario: ringctl scenario run " << path << "\n";
   return study::is_small(shrunk->after);
 }
 

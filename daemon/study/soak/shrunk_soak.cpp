@@ -197,10 +197,13 @@ std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64
   if (!failed.unmet) return std::nullopt;
   std::size_t runs = 1;
   StepTrial trial(whole, *failed.unmet);
-  const auto needed = scenario::needed_steps(history.deeds.size(), [&](const std::vector<std::size_t>& steps) {
+  scenario::ShrinkRequest request;
+  const auto fails_alike = [&](const std::vector<std::size_t>& steps) {
     tell(++runs);
     return trial(steps);
-  });
+  };
+  const auto needed = scenario::needed_steps(history.deeds.size(), request.most_runs, fails_alike);
+  const bool stopped = runs > request.most_runs;
   std::vector<Deed> deeds;
   for (const std::size_t step : needed) deeds.push_back(history.deeds[step]);
   history.deeds = std::move(deeds);
@@ -210,7 +213,6 @@ std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64
     tell(++runs);
     if (fails_as(fewer->text(), *failed.unmet, trial.plays_the_end())) history = *fewer;
   }
-  scenario::ShrinkRequest request;
   request.path = "seed " + std::to_string(seed) + " of ring_sim soak";
   request.text = history.text();
   request.tell = [&](std::size_t more) { tell(runs + more); };
@@ -218,6 +220,7 @@ std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64
   if (!shrunk) return std::nullopt;
   shrunk->before = size_of(whole);
   shrunk->runs += runs;
+  shrunk->stopped = shrunk->stopped || stopped;
   return shrunk;
 }
 

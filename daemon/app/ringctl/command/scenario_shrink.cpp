@@ -48,7 +48,7 @@ int run(ShrinkOptions& options) {
   write(shrunk->text, options.out);
   std::cerr << text_of(shrunk->run) << "\n"
             << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
-            << " tried" << std::endl;
+            << " tried" << (shrunk->stopped ? ", and no more: it may not be the smallest" : "") << std::endl;
   return kDone;
 }
 
