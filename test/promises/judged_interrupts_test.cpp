@@ -66,6 +66,18 @@ TEST_F(JudgeTest, aPinMayBePulledForTheFirstOfTwoEqualInterruptsAndThenTheReceiv
   EXPECT_THAT(broken(), IsEmpty());
 }
 
+TEST_F(JudgeTest, aPinIsOfTheInterruptThatIsOutRatherThanOfOneThatNobodyTook) {
+  interrupt(1, 3, 14, 0);
+  end_interrupt(1, 3, 14, Outcome::no_such_node);
+  rounds(1);
+  interrupt(1, 3, 15, 0);
+  pin(3, 1, 0);
+  rounds(1);
+  end_interrupt(1, 3, 15, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
 TEST_F(JudgeTest, anInterruptThatPullsNoPinIsNamedAlsoWhereTheReceiverHadStartedOver) {
   interrupt(1, 3, 14, 0);
   pin(3, 1, 0);
