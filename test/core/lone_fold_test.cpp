@@ -260,5 +260,36 @@ TEST_F(LoneFold, WhatWaitsToBeRepeatedHasALimit) {
   EXPECT_LE(second().view().size, 257u * 1024);
 }
 
+/// With its header 512 bytes on a line.
+struct Slice512 {
+  const std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(512 - wire::kSliceHeaderSize, 0x55);
+  wire::Slice operator()() const { return {wire::SliceKind::more, {bytes.data(), bytes.size()}}; }
+};
+
+TEST_F(LoneFold, TheSliceThatReachesTheLimitIsRepeatedAndTheNextIsNot) {
+  hear(wire::FoldWordKind::begin, 6_id);
+  second().clear();
+  const Slice512 slice;
+  for (int i = 0; i < 512; ++i) node.receive(Line::second, slice(), Time{});
+  EXPECT_EQ(second().view().size, 256u * 1024);
+  EXPECT_EQ(node.counters().fold_discarded, 0u);
+  node.receive(Line::second, slice(), Time{});
+  EXPECT_EQ(second().view().size, 256u * 1024);
+  EXPECT_EQ(node.counters().fold_discarded, 1u);
+}
+
+// The fold node is the one before, which has the word that it sends on the first line again still on its way.
+TEST_F(LoneFold, WhatIsHeldWhileTheSecondLineDrainsHasALimit) {
+  node.input_lost(Line::first, Time{});
+  hear(wire::FoldWordKind::begin, 3_id);
+  node.input_up(Line::first, 3_id, Time{});
+  const std::vector<std::uint8_t> bytes(512, 0x55);
+  const wire::Slice slice{wire::SliceKind::more, {bytes.data(), bytes.size()}};
+  for (int i = 0; i < 129; ++i) node.receive(Line::first, slice, Time{});  // the last one finds 64 KiB
+  EXPECT_EQ(node.counters().fold_held_dropped, 0u);
+  node.receive(Line::first, slice, Time{});
+  EXPECT_EQ(node.counters().fold_held_dropped, 129u);
+}
+
 }  // namespace
 }  // namespace limb_ring::core
