@@ -46,6 +46,7 @@ bool compare(const std::uint8_t* from, wire::ByteView to, Differences& found) {
 }  // namespace
 
 const std::uint8_t* SlicesTakenIn::find(const wire::Slice& given_out, Differences& differences) {
+  if (given_out.bytes.empty()) return nullptr;
   const std::size_t kept = std::min(added_ - first_, slices_.size());
   for (std::size_t i = added_ - kept; i < added_; ++i) {
     const wire::Slice& taken = slices_[i % slices_.size()];

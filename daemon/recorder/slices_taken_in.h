@@ -29,7 +29,7 @@ class SlicesTakenIn {
   /// Looks for one that `given_out` is but for a few bytes, in the order of arrival, behind the one that was found
   /// last.
   /// @param differences out: these bytes
-  /// @return where its bytes lie; null: there is none
+  /// @return where its bytes lie; null: there is none, or `given_out` has no bytes
   const std::uint8_t* find(const wire::Slice& given_out, Differences& differences);
 
  private:

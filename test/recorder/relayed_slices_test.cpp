@@ -104,6 +104,15 @@ TEST_F(Relayed, mayBeOfAnotherKindOrSize) {
   EXPECT_EQ(read_again(), given_out_);
 }
 
+TEST_F(Relayed, mayHaveNoBytesAtAll) {
+  take_in({}, wire::SliceKind::abort);
+  wire::SliceWriter framed;
+  framed.put(wire::SliceKind::abort, {});
+  writer_.put(kThen, Written{Line::second, framed.view()});
+  given_out_.emplace_back(framed.view().begin(), framed.view().end());
+  EXPECT_EQ(read_again(), given_out_);
+}
+
 TEST_F(Relayed, ofNothingIsNothing) {
   give_out({});
   EXPECT_EQ(read_again(), given_out_);
