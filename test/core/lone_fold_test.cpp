@@ -291,5 +291,24 @@ TEST_F(LoneFold, WhatIsHeldWhileTheSecondLineDrainsHasALimit) {
   EXPECT_EQ(node.counters().fold_held_dropped, 129u);
 }
 
+TEST_F(LoneFold, WhatIsHeldIsPartOfTheState) {
+  node.input_lost(Line::first, Time{});
+  hear(wire::FoldWordKind::begin, 3_id);
+  node.input_up(Line::first, 3_id, Time{});
+  receive_interrupt(Line::first, 0, 2);
+  NetworkController same{settings(), Time{}};
+  read_state(bytes_of(node), same);
+  wire::SliceWriter last;
+  wire::put(last, {wire::FoldWordKind::last, 3_id});
+  std::vector<std::uint64_t> passed_on;
+  for (NetworkController* each : {&node, &same}) {
+    const auto before = each->counters().relayed_interrupts;
+    each->receive(Line::second, wire::parse_slice(last.view()).slice, Time{});
+    each->run(Time{});
+    passed_on.push_back(each->counters().relayed_interrupts - before);
+  }
+  EXPECT_THAT(passed_on, ElementsAre(1u, 1u)) << "not before the second line's last";
+}
+
 }  // namespace
 }  // namespace limb_ring::core
