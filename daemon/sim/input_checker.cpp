@@ -162,8 +162,10 @@ void InputChecker::data_arrives(NodeId node, const PacketFields& packet, Time no
 
 Answer InputChecker::offer(NodeId node, const PacketFields& packet, Sent* sent, Tristate received, Time at_end) {
   NodeRecord& n = record_.at(node);
-  const bool may_have_joined =
-      n.receiver.joined() == Tristate::no && n.hello_leaves() && record_.has_news(node, at_end);
+  // On a line without a rate its hello may leave in this instant, before the packet came. (protocol.md section 2.4)
+  const bool leaves_now = n.history.state == NodeState::open_chain && n.settings.byte_time_out == core::Duration{0};
+  const bool by_now = leaves_now || (n.hello_leaves() && record_.has_news(node, at_end));
+  const bool may_have_joined = n.receiver.joined() == Tristate::no && by_now;
   if (may_have_joined) n.receiver.set_joined(Tristate::unknown);
   const Answer answer = n.receiver.data(packet, received, has_buffer(node, packet), at_end);
   if (may_have_joined) n.receiver.set_joined(Tristate::no);
