@@ -165,6 +165,28 @@ TEST(FoldPermission, ANodeFoldsSoLongAfterItsStartThoughItsFirstLinesWereNeverBo
   EXPECT_EQ(node.output_line(), Line::second);
 }
 
+// A node that starts over hears that the next one is deaf before its own input is up. It turned back without its words,
+// and for ever where the `hears` was lost (seed 3730033071).
+TEST(FoldPermission, ANodeThatTurnedBackBeforeSaysItsWordsWhenItMayFold) {
+  NetworkController node(LoneFold::settings(), Time{});
+  node.output_up(Line::first, 5_id, Time{});
+  node.input_up(Line::second, 5_id, Time{});
+  node.output_up(Line::second, 3_id, Time{});
+  wire::SliceWriter deaf;
+  wire::put(deaf, {wire::FoldWordKind::deaf, 5_id});
+  node.receive(Line::second, wire::parse_slice(deaf.view()).slice, Time{});
+  ASSERT_EQ(node.output_line(), Line::second);
+  for (const Line line : node.lines()) node.output(line).clear();
+  node.input_up(Line::first, 3_id, Time{});
+  for (const Line line : node.lines()) {
+    ASSERT_FALSE(node.output(line).empty());
+    const auto word = wire::fold_word(wire::parse_slice(node.output(line).view()).slice);
+    ASSERT_TRUE(word);
+    EXPECT_EQ(word->kind, wire::FoldWordKind::begin);
+    EXPECT_EQ(word->node, 4);
+  }
+}
+
 TEST_F(LoneFold, AWordOfNoNodeOfTheRingSaysNothing) {
   hear(wire::FoldWordKind::begin, 200_id);
   EXPECT_TRUE(second().empty());

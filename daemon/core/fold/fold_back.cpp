@@ -64,14 +64,20 @@ void FoldBack::carry(wire::SliceWriter& given_out, Time) { (out_ == Out::first ?
 // ---- both halves ------------------------------------------------------------------------------
 
 void FoldBack::settle(Time now) {
-  if (input_up_ && output_up_) may_fold_ = true;
-  if (may_fold_) may_fold_at_ = kNever;
+  if (!may_fold_ && input_up_ && output_up_) permit_folding(now);
   settle_input(now);
   settle_output(now);
   tell_neighbours();
   blocks_.set_turned_back_at(takes_second() ? fold_node_ : std::nullopt);
   blocks_.set_folded(takes_second(), turned_back() && told_output_, now);
   release(now);
+}
+
+// A half may be folded already: the next node can be deaf before.
+void FoldBack::permit_folding(Time now) {
+  may_fold_ = true;
+  may_fold_at_ = kNever;
+  say_words(now);
 }
 
 // While the output is turned back, no node counts as bypassed by it; orphans are discarded by their HOP alone.
@@ -96,10 +102,7 @@ Duration FoldBack::repeat_period() const {
 }
 
 void FoldBack::handle_timeout(Time now) {
-  if (may_fold_at_ <= now) {
-    may_fold_ = true;
-    say_words(now);
-  }
+  if (may_fold_at_ <= now) permit_folding(now);
   if (repeat_words_at_ <= now) say_words(now);
   if (drain_due_ <= now) {
     if (waits_for_last())

@@ -120,6 +120,7 @@ class FoldBack {
 
   /// After each input: updates the output half, and tells the blocks what has changed for them.
   void settle(Time now);
+  void permit_folding(Time now);
   void tell_neighbours();
 
   /// @name Input half (fold_input.cpp)
