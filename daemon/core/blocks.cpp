@@ -7,7 +7,7 @@ namespace limb_ring::core {
 Blocks::Blocks(const Settings& settings)
     : settings_(settings),
       transmit_(settings_, counters_, events_),
-      memory_(settings_.send_timeout()),
+      memory_(settings_.send_timeout(), settings_.fold_back),
       membership_(settings_, transmit_, memory_, counters_, events_),
       receive_(settings_, memory_, membership_, counters_),
       pins_(settings_, memory_, membership_, counters_, events_),

@@ -28,9 +28,11 @@ ReceiverModel::Entry& ReceiverModel::entry(const PacketFields& packet) {
   return pages_[packet.source()].entries[(packet.code().interrupt ? 2u : 0u) + (broadcast ? 1u : 0u)];
 }
 
+bool ReceiverModel::is_old(const Entry& e, Time now) const { return now - e.decided > kTries * horizon_; }
+
 void ReceiverModel::age(Page& page, Time now) const {
   for (Entry& e : page.entries) {
-    if (!e.any_sequence && now - e.decided > kTries * horizon_) e = {};
+    if (!e.any_sequence && is_old(e, now)) e = {};
     e.aged = true;
   }
 }
@@ -116,12 +118,15 @@ void ReceiverModel::doubt(const PacketFields& packet) {
   }
 }
 
-ReceiverModel::Answer ReceiverModel::of_known(const Entry& e, const PacketFields& packet, Time at) const {
+// Nothing: its number is new.
+std::optional<ReceiverModel::Answer> ReceiverModel::of_known(const Entry& e, const PacketFields& packet,
+                                                             Time at) const {
   if (e.any_sequence) return Answer::unknown;
-  if (e.verdict == Verdict::none || e.sequence != packet.code().sequence) return Answer::none;
+  if (e.verdict == Verdict::none || e.sequence != packet.code().sequence) return std::nullopt;
   const bool fresh = !e.aged && at - e.decided <= horizon_;
-  if (!fresh && packet.code().attempt == 0) return Answer::none;
+  if (!fresh && packet.code().attempt == 0) return std::nullopt;
   if (e.verdict == Verdict::unknown) return Answer::unknown;
+  if (fold_back_ && is_old(e, at)) return Answer::none;
   return e.verdict == Verdict::taken ? Answer::repeats_taken : Answer::repeats_refused;
 }
 
@@ -149,9 +154,10 @@ ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Tristate r
   if (!meet(packet)) return Answer::refuses;
   Entry& e = entry(packet);
   if (control) return decide(e, packet, Answer::control, at), Answer::control;
-  Answer answer = of_known(e, packet, at);
-  if (answer == Answer::repeats_taken || answer == Answer::repeats_refused) return answer;
-  if (answer == Answer::none) {
+  const std::optional<Answer> known = of_known(e, packet, at);
+  if (known && *known != Answer::unknown) return *known;
+  Answer answer = Answer::unknown;
+  if (!known) {
     const Tristate unaware_peers_retry = is_unaware_peers_retry(packet);
     if (unaware_peers_retry == Tristate::yes) return Answer::none;
     if (unaware_peers_retry == Tristate::unknown) return doubt(packet), Answer::unknown;
@@ -171,9 +177,10 @@ ReceiverModel::Answer ReceiverModel::interrupt(const PacketFields& packet, Trist
     return doubt(packet), Answer::unknown;
   if (!meet(packet)) return Answer::refuses;
   Entry& e = entry(packet);
-  Answer answer = of_known(e, packet, at);
-  if (answer == Answer::repeats_taken || answer == Answer::repeats_refused) return answer;
-  if (answer == Answer::none) answer = wired_[wire::factor_of(packet.last())] ? Answer::takes : Answer::refuses;
+  const std::optional<Answer> known = of_known(e, packet, at);
+  if (known && *known != Answer::unknown) return *known;
+  Answer answer = Answer::unknown;
+  if (!known) answer = wired_[wire::factor_of(packet.last())] ? Answer::takes : Answer::refuses;
   decide(e, packet, answer, at);
   return answer;
 }

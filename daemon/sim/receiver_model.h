@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/settings.h"
@@ -95,9 +96,10 @@ class ReceiverModel {
   template <class Forget>
   bool hear_boot(NodeId source, std::uint64_t boot, Forget forget);
   bool meet(const wire::PacketFields& packet);
-  Answer of_known(const Entry& entry, const wire::PacketFields& packet, Time at) const;
+  std::optional<Answer> of_known(const Entry& entry, const wire::PacketFields& packet, Time at) const;
   void decide(Entry& entry, const wire::PacketFields& packet, Answer answer, Time at);
   void doubt(const wire::PacketFields& packet);
+  bool is_old(const Entry& entry, Time now) const;
   void age(Page& page, Time now) const;
   void forget_aged();
 

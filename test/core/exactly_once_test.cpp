@@ -10,7 +10,12 @@ using testing::IsEmpty;
 using wire::SliceKind;
 
 struct ExactlyOnce : testing::Test {
-  SoloNode solo{Duration{0}, [](Settings& s) { s.receive_buffers = 2; }};
+  explicit ExactlyOnce(bool fold_back = false)
+      : solo(Duration{0}, [=](Settings& s) {
+          s.receive_buffers = 2;
+          s.fold_back = fold_back;
+        }) {}
+  SoloNode solo;
   void SetUp() override { solo.join(); }
   /// @return the FBC the packet goes on with
   std::uint8_t pass(const Foreign& packet, const Bytes& data = text("x")) {
@@ -75,6 +80,7 @@ TEST_F(ExactlyOnce, DamagedFirstTryLeavesNoTrace) {
 }
 
 struct Incarnations : ExactlyOnce {
+  using ExactlyOnce::ExactlyOnce;
   static wire::Incarnation of(std::uint64_t boot) { return wire::incarnation_of(boot); }
   void hello(std::uint64_t boot, std::uint8_t sequence = 0) {
     Bytes bytes(wire::kHelloSize);
@@ -178,6 +184,39 @@ TEST_F(Incarnations, OneInterruptPullsOnceThoughFourIncarnationsWereMissed) {
   beacon(1004, 1);
   EXPECT_EQ(interrupt(1004, 1), 1);
   EXPECT_EQ(solo.counters().pins_pulled, 1u);
+}
+
+TEST_F(Incarnations, ARetryIsKnownHoweverOldItsNumberIs) {
+  beacon(7, 1);
+  data(7, "once");
+  interrupt(7);
+  solo.run_for(10s);
+  EXPECT_NE(data(7, "once", 0, 1), wire::kFbcUntaken);
+  EXPECT_EQ(interrupt(7, 1), 1);
+  EXPECT_EQ(solo.counters().duplicates, 2u);
+}
+
+// Its source had begun four incarnations in the other part of a ring that was broken twice, so the two bits were the
+// same: an INTP ended delivered, and no pin was pulled (seed 3720049118).
+struct InARingThatFoldsBack : Incarnations {
+  InARingThatFoldsBack() : Incarnations(true) {}
+};
+TEST_F(InARingThatFoldsBack, ARetryOfANumberThatWasDecidedLongAgoIsNotAnswered) {
+  beacon(1000, 1);
+  data(1000, "taken");
+  interrupt(1000);
+  solo.run_for(400ms);
+  EXPECT_EQ(data(1004, "of another", 0, 1), 1) << "tries go on so long";
+  EXPECT_EQ(interrupt(1004, 1), 1);
+  EXPECT_EQ(solo.counters().duplicates, 2u);
+  solo.run_for(1us);
+  EXPECT_EQ(data(1004, "of another", 0, 1), wire::kFbcUntaken);
+  EXPECT_EQ(interrupt(1004, 1), wire::kFbcUntaken);
+  EXPECT_EQ(solo.counters().doubtful_retries, 2u);
+  EXPECT_EQ(solo.counters().duplicates, 2u);
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+  EXPECT_EQ(interrupt(1004), 1) << "a first try is new";
+  EXPECT_EQ(solo.counters().pins_pulled, 2u);
 }
 
 // A late hello is none, and does not unsettle what the packets of the present one have told.

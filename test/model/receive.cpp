@@ -76,6 +76,11 @@ Decided* Node::known(Page& page, const Packet& packet, Time now) {
   return &decided;
 }
 
+/// protocol.md section 4.10: it may have been decided four incarnations ago.
+bool Node::is_doubtful(const Decided& decided, Time now) const {
+  return settings_.fold_back && now - decided.when > 4 * try_timeout();
+}
+
 // ---- hellos and beacons -------------------------------------------------------------------------
 
 int Node::answer_control(const Packet& packet, Time at, Time now) {
@@ -115,7 +120,10 @@ int Node::answer_data(const Packet& packet, Time at, Time now) {
   if (page == nullptr) return 0;
   const int priority = packet.priority();
   const auto free = static_cast<int>(std::min(254u, free_buffers(priority)));
-  if (const Decided* decided = known(*page, packet, now)) return decided->taken ? std::max(1, free) : 0;
+  if (const Decided* decided = known(*page, packet, now)) {
+    if (is_doubtful(*decided, now)) return kNoAnswer;
+    return decided->taken ? std::max(1, free) : 0;
+  }
   // On a line without a rate it is open whether what comes in the instant of the hello comes before it. (protocol.md
   // section 2.4)
   const bool left = hello_left_ && (settings_.byte_time_out > Duration{0} || hello_left_at_ < now);
@@ -144,7 +152,10 @@ int Node::answer_interrupt(const Packet& packet, Time at, Time now) {
   if (is_unheard_nodes_retry(packet)) return kNoAnswer;
   Page* page = page_for(packet, boot_);
   if (page == nullptr) return 0;
-  if (const Decided* decided = known(*page, packet, now)) return decided->taken ? 1 : 0;
+  if (const Decided* decided = known(*page, packet, now)) {
+    if (is_doubtful(*decided, now)) return kNoAnswer;
+    return decided->taken ? 1 : 0;
+  }
   const bool wired = settings_.wired[static_cast<std::size_t>(packet.factor())];
   page->decided[{true, packet.broadcast()}] = {packet.sequence(), wired, now, false};
   if (!wired) return 0;

@@ -17,11 +17,18 @@ namespace limb_ring::core {
 /// the known one, and the next two; hellos and beacons carry the whole boot number. (ours, protocol.md section 4.8)
 class DuplicateMemory {
  public:
-  enum class Verdict : std::uint8_t { none, taken, refused };
+  enum class Verdict : std::uint8_t {
+    none,
+    taken,
+    refused,
+    doubtful  ///< it may be that of another packet with this number
+  };
 
   /// @param horizon a first try with a number decided longer ago than this is new: no copy of the
   ///        former is left, and numbers wrap unseen behind a line that is down for long. (ours)
-  explicit DuplicateMemory(Duration horizon) : horizon_(horizon) {}
+  /// @param falls_into_parts in another part of the ring a source may have begun four incarnations that were not seen
+  ///        here, so verdicts on retries hold no longer than tries go on
+  DuplicateMemory(Duration horizon, bool falls_into_parts) : horizon_(horizon), falls_into_parts_(falls_into_parts) {}
 
   /// A packet of that incarnation came.
   /// @return false if a later incarnation of its source is known: the packet must not be taken
@@ -61,7 +68,8 @@ class DuplicateMemory {
     const Entry& e = sources_[source].entries[place(code, broadcast)];
     if (e.sequence != code.sequence) return Verdict::none;
     const bool fresh = !e.aged && now - e.decided <= horizon_;
-    return fresh || code.attempt > 0 ? e.verdict : Verdict::none;
+    if (e.verdict == Verdict::none || (code.attempt == 0 && !fresh)) return Verdict::none;
+    return falls_into_parts_ && is_old(e, now) ? Verdict::doubtful : e.verdict;
   }
   void remember(wire::NodeId source, wire::Code code, bool broadcast, Verdict verdict, Time now) {
     sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict, false};
@@ -128,10 +136,12 @@ class DuplicateMemory {
     s.boot = boot;
     return true;
   }
+  /// Decided longer ago than the tries of a packet last, unless its source had to wait.
+  bool is_old(const Entry& e, Time now) const { return now - e.decided > kTries * horizon_; }
   /// From now on first tries are new. Retries stay known as long as a try of the same packet may still come.
   void age(Source& s, Time now) const {
     for (Entry& e : s.entries) {
-      if (now - e.decided > kTries * horizon_) e = {};
+      if (is_old(e, now)) e = {};
       e.aged = true;
     }
   }
@@ -145,6 +155,7 @@ class DuplicateMemory {
   }
 
   Duration horizon_;
+  bool falls_into_parts_;
   std::array<Source, 256> sources_{};
 };
 

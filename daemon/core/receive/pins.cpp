@@ -15,6 +15,7 @@ std::uint8_t Pins::offer(const wire::PacketFields& packet, Time at) {
     return counted(counters_.earlier_incarnation, std::uint8_t{0});
   const bool broadcast = packet.destination() == wire::kBroadcast;
   Verdict verdict = memory_.verdict(packet.source(), packet.code(), broadcast, at);
+  if (verdict == Verdict::doubtful) return counted(counters_.doubtful_retries, packet.fbc());
   if (verdict == Verdict::none) {
     verdict = pull(packet, at) ? Verdict::taken : Verdict::refused;
     memory_.remember(packet.source(), packet.code(), broadcast, verdict, at);

@@ -60,6 +60,8 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
       return counted(counters_.duplicates, least(std::max<std::size_t>(1, free)));
     case Verdict::refused:
       return counted(counters_.duplicates, std::uint8_t{0});
+    case Verdict::doubtful:
+      return counted(counters_.doubtful_retries, packet.fbc());
     case Verdict::none:
       break;
   }

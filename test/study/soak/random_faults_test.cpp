@@ -93,6 +93,13 @@ TEST(RandomFaults, BreakNoPromiseWhereASourceStartsOverAsItHearsOfABreak) {
 // heard of the break yet repeated what the node had taken before.
 TEST(RandomFaults, BreakNoPromiseWhereASourceHearsNeitherOfABreakNorOfAStart) { expect_no_breach({3640009074}); }
 
+// A node that started over heard that the next one was deaf before its own input was up: it turned back, and never said
+// so again, so a ring whose lines were all mended stayed an open chain.
+TEST(RandomFaults, BreakNoPromiseWhereANodeTurnsBackBeforeItMayFold) { expect_no_breach({3730033071}); }
+
+// A source had begun four incarnations in another part of the ring, and its retry was taken for that of an old INTP.
+TEST(RandomFaults, BreakNoPromiseWhereFourIncarnationsPassUnseen) { expect_no_breach({3720049118}); }
+
 // A node that started over between the end of a beacon and its last bit still showed the state that the beacon told.
 TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverAsABeaconComesIn) { expect_no_breach({3602031428}); }
 
