@@ -24,6 +24,8 @@ class ClockFollower {
   /// @param daemon says how to reach the daemon of the bridge's node; its role is ignored @param clock outlives this
   ClockFollower(const ros::NodeHandle& nodes, ConnectOptions daemon, RosClock& clock);
   ~ClockFollower();
+  ClockFollower(const ClockFollower&) = delete;
+  ClockFollower& operator=(const ClockFollower&) = delete;
 
  private:
   void on_clock(const rosgraph_msgs::Clock& message);

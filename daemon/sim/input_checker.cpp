@@ -67,8 +67,21 @@ InputChecker::InputChecker(RingRecord& record) : record_(record) {
 }
 
 void InputChecker::input_changes(NodeId node, Line line, Time now) {
+  follow_input(node, now);
+  if (line == incoming_[node].input) input_breaks_off(node, now);
+}
+
+// A fold may have left the line that the node heard, and come back to it in the same instant.
+void InputChecker::follow_input(NodeId node, Time now) {
+  const Line input = record_.ring.input_line(node);
+  if (input == incoming_[node].input) return;
+  input_breaks_off(node, now);
+  incoming_[node].input = input;
+}
+
+void InputChecker::input_breaks_off(NodeId node, Time now) {
   Incoming& in = incoming_[node];
-  if (line != in.input || !in.collector.open()) return;
+  if (!in.collector.open()) return;
   in.collector.drop();
   breaks_off(node, in.collector.size(), now);
 }
@@ -83,10 +96,7 @@ void InputChecker::arrives(NodeId node, const wire::Slice& slice, Time now) {
   Incoming& in = incoming_[node];
   if (in.last < now) check_insertion(node, now);
   in.last = now;
-  if (in.input != record_.ring.input_line(node)) {
-    input_changes(node, in.input, now);
-    in.input = record_.ring.input_line(node);
-  }
+  follow_input(node, now);
   // What waited for the output when it turned back was dropped.
   if (in.output != record_.ring.output_line(node)) {
     in.output = record_.ring.output_line(node);

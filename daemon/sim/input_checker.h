@@ -37,6 +37,8 @@ class InputChecker {
     }
   };
 
+  void follow_input(NodeId node, Time now);
+  void input_breaks_off(NodeId node, Time now);
   void breaks_off(NodeId node, std::size_t size, Time now);
   void begins_to_arrive(NodeId node, const wire::Slice& slice);
   Tristate is_received(NodeId node, wire::ByteView bytes, bool interrupt);

@@ -32,9 +32,10 @@ std::string in_words(const RandomFaults& run) {
          std::to_string(core::picoseconds(broken->at.time_since_epoch())) + " ps";
 }
 
-void expect_no_breach(std::initializer_list<std::uint64_t> seeds) {
+void expect_no_breach(std::initializer_list<std::uint64_t> seeds,
+                      RandomFaults::FoldBack fold_back = RandomFaults::FoldBack::some) {
   for (const std::uint64_t seed : seeds) {
-    RandomFaults run(seed);
+    RandomFaults run(seed, fold_back);
     run.run();
     EXPECT_EQ(in_words(run), "") << "seed " << seed;
   }
@@ -111,6 +112,12 @@ TEST(RandomFaults, BreakNoPromiseWhereANodeStartsOverAsABeaconComesIn) { expect_
 // return came damaged: its CPU was reset between the judged part of that return and its last bit.
 TEST(RandomFaults, BreakNoPromiseWhereTheJudgeOnceThoughtSo) {
   expect_no_breach({3602048072, 3605032413, 3625015259, 3640001489, 3630007879, 3700039217, 3710021332, 3710076438});
+}
+
+// Another: a node that heard the second line went over to the first and back in one instant, and so broke off what was
+// coming in on the second.
+TEST(RandomFaults, BreakNoPromiseWhereANodeHearsItsFirstLineForNoTime) {
+  expect_no_breach({3690024363}, RandomFaults::FoldBack::all);
 }
 
 TEST(RandomFaults, OfTheSameSeedAreTheSame) {
