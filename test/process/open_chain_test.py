@@ -94,6 +94,14 @@ class Stop(LimbRing):
         self.wait('all have resumed', lambda: self.latched() == [False] * 4)
         self.assertEqual(self.ctl('resume').stdout, 'resumed 3 nodes\n')  # those with joints, latched or not
 
+    def test_a_node_that_it_did_not_reach_decides_the_exit_code(self):
+        self.start_limbs()
+        self.ctl('fault', 'freeze', 'node2')
+        stop = self.ctl('stop')
+        self.assertEqual(stop.returncode, 4, stop.stdout)
+        self.assertIn('3 of 4 stopped; not known, the daemon does not answer: node2', stop.stdout)
+        self.ctl('fault', 'thaw', 'node2')
+
     def test_a_cpu_that_is_reset_has_nothing_latched(self):
         self.start_limbs()
         self.assertEqual(self.ctl('stop', 'node1').returncode, 0)

@@ -61,6 +61,10 @@ int run_one(const ExploreOptions& options) {
     std::cerr << violation_text(options, choices, *run.violation());
     return kBroken;
   }
+  for (const study::Choice& choice : choices)
+    if (choice.place >= run.places())
+      throw UsageError("--only: there is no place " + std::to_string(choice.place) + ", only 0 to " +
+                       std::to_string(run.places() - 1));
   app::Row row{{"places", run.places()}, {"trace", sim::hash_text(trace.hash())}};
   std::cout << app::format_rows({row}, options.format);
   if (options.format == app::Format::text) std::cout << "No promise was broken.\n";

@@ -165,6 +165,8 @@ void add_soak(CLI::App& app, Context& context) {
         throw UsageError("--shrink: '" + *options->shrink_into + "' is no folder");
       if (options->shrink_into && options->wide)
         throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
+      if (options->hashes && options->format != app::Format::text)
+        throw UsageError("--hashes prints lines of text: leave --json and --csv out");
       return run(*options);
     };
   });

@@ -79,6 +79,19 @@ TEST(Soak, SaysHowManySeedsAndThatNothingBroke) {
   EXPECT_GT(row.at("packet_hops").get<std::uint64_t>(), 1000u);
 }
 
+TEST(Soak, PrintsHashesAsTextAlone) {
+  const CliRun said = ring_sim({"soak", "--seeds", "1", "--first", "100", "--hashes", "--json"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("--hashes"));
+}
+
+TEST(Explore, NamesAPlaceThatTheRunDoesNotHave) {
+  const CliRun said = ring_sim({"explore", "--only", "99999:lost"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("--only: there is no place 99999, only 0 to "));
+  EXPECT_EQ(ring_sim({"explore", "--only", "0:lost"}).code, kDone);
+}
+
 TEST(Commands, ExplainThemselvesAndTheirExitCodes) {
   for (const char* command : {"table", "run", "compare", "plan", "soak"}) {
     const CliRun said = ring_sim({command, "--help"});

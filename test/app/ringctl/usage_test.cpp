@@ -1,6 +1,7 @@
 // What ringctl says to wrong command lines, before it looks for any daemon.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -141,12 +142,31 @@ TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
       {{"trace", "walk.pcapng", "--for", "5s"}, "with --live"},
       {{"trace", "--live", "--at", "5ms"}, "--at"},
       {{"trace", "walk.pcapng", "--sequence", "8"}, "--sequence"},
+      {{"trace", "walk.pcapng", "-n", "-1"}, "--count"},
       {{"trace", "no_such.pcapng"}, "no_such.pcapng: cannot be read"}};
   for (const auto& [arguments, about] : wrong) {
     const CliRun said = ringctl(arguments);
     EXPECT_EQ(said.code, kUsage) << about;
     EXPECT_THAT(said.errors, HasSubstr(about));
   }
+}
+
+TEST_F(Usage, DumpDoesNotWriteOverTheFileThatItReads) {
+  write("walk.pcapng", "all that there is");
+  const std::string file = folder + "/walk.pcapng", roundabout = folder + "/./walk.pcapng";
+  const CliRun said = ringctl({"dump", "-r", file, "-w", roundabout});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("name the same file"));
+  EXPECT_EQ(std::filesystem::file_size(file), 17u);
+}
+
+TEST_F(Usage, SeedsAreWholeNumbersThatAFileMayHave) {
+  for (const char* command : {"run", "shrink"})
+    for (const char* seed : {"-1", "18446744073709551615", "foo"}) {
+      const CliRun said = ringctl({"scenario", command, "walk.yaml", "--seed", seed});
+      EXPECT_EQ(said.code, kUsage) << seed;
+      EXPECT_THAT(said.errors, AllOf(HasSubstr("--seed"), HasSubstr("9223372036854775807"))) << seed;
+    }
 }
 
 }  // namespace

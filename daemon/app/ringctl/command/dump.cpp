@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -91,6 +92,9 @@ DumpTotals show_records(capture::PcapngReader& reader, const DumpOptions& option
 
 int dump_file(const DumpOptions& options) {
   if (!options.nodes.empty()) throw UsageError("-r reads a file, which has its own nodes: leave NODE out");
+  std::error_code missing;
+  if (std::filesystem::equivalent(options.read, options.write, missing))
+    throw UsageError("-r and -w name the same file: " + options.write + " would be lost; write to another one");
   std::ifstream file(options.read, std::ios::binary);
   if (!file) throw UsageError(options.read + ": cannot be read: " + std::strerror(errno));
   capture::PcapngReader reader(file, options.read);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -176,7 +177,8 @@ void add_scenario(CLI::App& app, Context& context) {
                                              "Write the packets on all lines there, as pcapng for Wireshark");
   command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
       ->needs(capture);
-  command->add_option("--seed", options->seed, "Instead of the files' own");
+  command->add_option("--seed", options->seed, "Instead of the files' own")
+      ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
   add_json(*command, options->json);
   command->callback([&context, options] {
     if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");

@@ -2,12 +2,14 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "app/common/out_file.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "cli/values.h"
 #include "scenario/report.h"
 #include "scenario/shrink.h"
 
@@ -61,7 +63,8 @@ void add_scenario_shrink(CLI::App& scenario, Context& context) {
                                   "clock; exit code 1: it is as expected");
   command->add_option("FILE", options->request.path, "The scenario, YAML")->required();
   command->add_option("-o,--out", options->out, "Write the small one there instead of to standard output");
-  command->add_option("--seed", options->request.seed, "Instead of the file's own");
+  command->add_option("--seed", options->request.seed, "Instead of the file's own")
+      ->transform(cli::whole(0, std::numeric_limits<std::int64_t>::max()));
   command->callback([&context, options] {
     if (!context.ring.empty()) throw CLI::ValidationError("--ring", "a scenario has a ring of its own");
     context.action = [options] { return run(*options); };

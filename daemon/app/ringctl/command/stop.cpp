@@ -30,9 +30,12 @@ std::string text_of(const nlohmann::json& answer, const std::vector<ask::KnownSt
   return "the stop " + ended + '\n' + sentence_of(stops) + '\n';
 }
 
+// `delivered` says no more than that it went round: a node in another part of the ring, frozen or bypassed was not
+// reached.
 int code_of(const std::string& outcome, const std::vector<ask::KnownStop>& stops) {
-  if (outcome == to_string(Outcome::delivered) || all_told(stops)) return kDone;
-  const bool may_be = outcome == to_string(Outcome::unconfirmed) || outcome == to_string(Outcome::lost);
+  if (all_told(stops)) return kDone;
+  const bool may_be = outcome == to_string(Outcome::delivered) || outcome == to_string(Outcome::unconfirmed) ||
+                      outcome == to_string(Outcome::lost);
   return may_be ? kUnknown : kNotDone;
 }
 

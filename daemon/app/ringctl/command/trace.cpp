@@ -131,7 +131,8 @@ void add_options(CLI::App& command, TraceOptions& options) {
       ->transform(cli::whole(0, 7));
   command.add_option("--at", options.at,
                      "Only those on their way then: 12.5ms since the first packet, or as dump -t a");
-  command.add_option("-n,--count", options.count, "At most so many, the slowest first; default 1; 0: all");
+  command.add_option("-n,--count", options.count, "At most so many, the slowest first; default 1; 0: all")
+      ->transform(cli::whole(0, 1000000000));
   command.add_option("--svg", options.svg, "Draw the first of them there");
   add_json(command, options.json);
 }
