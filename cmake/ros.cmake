@@ -11,12 +11,8 @@ find_package(catkin REQUIRED COMPONENTS
   diagnostic_updater visualization_msgs tf2_ros)
 file(GLOB msg_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/msg msg/*.msg)
 file(GLOB srv_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/srv srv/*.srv)
-if(msg_files)
-  add_message_files(FILES ${msg_files})
-endif()
-if(srv_files)
-  add_service_files(FILES ${srv_files})
-endif()
+add_message_files(FILES ${msg_files})
+add_service_files(FILES ${srv_files})
 generate_messages(DEPENDENCIES std_msgs sensor_msgs)
 catkin_package(
   INCLUDE_DIRS include

@@ -67,9 +67,7 @@ std::vector<RingEvent> EventConversion::events_of(const config::NodeConfig& node
 }
 
 std::string EventConversion::name_of(int id) const {
-  if (id < 0 || id > 255) return "";
-  const auto* node = ring_.find(static_cast<std::uint8_t>(id));
-  return node ? node->name : std::to_string(id);
+  return id < 0 || id > 255 ? "" : ring_.name_of(static_cast<std::uint8_t>(id));
 }
 
 void EventConversion::take_link(const std::string& what, RingEvent& made) const {

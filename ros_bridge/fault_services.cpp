@@ -10,12 +10,6 @@ namespace {
 
 using fault::Name;
 
-fault::RingNodes nodes_of(const config::RingConfig& ring) {
-  fault::RingNodes nodes;
-  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
-  return nodes;
-}
-
 void append(std::string& text, const std::string& more, const char* between) {
   if (!more.empty()) text += (text.empty() ? "" : between) + more;
 }
@@ -23,7 +17,7 @@ void append(std::string& text, const std::string& more, const char* between) {
 }  // namespace
 
 FaultServices::FaultServices(TwoNames& names, const config::RingConfig& ring, const std::string& own, RingPort& port)
-    : ring_nodes_(nodes_of(ring)), own_(own), port_(port), faults_(ring.ring, ring_nodes_) {
+    : ring_nodes_(fault::ring_nodes(ring)), own_(own), port_(port), faults_(ring.ring, ring_nodes_) {
   names.advertise("inject_fault", &FaultServices::inject, this);
   names.advertise("clear_faults", &FaultServices::clear, this);
   names.advertise("list_faults", &FaultServices::list, this);

@@ -5,11 +5,6 @@
 namespace limb_ring::bridge {
 namespace {
 
-std::string name_of(const config::RingConfig& ring, std::uint8_t id) {
-  const auto* node = ring.find(id);
-  return node ? node->name : std::to_string(id);
-}
-
 void take_trailer(const wire::PacketFields& fields, Frame& frame) {
   frame.fbc = fields.fbc();
   frame.did = fields.destination();
@@ -32,8 +27,8 @@ Frame to_frame(const CapturedPacket& packet, const config::NodeConfig& node, con
   Frame frame;
   frame.header.stamp.fromNSec(static_cast<std::uint64_t>(packet.time_ns));
   frame.node = node.name;
-  frame.line_from = name_of(ring, info.from);
-  frame.line_to = name_of(ring, info.to);
+  frame.line_from = ring.name_of(info.from);
+  frame.line_to = ring.name_of(info.to);
   frame.direction = info.input ? Frame::IN : Frame::OUT;
   frame.retry = info.retry;
   frame.own = info.own;

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "config/names.h"
+
 namespace limb_ring::bridge {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr int kLimit = 1000;  // frames a second that any reader keeps up with
 
 const std::vector<std::string> kNames{"nodes",    "at",      "kinds",  "source", "destination",
                                       "priority", "channel", "sample", "limit"};
-
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
 
 [[noreturn]] void refuse(const std::string& name, const std::string& value, const std::string& right) {
   throw std::invalid_argument("parameter ~frames/" + name + ": " + value + "; it must be " + right);
@@ -47,7 +43,7 @@ class Reader {
   json among(const std::string& name, const std::vector<std::string>& allowed) const {
     json list = json::array();
     for (const auto& word : words(name)) {
-      if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) refuse(name, word, listed(allowed));
+      if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) refuse(name, word, config::join(allowed));
       list.push_back(word);
     }
     return list;
@@ -57,7 +53,7 @@ class Reader {
     if (const auto* found = ring_.find(word)) return *found;
     std::vector<std::string> there{"all"};
     for (const auto& each : ring_.nodes) there.push_back(each.name);
-    refuse(name, word, "of: " + listed(there));
+    refuse(name, word, "of: " + config::join(there));
   }
 
   json nodes(const std::string& name) const {
@@ -80,7 +76,7 @@ class Reader {
   int single(const std::string& name, int otherwise, int least) const {
     const auto all = words(name);
     if (all.empty()) return otherwise;
-    if (all.size() > 1) refuse(name, listed(all), "one number");
+    if (all.size() > 1) refuse(name, config::join(all), "one number");
     return number(name, all.front(), least, 1000000);
   }
 
@@ -104,10 +100,10 @@ class Reader {
 
 void check_names(XmlRpcValue& parameters) {
   if (parameters.getType() != XmlRpcValue::TypeStruct)
-    throw std::invalid_argument("parameter ~frames must be a map of: " + listed(kNames));
+    throw std::invalid_argument("parameter ~frames must be a map of: " + config::join(kNames));
   for (auto& [name, value] : parameters)
     if (std::find(kNames.begin(), kNames.end(), name) == kNames.end())
-      throw std::invalid_argument("parameter ~frames/" + name + ": there is none; there are " + listed(kNames));
+      throw std::invalid_argument("parameter ~frames/" + name + ": there is none; there are " + config::join(kNames));
 }
 
 }  // namespace

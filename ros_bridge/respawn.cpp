@@ -1,14 +1,14 @@
 #include "ros_bridge/respawn.h"
 
-#include <signal.h>
-
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <iostream>
 #include <stdexcept>
 
 #include "process/back_off.h"
 #include "process/child.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -18,34 +18,12 @@ using std::chrono::steady_clock;
 
 constexpr int kWrongParameters = 2;
 
-/// The signals that the parent waits for, held back as long as this lives.
-class HeldSignals {
- public:
-  HeldSignals() {
-    ::sigemptyset(&ours_);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) ::sigaddset(&ours_, signal);
-    ::sigprocmask(SIG_BLOCK, &ours_, &before_);
-  }
-  void release() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
-  int next() const { return ::sigwaitinfo(&ours_, nullptr); }
-  /// @return the signal; negative where none came in that time
-  int next(milliseconds timeout) const {
-    const timespec wait{timeout.count() / 1000, timeout.count() % 1000 * 1000000};
-    return ::sigtimedwait(&ours_, nullptr, &wait);
-  }
-
- private:
-  sigset_t ours_{}, before_{};
-};
-
-bool asks_to_end(int signal) { return signal > 0 && signal != SIGCHLD; }
-
 /// @return whether this process was asked to end while the child ran
-bool wait_for(process::Child& child, const HeldSignals& signals) {
+bool wait_for(process::Child& child, const process::SignalWait& signals) {
   bool asked = false;
   while (!child.reap()) {
     const int signal = signals.next();
-    if (!asks_to_end(signal)) continue;
+    if (!process::SignalWait::asks_to_end(signal)) continue;
     asked = true;
     child.signal(signal);
   }
@@ -53,17 +31,18 @@ bool wait_for(process::Child& child, const HeldSignals& signals) {
 }
 
 /// @return true where the parent is asked to end meanwhile
-bool wait_before_next(milliseconds wait, const HeldSignals& signals) {
+bool wait_before_next(milliseconds wait, const process::SignalWait& signals) {
   const auto until = steady_clock::now() + wait;
   for (auto now = steady_clock::now(); now < until; now = steady_clock::now())
-    if (asks_to_end(signals.next(std::chrono::ceil<milliseconds>(until - now)))) return true;
+    if (signals.asked_to_end(std::chrono::ceil<milliseconds>(until - now))) return true;
   return false;
 }
 
 }  // namespace
 
 int respawned(const std::function<int()>& program) {
-  const HeldSignals signals;
+  // Held back to the end of this process: one that comes after the child's end must not change our exit code.
+  const process::SignalWait& signals = *new process::SignalWait;
   // It ends by exit(), as from main(): ROS ends in an exit handler.
   const auto work = [&]() -> int {
     signals.release();

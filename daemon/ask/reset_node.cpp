@@ -13,7 +13,6 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kResetPollPeriod{50};
 constexpr milliseconds kMargin{2000};  ///< for the answer, beside the time that the reset is given
-constexpr int kLatelyHeard = 1000;     ///< ms; an older beacon tells nothing
 
 const json* broken_line(const Rows& rows) {
   for (const auto& [id, row] : rows)
@@ -43,10 +42,9 @@ std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
 
 std::optional<std::uint32_t> boots_in(const json& row, std::uint8_t target) {
   if (row.value("id", -1) == target) return row.at("cpu").value("boots", 0u);
-  for (const json& peer : row.value("heard", json::array()))
-    if (peer.value("id", -1) == target && peer.value("age_ms", kLatelyHeard) < kLatelyHeard)
-      return peer.value("cpu_boots", 0u);
-  return std::nullopt;
+  const json peer = lately_heard_in(row, target);
+  if (peer.is_null()) return std::nullopt;
+  return peer.value("cpu_boots", 0u);
 }
 
 std::uint8_t best_sender(const Rows& rows, const ResetQuery& query) {

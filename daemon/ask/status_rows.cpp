@@ -1,10 +1,9 @@
 #include "ask/status_rows.h"
 
 #include <algorithm>
-#include <atomic>
 #include <optional>
-#include <thread>
 
+#include "ask/in_parallel.h"
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -16,6 +15,8 @@ using nlohmann::json;
 
 constexpr std::size_t kAskers = 16;
 constexpr int kLately = 1000;  ///< ms; an older beacon tells nothing
+
+int age_of(const json& heard) { return heard.value("age_ms", kLately); }
 
 std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono::milliseconds timeout) {
   const live::Holder holder = live::holder_of(ring_directory(ring), id);
@@ -37,13 +38,7 @@ std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono
 
 Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::chrono::milliseconds timeout) {
   std::vector<std::optional<json>> answers(nodes.size());
-  std::atomic<std::size_t> next{0};
-  const auto ask_some = [&] {
-    for (std::size_t i = next++; i < nodes.size(); i = next++) answers[i] = row_of(ring, nodes[i].id, timeout);
-  };
-  std::vector<std::thread> askers;
-  for (std::size_t i = 0; i < std::min(kAskers, nodes.size()); ++i) askers.emplace_back(ask_some);
-  for (std::thread& asker : askers) asker.join();
+  in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = row_of(ring, nodes[i].id, timeout); });
   Rows rows;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (answers[i]) rows.emplace(nodes[i].id, std::move(*answers[i]));
@@ -56,15 +51,19 @@ Rows status_rows_here(const std::string& ring, std::chrono::milliseconds timeout
   return status_rows(ring, nodes, timeout);
 }
 
+json lately_heard_in(const json& row, std::uint8_t node) {
+  for (const json& heard : row.value("heard", json::array()))
+    if (heard.value("id", -1) == node && age_of(heard) < kLately) return heard;
+  return nullptr;
+}
+
 json lately_heard(const Rows& rows, std::uint8_t node) {
   json newest;
-  int age = kLately;
-  for (const auto& [id, row] : rows)
-    for (const json& heard : row.value("heard", json::array())) {
-      if (heard.value("id", -1) != node || heard.value("age_ms", kLately) >= age) continue;
-      age = heard.value("age_ms", kLately);
-      newest = heard;
-    }
+  for (const auto& [id, row] : rows) {
+    json heard = lately_heard_in(row, node);
+    if (heard.is_null()) continue;
+    if (newest.is_null() || age_of(heard) < age_of(newest)) newest = std::move(heard);
+  }
   return newest;
 }
 

@@ -17,16 +17,20 @@ struct Node {
   std::string name;
 };
 
-/// The status rows of those daemons on this host that answer, by node id. All are asked at the same time.
-/// @param timeout for each; one that is stopped (SIGSTOP) is not asked
+/// Status rows, by node id.
 using Rows = std::map<std::uint8_t, nlohmann::json>;
+
+/// The status rows of those daemons on this host that answer. All are asked at the same time.
+/// @param timeout for each; one that is stopped (SIGSTOP) is not asked
 Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::chrono::milliseconds timeout);
 
 /// The same of all daemons on this host.
 Rows status_rows_here(const std::string& ring, std::chrono::milliseconds timeout);
 
-/// The newest beacon of a node that a daemon of this host has lately heard (an entry of `heard` in its row); null if
-/// none has.
+/// The beacon of a node that the daemon of this row has heard within the last second (an entry of `heard`); null if it
+/// has heard none.
+nlohmann::json lately_heard_in(const nlohmann::json& row, std::uint8_t node);
+/// The newest of those that the daemons of this host have lately heard; null if none has.
 nlohmann::json lately_heard(const Rows& rows, std::uint8_t node);
 
 /// The name of a node, or its id where it is none of these.

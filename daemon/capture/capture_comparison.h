@@ -20,7 +20,7 @@ struct CaptureComparison {
 /// Reads both up to where they part, or to their ends. @throw CaptureFileError
 CaptureComparison compare(PcapngReader& first, PcapngReader& second);
 
-/// "time, data from byte 8": what of them differs; empty where nothing does. @pre both are packets, or both events
+/// "time, bytes from 8": what of them differs; empty where nothing does. @pre both are packets, or both events
 std::string difference(const PcapngReader::Record& first, const PcapngReader::Record& second);
 
 }  // namespace limb_ring::capture

@@ -15,8 +15,7 @@ bool lets(const std::bitset<N>& wanted, std::size_t value) {
 
 Kind kind_of(const PacketView& packet) {
   if (packet.interrupt()) return Kind::interrupt;
-  const bool control = packet.whole() && wire::channel_of(wire::PacketFields{packet.bytes}.last()) ==
-                                             static_cast<std::uint8_t>(wire::Channel::control);
+  const bool control = packet.whole() && wire::is_control(wire::PacketFields{packet.bytes});
   return control ? Kind::control : Kind::data;
 }
 

@@ -12,12 +12,9 @@ namespace {
 
 using wire::kInterruptPacketSize;  // the longest tail there is
 
-constexpr std::size_t kWord = 4;  // an INTP is embedded at a word boundary
-
 /// Bytes that go with the last slice: all of an INTP; odd bytes, trailer and CRC of a DATP.
 std::size_t tail_of(const SeenPacket& packet) {
-  if (packet.interrupt()) return packet.size;
-  return wire::kTrailerSize + wire::kCrcSize + (packet.size - wire::kOverhead) % kWord;
+  return packet.interrupt() ? packet.size : wire::tail_size(packet.size);
 }
 
 bool carries(const SeenPacket& packet, const SeenPacket& interrupt) {

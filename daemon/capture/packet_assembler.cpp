@@ -57,8 +57,8 @@ void PacketAssembler::interrupt(ByteView bytes, nanoseconds at) {
   CaptureInfo info = line_;
   if (open_) {
     info.embedded = true;
-    info.carrier_source = bytes_[3];
-    info.carrier_code = bytes_[0];
+    info.carrier_source = bytes_[wire::field::kSource];
+    info.carrier_code = bytes_[wire::field::kCode];
     info.carrier_offset = static_cast<std::uint16_t>(size_);
   }
   give(info, bytes, at);

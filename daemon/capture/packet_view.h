@@ -14,8 +14,8 @@ struct PacketView {
   wire::ByteView bytes;  ///< valid during the call that hands it over; at least a header
 
   bool whole() const { return !info.aborted && !info.truncated && bytes.size >= wire::kOverhead; }
-  bool interrupt() const { return wire::code_of(bytes[0]).interrupt; }
-  wire::NodeId source() const { return wire::NodeId{bytes[3]}; }
+  bool interrupt() const { return wire::PacketFields{bytes}.code().interrupt; }
+  wire::NodeId source() const { return wire::PacketFields{bytes}.source(); }
 };
 
 }  // namespace limb_ring::capture

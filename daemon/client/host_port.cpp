@@ -113,14 +113,10 @@ std::uint32_t HostPort::interrupt(std::uint8_t destination, std::uint8_t factor,
 std::uint32_t HostPort::pull(std::uint8_t input) { return impl_->call(client::PullRequest{0, input}); }
 
 std::uint32_t HostPort::request(const std::string& json) {
-  client::Connection& connection = impl_->connection;
-  const std::uint32_t token = connection.begin(Pending::Ends::with_reply);
-  if (json.size() > client::kMaxRequest) {
-    connection.reject(token, "request of " + std::to_string(json.size()) + " bytes, at most " +
-                                 std::to_string(client::kMaxRequest) + " are possible");
-  } else {
-    connection.send(client::JsonRequest{token, json});
-  }
+  if (json.size() <= client::kMaxRequest) return impl_->request(json);
+  const std::uint32_t token = impl_->connection.begin(Pending::Ends::with_reply);
+  impl_->connection.reject(token, "request of " + std::to_string(json.size()) + " bytes, at most " +
+                                      std::to_string(client::kMaxRequest) + " are possible");
   return token;
 }
 

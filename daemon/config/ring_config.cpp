@@ -24,6 +24,11 @@ const NodeConfig* RingConfig::find(const std::string& id_or_name) const {
   return found == nodes.end() ? nullptr : &*found;
 }
 
+std::string RingConfig::name_of(std::uint8_t id) const {
+  const NodeConfig* node = find(id);
+  return node != nullptr ? node->name : std::to_string(id);
+}
+
 const HostConfig* RingConfig::find_host(const std::string& name) const {
   const auto found =
       std::find_if(hosts.begin(), hosts.end(), [&](const HostConfig& host) { return host.name == name; });

@@ -227,6 +227,8 @@ struct RingConfig {
   const NodeConfig* find(std::uint8_t id) const;
   /// By id ("12") or name ("left_knee").
   const NodeConfig* find(const std::string& id_or_name) const;
+  /// Of a node; of one that is not configured, its id in digits.
+  std::string name_of(std::uint8_t id) const;
   const HostConfig* find_host(const std::string& name) const;
   /// Of a node; nullptr where no hosts are given.
   const HostConfig* host_of(const NodeConfig& node) const;

@@ -24,17 +24,16 @@ bool swallowed(std::optional<Name> damage) {
 
 Duration half_period(const Fault& fault) { return std::max<Duration>(Duration(fault.every) / 2, Duration{1}); }
 
-void append(const wire::SliceWriter& slices, wire::SliceWriter& out) {
-  wire::each_slice(slices.view(), [&](const wire::Slice& slice) { out.put(slice.kind, slice.bytes); });
-}
-
 }  // namespace
 
 // ---- which there are ------------------------------------------------------------------------
 
 LineFaults::Id LineFaults::begin(const Fault& fault, Time now) {
   advance(now);
-  if (fault.name == Name::heal) return clear(), 0;
+  if (fault.name == Name::heal) {
+    clear();
+    return 0;
+  }
   const std::uint64_t seed = fault.seed != 0 ? fault.seed : random_();
   const std::uint64_t packets = fault.packets != 0 ? fault.packets : kNoLimit;
   active_.push_back(
@@ -105,7 +104,7 @@ Duration LineFaults::pace(Time now) const {
 }
 
 Time LineFaults::next_change(const Active& active) const {
-  if (active.milestone_left != 0) return kNever;
+  if (active.after_packets_left != 0) return kNever;
   if (now_ < active.from) return active.from;
   if (active.fault.name != Name::flap) return active.until;
   const Duration half = half_period(active.fault);
@@ -225,7 +224,7 @@ void LineFaults::pass_data(const Slice& slice, Time now) {
 void LineFaults::end_data(const Slice& slice, const Verdict& verdict, Time now) {
   const Time due = now + verdict.delay;
   if (swallowed(verdict.damage)) return;
-  if (on_data_) count_milestones(slice.bytes, now);
+  if (on_data_) count_awaited(slice.bytes, now);
   if (verdict.damage == Name::corrupt) return put_damaged(slice, due, now);
   if (verdict.damage == Name::truncate) return put_cut_short(slice, due, now);
   put(slice.kind, slice.bytes, due, now);
@@ -249,11 +248,11 @@ void LineFaults::pass_interrupt(const Slice& slice, Time now) {
 }
 
 // A fault that waits for this packet (after_packets) hits the next one, not this one.
-void LineFaults::count_milestones(wire::ByteView end, Time now) {
+void LineFaults::count_awaited(wire::ByteView end, Time now) {
   const std::uint8_t last = end[end.size - wire::kCrcSize - 1];
   if (wire::channel_of(last) == static_cast<std::uint8_t>(wire::Channel::control)) return;
   for (Active& active : active_)
-    if (active.milestone_left != 0 && active.fault.of == data_source_ && --active.milestone_left == 0)
+    if (active.after_packets_left != 0 && active.fault.of == data_source_ && --active.after_packets_left == 0)
       start(active, now);
 }
 
@@ -286,11 +285,7 @@ void LineFaults::put_cut_short(const Slice& slice, Time due, Time now) {
 
 void LineFaults::take(Time now, wire::SliceWriter& out) {
   advance(now);
-  if (out.empty())
-    out.swap(ready_);
-  else
-    append(ready_, out);
-  ready_.clear();
+  out.take(ready_);
   if (cut_now(now)) return line_lost();
   if (stalled(now)) return;
   for (const Duration slower = pace(now); held_.next(slower) <= now;) held_.take(slower, out);

@@ -74,9 +74,9 @@ class LineFaults {
     Id id;
     Fault fault;
     Time from, until;
-    std::uint64_t packets_left, milestone_left, hits;
+    std::uint64_t packets_left, after_packets_left, hits;
     std::mt19937_64 random;
-    bool waits(Time now) const { return now < from || milestone_left != 0; }
+    bool waits(Time now) const { return now < from || after_packets_left != 0; }
   };
   /// What becomes of one packet.
   struct Verdict {
@@ -98,7 +98,7 @@ class LineFaults {
   void pass_data(const wire::Slice& slice, Time now);
   void end_data(const wire::Slice& slice, const Verdict& verdict, Time now);
   void pass_interrupt(const wire::Slice& slice, Time now);
-  void count_milestones(wire::ByteView end, Time now);
+  void count_awaited(wire::ByteView end, Time now);
   void put(wire::SliceKind kind, wire::ByteView bytes, Time due, Time now);
   void put_damaged(const wire::Slice& slice, Time due, Time now);
   void put_cut_short(const wire::Slice& slice, Time due, Time now);

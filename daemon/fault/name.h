@@ -9,6 +9,7 @@ namespace limb_ring::fault {
 /// Every way in which a robot is broken, or mended, on purpose: the one vocabulary of scenarios, simulator,
 /// daemons and tools. (ours)
 enum class Name {
+  // of a line
   cut,
   heal,
   drop,
@@ -19,19 +20,21 @@ enum class Name {
   delay,
   rate,
   stall,
-  flap,  // a line
+  flap,
+  // of a node: controller and CPU
   kill,
   start,
   power_cycle,
   freeze,
-  thaw,  // a node: controller and CPU
+  thaw,
+  // of a CPU; its controller goes on
   hang,
   resume,
   reset,
   crash,
   slow,
   not_reading,
-  babble  // a CPU; its controller goes on
+  babble
 };
 
 /// What a fault hits.

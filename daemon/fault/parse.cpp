@@ -6,6 +6,7 @@
 
 #include "config/names.h"
 #include "config/quantity.h"
+#include "config/ring_config.h"
 
 namespace limb_ring::fault {
 
@@ -153,6 +154,12 @@ std::vector<std::string> split(const std::string& text) {
 }
 
 }  // namespace
+
+RingNodes ring_nodes(const config::RingConfig& ring) {
+  RingNodes nodes;
+  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), NodeId{node.id}});
+  return nodes;
+}
 
 std::vector<KeyWord> keys_of(const Word& word) {
   std::vector<KeyWord> keys;

@@ -6,6 +6,10 @@
 
 #include "fault/fault.h"
 
+namespace limb_ring::config {
+struct RingConfig;
+}
+
 namespace limb_ring::fault {
 
 /// A node as people speak of it, and as a Fault does.
@@ -16,6 +20,8 @@ struct NamedNode {
 };
 /// All nodes of a ring, in ring order.
 using RingNodes = std::vector<NamedNode>;
+/// Those of a configured ring, by their configured ids.
+RingNodes ring_nodes(const config::RingConfig& ring);
 
 /// A text is no fault: `'WORD' is so wrong; allowed: ...`.
 struct ParseError : std::runtime_error {

@@ -94,7 +94,6 @@ bool HostServer::attach(Session& session, const client::Greeting& greeting) {
     return false;
   }
   if (!session.open()) return false;  // the handler has ended it
-  ++counters_.attached;
   session.attach(info, options_.turns);
   if (greeting.role == Role::cpu) cpu_ = session.shared_from_this();
   if (info.lockstep) options_.turns->joined(options_.id, session.shared_from_this());

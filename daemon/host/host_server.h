@@ -15,7 +15,6 @@ namespace limb_ring::host {
 
 /// What happened at a host port; every loss has its counter.
 struct HostCounters {
-  std::uint64_t attached = 0;         ///< clients that were let in
   std::uint64_t refused = 0;          ///< by the handler, a wrong ring or version, a second CPU
   std::uint64_t refused_foreign = 0;  ///< another user's process
   std::uint64_t refused_full = 0;     ///< more clients than limits.clients

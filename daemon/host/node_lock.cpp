@@ -13,15 +13,16 @@
 #include <system_error>
 
 #include "host/throw_errno.h"
+#include "process/process_state.h"
 
 namespace limb_ring::host {
 
 namespace {
 
-int open_lock_file(const std::string& path) {
-  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (fd < 0) throw_errno("cannot open " + path);
-  return fd;
+process::UniqueFd open_lock_file(const std::string& path) {
+  process::UniqueFd file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.valid()) throw_errno("cannot open " + path);
+  return file;
 }
 
 /// A lock of the open file (F_OFD_SETLK). Others can query it without taking it (live/lock_files.cpp), so that a
@@ -35,11 +36,10 @@ bool try_lock(int fd) {
 
 /// "pid 4711 (ringd)", as far as can be known.
 std::string holder_of(const std::string& path) {
-  long pid = 0;
+  pid_t pid = 0;
   std::ifstream(path) >> pid;
   if (pid <= 0) return "another process";
-  std::string program;
-  std::getline(std::ifstream("/proc/" + std::to_string(pid) + "/comm"), program);
+  const std::string program = process::program_of(pid);
   const std::string text = "pid " + std::to_string(pid);
   return program.empty() ? text : text + " (" + program + ")";
 }
@@ -79,28 +79,16 @@ bool is_still_at(const std::string& path, int fd) {
 }  // namespace
 
 NodeLock::NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name)
-    : path_(directory + "/" + std::to_string(id) + ".lock") {
-  fd_ = open_lock_file(path_);
-  try {
-    while (try_lock(fd_) && !is_still_at(path_, fd_)) {
-      close(fd_);
-      fd_ = open_lock_file(path_);
-    }
-    if (!try_lock(fd_)) {
-      if (errno != EAGAIN && errno != EACCES) throw_errno("cannot lock " + path_);
-      throw NodeHeld("node " + std::to_string(id) + " (" + name + ") of ring " + ring + " is held by " +
-                     holder_of(path_));
-    }
-    write_holder(fd_, path_);
-  } catch (...) {
-    close(fd_);
-    throw;
+    : path_(directory + "/" + std::to_string(id) + ".lock"), file_(open_lock_file(path_)) {
+  while (try_lock(file_.get()) && !is_still_at(path_, file_.get())) file_ = open_lock_file(path_);
+  if (!try_lock(file_.get())) {
+    if (errno != EAGAIN && errno != EACCES) throw_errno("cannot lock " + path_);
+    throw NodeHeld("node " + std::to_string(id) + " (" + name + ") of ring " + ring + " is held by " +
+                   holder_of(path_));
   }
+  write_holder(file_.get(), path_);
 }
 
-bool NodeLock::is_in_place() const { return is_still_at(path_, fd_); }
-
-/// The file stays: removing it would let two daemons lock two files of one name.
-NodeLock::~NodeLock() { close(fd_); }
+bool NodeLock::is_in_place() const { return is_still_at(path_, file_.get()); }
 
 }  // namespace limb_ring::host

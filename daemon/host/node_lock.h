@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "process/unique_fd.h"
+
 namespace limb_ring::host {
 
 /// Another daemon holds the node; what() says which.
@@ -19,16 +21,13 @@ class NodeLock {
   /// @throw NodeHeld "node 3 (left_knee) of ring r is held by pid 4711 (ringd)"; std::system_error naming
   ///        the file and what is wrong with it
   NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name);
-  ~NodeLock();
-  NodeLock(const NodeLock&) = delete;
-  NodeLock& operator=(const NodeLock&) = delete;
 
   /// False where its file was removed, so that another daemon can have one of its own.
   bool is_in_place() const;
 
  private:
   std::string path_;
-  int fd_ = -1;
+  process::UniqueFd file_;  ///< never removed: two daemons could then lock two files of one name
 };
 
 }  // namespace limb_ring::host

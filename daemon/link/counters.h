@@ -2,6 +2,9 @@
 
 #include <cstdint>
 
+#include "link/link_header.h"
+#include "link/seal.h"
+
 namespace limb_ring::link {
 
 /// What happened at the receiving end of a link since the start.
@@ -52,6 +55,21 @@ struct OutputCounters {
   std::uint64_t queue_invalid = 0;      ///< of those: the reader's end of the shared memory was invalid
   std::uint64_t queue_unavailable = 0;  ///< attempts for which the kernel gave no shared memory
 };
+
+/// Counts a refusal, given or got, for one of the reasons that people have to mend.
+template <typename Counters>
+void count(Refusal refusal, Counters& counters) {
+  if (refusal == Refusal::wrong_version) ++counters.other_version;
+  if (refusal == Refusal::other_ring_file) ++counters.other_ring_file;
+  if (of_keys(refusal)) ++counters.other_key;
+}
+
+/// Counts a datagram of a keyed session that is not good; its size was looked at before.
+template <typename Counters>
+void count(Opener::Verdict verdict, Counters& counters) {
+  if (verdict == Opener::Verdict::forged) ++counters.datagrams_forged;
+  if (verdict == Opener::Verdict::replayed) ++counters.datagrams_replayed;
+}
 
 /// Calls visit(name, value) for every counter.
 template <typename Visit>

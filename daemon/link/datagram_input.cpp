@@ -141,7 +141,10 @@ bool DatagramInput::may_ask(const LinkHeader& connect, wire::ByteView datagram, 
 }
 
 bool DatagramInput::is_authentic(const LinkHeader& connect, wire::ByteView datagram, const UdpAddress& sender) {
-  if (datagram.size != kKeyedConnectSize) return ++report_.counters.datagrams_truncated, false;
+  if (datagram.size != kKeyedConnectSize) {
+    ++report_.counters.datagrams_truncated;
+    return false;
+  }
   Nonce asker;
   std::copy_n(datagram.data + kConnectSize, asker.size(), asker.begin());
   const std::size_t signed_size = kKeyedConnectSize - kTagSize;
@@ -151,14 +154,19 @@ bool DatagramInput::is_authentic(const LinkHeader& connect, wire::ByteView datag
 }
 
 bool DatagramInput::is_unsealed(const LinkHeader& header, wire::ByteView& datagram) {
-  if (datagram.size < kLinkHeaderSize + kSealSize) return ++report_.counters.datagrams_truncated, false;
+  if (datagram.size < kLinkHeaderSize + kSealSize) {
+    ++report_.counters.datagrams_truncated;
+    return false;
+  }
   const auto offer = offers_.find(header.sender);
   Session* session = present(header) ? &session_ : nullptr;
   if (session == nullptr && offer != offers_.end() && offer->second.number == header.session) session = &offer->second;
-  if (session == nullptr) return ++report_.counters.datagrams_stale, false;  // and no answer: a stranger gets none
+  if (session == nullptr) {
+    ++report_.counters.datagrams_stale;
+    return false;  // and no answer: a stranger gets none
+  }
   const Opener::Verdict verdict = session->opener->open(datagram);
-  if (verdict == Opener::Verdict::forged) ++report_.counters.datagrams_forged;
-  if (verdict == Opener::Verdict::replayed) ++report_.counters.datagrams_replayed;
+  count(verdict, report_.counters);
   datagram = datagram.first(datagram.size - kSealSize);
   return verdict == Opener::Verdict::good;
 }

@@ -173,9 +173,7 @@ void Output::note(std::size_t candidate, const std::string& reason) {
 
 void Output::count(Refusal refusal) {
   ++counters_.refused;
-  if (refusal == Refusal::wrong_version) ++counters_.other_version;
-  if (refusal == Refusal::other_ring_file) ++counters_.other_ring_file;
-  if (of_keys(refusal)) ++counters_.other_key;
+  link::count(refusal, counters_);
 }
 
 void Output::on_no_node(std::size_t candidate) {

@@ -74,8 +74,6 @@ class Output final : private Downstream::Owner {
   bool up() const { return current_ != nullptr; }
   /// @pre up()
   std::uint8_t to() const { return settings_.candidates[*successor_.current()].id; }
-  /// How many nodes, dead or frozen, lie between this one and to(). @pre up()
-  std::size_t bypassed() const { return *successor_.current(); }
 
   /// While the wire is not whole no node is asked to connect, and none is bypassed: the wire is broken, not the node
   /// behind it. Cutting it calls the handler's on_output_lost.

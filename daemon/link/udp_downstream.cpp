@@ -78,19 +78,26 @@ bool UdpDownstream::is_authentic(const LinkHeader& header, wire::ByteView datagr
 bool UdpDownstream::is_of_handshake(const LinkHeader& header, wire::ByteView datagram) {
   const bool accepts = header.type == LinkHeaderType::accept;
   const std::size_t signed_size = kLinkHeaderSize + (accepts ? answerer_.size() : 0);
-  if (datagram.size != signed_size + kTagSize) return ++counters_.datagrams_truncated, false;
+  if (datagram.size != signed_size + kTagSize) {
+    ++counters_.datagrams_truncated;
+    return false;
+  }
   if (header.sender != peer_.id ||
-      !self_.key->check(datagram.first(signed_size), asker_, self_.id, datagram.data + signed_size))
-    return ++counters_.datagrams_forged, false;
+      !self_.key->check(datagram.first(signed_size), asker_, self_.id, datagram.data + signed_size)) {
+    ++counters_.datagrams_forged;
+    return false;
+  }
   if (accepts) std::copy_n(datagram.data + kLinkHeaderSize, answerer_.size(), answerer_.begin());
   return true;
 }
 
 bool UdpDownstream::is_of_session(wire::ByteView datagram) {
-  if (datagram.size < kLinkHeaderSize + kSealSize) return ++counters_.datagrams_truncated, false;
+  if (datagram.size < kLinkHeaderSize + kSealSize) {
+    ++counters_.datagrams_truncated;
+    return false;
+  }
   const Opener::Verdict verdict = opener_->open(datagram);
-  if (verdict == Opener::Verdict::forged) ++counters_.datagrams_forged;
-  if (verdict == Opener::Verdict::replayed) ++counters_.datagrams_replayed;
+  count(verdict, counters_);
   return verdict == Opener::Verdict::good;
 }
 

@@ -9,12 +9,6 @@ namespace limb_ring::promises {
 using Kind = Observation::Kind;
 using std::chrono::nanoseconds;
 
-namespace {
-
-constexpr int kTries = 4;
-
-}  // namespace
-
 NodeObserver::NodeObserver(const core::Settings& settings, nanoseconds zero, std::function<std::size_t()> waiting,
                            ObservationSink& sink, core::Duration goes_on)
     : settings_(settings),
@@ -157,7 +151,7 @@ void NodeObserver::taken(const core::ReceivedPacket& packet, core::Time now) {
 
 // Four tries, each of which may wait for the line, after four tries of the previous send.
 nanoseconds longest_send(const core::Settings& settings) {
-  const core::Duration tries = kTries * (settings.send_timeout() + settings.queue_timeout);
+  const core::Duration tries = wire::kTries * (settings.send_timeout() + settings.queue_timeout);
   return std::chrono::duration_cast<nanoseconds>(settings.queue_timeout + 2 * tries);
 }
 

@@ -22,19 +22,15 @@ using Bytes = std::array<std::uint8_t, 8>;
 
 BootRecord::BootRecord(const std::string& directory, std::uint8_t id) {
   const std::string path = directory + "/" + std::to_string(id) + ".boot";
-  fd_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (fd_ < 0) {
+  fd_.reset(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!fd_.valid()) {
     spdlog::warn("{}: {}; the next process of this node cannot go on from this one's boot number", path,
                  std::strerror(errno));
     return;
   }
   Bytes bytes;
-  if (::pread(fd_, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return;
-  last_ = std::uint64_t{wire::load_u32(bytes.data())} << 32 | wire::load_u32(bytes.data() + 4);
-}
-
-BootRecord::~BootRecord() {
-  if (fd_ >= 0) ::close(fd_);
+  if (::pread(fd_.get(), bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return;
+  last_ = wire::load_u64(bytes.data());
 }
 
 std::uint64_t BootRecord::first(std::uint64_t now_ns) const {
@@ -47,12 +43,11 @@ std::uint64_t BootRecord::first(std::uint64_t now_ns) const {
 
 void BootRecord::write(std::uint64_t boot) {
   last_ = boot;
-  if (fd_ < 0) return;
+  if (!fd_.valid()) return;
   Bytes bytes;
-  wire::store_u32(bytes.data(), static_cast<std::uint32_t>(boot >> 32));
-  wire::store_u32(bytes.data() + 4, static_cast<std::uint32_t>(boot));
+  wire::store_u64(bytes.data(), boot);
   // A failed write (disk full) is ignored: the next process then has only an older number to go on from.
-  [[maybe_unused]] const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), 0);
+  [[maybe_unused]] const ssize_t written = ::pwrite(fd_.get(), bytes.data(), bytes.size(), 0);
 }
 
 }  // namespace limb_ring::runtime

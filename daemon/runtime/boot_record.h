@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "process/unique_fd.h"
+
 namespace limb_ring::runtime {
 
 /// The last boot number of a node, kept in the ring's folder beside its lock (`ID.boot`, 8 bytes, big-endian), so that
@@ -14,9 +16,6 @@ class BootRecord {
   /// Opens or creates the file. If it holds no number, the previous one is unknown. The same if it cannot be opened,
   /// which is logged as a warning.
   BootRecord(const std::string& directory, std::uint8_t id);
-  ~BootRecord();
-  BootRecord(const BootRecord&) = delete;
-  BootRecord& operator=(const BootRecord&) = delete;
 
   /// The first boot number of a new process: nanoseconds since 1970, or the previous number + 1 if that is higher. Its
   /// two low bits are always those of the previous number + 1, if that is known.
@@ -29,7 +28,7 @@ class BootRecord {
  private:
   void write(std::uint64_t boot);
 
-  int fd_ = -1;
+  process::UniqueFd fd_;
   std::uint64_t last_ = 0;  ///< 0: unknown
 };
 

@@ -63,13 +63,12 @@ void power_cycle(const FaultTargets& to) {
   to.power_cycle();
 }
 
-}  // namespace
-
-fault::RingNodes fault_nodes(const config::RingConfig& ring) {
-  fault::RingNodes nodes;
-  for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
-  return nodes;
+/// Answers an empty object when all is mended, or the problem.
+Faults::Done answer_when_mended(const Answer& answer) {
+  return [answer](const std::string& problem) { answer(problem.empty() ? json::object() : json{{"error", problem}}); };
 }
+
+}  // namespace
 
 void begin_fault(const FaultTargets& to, const json& request, const Answer& answer) {
   const Fault fault = fault_in(request, to.faults.nodes());
@@ -90,17 +89,12 @@ void list_faults(const FaultTargets& to, const json&, const Answer& answer) { an
 void remove_fault(const FaultTargets& to, const json& request, const Answer& answer) {
   if (!request.contains("id")) throw RequestError("id is missing: of the fault, as 'faults' lists it");
   const auto id = static_cast<Faults::Id>(number_in(request, "id", 0, 1, UINT32_MAX));
-  const auto done = [answer](const std::string& problem) {
-    answer(problem.empty() ? json::object() : json{{"error", problem}});
-  };
-  if (!to.faults.remove(id, done))
+  if (!to.faults.remove(id, answer_when_mended(answer)))
     throw RequestError("node " + to.node.name + " has no fault " + std::to_string(id) + " (any more)");
 }
 
 void clear_faults(const FaultTargets& to, const json&, const Answer& answer) {
-  to.faults.clear([answer](const std::string& problem) {
-    answer(problem.empty() ? json::object() : json{{"error", problem}});
-  });
+  to.faults.clear(answer_when_mended(answer));
 }
 
 }  // namespace limb_ring::runtime

@@ -11,9 +11,6 @@ namespace limb_ring::runtime {
 
 using Answer = std::function<void(const nlohmann::json&)>;
 
-/// The ring's nodes with the ids and names by which faults refer to them.
-fault::RingNodes fault_nodes(const config::RingConfig& ring);
-
 /// What requests about faults are for.
 struct FaultTargets {
   const config::RingConfig& ring;

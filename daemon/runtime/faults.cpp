@@ -54,11 +54,6 @@ void Faults::begin_line(const Fault& fault, const Begun& begun) {
 
 void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
   const auto over = [begun](const std::string& problem) { begun(0, problem); };
-  const auto listed = [this, fault, begun](const std::string& problem) {
-    const Id id = problem.empty() ? add(fault) : 0;
-    if (id != 0) end_later(id);
-    begun(id, problem);
-  };
   switch (fault.name) {
     case Name::resume:
       forget_cpu_faults();
@@ -79,7 +74,9 @@ void Faults::begin_cpu(const Fault& fault, const Begun& begun) {
       cpu_.babble(fault.every);
       break;
   }
-  listed("");
+  const Id id = add(fault);
+  end_later(id);
+  begun(id, "");
 }
 
 // Its duration counts from now, although the process stops a little later.

@@ -26,10 +26,7 @@ void FaultyLine::clear(core::Time now) {
 }
 
 void FaultyLine::pass_all(wire::ByteView framed_slices, core::Time now) {
-  wire::SliceParse parse;
-  for (; (parse = wire::parse_slice(framed_slices)).status == wire::SliceParse::Status::slice;
-       framed_slices = framed_slices.from(parse.consumed))
-    pass(parse.slice, now);
+  wire::each_slice(framed_slices, [&](const wire::Slice& slice) { pass(slice, now); });
   update(now);
 }
 

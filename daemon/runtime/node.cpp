@@ -51,7 +51,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       sightings_(ring, config, engine_, cpu_),
       reasons_(ring, config, cpu_, engine_),
       interrupts_(engine_, sightings_),
-      faults_(io, fault_nodes(ring), engine_, cpu_),
+      faults_(io, fault::ring_nodes(ring), engine_, cpu_),
       requests_(
           {ring,
            config,

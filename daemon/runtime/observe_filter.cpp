@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/event_kinds.h"
+#include "config/names.h"
 #include "runtime/request_fields.h"
 #include "wire/data_packet.h"
 
@@ -18,12 +19,6 @@ const Words kKinds{"data", "control", "interrupt"};  // by capture::Kind
 const Words kLines{"in", "out"};
 constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
 
-std::string listed(const Words& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 json list_in(const json& from, const char* field) {
   if (!from.contains(field)) return json::array();
   if (!from[field].is_array()) throw RequestError(std::string("observe: ") + field + " is a list");
@@ -36,7 +31,7 @@ std::set<std::size_t> words_in(const json& from, const char* field, const Words&
     const auto place = std::find(allowed.begin(), allowed.end(), word.is_string() ? word.get<std::string>() : "");
     if (place == allowed.end())
       throw RequestError(std::string("observe: ") + field + ": there is no " + word.dump() + "; there are " +
-                         listed(allowed));
+                         config::join(allowed));
     found.insert(static_cast<std::size_t>(place - allowed.begin()));
   }
   return found;

@@ -8,7 +8,7 @@
 
 namespace limb_ring::runtime {
 
-/// The last latch of this node's clock by a sync pin.
+/// The last latch of this node's clock by a sync pin. Not wire::ClockLatch: a beacon's count has 32 bits and wraps.
 struct ClockLatch {
   std::uint64_t count = 0;  ///< latches so far; 0: none yet
   std::uint8_t source = 0;

@@ -103,11 +103,6 @@ json fold_json(const NodeDriver& engine) {
 /// A refused node tries again many times a second, so a refusal older than this is over.
 constexpr std::chrono::seconds kRefusalLasts{3};
 
-std::string name_of(const config::RingConfig& ring, std::uint8_t id) {
-  const config::NodeConfig* node = ring.find(id);
-  return node != nullptr ? node->name : std::to_string(id);
-}
-
 void add_refusals(json& all, const StatusSources& from, const link::Refusals* refusals, bool we_refuse) {
   if (refusals == nullptr) return;
   for (const auto& [node, refusal] : refusals->all()) {
@@ -116,7 +111,7 @@ void add_refusals(json& all, const StatusSources& from, const link::Refusals* re
     all.push_back({{"refused", refused},
                    {"by", by},
                    {"reason", refusal.reason},
-                   {"text", "node " + name_of(from.ring, refused) + " is refused by node " + name_of(from.ring, by) +
+                   {"text", "node " + from.ring.name_of(refused) + " is refused by node " + from.ring.name_of(by) +
                                 ": " + refusal.reason}});
   }
 }

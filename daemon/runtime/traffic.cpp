@@ -33,7 +33,6 @@ void Traffic::overdue(std::uint32_t id) {
 void Traffic::send(std::uint32_t id, Run& run) {
   wire::store_u32(run.data.data(), static_cast<std::uint32_t>(run.sent));  // no two alike
   ++run.sent;
-  run.out = true;
   core::SendRequest request;
   request.owner = kTrafficOwner;
   request.token = id;
@@ -54,7 +53,6 @@ void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) 
   const auto it = runs_.find(ended.token);
   if (it == runs_.end()) return;
   Run& run = *it->second;
-  run.out = false;
   run.last_end = engine_.now();
   ++run.outcomes[static_cast<std::size_t>(ended.outcome)];
   if (ended.outcome == core::Outcome::delivered)

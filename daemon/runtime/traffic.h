@@ -46,7 +46,6 @@ class Traffic {
     Done done;
     std::unique_ptr<event_loop::Timer> next, deadline;
     std::uint64_t sent = 0;
-    bool out = false;
     bool overdue = false;
     core::Time begun{};
     core::Time last_end{};

@@ -121,7 +121,7 @@ struct Condition {
 
 // ---- the scenario ---------------------------------------------------------------------------
 
-/// First the time, then the milestone, then the action; each may be missing.
+/// First the time, then the packets to wait for, then the action; each may be missing.
 struct Step {
   std::optional<nanoseconds> at;     ///< from the start
   std::optional<nanoseconds> after;  ///< from the step before

@@ -20,7 +20,8 @@ struct PacketHeader {
   NodeId source{0};
 
   static PacketHeader of(wire::ByteView bytes) {
-    return {wire::code_of(bytes[0]), bytes[0], bytes[2], wire::NodeId{bytes[3]}};
+    const wire::PacketFields packet{bytes};
+    return {packet.code(), packet.code_byte(), packet.hop(), packet.source()};
   }
   /// Without `code`, which code_byte holds, too.
   template <class Archive>
@@ -37,8 +38,8 @@ struct PacketTrailer {
   std::uint32_t crc = 0;
 
   static PacketTrailer of(wire::ByteView bytes) {
-    const std::uint8_t* trailer = bytes.data + bytes.size - wire::kCrcSize - wire::kTrailerSize;
-    return {trailer[1], wire::NodeId{trailer[2]}, trailer[3], wire::load_u32(trailer + wire::kTrailerSize)};
+    const wire::PacketFields packet{bytes};
+    return {packet.fbc(), packet.destination(), packet.last(), packet.crc()};
   }
   /// The CRC of a packet of `size` bytes as it was at its source: it tells packets apart.
   std::uint32_t crc_at_source(const PacketHeader& header, std::size_t size) const {

@@ -31,10 +31,6 @@ std::uint32_t crc_at_source(const PacketFields& packet) {
   return wire::carried_crc(packet.crc(), packet.bytes.size, packet.hop(), packet.fbc() ^ wire::kFbcUntaken);
 }
 
-std::size_t tail_size(const PacketFields& packet) {
-  return packet.data().size % 4 + wire::kTrailerSize + wire::kCrcSize;
-}
-
 // The right FBC: min(FBC, free buffers before), or 0 if refused. What was decided before gets the same verdict again,
 // at least 1 if it was taken. (protocol.md sections 3.5 and 4.10)
 ForwardingChecker::Due due(Answer answer, const PacketFields& packet, std::size_t free) {
@@ -114,7 +110,7 @@ void InputChecker::arrives(NodeId node, const wire::Slice& slice, Time now) {
   if (packet.empty()) return;
   const PacketFields fields{packet};
   data_arrives(node, fields, now,
-               slice.kind == SliceKind::whole ? now : record_.last_bit(node, tail_size(fields), now));
+               slice.kind == SliceKind::whole ? now : record_.last_bit(node, wire::tail_size(packet.size), now));
 }
 
 void InputChecker::begins_to_arrive(NodeId node, const wire::Slice& slice) {
@@ -173,7 +169,8 @@ void InputChecker::data_arrives(NodeId node, const PacketFields& packet, Time no
 Answer InputChecker::offer(NodeId node, const PacketFields& packet, Sent* sent, Tristate received, Time at_end) {
   NodeRecord& n = record_.at(node);
   // On a line without a rate its hello may leave in this instant, before the packet came. (protocol.md section 2.4)
-  const bool leaves_now = n.history.state == NodeState::open_chain && n.settings.byte_time_out == core::Duration{0};
+  const bool leaves_now =
+      n.history.state == core::NodeState::open_chain && n.settings.byte_time_out == core::Duration{0};
   const bool by_now = leaves_now || (n.hello_leaves() && record_.has_news(node, at_end));
   const bool may_have_joined = n.receiver.joined() == Tristate::no && by_now;
   if (may_have_joined) n.receiver.set_joined(Tristate::unknown);

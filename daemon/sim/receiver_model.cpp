@@ -10,7 +10,6 @@ namespace {
 
 /// A boot number that is lower by at most this is of an earlier incarnation. (protocol.md section 4.10)
 constexpr std::uint64_t kEarlier = 1000;
-constexpr int kTries = 4;
 
 }  // namespace
 
@@ -28,7 +27,7 @@ ReceiverModel::Entry& ReceiverModel::entry(const PacketFields& packet) {
   return pages_[packet.source()].entries[(packet.code().interrupt ? 2u : 0u) + (broadcast ? 1u : 0u)];
 }
 
-bool ReceiverModel::is_old(const Entry& e, Time now) const { return now - e.decided > kTries * horizon_; }
+bool ReceiverModel::is_old(const Entry& e, Time now) const { return now - e.decided > wire::kTries * horizon_; }
 
 void ReceiverModel::age(Page& page, Time now) const {
   for (Entry& e : page.entries) {

@@ -36,7 +36,6 @@ class ResultJudge {
  private:
   bool home() const { return sent_.home_at == sent_.ended_at; }
   bool overdue() const { return sent_.ended_at >= sent_.asked + settings_.queue_timeout; }
-  bool timed_out() const { return sent_.ended_at >= sent_.last_try + settings_.send_timeout(); }
   bool receiver_forgot() const;
   const char* against_delivered() const;
   const char* against_refused() const;

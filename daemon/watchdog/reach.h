@@ -2,7 +2,8 @@
 
 #include <optional>
 
-#include "core/membership/membership.h"
+#include "core/membership/known_break.h"
+#include "core/ring_order.h"
 
 namespace limb_ring::watchdog {
 

@@ -46,6 +46,16 @@ constexpr std::size_t kTrailerSize = 4;
 constexpr std::size_t kCrcSize = 4;
 constexpr std::size_t kOverhead = kHeaderSize + kTrailerSize + kCrcSize;
 
+/// Bytes in which the data of a DATP is passed on; INTPs are embedded at their boundaries. (paper, protocol.md
+/// section 5.2)
+constexpr std::size_t kWord = 4;
+/// Bytes of a DATP that go on the line together, last: what is left of its data behind the whole words, trailer and
+/// CRC. (ours, protocol.md section 5.2) @param size of the whole packet, bytes, at least kOverhead
+constexpr std::size_t tail_size(std::size_t size) { return (size - kOverhead) % kWord + kTrailerSize + kCrcSize; }
+
+/// Tries of a packet: the first and the retries. (ours, protocol.md section 4.3)
+constexpr int kTries = 4;
+
 /// Offsets of a packet's fields: in the header from its first byte, in the trailer back from the packet's end.
 namespace field {
 constexpr std::size_t kCode = 0, kSop = 1, kHop = 2, kSource = 3;
@@ -55,7 +65,7 @@ constexpr std::size_t kEopFromEnd = 8, kFbcFromEnd = 7, kDestinationFromEnd = 6,
 /// Code: bits 7..6 incarnation of the source, 5 kind (0 DATP, 1 INTP), 4..3 try, 2..0 sequence. (ours)
 struct Code {
   bool interrupt = false;
-  std::uint8_t attempt = 0;  ///< 0 the first, 1..3 retries
+  std::uint8_t attempt = 0;  ///< 0 the first, below kTries
   Sequence sequence{};
   Incarnation incarnation{};  ///< incarnation_of() the source's boot number
 

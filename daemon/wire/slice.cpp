@@ -9,7 +9,6 @@
 namespace limb_ring::wire {
 namespace {
 
-constexpr std::size_t kWord = 4;
 constexpr std::size_t kTail = kTrailerSize + kCrcSize;
 /// Of a framed slice: | magic | kind | size 16 |.
 constexpr std::size_t kMagicAt = 0, kKindAt = 1, kSizeAt = 2;

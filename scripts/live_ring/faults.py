@@ -236,5 +236,4 @@ class Thawed(Returned):
 
 
 MEASURED = (Cut, Stall, Hang, Crash, Dead, Frozen, Noise)
-REPAIRS = (Mended, Returned, Thawed)
 OF_CPUS = (Hang, Crash)

@@ -26,11 +26,9 @@ TEST_P(Bypass, GoesAroundANodeThatEndsAndBackWhenItReturns) {
   close_ring();
   rig.end(1);
   ASSERT_TRUE(rig.until([&] { return rig.linked(0, 2); }));
-  EXPECT_EQ(rig.node(0).output->bypassed(), 1u);
   EXPECT_TRUE(rig.linked(2, 3) && rig.linked(3, 0));
   rig.start(1);
   ASSERT_TRUE(rig.until([&] { return rig.whole(); }));
-  EXPECT_EQ(rig.node(0).output->bypassed(), 0u);
 }
 
 TEST_P(Bypass, GoesAroundTwoNodesAndBackInEitherOrder) {

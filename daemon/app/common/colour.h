@@ -8,7 +8,6 @@ bool colour_wanted(int file);
 
 // Plain ANSI.
 constexpr const char* kRed = "\033[31m";
-constexpr const char* kGreen = "\033[32m";
 constexpr const char* kYellow = "\033[33m";
 constexpr const char* kMagenta = "\033[35m";
 constexpr const char* kDim = "\033[2m";

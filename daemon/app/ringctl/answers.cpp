@@ -1,11 +1,8 @@
 #include "app/ringctl/answers.h"
 
-#include <algorithm>
-#include <atomic>
-#include <thread>
-
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "ask/in_parallel.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 
@@ -62,14 +59,8 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds t
 std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring, const std::vector<NodeName>& nodes,
                                                    const nlohmann::json& request) {
   std::vector<std::optional<nlohmann::json>> answers(nodes.size());
-  std::atomic<std::size_t> next{0};
-  const auto ask_some = [&] {
-    for (std::size_t i = next++; i < nodes.size(); i = next++) answers[i] = ask_one(ring, nodes[i], request);
-  };
-  // In parallel: a daemon that is stopped takes its whole time-out.
-  std::vector<std::thread> askers;
-  for (std::size_t i = 0; i < std::min(kAskers, nodes.size()); ++i) askers.emplace_back(ask_some);
-  for (auto& asker : askers) asker.join();
+  // A daemon that is stopped takes its whole time-out.
+  ask::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = ask_one(ring, nodes[i], request); });
   return answers;
 }
 

@@ -8,7 +8,7 @@
 
 #include "app/common/text_table.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/signal_wait.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -57,11 +57,11 @@ LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, c
 
 DumpTotals LiveDump::run(std::uint64_t count) {
   count_ = count;
-  SignalWait signals;
+  process::SignalWait signals;
   bool go_on = true;
   while (go_on && !full()) {
     for (Source& source : sources_) drain(source);
-    go_on = sink_.flush() && !SignalWait::asks_to_end(signals.next(milliseconds(0)));
+    go_on = sink_.flush() && !process::SignalWait::asks_to_end(signals.next(milliseconds(0)));
     if (go_on && !full()) wait();
   }
   end();
@@ -84,7 +84,7 @@ void LiveDump::wait() {
   std::vector<pollfd> ports;
   for (const Source& source : sources_)
     if (!source.gone) ports.push_back({source.port.fd(), POLLIN, 0});
-  ::poll(ports.data(), ports.size(), static_cast<int>(SignalWait::kTick.count()));
+  ::poll(ports.data(), ports.size(), static_cast<int>(process::SignalWait::kTick.count()));
 }
 
 /// Asks for the final counts. Packets that still arrive meanwhile are counted, but not shown.
@@ -95,7 +95,7 @@ void LiveDump::end() {
     if (!source.gone) source.port.observe(R"({"packets": null})");
     const std::uint32_t token = source.gone ? 0 : source.port.request(R"({"do": "latch"})");
     while (!source.gone && !source.ended && steady_clock::now() < deadline) {
-      const auto message = source.port.receive(SignalWait::kTick);
+      const auto message = source.port.receive(process::SignalWait::kTick);
       const Reply* reply = message ? std::get_if<Reply>(&*message) : nullptr;
       source.ended = reply != nullptr && reply->token == token;
       if (message) take(source, *message);

@@ -58,7 +58,7 @@ void PingRun::send_one() {
 
 void PingRun::wait_for_result(std::uint32_t token) {
   while (!asked_to_end_) {
-    const auto message = port_.receive(SignalWait::kTick);
+    const auto message = port_.receive(process::SignalWait::kTick);
     if (message) {
       if (const auto* result = std::get_if<Result>(&*message); result != nullptr && result->token == token) {
         totals_.results.push_back(*result);
@@ -66,7 +66,7 @@ void PingRun::wait_for_result(std::uint32_t token) {
       }
       if (const auto* end = std::get_if<Disconnected>(&*message)) throw HostPortError(end->reason);
     }
-    asked_to_end_ = SignalWait::asks_to_end(signals_.next(milliseconds(0)));
+    asked_to_end_ = process::SignalWait::asks_to_end(signals_.next(milliseconds(0)));
   }
 }
 
@@ -74,7 +74,8 @@ void PingRun::wait_for_turn(std::uint64_t number) {
   const auto turn = begun_ + order_.interval * static_cast<std::int64_t>(number);
   while (!over()) {
     const auto left = std::chrono::ceil<milliseconds>(turn - steady_clock::now());
-    asked_to_end_ = SignalWait::asks_to_end(signals_.next(std::clamp(left, milliseconds(0), SignalWait::kTick)));
+    asked_to_end_ =
+        process::SignalWait::asks_to_end(signals_.next(std::clamp(left, milliseconds(0), process::SignalWait::kTick)));
     if (left <= milliseconds(0)) return;
   }
 }

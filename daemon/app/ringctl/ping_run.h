@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/ringctl/ring_access.h"
-#include "app/ringctl/signal_wait.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -50,7 +50,7 @@ class PingRun {
   HostPort& port_;
   const PingOrder& order_;
   Each each_;
-  SignalWait signals_;
+  process::SignalWait signals_;
   bool asked_to_end_ = false;
   std::chrono::steady_clock::time_point begun_{};
   PingTotals totals_;

@@ -8,7 +8,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/refusal_counters.h"
-#include "app/ringctl/signal_wait.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -37,7 +37,7 @@ namespace {
 /// @return false where nothing came
 bool take_one(HostPort& port, std::vector<Result>& results, std::chrono::nanoseconds until_next) {
   const auto wait = std::chrono::ceil<std::chrono::milliseconds>(until_next);
-  const auto message = port.receive(std::clamp(wait, std::chrono::milliseconds(0), SignalWait::kTick));
+  const auto message = port.receive(std::clamp(wait, std::chrono::milliseconds(0), process::SignalWait::kTick));
   if (!message) return false;
   if (const auto* result = std::get_if<Result>(&*message)) results.push_back(*result);
   if (const auto* end = std::get_if<Disconnected>(&*message)) throw HostPortError(end->reason);
@@ -50,17 +50,17 @@ std::vector<Result> send_all(HostPort& port, unsigned count, const std::function
                              std::chrono::nanoseconds interval) {
   const auto begun = steady_clock::now();
   auto deadline = begun + kGuard;
-  SignalWait signals;
+  process::SignalWait signals;
   Progress progress;
   std::vector<Result> results;
   for (unsigned sent = 0; results.size() < count;) {
     const auto turn = [&] { return begun + interval * static_cast<std::int64_t>(sent); };
     for (; sent < count && sent - results.size() < kOutstanding && turn() <= steady_clock::now(); ++sent) send();
     const bool waits_for_turn = sent < count && turn() > steady_clock::now();
-    if (take_one(port, results, waits_for_turn ? turn() - steady_clock::now() : SignalWait::kTick) ||
+    if (take_one(port, results, waits_for_turn ? turn() - steady_clock::now() : process::SignalWait::kTick) ||
         sent == results.size())
       deadline = steady_clock::now() + kGuard;
-    if (SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) break;
+    if (process::SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) break;
     if (steady_clock::now() > deadline)
       throw HostPortError("no result within " + std::to_string(kGuard.count()) + " s");
     progress.tell(std::to_string(results.size()) + " of " + std::to_string(count) + " ended");

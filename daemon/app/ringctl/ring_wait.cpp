@@ -5,8 +5,8 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_access.h"
-#include "app/ringctl/signal_wait.h"
 #include "app/ringctl/status_rows.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -80,14 +80,14 @@ std::vector<std::string> state_words() {
 
 std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& lack) {
   const auto deadline = steady_clock::now() + timeout;
-  SignalWait signals;
+  process::SignalWait signals;
   Progress progress;
   for (;;) {
     std::string lacking;
     const auto rows = rows_of(ring, lacking);
     if (lacking.empty()) lacking = lack(rows);
     if (lacking.empty() || steady_clock::now() >= deadline) return lacking;
-    if (SignalWait::asks_to_end(signals.next(SignalWait::kTick))) return "interrupted; " + lacking;
+    if (process::SignalWait::asks_to_end(signals.next(process::SignalWait::kTick))) return "interrupted; " + lacking;
     progress.tell("waiting, " + lacking);
   }
 }

@@ -51,7 +51,7 @@ void PacketManager::relay_end(std::size_t bytes, Time now) {
   ++counters_.relayed_data;
   buffer_.grow(bytes);
   RelayedPacket& packet = buffer_.back();
-  packet.tail_at = now + lag((packet.size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize);
+  packet.tail_at = now + lag(wire::tail_size(packet.size));
   packet.state = RelayedPacket::State::complete;
 }
 
@@ -194,7 +194,7 @@ void PacketManager::put_words_until(Time at) {
   const ByteView bytes = open_bytes();
   std::size_t until = bytes.size - (open_complete() ? wire::kTrailerSize + wire::kCrcSize : 0);
   if (paced()) until = std::min<std::size_t>(until, wire::kHeaderSize + (at - open_.grid) / bytes_time(1));
-  until -= until % 4;
+  until -= until % wire::kWord;
   if (until <= open_.sent) return;
   line_.put(SliceKind::more, bytes.from(open_.sent).first(until - open_.sent));
   open_.sent = until;
@@ -215,8 +215,7 @@ bool PacketManager::advance_open(Time now) {
   if (end > now) return false;
   const ByteView bytes = open_bytes();
   line_.put(SliceKind::end, bytes.from(open_.sent));
-  const std::size_t odd = (bytes.size - wire::kOverhead) % 4;
-  free_at_ = end + bytes_time(odd + wire::kTrailerSize + wire::kCrcSize);
+  free_at_ = end + bytes_time(wire::tail_size(bytes.size));
   close_open();
   return true;
 }

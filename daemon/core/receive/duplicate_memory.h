@@ -97,7 +97,6 @@ class DuplicateMemory {
   }
 
  private:
-  static constexpr int kTries = 4;
   /// A boot number that is lower by at most this is of an earlier incarnation; by more: the node's clock was set back.
   static constexpr std::uint64_t kEarlier = 1000;
 
@@ -137,7 +136,7 @@ class DuplicateMemory {
     return true;
   }
   /// Decided longer ago than the tries of a packet last, unless its source had to wait.
-  bool is_old(const Entry& e, Time now) const { return now - e.decided > kTries * horizon_; }
+  bool is_old(const Entry& e, Time now) const { return now - e.decided > wire::kTries * horizon_; }
   /// From now on first tries are new. Retries stay known as long as a try of the same packet may still come.
   void age(Source& s, Time now) const {
     for (Entry& e : s.entries) {

@@ -128,7 +128,7 @@ void Relay::on_end(ByteView bytes, Time now) {
   if (packet.bytes.size < wire::kMinDataPacketSize) return break_off(counters_.malformed_packets, now);
   incoming_.close();
   if (fate_ == Fate::discard) return;
-  const auto tail = static_cast<std::int64_t>(packet.data().size % 4 + wire::kTrailerSize + wire::kCrcSize);
+  const auto tail = static_cast<std::int64_t>(wire::tail_size(packet.bytes.size));
   const Time at = now + settings_.byte_time_in * tail;
   const bool good = check(packet);
   if (fate_ == Fate::strip) return returns_.data(packet, good, at);

@@ -36,7 +36,7 @@ bool Flight::is_return(const wire::PacketFields& packet) const {
 }
 
 bool Flight::retry(Time now) {
-  if (code_.attempt == kMostRetries) return false;
+  if (code_.attempt == wire::kTries - 1) return false;
   ++code_.attempt;
   phase_ = Phase::waiting;
   since_ = now;

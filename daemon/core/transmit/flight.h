@@ -14,7 +14,6 @@ namespace limb_ring::core {
 class Flight {
  public:
   enum class Phase { idle, waiting, out };  ///< waiting: for the line, before a try
-  static constexpr std::uint8_t kMostRetries = 3;
 
   Phase phase() const { return phase_; }
   bool idle() const { return phase_ == Phase::idle; }

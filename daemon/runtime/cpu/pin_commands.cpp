@@ -33,7 +33,6 @@ std::string PinCommands::refuse(std::string why) {
 }
 
 void PinCommands::start(Slot& slot, const process::SpawnRequest& request) {
-  ++counters_.started;
   slot.name = request.arguments.front();
   slot.child.start(request, [this, &slot](const process::ExitStatus& status) { ended(slot, status); });
   slot.deadline.expires_after(deadline_);

@@ -18,9 +18,8 @@ class PinCommands {
  public:
   static constexpr std::size_t kAtOnce = 4;
   struct Counters {
-    std::uint64_t started = 0;
-    std::uint64_t refused = 0;    ///< kAtOnce were running already
-    std::uint64_t failed = 0;     ///< could not be executed, or ended with other than exit 0
+    std::uint64_t refused = 0;    ///< the command is empty, its program is not found, or kAtOnce were running already
+    std::uint64_t failed = 0;     ///< fork or exec failed, or it ended by a signal or with other than exit 0
     std::uint64_t timed_out = 0;  ///< killed at the deadline (also in `failed`)
   };
 

@@ -15,7 +15,6 @@ namespace {
 using config::NodeConfig;
 using config::RingConfig;
 
-constexpr int kTries = 4;
 constexpr double kDay = 24 * 3600.0, kHour = 3600.0;
 
 std::string number_text(double value, const char* unit) {
@@ -67,7 +66,7 @@ std::optional<ExpectedLosses> expected_losses(const RingConfig& ring) {
   ExpectedLosses losses;
   for (const NodeConfig& node : ring.nodes) losses.home *= 1 - node.link.expected.loss;
   if (losses.home == 1) return std::nullopt;
-  losses.delivered = 1 - std::pow(1 - losses.home, kTries);
+  losses.delivered = 1 - std::pow(1 - losses.home, wire::kTries);
   losses.tries = losses.delivered / losses.home;
   losses.timeout = setup::core_settings(ring, ring.nodes[0], 1).send_timeout();
   return losses;

@@ -31,7 +31,7 @@ inline Duration data_alone(const Medium& medium, unsigned hops) {
 /// An INTP, from the CPU's request until it is back: at every node behind one INTP of its own and the
 /// odd bytes, trailer and CRC of a DATP. All DATPs have the medium's payload.
 inline Duration interrupt_bound(const Medium& medium) {
-  const std::size_t tail = medium.payload % 4 + wire::kTrailerSize + wire::kCrcSize;
+  const std::size_t tail = wire::tail_size(wire::kOverhead + medium.payload);
   const Duration wait = medium.byte_time() * static_cast<std::int64_t>(tail);
   return medium.nodes * (medium.relay_delay + interrupt_time(medium) + wait);
 }

@@ -53,8 +53,8 @@ class Recorder : public sim::Observer {
     }
     place.size += slice.bytes.size;
     if (slice.kind != wire::SliceKind::end) return;
-    const std::size_t rest = (place.size - wire::kOverhead) % 4 + wire::kTrailerSize + wire::kCrcSize;
-    (place.passing->*span)->tail = now - start + medium_.byte_time() * static_cast<std::int64_t>(rest);
+    const auto rest = static_cast<std::int64_t>(wire::tail_size(place.size));
+    (place.passing->*span)->tail = now - start + medium_.byte_time() * rest;
   }
 
   const Medium& medium_;

@@ -5,11 +5,11 @@
 
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/signal_wait.h"
 #include "bench/report_text.h"
 #include "bench/suite.h"
 #include "cli/values.h"
 #include "process/find_program.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -30,12 +30,12 @@ std::string find_humanoid() {
 }
 
 int run(BenchOptions& options) {
-  SignalWait signals;
+  process::SignalWait signals;
   options.setup.ros = !options.no_ros;
   options.setup.humanoid = find_humanoid();
   options.setup.tell = [](const std::string& what) { std::cerr << "bench: " << what << std::endl; };
   options.setup.poll = [&signals] {
-    if (SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) throw NotDone("interrupted");
+    if (process::SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) throw NotDone("interrupted");
   };
   const live::PrivateFolder folder;
   const bench::Report report = bench::run_suite(options.setup, folder);

@@ -8,9 +8,9 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/recording_keeper.h"
 #include "app/ringctl/ring_access.h"
-#include "app/ringctl/signal_wait.h"
 #include "cli/values.h"
 #include "limb_ring/ring_directory.h"
+#include "process/signal_wait.h"
 #include "recorder/recorder_file.h"
 #include "recorder/save_ring.h"
 
@@ -69,19 +69,19 @@ int save(const RecordOptions& options, const Context& context) {
 }
 
 /// @throw NoRing where none answers in time
-RingAccess wait_for_ring(const std::string& ring, SignalWait& signals) {
+RingAccess wait_for_ring(const std::string& ring, process::SignalWait& signals) {
   const auto deadline = std::chrono::steady_clock::now() + kStarts;
   for (;;) {
     try {
       return RingAccess::open(ring);
     } catch (const NoRing&) {
-      if (std::chrono::steady_clock::now() >= deadline || signals.asked_to_end(SignalWait::kTick)) throw;
+      if (std::chrono::steady_clock::now() >= deadline || signals.asked_to_end(process::SignalWait::kTick)) throw;
     }
   }
 }
 
 int keep(const RecordOptions& options, const Context& context) {
-  SignalWait signals;
+  process::SignalWait signals;
   const RingAccess ring = wait_for_ring(context.ring.empty() ? choose_ring("") : context.ring, signals);
   const std::string folder = fs::absolute(options.folder).lexically_normal().string();
   RecordingKeeper keeper(ring, {{options.when.begin(), options.when.end()}, folder, options.keep});

@@ -14,8 +14,8 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/replay_plan.h"
 #include "app/ringctl/ring_access.h"
-#include "app/ringctl/signal_wait.h"
 #include "cli/values.h"
+#include "process/signal_wait.h"
 #include "wire/data_packet.h"
 
 namespace limb_ring::ringctl {
@@ -47,7 +47,7 @@ class Replay {
   }
 
   /// @return false where somebody has asked it to end
-  bool run(double speed, SignalWait& signals) {
+  bool run(double speed, process::SignalWait& signals) {
     const auto begin = steady_clock::now();
     for (const ReplaySend& send : plan_.sends) {
       const std::chrono::nanoseconds after(static_cast<std::int64_t>(static_cast<double>(send.after_ns) / speed));
@@ -57,7 +57,7 @@ class Replay {
     return true;
   }
 
-  void wait_for_results(SignalWait& signals) {
+  void wait_for_results(process::SignalWait& signals) {
     const auto deadline = steady_clock::now() + kLastResults;
     while (ended_ < sent_ && steady_clock::now() < deadline && !asked_to_end(signals)) take_results(kReplayTick);
   }
@@ -67,9 +67,11 @@ class Replay {
   const std::map<Outcome, std::uint64_t>& outcomes() const { return outcomes_; }
 
  private:
-  static bool asked_to_end(SignalWait& signals) { return SignalWait::asks_to_end(signals.next(milliseconds(0))); }
+  static bool asked_to_end(process::SignalWait& signals) {
+    return process::SignalWait::asks_to_end(signals.next(milliseconds(0)));
+  }
 
-  bool wait_until(steady_clock::time_point due, SignalWait& signals) {
+  bool wait_until(steady_clock::time_point due, process::SignalWait& signals) {
     for (;;) {
       if (asked_to_end(signals)) return false;
       const auto left = std::chrono::ceil<milliseconds>(due - steady_clock::now());
@@ -144,7 +146,7 @@ void print_text(const nlohmann::json& report) {
 int run(const Context& context, const ReplayOptions& options) {
   const ReplayPlan plan = read_plan(options);
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
-  SignalWait signals;
+  process::SignalWait signals;
   Replay replay(ring, plan);
   bool go_on = true;
   for (unsigned i = 0; i < options.loop && go_on; ++i) go_on = replay.run(options.speed, signals);

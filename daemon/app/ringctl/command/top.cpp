@@ -12,11 +12,11 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_clock.h"
 #include "app/ringctl/screen.h"
-#include "app/ringctl/signal_wait.h"
 #include "app/ringctl/status_rows.h"
 #include "app/ringctl/supervision.h"
 #include "app/ringctl/top_table.h"
 #include "cli/values.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -83,10 +83,10 @@ class StatusPoll {
 };
 
 /// @return false where somebody has asked it to end
-bool wait(const TopOptions& options, const Screen* screen, SignalWait& signals) {
+bool wait(const TopOptions& options, const Screen* screen, process::SignalWait& signals) {
   const auto until = steady_clock::now() + duration<double>(options.interval_s);
   while (steady_clock::now() < until) {
-    if (SignalWait::asks_to_end(signals.next(SignalWait::kTick))) return false;
+    if (process::SignalWait::asks_to_end(signals.next(process::SignalWait::kTick))) return false;
     if (screen == nullptr) continue;
     const char key = screen->key();
     if (key == 'q' || key == 'Q') return false;
@@ -114,7 +114,7 @@ nlohmann::json json_of(const RingAccess& ring, const StatusSample& now, const st
 }
 
 int once(const RingAccess& ring, const TopOptions& options) {
-  SignalWait signals;
+  process::SignalWait signals;
   StatusPoll poll(ring);
   const StatusSample before = poll.sample();
   if (!wait(options, nullptr, signals)) return kNotDone;
@@ -128,7 +128,7 @@ int once(const RingAccess& ring, const TopOptions& options) {
 }
 
 int redraw(const RingAccess& ring, const TopOptions& options) {
-  SignalWait signals;
+  process::SignalWait signals;
   const Screen screen;
   StatusPoll poll(ring);
   StatusSample before = poll.sample();

@@ -12,13 +12,13 @@
 #include "app/ringctl/progress.h"
 #include "app/ringctl/respawn.h"
 #include "app/ringctl/ring_watch.h"
-#include "app/ringctl/signal_wait.h"
 #include "cli/values.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "process/find_program.h"
 #include "process/program.h"
 #include "process/service_manager.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -47,8 +47,8 @@ void require_not_running(const std::string& ring) {
 }
 
 /// Waits until the ring, or this host's part of it, is closed. @return why it is not; empty where it is
-std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::LaunchedRing& daemons, SignalWait& signals,
-                              double timeout_s) {
+std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::LaunchedRing& daemons,
+                              process::SignalWait& signals, double timeout_s) {
   const auto deadline = steady_clock::now() + milliseconds(static_cast<int>(timeout_s * 1000));
   Progress progress;
   for (;;) {
@@ -59,7 +59,7 @@ std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::Laun
     if (!waiting) return {};
     if (steady_clock::now() >= deadline)
       return "not closed in time; " + waiting->lack + daemons.all()[plan.is_virtual ? 0 : waiting->index].last_lines();
-    if (signals.asked_to_end(SignalWait::kTick)) return "interrupted";
+    if (signals.asked_to_end(process::SignalWait::kTick)) return "interrupted";
     progress.tell("waiting for " + waiting->lack);
   }
 }
@@ -94,12 +94,12 @@ void end_restarted(const std::string& ring) {
 }
 
 /// A second request to end kills at once.
-void end(live::LaunchedRing& daemons, SignalWait& signals) {
+void end(live::LaunchedRing& daemons, process::SignalWait& signals) {
   daemons.end([&signals](milliseconds time) { return signals.asked_to_end(time); }, kGrace);
 }
 
 /// Until a signal, or until all daemons have ended by themselves (ringctl down).
-int stay(live::LaunchedRing& daemons, SignalWait& signals) {
+int stay(live::LaunchedRing& daemons, process::SignalWait& signals) {
   while (daemons.any_running()) {
     if (signals.asked_to_end(milliseconds(1000))) {
       end(daemons, signals);
@@ -124,7 +124,7 @@ void tell_taken_down(const std::string& ring) {
 }
 
 /// Until a signal, whatever ends the daemons. @throw NotDone where one cannot start
-void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, SignalWait& signals) {
+void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals) {
   Respawn respawn(daemons);
   std::optional<RingWatch> watch(plan);
   Progress progress;
@@ -163,7 +163,7 @@ std::optional<process::Program> start_keeper(const RingPlan& plan, bool detached
 }
 
 int respawn(const RingPlan& plan) {
-  SignalWait signals;
+  process::SignalWait signals;
   live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end, false));
   const auto keeper = start_keeper(plan, false);
   try {
@@ -186,7 +186,7 @@ RingPlan planned(const Context& context, const UpOptions& options) try {
 int run(const RingPlan& plan, const UpOptions& options) {
   require_not_running(plan.ring);
   if (options.respawn) return respawn(plan);
-  SignalWait signals;
+  process::SignalWait signals;
   const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
   live::LaunchedRing daemons(launch_request(plan, lifetime, options.detach));
   RingWatch watch(plan);

@@ -9,9 +9,9 @@
 #include "app/ringctl/command/watch.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
-#include "app/ringctl/signal_wait.h"
 #include "cli/values.h"
 #include "live/promise_watch.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -97,7 +97,7 @@ int run(const Context& context, const WatchOptions& options) {
   at_work = &watch;
   if (here.size() < ring.nodes().size())
     std::cerr << "ringctl: nodes of other hosts are not watched; what they send or take is not judged" << std::endl;
-  SignalWait signals;
+  process::SignalWait signals;
   const auto began = steady_clock::now();
   const auto so_far = [&] { return std::chrono::duration<double>(steady_clock::now() - began).count(); };
   do {

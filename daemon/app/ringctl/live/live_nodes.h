@@ -9,7 +9,7 @@
 
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_plan.h"
-#include "app/ringctl/signal_wait.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -25,7 +25,8 @@ class LiveNodes {
   using Clock = std::chrono::steady_clock;
 
   /// None is started yet. @param plan, signals outlive this
-  LiveNodes(const RingPlan& plan, SignalWait& signals) : plan_(plan), signals_(signals), nodes_(plan.nodes.size()) {}
+  LiveNodes(const RingPlan& plan, process::SignalWait& signals)
+      : plan_(plan), signals_(signals), nodes_(plan.nodes.size()) {}
   ~LiveNodes();
   LiveNodes(const LiveNodes&) = delete;
   LiveNodes& operator=(const LiveNodes&) = delete;
@@ -93,7 +94,7 @@ class LiveNodes {
   void wait_for_messages(Clock::time_point until);
 
   const RingPlan& plan_;
-  SignalWait& signals_;
+  process::SignalWait& signals_;
   std::vector<Node> nodes_;
   std::optional<Asked> asked_;  ///< by ask()
   std::vector<Asked> ordered_;

@@ -37,7 +37,7 @@ fault::RingNodes ring_nodes(const config::RingConfig& ring) {
 
 }  // namespace
 
-LiveStage::LiveStage(const Scenario& scenario, std::uint64_t seed, const RingPlan& plan, SignalWait& signals)
+LiveStage::LiveStage(const Scenario& scenario, std::uint64_t seed, const RingPlan& plan, process::SignalWait& signals)
     : scenario_(scenario),
       plan_(plan),
       nodes_(plan, signals),

@@ -16,7 +16,7 @@ namespace limb_ring::ringctl {
 class LiveStage final : public scenario::Stage {
  public:
   /// Nothing is started before begin(). @param plan whose CPUs are scenario_cpu. All outlive this
-  LiveStage(const scenario::Scenario& scenario, std::uint64_t seed, const RingPlan& plan, SignalWait& signals);
+  LiveStage(const scenario::Scenario& scenario, std::uint64_t seed, const RingPlan& plan, process::SignalWait& signals);
 
   unsigned size() const override { return static_cast<unsigned>(nodes_.size()); }
   const std::string& name(wire::NodeId id) const override { return scenario_.ring.nodes[id].name; }

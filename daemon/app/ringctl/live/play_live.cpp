@@ -70,7 +70,7 @@ RingPlan plan_scenario_ring(const scenario::Scenario& scenario, const std::strin
 scenario::ScenarioRun play_live(const scenario::Scenario& scenario, std::uint64_t seed, const std::string& transport) {
   const live::PrivateFolder folder;
   const RingPlan plan = plan_scenario_ring(scenario, folder.path(), transport);
-  SignalWait signals;
+  process::SignalWait signals;
   LiveStage stage(scenario, seed, plan, signals);
   return run_scenario(scenario, seed, stage);
 }

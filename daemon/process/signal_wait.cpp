@@ -1,8 +1,8 @@
-#include "app/ringctl/signal_wait.h"
+#include "process/signal_wait.h"
 
 #include <algorithm>
 
-namespace limb_ring::ringctl {
+namespace limb_ring::process {
 
 SignalWait::SignalWait() {
   ::sigemptyset(&ours_);
@@ -10,12 +10,14 @@ SignalWait::SignalWait() {
   ::sigprocmask(SIG_BLOCK, &ours_, &before_);
 }
 
-SignalWait::~SignalWait() { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
+void SignalWait::release() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
 
-int SignalWait::next(std::chrono::milliseconds timeout) {
+int SignalWait::next() const { return std::max(0, ::sigwaitinfo(&ours_, nullptr)); }
+
+int SignalWait::next(std::chrono::milliseconds timeout) const {
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
   const timespec wait{static_cast<time_t>(seconds.count()), static_cast<long>((timeout - seconds).count() * 1000000)};
   return std::max(0, ::sigtimedwait(&ours_, nullptr, &wait));
 }
 
-}  // namespace limb_ring::ringctl
+}  // namespace limb_ring::process
