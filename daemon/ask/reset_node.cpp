@@ -1,5 +1,6 @@
 #include "ask/reset_node.h"
 
+#include <algorithm>
 #include <thread>
 
 #include "limb_ring/host_port.h"
@@ -30,9 +31,13 @@ json ask_daemon(const ResetQuery& query) {
   return json::parse(port.ask(request.dump(), query.timeout + kMargin));
 }
 
+// Round a fold nobody reaches all: with two breaks there are two parts.
 std::string where_to_ask(const ResetQuery& query, const Rows& rows) {
   const json* line = broken_line(rows);
   if (line == nullptr) return "";
+  const auto is_folded = [](const auto& row) { return row.second.value("state", "") == "folded"; };
+  if (std::any_of(rows.begin(), rows.end(), is_folded))
+    return "; the ring has folded: if it is in two parts, a node of the target's part has to ask (--from)";
   const auto before = line->value("before", std::uint8_t{0}), behind = line->value("behind", std::uint8_t{0});
   return "; " + name_of(query.nodes, behind) + " reaches all others, " + name_of(query.nodes, before) +
          " hears all others";

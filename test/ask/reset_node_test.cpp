@@ -8,6 +8,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 ResetQuery query() {
   ResetQuery query;
@@ -48,6 +49,14 @@ TEST(ResetSeen, NotByAnOldBeaconNorBySameBoots) {
     EXPECT_EQ(answer["effect"], "unknown");
     EXPECT_THAT(answer["message"].get<std::string>(), HasSubstr("body reaches all others, foot hears all others"));
   }
+}
+
+TEST(ResetSeen, RoundAFoldNobodyIsSaidToReachAll) {
+  json folded = heard_by(13, 1, 20);
+  folded["state"] = "folded";
+  const std::string message = judged(kUnknown, query(), {{13, folded}}, {{13, folded}})["message"];
+  EXPECT_THAT(message, HasSubstr("the ring has folded: if it is in two parts"));
+  EXPECT_THAT(message, Not(HasSubstr("reaches all others")));
 }
 
 TEST(ResetSeen, NotByOneThatWasNotAskedBefore) {

@@ -31,7 +31,9 @@ std::string lack_of_row(const json& row, std::size_t nodes) {
   if (size != nodes) return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
   if (row.value(json::json_pointer("/fold/second_input"), "up") != "up") return "its second line in is broken";
   const bool child = row.value(json::json_pointer("/cpu/kind"), "") == "child";
-  return child && cpu_word(row) != "running" ? "its CPU is " + cpu_word(row) : "";
+  const std::string cpu = cpu_word(row);
+  const bool runs = cpu == "running" || cpu == "latched";  // also after a stop
+  return child && !runs ? "its CPU is " + cpu : "";
 }
 
 /// Why a node will never get into the ring: it is refused. Empty if no node is.

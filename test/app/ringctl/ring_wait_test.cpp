@@ -42,6 +42,12 @@ TEST(Whole, LacksWhatIsSaidOfTheFirstNodeThatLacksAnything) {
   }
 }
 
+TEST(Whole, IsARingThatWasStopped) {
+  std::vector<json> rows = whole_ring();
+  for (json& row : rows) row["cpu"]["stop"] = {{"latched", true}};
+  EXPECT_EQ(lack_of_whole(rows), "");
+}
+
 TEST(Whole, NeedsNoCpuThatSomebodyElseStarts) {
   std::vector<json> rows = whole_ring();
   rows[0]["cpu"] = {{"kind", "attached"}, {"state", "absent"}};
