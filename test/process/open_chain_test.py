@@ -97,6 +97,7 @@ class Stop(LimbRing):
     def test_a_node_that_it_did_not_reach_decides_the_exit_code(self):
         self.start_limbs()
         self.ctl('fault', 'freeze', 'node2')
+        self.wait('node2 is bypassed', lambda: self.row(0)['ring_size'] == 3)
         stop = self.ctl('stop')
         self.assertEqual(stop.returncode, 4, stop.stdout)
         self.assertIn('3 of 4 stopped; not known, the daemon does not answer: node2', stop.stdout)
