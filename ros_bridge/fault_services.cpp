@@ -1,7 +1,11 @@
 #include "ros_bridge/fault_services.h"
 
+#include <ros/init.h>
+
 #include <algorithm>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 
 #include "ros_bridge/answered.h"
 
@@ -12,6 +16,12 @@ using fault::Name;
 
 void append(std::string& text, const std::string& more, const char* between) {
   if (!more.empty()) text += (text.empty() ? "" : between) + more;
+}
+
+/// A node that is frozen for a time does not stay frozen when the bridge ends.
+bool sleeps_until_shutdown(std::chrono::milliseconds time) {
+  std::this_thread::sleep_for(time);
+  return ros::isShuttingDown();
 }
 
 }  // namespace
@@ -38,7 +48,7 @@ bool FaultServices::inject(InjectFault::Request& request, InjectFault::Response&
   return answered(port_, response, [&] {
     const fault::Fault fault = fault::from_words(request.fault, ring_nodes_);
     require_survival(fault);
-    for (const live::Begun& begun : faults_.begin(fault)) {
+    for (const live::Begun& begun : faults_.begin(fault, sleeps_until_shutdown)) {
       append(response.message, begun.words, "; ");
       append(response.id, begun.id, " ");
     }

@@ -91,6 +91,19 @@ std::string name_in(const std::string& message) { return message.substr(0, messa
   throw WrongCommandLine(error.what());
 }
 
+/// An empty word is what a shell makes of a variable that is not set.
+void check_not_empty(const CLI::App& root) {
+  const CLI::App& app = deepest(root);
+  for (const CLI::Option* option : options_of(app)) {
+    const std::string alone = option->get_name(/*positional=*/true);
+    const auto& words = option->results();
+    const bool needed = option->get_required() || !alone.empty();
+    if (!needed || std::none_of(words.begin(), words.end(), [](const std::string& word) { return word.empty(); }))
+      continue;
+    throw WrongCommandLine((alone.empty() ? option->get_name() : alone) + " is empty: " + option->get_description());
+  }
+}
+
 /// `help status` is `status --help`.
 void take_help_for_a_word(Words& arguments) {
   if (arguments.empty() || arguments[0] != "help") return;
@@ -140,6 +153,7 @@ std::optional<std::string> read(CLI::App& app, Words arguments, const NamesOf& n
   } catch (const CLI::ParseError& error) {
     explain(app, error);
   }
+  check_not_empty(app);
   if (app.count("--version") != 0) return app.get_name() + ' ' + version() + '\n';
   return std::nullopt;
 }

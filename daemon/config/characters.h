@@ -1,9 +1,14 @@
 #pragma once
 
+#include <string>
+
 namespace limb_ring::config {
 
 /// ASCII alone, whatever the locale says.
 inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// UTF-8 without control characters: can be printed, and written into JSON and XML as it is.
+bool is_plain_text(const std::string& text);
 
 }  // namespace limb_ring::config

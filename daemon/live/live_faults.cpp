@@ -1,6 +1,6 @@
 #include "live/live_faults.h"
 
-#include <functional>
+#include <algorithm>
 #include <thread>
 
 #include "live/node_notes.h"
@@ -17,17 +17,31 @@ namespace {
 const char* const kKill = fault::word_of(Name::kill).word;
 const char* const kFreeze = fault::word_of(Name::freeze).word;
 
+constexpr std::chrono::milliseconds kEndTick{50};  ///< how soon somebody who asks to end is heard
+
+bool sleeps(std::chrono::milliseconds time) {
+  std::this_thread::sleep_for(time);
+  return false;
+}
+
+struct Problem {
+  std::string what;        ///< empty: none
+  bool no_daemon = false;  ///< it does not answer, or does not run
+};
+
 /// Acts on all nodes at once, so that they break together and the waits overlap.
-std::vector<std::string> at_the_same_time(const std::vector<wire::NodeId>& nodes,
-                                          const std::function<void(std::size_t)>& act) {
-  std::vector<std::string> problems(nodes.size());
+std::vector<Problem> at_the_same_time(const std::vector<wire::NodeId>& nodes,
+                                      const std::function<void(std::size_t)>& act) {
+  std::vector<Problem> problems(nodes.size());
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     threads.emplace_back([&, i] {
       try {
         act(i);
+      } catch (const HostPortError& error) {
+        problems[i] = {error.what(), true};
       } catch (const std::exception& error) {
-        problems[i] = error.what();
+        problems[i] = {error.what()};
       }
     });
   for (auto& thread : threads) thread.join();
@@ -47,12 +61,23 @@ LiveFault from_json(const json& row, const std::string& node) {
   return fault;
 }
 
-/// @throw NotDone with all of them, where there is one
-void require_all(const std::vector<std::string>& problems) {
+/// @throw NotDone with all of them, where there is one; HostPortError where none is of another kind
+void require_all(const std::vector<Problem>& problems) {
   std::string wrong;
-  for (const std::string& problem : problems)
-    if (!problem.empty()) wrong += (wrong.empty() ? "" : "; ") + problem;
-  if (!wrong.empty()) throw NotDone(wrong);
+  bool no_daemons = true;
+  for (const Problem& problem : problems) {
+    if (problem.what.empty()) continue;
+    wrong += (wrong.empty() ? "" : "; ") + problem.what;
+    no_daemons = no_daemons && problem.no_daemon;
+  }
+  if (wrong.empty()) return;
+  if (no_daemons) throw HostPortError(wrong);
+  throw NotDone(wrong);
+}
+
+fault::ParseError no_id(const std::string& id) {
+  return {"no fault can have the id '" + id + "'",
+          "NODE.NUMBER, NODE.kill and NODE.freeze, as the list of faults shows"};
 }
 
 Fault for_one(Fault fault, wire::NodeId node) {
@@ -64,21 +89,22 @@ Fault for_one(Fault fault, wire::NodeId node) {
 
 // ---- beginning ------------------------------------------------------------------------------
 
-std::vector<Begun> LiveFaults::begin(const Fault& fault) const {
-  if (fault::word_of(fault.name).of == Of::node && daemons_.is_virtual()) return begin_on_virtual_ring(fault);
+std::vector<Begun> LiveFaults::begin(const Fault& fault, const Wait& given) const {
+  const Wait wait = given ? given : Wait(sleeps);
+  if (fault::word_of(fault.name).of == Of::node && daemons_.is_virtual()) return begin_on_virtual_ring(fault, wait);
   std::vector<Begun> begun(fault.nodes.size());
-  require_all(at_the_same_time(fault.nodes, [&](std::size_t i) { begun[i] = begin_at(fault, fault.nodes[i]); }));
+  require_all(at_the_same_time(fault.nodes, [&](std::size_t i) { begun[i] = begin_at(fault, fault.nodes[i], wait); }));
   return begun;
 }
 
 // The virtual ring does it to all nodes at one instant, keeps the notes, and thaws by its own clock.
-std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault) const {
+std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault, const Wait& wait) const {
   daemons_.ask_ring({{"do", "fault"}, {"fault", fault::to_words(fault, daemons_.nodes())}});
   const bool comes_up = fault.name == Name::start || fault.name == Name::power_cycle;
   const bool ends = fault.name == Name::freeze && fault.lasts.count() != 0;
   require_all(at_the_same_time(fault.nodes, [&](std::size_t i) {
     if (comes_up) daemons_.wait_for_hello(fault.nodes[i]);
-    if (ends) wait_until_thawed(fault.nodes[i]);
+    if (ends) wait_until_thawed(fault.nodes[i], wait);
   }));
   const bool lasts = fault.name == Name::kill || (fault.name == Name::freeze && !ends);
   std::vector<Begun> begun;
@@ -89,7 +115,7 @@ std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault) const {
   return begun;
 }
 
-Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node) const {
+Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node, const Wait& wait) const {
   if (fault::word_of(fault.name).of != Of::node) return begin_at_daemon(fault, node);
   const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
   if (fault.name == Name::kill)
@@ -100,7 +126,7 @@ Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node) const {
   if (!lasts) return {"", words};
   note(node, words);
   if (fault.lasts.count() != 0) {
-    wait_and_thaw(fault.lasts, node);
+    wait_and_thaw(fault.lasts, node, wait);
     return {"", words};
   }
   return {daemons_.node(node).name + '.' + fault::word_of(fault.name).word, words};
@@ -118,7 +144,7 @@ void LiveFaults::kill(wire::NodeId node, const std::string& words) const {
   if (first) note(node, words);
   try {
     daemons_.kill(node);
-  } catch (const NotDone&) {
+  } catch (const std::exception&) {
     if (first) remove_note(daemons_.folder(), node);
     throw;
   }
@@ -134,14 +160,20 @@ void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
 }
 
 // A frozen daemon cannot thaw itself, so the caller waits. The fault stays in the list meanwhile.
-void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const {
-  std::this_thread::sleep_for(lasts);
+void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const Wait& wait) const {
+  const auto end = std::chrono::steady_clock::now() + lasts;
+  bool asked_to_end = false;
+  while (!asked_to_end && std::chrono::steady_clock::now() < end) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    asked_to_end = wait(std::min(left, kEndTick));
+  }
   if (node_fault(node)) revive(node);
 }
 
 // Polled without a deadline: the ring's time may be slow or paused.
-void LiveFaults::wait_until_thawed(wire::NodeId node) const {
-  while (daemons_.is_stopped(node)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+void LiveFaults::wait_until_thawed(wire::NodeId node, const Wait& wait) const {
+  while (daemons_.is_stopped(node))
+    if (wait(std::chrono::milliseconds(5))) return daemons_.thaw(node);
 }
 
 Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {
@@ -190,24 +222,24 @@ std::vector<LiveFault> LiveFaults::list() const {
 
 // ---- the end --------------------------------------------------------------------------------
 
-wire::NodeId LiveFaults::node_called(const std::string& name) const {
+wire::NodeId LiveFaults::node_of(const std::string& id) const {
+  const std::string name = id.substr(0, id.rfind('.'));
   for (const auto& node : daemons_.nodes())
     if (name == node.name || name == node.number) return node.id;
-  throw NotDone("no node '" + name + "' in the ring");
+  throw no_id(id);
 }
 
 void LiveFaults::remove(const std::string& id) const {
   const std::size_t dot = id.rfind('.');
-  if (dot == std::string::npos) throw NotDone("'" + id + "' is no fault's id; 'ringctl fault list' shows them all");
-  const wire::NodeId node = node_called(id.substr(0, dot));
+  if (dot == std::string::npos) throw no_id(id);
+  const wire::NodeId node = node_of(id);
   const std::string rest = id.substr(dot + 1);
   if (rest == kKill || rest == kFreeze) {
     const auto fault = node_fault(node);
     if (fault && fault->name == rest) return revive(node);
     throw NotDone("node " + daemons_.node(node).name + " has no fault " + rest + " (any more)");
   }
-  if (rest.empty() || rest.size() > 9 || rest.find_first_not_of("0123456789") != std::string::npos)
-    throw NotDone("'" + id + "' is no fault's id; 'ringctl fault list' shows them all");
+  if (rest.empty() || rest.size() > 9 || rest.find_first_not_of("0123456789") != std::string::npos) throw no_id(id);
   daemons_.ask(node, {{"do", "remove_fault"}, {"id", std::stoul(rest)}});
 }
 
@@ -230,8 +262,8 @@ std::vector<std::string> LiveFaults::clear() const {
   std::vector<wire::NodeId> ids;
   for (const auto& node : daemons_.nodes()) ids.push_back(node.id);
   std::vector<std::string> problems;
-  for (const std::string& problem : at_the_same_time(ids, [&](std::size_t i) { clear_at(ids[i]); }))
-    if (!problem.empty()) problems.push_back(problem);
+  for (const Problem& problem : at_the_same_time(ids, [&](std::size_t i) { clear_at(ids[i]); }))
+    if (!problem.what.empty()) problems.push_back(problem.what);
   return problems;
 }
 

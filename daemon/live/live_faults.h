@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "live/running_daemons.h"
@@ -31,30 +32,35 @@ class LiveFaults {
  public:
   LiveFaults(const std::string& ring, const fault::RingNodes& nodes) : daemons_(ring, nodes) {}
 
+  /// Waits so long, or less. @return whether somebody asks to end; then a node frozen for a time is thawed at once
+  using Wait = std::function<bool(std::chrono::milliseconds)>;
+
   /// A node frozen for a time is thawed again when this returns.
-  /// @return one for each of its nodes. @throw NotDone
-  std::vector<Begun> begin(const fault::Fault& fault) const;
+  /// @param wait may be called by several threads at a time; empty: nobody asks to end
+  /// @return one for each of its nodes. @throw NotDone, HostPortError where a daemon is not there
+  std::vector<Begun> begin(const fault::Fault& fault, const Wait& wait = {}) const;
   /// In ring order. Of a daemon that does not answer, only that it is frozen or killed.
   std::vector<LiveFault> list() const;
-  /// A frozen daemon is thawed, a killed one is started. @throw NotDone where there is no such fault
+  /// A frozen daemon is thawed, a killed one is started.
+  /// @throw NotDone where there is no such fault, fault::ParseError where there can be none
   void remove(const std::string& id) const;
   /// Removes all faults. @return what could not be done, one line each; empty: no fault is left
   std::vector<std::string> clear() const;
 
  private:
-  std::vector<Begun> begin_on_virtual_ring(const fault::Fault& fault) const;
-  Begun begin_at(const fault::Fault& fault, wire::NodeId node) const;
+  std::vector<Begun> begin_on_virtual_ring(const fault::Fault& fault, const Wait& wait) const;
+  Begun begin_at(const fault::Fault& fault, wire::NodeId node, const Wait& wait) const;
   void note(wire::NodeId node, const std::string& words) const;
   void kill(wire::NodeId node, const std::string& words) const;
   void begin_at_node(const fault::Fault& fault, wire::NodeId node) const;
   Begun begin_at_daemon(const fault::Fault& fault, wire::NodeId node) const;
-  void wait_until_thawed(wire::NodeId node) const;
-  void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node) const;
+  void wait_until_thawed(wire::NodeId node, const Wait& wait) const;
+  void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const Wait& wait) const;
   void revive(wire::NodeId node) const;
   void clear_at(wire::NodeId node) const;
   std::optional<LiveFault> node_fault(wire::NodeId node) const;
   std::vector<LiveFault> faults_of(wire::NodeId node) const;
-  wire::NodeId node_called(const std::string& name) const;
+  wire::NodeId node_of(const std::string& id) const;
 
   RunningDaemons daemons_;
 };

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "fault/name.h"
 #include "limb_ring/ring_directory.h"
@@ -111,6 +112,40 @@ std::vector<std::string> held_rings() {
   std::vector<std::string> rings;
   for (const fs::path& folder : files_in(rings_directory()))
     if (!held_nodes(folder).empty()) rings.push_back(folder.filename());
+  std::sort(rings.begin(), rings.end());
+  return rings;
+}
+
+// A note stays where something else than `fault start` has started the node; its lock file then has another pid.
+bool is_killed(const std::string& folder, wire::NodeId node) {
+  const auto note = note_of(folder, node);
+  if (!note || note->name() != fault::word_of(fault::Name::kill).word) return false;
+  const Holder last = holder_of(folder, node);
+  return !last.held && (last.on_virtual_ring || was_killed(folder, node, last.pid));
+}
+
+std::vector<KnownNode> known_nodes(const std::string& folder) {
+  std::vector<KnownNode> nodes;
+  for (const fs::path& file : files_in(folder)) {
+    const auto id = node_of(file);
+    if (!id) continue;
+    const auto note = note_of(folder, wire::NodeId{*id});
+    std::istringstream words(note ? note->words : "");
+    std::string fault, name;
+    nodes.push_back({wire::NodeId{*id}, words >> fault >> name ? name : std::to_string(*id)});
+  }
+  std::sort(nodes.begin(), nodes.end(), [](const KnownNode& a, const KnownNode& b) { return a.id < b.id; });
+  return nodes;
+}
+
+std::vector<std::string> killed_rings() {
+  std::vector<std::string> rings;
+  for (const fs::path& folder : files_in(rings_directory())) {
+    const auto nodes = known_nodes(folder);
+    const auto killed = [&](const KnownNode& node) { return is_killed(folder, node.id); };
+    if (held_nodes(folder).empty() && std::any_of(nodes.begin(), nodes.end(), killed))
+      rings.push_back(folder.filename());
+  }
   std::sort(rings.begin(), rings.end());
   return rings;
 }

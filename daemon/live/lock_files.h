@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "wire/packet.h"
+
 namespace limb_ring::live {
 
 /// What the lock file of a node says of the daemon that holds it, or held it last (host/node_lock.h).
@@ -35,6 +37,22 @@ std::vector<HeldNode> held_nodes(const std::string& folder);
 
 /// Rings of this user of which a node is held right now, by name, sorted; also where no daemon answers.
 std::vector<std::string> held_rings();
+
+/// Whether the last daemon of a node was killed on purpose, and none has begun since. If so, only `fault start` may
+/// start it again.
+bool is_killed(const std::string& folder, wire::NodeId node);
+
+/// Rings of this user that are dead because daemons were killed on purpose, by name, sorted.
+std::vector<std::string> killed_rings();
+
+/// A node as the files of its ring's folder know it.
+struct KnownNode {
+  wire::NodeId id;
+  std::string name;  ///< as a fault's note calls it; without one its id
+};
+
+/// Those that have a lock file, by id: what can be told of a ring of which no daemon answers.
+std::vector<KnownNode> known_nodes(const std::string& folder);
 
 /// Removes what daemons that are gone have left in a ring's folder, and the folder.
 /// @pre no node of it is held

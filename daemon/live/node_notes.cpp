@@ -5,8 +5,6 @@
 #include <cstring>
 #include <fstream>
 
-#include "fault/name.h"
-
 namespace limb_ring::live {
 namespace {
 
@@ -44,11 +42,6 @@ std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node) {
   if (!(file >> since) || !std::getline(file >> std::ws, note.words)) return std::nullopt;
   note.since = system_clock::time_point(milliseconds(since));
   return note;
-}
-
-bool is_killed(const std::string& folder, wire::NodeId node) {
-  const auto note = note_of(folder, node);
-  return note && note->name() == fault::word_of(fault::Name::kill).word;
 }
 
 std::string write_killed(const std::string& folder, wire::NodeId node, pid_t daemon) {

@@ -23,8 +23,6 @@ struct NodeNote {
 std::string write_note(const std::string& folder, wire::NodeId node, const std::string& words);
 void remove_note(const std::string& folder, wire::NodeId node);
 std::optional<NodeNote> note_of(const std::string& folder, wire::NodeId node);
-/// Whether the node's note says that it was killed. If so, only `fault start` may start its daemon again.
-bool is_killed(const std::string& folder, wire::NodeId node);
 
 /// Records in ID.killed, in the ring's folder, the pid of the daemon that is killed on purpose. The file stays when the
 /// node is started again, so that a program that looks only then does not report a crash. To be called before the

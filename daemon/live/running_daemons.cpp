@@ -95,7 +95,7 @@ bool RunningDaemons::done_in_virtual_ring(fault::Name what, wire::NodeId id) con
 void RunningDaemons::signal(wire::NodeId id, int number) const {
   const Holder holder = this->holder(id);
   if (!holder.held || holder.pid <= 0)
-    throw NotDone("node " + node(id).name + " of ring " + ring_ + " has no daemon on this host that runs");
+    throw HostPortError("node " + node(id).name + " of ring " + ring_ + " has no daemon on this host that runs");
   if (::kill(holder.pid, number) != 0)
     throw NotDone("node " + node(id).name + ": pid " + std::to_string(holder.pid) + ": " + std::strerror(errno));
 }

@@ -11,7 +11,8 @@
 namespace limb_ring::live {
 
 /// The daemons of one ring on this host: they are asked through their host ports, signalled, and started again.
-/// Every call ends by a deadline. @throw NotDone with the node's name and what is wrong
+/// Every call ends by a deadline. @throw NotDone with the node's name and what is wrong, HostPortError where its daemon
+/// is not there
 class RunningDaemons {
  public:
   RunningDaemons(std::string ring, fault::RingNodes nodes);

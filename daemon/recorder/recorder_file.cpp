@@ -76,7 +76,7 @@ std::vector<std::string> recordings_in(const std::string& folder) {
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::filesystem::path& path = it->path();
     const std::filesystem::path recording = is_of_former_life(path.string()) ? path.stem() : path;
-    if (recording.extension() == kExtension) files.push_back(path.string());
+    if (recording.extension() == kExtension && !it->is_directory(error)) files.push_back(path.string());
   }
   std::sort(files.begin(), files.end());
   return files;

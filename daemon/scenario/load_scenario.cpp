@@ -33,7 +33,11 @@ config::RingConfig ring_of(const Entry& file) {
   if (const auto redundancy = file.find("redundancy"))
     redundancy->refuse("the ring's file says that", "nodes beside it");
   const std::filesystem::path beside = std::filesystem::path(file.document().name).parent_path();
-  return config::load_ring((beside / path->text("a file")).lexically_normal().string());
+  const std::string ring = (beside / path->text("a file")).lexically_normal().string();
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(ring, error))
+    path->refuse_value("is no file: there is no " + ring, "the YAML file of a ring, looked for beside this file");
+  return config::load_ring(ring);
 }
 
 /// In the file nodes have names or ids; we keep them as places in ring order.

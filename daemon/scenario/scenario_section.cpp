@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "config/characters.h"
 #include "scenario/sections.h"
 
 namespace limb_ring::scenario {
@@ -12,7 +13,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::size_t kMostSteps = 10000;
-constexpr const char* kTitleRule = "a line of 1 to 100 characters";
+constexpr const char* kTitleRule = "a line of 1 to 100 bytes, UTF-8 without control characters";
 constexpr const char* kLineRule = "two nodes of the ring, such as left_hip -> left_knee";
 constexpr config::TimeRange kTimes{0s, 3600s, 1ns};
 constexpr config::TimeRange kDelays{0s, 1s, 1ns};
@@ -24,8 +25,8 @@ Option<Scenario> read_already(const char* name, const char* allowed, const char*
 
 std::string read_title(const Entry& entry) {
   const std::string title = entry.text(kTitleRule);
-  if (title.empty() || title.size() > 100 || title.find('\n') != std::string::npos)
-    entry.refuse_value("is not one", kTitleRule);
+  if (!config::is_plain_text(title)) entry.refuse("it has bytes that are not plain text", kTitleRule);
+  if (title.empty() || title.size() > 100) entry.refuse_value("is not one", kTitleRule);
   return title;
 }
 

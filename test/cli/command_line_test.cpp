@@ -56,6 +56,11 @@ TEST_F(Program, GuessesTheSubcommandThatWasMeant) {
   EXPECT_THAT(refusal({"stauts", "--help"}), HasSubstr("'prog stauts' is unknown"));
 }
 
+TEST_F(Program, WantsNoEmptyWordForWhatIsRequired) {
+  EXPECT_EQ(refusal({"send", "--from", "", "--text", "hello"}), "--from is empty: Node that sends");
+  EXPECT_EQ(refusal({"--ring", "", "send", "--from", "a", "--text", "hello"}), "accepted");
+}
+
 TEST_F(Program, ListsTheSubcommandsWhereNoneIsGiven) {
   EXPECT_EQ(refusal({}), "'prog' needs one of: send, status, fault; 'prog --help' says more");
   EXPECT_EQ(refusal({"fault"}), "'prog fault' needs one of: cut, heal; 'prog fault --help' says more");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "config/characters.h"
+
 namespace limb_ring::config {
 namespace {
 
@@ -23,6 +25,14 @@ TEST(Names, OfTopicsAreThoseOfRos) {
   for (const char* name : {"wrench", "/camera/image", "~state", "a/b_c/d1"}) EXPECT_TRUE(is_topic_name(name)) << name;
   for (const char* name : {"", "~", "/", "a//b", "a/", "1a", "a b", "a-b", "a~b"})
     EXPECT_FALSE(is_topic_name(name)) << name;
+}
+
+TEST(PlainText, IsUtf8WithoutControlCharacters) {
+  for (const char* text : {"", "a scenario", "r\xC3\xB6hre", "\xE2\x86\x92 \xF0\x9F\xA6\xBE", "<&\"'>"})
+    EXPECT_TRUE(is_plain_text(text)) << text;
+  // control characters of ASCII and Latin-1; a stray byte; one cut short; '/' in two bytes; half of a UTF-16 pair
+  for (const char* text : {"a\nb", "\x1b[2J", "\x7f", "\xC2\x85", "\xFF", "\xC3", "\xC0\xAF", "\xED\xA0\x80"})
+    EXPECT_FALSE(is_plain_text(text)) << text;
 }
 
 TEST(Names, CloseToAWordAreFound) {

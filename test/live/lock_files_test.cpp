@@ -17,6 +17,7 @@
 namespace limb_ring::live {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -64,20 +65,53 @@ TEST_F(RingFolder, LeftoversOfOthersStay) {
 TEST_F(RingFolder, RingThatIsNotThereHoldsNothing) { EXPECT_THAT(held_nodes(ring_directory("nowhere")), IsEmpty()); }
 
 TEST_F(RingFolder, ANoteSaysWhatWasDoneToANodeUntilItIsRemoved) {
-  EXPECT_FALSE(is_killed(ring, 3_id));
   write_note(ring, 3_id, "kill left_knee");
   ASSERT_TRUE(note_of(ring, 3_id));
   EXPECT_EQ(note_of(ring, 3_id)->words, "kill left_knee");
   EXPECT_EQ(note_of(ring, 3_id)->name(), "kill");
-  EXPECT_TRUE(is_killed(ring, 3_id));
-  EXPECT_FALSE(is_killed(ring, 4_id));
   remove_note(ring, 3_id);
   EXPECT_FALSE(note_of(ring, 3_id));
 }
 
-TEST_F(RingFolder, ANodeThatIsFrozenWasNotKilled) {
+class KilledNode : public RingFolder {
+ protected:
+  KilledNode() {
+    std::ofstream(ring + "/3.lock") << 4711 << '\n';
+    write_killed(ring, 3_id, 4711);
+    write_note(ring, 3_id, "kill left_knee");
+  }
+};
+
+TEST_F(KilledNode, IsOneWhoseLastDaemonWasKilledOnPurpose) {
+  EXPECT_TRUE(is_killed(ring, 3_id));
+  EXPECT_FALSE(is_killed(ring, 4_id));
+  EXPECT_THAT(killed_rings(), ElementsAre("legs"));
+}
+
+TEST_F(KilledNode, IsNoneAnyMoreAsSoonAsAnotherDaemonHasBegun) {
+  {
+    const auto held = lock_of(3);
+    EXPECT_FALSE(is_killed(ring, 3_id));
+  }
+  EXPECT_FALSE(is_killed(ring, 3_id)) << "it has ended, but was not killed";
+  EXPECT_THAT(killed_rings(), IsEmpty());
+}
+
+TEST_F(KilledNode, OfARingThatGoesOnDoesNotMakeItDead) {
+  const auto held = lock_of(7);
+  EXPECT_THAT(killed_rings(), IsEmpty());
+}
+
+TEST_F(KilledNode, IsNoneThatIsFrozen) {
   write_note(ring, 3_id, "freeze left_knee");
   EXPECT_FALSE(is_killed(ring, 3_id));
+}
+
+TEST_F(KilledNode, HasTheNameOfItsNoteAndOthersTheirId) {
+  std::ofstream(ring + "/12.lock") << 4712 << '\n';
+  std::vector<std::string> names;
+  for (const KnownNode& node : known_nodes(ring)) names.push_back(std::to_string(node.id) + ' ' + node.name);
+  EXPECT_THAT(names, ElementsAre("3 left_knee", "12 12"));
 }
 
 TEST_F(RingFolder, AFileThatIsNoNoteIsIgnored) {
@@ -100,7 +134,7 @@ template <typename Act>
 std::string refusal(Act act) {
   try {
     act();
-  } catch (const NotDone& problem) {
+  } catch (const std::runtime_error& problem) {  // NotDone or HostPortError
     return problem.what();
   }
   return "it was done";

@@ -69,6 +69,15 @@ class Dump(Looking):
         self.assertEqual(self.wait_exit(dump), 0)
         self.assertIn(' shown of ', self.log_of(dump).splitlines()[-1])
 
+    def test_of_all_goes_on_without_those_that_are_dead(self):
+        self.start_ring(plain_nodes(4))
+        self.assertEqual(self.ctl('fault', 'kill', 'node3').returncode, 0)
+        said = self.dump_until_done('all', '--kind', 'data', '-n', 4)
+        self.assertIn('node 3 (node3) is left out: ', said)
+        self.assertIn('4 packets shown', said)
+        self.assertEqual(self.ctl('dump', 'node3').returncode, 3)
+        self.assertIn('all: every node is meant', self.ctl('dump', 'all', 'node1').stderr)
+
     def test_a_file_reads_back_as_what_was_seen(self):
         self.start_ring(plain_nodes(3))
         path = self.capture('node2', '--at', 'in,out', '--kind', 'data', '-n', 6)

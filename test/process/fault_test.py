@@ -18,11 +18,28 @@ class Nodes(FaultTest):
         self.wait_closed([0, 1, 3])
         self.assertEqual(self.listed()['node2.kill']['fault'], 'kill node2')
         self.assertIn('fault on purpose node2.kill: kill node2', self.ctl('status').stdout)
-        self.assertIn('no daemon', self.fault('freeze', 'node2', code=1))
+        self.assertIn('no daemon', self.fault('freeze', 'node2', code=3))
         self.fault('start', 'node2')
         self.wait_closed(range(4))
         self.assertEqual(self.listed(), {})
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
+
+    def test_a_ring_of_which_all_nodes_were_killed_is_brought_back(self):
+        self.start_ring(plain_nodes(3))
+        self.begin('kill', 'all')
+        self.assertEqual(sorted(self.listed()), ['node0.kill', 'node1.kill', 'node2.kill'])
+        self.assertIn('3 nodes killed on purpose', self.ctl('status').stderr)
+        self.assertIn('cannot connect', self.fault('cut', 'node0:node1', code=3))
+        self.fault('remove', 'node1.kill')
+        self.assertEqual(sorted(self.listed()), ['node0.kill', 'node2.kill'])
+        self.assertIn('3 nodes up', self.fault('clear'))
+        self.assertEqual(self.listed(), {})
+        self.begin('kill', 'all')
+        self.fault('start', 'all')
+        self.wait_closed(range(3))
+        self.begin('kill', 'all')
+        self.assertEqual(self.ctl('down').stdout, 'ring %s is down\n' % self.ring)
+        self.assertFalse(os.path.exists(self.ring_folder()))
 
     def test_a_node_started_again_ends_with_the_ring_in_the_foreground(self):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
@@ -50,6 +67,17 @@ class Nodes(FaultTest):
         self.assertEqual(self.fault('freeze', 'node2', '--for', '500ms'), 'done: freeze node2 for=500ms\n')
         self.wait_closed(range(4))
         self.wait('bypassed meanwhile', lambda: self.row(2)['boot'] > boot)
+
+    def test_ctrl_c_thaws_nodes_that_are_frozen_for_a_time(self):
+        daemons = self.start_ring(plain_nodes(4), timeouts=QUICK)
+        freezes = self.start('freeze', [ring_process.program('ringctl'), 'fault', 'freeze', 'node1', 'node2',
+                                        '--for', '300s'])
+        self.wait('both stopped', lambda: [process_state(daemons[i].pid) for i in (1, 2)] == ['T', 'T'])
+        freezes.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(freezes), 1)
+        self.assertIn('thawed before its time', self.log_of(freezes))
+        self.assertEqual(self.listed(), {})
+        self.wait_closed(range(4))
 
     def test_a_power_cycle_gives_a_new_boot_number_a_new_cpu_and_the_same_pid(self):
         nodes = plain_nodes(3)
@@ -159,6 +187,8 @@ class Cpus(FaultTest):
     def test_a_node_without_a_process_has_nothing_to_hang(self):
         self.start_ring(plain_nodes(2))
         self.assertIn('no CPU', self.fault('hang', 'node1', code=1))
+        self.begin('kill', 'node1')
+        self.fault('hang', 'node1', code=3)
 
 
 class Words(FaultTest):
@@ -187,7 +217,10 @@ class Words(FaultTest):
                 (('explode', 'node1'), "'ringctl fault explode' is unknown")):
             self.assertIn(what, self.fault(*arguments, code=2), arguments)
         self.assertIn('any more', self.fault('remove', 'node1.7', code=1))
-        self.assertIn("no fault's id", self.fault('remove', 'seven', code=1))
+        self.assertIn("unknown node 'node7'", self.fault('remove', 'node7.1', code=2))
+        for no_id in ('seven', 'node1.x', 'node1.'):
+            self.assertIn("can have the id '%s'" % no_id, self.fault('remove', no_id, code=2))
+        self.assertIn('ID is empty', self.fault('remove', '', code=2))
         self.assertEqual(self.fault('list'), 'ring %s has no faults on purpose\n' % self.ring)
 
     def test_no_ring_is_exit_code_3(self):

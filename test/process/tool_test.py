@@ -104,6 +104,21 @@ class Tools(RingTest):
         self.assertEqual(port.wait(waits).outcome, 'cancelled')
         self.assertEqual(self.wait_exit(daemons[0]), 0)
 
+    def test_totals_are_shown_also_where_the_daemon_goes(self):
+        daemons = self.start_ring(plain_nodes(3))
+        for arguments in (['ping', '-q', '--to', '1', '--from', '0', '-f'],
+                          ['ping', '--json', '--to', '1', '--from', '0', '-f', '-c', '1000000'],
+                          ['send', '--from', '0', '--to', '1', '--size', '8', '-c', '1000000']):
+            before = self.row(1)['received']
+            tool = self.start(arguments[0], [ring_process.program('ringctl')] + arguments)
+            self.wait('some to arrive', lambda: self.row(1)['received'] > before + 10)
+            daemons[0].kill()
+            self.assertEqual(self.wait_exit(tool), 3, self.log_of(tool))
+            self.assertRegex(self.log_of(tool), r'delivered')
+            self.assertIn('ringctl: ', self.log_of(tool).splitlines()[-1])
+            daemons[0] = self.ringd(os.path.join(self.folder, 'ring.yaml'), 0)
+            self.wait_closed(range(3))
+
     def test_packet_to_oneself_and_packet_to_all(self):
         nodes = plain_nodes(3)
         for node in nodes:

@@ -65,6 +65,15 @@ class Watching(WatchingTest):
         self.assertEqual((told['broken'], told['not_judged']), (0, 0))
         self.wait('no file is left', lambda: not self.is_watched(0) and not self.is_watched(1))
 
+    def test_ends_with_the_ring(self):
+        self.start_ring(plain_nodes(2))
+        watch = self.watch()
+        self.wait('all watched', lambda: self.is_watched(0) and self.is_watched(1))
+        self.assertEqual(self.ctl('down').returncode, 0)
+        self.assertEqual(self.wait_exit(watch), 0)
+        self.assertIn('was taken down', self.log_of(watch))
+        self.assertIn('every promise was kept', self.log_of(watch))
+
     def test_without_a_ring_it_says_so(self):
         self.assertEqual(self.ctl('watch', 'no_such_ring').returncode, 3)
 

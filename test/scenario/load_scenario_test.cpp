@@ -94,7 +94,14 @@ TEST(LoadScenario, RefusesASendOfNoKindOrOfTwo) {
 TEST(LoadScenario, NeedsOneRing) {
   EXPECT_THAT(refusal_of("scenario: x\nsteps: []\n"), HasSubstr("neither ring nor nodes is given"));
   EXPECT_THAT(refusal_of("scenario: x\nnodes: 2\nring: y\nsteps: []\n"), HasSubstr("both given"));
-  EXPECT_THAT(refusal_of("scenario: x\nring: none.yaml\nsteps: []\n"), HasSubstr("none.yaml: there is no such file"));
+  EXPECT_THAT(refusal_of("scenario: x\nring: none.yaml\nsteps: []\n"),
+              HasSubstr("test.yaml:2:7: entry 'ring': 'none.yaml' is no file"));
+}
+
+TEST(LoadScenario, WantsATitleThatCanBePrinted) {
+  for (const char* title : {"\"\\e[2J\"", "\"two\\nlines\""})
+    EXPECT_THAT(refusal_of("scenario: " + std::string(title) + "\nnodes: 2\nsteps: []\n"),
+                HasSubstr("test.yaml:1:11: entry 'scenario': it has bytes that are not plain text"));
 }
 
 }  // namespace

@@ -49,10 +49,17 @@ std::string summary(const DumpTotals& totals) {
 LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order,
                    CaptureSink& sink)
     : sink_(sink) {
+  std::string problem;
   for (const NodeName& node : nodes) {
-    sources_.emplace_back(ring.connect(node));
-    sources_.back().port.observe(order.dump());
+    try {
+      sources_.emplace_back(ring.connect(node));
+      sources_.back().port.observe(order.dump());
+    } catch (const HostPortError& error) {
+      problem = error.what();
+      std::cerr << "ringctl: node " << label(node) << " is left out: " << problem << std::endl;
+    }
   }
+  if (sources_.empty()) throw HostPortError(problem);
 }
 
 DumpTotals LiveDump::run(std::uint64_t count) {

@@ -19,7 +19,8 @@ std::string summary(const DumpTotals& totals);
 /// Packets and events of several nodes at once, in the order in which they come in here.
 class LiveDump {
  public:
-  /// @param order for observe(). @throw HostPortError
+  /// Daemons that do not answer are told on standard error, and left out.
+  /// @param order for observe(). @throw HostPortError where none answers
   LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order, CaptureSink& sink);
 
   /// Until `count` packets are shown (0: without end), somebody asks it to end, or nobody reads.

@@ -44,7 +44,7 @@ PingTotals PingRun::run() {
 }
 
 bool PingRun::over() const {
-  if (asked_to_end_ || (order_.count != 0 && totals_.sent >= order_.count)) return true;
+  if (asked_to_end_ || !totals_.problem.empty() || (order_.count != 0 && totals_.sent >= order_.count)) return true;
   return order_.deadline && steady_clock::now() - begun_ >= *order_.deadline;
 }
 
@@ -52,8 +52,13 @@ void PingRun::send_one() {
   std::vector<std::uint8_t> data(order_.size);
   for (unsigned i = 0; i < order_.size; ++i)  // no two alike, as far as they are large enough
     data[i] = static_cast<std::uint8_t>(i < 8 ? totals_.sent >> (8 * i) : i);
-  ++totals_.sent;
-  wait_for_result(port_.send(order_.to.id, data, order_.priority));
+  try {
+    const std::uint32_t token = port_.send(order_.to.id, data, order_.priority);
+    ++totals_.sent;
+    wait_for_result(token);
+  } catch (const HostPortError& error) {
+    totals_.problem = error.what();
+  }
 }
 
 void PingRun::wait_for_result(std::uint32_t token) {

@@ -27,13 +27,14 @@ struct PingTotals {
   std::uint64_t sent = 0;
   std::vector<Result> results;
   std::chrono::nanoseconds took{0};
+  std::string problem;  ///< why there was an early end: the daemon has gone. Empty: there was none
 
   std::uint64_t with(Outcome outcome) const;
 };
 
 /// Packets one after the other, each timed by the daemon: its first byte out to its matched return. Ends by
-/// itself, or as soon as somebody asks it to (Ctrl-C).
-/// @param each is told of every end, with the packet's number from 1. @throw HostPortError
+/// itself, as soon as somebody asks it to (Ctrl-C), or with the connection to the daemon.
+/// @param each is told of every end, with the packet's number from 1.
 class PingRun {
  public:
   using Each = std::function<void(std::uint64_t sequence, const Result&)>;

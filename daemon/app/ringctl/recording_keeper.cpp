@@ -1,8 +1,5 @@
 #include "app/ringctl/recording_keeper.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
@@ -10,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
 #include "recorder/save_ring.h"
@@ -45,10 +41,7 @@ void tell_user(const std::string& what) { std::cerr << "ringctl: " << what << st
 }  // namespace
 
 RecordingKeeper::RecordingKeeper(const RingAccess& ring, Options options)
-    : ring_(ring.ring()),
-      folder_(ring_directory(ring.ring())),
-      opened_folder_(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)),
-      options_(std::move(options)) {
+    : ring_(ring.ring()), folder_(ring.ring()), options_(std::move(options)) {
   live::PromiseWatch::Ring watched{ring_, {}, ring.folds_back()};
   for (const NodeName& node : ring.nodes_here()) {
     nodes_.push_back({node, -1, live::ObservedDaemon(ring_, node.id, R"({"kinds": ["state"]})")});
@@ -58,14 +51,6 @@ RecordingKeeper::RecordingKeeper(const RingAccess& ring, Options options)
     watch_.emplace(watched, [this](const promises::Breach& breach) {
       want("promise", std::string("promise broken: ") + to_string(breach.promise) + ": " + breach.what);
     });
-}
-
-// 'ringctl down' removes the folder. By the next look another ring of this name may have made a new one.
-bool RecordingKeeper::ring_is_gone() const {
-  struct stat folder {};
-  if (::fstat(opened_folder_.get(), &folder) != 0 || folder.st_nlink == 0) return true;
-  return std::none_of(nodes_.begin(), nodes_.end(),
-                      [this](const Node& node) { return live::holder_of(folder_, node.name.id).pid >= 0; });
 }
 
 void RecordingKeeper::poll() {
@@ -80,11 +65,11 @@ void RecordingKeeper::poll() {
 // A crash leaves the socket ID.host behind: a daemon that ends cleanly removes it. Daemons killed on purpose are noted
 // (live/node_notes.h) and do not count. On a virtual ring the process outlives a killed node.
 void RecordingKeeper::look_for_crash(Node& node) {
-  const live::Holder holder = live::holder_of(folder_, node.name.id);
+  const live::Holder holder = live::holder_of(folder_.path(), node.name.id);
   const pid_t before = std::exchange(node.pid, holder.held || holder.on_virtual_ring ? holder.pid : -1);
   if (before <= 0 || holder.pid < 0 || node.pid == before) return;
-  const bool left_its_door = node.pid > 0 || fs::exists(folder_ + '/' + std::to_string(node.name.id) + ".host");
-  if (left_its_door && !live::was_killed(folder_, wire::NodeId{node.name.id}, before))
+  const bool left_its_door = node.pid > 0 || fs::exists(folder_.path() + '/' + std::to_string(node.name.id) + ".host");
+  if (left_its_door && !live::was_killed(folder_.path(), wire::NodeId{node.name.id}, before))
     want("crash", "node " + label(node.name) + " has crashed");
 }
 
@@ -118,7 +103,7 @@ void RecordingKeeper::save() {
   const std::string to = options_.folder + '/' + prefix + date_text() + '-' + std::exchange(wanted_, "");
   last_ = Clock::now();
   try {
-    const recorder::SavedRing saved = recorder::save_ring(folder_, to);
+    const recorder::SavedRing saved = recorder::save_ring(folder_.path(), to);
     if (saved.recordings == 0) return tell_user(words_ + "; there are no recordings to be saved");
     recorder::remove_old_saves(options_.folder, prefix, options_.keep);
     tell_user(words_ + "; recordings are saved in " + to);

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/ring_folder.h"
 #include "live/promise_watch.h"
-#include "process/unique_fd.h"
 
 namespace limb_ring::ringctl {
 
@@ -31,7 +31,7 @@ class RecordingKeeper {
   /// Looks what has happened, and saves; tells on standard error where, or why it cannot.
   void poll();
   /// The ring was taken down.
-  bool ring_is_gone() const;
+  bool ring_is_gone() const { return folder_.is_gone(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -48,8 +48,8 @@ class RecordingKeeper {
   void want(const std::string& what, const std::string& words);
   void save();
 
-  std::string ring_, folder_;
-  process::UniqueFd opened_folder_;
+  std::string ring_;
+  RingFolder folder_;
   Options options_;
   std::vector<Node> nodes_;
   std::set<std::pair<int, int>> broken_;  ///< lines that are, by the nodes at their ends

@@ -46,16 +46,20 @@ bool take_one(HostPort& port, std::vector<Result>& results, std::chrono::nanosec
 
 }  // namespace
 
-std::vector<Result> send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
-                             std::chrono::nanoseconds interval) {
+namespace {
+
+/// Adds to `sends`, so that what has ended is kept where this throws. @throw HostPortError
+void send_into(Sends& sends, HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
+               std::chrono::nanoseconds interval) {
   const auto begun = steady_clock::now();
   auto deadline = begun + kGuard;
   process::SignalWait signals;
   Progress progress;
-  std::vector<Result> results;
-  for (unsigned sent = 0; results.size() < count;) {
-    const auto turn = [&] { return begun + interval * static_cast<std::int64_t>(sent); };
-    for (; sent < count && sent - results.size() < kOutstanding && turn() <= steady_clock::now(); ++sent) send();
+  std::vector<Result>& results = sends.results;
+  while (results.size() < count) {
+    const auto turn = [&] { return begun + interval * static_cast<std::int64_t>(sends.sent); };
+    const auto& sent = sends.sent;
+    for (; sent < count && sent - results.size() < kOutstanding && turn() <= steady_clock::now(); ++sends.sent) send();
     const bool waits_for_turn = sent < count && turn() > steady_clock::now();
     if (take_one(port, results, waits_for_turn ? turn() - steady_clock::now() : process::SignalWait::kTick) ||
         sent == results.size())
@@ -65,20 +69,33 @@ std::vector<Result> send_all(HostPort& port, unsigned count, const std::function
       throw HostPortError("no result within " + std::to_string(kGuard.count()) + " s");
     progress.tell(std::to_string(results.size()) + " of " + std::to_string(count) + " ended");
   }
-  return results;
 }
 
-std::vector<Result> send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
-                                     const std::function<std::uint32_t()>& send, std::chrono::nanoseconds interval) {
+}  // namespace
+
+Sends send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
+               std::chrono::nanoseconds interval) {
+  Sends sends;
+  try {
+    send_into(sends, port, count, send, interval);
+  } catch (const HostPortError& error) {
+    sends.problem = error.what();
+  }
+  return sends;
+}
+
+Sends send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
+                       const std::function<std::uint32_t()>& send, std::chrono::nanoseconds interval) {
   std::vector<ask::Node> nodes;
   for (const ask::Node& node : ring.ask_nodes())
     if (to == kBroadcast || node.id == to) nodes.push_back(node);
   const RefusalCounters counters(ask::status_rows(ring.ring(), nodes, kRowTime));
-  std::vector<Result> results = send_all(port, count, send, interval);
+  Sends sends = send_all(port, count, send, interval);
+  std::vector<Result>& results = sends.results;
   const auto refused = [](const Result& result) { return result.outcome == Outcome::refused; };
   if (std::any_of(results.begin(), results.end(), refused))
     counters.explain(results, nodes, ask::status_rows(ring.ring(), nodes, kRowTime));
-  return results;
+  return sends;
 }
 
 nlohmann::json to_json(const Result& result) {
@@ -110,15 +127,16 @@ std::string to_text(const Result& result) {
 
 namespace {
 
-void print_json(const std::vector<Result>& results, std::size_t good) {
+void print_json(const Sends& sends, std::size_t good) {
   nlohmann::json list = nlohmann::json::array();
-  for (const Result& result : results) list.push_back(to_json(result));
-  const nlohmann::json all{{"sent", results.size()}, {"delivered", good}, {"results", list}};
+  for (const Result& result : sends.results) list.push_back(to_json(result));
+  const nlohmann::json all{{"sent", sends.sent}, {"delivered", good}, {"results", list}};
   std::cout << all.dump(2) << '\n';
 }
 
-void print_text(const std::vector<Result>& results) {
-  if (results.size() == 1) {
+void print_text(const Sends& sends) {
+  const std::vector<Result>& results = sends.results;
+  if (sends.sent == 1 && results.size() == 1) {
     std::cout << to_text(results.front()) << '\n';
     return;
   }
@@ -126,6 +144,7 @@ void print_text(const std::vector<Result>& results) {
   for (const Result& result : results)
     ++ends[to_string(result.outcome) + (result.reason.empty() ? "" : ": " + result.reason)];
   for (const auto& [end, count] : ends) std::cout << count << ' ' << end << '\n';
+  if (sends.sent > results.size()) std::cout << sends.sent - results.size() << " not ended\n";
 }
 
 }  // namespace
@@ -135,13 +154,15 @@ int exit_code(const std::vector<Result>& results) {
   return std::all_of(results.begin(), results.end(), may_be) ? kUnknown : kNotDone;
 }
 
-int report(const std::vector<Result>& results, bool as_json) {
+int report(const Sends& sends, bool as_json) {
+  const std::vector<Result>& results = sends.results;
   const auto good = static_cast<std::size_t>(std::count_if(results.begin(), results.end(), delivered));
   if (as_json)
-    print_json(results, good);
+    print_json(sends, good);
   else
-    print_text(results);
-  return exit_code(results);
+    print_text(sends);
+  if (!sends.problem.empty()) throw HostPortError(sends.problem);
+  return sends.sent == results.size() ? exit_code(results) : kNotDone;
 }
 
 }  // namespace limb_ring::ringctl

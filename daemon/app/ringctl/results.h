@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "app/ringctl/ring_access.h"
@@ -10,23 +11,30 @@
 
 namespace limb_ring::ringctl {
 
+/// What came of a number of sends.
+struct Sends {
+  std::uint64_t sent = 0;
+  std::vector<Result> results;  ///< of those that have ended
+  std::string problem;          ///< why there was an early end, other than Ctrl-C; empty: there was none
+};
+
 /// Makes `count` sends, a few of them outstanding at a time, and waits for their results, with
 /// progress on standard error. Every send ends by itself within the configured time-outs; the
 /// guard is above all of them.
 /// @param send makes one and returns its token
 /// @param interval from one to the next; 0: as fast as they end
-/// @return as many results, or those there are when somebody asks for an end (Ctrl-C). @throw HostPortError
-std::vector<Result> send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
-                             std::chrono::nanoseconds interval = {});
+/// @return as many results, or those there are when somebody asks for an end (Ctrl-C) or the daemon has gone
+Sends send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
+               std::chrono::nanoseconds interval = {});
 
-/// Prints one result, or how many ended how, or all as JSON. @return exit_code()
-int report(const std::vector<Result>& results, bool as_json);
+/// Prints one result, or how many ended how, or all as JSON. @return exit_code(); kNotDone where not all have ended.
+/// @throw HostPortError where the daemon has gone meanwhile
+int report(const Sends& sends, bool as_json);
 
 /// As send_all(). The reasons of refused sends come from their destinations, if these can be asked on this host.
 /// @param to id of a node of the ring, or kBroadcast
-std::vector<Result> send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
-                                     const std::function<std::uint32_t()>& send,
-                                     std::chrono::nanoseconds interval = {});
+Sends send_and_explain(HostPort& port, const RingAccess& ring, std::uint8_t to, unsigned count,
+                       const std::function<std::uint32_t()>& send, std::chrono::nanoseconds interval = {});
 
 /// kDone where all were delivered, kUnknown where the others may have been, else kNotDone.
 int exit_code(const std::vector<Result>& results);

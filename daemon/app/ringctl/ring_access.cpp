@@ -6,12 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "config/names.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "live/node_notes.h"
 
 namespace limb_ring::ringctl {
 
@@ -87,6 +89,12 @@ std::vector<std::string> whom_to_ask(const std::string& ring, const std::string&
   return nodes;
 }
 
+std::size_t killed_nodes(const std::string& folder) {
+  const auto nodes = live::known_nodes(folder);
+  return static_cast<std::size_t>(std::count_if(
+      nodes.begin(), nodes.end(), [&](const live::KnownNode& node) { return live::is_killed(folder, node.id); }));
+}
+
 }  // namespace
 
 std::string label(const NodeName& node) { return std::to_string(node.id) + " (" + node.name + ")"; }
@@ -108,6 +116,8 @@ std::string choose_ring(const std::string& given) {
   if (environment != nullptr && *environment != '\0') return valid(environment);
   const std::vector<std::string> rings = running_rings();
   if (rings.empty()) {
+    const std::vector<std::string> killed = live::killed_rings();
+    if (killed.size() == 1) return killed.front();
     const std::string unreadable = why_unreadable(rings_directory());
     if (!unreadable.empty()) throw NoRing(rings_directory() + unreadable);
     throw NoRing("no ring is running (looked in " + rings_directory() + ")");
@@ -139,7 +149,27 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
     }
     progress.tell("node " + node + " does not answer, asking another");
   }
+  const std::size_t killed = killed_nodes(folder);
+  if (killed != 0)
+    throw NoRing("no daemon of ring " + ring + " answers: " + app::counted(killed, "node") +
+                 " killed on purpose; 'ringctl fault clear' starts what was killed");
   throw NoRing("ring " + ring + " does not run: " + why);
+}
+
+RingAccess RingAccess::open_also_dead(const std::string& ring) {
+  try {
+    return open(ring);
+  } catch (const NoRing&) {
+    const std::string folder = ring_directory(ring);
+    std::vector<NodeName> nodes;
+    bool noted = false;
+    for (const live::KnownNode& node : live::known_nodes(folder)) {
+      nodes.push_back({node.id, node.name});
+      noted = noted || live::note_of(folder, node.id).has_value();
+    }
+    if (!noted) throw;
+    return RingAccess(ring, "", false, std::chrono::milliseconds(0), nodes, 0);
+  }
 }
 
 RingAccess::RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,

@@ -29,7 +29,8 @@ std::string label(const NodeName& node);
 UsageError unknown_node(const std::string& word, const std::string& ring, const std::vector<NodeName>& nodes);
 
 /// The ring meant: the one given, else the environment's LIMB_RING_RING, else the only one
-/// running. @throw NoRing where none runs; UsageError listing them where several do.
+/// running, else the only one that is dead because its daemons were killed on purpose.
+/// @throw NoRing where there is none; UsageError listing them where several run.
 std::string choose_ring(const std::string& given);
 
 /// Ids of the nodes whose daemon has a socket in the ring's folder, answering or not, sorted.
@@ -41,6 +42,9 @@ class RingAccess {
   /// Asks `first` (id or name; may be empty), then one daemon after the other, how the ring is
   /// configured. @throw NoRing where none answers
   static RingAccess open(const std::string& ring, const std::string& first = {});
+  /// As open(). Where none answers, because nodes were killed or frozen on purpose, the nodes of this host by what
+  /// their files tell, in the order of their ids.
+  static RingAccess open_also_dead(const std::string& ring);
   /// `answered`: index of the node that said all this.
   RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,
              std::vector<NodeName> nodes, std::size_t answered, std::vector<RingHost> hosts = {});

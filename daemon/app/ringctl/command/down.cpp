@@ -71,10 +71,17 @@ bool end_ring(const std::string& ring, const std::string& folder) {
   return wait_until_gone(folder, progress);
 }
 
+int tell_down(const std::string& ring) {
+  std::cout << "ring " << ring << " is down" << std::endl;
+  return kDone;
+}
+
 int run(const std::string& ring) {
   const std::string folder = ring_directory(ring);
   if (live::held_nodes(folder).empty()) {
+    const auto killed = live::killed_rings();
     live::remove_leftovers(folder);
+    if (std::count(killed.begin(), killed.end(), ring) != 0) return tell_down(ring);
     const std::string unreadable = why_unreadable(folder);
     throw NoRing("ring " + ring + (unreadable.empty() ? " is not running" : ": " + folder + unreadable));
   }
@@ -82,13 +89,13 @@ int run(const std::string& ring) {
     throw NotDone("ring " + ring + ": " + app::counted(live::held_nodes(folder).size(), "daemon") +
                   " left that even SIGKILL does not end");
   live::remove_leftovers(folder);
-  std::cout << "ring " << ring << " is down" << std::endl;
-  return kDone;
+  return tell_down(ring);
 }
 
 /// Ends all rings of this user. @return an ExitCode; kDone also if there is none
 int run_all() {
-  const std::vector<std::string> rings = live::held_rings();
+  std::vector<std::string> rings = live::held_rings();
+  for (const std::string& ring : live::killed_rings()) rings.push_back(ring);
   for (const std::string& ring : rings) run(ring);
   if (rings.empty()) std::cout << "no ring is running" << std::endl;
   return kDone;

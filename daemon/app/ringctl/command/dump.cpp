@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
@@ -46,6 +47,8 @@ std::vector<NodeName> nodes_of(const RingAccess& ring, const std::vector<std::st
     return {ring.node(std::to_string(ask(port, {{"do", "config"}}, kAnswerTime).at("supervisor").get<unsigned>()))};
   }
   if (words.size() == 1 && words.front() == "all") return ring.nodes_here();
+  if (std::count(words.begin(), words.end(), "all") != 0)
+    throw UsageError("all: every node is meant, so none can be named beside it");
   std::vector<NodeName> nodes;
   for (const std::string& word : words) nodes.push_back(ring.node(word));
   return nodes;

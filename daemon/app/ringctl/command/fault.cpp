@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/fault_table.h"
@@ -13,6 +15,7 @@
 #include "cli/values.h"
 #include "fault/parse.h"
 #include "live/live_faults.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -72,25 +75,48 @@ fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes, boo
   }
 }
 
+/// Ctrl-C while a node is frozen for a time: it is thawed before ringctl ends. A fault of another kind is not waited
+/// for, so there Ctrl-C does as ever.
+class Interruption {
+ public:
+  explicit Interruption(const fault::Fault& fault) {
+    if (fault.name == fault::Name::freeze && fault.lasts.count() != 0) signals_.emplace();
+  }
+  LiveFaults::Wait wait() {
+    if (!signals_) return {};
+    return [this](std::chrono::milliseconds time) {
+      if (signals_->asked_to_end(time)) came_ = true;
+      return came_.load();
+    };
+  }
+  bool came() const { return came_; }
+
+ private:
+  std::optional<process::SignalWait> signals_;
+  std::atomic<bool> came_{false};  // several nodes are waited for at the same time
+};
+
 int begin(const Context& context, const fault::Word& word, const FaultOptions& options) {
   // The user typed A -> B without quotes, so the shell has redirected the output to a file named B.
   if (!options.where.empty() && options.where.back() == "-")
     throw UsageError(std::string(word.word) + ": the shell has taken '>' for itself: write A:B, or quote 'A -> B'");
-  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
   const fault::RingNodes nodes = nodes_of(ring);
   const fault::Fault fault = parsed(words_of(word, options), nodes, ring.folds_back());
   for (const wire::NodeId id : fault.nodes) ring.require_here(ring.node(std::to_string(id)));
+  Interruption interruption(fault);
   json all = json::array();
-  for (const live::Begun& begun : LiveFaults(ring.ring(), nodes).begin(fault)) {
+  for (const live::Begun& begun : LiveFaults(ring.ring(), nodes).begin(fault, interruption.wait())) {
     all.push_back({{"id", begun.id.empty() ? json() : json(begun.id)}, {"fault", begun.words}});
     if (!options.json) std::cout << (begun.id.empty() ? "done" : begun.id) << ": " << begun.words << std::endl;
   }
   if (options.json) std::cout << all.dump(2) << '\n';
+  if (interruption.came()) throw NotDone("interrupted: thawed before its time");
   return kDone;
 }
 
 int list(const Context& context, const FaultOptions& options) {
-  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
   const auto faults = LiveFaults(ring.ring(), nodes_of(ring)).list();
   json all = json::array();
   for (const live::LiveFault& fault : faults) all.push_back(to_json(fault));
@@ -104,17 +130,20 @@ int list(const Context& context, const FaultOptions& options) {
 }
 
 int remove(const Context& context, const FaultOptions& options) {
-  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
-  const std::string name = options.id.substr(0, options.id.rfind('.'));
-  for (const NodeName& node : ring.nodes())
-    if (name == node.name || name == std::to_string(node.id)) ring.require_here(node);
-  LiveFaults(ring.ring(), nodes_of(ring)).remove(options.id);
+  const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
+  try {
+    const std::size_t dot = options.id.rfind('.');
+    if (dot != std::string::npos) ring.require_here(ring.node(options.id.substr(0, dot)));
+    LiveFaults(ring.ring(), nodes_of(ring)).remove(options.id);
+  } catch (const fault::ParseError& error) {
+    throw UsageError(error.what());
+  }
   std::cout << "removed " << options.id << std::endl;
   return kDone;
 }
 
 int clear(const Context& context, const FaultOptions& options) {
-  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
   const auto problems = LiveFaults(ring.ring(), nodes_of(ring)).clear();
   for (const std::string& problem : problems) std::cerr << "ringctl: " << problem << '\n';
   if (!problems.empty()) return kNotDone;

@@ -55,6 +55,7 @@ int run(const Context& context, const PingOptions& options) {
     std::cout << ping_json(order, totals).dump(2) << '\n';
   else
     std::cout << (lines ? "\n" : "") << ping_text(order, totals);
+  if (!totals.problem.empty()) throw HostPortError(totals.problem);
   const bool all = order.count == 0 || totals.sent == order.count;
   return all && totals.with(Outcome::delivered) == totals.results.size() && !totals.results.empty() ? kDone : kNotDone;
 }

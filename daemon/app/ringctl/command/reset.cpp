@@ -5,6 +5,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/ring_clock.h"
 #include "ask/reset_node.h"
 #include "cli/values.h"
 
@@ -35,6 +36,12 @@ int run(const Context& context, const ResetOptions& options) {
   nlohmann::json answer;
   try {
     answer = ask::reset_node(query);
+  } catch (const HostPortTimeout&) {
+    const nlohmann::json clock = ring_clock(ring.ring());
+    if (clock.is_object() && clock.value("paused", false))
+      throw NotDone("the virtual clock of ring " + ring.ring() +
+                    " stands, so nothing happens; 'ringctl run' lets it go on");
+    throw;
   } catch (const HostPortError& problem) {
     // A daemon that answers with an error is not a missing ring: kNotDone instead of kNoRing.
     if (ring.connect(ring.source(options.from)).connected()) throw NotDone(problem.what());

@@ -192,7 +192,10 @@ int run(const RingPlan& plan, const UpOptions& options) {
   RingWatch watch(plan);
   const std::string problem = wait_until_closed(plan, watch, daemons, signals, options.timeout_s);
   if (!problem.empty()) {
+    const live::LaunchedDaemon* ended = daemons.first_ended();
+    const bool refused = ended != nullptr && ended->ended()->code == kUsage;  // ringd's exit codes are these, too
     end(daemons, signals);
+    if (refused) throw UsageError("ring " + plan.ring + ": " + problem);
     throw NotDone("ring " + plan.ring + ": " + problem);
   }
   if (daemons.first_ended() == nullptr)

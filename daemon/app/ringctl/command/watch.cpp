@@ -9,6 +9,7 @@
 #include "app/ringctl/command/watch.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/ring_folder.h"
 #include "cli/values.h"
 #include "live/promise_watch.h"
 #include "process/signal_wait.h"
@@ -97,6 +98,7 @@ int run(const Context& context, const WatchOptions& options) {
   at_work = &watch;
   if (here.size() < ring.nodes().size())
     std::cerr << "ringctl: nodes of other hosts are not watched; what they send or take is not judged" << std::endl;
+  const RingFolder folder(ring.ring());
   process::SignalWait signals;
   const auto began = steady_clock::now();
   const auto so_far = [&] { return std::chrono::duration<double>(steady_clock::now() - began).count(); };
@@ -105,7 +107,9 @@ int run(const Context& context, const WatchOptions& options) {
     if (watch.counts().lost != told_lost)
       std::cerr << "ringctl: " << watch.counts().lost - std::exchange(told_lost, watch.counts().lost)
                 << " observations came too fast; what hangs on them is not judged" << std::endl;
-  } while ((options.lasts_s == 0 || so_far() < options.lasts_s) && !signals.asked_to_end(live::PromiseWatch::kRound));
+  } while (!folder.is_gone() && (options.lasts_s == 0 || so_far() < options.lasts_s) &&
+           !signals.asked_to_end(live::PromiseWatch::kRound));
+  if (folder.is_gone()) std::cerr << "ringctl: ring " << ring.ring() << " was taken down" << std::endl;
   watch.finish();
   print_end(watch.counts(), so_far(), options.json);
   return watch.counts().breaches == 0 ? kDone : kNotDone;
@@ -115,10 +119,11 @@ int run(const Context& context, const WatchOptions& options) {
 
 void add_watch(CLI::App& app, Context& context) {
   auto options = std::make_shared<WatchOptions>();
-  CLI::App* command = add_command(app, "watch",
-                                  "Judge a living ring's promises until Ctrl-C: what is delivered has arrived, once "
-                                  "and in order, every send has one result, pins are pulled once, nothing circles; a "
-                                  "line for each one that is broken, and then exit code 1");
+  CLI::App* command = add_command(
+      app, "watch",
+      "Judge a living ring's promises until Ctrl-C or the ring is taken down: what is delivered has arrived, once "
+      "and in order, every send has one result, pins are pulled once, nothing circles; a "
+      "line for each one that is broken, and then exit code 1");
   command->add_option("RING", options->ring, "Its name; default: the only one running");
   command->add_option("--for", options->lasts_s, "End after so many seconds; default: never")
       ->transform(cli::seconds(0.1, 1e9));
