@@ -237,6 +237,14 @@ Result result(Outcome outcome, std::string reason = {}) {
   return made;
 }
 
+/// As many sends as have ended, so with nothing outstanding.
+Sends ended(std::vector<Result> results) {
+  Sends sends;
+  sends.sent = results.size();
+  sends.results = std::move(results);
+  return sends;
+}
+
 TEST(Results, OneIsToldInWords) {
   EXPECT_EQ(to_text(result(Outcome::delivered)), "delivered in 61.2 us");
   EXPECT_EQ(to_text(result(Outcome::rejected, "queue full")), "rejected in 61.2 us: queue full");
@@ -253,10 +261,22 @@ TEST(Results, HaveOneFormInASentenceForEveryOutcome) {
 
 TEST(Results, ExitCodeSaysWhetherAllWereDelivered) {
   ::testing::internal::CaptureStdout();
-  EXPECT_EQ(report({result(Outcome::delivered)}, false), kDone);
-  EXPECT_EQ(report({result(Outcome::delivered), result(Outcome::lost)}, false), kUnknown);
-  EXPECT_EQ(report({result(Outcome::lost), result(Outcome::refused)}, false), kNotDone);
+  EXPECT_EQ(report(ended({result(Outcome::delivered)}), false), kDone);
+  EXPECT_EQ(report(ended({result(Outcome::delivered), result(Outcome::lost)}), false), kUnknown);
+  EXPECT_EQ(report(ended({result(Outcome::lost), result(Outcome::refused)}), false), kNotDone);
   EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("1 lost"));
+}
+
+TEST(Results, WhatHasNotEndedIsCountedAndWhyIsThrown) {
+  Sends sends = ended({result(Outcome::delivered)});
+  sends.sent = 3;
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(report(sends, false), kNotDone);
+  EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("2 not ended"));
+  sends.problem = "the daemon has ended";
+  ::testing::internal::CaptureStdout();
+  EXPECT_THROW(report(sends, false), HostPortError);
+  EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("1 delivered"));
 }
 
 TEST(Results, WhatWasUnconfirmedMayHaveArrivedUnlessItWasOutOfReach) {
@@ -324,7 +344,7 @@ TEST(Headline, AStopThatIsLatchedIsNamedWithWhatEndsIt) {
 
 TEST(Results, JsonHoldsEveryOne) {
   ::testing::internal::CaptureStdout();
-  report({result(Outcome::delivered), result(Outcome::refused)}, true);
+  report(ended({result(Outcome::delivered), result(Outcome::refused)}), true);
   const json printed = json::parse(::testing::internal::GetCapturedStdout());
   EXPECT_EQ(printed["sent"], 2);
   EXPECT_EQ(printed["delivered"], 1);
