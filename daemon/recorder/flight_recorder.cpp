@@ -24,6 +24,7 @@ FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t
       half_((size - kTitleSize) / 2 & ~std::size_t{7}),
       head_(reinterpret_cast<HalfHead*>(halves_)),
       records_(core::StateWriter(halves_, 0), now),
+      ahead_(halves_),
       on_too_small_(std::move(on_too_small)) {
   title.layout = state_layout();
   title.program = LIMB_RING_VERSION;
@@ -49,6 +50,7 @@ void FlightRecorder::begin_half() {
   controller_.archive(room);
   if (room.failed() || room.left() < kMargin) return stop();
   records_ = RecordWriter(room, last);
+  ahead_ = LinesAhead(room.next());
   head_->used.store(room.size(), std::memory_order_release);
   head_->generation.store(generation_, std::memory_order_release);
 }
@@ -62,7 +64,9 @@ void FlightRecorder::stop() {
 template <class What>
 void FlightRecorder::put(const What& what, core::Time at) {
   records_.put(at, what);
-  if (!records_.failed()) head_->used.store(records_.size(), std::memory_order_release);
+  if (records_.failed()) return;
+  head_->used.store(records_.size(), std::memory_order_release);
+  ahead_.fetch(records_.next(), records_.left());
 }
 
 // Only an input may begin a half: before it, the state is exactly the result of all records so far. Between the

@@ -6,6 +6,7 @@
 
 #include "core/network_controller.h"
 #include "recorder/layout.h"
+#include "recorder/lines_ahead.h"
 #include "recorder/record_writer.h"
 
 namespace limb_ring::recorder {
@@ -53,6 +54,7 @@ class FlightRecorder final : public core::Journal {
   std::uint64_t generation_ = 0;
   HalfHead* head_;        ///< of the half in use
   RecordWriter records_;  ///< behind it
+  LinesAhead ahead_;      ///< of them
   bool stopped_ = false;
   std::function<void()> on_too_small_;
   core::Journal* next_ = nullptr;

@@ -26,6 +26,8 @@ class RecordWriter {
   /// Bytes in the room, also of what was there before the first record.
   std::size_t size() const { return room_.size(); }
   std::size_t left() const { return room_.left(); }
+  /// Where the next record goes.
+  const std::uint8_t* next() const { return room_.next(); }
   /// Time of the last record.
   core::Time last() const { return last_; }
 
