@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "recorder/record_format.h"
+#include "recorder/slices_taken_in.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -53,15 +54,24 @@ std::optional<Record> RecordReader::next() {
   std::uint8_t tag = 0xFF;
   rest_("tag", tag);
   if (rest_.failed()) return std::nullopt;
-  if ((tag & kSameTime) == 0) {
-    TimeStep step;
-    rest_("step", step);
-    if (!follows(last_, step.value())) return std::nullopt;
-    last_ += step.value();
-  }
-  const auto record = read(tag & ~kSameTime, before);
+  const core::Duration step = read_step(tag);
+  if (!follows(last_, step)) return std::nullopt;
+  last_ += step;
+  const auto record = read(tag & ~(kSameTime | kMuchLater), before);
   if (rest_.failed() || !record || !legal(*record)) return std::nullopt;
   return record;
+}
+
+core::Duration RecordReader::read_step(std::uint8_t tag) {
+  std::uint64_t step = 0;
+  core::Int128 long_step = 0;
+  if ((tag & kSameTime) != 0) return core::Duration{0};
+  if ((tag & kMuchLater) == 0) {
+    rest_("step", step);
+    return core::Duration{step};
+  }
+  rest_("step", long_step);
+  return core::Duration{long_step};
 }
 
 std::optional<Record> RecordReader::read(std::uint8_t tag, wire::ByteView before) {
@@ -107,17 +117,17 @@ bool RecordReader::read_slice(wire::SliceWriter& slices, wire::ByteView before) 
     return true;
   }
   std::uint16_t size = 0;
-  std::uint8_t count = 0;
-  rest_("size", size)("count", count);
-  if (rest_.failed() || !wire::slice_size_fits(kind, size) || back > before.size || back < size) return false;
+  std::uint8_t differing = 0;
+  rest_("size", size)("differing", differing);
+  if (rest_.failed() || !wire::slice_size_fits(kind, size) || size < 2 * Differences::kEnd) return false;
+  if (back > before.size || back < size || differing >> Differences::kWords != 0) return false;
   std::uint8_t* const bytes = slices.put_space(kind, size);
-  if (size != 0) std::memcpy(bytes, before.end() - back, size);
-  for (; count != 0; --count) {
-    std::uint16_t place = 0;
-    std::uint8_t value = 0;
-    rest_("place", place)("value", value);
-    if (place >= size) return false;
-    bytes[place] = value;
+  std::memcpy(bytes, before.end() - back, size);
+  for (std::size_t i = 0; i < Differences::kWords; ++i) {
+    if ((differing >> i & 1) == 0) continue;
+    std::uint64_t word = 0;
+    rest_("word", word);
+    std::memcpy(bytes + Differences::place(i, size), &word, sizeof word);
   }
   return true;
 }

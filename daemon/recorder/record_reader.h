@@ -22,6 +22,8 @@ class RecordReader {
   std::optional<Record> next();
 
  private:
+  /// The time since the record before.
+  core::Duration read_step(std::uint8_t tag);
   /// @param before the bytes before the record
   std::optional<Record> read(std::uint8_t tag, wire::ByteView before);
   bool read(Written& written, wire::ByteView before);

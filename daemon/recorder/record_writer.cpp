@@ -32,16 +32,26 @@ class Packed {
   std::uint8_t* to_;
 };
 
+std::size_t bytes_of(const Differences& differences) {
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < differences.words.size(); ++i)
+    bytes += (differences.differing >> i & 1) * sizeof differences.words[i];
+  return bytes;
+}
+
 }  // namespace
 
 void RecordWriter::begin(std::uint8_t tag, core::Time at) {
   begun_ = room_.next();
-  if (at == last_) tag |= kSameTime;
-  if (std::uint8_t* const to = room_.space(1)) *to = tag;
-  if (at == last_) return;
-  TimeStep step{at - last_};
-  room_("step", step);
+  const core::Int128 step = (at - last_).count();
   last_ = at;
+  const auto low = static_cast<std::uint64_t>(step);
+  const std::uint8_t how = step == 0 ? kSameTime : step != static_cast<core::Int128>(low) ? kMuchLater : 0;
+  std::uint8_t* const to = room_.space(1 + (how == kSameTime ? 0 : how == kMuchLater ? sizeof step : sizeof low));
+  if (to == nullptr) return;
+  Packed packed = Packed(to) << static_cast<std::uint8_t>(tag | how);
+  if (how == kSameTime) return;
+  how == kMuchLater ? packed << step : packed << low;
 }
 
 // Nearly all inputs are slices and runs: asked for first, they are spared the table of std::visit.
@@ -81,11 +91,11 @@ void RecordWriter::put_slice(const wire::Slice& slice) {
     return;
   }
   const auto size = static_cast<std::uint16_t>(slice.bytes.size);
-  std::uint8_t* const to = room_.space(sizeof slice.kind + sizeof back + sizeof size + 1 + 3u * differences.count);
+  std::uint8_t* const to = room_.space(sizeof slice.kind + sizeof back + sizeof size + 1 + bytes_of(differences));
   if (to == nullptr) return;
-  Packed packed = Packed(to) << slice.kind << back << size << differences.count;
-  for (std::size_t i = 0; i < differences.count; ++i)
-    packed << differences.bytes[i].place << differences.bytes[i].value;
+  Packed packed = Packed(to) << slice.kind << back << size << differences.differing;
+  for (std::size_t i = 0; i < differences.words.size(); ++i)
+    if ((differences.differing >> i & 1) != 0) packed << differences.words[i];
 }
 
 void RecordWriter::put(core::Time at, const core::Event& event) {

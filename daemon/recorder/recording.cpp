@@ -31,8 +31,11 @@ bool usable(const core::Settings& settings) {
 }
 
 Title read_title(wire::ByteView bytes) {
-  if (bytes.size < kTitleSize || std::memcmp(bytes.data, kMagic.data(), kMagic.size()) != 0)
+  constexpr std::size_t kForm = kMagic.size() - 1;  // the last letter is the form
+  if (bytes.size < kTitleSize || std::memcmp(bytes.data, kMagic.data(), kForm) != 0)
     throw std::runtime_error("this is no recording of a node");
+  if (bytes[kForm] != static_cast<std::uint8_t>(kMagic[kForm]))
+    throw std::runtime_error("it was recorded by another version of limb_ring, in a form that this one does not read");
   Title title;
   core::StateReader reader(bytes.first(kTitleSize).from(kMagic.size()));
   title.archive(reader);

@@ -6,35 +6,30 @@
 namespace limb_ring::recorder {
 namespace {
 
-/// Header and trailer, with what a relay changes in them, lie in the first and the last bytes of a slice: HOP, FBC and
-/// CRC.
-constexpr std::size_t kMayDiffer = 16;
-
-/// @return false where there are more than have room
-bool add_differences(const std::uint8_t* from, wire::ByteView to, std::size_t begin, std::size_t end,
-                     Differences& found) {
-  for (std::size_t at = begin; at < end; ++at) {
-    if (from[at] == to[at]) continue;
-    if (found.count == found.bytes.size()) return false;
-    found.bytes[found.count++] = {static_cast<std::uint16_t>(at), to[at]};
-  }
-  return true;
+std::uint64_t word_at(const std::uint8_t* bytes, std::size_t place) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, bytes + place, sizeof word);
+  return word;
 }
 
-/// @pre both are of the same size
-/// @return false where more differs than has room, or anything between the first and the last bytes
+/// @pre both are of the same size, and not too short
+/// @return false where they differ between their ends
 bool compare(const std::uint8_t* from, wire::ByteView to, Differences& found) {
-  found.count = 0;
-  const std::size_t head = std::min(to.size, kMayDiffer);
-  const std::size_t tail = std::max(head, to.size - head);
-  return std::memcmp(from + head, to.data + head, tail - head) == 0 && add_differences(from, to, 0, head, found) &&
-         add_differences(from, to, tail, to.size, found);
+  constexpr std::size_t kEnd = Differences::kEnd;
+  if (std::memcmp(from + kEnd, to.data + kEnd, to.size - 2 * kEnd) != 0) return false;
+  found.differing = 0;
+  for (std::size_t i = 0; i < Differences::kWords; ++i) {
+    const std::size_t place = Differences::place(i, to.size);
+    found.words[i] = word_at(to.data, place);
+    found.differing |= static_cast<std::uint8_t>((word_at(from, place) != found.words[i]) << i);
+  }
+  return true;
 }
 
 }  // namespace
 
 const std::uint8_t* SlicesTakenIn::find(const wire::Slice& given_out, Differences& differences) {
-  if (given_out.bytes.empty()) return nullptr;
+  if (given_out.bytes.size < 2 * Differences::kEnd) return nullptr;
   const std::size_t kept = std::min(added_ - first_, slices_.size());
   for (std::size_t i = added_ - kept; i < added_; ++i) {
     const wire::Slice& taken = slices_[i % slices_.size()];

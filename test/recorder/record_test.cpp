@@ -76,5 +76,18 @@ TEST(Record, atTheTimeOfTheOneBeforeSaysSoInItsTagAlone) {
   EXPECT_TRUE(reader.complete());
 }
 
+TEST(Record, mayBeAnyTimeLater) {
+  for (const auto later : {core::Duration{1}, core::Duration{1us}, core::Duration{213 * 24h}, core::Duration{214 * 24h},
+                           core::Duration{20 * 365 * 24h}}) {
+    const auto record = again(core::Input{input::Run{}}, kNow + later, kNow);
+    ASSERT_TRUE(record) << later.count() / 1e12;
+    EXPECT_EQ(record->at, kNow + later);
+  }
+}
+
+TEST(Record, laterThanAnyRingLivesIsNone) {
+  EXPECT_FALSE(again(core::Input{input::Run{}}, kNow + core::Duration{20000 * 365 * 24h}, kNow));
+}
+
 }  // namespace
 }  // namespace limb_ring::recorder

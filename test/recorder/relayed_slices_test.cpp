@@ -2,11 +2,13 @@
 // are not what a recorder would write.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "recorder/record_format.h"
 #include "recorder/record_reader.h"
 #include "recorder/record_writer.h"
+#include "recorder/slices_taken_in.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -16,7 +18,7 @@ namespace input = core::input;
 constexpr core::Time kThen{std::chrono::seconds(1)};
 
 using Bytes = std::vector<std::uint8_t>;
-constexpr std::size_t kSliceSize = 400;
+constexpr std::uint32_t kSliceSize = 400;
 
 /// A node that takes slices in and gives slices out, and what is read of that.
 class Relayed : public testing::Test {
@@ -118,10 +120,25 @@ TEST_F(Relayed, ofNothingIsNothing) {
   EXPECT_EQ(read_again(), given_out_);
 }
 
+TEST_F(Relayed, thatIsTooShortToBeComparedIsRecordedWhole) {
+  const std::size_t least = 2 * Differences::kEnd;
+  take_in(Bytes(least - 1, 1));
+  EXPECT_GT(give_out({passed_on(Bytes(least - 1, 1))}), least);
+  take_in(Bytes(least, 1));
+  EXPECT_LT(give_out({passed_on(Bytes(least, 1))}), least);
+  EXPECT_EQ(read_again(), given_out_);
+}
+
 // A slice that was passed on, as RecordWriter writes it; then one number of it is another.
+struct Number {
+  std::uint32_t all = kSliceSize + wire::kSliceHeaderSize, back = kSliceSize;
+  std::uint16_t size = kSliceSize;
+  std::uint8_t differing = 1u << (Differences::kWords - 1);
+};
+
 class Forged : public testing::Test {
  protected:
-  std::optional<Record> read(std::uint32_t back, std::uint16_t size, std::uint16_t place, std::uint32_t all) {
+  std::optional<Record> read(Number number) {
     Bytes room(1024);
     RecordWriter writer(core::StateWriter(room.data(), room.size()), kThen);
     const Bytes taken_in(kSliceSize, 1);
@@ -129,11 +146,12 @@ class Forged : public testing::Test {
                core::Input{input::Receive{Line::first, {wire::SliceKind::whole, {taken_in.data(), kSliceSize}}}});
     const std::size_t before = writer.size();
     core::StateWriter rest(room.data() + before, room.size() - before);
-    std::uint8_t tag = kWrittenTag | kSameTime, count = 1, value = 7;
+    std::uint8_t tag = kWrittenTag | kSameTime;
+    std::uint64_t word = 0x0707070707070707;
     Line line = Line::first;
     wire::SliceKind kind = wire::SliceKind::whole;
-    rest("tag", tag)("line", line)("size", all)("kind", kind)("back", back)("size", size)("count", count);
-    rest("place", place)("value", value);
+    rest("tag", tag)("line", line)("size", number.all)("kind", kind)("back", number.back)("size", number.size);
+    rest("differing", number.differing)("word", word);
     reader_ = RecordReader({room.data(), before + rest.size()}, kThen);
     EXPECT_TRUE(reader_.next());
     auto record = reader_.next();
@@ -143,25 +161,45 @@ class Forged : public testing::Test {
     }
     return record;
   }
+  /// As read(), with another number at that place.
+  template <class T>
+  bool is_read(T Number::*which, T other) {
+    Number number;
+    number.*which = other;
+    return read(number).has_value();
+  }
   RecordReader reader_{{}, kThen};
   Bytes read_;
 };
-constexpr std::uint32_t kFramed = kSliceSize + wire::kSliceHeaderSize;
 
 TEST_F(Forged, soundOnesAreRead) {
-  ASSERT_TRUE(read(kSliceSize, kSliceSize, kSliceSize - 1, kFramed));
-  EXPECT_EQ(read_.size(), kFramed);
-  EXPECT_EQ(read_.back(), 7);
+  ASSERT_TRUE(read({}));
+  Bytes expected(kSliceSize, 1);
+  std::fill(expected.end() - Differences::kWord, expected.end(), std::uint8_t{7});
+  EXPECT_EQ(Bytes(read_.begin() + wire::kSliceHeaderSize, read_.end()), expected);
 }
-TEST_F(Forged, noneReachesBehindItsRecord) { EXPECT_FALSE(read(kSliceSize - 1, kSliceSize, 0, kFramed)); }
-TEST_F(Forged, noneReachesBeforeTheFirstRecord) { EXPECT_FALSE(read(2 * kSliceSize, kSliceSize, 0, kFramed)); }
-TEST_F(Forged, noneDiffersBehindItsEnd) { EXPECT_FALSE(read(kSliceSize, kSliceSize, kSliceSize, kFramed)); }
-TEST_F(Forged, noneIsLongerThanAnySlice) { EXPECT_FALSE(read(0xFFFF, 0xFFFF, 0, 0xFFFF + wire::kSliceHeaderSize)); }
+TEST_F(Forged, noneReachesBehindItsRecord) { EXPECT_FALSE(is_read(&Number::back, kSliceSize - 1)); }
+TEST_F(Forged, noneReachesBeforeTheFirstRecord) { EXPECT_FALSE(is_read(&Number::back, 2 * kSliceSize)); }
+TEST_F(Forged, noneDiffersInAWordThatThereIsNot) {
+  EXPECT_FALSE(is_read(&Number::differing, std::uint8_t{1u << Differences::kWords | 1u}));
+}
+TEST_F(Forged, noneIsShorterThanItsEnds) {
+  Number number;
+  number.size = 2 * Differences::kEnd - 1;
+  number.all = number.size + wire::kSliceHeaderSize;
+  EXPECT_FALSE(read(number));
+}
+TEST_F(Forged, noneIsLongerThanAnySlice) {
+  Number number;
+  number.back = number.size = 0xFFFF;
+  number.all = number.size + wire::kSliceHeaderSize;
+  EXPECT_FALSE(read(number));
+}
 TEST_F(Forged, noneIsOfAnotherSizeInAll) {
-  EXPECT_FALSE(read(kSliceSize, kSliceSize, 0, kFramed - 1));
-  EXPECT_FALSE(read(kSliceSize, kSliceSize, 0, kFramed + 1));
-  EXPECT_FALSE(read(kSliceSize, kSliceSize, 0, 0xFFFFFFFF));
+  for (const std::uint32_t all : {Number{}.all - 1, Number{}.all + 1, 0xFFFFFFFFu})
+    EXPECT_FALSE(is_read(&Number::all, all)) << all;
 }
+TEST_F(Forged, noneLacksAWordThatDiffers) { EXPECT_FALSE(is_read(&Number::differing, std::uint8_t{0xF})); }
 
 }  // namespace
 }  // namespace limb_ring::recorder

@@ -173,6 +173,15 @@ TEST_F(SavedFile, withAnyByteChangedIsRefused) {
   EXPECT_THAT(why_refused(folder_ / "saved"), HasSubstr("no saved recording"));
 }
 
+TEST_F(SavedFile, ofAnotherFormSaysThatItIs) {
+  sim::VirtualRing ring({});
+  record(ring);
+  const std::string path = recording_of(folder_, 1);
+  std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).write("limbrec2", kMagic.size());
+  EXPECT_THAT([&] { save_file(path, saved("1.record")); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("recorded by another version of limb_ring")));
+}
+
 TEST_F(SavedFile, becomesACaptureOfAllLines) {
   sim::VirtualRing ring({});
   record(ring);
