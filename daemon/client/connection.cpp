@@ -83,15 +83,13 @@ void Connection::wait_to_write(Clock::time_point deadline) {
   if ((events & POLLIN) != 0) read();
 }
 
-void Connection::wait_until(std::chrono::nanoseconds until) {
-  if (!connected_) return;
-  if (clock_ != ClockKind::lockstep) {
-    socket_.wait(POLLIN, Clock::time_point(until));
-    return;
-  }
+bool Connection::wait_until(std::chrono::nanoseconds until) {
+  if (!connected_) return false;
+  if (clock_ != ClockKind::lockstep) return socket_.wait(POLLIN, Clock::time_point(until)) != 0;
   send(Waiting{until});
   my_turn_ = false;
   await_turn();
+  return true;
 }
 
 void Connection::sleep_until(std::chrono::nanoseconds time) {
@@ -110,7 +108,10 @@ std::chrono::nanoseconds Connection::now() const {
   return clock_ == ClockKind::lockstep ? turn_at_ : std::chrono::nanoseconds(Clock::now().time_since_epoch());
 }
 
+bool Connection::may_take_unread() { return !inbox_.empty() && taken_unread_++ < kMostFromOneRead; }
+
 void Connection::read() {
+  taken_unread_ = 0;
   if (!connected_ || (clock_ == ClockKind::lockstep && my_turn_)) return;
   if (inbox_.full()) return lose(kUnreceived);
   const auto status = socket_.read(in_);

@@ -17,6 +17,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint16_t kPacketWindow = 8;
 /// Credit goes back with whatever is sent, or in a lot of this size: one write for several packets.
 constexpr std::uint16_t kCreditLot = 4;
+constexpr unsigned kMostFromOneRead = 16;
 
 /// One connection to a daemon: messages out, messages into the inbox, and an orderly end.
 class Connection {
@@ -42,8 +43,11 @@ class Connection {
 
   /// Reads what has come into the inbox, at most 64 kB.
   void read();
-  /// Waits until something can be read, or until now() reaches `until`.
-  void wait_until(std::chrono::nanoseconds until);
+  /// What the last read has brought may be taken without another one, which would be a system call for each message.
+  /// True kMostFromOneRead times in a row at most, so that an interrupt, which goes first, does not wait for long.
+  bool may_take_unread();
+  /// Waits until something can be read, or until now() reaches `until`. @return false: nothing has come until then
+  bool wait_until(std::chrono::nanoseconds until);
   /// Reads until now() reaches `time`.
   void sleep_until(std::chrono::nanoseconds time);
   /// The clock by which this connection waits: the ring's in lockstep, else the machine's.
@@ -96,6 +100,7 @@ class Connection {
   bool welcome_ = false;
   std::string reason_;
   std::uint16_t credit_owed_ = 0;
+  unsigned taken_unread_ = 0;  ///< times that may_take_unread() was true since the last read
   ClockKind clock_ = ClockKind::machine;
   bool my_turn_ = true;  ///< in lockstep: nothing comes until it has ended
   std::chrono::nanoseconds turn_at_{0};

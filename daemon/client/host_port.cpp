@@ -40,14 +40,17 @@ struct HostPort::Impl {
     return request.token;
   }
 
-  /// Reads until `taken` returns something or the deadline has passed. Other messages stay in the inbox.
+  /// Reads until `taken` returns something or the deadline has passed. Other messages stay in the inbox. Where nothing
+  /// is here and the deadline is to come it waits first: the wait says whether there is anything to read.
   template <typename Taken>
   auto read_until(Taken taken, std::chrono::nanoseconds deadline) {
-    for (;;) {
-      connection.read();
+    if (connection.may_take_unread())
+      if (auto got = taken()) return got;
+    for (bool ready = !connection.inbox().empty() || connection.now() >= deadline;;) {
+      if (ready) connection.read();
       auto got = taken();
       if (got || !connection.connected() || connection.now() >= deadline) return got;
-      connection.wait_until(deadline);
+      ready = connection.wait_until(deadline);
     }
   }
 

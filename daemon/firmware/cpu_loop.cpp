@@ -45,12 +45,12 @@ class Run {
   }
 
  private:
+  /// What has ended the wait, and what has come with it. Where nothing has, nothing is asked for: that is a system
+  /// call.
   void take_messages() {
-    for (int i = 0; i < kMessagesPerTurn && !exit_code_; ++i) {
-      if (!message_) message_ = port_.receive(nanoseconds(0));
-      if (!message_) return;
+    for (int i = 0; i < kMessagesPerTurn && message_ && !exit_code_; ++i) {
       std::visit([this](const auto& content) { take(content); }, *message_);
-      message_.reset();
+      message_ = port_.receive(nanoseconds(0));
     }
   }
 
@@ -108,6 +108,7 @@ class Run {
 
   /// A stop signal is seen kSignalSeen later at the latest.
   void wait() {
+    if (message_) return;
     const nanoseconds now = port_.now();
     nanoseconds until = std::min(speak_at_, now + kSignalSeen);
     if (const auto due = cpu_.due()) until = std::min(until, *due);

@@ -171,9 +171,10 @@ class HostPort {
   void alive();
 
   /// The next message, waiting up to `timeout` (of now(); a tool's waits are of the machine's clock); nothing where
-  /// none came, or after Disconnected. Interrupts come first, then in order of arrival; a packet's turn goes to the one
-  /// of highest priority that is here. A CPU is given at most 8 packets ahead of receive(): further ones wait in the
-  /// network controller, which refuses more when its receive buffers are full.
+  /// none came, or after Disconnected. Interrupts come first (after 16 messages that were here before them, at the
+  /// latest), then in order of arrival; a packet's turn goes to the one of highest priority that is here. A CPU is
+  /// given at most 8 packets ahead of receive(): further ones wait in the network controller, which refuses more when
+  /// its receive buffers are full.
   template <typename Rep, typename Period>
   std::optional<Message> receive(std::chrono::duration<Rep, Period> timeout) {
     constexpr std::chrono::hours kLongest{24 * 365};  // more than that would not fit nanoseconds

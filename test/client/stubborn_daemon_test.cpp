@@ -63,6 +63,18 @@ TEST_F(StubbornDaemon, BeingGoneCancelsLaterCallsToo) {
   EXPECT_THAT(test::thrown<HostPortError>([&] { port.ask("{}", kGuard); }), HasSubstr("closed the connection"));
 }
 
+/// What one read has brought is taken without a system call for each; an interrupt that comes meanwhile waits for
+/// 16 of them at most.
+TEST_F(StubbornDaemon, AnInterruptOvertakesMostOfWhatIsThereAlready) {
+  HostPort port = connect();
+  for (int i = 0; i < 100; ++i) daemon.say(Observed{"{}"});
+  next<Observed>(port);
+  daemon.say(Interrupt{});
+  int before = 0;
+  while (std::holds_alternative<Observed>(port.receive(kGuard).value())) ++before;
+  EXPECT_EQ(before, 16);
+}
+
 TEST_F(StubbornDaemon, EndingWhileAskedEndsTheQuestion) {
   HostPort port = connect();
   auto answer = std::async([&] { return port.ask("{}", kGuard); });
