@@ -62,7 +62,7 @@ void PacketLoop::add(const std::shared_ptr<Watch::State>& watch) {
 
 void PacketLoop::change(const std::shared_ptr<Watch::State>& watch, int operation) {
   epoll_event event{};
-  event.events = watch->events | EPOLLET;
+  event.events = watch->events | (watch->trigger == Watch::Trigger::edge ? EPOLLET : 0u);
   event.data.ptr = watch.get();
   if (::epoll_ctl(set_.get(), operation, watch->fd, &event) == 0) return;
   watch->loop = nullptr;
@@ -164,7 +164,7 @@ void PacketLoop::run(std::chrono::nanoseconds spin) {
 // that ticks all the time is cheap.
 void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
   take_from_asio();
-  set_timer(cold_timer_.get(), 0, kColdPeriod, kColdPeriod);
+  set_timer(cold_timer_.get(), 0, kQuietPeriod, kQuietPeriod);
   Clock::time_point last_packet = Clock::now();
   bool packets = true;  // since the last tick
   while (!io_.stopped()) {
@@ -173,14 +173,21 @@ void PacketLoop::run_hot(std::chrono::nanoseconds spin) {
       packets = true;
       if (spin.count() != 0) last_packet = Clock::now();
     }
+    poll_asio_when_due();
     if (!std::exchange(cold_due_, false)) continue;
     tick_again(cold_timer_.get());
-    io_.poll();
     if (!std::exchange(packets, false) && !has_work()) break;
   }
   set_timer(cold_timer_.get(), 0, {}, {});
   hot_ = false;
   let_asio_wait();
+}
+
+void PacketLoop::poll_asio_when_due() {
+  const Clock::time_point now = Clock::now();
+  if (now - last_polled_ < kColdPeriod) return;
+  last_polled_ = now;
+  io_.poll();
 }
 
 void PacketLoop::let_asio_wait() {

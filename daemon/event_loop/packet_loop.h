@@ -21,8 +21,11 @@ namespace limb_ring::event_loop {
 /// calls, more slowly.
 class PacketLoop final : public boost::asio::execution_context::service {
  public:
-  /// While packets pass, what Asio looks after is late by at most this.
+  /// While packets pass, what Asio looks after is late by at most this, by the time between two packets where that is
+  /// longer, and by kQuietPeriod when they have just ended.
   static constexpr std::chrono::milliseconds kColdPeriod{5};
+  /// No packets pass once none has come for this.
+  static constexpr std::chrono::milliseconds kQuietPeriod{20};
 
   static boost::asio::execution_context::id id;
 
@@ -58,17 +61,19 @@ class PacketLoop final : public boost::asio::execution_context::service {
   void finish_soon();
   bool has_work() const { return !again_.empty() || !at_turn_end_.empty(); }
   void run_hot(std::chrono::nanoseconds spin);
+  void poll_asio_when_due();
   void let_asio_wait();
   void take_from_asio();
 
   boost::asio::io_context& io_;
   process::UniqueFd set_;                        ///< the epoll set
   boost::asio::posix::stream_descriptor asios_;  ///< the same while Asio waits for it
-  process::UniqueFd cold_timer_;                 ///< ticks every kColdPeriod while packets pass
+  process::UniqueFd cold_timer_;                 ///< ticks every kQuietPeriod while packets pass
   std::vector<std::shared_ptr<Watch::State>> again_, called_again_, stopped_;
   std::vector<std::function<void()>> at_turn_end_;
   Clock::time_point last_ready_{};
-  unsigned in_a_row_ = 0;  ///< times that something came soon after the last
+  Clock::time_point last_polled_{};  ///< Asio
+  unsigned in_a_row_ = 0;            ///< times that something came soon after the last
   std::size_t watches_ = 0;
   bool asio_waits_ = false;
   bool running_ = false;  ///< in run()

@@ -6,9 +6,10 @@
 
 namespace limb_ring::event_loop {
 
-Watch::Watch(boost::asio::io_context& io, int fd, std::uint32_t events, OnReady on_ready)
+Watch::Watch(boost::asio::io_context& io, int fd, std::uint32_t events, OnReady on_ready, Trigger trigger)
     : state_(std::make_shared<State>()) {
   state_->fd = fd;
+  state_->trigger = trigger;
   state_->events = events;
   state_->on_ready = std::move(on_ready);
   PacketLoop::of(io).add(state_);

@@ -10,18 +10,21 @@ namespace limb_ring::event_loop {
 class PacketLoop;
 
 /// A descriptor that packets come through, watched by the PacketLoop until stop() or destruction: it stays in the
-/// loop's epoll set, so that waiting for it again costs nothing. Edge-triggered: after a call, read until there is
-/// nothing left, or ask to be called again.
+/// loop's epoll set, so that waiting for it again costs nothing.
 class Watch {
  public:
+  enum class Trigger : std::uint8_t {
+    edge,  ///< calls once for what comes: read until there is nothing left, or ask to be called again
+    level  ///< calls in each turn in which there is something
+  };
   /// What came: EPOLLIN, EPOLLOUT, EPOLLRDHUP, EPOLLHUP, EPOLLERR; 0 after call_again().
   using OnReady = std::function<void(std::uint32_t events)>;
 
   Watch() = default;
   /// @param fd stays open longer than this watches it
-  /// @param events as epoll_ctl() takes them
+  /// @param events as epoll_ctl() takes them, without EPOLLET
   /// @throw std::system_error where the kernel takes no more of them, or `fd` cannot be waited for
-  Watch(boost::asio::io_context& io, int fd, std::uint32_t events, OnReady on_ready);
+  Watch(boost::asio::io_context& io, int fd, std::uint32_t events, OnReady on_ready, Trigger trigger = Trigger::edge);
   Watch(Watch&&) noexcept = default;
   Watch& operator=(Watch&& other) noexcept;
   ~Watch() { stop(); }

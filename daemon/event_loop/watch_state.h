@@ -9,6 +9,7 @@ struct Watch::State {
   PacketLoop* loop = nullptr;  ///< null: stopped
   int fd = -1;
   std::uint32_t events = 0;
+  Trigger trigger = Trigger::edge;
   OnReady on_ready;
   bool again = false;
 };

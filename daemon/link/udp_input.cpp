@@ -9,8 +9,8 @@ namespace limb_ring::link {
 namespace {
 
 constexpr std::size_t kReadSize = 64 * 1024;
-/// Reads per wake-up at most, so that the timers get their turn under any load.
-constexpr int kReadsPerDrain = 64;
+/// Reads in a row at most, so that the timers get their turn under any load.
+constexpr int kReadsPerTurn = 64;
 
 }  // namespace
 
@@ -34,23 +34,37 @@ void UdpInput::close() {
 }
 
 void UdpInput::start() {
-  watch_ = event_loop::Watch(io_, socket_.native_handle(), EPOLLIN, [this](std::uint32_t) {
+  const auto on_ready = [this](std::uint32_t) {
     const auto self = shared_from_this();  // the handler may close the input
-    drain();
-  });
+    read();
+  };
+  watch_ = event_loop::Watch(io_, socket_.native_handle(), EPOLLIN, on_ready, event_loop::Watch::Trigger::level);
+}
+
+void UdpInput::read() {
+  const Time now = Clock::now();
+  bool found = read_run(now);
+  for (int reads = 1; found && reads < kReadsPerTurn && read_again_.wanted(); ++reads) {
+    found = read_run(now);
+    read_again_.found(found);
+  }
+  datagrams_.end_batch();
 }
 
 void UdpInput::drain() {
   const Time now = Clock::now();
-  UdpAddress sender;
   int reads = 0;
-  for (; reads < kReadsPerDrain && !datagrams_.closed(); ++reads) {
-    const UdpRead read = receive_run(socket_.native_handle(), buffer_.data(), buffer_.size(), sender);
-    if (read.size < 0) break;
-    take_run(static_cast<std::size_t>(read.size), read.segment, sender, now);
-  }
-  if (reads == kReadsPerDrain && !datagrams_.closed()) watch_.call_again();
+  while (reads < kReadsPerTurn && read_run(now)) ++reads;
   datagrams_.end_batch();
+}
+
+bool UdpInput::read_run(Time now) {
+  if (datagrams_.closed()) return false;
+  UdpAddress sender;
+  const UdpRead read = receive_run(socket_.native_handle(), buffer_.data(), buffer_.size(), sender);
+  if (read.size < 0) return false;
+  take_run(static_cast<std::size_t>(read.size), read.segment, sender, now);
+  return true;
 }
 
 void UdpInput::take_run(std::size_t size, std::size_t segment, const UdpAddress& sender, Time now) {

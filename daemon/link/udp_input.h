@@ -7,6 +7,7 @@
 #include "event_loop/ticker.h"
 #include "event_loop/watch.h"
 #include "link/datagram_input.h"
+#include "link/read_again.h"
 
 namespace limb_ring::link {
 
@@ -22,7 +23,11 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   void replace(std::uint8_t by) override { datagrams_.replace(by); }
 
  private:
+  void read();
+  /// Reads until nothing is left.
   void drain();
+  /// @return false: nothing was there
+  bool read_run(Time now);
   void take_run(std::size_t size, std::size_t segment, const UdpAddress& sender, Time now);
   void tick(Time now);
   void send(wire::ByteView datagram, const UdpAddress& to);
@@ -32,6 +37,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   UdpSocket socket_;
   DatagramInput datagrams_;
   std::vector<std::uint8_t> buffer_;
+  ReadAgain read_again_;
   event_loop::Ticker ticker_;
   event_loop::Watch watch_;
 };

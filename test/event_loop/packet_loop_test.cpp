@@ -102,6 +102,22 @@ TEST_P(Loop, CallsAgainWithoutASignal) {
   EXPECT_EQ(calls, 3);
 }
 
+TEST_P(Loop, ALevelCallsInEachTurnUntilNothingIsLeft) {
+  process::UniqueFd three(::eventfd(3, EFD_NONBLOCK | EFD_SEMAPHORE));
+  int calls = 0;
+  Watch watch;
+  watch = Watch(
+      io, three.get(), EPOLLIN,
+      [&](std::uint32_t) {
+        eventfd_t one;
+        EXPECT_EQ(::eventfd_read(three.get(), &one), 0);
+        if (++calls == 3) PacketLoop::of(io).at_turn_end([this] { io.stop(); });
+      },
+      Watch::Trigger::level);
+  run();
+  EXPECT_EQ(calls, 3);
+}
+
 TEST_P(Loop, NoCallAfterStopAlsoWhereBothWereReady) {
   process::UniqueFd other(::eventfd(0, EFD_NONBLOCK));
   Watch first, second;
