@@ -50,6 +50,7 @@ std::string label(const Row& row) {
   if (row.what == "reference") return "bare reference ring (UNIX)";
   if (row.what == "unix") return "limb_ring over UNIX stream";
   if (row.what == "shm") return "limb_ring through shared memory";
+  if (row.what == "batch") return "  realtime: {batch: true}";
   if (row.what == "placed") return "  cores: auto, fifo";
   if (row.what == "spin_reference") return "bare reference ring (UNIX)";
   if (row.what == "spin") return "shared memory, spin: 50us";
@@ -79,8 +80,8 @@ void print_table(std::ostream& out, const Report& report, Pinning pinning, Sendi
   if (!measured) return;
   out << (sending == Sending::one ? "one sender, " : "all sending, ")
       << (pinning == Pinning::one_core ? "all processes on one core" : "unpinned") << '\n';
-  for (const char* what : {"reference", "shm", "recorded", "judged", "placed", "unix", "watched", "udp", "keyed",
-                           "cpu_to_cpu", "relay_chain"})
+  for (const char* what : {"reference", "shm", "recorded", "judged", "batch", "placed", "unix", "watched", "udp",
+                           "keyed", "cpu_to_cpu", "relay_chain"})
     if (const Row* row = report.find(what, pinning, sending)) print_line(out, *row);
 }
 

@@ -29,7 +29,7 @@ std::string words(Sending sending) { return sending == Sending::one ? "one sende
 
 /// A plain ring with a section `realtime`. @return the file's path
 std::string write_realtime(const live::PrivateFolder& folder, unsigned nodes, const std::string& realtime) {
-  const std::string path = folder.path() + "/realtime" + std::to_string(nodes) + ".yaml";
+  const std::string path = folder.path() + "/realtime " + std::to_string(nodes) + realtime + ".yaml";
   return write_ring(path, nodes, "realtime: " + realtime + '\n');
 }
 
@@ -71,7 +71,10 @@ class Rounds {
       if (setup_.wants("cpu_to_cpu")) cpu_to_cpu({two_cpus, "", pinning_});
       if (setup_.wants("judged")) judged(round % 2 == 1);
       if (setup_.wants("recorded") && pinning_ == Pinning::one_core) recorded(round % 2 == 1);
-      if (pinning_ == Pinning::one_core) continue;
+      if (pinning_ == Pinning::one_core) {
+        ring("batch", {write_realtime(folder_, setup_.nodes, "{batch: true}"), "shm", pinning_});
+        continue;
+      }
       ring("placed", {write_realtime(folder_, setup_.nodes, "{cores: auto, fifo: 10}"), "shm", pinning_});
       if (setup_.wants("spin") && spin_nodes(setup_) != 0) spin();
     }

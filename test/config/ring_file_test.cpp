@@ -5,6 +5,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 TEST(RingFile, WithNothingButNodesHasTheDefaults) {
   const RingConfig ring = read(two_nodes());
@@ -80,6 +81,12 @@ TEST(RingFile, SetsFirmwareBridgeAndRealtime) {
   EXPECT_TRUE(ring.realtime.lock_memory);
   EXPECT_EQ(ring.realtime.spin, 50us);
   EXPECT_FALSE(ring.realtime.auto_cores);
+}
+
+TEST(RingFile, TakesEitherBatchOrFifo) {
+  EXPECT_TRUE(read(two_nodes("realtime: {batch: true}\n")).realtime.batch);
+  EXPECT_THAT(refusal_of(two_nodes("realtime: {batch: true, fifo: 10}\n")),
+              HasSubstr("is true, and there is a fifo priority; allowed: one of the two"));
 }
 
 TEST(RingFile, ChoosesTheCoresWhereTheyAreAuto) {
