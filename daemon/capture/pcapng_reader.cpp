@@ -154,6 +154,12 @@ std::optional<PcapngReader::Record> PcapngReader::packet() const {
   return packet;
 }
 
+std::vector<std::string> PcapngReader::problems() const {
+  std::vector<std::string> all;
+  if (cut_short_) all.push_back(name_ + " ends in the middle of a packet");
+  return all;
+}
+
 std::optional<PcapngReader::Record> PcapngReader::next() {
   while (read_block()) {
     switch (u32(0)) {

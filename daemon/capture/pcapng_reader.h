@@ -38,6 +38,8 @@ class PcapngReader {
   const RingNames& names() const { return names_; }
   /// The file ends inside a block: whoever wrote it was killed.
   bool cut_short() const { return cut_short_; }
+  /// What is wrong with the file as far as it was read, a sentence each: it is cut short.
+  std::vector<std::string> problems() const;
 
  private:
   struct Interface {

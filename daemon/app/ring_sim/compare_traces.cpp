@@ -1,4 +1,3 @@
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -6,6 +5,7 @@
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "capture/capture_comparison.h"
+#include "capture/capture_file.h"
 
 namespace limb_ring::ring_sim {
 
@@ -15,22 +15,20 @@ struct CompareTracesOptions {
   std::string first, second;
 };
 
-/// A capture that stays open while it is read.
-struct Capture {
-  explicit Capture(const std::string& path) : name(path), file(path, std::ios::binary), reader(file, path) {}
-
-  std::string name;
-  std::ifstream file;
-  capture::PcapngReader reader;
-};
-
 std::string line_of(const std::optional<capture::PcapngReader::Record>& record, const capture::RingNames& names) {
   if (!record) return "ends here";
   app::PacketText text(names, {});
   return std::visit([&text](const auto& of) { return text.line(of); }, *record);
 }
 
-int tell(const capture::CaptureComparison& result, const Capture& first, const Capture& second) {
+/// Where one ends in the middle, nobody knows what would have come next: neither the same nor different.
+/// @throw UsageError
+void require_whole(const capture::PcapngReader& reader, const std::string& path) {
+  if (reader.cut_short()) throw UsageError(path + " ends in the middle of a packet: it cannot be compared further");
+}
+
+int tell(const capture::CaptureComparison& result, const CompareTracesOptions& options, const capture::RingNames& first,
+         const capture::RingNames& second) {
   const std::string equal = std::to_string(result.equal) + " packets and events";
   if (result.same()) {
     std::cout << "the same: " << equal << std::endl;
@@ -39,16 +37,17 @@ int tell(const capture::CaptureComparison& result, const Capture& first, const C
   std::cout << "the first " << equal << " are the same, then they differ";
   if (result.first && result.second) std::cout << " (" << difference(*result.first, *result.second) << ")";
   std::cout << ":\n"
-            << first.name << "  " << line_of(result.first, first.reader.names()) << '\n'
-            << second.name << "  " << line_of(result.second, second.reader.names()) << std::endl;
+            << options.first << "  " << line_of(result.first, first) << '\n'
+            << options.second << "  " << line_of(result.second, second) << std::endl;
   return kBroken;
 }
 
 int run(const CompareTracesOptions& options) {
-  for (const std::string& path : {options.first, options.second})
-    if (!std::ifstream(path)) throw UsageError(path + ": cannot be read");
-  Capture first(options.first), second(options.second);
-  return tell(compare(first.reader, second.reader), first, second);
+  capture::CaptureFile first(options.first), second(options.second);
+  const capture::CaptureComparison result = compare(first.reader(), second.reader());
+  if (!result.first) require_whole(first.reader(), options.first);
+  if (!result.second) require_whole(second.reader(), options.second);
+  return tell(result, options, first.reader().names(), second.reader().names());
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "app/ringctl/seen_packets.h"
 
-#include <cstring>
 #include <deque>
 #include <iostream>
 
@@ -8,6 +7,7 @@
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
 #include "app/ringctl/problems.h"
+#include "capture/capture_file.h"
 
 namespace limb_ring::ringctl {
 
@@ -45,10 +45,13 @@ class Window final : public CaptureSink {
 
 }  // namespace
 
+void tell_problems(const capture::PcapngReader& reader) {
+  for (const std::string& problem : reader.problems()) std::cerr << "ringctl: " << problem << std::endl;
+}
+
 SeenPackets packets_of_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw UsageError(path + ": cannot be read: " + std::strerror(errno));
-  capture::PcapngReader reader(file, path);
+  capture::CaptureFile file(path);
+  capture::PcapngReader& reader = file.reader();
   SeenPackets seen;
   while (const auto record = reader.next()) {
     const auto* packet = std::get_if<CapturedPacket>(&*record);
@@ -57,7 +60,7 @@ SeenPackets packets_of_file(const std::string& path) {
     seen.lost += packet->lost_before;
   }
   seen.names = reader.names();
-  if (reader.cut_short()) std::cerr << "ringctl: " << path << " ends in the middle of a packet" << std::endl;
+  tell_problems(reader);
   return seen;
 }
 

@@ -15,7 +15,10 @@ struct SeenPackets {
   std::uint64_t lost = 0;  ///< missing: read too slowly, or more than the window of a live capture holds
 };
 
-/// All packets of a capture file. @throw UsageError, capture::CaptureFileError
+/// Says on standard error what is wrong with a capture, as far as it was read.
+void tell_problems(const capture::PcapngReader& reader);
+
+/// All packets of a capture file. @throw capture::CaptureFileError
 SeenPackets packets_of_file(const std::string& path);
 /// What is on all lines of a running ring for so long, or until somebody asks it to end.
 /// @throw HostPortError, NoRing

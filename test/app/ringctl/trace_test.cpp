@@ -33,6 +33,15 @@ class Trace : public test::OwnFolder {
     return file("case.pcapng");
   }
 
+  static std::string bytes_of(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// Where its block begins.
+  static std::size_t first_packet(const std::string& bytes) {
+    return bytes.find(std::string("\x06\0\0\0", 4), bytes.find("node0 -> node1"));
+  }
+
   static CliRun trace(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "trace");
     return ringctl(std::move(arguments));
@@ -114,17 +123,31 @@ TEST_F(Trace, WithJsonPrintsALineAPacket) {
 
 TEST_F(Trace, OfACaptureWhoseTimesDoNotFitIsRefused) {
   const std::string path = captured(Case::alone);
-  std::string bytes;
-  {
-    std::ifstream in(path, std::ios::binary);
-    bytes.assign(std::istreambuf_iterator<char>(in), {});
-  }
-  const std::size_t packet = bytes.find(std::string("\x06\0\0\0", 4), bytes.find("node0 -> node1"));
+  std::string bytes = bytes_of(path);
+  const std::size_t packet = first_packet(bytes);
   for (std::size_t i = packet + 12; i < packet + 20; ++i) bytes[i] = '\xFF';
   std::ofstream(path, std::ios::binary) << bytes;
   const CliRun said = trace({path});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("a time after the year 2261"));
+}
+
+/// All that read a capture: what they say of it, none of them with a ring.
+std::vector<std::string> what_readers_say(const std::string& path) {
+  return {ringctl({"trace", path}).errors, ringctl({"dump", "-r", path}).errors, ringctl({"replay", path}).errors};
+}
+
+TEST_F(Trace, ACaptureThatEndsInTheMiddleIsToldByAllThatReadIt) {
+  const std::string path = captured(Case::adversarial);
+  const std::string whole = bytes_of(path);
+  std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() - 6);
+  for (const std::string& said : what_readers_say(path))
+    EXPECT_THAT(said, HasSubstr("case.pcapng ends in the middle of a packet"));
+}
+
+TEST_F(Trace, WhatCannotBeReadIsNamedWithTheReason) {
+  for (const std::string& said : what_readers_say(folder)) EXPECT_THAT(said, HasSubstr("it is a folder"));
+  for (const std::string& said : what_readers_say(file("none"))) EXPECT_THAT(said, HasSubstr("No such file"));
 }
 
 TEST_F(Trace, AFullDiskIsNamedWithItsFile) {

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <iostream>
@@ -17,6 +16,8 @@
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/seen_packets.h"
+#include "capture/capture_file.h"
 #include "cli/values.h"
 
 namespace limb_ring::ringctl {
@@ -98,13 +99,11 @@ int dump_file(const DumpOptions& options) {
   std::error_code missing;
   if (std::filesystem::equivalent(options.read, options.write, missing))
     throw UsageError("-r and -w name the same file: " + options.write + " would be lost; write to another one");
-  std::ifstream file(options.read, std::ios::binary);
-  if (!file) throw UsageError(options.read + ": cannot be read: " + std::strerror(errno));
-  capture::PcapngReader reader(file, options.read);
-  const auto sink = sink_of(options, reader.names());
-  const DumpTotals totals = show_records(reader, options, *sink);
+  capture::CaptureFile file(options.read);
+  const auto sink = sink_of(options, file.reader().names());
+  const DumpTotals totals = show_records(file.reader(), options, *sink);
   const bool written = sink->flush();
-  if (reader.cut_short()) std::cerr << "ringctl: " << options.read << " ends in the middle of a packet" << std::endl;
+  tell_problems(file.reader());
   std::cerr << "ringctl: " << summary(totals) << std::endl;
   if (!written) throw NotDone(sink->problem());
   return kDone;

@@ -2,9 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -14,6 +11,8 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/replay_plan.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/seen_packets.h"
+#include "capture/capture_file.h"
 #include "cli/values.h"
 #include "process/signal_wait.h"
 #include "wire/data_packet.h"
@@ -111,10 +110,9 @@ class Replay {
 };
 
 ReplayPlan read_plan(const ReplayOptions& options) {
-  std::ifstream file(options.file, std::ios::binary);
-  if (!file) throw UsageError(options.file + ": cannot be read: " + std::strerror(errno));
-  capture::PcapngReader reader(file, options.file);
-  ReplayPlan plan = plan_replay(reader);
+  capture::CaptureFile file(options.file);
+  ReplayPlan plan = plan_replay(file.reader());
+  tell_problems(file.reader());
   const auto unwanted = [&](const ReplaySend& send) { return options.no_interrupts && send.interrupt; };
   plan.sends.erase(std::remove_if(plan.sends.begin(), plan.sends.end(), unwanted), plan.sends.end());
   if (plan.sends.empty()) throw NotDone(options.file + ": holds nothing that can be sent again");

@@ -1,0 +1,59 @@
+// What `ring_sim compare-traces` says of captures that are not whole.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "app/ring_sim/problems.h"
+#include "app/ring_sim/run_ring_sim.h"
+#include "support/own_folder.h"
+
+namespace limb_ring::ring_sim {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class CompareTraces : public test::OwnFolder {
+ protected:
+  std::string captured(const std::string& name, const std::string& payload = "512") {
+    const std::string path = folder + "/" + name;
+    EXPECT_EQ(ring_sim({"run", "--case", "alone", "--payload", payload, "--capture", path}).code, kDone);
+    return path;
+  }
+  /// A copy of its first bytes.
+  std::string cut(const std::string& path, std::size_t missing) {
+    std::ostringstream bytes;
+    bytes << std::ifstream(path, std::ios::binary).rdbuf();
+    return write("cut.pcapng", bytes.str().substr(0, bytes.str().size() - missing));
+  }
+  static void is_told(const CliRun& said) {
+    EXPECT_EQ(said.code, kUsage) << said.out;
+    EXPECT_THAT(said.errors, HasSubstr("cut.pcapng ends in the middle of a packet: it cannot be compared further"));
+  }
+};
+
+TEST_F(CompareTraces, OneThatEndsInTheMiddleIsNeitherTheSameNorDifferent) {
+  const std::string whole = captured("whole.pcapng");
+  const std::string part = cut(whole, 6);
+  is_told(ring_sim({"compare-traces", whole, part}));
+  is_told(ring_sim({"compare-traces", part, whole}));
+  is_told(ring_sim({"compare-traces", part, part}));
+}
+
+TEST_F(CompareTraces, WhereTheyDifferBeforeThatTheDifferenceIsTold) {
+  const CliRun said = ring_sim({"compare-traces", captured("other.pcapng", "8"), cut(captured("whole.pcapng"), 6)});
+  EXPECT_EQ(said.code, kBroken) << said.errors;
+  EXPECT_THAT(said.out, HasSubstr("then they differ"));
+}
+
+TEST_F(CompareTraces, WhatCannotBeReadIsNamedWithTheReason) {
+  const std::string whole = captured("whole.pcapng"), none = folder + "/none";
+  EXPECT_THAT(ring_sim({"compare-traces", whole, none}).errors,
+              AllOf(HasSubstr(none), HasSubstr("cannot be read: No such file")));
+  EXPECT_THAT(ring_sim({"compare-traces", folder, whole}).errors, HasSubstr("it is a folder"));
+}
+
+}  // namespace
+}  // namespace limb_ring::ring_sim
