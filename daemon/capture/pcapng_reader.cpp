@@ -132,7 +132,18 @@ std::int64_t PcapngReader::time_ns(const Interface& interface) const {
   return static_cast<std::int64_t>(time);
 }
 
-std::optional<PcapngReader::Record> PcapngReader::packet() const {
+// Whoever wrote the packet has noted whether its CRC was right. Where it is not so now, the packet or the note was
+// changed in the file.
+void PcapngReader::check_crc(CapturedPacket& packet) {
+  if (packet.info.aborted || packet.info.truncated) return;
+  const wire::ByteView bytes{packet.bytes.data(), packet.bytes.size()};
+  const bool good = bytes.size >= wire::kOverhead && wire::PacketFields{bytes}.crc_good();
+  if (good != packet.info.crc_bad) return;
+  packet.info.crc_bad = true;
+  ++changed_;
+}
+
+std::optional<PcapngReader::Record> PcapngReader::packet() {
   if (block_.size() < kPacketHead + 4) fail("a packet that is too short");
   const std::uint32_t interface = u32(kBlockHead), size = u32(kBlockHead + 12);
   if (interface >= interfaces_.size()) fail("a packet of interface " + std::to_string(interface) + ", which is none");
@@ -151,12 +162,15 @@ std::optional<PcapngReader::Record> PcapngReader::packet() const {
     return CapturedEvent{packet.time_ns, wire::NodeId{packet.info.from}, printable(comment)};
   if (size < kPseudoHeaderSize + wire::kHeaderSize) fail("a packet without a header");
   packet.bytes.assign(bytes.begin() + kPseudoHeaderSize, bytes.end());
+  check_crc(packet);
   return packet;
 }
 
 std::vector<std::string> PcapngReader::problems() const {
   std::vector<std::string> all;
   if (cut_short_) all.push_back(name_ + " ends in the middle of a packet");
+  if (changed_ == 1) all.push_back(name_ + ": 1 packet is not as it was captured");
+  if (changed_ > 1) all.push_back(name_ + ": " + std::to_string(changed_) + " packets are not as they were captured");
   return all;
 }
 

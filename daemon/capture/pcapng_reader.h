@@ -24,7 +24,7 @@ struct CapturedEvent {
 };
 
 /// Reads what PcapngWriter has written, in either byte order and also after Wireshark's tools have
-/// cut or merged it.
+/// cut or merged it. A packet whose CRC is not as it was when it was captured comes out as one with a bad CRC.
 class PcapngReader {
  public:
   using Record = std::variant<CapturedPacket, CapturedEvent>;
@@ -38,7 +38,7 @@ class PcapngReader {
   const RingNames& names() const { return names_; }
   /// The file ends inside a block: whoever wrote it was killed.
   bool cut_short() const { return cut_short_; }
-  /// What is wrong with the file as far as it was read, a sentence each: it is cut short.
+  /// What is wrong with the file as far as it was read, a sentence each: it is cut short, packets in it were changed.
   std::vector<std::string> problems() const;
 
  private:
@@ -57,7 +57,8 @@ class PcapngReader {
 
   void section_header();
   void interface();
-  std::optional<Record> packet() const;
+  std::optional<Record> packet();
+  void check_crc(CapturedPacket& packet);
   std::int64_t time_ns(const Interface& interface) const;
 
   std::istream& in_;
@@ -65,6 +66,7 @@ class PcapngReader {
   std::uint64_t offset_ = 0;  ///< of the present block
   bool big_endian_ = false;
   bool cut_short_ = false;
+  std::uint64_t changed_ = 0;        ///< packets
   std::vector<std::uint8_t> block_;  ///< type and length included
   std::vector<Interface> interfaces_;
   RingNames names_;

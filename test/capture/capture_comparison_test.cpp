@@ -61,10 +61,10 @@ TEST(CaptureComparison, NamesWhatOfThePacketDiffers) {
   EXPECT_EQ(difference_of(other), "time");
   other = {};
   other.bytes[9] ^= 1;
-  EXPECT_EQ(difference_of(other), "bytes from 9");
+  EXPECT_EQ(difference_of(other), "bytes from 9, condition");
   other = {};
   other.bytes.pop_back();
-  EXPECT_EQ(difference_of(other), "size, bytes from " + std::to_string(other.bytes.size()));
+  EXPECT_EQ(difference_of(other), "size, bytes from " + std::to_string(other.bytes.size()) + ", condition");
   other = {};
   other.lost_before = 3;
   EXPECT_EQ(difference_of(other), "packets lost before it");

@@ -11,7 +11,9 @@ namespace limb_ring::capture {
 namespace {
 
 using test::Bytes;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::StartsWith;
 
 const RingNames kNames{"robot", {{1_id, "hip"}, {2_id, "knee"}, {3_id, "foot"}}};
@@ -104,6 +106,33 @@ TEST(Pcapng, AFileThatWasCutShortIsReadAsFarAsItGoes) {
   EXPECT_TRUE(reader.next().has_value());
   EXPECT_FALSE(reader.next().has_value());
   EXPECT_TRUE(reader.cut_short());
+}
+
+/// What the reader has to say of a packet of such bytes, written with such flags.
+std::vector<std::string> problems_of(const Bytes& bytes, const CaptureInfo& info, bool crc_bad) {
+  std::ostringstream out;
+  PcapngWriter(out, kNames).packet(0, info, test::view(bytes));
+  std::istringstream in(out.str());
+  PcapngReader reader(in, "file");
+  EXPECT_EQ(std::get<CapturedPacket>(reader.next().value()).info.crc_bad, crc_bad);
+  return reader.problems();
+}
+
+TEST(Pcapng, APacketThatWasChangedInTheFileIsBrokenAndTold) {
+  CaptureInfo good, bad, aborted;
+  bad.crc_bad = true;
+  aborted.aborted = true;
+  for (const Bytes& packet : {kPacket, test::interrupt_packet(1, 3, 6)}) {
+    Bytes changed = packet;
+    changed[3] ^= 1;
+    const auto is_told = ElementsAre("file: 1 packet is not as it was captured");
+    EXPECT_THAT(problems_of(changed, good, true), is_told);
+    EXPECT_THAT(problems_of({packet.begin(), packet.begin() + 7}, good, true), is_told) << "cut by a tool";
+    EXPECT_THAT(problems_of(packet, bad, true), is_told) << "its flags were changed";
+    EXPECT_THAT(problems_of(packet, good, false), IsEmpty());
+    EXPECT_THAT(problems_of(changed, bad, true), IsEmpty()) << "it came in like that";
+    EXPECT_THAT(problems_of(changed, aborted, false), IsEmpty());
+  }
 }
 
 TEST(Pcapng, AnotherFileIsRefusedWithItsName) {

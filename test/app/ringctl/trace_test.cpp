@@ -150,6 +150,15 @@ TEST_F(Trace, WhatCannotBeReadIsNamedWithTheReason) {
   for (const std::string& said : what_readers_say(file("none"))) EXPECT_THAT(said, HasSubstr("No such file"));
 }
 
+TEST_F(Trace, APacketThatWasChangedInACaptureIsToldByAllThatReadIt) {
+  const std::string path = captured(Case::adversarial);
+  std::string bytes = bytes_of(path);
+  bytes[first_packet(bytes) + 28 + 12 + 7] ^= 1;  // behind the heads of the block and of the packet: its data
+  std::ofstream(path, std::ios::binary) << bytes;
+  for (const std::string& said : what_readers_say(path))
+    EXPECT_THAT(said, HasSubstr("case.pcapng: 1 packet is not as it was captured"));
+}
+
 TEST_F(Trace, AFullDiskIsNamedWithItsFile) {
   const std::string path = captured(Case::adversarial);
   const CliRun drawn = trace({path, "--svg", "/dev/full"});
