@@ -45,7 +45,10 @@ std::string guess(const std::string& word, const Words& known) {
   if (word.size() < 2 || word[0] != '-')
     throw WrongCommandLine("'" + word + "' is one argument too many; " + see_help(app));
   const std::string name = word.substr(0, word.find('='));
-  throw WrongCommandLine("there is no option " + name + guess(name, option_names(app)) + see_help(app));
+  const Words known = option_names(app);
+  if (std::find(known.begin(), known.end(), name) != known.end())
+    throw WrongCommandLine(name + " belongs behind the subcommand: " + full_name(app) + ' ' + name);
+  throw WrongCommandLine("there is no option " + name + guess(name, known) + see_help(app));
 }
 
 /// What was left over, nobody's option or argument.

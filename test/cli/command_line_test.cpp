@@ -73,6 +73,12 @@ TEST_F(Program, GuessesTheOptionThatWasMeantAlsoOneOfAGroupOrOfTheWhole) {
   EXPECT_THAT(refusal({"status", "--rnig", "r"}), HasSubstr("did you mean '--ring'?"));
 }
 
+TEST_F(Program, AnOptionThatStandsBeforeItsSubcommandIsToldItsPlace) {
+  EXPECT_EQ(refusal({"--count", "3", "send", "--from", "a", "--text", "x"}),
+            "--count belongs behind the subcommand: prog send --count");
+  EXPECT_EQ(refusal({"--text=x", "send", "--from", "a"}), "--text belongs behind the subcommand: prog send --text");
+}
+
 TEST_F(Program, NamesWhatIsMissingOrTooMuch) {
   EXPECT_EQ(refusal({"send", "--text", "x"}), "--from is required; 'prog send --help' says more");
   EXPECT_EQ(refusal({"status", "all"}), "'all' is one argument too many; 'prog status --help' says more");
