@@ -94,15 +94,14 @@ std::string name_in(const std::string& message) { return message.substr(0, messa
   throw WrongCommandLine(error.what());
 }
 
-/// An empty word is what a shell makes of a variable that is not set.
+/// An empty word is what a shell makes of a variable that is not set: taken for an option that is not given, the
+/// program would do something else than was asked for.
 void check_not_empty(const CLI::App& root) {
   const CLI::App& app = deepest(root);
   for (const CLI::Option* option : options_of(app)) {
-    const std::string alone = option->get_name(/*positional=*/true);
     const auto& words = option->results();
-    const bool needed = option->get_required() || !alone.empty();
-    if (!needed || std::none_of(words.begin(), words.end(), [](const std::string& word) { return word.empty(); }))
-      continue;
+    if (std::none_of(words.begin(), words.end(), [](const std::string& word) { return word.empty(); })) continue;
+    const std::string alone = option->get_name(/*positional=*/true);
     throw WrongCommandLine((alone.empty() ? option->get_name() : alone) + " is empty: " + option->get_description());
   }
 }

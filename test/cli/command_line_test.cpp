@@ -56,9 +56,10 @@ TEST_F(Program, GuessesTheSubcommandThatWasMeant) {
   EXPECT_THAT(refusal({"stauts", "--help"}), HasSubstr("'prog stauts' is unknown"));
 }
 
-TEST_F(Program, WantsNoEmptyWordForWhatIsRequired) {
+TEST_F(Program, DoesNotTakeAnEmptyWordForAnOptionThatIsNotGiven) {
   EXPECT_EQ(refusal({"send", "--from", "", "--text", "hello"}), "--from is empty: Node that sends");
-  EXPECT_EQ(refusal({"--ring", "", "send", "--from", "a", "--text", "hello"}), "accepted");
+  EXPECT_EQ(refusal({"send", "--from", "a", "--text", ""}), "--text is empty: This text");
+  EXPECT_EQ(refusal({"--ring", "", "status"}), "--ring is empty: Name of the ring");
 }
 
 TEST_F(Program, ListsTheSubcommandsWhereNoneIsGiven) {

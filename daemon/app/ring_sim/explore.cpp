@@ -24,6 +24,8 @@ struct ExploreOptions {
   app::Format format = app::Format::text;
 };
 
+constexpr const char* kNoStrikes = "none";  // of --only
+
 std::string arguments(const ExploreOptions& options) {
   const study::World& world = options.world;
   return "--nodes " + std::to_string(world.nodes) + " --sends " + std::to_string(world.sends) +
@@ -33,13 +35,15 @@ std::string arguments(const ExploreOptions& options) {
 
 std::string violation_text(const ExploreOptions& options, const std::vector<study::Choice>& choices,
                            const sim::Violation& broken) {
+  const std::string only = choices.empty() ? kNoStrikes : study::to_text(choices);
   return std::string("promise broken: ") + to_string(broken.promise) + "\nat " +
          std::to_string(core::picoseconds(broken.at.time_since_epoch())) + " ps: " + broken.what +
-         "\nagain with: ring_sim explore " + arguments(options) + " --only '" + study::to_text(choices) + "'\n";
+         "\nagain with: ring_sim explore " + arguments(options) + " --only " + only + "\n";
 }
 
 /// The strikes of --only; every node in them is one of the ring.
 std::vector<study::Choice> choices_of(const ExploreOptions& options) {
+  if (*options.only == kNoStrikes) return {};
   try {
     const std::vector<study::Choice> choices = study::choices_from(*options.only);
     for (const study::Choice& choice : choices)
@@ -156,7 +160,7 @@ void add_explore(CLI::App& app, Context& context) {
   command->add_flag("--open-chain", world.broken,
                     "The line out of the last node is cut before the sends, and mended at the end; with fold-back its "
                     "cable, so that the ring is folded");
-  command->add_option("--only", options->only, "One run alone, with these strikes: 12:lost,20:restart:1; '' is none");
+  command->add_option("--only", options->only, "One run alone, with these strikes: 12:lost,20:restart:1; or none");
   add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] {
