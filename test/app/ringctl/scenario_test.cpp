@@ -95,6 +95,15 @@ TEST_F(ScenarioCommand, NamesTheFileThatAFullDiskHasNoRoomFor) {
   }
 }
 
+TEST_F(ScenarioCommand, AFileThatCannotBeWrittenIsNamedBeforeAnyIsRun) {
+  for (const char* option : {"--junit", "--capture"}) {
+    const CliRun said = run_scenarios({write("good.yaml", kGood), option, folder + "/none/x"});
+    EXPECT_EQ(said.code, kUsage) << option;
+    EXPECT_THAT(said.errors, HasSubstr("/none/x: cannot be written: No such file or directory")) << option;
+    EXPECT_EQ(said.out, "") << option;
+  }
+}
+
 TEST_F(ScenarioCommand, WritesJunitAndJson) {
   const std::string junit = folder + "/junit.xml";
   const CliRun said = run_scenarios({write("unmet.yaml", kUnmet), "--junit", junit, "--json"});

@@ -159,11 +159,20 @@ TEST_F(Trace, APacketThatWasChangedInACaptureIsToldByAllThatReadIt) {
     EXPECT_THAT(said, HasSubstr("case.pcapng: 1 packet is not as it was captured"));
 }
 
+TEST_F(Trace, APictureThatCannotBeWrittenIsNamedBeforeTheRingIsLookedAt) {
+  for (const std::string& what : {captured(Case::adversarial), std::string("--live")}) {
+    const CliRun said = trace({what, "--svg", file("none/way.svg")});
+    EXPECT_EQ(said.code, kUsage) << what;
+    EXPECT_THAT(said.errors, HasSubstr("none/way.svg: cannot be written: No such file or directory")) << what;
+  }
+}
+
 TEST_F(Trace, AFullDiskIsNamedWithItsFile) {
   const std::string path = captured(Case::adversarial);
   const CliRun drawn = trace({path, "--svg", "/dev/full"});
   EXPECT_EQ(drawn.code, kNotDone);
   EXPECT_THAT(drawn.errors, HasSubstr("/dev/full: not all could be written: No space left on device"));
+  EXPECT_THAT(drawn.out, HasSubstr("node0 -> node2  DATP")) << "what was found is printed all the same";
   const CliRun copied = ringctl({"dump", "-r", path, "-w", "/dev/full"});
   EXPECT_EQ(copied.code, kNotDone);
   EXPECT_THAT(copied.errors, HasSubstr("/dev/full: not all could be written: No space left on device"));

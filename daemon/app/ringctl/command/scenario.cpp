@@ -60,22 +60,24 @@ app::Row row_of(const ScenarioRun& run) {
   return row;
 }
 
-void write_junit(const std::string& path, const std::vector<ScenarioRun>& runs) {
-  std::ofstream out;
-  std::string problem = app::open_for_writing(out, path);
-  out << scenario::junit_of(runs);
-  if (problem.empty()) problem = app::finish_writing(out, path);
+void finish(std::ostream& out, const std::string& path) {
+  const std::string problem = app::finish_writing(out, path);
   if (!problem.empty()) throw NotDone(problem);
 }
 
+/// Before anything is run, so that a file that cannot be written costs no time. An empty path is none.
+std::ofstream open_output(const std::string& path) {
+  std::ofstream out;
+  const std::string problem = path.empty() ? "" : app::open_for_writing(out, path);
+  if (!problem.empty()) throw UsageError(problem);
+  return out;
+}
+
 std::ofstream open_capture(const ScenarioOptions& options) {
-  std::ofstream capture;
-  if (options.capture.empty()) return capture;
+  if (options.capture.empty()) return {};
   if (options.live) throw UsageError("--capture: under the virtual clock alone; beside --live there is 'ringctl dump'");
   if (options.files.size() != 1) throw UsageError("--capture: one scenario at a time, its times begin at 0");
-  const std::string problem = app::open_for_writing(capture, options.capture);
-  if (!problem.empty()) throw UsageError(problem);
-  return capture;
+  return open_output(options.capture);
 }
 
 void require_live(const Scenario& scenario, const std::string& transport) {
@@ -126,19 +128,18 @@ ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::
 
 int run(const ScenarioOptions& options) {
   const std::vector<Scenario> scenarios = load(options);
-  std::ofstream capture = open_capture(options);
+  std::ofstream capture = open_capture(options), junit = open_output(options.junit);
   std::vector<ScenarioRun> runs;
   for (const Scenario& scenario : scenarios) {
     runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr));
     if (!options.json) std::cout << text_of(runs.back()) << std::endl;
   }
   if (!options.json && runs.size() > 1) std::cout << verdict_of(runs) << std::endl;
-  const std::string problem = capture.is_open() ? app::finish_writing(capture, options.capture) : "";
-  if (!problem.empty()) throw NotDone(problem);
+  if (capture.is_open()) finish(capture, options.capture);
   std::vector<app::Row> rows;
   for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
   if (options.json) std::cout << app::format_rows(rows, app::Format::json) << '\n';
-  if (!options.junit.empty()) write_junit(options.junit, runs);
+  if (junit.is_open()) finish(junit << scenario::junit_of(runs), options.junit);
   const bool unmet =
       std::any_of(runs.begin(), runs.end(), [](const ScenarioRun& each) { return each.unmet.has_value(); });
   return unmet ? kNotDone : kDone;

@@ -77,20 +77,17 @@ SeenPackets seen_packets(const Context& context, const TraceOptions& options) {
   return packets_of_ring(context.ring, time_of("--for", options.how_long.empty() ? "5s" : options.how_long));
 }
 
-void write_picture(const TraceOptions& options, const capture::PacketTrace& trace, const capture::RingNames& names) {
-  std::ofstream out;
-  std::string problem = app::open_for_writing(out, options.svg);
+/// Where one is asked for and it is not open yet. @throw UsageError
+void open_picture(std::ofstream& picture, const TraceOptions& options) {
+  if (options.svg.empty() || picture.is_open()) return;
+  const std::string problem = app::open_for_writing(picture, options.svg);
   if (!problem.empty()) throw UsageError(problem);
-  out << trace_svg(trace, names);
-  problem = app::finish_writing(out, options.svg);
-  if (!problem.empty()) throw NotDone(problem);
 }
 
 void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips, const TraceOptions& options,
           const SeenPackets& seen) {
   for (std::size_t i = 0; i < trips.size(); ++i) {
     const capture::PacketTrace trace = ring.trace(trips[i]);
-    if (i == 0 && !options.svg.empty()) write_picture(options, trace, seen.names);
     if (options.json)
       std::cout << trace_json(trace, seen.names) << '\n';
     else
@@ -99,8 +96,30 @@ void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips
   std::cout << std::flush;
 }
 
+void draw(const capture::PacketTrace& trace, const capture::RingNames& names, std::ofstream& picture,
+          const TraceOptions& options) {
+  picture << trace_svg(trace, names);
+  const std::string problem = app::finish_writing(picture, options.svg);
+  if (!problem.empty()) throw NotDone(problem);
+}
+
+/// At least one, and no more than were asked for. @throw NotDone
+std::vector<std::size_t> chosen_trips(const capture::TracedRing& ring, const capture::TripChoice& choice,
+                                      std::size_t count) {
+  std::vector<std::size_t> trips = choose_trips(ring, choice);
+  if (trips.empty()) throw NotDone("no such packet among " + std::to_string(ring.trips()) + " that were seen");
+  if (count == 0 || trips.size() <= count) return trips;
+  std::cerr << "ringctl: " << count << " of " << trips.size() << " that fit; -n shows more" << std::endl;
+  trips.resize(count);
+  return trips;
+}
+
 int run(const Context& context, const TraceOptions& options) {
   check(options);
+  // Before the ring is looked at for long; but a file is read first, as an old picture is lost when a new one is
+  // opened.
+  std::ofstream picture;
+  if (options.live) open_picture(picture, options);
   SeenPackets seen = seen_packets(context, options);
   const capture::TripChoice choice = choice_of(options, seen);
   if (seen.lost != 0)
@@ -111,13 +130,10 @@ int run(const Context& context, const TraceOptions& options) {
     throw UsageError(options.file +
                      ": what packets waited for shows only where they go out too; 'ringctl dump all "
                      "--at in,out -w FILE' captures that, or --capture FILE --outputs under the virtual clock");
-  std::vector<std::size_t> trips = choose_trips(ring, choice);
-  if (trips.empty()) throw NotDone("no such packet among " + std::to_string(ring.trips()) + " that were seen");
-  if (options.count != 0 && trips.size() > options.count) {
-    std::cerr << "ringctl: " << options.count << " of " << trips.size() << " that fit; -n shows more" << std::endl;
-    trips.resize(options.count);
-  }
+  const std::vector<std::size_t> trips = chosen_trips(ring, choice, options.count);
+  open_picture(picture, options);
   show(ring, trips, options, seen);
+  if (picture.is_open()) draw(ring.trace(trips.front()), seen.names, picture, options);
   return kDone;
 }
 
