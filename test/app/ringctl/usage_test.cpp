@@ -140,6 +140,7 @@ TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
       {{"trace"}, "either FILE, a capture, or --live"},
       {{"trace", "walk.pcapng", "--live"}, "either FILE, a capture, or --live"},
       {{"trace", "walk.pcapng", "--for", "5s"}, "with --live"},
+      {{"trace", "--live", "--for", "soon"}, "--for: 'soon' is not a time"},
       {{"trace", "--live", "--at", "5ms"}, "--at"},
       {{"trace", "walk.pcapng", "--sequence", "8"}, "--sequence"},
       {{"trace", "walk.pcapng", "-n", "-1"}, "--count"},
@@ -149,6 +150,10 @@ TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
     EXPECT_EQ(said.code, kUsage) << about;
     EXPECT_THAT(said.errors, HasSubstr(about));
   }
+}
+
+TEST_F(Usage, TraceTakesAPlainNumberOfSecondsAsOthersDo) {
+  EXPECT_EQ(ringctl({"trace", "--live", "--for", "1"}).code, kNoRing);
 }
 
 TEST_F(Usage, DumpDoesNotWriteOverTheFileThatItReads) {

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -21,16 +22,19 @@ namespace {
 
 using std::chrono::nanoseconds;
 
+constexpr double kUsualLook = 5;  // s
+
 struct TraceOptions {
-  std::string file, source, at, over, how_long, svg;
+  std::string file, source, at, over, svg;
+  std::optional<double> lasts_s;  ///< of a living ring
   std::optional<unsigned> sequence;
   std::size_t count = 1;
   bool live = false, json = false;
 };
 
-nanoseconds time_of(const std::string& option, const std::string& text) {
+nanoseconds time_over(const std::string& text) {
   const auto time = config::parse_time(text);
-  if (!time || time->count() < 0) throw UsageError(option + " " + text + ": not a time; one is 200us, 1.5ms or 5s");
+  if (!time) throw UsageError("--over " + text + ": not a time; one is 200us, 1.5ms or 5s");
   return *time;
 }
 
@@ -56,7 +60,7 @@ capture::TripChoice choice_of(const TraceOptions& options, const SeenPackets& se
   capture::TripChoice choice;
   if (!options.source.empty()) choice.source = node_of(options.source, seen.names);
   if (options.sequence) choice.sequence = static_cast<std::uint8_t>(*options.sequence);
-  if (!options.over.empty()) choice.over = time_of("--over", options.over);
+  if (!options.over.empty()) choice.over = time_over(options.over);
   if (options.at.empty()) return choice;
   nanoseconds first = seen.packets.empty() ? nanoseconds(0) : seen.packets.front().began;
   for (const capture::SeenPacket& packet : seen.packets) first = std::min(first, packet.began);
@@ -67,14 +71,14 @@ capture::TripChoice choice_of(const TraceOptions& options, const SeenPackets& se
 void check(const TraceOptions& options) {
   if (options.live != options.file.empty())
     throw UsageError("trace: either FILE, a capture, or --live: choose one of them");
-  if (!options.how_long.empty() && !options.live) throw UsageError("--for: how long to capture, with --live");
+  if (options.lasts_s && !options.live) throw UsageError("--for: how long to capture, with --live");
   if (!options.live) return;
   if (!options.at.empty()) throw UsageError("--at: of a capture; what is to come with --live has no time yet");
 }
 
 SeenPackets seen_packets(const Context& context, const TraceOptions& options) {
   if (!options.live) return packets_of_file(options.file);
-  return packets_of_ring(context.ring, time_of("--for", options.how_long.empty() ? "5s" : options.how_long));
+  return packets_of_ring(context.ring, nanoseconds(std::llround(options.lasts_s.value_or(kUsualLook) * 1e9)));
 }
 
 /// Where one is asked for and it is not open yet. @throw UsageError
@@ -140,7 +144,8 @@ int run(const Context& context, const TraceOptions& options) {
 void add_options(CLI::App& command, TraceOptions& options) {
   command.add_option("FILE", options.file, "A capture, pcapng, of inputs and outputs");
   command.add_flag("--live", options.live, "Look at all lines of the running ring instead");
-  command.add_option("--for", options.how_long, "With --live: how long; default 5s");
+  command.add_option("--for", options.lasts_s, "With --live: how long; default 5s")
+      ->transform(cli::seconds(0.001, 1e6));
   command.add_option("--over", options.over, "Only round trips above that, as 200us; all, unless -n is given");
   command.add_option("--source", options.source, "Only packets of that node, id or name");
   command.add_option("--sequence", options.sequence, "Only those of that sequence, 0 to 7")
