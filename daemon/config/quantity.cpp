@@ -117,6 +117,7 @@ std::optional<std::chrono::nanoseconds> parse_time(const std::string& text) {
 }
 
 std::string format_time(std::chrono::nanoseconds time) {
+  if (time.count() < 0) return '-' + format_quantity(-static_cast<std::uint64_t>(time.count()), kTimeUnits);
   return format_quantity(static_cast<std::uint64_t>(time.count()), kTimeUnits);
 }
 

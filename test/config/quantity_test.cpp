@@ -34,6 +34,8 @@ TEST(Time, IsWrittenInTheLargestWholeUnit) {
   EXPECT_EQ(format_time(1500ms), "1500ms");
   EXPECT_EQ(format_time(512ns), "512ns");
   EXPECT_EQ(format_time(0ns), "0s");
+  EXPECT_EQ(format_time(-1500ms), "-1500ms");
+  EXPECT_EQ(format_time(std::chrono::nanoseconds::min()), "-9223372036854775808ns");
 }
 
 TEST(Time, IsNothingElse) {
