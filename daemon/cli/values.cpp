@@ -1,5 +1,7 @@
 #include "cli/values.h"
 
+#include <cmath>
+
 #include "config/names.h"
 #include "config/quantity.h"
 
@@ -16,6 +18,10 @@ std::optional<double> seconds_in(const std::string& text) {
   const auto time = config::parse_time(text);
   if (!time) return std::nullopt;
   return std::chrono::duration<double>(*time).count();
+}
+
+std::string time_text(double seconds) {
+  return config::format_time(std::chrono::nanoseconds(std::llround(seconds * 1e9)));
 }
 
 /// As CLI11 reads it back, to the nanosecond.
@@ -62,8 +68,8 @@ CLI::Validator pace() {
 }
 
 CLI::Validator seconds(double least, double most) {
-  const std::string allowed = "a time, " + range(config::format_real(least), config::format_real(most)) +
-                              " s: 500ms, 2s, or a number of seconds";
+  const std::string allowed =
+      "a time, " + range(time_text(least), time_text(most)) + ": 500ms, 2s, or a number of seconds";
   return CLI::Validator(
       [=](std::string& text) -> std::string {
         const auto value = seconds_in(text);

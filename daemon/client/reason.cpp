@@ -23,7 +23,7 @@ constexpr std::array<Words, static_cast<std::size_t>(kLastReason) + 1> kWords{{
     {"queue_full", "the send queue is full"},
     {"not_in_ring", "the node that was to send is not in a ring"},
     {"no_way_out", "the packet could not go onto the line in time"},
-    {"needs_force", "it would reset all CPUs at once: force it"},
+    {"needs_force", "it would reset all CPUs at once; with --force (force: true in ROS) it is sent all the same"},
     {"cpu_absent", "no CPU is there"},
     {"cpu_booting", "its CPU is booting"},
     {"cpu_failed", "its CPU has failed"},

@@ -60,9 +60,9 @@ std::string closest(const std::string& word, const std::vector<std::string>& can
   return best;
 }
 
-std::string join(const std::vector<std::string>& words) {
+std::string join(const std::vector<std::string>& words, const std::string& between) {
   std::string all;
-  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  for (const std::string& word : words) all += (all.empty() ? "" : between) + word;
   return all;
 }
 

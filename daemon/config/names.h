@@ -26,6 +26,6 @@ bool is_topic_name(const std::string& name);
 std::string closest(const std::string& word, const std::vector<std::string>& candidates);
 
 /// "a, b, c"
-std::string join(const std::vector<std::string>& words);
+std::string join(const std::vector<std::string>& words, const std::string& between = ", ");
 
 }  // namespace limb_ring::config

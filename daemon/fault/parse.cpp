@@ -153,7 +153,14 @@ std::vector<std::string> split(const std::string& text) {
   return out;
 }
 
+std::string needs(const Word& word, const std::string& what) { return std::string(word.word) + " needs " + what; }
+
 }  // namespace
+
+MissingKey::MissingKey(std::string word, std::vector<std::string> any_of, const std::string& right)
+    : ParseError(word + " needs " + config::join(any_of, " or "), right),
+      fault(std::move(word)),
+      keys(std::move(any_of)) {}
 
 RingNodes ring_nodes(const config::RingConfig& ring) {
   RingNodes nodes;
@@ -217,14 +224,13 @@ void check_second_line(const Fault& fault, bool folds_back, const RingNodes& nod
 
 void check(const Fault& fault) {
   const Word& word = word_of(fault.name);
-  const auto missing = [&](const char* what, const char* right) {
-    throw ParseError(std::string(word.word) + " says no " + what, right);
-  };
-  if (fault.nodes.empty()) missing(word.of == Of::line ? "line" : "node", word.of == Of::line ? "A -> B" : "a node");
-  if (fault.name == Name::rate && fault.rate == 0) missing("rate", kRateRule);
-  if (fault.name == Name::delay && (fault.delay + fault.jitter).count() == 0) missing("delay or jitter", kTime);
+  if (fault.nodes.empty() && word.of == Of::line) throw ParseError(needs(word, "a line"), "A -> B");
+  if (fault.nodes.empty()) throw ParseError(needs(word, "a node"), "a node of the ring, or several, or all");
+  if (fault.name == Name::rate && fault.rate == 0) throw MissingKey(word.word, {"rate"}, kRateRule);
+  if (fault.name == Name::delay && (fault.delay + fault.jitter).count() == 0)
+    throw MissingKey(word.word, {"delay", "jitter"}, kTime);
   const bool periodic = fault.name == Name::flap || fault.name == Name::slow;
-  if (periodic && fault.every.count() == 0) missing("every", kTime);
+  if (periodic && fault.every.count() == 0) throw MissingKey(word.word, {"every"}, kTime);
 }
 
 namespace {
@@ -250,8 +256,7 @@ void set_line_in(Fault& fault, const std::vector<std::string>& who, const RingNo
     if (behind.size() > 1) refuse_bare(behind[1], word);
     return set_line(fault, first_of(before), first_of(behind), nodes);
   }
-  throw ParseError(std::string(word.word) + " says no line",
-                   "A -> B, a node and the next one (or A:B, which no shell takes for itself)");
+  throw ParseError(needs(word, "a line"), "A -> B, a node and the next one (or A:B, which no shell takes for itself)");
 }
 
 void set_place(Fault& fault, const std::vector<std::string>& who, const RingNodes& nodes) {

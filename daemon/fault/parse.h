@@ -38,6 +38,13 @@ struct BareWord : ParseError {
   std::string key;  ///< a key of the fault that takes such a value; empty where none does
 };
 
+/// A fault is not told what it needs to know, as how often a line flaps.
+struct MissingKey : ParseError {
+  MissingKey(std::string word, std::vector<std::string> any_of, const std::string& right);
+  std::string fault;
+  std::vector<std::string> keys;  ///< any of them is enough
+};
+
 /// The one form of a fault as text, of tools, services and scenarios: its word, what it is of, then what it is told.
 ///
 ///   drop left_hip -> left_hip_yaw packets=3 once_in=10 for=2s seed=4

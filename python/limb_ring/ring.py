@@ -82,6 +82,8 @@ class Ring:
             return '--nodes', self._config
         if isinstance(self._config, dict):
             return self._launcher.write('ring.yaml', json.dumps(self._config)),   # which is YAML too
+        if not isinstance(self._config, (str, os.PathLike)) or not os.fspath(self._config):
+            raise RingError('Ring(%r): needs the YAML file of a ring, a dict of the same, or a number of nodes' % (self._config,))
         return find_config(self._config),
 
     def _clock_options(self):

@@ -27,7 +27,8 @@ TEST(Seconds, MayHaveAUnit) {
   EXPECT_EQ(taken(seconds(0, 600), "5ms"), "0.005");
   EXPECT_EQ(taken(seconds(0, 600), "2"), "2");
   EXPECT_EQ(taken(seconds(0, 600), "100us"), "0.0001");
-  EXPECT_EQ(taken(seconds(0.1, 600), "5ms"), "'5ms' is not a time, 0.1 to 600 s: 500ms, 2s, or a number of seconds");
+  EXPECT_EQ(taken(seconds(0.1, 600), "5ms"), "'5ms' is not a time, 100ms to 600s: 500ms, 2s, or a number of seconds");
+  EXPECT_THAT(taken(seconds(1e-9, 1e6), "0"), testing::HasSubstr("1ns to 1000000s"));
 }
 
 TEST(Word, IsRefusedWithAGuess) {

@@ -70,8 +70,8 @@ TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
   EXPECT_THAT(refusal_of("kill nee"), StartsWith("'nee' is no node of the ring, did you mean 'knee'?; allowed: hip"));
   EXPECT_THAT(refusal_of("cut hip -> hip"), AllOf(HasSubstr("is no line of the ring"), HasSubstr("hip -> knee"),
                                                   HasSubstr("its second line: hip -> ankle")));
-  EXPECT_THAT(refusal_of("cut hip"), StartsWith("cut says no line"));
-  EXPECT_THAT(refusal_of("kill"), StartsWith("kill says no node"));
+  EXPECT_THAT(refusal_of("cut hip"), StartsWith("cut needs a line; allowed: A -> B"));
+  EXPECT_THAT(refusal_of("kill"), StartsWith("kill needs a node; allowed: a node of the ring"));
   EXPECT_THAT(refusal_of("drop hip -> knee packet=3"), HasSubstr("did you mean 'packets'?"));
   EXPECT_THAT(refusal_of("stall hip -> knee packets=3"),
               StartsWith("'packets' is nothing that stall takes; allowed: for, after, after_packets, of"));
@@ -96,9 +96,9 @@ TEST(FaultWords, NameAValueThatStandsAloneAndItsKey) {
 }
 
 TEST(FaultWords, SayWhatIsMissing) {
-  EXPECT_THAT(refusal_of("rate hip -> knee"), StartsWith("rate says no rate"));
-  EXPECT_THAT(refusal_of("delay hip -> knee"), StartsWith("delay says no delay or jitter"));
-  EXPECT_THAT(refusal_of("flap hip -> knee"), StartsWith("flap says no every"));
+  EXPECT_THAT(refusal_of("rate hip -> knee"), StartsWith("rate needs rate; allowed: a rate such as"));
+  EXPECT_THAT(refusal_of("delay hip -> knee"), StartsWith("delay needs delay or jitter; allowed: a time"));
+  EXPECT_THAT(refusal_of("flap hip -> knee"), StartsWith("flap needs every; allowed: a time"));
   EXPECT_THAT(refusal_of("cut hip -> knee after_packets=5"), StartsWith("after_packets and of are not both given"));
 }
 

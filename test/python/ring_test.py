@@ -110,6 +110,9 @@ def test_what_is_wrong_is_said_in_the_words_of_ringctl():
         Ring({'ring': 'x', 'nodes': [{'id': 0, 'name': 'a'}, {'id': 0, 'name': 'b'}]}).up()
     with pytest.raises(RingError, match='no file nowhere.yaml'):
         Ring('nowhere.yaml').up()
+    for nothing in '', None, 2.5:
+        with pytest.raises(RingError, match='needs the YAML file of a ring, a dict of the same, or a number of nodes'):
+            Ring(nothing).up()
     with Ring(plain('wrong')) as ring:
         with pytest.raises(RingError, match='no node elbow'):
             ring.send('body', 'elbow', b'x')

@@ -58,7 +58,7 @@ TEST(LoadScenario, ExpectationsAreWaitsAndWhatHoldsAlwaysOrNever) {
 TEST(LoadScenario, RefusesALineThatTheRingDoesNotHave) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0 -> node2}}]\n")),
               HasSubstr("to the next: node0 -> node1"));
-  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0}}]\n")), HasSubstr("cut says no line"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node0}}]\n")), HasSubstr("cut needs a line"));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node1 -> node0}}]\n")), HasSubstr("a ring that folds back"));
 }
 

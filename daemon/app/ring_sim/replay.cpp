@@ -55,8 +55,9 @@ void print_difference(const ReplayedRing& ring, ReplayedLife& life) {
 }
 
 void print_state(ReplayedLife& life) {
+  const std::string state = recorder::describe_state(life.replay().controller());
   std::cout << name_of(life) << ", what is not as in a core that has just started:\n"
-            << recorder::describe_state(life.replay().controller());
+            << (state.empty() ? "nothing\n" : state);
 }
 
 /// @return how many lives differ

@@ -162,7 +162,7 @@ TEST(Choices, ThatAreWrongAreNamed) {
   const auto problem = [](const std::string& text) {
     return test::thrown<std::invalid_argument>([&] { choices_from(text); });
   };
-  EXPECT_THAT(problem("x:lost"), HasSubstr("'x' is no number"));
+  EXPECT_THAT(problem("x:lost"), HasSubstr("'x' is no number, as in 12:lost"));
   EXPECT_THAT(problem("1:lost,2:losst"), HasSubstr("'losst' is none of lost, header-damaged"));
   EXPECT_THAT(problem("1:restart"), HasSubstr("restart needs a node"));
   EXPECT_THAT(problem("1:lost:2"), HasSubstr("lost is of no node"));

@@ -13,6 +13,7 @@
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/ring_wait.h"
 #include "cli/values.h"
+#include "config/names.h"
 #include "fault/parse.h"
 #include "live/live_faults.h"
 #include "process/signal_wait.h"
@@ -70,6 +71,11 @@ fault::Fault parsed(const std::string& words, const fault::RingNodes& nodes, boo
     return fault;
   } catch (const fault::BareWord& bare) {
     throw UsageError(words + ": " + bare.problem + "; allowed: " + option_for(bare));
+  } catch (const fault::MissingKey& missing) {
+    std::vector<std::string> options;
+    for (const std::string& key : missing.keys) options.push_back(option_name(key));
+    throw UsageError(words + ": " + missing.fault + " needs " + config::join(options, " or ") +
+                     "; allowed: " + missing.allowed);
   } catch (const fault::ParseError& error) {
     throw UsageError(words + ": " + error.what());
   }
@@ -159,7 +165,7 @@ void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
   auto options = std::make_shared<FaultOptions>();
   CLI::App* command = add_command(faults, word.word, word.meaning);
   const bool line = word.of == fault::Of::line;
-  command->add_option("WHERE", options->where, line ? "The line, A:B" : "Nodes, ids or names, or all")
+  command->add_option("WHERE", options->where, line ? "One line, A:B" : "Nodes, ids or names, or all")
       ->required()
       ->type_name(line ? "A:B" : "NODE");
   for (const fault::KeyWord& key : fault::keys_of(word))

@@ -176,12 +176,11 @@ void add_sync(CLI::App& app, Context& context) {
   CLI::App* command =
       add_command(app, "sync",
                   "Latch the clocks of all nodes by a broadcast interrupt, and print how far each is off.\n"
-                  "The offset of a node h hops downstream of the source is its latch time, less the\n"
-                  "source's, less h * round trip / ring size. Nodes on one host share a clock: what is\n"
-                  "printed for them is how unevenly the interrupt travelled. One way: from the node before it\n"
-                  "that latched, measured where the two share a clock; of lines between hosts only the sum is\n"
-                  "known. Not done (exit code 1) where a\n"
-                  "node did not latch: it is down, or has no pin wired to sync.");
+                  "The offset of a node h hops downstream of the source is its latch time, less the source's,\n"
+                  "less h * round trip / ring size. Nodes on one host share a clock: what is printed for them\n"
+                  "is how unevenly the interrupt travelled. One way: from the node before it that latched,\n"
+                  "measured where the two share a clock; of lines between hosts only the sum is known.\n"
+                  "Not done (exit code 1) where a node did not latch: it is down, or has no pin wired to sync.");
   command->add_option("--from", options->from, "Node that sends; default: the first that answers");
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
