@@ -76,6 +76,7 @@ void send_into(Sends& sends, HostPort& port, unsigned count, const std::function
 Sends send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
                std::chrono::nanoseconds interval) {
   Sends sends;
+  sends.asked = count;
   try {
     send_into(sends, port, count, send, interval);
   } catch (const HostPortError& error) {
@@ -130,13 +131,13 @@ namespace {
 void print_json(const Sends& sends, std::size_t good) {
   nlohmann::json list = nlohmann::json::array();
   for (const Result& result : sends.results) list.push_back(to_json(result));
-  const nlohmann::json all{{"sent", sends.sent}, {"delivered", good}, {"results", list}};
+  const nlohmann::json all{{"asked", sends.asked}, {"sent", sends.sent}, {"delivered", good}, {"results", list}};
   std::cout << all.dump(2) << '\n';
 }
 
 void print_text(const Sends& sends) {
   const std::vector<Result>& results = sends.results;
-  if (sends.sent == 1 && results.size() == 1) {
+  if (sends.asked == 1 && results.size() == 1) {
     std::cout << to_text(results.front()) << '\n';
     return;
   }
@@ -145,6 +146,8 @@ void print_text(const Sends& sends) {
     ++ends[to_string(result.outcome) + (result.reason.empty() ? "" : ": " + result.reason)];
   for (const auto& [end, count] : ends) std::cout << count << ' ' << end << '\n';
   if (sends.sent > results.size()) std::cout << sends.sent - results.size() << " not ended\n";
+  if (sends.asked == sends.sent) return;
+  std::cout << (sends.problem.empty() ? "interrupted, " : "") << sends.asked - sends.sent << " not sent\n";
 }
 
 }  // namespace
@@ -162,7 +165,7 @@ int report(const Sends& sends, bool as_json) {
   else
     print_text(sends);
   if (!sends.problem.empty()) throw HostPortError(sends.problem);
-  return sends.sent == results.size() ? exit_code(results) : kNotDone;
+  return sends.asked == results.size() ? exit_code(results) : kNotDone;
 }
 
 }  // namespace limb_ring::ringctl

@@ -13,6 +13,7 @@ namespace limb_ring::ringctl {
 
 /// What came of a number of sends.
 struct Sends {
+  std::uint64_t asked = 0;  ///< how many were to be made
   std::uint64_t sent = 0;
   std::vector<Result> results;  ///< of those that have ended
   std::string problem;          ///< why there was an early end, other than Ctrl-C; empty: there was none
@@ -27,7 +28,8 @@ struct Sends {
 Sends send_all(HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
                std::chrono::nanoseconds interval = {});
 
-/// Prints one result, or how many ended how, or all as JSON. @return exit_code(); kNotDone where not all have ended.
+/// Prints one result, or how many ended how, or all as JSON. @return exit_code(); kNotDone where not all were made, or
+/// have ended.
 /// @throw HostPortError where the daemon has gone meanwhile
 int report(const Sends& sends, bool as_json);
 

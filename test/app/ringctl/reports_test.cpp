@@ -240,7 +240,7 @@ Result result(Outcome outcome, std::string reason = {}) {
 /// As many sends as have ended, so with nothing outstanding.
 Sends ended(std::vector<Result> results) {
   Sends sends;
-  sends.sent = results.size();
+  sends.asked = sends.sent = results.size();
   sends.results = std::move(results);
   return sends;
 }
@@ -269,7 +269,7 @@ TEST(Results, ExitCodeSaysWhetherAllWereDelivered) {
 
 TEST(Results, WhatHasNotEndedIsCountedAndWhyIsThrown) {
   Sends sends = ended({result(Outcome::delivered)});
-  sends.sent = 3;
+  sends.asked = sends.sent = 3;
   ::testing::internal::CaptureStdout();
   EXPECT_EQ(report(sends, false), kNotDone);
   EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("2 not ended"));
@@ -277,6 +277,18 @@ TEST(Results, WhatHasNotEndedIsCountedAndWhyIsThrown) {
   ::testing::internal::CaptureStdout();
   EXPECT_THROW(report(sends, false), HostPortError);
   EXPECT_THAT(::testing::internal::GetCapturedStdout(), HasSubstr("1 delivered"));
+}
+
+TEST(Results, WhatWasNotSentAnyMoreIsCounted) {
+  Sends sends = ended({result(Outcome::delivered)});
+  sends.asked = 100;
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(report(sends, false), kNotDone);
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "1 delivered\ninterrupted, 99 not sent\n");
+  sends.problem = "the daemon has ended";
+  ::testing::internal::CaptureStdout();
+  EXPECT_THROW(report(sends, false), HostPortError);
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "1 delivered\n99 not sent\n");
 }
 
 TEST(Results, WhatWasUnconfirmedMayHaveArrivedUnlessItWasOutOfReach) {

@@ -50,9 +50,7 @@ int run(const Context& context, const SendOptions& options) {
     return port.send(to, data, static_cast<std::uint8_t>(options.priority), static_cast<std::uint8_t>(options.channel));
   };
   const std::chrono::nanoseconds interval(std::llround(options.interval_s * 1e9));
-  const Sends sends = send_and_explain(port, ring, to, options.count, send, interval);
-  const int code = report(sends, options.json);
-  return sends.sent == options.count ? code : kNotDone;  // Ctrl-C came before
+  return report(send_and_explain(port, ring, to, options.count, send, interval), options.json);
 }
 
 const CLI::App& add_data_options(CLI::App& command, SendOptions& options) {
