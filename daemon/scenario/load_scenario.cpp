@@ -118,6 +118,8 @@ bool expects_something(const Scenario& scenario) {
          std::any_of(scenario.steps.begin(), scenario.steps.end(), waits);
 }
 
+bool lasts(const Scenario& scenario) { return scenario.world == World::soak || !scenario.steps.empty(); }
+
 Scenario parse_scenario(const std::string& text, const std::string& name) {
   config::Document document{name, {}, {}, {}};
   const Entry file(config::parse_yaml(text, name), "", document);

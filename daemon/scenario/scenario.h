@@ -162,5 +162,7 @@ inline bool folds_back(const config::RingConfig& ring) {
 /// Whether the scenario, or its world, says what has to be seen. Otherwise it could fail only by a broken promise of
 /// the ring.
 bool expects_something(const Scenario& scenario);
+/// Whether time passes in it: it ends with its last step; the soak's world goes on behind it until all is calm.
+bool lasts(const Scenario& scenario);
 
 }  // namespace limb_ring::scenario

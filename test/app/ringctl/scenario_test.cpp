@@ -59,6 +59,13 @@ TEST_F(ScenarioCommand, AScenarioThatExpectsNothingIsNotPassed) {
   EXPECT_THAT(said.errors, AllOf(HasSubstr("idle.yaml: nothing is expected"), HasSubstr("when and within")));
 }
 
+TEST_F(ScenarioCommand, AScenarioInWhichNoTimePassesIsNotPassed) {
+  const CliRun said =
+      run_scenarios({write("idle.yaml", "scenario: x\nnodes: 4\nsteps: []\nalways: [{node: all, is: up}]\n")});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, AllOf(HasSubstr("idle.yaml: it has no step"), HasSubstr("steps: [{at: 1s}]")));
+}
+
 TEST_F(ScenarioCommand, ListsAFolderAndNamesWhatIsNoScenario) {
   write("a_ring.yaml", "ring: mine\nnodes: [{id: 0, name: a}, {id: 1, name: b}]\n");
   write("b_good.yaml", kGood);

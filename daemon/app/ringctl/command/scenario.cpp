@@ -87,6 +87,9 @@ void require_live(const Scenario& scenario, const std::string& transport) {
 }
 
 void require_expectation(const Scenario& scenario) {
+  if (!lasts(scenario))
+    throw UsageError(scenario.path + ": it has no step, so no time passes and nothing would be tested; add one, as " +
+                     "steps: [{at: 1s}] (docs/scenarios.md)");
   if (expects_something(scenario)) return;
   throw UsageError(scenario.path +
                    ": nothing is expected, so nothing would be tested; add what has to be seen: a step " +
