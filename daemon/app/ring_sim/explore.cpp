@@ -9,6 +9,7 @@
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
 #include "cli/values.h"
+#include "process/signal_wait.h"
 #include "sim/trace.h"
 #include "study/explore/exploration.h"
 
@@ -90,7 +91,11 @@ int run_all(const ExploreOptions& options) {
   const study::Exploration::Bounds& bounds = options.bounds;
   study::Exploration exploration(options.world, bounds);
   Progress progress;
+  process::SignalWait signals;  // made before the threads, so that they leave Ctrl-C to it
+  bool interrupted = false;
   exploration.run([&] {
+    interrupted = interrupted || signals.asked_to_end(std::chrono::milliseconds(0));
+    if (interrupted) exploration.stop();
     progress.tell(std::to_string(exploration.runs()) + " runs, " + std::to_string(exploration.recognised()) +
                   " of them into a state met before, no promise broken");
   });
@@ -106,8 +111,10 @@ int run_all(const ExploreOptions& options) {
                      {"states", exploration.states()},
                      {"recognised", exploration.recognised()}};
   std::cout << app::format_rows({row}, options.format);
-  if (options.format == app::Format::text) std::cout << exhausted_text(bounds);
-  return kDone;
+  if (options.format == app::Format::text && !interrupted) std::cout << exhausted_text(bounds);
+  if (!interrupted) return kDone;
+  std::cerr << "ring_sim: interrupted: no promise was broken so far, but not all was run\n";
+  return kBroken;
 }
 
 }  // namespace

@@ -8,7 +8,8 @@ namespace limb_ring::ring_sim {
 enum ExitCode : int {
   kDone = 0,
   /// A promise of the ring was broken, a plan does not fit onto it, two captures differ, the replay of a
-  /// recording differs from it, gnuplot is missing or fails, or a disk is full.
+  /// recording differs from it, gnuplot is missing or fails, a disk is full, or somebody has asked it to end before all
+  /// was done.
   kBroken = 1,
   /// Wrong arguments, a configuration that is refused, or a folder that cannot be written.
   kUsage = 2
@@ -16,9 +17,8 @@ enum ExitCode : int {
 
 constexpr const char* kExitCodesHelp =
     "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, a "
-    "recording "
-    "is not had again, gnuplot is missing or fails, or a disk is full; 2 wrong arguments or configuration, or a folder "
-    "that cannot be written.";
+    "recording is not had again, gnuplot is missing or fails, a disk is full, or it was interrupted; 2 wrong arguments "
+    "or configuration, or a folder that cannot be written.";
 
 /// Ends ring_sim with kUsage.
 struct UsageError : std::runtime_error {

@@ -12,6 +12,7 @@
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
 #include "cli/values.h"
+#include "process/signal_wait.h"
 #include "sim/trace.h"
 #include "study/soak/shrunk_soak.h"
 
@@ -90,39 +91,73 @@ std::uint64_t fresh_range() {
   return std::uniform_int_distribution<std::uint64_t>(1, 1'000'000'000'000)(device);
 }
 
-int run(const SoakOptions& options) {
-  using FoldBack = study::RandomFaults::FoldBack;
-  using World = study::RandomFaults::World;
-  Progress progress;
-  Tally tally;
-  std::uint64_t broken = 0;
-  bool small = false;  ///< a scenario that was made of one of them
-  std::cerr << "Seeds " << options.first << " to " << options.first + options.seeds - 1 << ".\n";
-  for (std::uint64_t seed = options.first; seed - options.first < options.seeds; ++seed) {
-    study::RandomFaults faults(seed, options.all_fold_back ? FoldBack::all : FoldBack::some,
-                               options.wide ? World::wide : World::usual);
-    std::optional<sim::Trace> trace;
-    if (options.hashes) trace.emplace(faults.ring());
-    if (options.shrink_into) faults.keep_history();
-    faults.run();
-    tally.add(faults);
-    if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
-    if (faults.violation()) {
-      std::cerr << violation_text(faults, seed, options);
-      small = !options.shrink_into || write_shrunk(faults, seed, *options.shrink_into, progress) || small;
-      if (++broken >= options.failures + (small ? 0 : kMoreToShrink)) return kBroken;
-      continue;
+/// One seed after another, until all are done, enough are broken, or somebody asks it to end.
+class Soak {
+ public:
+  explicit Soak(const SoakOptions& options) : options_(options) {}
+
+  int run() {
+    std::cerr << "Seeds " << options_.first << " to " << options_.first + options_.seeds - 1 << ".\n";
+    while (tally_.seeds < options_.seeds) {
+      if (signals_->asked_to_end(std::chrono::milliseconds(0))) return interrupted();
+      if (!run_seed(options_.first + tally_.seeds)) return kBroken;
     }
-    progress.tell(std::to_string(tally.seeds) + " of " + std::to_string(options.seeds) + " seeds, no promise broken");
+    if (broken_ != 0) return kBroken;
+    print();
+    if (options_.format == app::Format::text) std::cout << "No promise was broken.\n";
+    return kDone;
   }
-  if (broken != 0) return kBroken;
-  if (options.format == app::Format::json)
-    std::cout << tally.row(options).dump(2) << '\n';
-  else
-    std::cout << app::format_rows({tally.row(options)}, options.format);
-  if (options.format == app::Format::text) std::cout << "No promise was broken.\n";
-  return kDone;
-}
+
+ private:
+  /// @return false where enough are broken
+  bool run_seed(std::uint64_t seed) {
+    using FoldBack = study::RandomFaults::FoldBack;
+    using World = study::RandomFaults::World;
+    study::RandomFaults faults(seed, options_.all_fold_back ? FoldBack::all : FoldBack::some,
+                               options_.wide ? World::wide : World::usual);
+    std::optional<sim::Trace> trace;
+    if (options_.hashes) trace.emplace(faults.ring());
+    if (options_.shrink_into) faults.keep_history();
+    faults.run();
+    tally_.add(faults);
+    if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
+    if (faults.violation()) return may_go_on_after(faults, seed);
+    progress_.tell(std::to_string(tally_.seeds) + " of " + std::to_string(options_.seeds) +
+                   " seeds, no promise broken");
+    return true;
+  }
+
+  bool may_go_on_after(const study::RandomFaults& faults, std::uint64_t seed) {
+    std::cerr << violation_text(faults, seed, options_);
+    if (options_.shrink_into) {
+      signals_.reset();  // it may take long, and Ctrl-C ends it as ever
+      small_ = write_shrunk(faults, seed, *options_.shrink_into, progress_) || small_;
+      signals_.emplace();
+    }
+    return ++broken_ < options_.failures + (small_ || !options_.shrink_into ? 0 : kMoreToShrink);
+  }
+
+  int interrupted() const {
+    print();
+    std::cerr << "ring_sim: interrupted: " << tally_.seeds << " of " << options_.seeds << " seeds were run, " << broken_
+              << " of them broke a promise\n";
+    return kBroken;
+  }
+
+  void print() const {
+    if (options_.format == app::Format::json)
+      std::cout << tally_.row(options_).dump(2) << '\n';
+    else
+      std::cout << app::format_rows({tally_.row(options_)}, options_.format);
+  }
+
+  const SoakOptions& options_;
+  std::optional<process::SignalWait> signals_{std::in_place};
+  Progress progress_;
+  Tally tally_;
+  std::uint64_t broken_ = 0;
+  bool small_ = false;  ///< a scenario that was made of one of them
+};
 
 }  // namespace
 
@@ -167,7 +202,7 @@ void add_soak(CLI::App& app, Context& context) {
         throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
       if (options->hashes && options->format != app::Format::text)
         throw UsageError("--hashes prints lines of text: leave --json and --csv out");
-      return run(*options);
+      return Soak(*options).run();
     };
   });
 }

@@ -24,8 +24,11 @@ class Exploration {
 
   Exploration(const World& world, const Bounds& bounds) : world_(world), bounds_(bounds) {}
 
-  /// Runs them all, or until a promise is broken. @param progress called after every run, by one thread at a time
+  /// Runs them all, or until a promise is broken or nobody wants more.
+  /// @param progress called after every run, by one thread at a time
   void run(const std::function<void()>& progress);
+  /// Runs that have begun are the last; also for `progress` to call.
+  void stop() { stop_ = true; }
   std::uint64_t runs() const { return runs_; }
   /// Runs that ended in a state that had been met before.
   std::uint64_t recognised() const { return recognised_; }
