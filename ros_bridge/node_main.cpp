@@ -10,6 +10,7 @@
 
 #include "cli/roff.h"
 #include "config/config_error.h"
+#include "process/standard_descriptors.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -59,6 +60,7 @@ bool asks_for_man_page(int argc, char** argv) { return argc == 2 && std::strcmp(
 }  // namespace
 
 int run_node(int argc, char** argv, const NodeProgram& program) {
+  process::open_standard_descriptors();
   if (asks_for_help(argc, argv)) {
     std::cout << program.help << kExitCodes;
     return 0;

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "process/standard_descriptors.h"
 #include "ros_bridge/bridge.h"
 #include "ros_bridge/node_main.h"
 #include "ros_bridge/respawn.h"
@@ -37,6 +38,7 @@ bool take_flag(int& argc, char** argv, const char* flag) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  limb_ring::process::open_standard_descriptors();  // also of the one that starts it again
   const bool respawn = take_flag(argc, argv, "--respawn");
   const auto node = [&] { return limb_ring::bridge::run_node(argc, argv, {"ring_bridge", kHelp, run}); };
   return respawn ? limb_ring::bridge::respawned(node) : node();

@@ -5,6 +5,7 @@
 #include "firmware/node_setup.h"
 #include "firmware/options.h"
 #include "firmware/stop_signal.h"
+#include "process/standard_descriptors.h"
 
 namespace {
 
@@ -39,6 +40,7 @@ int run_cpu(const firmware::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  process::open_standard_descriptors();
   const auto options = firmware::parse_options(argc, argv);
   if (options.print.empty()) return run_cpu(options);
   std::fputs(options.print.c_str(), stdout);

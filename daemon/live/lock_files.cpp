@@ -48,10 +48,18 @@ bool is_held(const fs::path& lock) {
   return file.valid() && ::fcntl(file.get(), F_OFD_GETLK, &whole_file) == 0 && whole_file.l_type != F_UNLCK;
 }
 
-pid_t pid_in(const fs::path& lock) {
-  pid_t pid = -1;
-  std::ifstream(lock) >> pid;
+/// The number that is the whole of this line; -1 where something else has been written into the file ("10:16:33 ...").
+pid_t pid_in(const std::string& line) {
+  const bool number = !line.empty() && line.size() <= 9 && line.find_first_not_of("0123456789") == std::string::npos;
+  const pid_t pid = number ? std::stoi(line) : -1;
   return pid > 1 ? pid : -1;
+}
+
+/// Whether that process may run this program; the kernel adds " (deleted)" where its file was replaced.
+bool may_run(pid_t pid, const std::string& program) {
+  std::error_code unknown;
+  const std::string runs = fs::read_symlink("/proc/" + std::to_string(pid) + "/exe", unknown).string();
+  return unknown || program.empty() || runs == program || runs == program + " (deleted)";
 }
 
 std::vector<std::string> rest_of(std::istream& file) {
@@ -86,14 +94,15 @@ bool is_leftover(const fs::path& file) {
 Holder holder_of(const std::string& folder, std::uint8_t node) {
   const fs::path lock = fs::path(folder) / (std::to_string(node) + ".lock");
   Holder holder;
-  holder.pid = pid_in(lock);
   std::ifstream file(lock);
   std::string pid;
   std::getline(file, pid);
   std::getline(file, holder.program);
   std::getline(file, holder.folder);
   holder.arguments = rest_of(file);
+  holder.pid = pid_in(pid);
   const bool lives = is_held(lock);
+  if (lives && !may_run(holder.pid, holder.program)) holder.pid = -1;  // whoever that is, it must not be signalled
   holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);
   const std::string fault = holder.on_virtual_ring ? noted_fault(folder, node) : "";
   holder.held = lives && fault != fault::word_of(fault::Name::kill).word;
@@ -104,7 +113,7 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
 std::vector<HeldNode> held_nodes(const std::string& folder) {
   std::vector<HeldNode> held;
   for (const fs::path& file : files_in(folder))
-    if (const auto node = node_of(file); node && is_held(file)) held.push_back({*node, file.string(), pid_in(file)});
+    if (const auto node = node_of(file); node && is_held(file)) held.push_back({*node, file.string(), holder_of(folder, *node).pid});
   return held;
 }
 

@@ -38,6 +38,19 @@ TEST_F(RingFolder, HeldNodesAreThoseWhoseHolderLives) {
   EXPECT_EQ(nodes[0].pid, ::getpid());
 }
 
+TEST_F(RingFolder, APidIsTakenFromNothingButItsLineAndTheRightProgram) {
+  const auto held = lock_of(7);
+  for (const char* text : {"10:16:33.123 info [legs/left_knee] up\n", "", "1\n", "99999999999\n"}) {
+    std::ofstream(ring + "/7.lock") << text;
+    EXPECT_EQ(held_nodes(ring)[0].pid, -1) << text;
+    EXPECT_EQ(holder_of(ring, 7).pid, -1) << text;
+  }
+  std::ofstream(ring + "/7.lock") << ::getpid() << "\n/some/other/program\n";
+  EXPECT_EQ(held_nodes(ring)[0].pid, -1);
+  std::ofstream(ring + "/7.lock") << ::getpid() << '\n';
+  EXPECT_EQ(held_nodes(ring)[0].pid, ::getpid());
+}
+
 TEST_F(RingFolder, ADaemonThatStartsGetsItsNodeWhileOthersAskWhoHoldsIt) {
   std::atomic<bool> done{false};
   std::thread others([&] {

@@ -6,7 +6,7 @@ import signal
 import stat
 
 import ring_process
-from ring_process import RingTest, plain_nodes
+from ring_process import RingTest, plain_nodes, program
 
 
 class Folder(RingTest):
@@ -73,6 +73,16 @@ class Folder(RingTest):
         folder = os.path.join(self.folder, 'limb_ring-%d' % os.geteuid())
         self.wait('the ring closed', lambda: self.ctl('--ring', self.ring, 'wait', 'up').returncode == 0)
         self.assertEqual(stat.S_IMODE(os.stat(folder).st_mode), 0o700)
+
+    def test_daemon_without_standard_descriptors_leaves_its_lock_file_alone(self):
+        config = self.write_ring(plain_nodes(2))
+        shell = self.script('closed', 'exec %s --config %s --node "$1" <&- >&- 2>&-' % (program('ringd'), config))
+        daemons = [self.start('closed', [shell, str(node)]) for node in range(2)]
+        self.wait_closed(range(2))
+        with open(os.path.join(self.ring_folder(), '0.lock')) as lock:
+            self.assertEqual(lock.readline(), '%d\n' % daemons[0].pid)
+        for fd in range(3):
+            self.assertEqual(os.readlink('/proc/%d/fd/%d' % (daemons[0].pid, fd)), '/dev/null')
 
     def pids(self):
         return [row['pid'] for row in self.ctl_json('--ring', self.ring, 'status')['nodes']]

@@ -15,6 +15,7 @@
 #include "config/config_error.h"
 #include "config/options_markdown.h"
 #include "event_loop/packet_loop.h"
+#include "process/standard_descriptors.h"
 #include "runtime/daemon_node.h"
 #include "runtime/realtime.h"
 #include "setup/core_settings.h"
@@ -107,6 +108,7 @@ int complain(const char* what, int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  process::open_standard_descriptors();
   std::signal(SIGPIPE, SIG_IGN);
   try {
     const auto options = ringd::parse_options(argc, argv);
