@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "process/unique_fd.h"
+#include "process/lock_file.h"
 
 namespace limb_ring::host {
 
@@ -13,9 +13,8 @@ struct NodeHeld : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Holds a node for one daemon: a lock on DIRECTORY/ID.lock. Its text says who the holder is, and how to
-/// start it again once it is dead: pid, program, working folder, then the arguments, one a line. The
-/// kernel gives it up when the process ends, however it ends; children do not inherit it.
+/// Holds a node for one daemon: the lock file DIRECTORY/ID.lock. Its text says who the holder is, and how to
+/// start it again once it is dead: pid, program, working folder, then the arguments, one a line.
 class NodeLock {
  public:
   /// @throw NodeHeld "node 3 (left_knee) of ring r is held by pid 4711 (ringd)"; std::system_error naming
@@ -23,11 +22,10 @@ class NodeLock {
   NodeLock(const std::string& directory, const std::string& ring, std::uint8_t id, const std::string& name);
 
   /// False where its file was removed, so that another daemon can have one of its own.
-  bool is_in_place() const;
+  bool is_in_place() const { return file_.is_in_place(); }
 
  private:
-  std::string path_;
-  process::UniqueFd file_;  ///< never removed: two daemons could then lock two files of one name
+  process::LockFile file_;  ///< stays when this daemon ends: it says how to start it again
 };
 
 }  // namespace limb_ring::host

@@ -26,6 +26,27 @@ class UpDown(RingTest):
             self.assertFalse(os.path.exists(self.ring_folder()))
         self.assertEqual(self.ctl('down', self.ring).returncode, 3)
 
+    def test_of_two_at_once_one_starts_the_ring(self):
+        command = [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3', '--timeout', '60']
+        ups = [self.start('up', command) for _ in range(4)]
+        self.wait('all but one have ended', lambda: sum(up.poll() is None for up in ups) == 1)
+        winner = next(up for up in ups if up.poll() is None)
+        self.wait('said so', lambda: 'closed' in self.log_of(winner))
+        for up in ups:
+            if up is not winner:
+                self.assertEqual(up.returncode, 1)
+                self.assertRegex(self.log_of(up), r'is being started already, by pid %d \(ringctl\)|is running already'
+                                 % winner.pid)
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        self.assertEqual(self.wait_exit(winner), 0)
+        self.assertFalse(os.path.exists(self.ring_folder()))
+
+    def test_one_that_is_refused_leaves_no_lock(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = {'command': ['no_such_program']}
+        self.assertEqual(self.ctl('up', self.write_ring(nodes), '--timeout', 2).returncode, 1)
+        self.assertNotIn('up.lock', os.listdir(self.ring_folder()))
+
     def test_down_ends_frozen_daemons_too(self):
         self.up('--nodes', 3)
         os.kill(self.row(1)['pid'], signal.SIGSTOP)

@@ -12,6 +12,7 @@
 #include "app/ringctl/progress.h"
 #include "app/ringctl/respawn.h"
 #include "app/ringctl/ring_watch.h"
+#include "app/ringctl/up_lock.h"
 #include "cli/values.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -124,7 +125,8 @@ void tell_taken_down(const std::string& ring) {
 }
 
 /// Until a signal, whatever ends the daemons. @throw NotDone where one cannot start
-void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals) {
+void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals,
+                      UpLock& lock) {
   Respawn respawn(daemons);
   std::optional<RingWatch> watch(plan);
   Progress progress;
@@ -135,6 +137,7 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process
     respawn.poll();
     if (!down && respawn.taken_down()) {
       tell_taken_down(plan.ring);
+      lock.release();
       watch.reset();
       down = true;
     }
@@ -142,6 +145,7 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process
     if (const auto waiting = watch->first_not_ready()) {
       progress.tell("waiting for " + waiting->lack);
     } else {
+      lock.release();
       announce(plan, watch->ring_size());
       watch.reset();
     }
@@ -162,12 +166,12 @@ std::optional<process::Program> start_keeper(const RingPlan& plan, bool detached
   return process::Program(request);
 }
 
-int respawn(const RingPlan& plan) {
+int respawn(const RingPlan& plan, UpLock& lock) {
   process::SignalWait signals;
   live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end, false));
   const auto keeper = start_keeper(plan, false);
   try {
-    stay_and_respawn(plan, daemons, signals);
+    stay_and_respawn(plan, daemons, signals, lock);
   } catch (const NotDone& problem) {
     end(daemons, signals);
     throw NotDone("ring " + plan.ring + ": " + problem.what());
@@ -184,8 +188,9 @@ RingPlan planned(const Context& context, const UpOptions& options) try {
 }
 
 int run(const RingPlan& plan, const UpOptions& options) {
+  UpLock lock(plan.ring, plan.host);
   require_not_running(plan.ring);
-  if (options.respawn) return respawn(plan);
+  if (options.respawn) return respawn(plan, lock);
   process::SignalWait signals;
   const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
   live::LaunchedRing daemons(launch_request(plan, lifetime, options.detach));
@@ -198,6 +203,7 @@ int run(const RingPlan& plan, const UpOptions& options) {
     if (refused) throw UsageError("ring " + plan.ring + ": " + problem);
     throw NotDone("ring " + plan.ring + ": " + problem);
   }
+  lock.release();
   if (daemons.first_ended() == nullptr)
     announce(plan, watch.ring_size());
   else

@@ -1,0 +1,73 @@
+#include "process/lock_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include "process/process_state.h"
+
+namespace limb_ring::process {
+namespace {
+
+[[noreturn]] void cannot(const char* do_what, const std::string& path) {
+  throw std::system_error(errno, std::generic_category(), std::string("cannot ") + do_what + ' ' + path);
+}
+
+UniqueFd opened(const std::string& path) {
+  UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.valid()) cannot("open", path);
+  return file;
+}
+
+bool try_lock(int fd) {
+  struct flock whole_file {};
+  whole_file.l_type = F_WRLCK;
+  whole_file.l_whence = SEEK_SET;
+  return ::fcntl(fd, F_OFD_SETLK, &whole_file) == 0;
+}
+
+}  // namespace
+
+// A file that is removed between its opening and its locking is nobody's lock any more.
+std::optional<LockFile> LockFile::take(const std::string& path) {
+  for (;;) {
+    LockFile lock(path, opened(path));
+    if (!try_lock(lock.file_.get())) {
+      if (errno != EAGAIN && errno != EACCES) cannot("lock", path);
+      return std::nullopt;
+    }
+    if (lock.is_in_place()) return lock;
+  }
+}
+
+void LockFile::write(const std::string& text) const {
+  const bool written = ::ftruncate(file_.get(), 0) == 0 &&
+                       ::pwrite(file_.get(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  if (!written) cannot("write", path_);
+}
+
+bool LockFile::is_in_place() const {
+  struct stat ours {
+  }, there{};
+  return ::fstat(file_.get(), &ours) == 0 && ::stat(path_.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+         ours.st_dev == there.st_dev;
+}
+
+void LockFile::remove() const {
+  if (is_in_place()) ::unlink(path_.c_str());
+}
+
+std::string lock_holder(const std::string& path) {
+  pid_t pid = 0;
+  std::ifstream(path) >> pid;
+  if (pid <= 0) return "another process";
+  const std::string program = program_of(pid);
+  const std::string text = "pid " + std::to_string(pid);
+  return program.empty() ? text : text + " (" + program + ")";
+}
+
+}  // namespace limb_ring::process
