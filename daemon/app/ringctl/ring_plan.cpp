@@ -6,6 +6,7 @@
 #include "app/ringctl/host_choice.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_file.h"
+#include "config/config_error.h"
 #include "config/load_ring.h"
 #include "config/plain_ring.h"
 #include "config/recorder_saves.h"
@@ -57,9 +58,13 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   return arguments;
 }
 
-std::vector<std::string> keeper_arguments(const std::string& config, const std::string& ring) {
+std::vector<std::string> keeper_arguments(const std::string& config, const std::string& ring, bool records) {
   const config::RecorderSaves saves = config::load_recorder_saves(config);
   if (saves.when.empty()) return {};
+  if (!records)
+    throw config::ConfigError(config +
+                              ": entry 'recorder.save': nothing is recorded, so nothing can be saved; allowed: with "
+                              "enabled: true, or 'ringctl up --record'");
   std::string when;
   for (const std::string& word : saves.when) when += (when.empty() ? "" : ",") + word;
   return {"--ring", ring, "record", "keep", saves.folder, "--when", when, "--keep", std::to_string(saves.keep)};
@@ -100,7 +105,8 @@ RingPlan plan_ring(const UpRequest& given) {
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   plan.ring_size = config.nodes.size();
   const bool records = config.recorder.enabled || request.record;
-  if (records && !plan.is_virtual && !request.config.empty()) plan.keeper = keeper_arguments(request.config, plan.ring);
+  if (!plan.is_virtual && !request.config.empty())
+    plan.keeper = keeper_arguments(request.config, plan.ring, records);
   if (!plan.is_virtual) plan.host = chosen_host(config, request.host);
   if (plan.host == kAllHosts) {
     plan.host.clear();

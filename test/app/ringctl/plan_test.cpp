@@ -49,6 +49,21 @@ TEST_F(Plan, FolderTooLongForASocketIsRefusedBeforeAnythingStarts) {
   EXPECT_THROW(plan_ring(plain(2)), UsageError);
 }
 
+TEST_F(Plan, RecordingsAreSavedOnlyWhereSomethingIsRecorded) {
+  UpRequest request;
+  request.config = write("two.yaml",
+                         "ring: two\nnodes:\n  - {id: 0, name: a}\n  - {id: 1, name: b}\n"
+                         "recorder: {save: [crash], folder: saves}\n");
+  try {
+    plan_ring(request);
+    ADD_FAILURE() << "accepted";
+  } catch (const config::ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("entry 'recorder.save': nothing is recorded"));
+  }
+  request.record = true;
+  EXPECT_FALSE(plan_ring(request).keeper.empty());
+}
+
 TEST_F(Plan, MissingFileIsAConfigurationError) {
   UpRequest request;
   request.config = folder + "/none.yaml";
