@@ -55,6 +55,18 @@ class Recorder(RingTest):
         self.assertIn('all identical', said)
         self.assertIn('node 3 (node3, the life before)', said)
 
+    def test_keep_says_at_once_that_it_cannot_save(self):
+        self.start_ring(plain_nodes(2))
+        done = self.ctl('--ring', self.ring, 'record', 'keep', self.saved)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn('has no recordings', done.stderr)
+        self.assertFalse(os.path.exists(self.saved))
+        self.ring += 'r'
+        self.start_ring(plain_nodes(2), recorder={'enabled': True})
+        done = self.ctl('--ring', self.ring, 'record', 'keep', os.path.join(self.write('a_file', ''), 'saves'))
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn('cannot make the folder', done.stderr)
+
     def test_are_a_capture_and_a_state_too(self):
         self.start_ring(plain_nodes(3), recorder={'enabled': True})
         self.send(1, 2, 3)

@@ -1,4 +1,8 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -44,6 +48,20 @@ std::string recorded_ring(const std::string& asked) {
   throw UsageError("which ring? --ring one of" + names);
 }
 
+void require_recordings(const std::string& ring) {
+  if (!recorder::recordings_in(ring_directory(ring)).empty()) return;
+  throw NoRing("ring " + ring + " has no recordings; 'ringctl up --record' or recorder: {enabled: true} makes them");
+}
+
+/// Now, since nobody looks when something goes wrong later.
+void require_writable(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw UsageError("cannot make the folder " + folder.string() + ": " + error.message());
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw UsageError("cannot write into the folder " + folder.string() + ": " + std::strerror(errno));
+}
+
 void require_empty(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -54,8 +72,7 @@ void require_empty(const fs::path& folder) {
 
 int save(const RecordOptions& options, const Context& context) {
   const std::string ring = recorded_ring(context.ring);
-  if (recorder::recordings_in(ring_directory(ring)).empty())
-    throw NoRing("ring " + ring + " has no recordings; 'ringctl up --record' or recorder: {enabled: true} makes them");
+  require_recordings(ring);
   require_empty(options.folder);
   recorder::SavedRing saved;
   try {
@@ -83,7 +100,9 @@ RingAccess wait_for_ring(const std::string& ring, process::SignalWait& signals) 
 int keep(const RecordOptions& options, const Context& context) {
   process::SignalWait signals;
   const RingAccess ring = wait_for_ring(context.ring.empty() ? choose_ring("") : context.ring, signals);
+  require_recordings(ring.ring());
   const std::string folder = fs::absolute(options.folder).lexically_normal().string();
+  require_writable(folder);
   RecordingKeeper keeper(ring, {{options.when.begin(), options.when.end()}, folder, options.keep});
   keeper.poll();
   std::cerr << "ringctl: recordings of ring " << ring.ring() << " are saved in " << folder
