@@ -243,26 +243,26 @@ void LiveFaults::remove(const std::string& id) const {
   daemons_.ask(node, {{"do", "remove_fault"}, {"id", std::stoul(rest)}});
 }
 
-void LiveFaults::revive(wire::NodeId node) const {
+void LiveFaults::revive(wire::NodeId node, std::chrono::milliseconds patience) const {
   if (daemons_.is_stopped(node)) daemons_.thaw(node);
   if (!daemons_.holder(node).held) {
     daemons_.start(node);
-    daemons_.wait_for_hello(node);
+    daemons_.wait_for_hello(node, patience);
   }
   remove_note(daemons_.folder(), node);
 }
 
-void LiveFaults::clear_at(wire::NodeId node) const {
+void LiveFaults::clear_at(wire::NodeId node, std::chrono::milliseconds patience) const {
   if (!daemons_.holder(node).held && !node_fault(node)) return;  // it does not run, and we did not kill it
-  revive(node);
+  revive(node, patience);
   daemons_.ask(node, {{"do", "clear_faults"}});
 }
 
-std::vector<std::string> LiveFaults::clear() const {
+std::vector<std::string> LiveFaults::clear(std::chrono::milliseconds patience) const {
   std::vector<wire::NodeId> ids;
   for (const auto& node : daemons_.nodes()) ids.push_back(node.id);
   std::vector<std::string> problems;
-  for (const Problem& problem : at_the_same_time(ids, [&](std::size_t i) { clear_at(ids[i]); }))
+  for (const Problem& problem : at_the_same_time(ids, [&](std::size_t i) { clear_at(ids[i], patience); }))
     if (!problem.what.empty()) problems.push_back(problem.what);
   return problems;
 }

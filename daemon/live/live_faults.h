@@ -45,7 +45,8 @@ class LiveFaults {
   /// @throw NotDone where there is no such fault, fault::ParseError where there can be none
   void remove(const std::string& id) const;
   /// Removes all faults. @return what could not be done, one line each; empty: no fault is left
-  std::vector<std::string> clear() const;
+  /// @param patience for what is started to come up
+  std::vector<std::string> clear(std::chrono::milliseconds patience = RunningDaemons::kComesUp) const;
 
  private:
   std::vector<Begun> begin_on_virtual_ring(const fault::Fault& fault, const Wait& wait) const;
@@ -56,8 +57,8 @@ class LiveFaults {
   Begun begin_at_daemon(const fault::Fault& fault, wire::NodeId node) const;
   void wait_until_thawed(wire::NodeId node, const Wait& wait) const;
   void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const Wait& wait) const;
-  void revive(wire::NodeId node) const;
-  void clear_at(wire::NodeId node) const;
+  void revive(wire::NodeId node, std::chrono::milliseconds patience = RunningDaemons::kComesUp) const;
+  void clear_at(wire::NodeId node, std::chrono::milliseconds patience) const;
   std::optional<LiveFault> node_fault(wire::NodeId node) const;
   std::vector<LiveFault> faults_of(wire::NodeId node) const;
   wire::NodeId node_of(const std::string& id) const;

@@ -22,7 +22,6 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kStep{5};
 constexpr milliseconds kSignalled{5'000};  ///< for a signal to take effect
-constexpr milliseconds kHello{20'000};     ///< for a node to come up
 /// A fault may wait for a CPU to boot.
 constexpr milliseconds kAnswer{15'000};
 
@@ -167,10 +166,10 @@ void RunningDaemons::power_cycle(wire::NodeId id) const {
       return false;  // not yet there
     }
   };
-  if (!wait_for(is_new, kHello)) throw NotDone("node " + node(id).name + " does not come back");
+  if (!wait_for(is_new, kComesUp)) throw NotDone("node " + node(id).name + " does not come back");
 }
 
-void RunningDaemons::wait_for_hello(wire::NodeId id) const {
+void RunningDaemons::wait_for_hello(wire::NodeId id, milliseconds patience) const {
   const auto joined = [&] {
     try {
       return has_said_hello(ask(id, {{"do", "status"}}));
@@ -178,8 +177,9 @@ void RunningDaemons::wait_for_hello(wire::NodeId id) const {
       return false;
     }
   };
-  if (!wait_for(joined, kHello))
-    throw NotDone("node " + node(id).name + " was started, but has not joined the ring in time");
+  if (!wait_for(joined, patience))
+    throw NotDone("node " + node(id).name + " was started, but has not joined the ring within " +
+                  std::to_string(patience.count()) + " ms");
 }
 
 }  // namespace limb_ring::live

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -15,6 +16,8 @@ namespace limb_ring::live {
 /// is not there
 class RunningDaemons {
  public:
+  static constexpr std::chrono::milliseconds kComesUp{20'000};  ///< a node may take so long
+
   RunningDaemons(std::string ring, fault::RingNodes nodes);
 
   const fault::RingNodes& nodes() const { return nodes_; }
@@ -41,8 +44,8 @@ class RunningDaemons {
   void start(wire::NodeId node) const;
   /// As if its power went off and on; same pid.
   void power_cycle(wire::NodeId node) const;
-  /// Returns when the node has said hello.
-  void wait_for_hello(wire::NodeId node) const;
+  /// Returns when the node has said hello. @throw NotDone where it has not within `patience`
+  void wait_for_hello(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
 
  private:
   std::uint64_t boot_of(wire::NodeId node) const;

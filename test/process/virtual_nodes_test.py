@@ -133,6 +133,14 @@ class Nodes(VirtualTest, FaultTest):
         self.assertEqual(self.listed(), {})
         self.wait_closed(range(4))
 
+    def test_clear_waits_no_longer_than_its_timeout(self):
+        self.up(plain_nodes(3))
+        self.ring_ctl('fault', 'kill', 'node1')
+        self.ring_ctl('pause')
+        done = self.ctl('--ring', self.ring, 'fault', 'clear', '--timeout', '0.3')
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn('has not joined the ring within 300 ms', done.stderr)
+
     def test_all_are_killed_and_the_ring_can_be_taken_down(self):
         config = self.up(plain_nodes(3))
         pid = self.row(0)['pid']

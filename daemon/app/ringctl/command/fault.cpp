@@ -150,12 +150,14 @@ int remove(const Context& context, const FaultOptions& options) {
 
 int clear(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
-  const auto problems = LiveFaults(ring.ring(), nodes_of(ring)).clear();
+  const std::chrono::milliseconds timeout(std::llround(options.timeout_s * 1000));
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  const auto problems = LiveFaults(ring.ring(), nodes_of(ring)).clear(timeout);
   for (const std::string& problem : problems) std::cerr << "ringctl: " << problem << '\n';
   if (!problems.empty()) return kNotDone;
   std::cout << "no faults are left in ring " << ring.ring() << std::endl;
-  const std::chrono::milliseconds timeout(std::llround(options.timeout_s * 1000));
-  const std::string lacking = wait_for(ring.ring(), timeout, lack_of_whole);
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+  const std::string lacking = wait_for(ring.ring(), left, lack_of_whole);
   if (!lacking.empty()) throw NotDone("but it is not whole again: " + lacking);
   std::cout << "it is whole again: " << ring.nodes().size() << " nodes up" << std::endl;
   return kDone;
