@@ -50,6 +50,28 @@ class Clock(RingTest):
         self.wait('its result', lambda: self.clock('step', '1ms') and send.poll() is not None)
         self.assertEqual(send.wait(), 0, self.log_of(send))
 
+    def begin(self, *words):
+        return self.start(words[0], [ring_process.program('ringctl'), '--ring', self.ring, *words])
+
+    def test_what_waits_while_it_stands_says_why(self):
+        self.up(self.write_ring(plain_nodes(4)))
+        self.clock('pause')
+        stands = "the virtual clock of ring %s stands; 'ringctl run' lets it go on" % self.ring
+        for waiting in [self.begin('send', '--from', '0', '--to', '2', '--data', 'x'), self.begin('stop'),
+                        self.begin('ping', '2', '--from', '0', '-c', '1'), self.begin('dump', '0', '-n', '1'),
+                        self.begin('fault', 'freeze', 'node3', '--for', '1s')]:
+            self.wait('a hint of ' + str(waiting.args), lambda: 'waiting: ' + stands in self.log_of(waiting))
+        self.assertIn('ringctl: ' + stands, self.refused(1, '--ring', self.ring, 'resume', 'node1'))
+
+    def test_a_step_says_until_when_it_goes(self):
+        self.up(self.write_ring(plain_nodes(3)))
+        until = self.clock('pause')['now_ns'] / 1e9 + 10000
+        step = self.begin('step', '10000s')
+        self.wait('it to say so',
+                  lambda: "waiting until %.9f s of the ring's time" % until in self.log_of(step))
+        self.clock('pause')
+        self.assertEqual(self.wait_exit(step), 0)
+
     def test_changes_its_pace(self):
         self.up(self.write_ring(plain_nodes(3)))
         self.assertEqual(self.clock('pace', '0.25')['pace'], 0.25)

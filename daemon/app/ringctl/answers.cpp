@@ -2,6 +2,7 @@
 
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "app/ringctl/ring_clock.h"
 #include "ask/in_parallel.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -17,6 +18,7 @@ constexpr milliseconds kAnswerTick{200};
 constexpr std::size_t kAskers = 32;
 
 [[noreturn]] void no_answer(const HostPort& port, milliseconds timeout) {
+  require_clock_goes(port.ring());
   throw HostPortError("node " + label({port.id(), port.name()}) + " of ring " + port.ring() +
                       " did not answer within " + std::to_string(timeout.count()) + " ms");
 }
@@ -41,13 +43,19 @@ std::optional<nlohmann::json> ask_one(const std::string& ring, const NodeName& n
 }  // namespace
 
 nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds timeout) {
+  Progress progress(port.ring());
+  return ask(port, request, timeout,
+             [&] { progress.tell("waiting for node " + label({port.id(), port.name()})); });
+}
+
+nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds timeout,
+                   const std::function<void()>& tick) {
   const auto deadline = steady_clock::now() + timeout;
   const std::uint32_t token = port.request(request.dump());
-  Progress progress;
   while (steady_clock::now() < deadline) {
     const auto message = port.receive(kAnswerTick);
     if (!message)
-      progress.tell("waiting for node " + label({port.id(), port.name()}));
+      tick();
     else if (const auto* reply = std::get_if<Reply>(&*message); reply && reply->token == token)
       return checked(port, reply->json);
     else if (const auto* end = std::get_if<Disconnected>(&*message))

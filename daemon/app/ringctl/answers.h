@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -15,6 +16,9 @@ constexpr std::chrono::milliseconds kAnswerTime{2000};
 /// Asks a daemon, with progress on standard error where it takes long.
 /// @throw NotDone with what the daemon says is wrong; HostPortError where it does not answer
 nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout);
+/// The same, with `tick` called now and then while it waits; it may throw.
+nlohmann::json ask(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout,
+                   const std::function<void()>& tick);
 
 /// Asks all of these nodes at the same time. Nothing for one that does not answer, or cannot.
 std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring, const std::vector<NodeName>& nodes,

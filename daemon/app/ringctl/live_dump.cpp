@@ -8,6 +8,7 @@
 
 #include "app/common/text_table.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
 #include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
@@ -48,7 +49,7 @@ std::string summary(const DumpTotals& totals) {
 
 LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order,
                    CaptureSink& sink)
-    : sink_(sink) {
+    : ring_(ring.ring()), sink_(sink) {
   std::string problem;
   for (const NodeName& node : nodes) {
     try {
@@ -65,11 +66,13 @@ LiveDump::LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, c
 DumpTotals LiveDump::run(std::uint64_t count) {
   count_ = count;
   process::SignalWait signals;
+  Progress progress(ring_);
   bool go_on = true;
   while (go_on && !full()) {
     for (Source& source : sources_) drain(source);
     go_on = sink_.flush() && !process::SignalWait::asks_to_end(signals.next(milliseconds(0)));
     if (go_on && !full()) wait();
+    progress.tell();
   }
   end();
   return totals_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "app/ringctl/capture_sink.h"
@@ -50,6 +51,7 @@ class LiveDump {
   template <typename Other>
   void on(Source&, const Other&) {}
 
+  std::string ring_;
   CaptureSink& sink_;
   std::vector<Source> sources_;
   std::uint64_t count_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/progress.h"
 #include "app/ringctl/results.h"
 #include "statistics/percentiles.h"
 
@@ -62,7 +63,9 @@ void PingRun::send_one() {
 }
 
 void PingRun::wait_for_result(std::uint32_t token) {
+  Progress progress(port_.ring());
   while (!asked_to_end_) {
+    progress.tell();
     const auto message = port_.receive(process::SignalWait::kTick);
     if (message) {
       if (const auto* result = std::get_if<Result>(&*message); result != nullptr && result->token == token) {

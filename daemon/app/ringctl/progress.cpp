@@ -1,20 +1,42 @@
 #include "app/ringctl/progress.h"
 
+#include <future>
 #include <iostream>
+#include <utility>
+
+#include "app/ringctl/ring_clock.h"
+#include "limb_ring/host_port.h"
 
 namespace limb_ring::ringctl {
 
 namespace {
 constexpr std::chrono::seconds kEvery{2};
-}
+constexpr std::chrono::milliseconds kWorkTick{200};
+}  // namespace
 
-Progress::Progress() : next_(std::chrono::steady_clock::now() + kEvery) {}
+Progress::Progress(std::string ring) : ring_(std::move(ring)), next_(std::chrono::steady_clock::now() + kEvery) {}
 
 void Progress::tell(const std::string& what) {
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + kEvery;
-  std::cerr << "ringctl: " << what << " ..." << std::endl;
+  const std::string standing = ring_.empty() ? "" : standing_clock(ring_);
+  if (!standing.empty())
+    std::cerr << "ringctl: waiting: " << standing << std::endl;
+  else if (!what.empty())
+    std::cerr << "ringctl: " << what << " ..." << std::endl;
+}
+
+void while_telling(const std::string& ring, const std::function<void()>& work) {
+  Progress progress(ring);
+  std::future<void> done = std::async(std::launch::async, work);
+  while (done.wait_for(kWorkTick) != std::future_status::ready) progress.tell();
+  try {
+    done.get();
+  } catch (const HostPortTimeout&) {
+    require_clock_goes(ring);
+    throw;
+  }
 }
 
 }  // namespace limb_ring::ringctl

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 namespace limb_ring::ringctl {
@@ -9,11 +10,18 @@ namespace limb_ring::ringctl {
 /// then every two seconds.
 class Progress {
  public:
-  Progress();
-  void tell(const std::string& what);
+  /// @param ring where its virtual clock stands, that is said instead: nothing else comes. Empty: no such ring
+  explicit Progress(std::string ring = {});
+  /// @param what empty: nothing but that the clock stands
+  void tell(const std::string& what = {});
 
  private:
+  std::string ring_;
   std::chrono::steady_clock::time_point next_;
 };
+
+/// Does `work`, which waits and tells nothing, and tells meanwhile where the ring's virtual clock stands.
+/// @throw what `work` throws; NotDone instead of HostPortTimeout where the clock stands
+void while_telling(const std::string& ring, const std::function<void()>& work);
 
 }  // namespace limb_ring::ringctl

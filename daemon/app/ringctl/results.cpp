@@ -54,7 +54,7 @@ void send_into(Sends& sends, HostPort& port, unsigned count, const std::function
   const auto begun = steady_clock::now();
   auto deadline = begun + kGuard;
   process::SignalWait signals;
-  Progress progress;
+  Progress progress(port.ring());
   std::vector<Result>& results = sends.results;
   while (results.size() < count) {
     const auto turn = [&] { return begun + interval * static_cast<std::int64_t>(sends.sent); };

@@ -4,6 +4,7 @@
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
+#include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -33,13 +34,24 @@ json ring_clock(const std::string& ring) {
   if (!answers_as_virtual(ring)) return json();
   try {
     HostPort port = connect_node(ring, std::to_string(kBroadcast));
-    json clock = ask(port, {{"do", "clock"}}, kAnswerTime);
+    json clock = json::parse(port.ask(R"({"do": "clock"})", kAnswerTime));  // ask() itself tells of the clock
     clock["now_s"] = clock.at("now_ns").get<double>() / 1e9;
     clock.erase("now_ns");
     return clock;
   } catch (const std::exception&) {
     return json();  // it ends just now
   }
+}
+
+std::string standing_clock(const std::string& ring) {
+  const json clock = ring_clock(ring);
+  if (!clock.is_object() || !clock.value("paused", false)) return "";
+  return "the virtual clock of ring " + ring + " stands; 'ringctl run' lets it go on";
+}
+
+void require_clock_goes(const std::string& ring) {
+  const std::string standing = standing_clock(ring);
+  if (!standing.empty()) throw NotDone(standing);
 }
 
 std::string pace_text(const json& pace) {

@@ -12,6 +12,11 @@ nlohmann::json ring_clock(const std::string& ring);
 /// The same behind a headline: "; virtual clock at 12.345 s, pace 1, 0.020 s late, 3.100 s lost"; empty for null.
 std::string clock_words(const nlohmann::json& clock);
 
+/// Why nothing goes on where the virtual clock of the ring stands, and what lets it go on; empty where it goes.
+std::string standing_clock(const std::string& ring);
+/// For who has waited in vain. @throw NotDone with standing_clock(), where it stands
+void require_clock_goes(const std::string& ring);
+
 /// "1", "0.1", "max"
 std::string pace_text(const nlohmann::json& pace);
 

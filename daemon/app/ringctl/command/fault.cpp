@@ -10,6 +10,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/fault_table.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/ring_wait.h"
 #include "cli/values.h"
@@ -111,8 +112,10 @@ int begin(const Context& context, const fault::Word& word, const FaultOptions& o
   const fault::Fault fault = parsed(words_of(word, options), nodes, ring.folds_back());
   for (const wire::NodeId id : fault.nodes) ring.require_here(ring.node(std::to_string(id)));
   Interruption interruption(fault);
+  std::vector<live::Begun> faults;
+  while_telling(ring.ring(), [&] { faults = LiveFaults(ring.ring(), nodes).begin(fault, interruption.wait()); });
   json all = json::array();
-  for (const live::Begun& begun : LiveFaults(ring.ring(), nodes).begin(fault, interruption.wait())) {
+  for (const live::Begun& begun : faults) {
     all.push_back({{"id", begun.id.empty() ? json() : json(begun.id)}, {"fault", begun.words}});
     if (!options.json) std::cout << (begun.id.empty() ? "done" : begun.id) << ": " << begun.words << std::endl;
   }
@@ -140,7 +143,7 @@ int remove(const Context& context, const FaultOptions& options) {
   try {
     const std::size_t dot = options.id.rfind('.');
     if (dot != std::string::npos) ring.require_here(ring.node(options.id.substr(0, dot)));
-    LiveFaults(ring.ring(), nodes_of(ring)).remove(options.id);
+    while_telling(ring.ring(), [&] { LiveFaults(ring.ring(), nodes_of(ring)).remove(options.id); });
   } catch (const fault::ParseError& error) {
     throw UsageError(error.what());
   }
@@ -152,7 +155,8 @@ int clear(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
   const std::chrono::milliseconds timeout(std::llround(options.timeout_s * 1000));
   const auto deadline = std::chrono::steady_clock::now() + timeout;
-  const auto problems = LiveFaults(ring.ring(), nodes_of(ring)).clear(timeout);
+  std::vector<std::string> problems;
+  while_telling(ring.ring(), [&] { problems = LiveFaults(ring.ring(), nodes_of(ring)).clear(timeout); });
   for (const std::string& problem : problems) std::cerr << "ringctl: " << problem << '\n';
   if (!problems.empty()) return kNotDone;
   std::cout << "no faults are left in ring " << ring.ring() << std::endl;

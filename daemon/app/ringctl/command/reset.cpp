@@ -4,8 +4,8 @@
 
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
 #include "app/ringctl/ring_access.h"
-#include "app/ringctl/ring_clock.h"
 #include "ask/reset_node.h"
 #include "cli/values.h"
 
@@ -35,12 +35,8 @@ int run(const Context& context, const ResetOptions& options) {
   query.timeout = std::chrono::milliseconds(static_cast<int>(options.timeout_s * 1000));
   nlohmann::json answer;
   try {
-    answer = ask::reset_node(query);
+    while_telling(query.ring, [&] { answer = ask::reset_node(query); });
   } catch (const HostPortTimeout&) {
-    const nlohmann::json clock = ring_clock(ring.ring());
-    if (clock.is_object() && clock.value("paused", false))
-      throw NotDone("the virtual clock of ring " + ring.ring() +
-                    " stands, so nothing happens; 'ringctl run' lets it go on");
     throw;
   } catch (const HostPortError& problem) {
     // A daemon that answers with an error is not a missing ring: kNotDone instead of kNoRing.

@@ -6,6 +6,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
 #include "app/ringctl/results.h"
 #include "ask/known_stops.h"
 #include "ask/resume_cpu.h"
@@ -43,7 +44,7 @@ int run(const Context& context, const ResumeOptions& options) {
   std::vector<Result> results;
   nlohmann::json list = nlohmann::json::array();
   for (const NodeName& node : meant(ring, port, options.node)) {
-    results.push_back(ask::resume_cpu(port, node.id, kAnswer));
+    while_telling(ring.ring(), [&] { results.push_back(ask::resume_cpu(port, node.id, kAnswer)); });
     nlohmann::json row = to_json(results.back());
     row["id"] = node.id;
     row["name"] = node.name;
