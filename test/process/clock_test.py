@@ -72,6 +72,20 @@ class Clock(RingTest):
         self.clock('pause')
         self.assertEqual(self.wait_exit(step), 0)
 
+    def test_a_step_that_is_interrupted_stands_where_it_is(self):
+        self.up(self.write_ring(plain_nodes(3)))
+        begun = self.clock('pause')['now_ns']
+        step = self.begin('step', '10000s')
+        self.wait('it to go on', lambda: self.ring_now() > begun)
+        step.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(step), 1)
+        self.assertRegex(self.log_of(step), r'ring %s stands at .*\n.*interrupted before' % self.ring)
+        stood = self.ring_now()
+        self.assertEqual(self.clock('pause')['now_ns'], stood)
+
+    def ring_now(self):
+        return self.port(255).ask({'do': 'clock'})['now_ns']
+
     def test_changes_its_pace(self):
         self.up(self.write_ring(plain_nodes(3)))
         self.assertEqual(self.clock('pace', '0.25')['pace'], 0.25)

@@ -11,6 +11,7 @@
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_clock.h"
 #include "cli/values.h"
+#include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
 
@@ -56,15 +57,26 @@ int ask_clock(const Context& context, const ClockOptions& options, const json& r
   return kDone;
 }
 
-// It is paused first, so that the instant is known until which it goes.
+struct StepInterrupted {};
+
+// It is paused first, so that the instant is known until which it goes; and where somebody asks it to end (Ctrl-C).
 int step_clock(const Context& context, const ClockOptions& options) {
   HostPort port = clock_of(context, options);
+  const process::SignalWait signals;
   const std::int64_t step = std::llround(options.step_s * 1e9);
   const std::string until = seconds_of(now_of(ask(port, {{"do", "pause"}}, kAnswerTime)) + step);
   Progress progress;
-  const auto tell = [&] { progress.tell("waiting until " + until + " of the ring's time"); };
-  print(port.ring(), ask(port, {{"do", "step"}, {"time_ns", step}}, kStepWithin, tell), options.json);
-  return kDone;
+  const auto tick = [&] {
+    if (signals.asked_to_end(std::chrono::milliseconds(0))) throw StepInterrupted();
+    progress.tell("waiting until " + until + " of the ring's time");
+  };
+  try {
+    print(port.ring(), ask(port, {{"do", "step"}, {"time_ns", step}}, kStepWithin, tick), options.json);
+    return kDone;
+  } catch (const StepInterrupted&) {
+    print(port.ring(), ask(port, {{"do", "pause"}}, kAnswerTime), options.json);
+    throw NotDone("interrupted before " + until);
+  }
 }
 
 using Act = std::function<int(const Context&, const ClockOptions&)>;
