@@ -76,7 +76,7 @@ json RunningDaemons::ask_through(HostPort& port, const json& request) const {
   try {
     return json::parse(port.ask(request.dump(), kAnswer));
   } catch (const HostPortError& error) {
-    if (!port.connected()) throw;
+    if (!port.connected()) throw HostPortError("node " + port.name() + " of ring " + ring_ + ": " + error.what());
     throw NotDone(error.what());  // the daemon's own word
   }
 }

@@ -119,6 +119,16 @@ class Tools(RingTest):
             daemons[0] = self.ringd(os.path.join(self.folder, 'ring.yaml'), 0)
             self.wait_closed(range(3))
 
+    def test_a_daemon_that_dies_during_a_request_is_named(self):
+        daemons = self.start_ring(plain_nodes(3))
+        # No stop comes home: its answer would be waited for.
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'freeze', 'node1').returncode, 0)
+        stop = self.start('stop', [program('ringctl'), '--ring', self.ring, 'stop', '--from', 'node0'])
+        self.wait('it to wait', lambda: 'waiting for node 0 (node0)' in self.log_of(stop))
+        daemons[0].kill()
+        self.assertEqual(self.wait_exit(stop), 3)
+        self.assertIn('node 0 (node0) of ring %s: the daemon has closed the connection' % self.ring, self.log_of(stop))
+
     def test_packet_to_oneself_and_packet_to_all(self):
         nodes = plain_nodes(3)
         for node in nodes:

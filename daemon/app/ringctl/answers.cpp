@@ -26,8 +26,10 @@ constexpr std::size_t kAskers = 32;
 nlohmann::json checked(const HostPort& port, const std::string& text) {
   const nlohmann::json answer = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!answer.is_object()) throw HostPortError("node " + label({port.id(), port.name()}) + " answered no JSON object");
-  if (answer.contains("error") && answer["error"].is_string()) throw NotDone(answer["error"].get<std::string>());
-  return answer;
+  if (!answer.contains("error") || !answer["error"].is_string()) return answer;
+  const std::string problem = answer["error"].get<std::string>();
+  if (!port.connected()) throw gone(port, problem);  // not the daemon's word, but that of the connection to it
+  throw NotDone(problem);
 }
 
 std::optional<nlohmann::json> ask_one(const std::string& ring, const NodeName& node, const nlohmann::json& request) {
@@ -59,7 +61,7 @@ nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds t
     else if (const auto* reply = std::get_if<Reply>(&*message); reply && reply->token == token)
       return checked(port, reply->json);
     else if (const auto* end = std::get_if<Disconnected>(&*message))
-      throw HostPortError(end->reason);
+      throw gone(port, end->reason);
   }
   no_answer(port, timeout);
 }

@@ -72,7 +72,7 @@ void PingRun::wait_for_result(std::uint32_t token) {
         totals_.results.push_back(*result);
         return each_(totals_.sent, *result);
       }
-      if (const auto* end = std::get_if<Disconnected>(&*message)) throw HostPortError(end->reason);
+      if (const auto* end = std::get_if<Disconnected>(&*message)) throw gone(port_, end->reason);
     }
     asked_to_end_ = process::SignalWait::asks_to_end(signals_.next(milliseconds(0)));
   }

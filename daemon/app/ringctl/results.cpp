@@ -8,6 +8,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/refusal_counters.h"
+#include "app/ringctl/ring_access.h"
 #include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
@@ -40,7 +41,7 @@ bool take_one(HostPort& port, std::vector<Result>& results, std::chrono::nanosec
   const auto message = port.receive(std::clamp(wait, std::chrono::milliseconds(0), process::SignalWait::kTick));
   if (!message) return false;
   if (const auto* result = std::get_if<Result>(&*message)) results.push_back(*result);
-  if (const auto* end = std::get_if<Disconnected>(&*message)) throw HostPortError(end->reason);
+  if (const auto* end = std::get_if<Disconnected>(&*message)) throw gone(port, end->reason);
   return true;
 }
 

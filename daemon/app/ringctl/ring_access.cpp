@@ -223,6 +223,10 @@ HostPort RingAccess::connect(const NodeName& node) const {
   return connect_node(ring_, std::to_string(node.id));
 }
 
+HostPortError gone(const HostPort& port, const std::string& reason) {
+  return HostPortError("node " + label({port.id(), port.name()}) + " of ring " + port.ring() + ": " + reason);
+}
+
 HostPort connect_node(const std::string& ring, const std::string& node) {
   ConnectOptions options;
   options.ring = ring;

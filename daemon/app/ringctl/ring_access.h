@@ -84,6 +84,9 @@ class RingAccess {
 /// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
 std::string why_unreadable(const std::string& folder);
 
+/// The daemon at the other end has gone: which one, and why.
+HostPortError gone(const HostPort& port, const std::string& reason);
+
 /// Connects to a daemon that is there, or not at all. @throw HostPortError
 HostPort connect_node(const std::string& ring, const std::string& node);
 

@@ -37,7 +37,7 @@ int print_lines(HostPort& port, std::uint64_t count) {
     } else if (const auto* lost = std::get_if<ObservedLost>(&*message)) {
       print_lost(*lost);
     } else if (const auto* end = std::get_if<Disconnected>(&*message)) {
-      throw HostPortError(end->reason);
+      throw gone(port, end->reason);
     }
   }
   return kDone;
