@@ -1,6 +1,7 @@
 """Tools at a host port: own results, observers, status, shutdown."""
 
 import os
+import subprocess
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -119,11 +120,21 @@ class Tools(RingTest):
             daemons[0] = self.ringd(os.path.join(self.folder, 'ring.yaml'), 0)
             self.wait_closed(range(3))
 
+    def test_what_nobody_reads_any_more_ends_also_on_a_quiet_ring(self):
+        self.start_ring(plain_nodes(2))
+        for words in (['observe', '0', '--kinds', 'cpu'], ['dump', '0', '--kind', 'interrupt']):
+            command = [ring_process.program('ringctl'), '--ring', self.ring] + words
+            shown = subprocess.Popen(command, env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                     stderr=subprocess.DEVNULL)
+            self.addCleanup(shown.kill)
+            shown.stdout.close()
+            self.wait_exit(shown)
+
     def test_a_daemon_that_dies_during_a_request_is_named(self):
         daemons = self.start_ring(plain_nodes(3))
         # No stop comes home: its answer would be waited for.
         self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'freeze', 'node1').returncode, 0)
-        stop = self.start('stop', [program('ringctl'), '--ring', self.ring, 'stop', '--from', 'node0'])
+        stop = self.start('stop', [ring_process.program('ringctl'), '--ring', self.ring, 'stop', '--from', 'node0'])
         self.wait('it to wait', lambda: 'waiting for node 0 (node0)' in self.log_of(stop))
         daemons[0].kill()
         self.assertEqual(self.wait_exit(stop), 3)

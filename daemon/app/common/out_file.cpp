@@ -1,5 +1,8 @@
 #include "app/common/out_file.h"
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
 #include <iostream>
@@ -18,6 +21,11 @@ std::string finish_writing(std::ostream& out, const std::string& path) {
   errno = 0;
   out.put('\n').flush();
   return path + ": not all could be written" + (errno != 0 ? std::string(": ") + std::strerror(errno) : "");
+}
+
+bool is_output_read() {
+  pollfd output{STDOUT_FILENO, 0, 0};
+  return ::poll(&output, 1, 0) <= 0 || (output.revents & POLLERR) == 0;
 }
 
 int code_with_output(const std::string& program, int code) {

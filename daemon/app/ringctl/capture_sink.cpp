@@ -1,5 +1,7 @@
 #include "app/ringctl/capture_sink.h"
 
+#include <cerrno>
+#include <cstring>
 #include <iostream>
 
 #include "app/capture_text/packet_bytes.h"
@@ -63,6 +65,7 @@ class FileSink final : public CaptureSink {
 
 bool CaptureSink::flush_to(std::ostream& out, const std::string& path) {
   if (problem_.empty()) problem_ = app::finish_writing(out, path);
+  if (problem_.empty() && &out == &std::cout && !app::is_output_read()) problem_ = path + ": " + std::strerror(EPIPE);
   return problem_.empty();
 }
 

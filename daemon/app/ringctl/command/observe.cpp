@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/common/out_file.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
@@ -24,9 +25,9 @@ void print_lost(const ObservedLost& lost) {
   std::cerr << "ringctl: read too slowly, " << lost.count << " left out" << std::endl;
 }
 
-/// Lines until `count` are out (0: without end) or the daemon is gone.
+/// Lines until `count` are out (0: without end), nobody reads them, or the daemon is gone.
 int print_lines(HostPort& port, std::uint64_t count) {
-  for (std::uint64_t lines = 0; count == 0 || lines < count;) {
+  for (std::uint64_t lines = 0; app::is_output_read() && (count == 0 || lines < count);) {
     const auto message = port.receive(std::chrono::seconds(1));
     if (!message) continue;
     if (const auto* seen = std::get_if<Observed>(&*message)) {
