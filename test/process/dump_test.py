@@ -105,6 +105,22 @@ class Dump(Looking):
             process.send_signal(signal.SIGINT)
             self.assertEqual(self.wait_exit(process), 0)
 
+    def test_counts_are_said_also_where_the_daemon_dies_or_the_file_is_damaged(self):
+        daemons = self.start_ring(plain_nodes(3))
+        path = os.path.join(self.folder, 'dies.pcapng')
+        dump = self.start('dump', [program('ringctl'), 'dump', 'node0', '-n', '100000', '-w', path])
+        self.wait('some packets', lambda: os.path.exists(path) and os.path.getsize(path) > 2000)
+        daemons[0].kill()
+        self.assertEqual(self.wait_exit(dump), 3)
+        said = self.log_of(dump).splitlines()
+        self.assertRegex(said[-2], r'^ringctl: [1-9]\d* packets shown of [1-9]')
+        self.assertIn('no daemon is left', said[-1])
+        with open(path, 'ab') as file:
+            file.write(b'\6\0\0\0' + b'\7\0\0\0' * 2)  # a block of 7 bytes
+        done = self.ctl('dump', '-r', path)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertRegex(done.stderr.splitlines()[-2], r'^ringctl: [1-9]\d* packets shown of ')
+
     def test_wrong_arguments_and_files_are_named(self):
         self.start_ring(plain_nodes(2))
         bad = os.path.join(self.folder, 'bad.pcapng')

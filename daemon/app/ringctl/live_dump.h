@@ -14,6 +14,7 @@ struct DumpTotals {
   std::uint64_t shown = 0;
   std::uint64_t beyond = 0;  ///< came after the last one that was asked for
   CaptureCounts nodes;       ///< of all nodes together; lost: read too slowly, there or here
+  bool all_gone = false;     ///< it ended because no daemon was left
 };
 std::string summary(const DumpTotals& totals);
 
@@ -24,8 +25,8 @@ class LiveDump {
   /// @param order for observe(). @throw HostPortError where none answers
   LiveDump(const RingAccess& ring, const std::vector<NodeName>& nodes, const nlohmann::json& order, CaptureSink& sink);
 
-  /// Until `count` packets are shown (0: without end), somebody asks it to end, or nobody reads.
-  /// @throw HostPortError where the last daemon has gone, UsageError for an order that is refused
+  /// Until `count` packets are shown (0: without end), somebody asks it to end, nobody reads, or no daemon is left.
+  /// @throw UsageError for an order that is refused
   DumpTotals run(std::uint64_t count);
 
  private:
@@ -38,6 +39,7 @@ class LiveDump {
     bool ended = false;  ///< it has told its counts after all was over
   };
 
+  bool all_gone() const;
   bool full() const { return count_ != 0 && totals_.shown >= count_; }
   void drain(Source& source);
   void wait();

@@ -69,7 +69,8 @@ SeenPackets packets_of_ring(const std::string& ring, std::chrono::nanoseconds ho
   capture::Choice choice;
   choice.filter.output = true;
   Window window(how_long);
-  LiveDump(access, access.nodes_here(), {{"packets", order_of(choice)}}, window).run(0);
+  const DumpTotals totals = LiveDump(access, access.nodes_here(), {{"packets", order_of(choice)}}, window).run(0);
+  if (totals.all_gone) throw HostPortError("no daemon is left to look at");
   return window.take(names_of(access));
 }
 

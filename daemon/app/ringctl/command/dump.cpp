@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <ctime>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -66,6 +67,7 @@ int dump_live(const Context& context, const DumpOptions& options) {
   const DumpTotals totals = LiveDump(ring, nodes_of(ring, options.nodes), order, *sink).run(options.count);
   std::cerr << "ringctl: " << summary(totals) << std::endl;
   if (!sink->flush()) throw NotDone(sink->problem());
+  if (totals.all_gone) throw HostPortError("no daemon is left to look at");
   return kDone;
 }
 
@@ -76,9 +78,9 @@ capture::Choice file_choice(const DumpOptions& options, const capture::RingNames
   return choice;
 }
 
-DumpTotals show_records(capture::PcapngReader& reader, const DumpOptions& options, CaptureSink& sink) {
-  capture::Selection selection(file_choice(options, reader.names()));
-  DumpTotals totals;
+/// @param shown counts also where this throws. @throw capture::CaptureFileError
+void show_records(capture::PcapngReader& reader, const DumpOptions& options, capture::Selection& selection,
+                  CaptureSink& sink, std::uint64_t& shown) {
   while (const auto record = reader.next()) {
     if (const auto* event = std::get_if<capture::CapturedEvent>(&*record)) {
       if (options.events || !options.write.empty()) sink.event(*event);
@@ -88,10 +90,8 @@ DumpTotals show_records(capture::PcapngReader& reader, const DumpOptions& option
     const wire::ByteView bytes = app::bytes_of(packet);
     if (!selection.takes({std::chrono::nanoseconds(packet.time_ns), packet.info, bytes})) continue;
     sink.packet(packet);
-    if (++totals.shown == options.count) break;
+    if (++shown == options.count) break;
   }
-  totals.nodes = selection.counts();
-  return totals;
 }
 
 int dump_file(const DumpOptions& options) {
@@ -100,11 +100,21 @@ int dump_file(const DumpOptions& options) {
   if (std::filesystem::equivalent(options.read, options.write, missing))
     throw UsageError("-r and -w name the same file: " + options.write + " would be lost; write to another one");
   capture::CaptureFile file(options.read);
-  const auto sink = sink_of(options, file.reader().names());
-  const DumpTotals totals = show_records(file.reader(), options, *sink);
+  capture::PcapngReader& reader = file.reader();
+  const auto sink = sink_of(options, reader.names());
+  capture::Selection selection(file_choice(options, reader.names()));
+  DumpTotals totals;
+  std::exception_ptr damaged;
+  try {
+    show_records(reader, options, selection, *sink, totals.shown);
+  } catch (const capture::CaptureFileError&) {
+    damaged = std::current_exception();
+  }
+  totals.nodes = selection.counts();
   const bool written = sink->flush();
-  tell_problems(file.reader());
+  tell_problems(reader);
   std::cerr << "ringctl: " << summary(totals) << std::endl;
+  if (damaged) std::rethrow_exception(damaged);
   if (!written) throw NotDone(sink->problem());
   return kDone;
 }
