@@ -67,7 +67,10 @@ class SignalsBlocked {
   ::_exit(127);
 }
 
+/// A Ctrl-C that came while the child was still in our group was not meant for it: to ignore a signal discards it where
+/// it is pending. Others (SIGTERM, when we die) are kept.
 void reset_signals() {
+  for (const int from_terminal : {SIGINT, SIGQUIT, SIGTSTP}) ::signal(from_terminal, SIG_IGN);
   for (int number = 1; number < NSIG; ++number) ::signal(number, SIG_DFL);
   sigset_t none;
   ::sigemptyset(&none);

@@ -56,7 +56,9 @@ std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::Laun
     const auto waiting = watch.first_not_ready();
     daemons.reap();
     const live::LaunchedDaemon* dead = daemons.first_ended();
-    if (dead != nullptr) return plan.is_virtual && dead->ended()->clean ? "" : dead->exit_reason();
+    if (dead != nullptr && plan.is_virtual && dead->ended()->clean) return {};
+    // What asks us to end may have ended a daemon, too: it is not to blame.
+    if (dead != nullptr) return signals.asked_to_end(milliseconds(0)) ? "interrupted" : dead->exit_reason();
     if (!waiting) return {};
     if (steady_clock::now() >= deadline)
       return "not closed in time; " + waiting->lack + daemons.all()[plan.is_virtual ? 0 : waiting->index].last_lines();

@@ -73,7 +73,10 @@ std::optional<std::string> LiveNodes::exit_reason() {
   for (Node& node : nodes_) {
     if (!node.daemons) continue;
     node.daemons->reap();
-    if (const live::LaunchedDaemon* dead = node.daemons->first_ended()) return dead->exit_reason();
+    const live::LaunchedDaemon* dead = node.daemons->first_ended();
+    if (dead == nullptr) continue;
+    if (signals_.asked_to_end(milliseconds(0))) throw Interrupted();  // which may have ended it, too
+    return dead->exit_reason();
   }
   return std::nullopt;
 }
