@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "limb_ring/host_port.h"
+#include "live/not_done.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -52,6 +53,13 @@ std::optional<std::uint32_t> boots_in(const json& row, std::uint8_t target) {
   return peer.value("cpu_boots", 0u);
 }
 
+bool has_no_cpu(const Rows& rows, std::uint8_t target) {
+  const auto row = rows.find(target);
+  if (row != rows.end()) return row->second.at("cpu").value("state", "") == "none";
+  const json heard = lately_heard(rows, target);
+  return !heard.is_null() && heard.value("cpu_state", "") == "none";
+}
+
 std::uint8_t best_sender(const Rows& rows, const ResetQuery& query) {
   const json* line = broken_line(rows);
   if (!query.from_is_free || line == nullptr) return query.from;
@@ -79,6 +87,7 @@ json judged(json answer, const ResetQuery& query, const Rows& before, const Rows
 
 json reset_node(ResetQuery query) {
   const Rows before = status_rows(query.ring, query.nodes, kRowTimeout);
+  if (has_no_cpu(before, query.target)) throw live::NotDone(name_of(query.nodes, query.target) + " has no CPU to reset");
   query.from = best_sender(before, query);
   const auto deadline = steady_clock::now() + query.timeout;
   const json answer = ask_daemon(query);

@@ -20,6 +20,9 @@ struct ResetQuery {
 /// beacon in the last second.
 std::optional<std::uint32_t> boots_in(const nlohmann::json& row, std::uint8_t target);
 
+/// Whether it is known, in the same way, that the target has no CPU that could be reset.
+bool has_no_cpu(const Rows& rows, std::uint8_t target);
+
 /// The node that should send. In an open chain, if the sender is free: the node behind the break, which reaches all
 /// others.
 std::uint8_t best_sender(const Rows& rows, const ResetQuery& query);
@@ -30,7 +33,8 @@ nlohmann::json judged(nlohmann::json answer, const ResetQuery& query, const Rows
 
 /// Resets, and waits until the effect is known: at most for `timeout` and a little more.
 /// @return the daemon's answer to the request `reset`; effect "seen", "none" or "unknown"
-/// @throw HostPortError where the daemon does not answer, or says that it cannot be done
+/// @throw HostPortError where the daemon does not answer, or says that it cannot be done; live::NotDone where the node
+/// has no CPU
 nlohmann::json reset_node(ResetQuery query);
 
 }  // namespace limb_ring::ask

@@ -51,6 +51,16 @@ TEST(ResetSeen, NotByAnOldBeaconNorBySameBoots) {
   }
 }
 
+TEST(Reset, OfANodeWithoutCpuIsKnownByItsRowOrItsBeacon) {
+  const auto own = [](const char* state) { return json{{"id", 12}, {"cpu", {{"state", state}}}}; };
+  json heard = heard_by(13, 1, 20);
+  EXPECT_TRUE(has_no_cpu({{12, own("none")}}, 12));
+  EXPECT_FALSE(has_no_cpu({{12, own("absent")}}, 12));
+  EXPECT_FALSE(has_no_cpu({{13, heard}}, 12));
+  heard["heard"][0]["cpu_state"] = "none";
+  EXPECT_TRUE(has_no_cpu({{13, heard}}, 12));
+}
+
 TEST(ResetSeen, RoundAFoldNobodyIsSaidToReachAll) {
   json folded = heard_by(13, 1, 20);
   folded["state"] = "folded";
