@@ -87,7 +87,8 @@ json judged(json answer, const ResetQuery& query, const Rows& before, const Rows
 
 json reset_node(ResetQuery query) {
   const Rows before = status_rows(query.ring, query.nodes, kRowTimeout);
-  if (has_no_cpu(before, query.target)) throw live::NotDone(name_of(query.nodes, query.target) + " has no CPU to reset");
+  if (has_no_cpu(before, query.target))
+    throw live::NotDone(name_of(query.nodes, query.target) + " has no CPU to reset");
   query.from = best_sender(before, query);
   const auto deadline = steady_clock::now() + query.timeout;
   const json answer = ask_daemon(query);

@@ -113,7 +113,8 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
 std::vector<HeldNode> held_nodes(const std::string& folder) {
   std::vector<HeldNode> held;
   for (const fs::path& file : files_in(folder))
-    if (const auto node = node_of(file); node && is_held(file)) held.push_back({*node, file.string(), holder_of(folder, *node).pid});
+    if (const auto node = node_of(file); node && is_held(file))
+      held.push_back({*node, file.string(), holder_of(folder, *node).pid});
   return held;
 }
 

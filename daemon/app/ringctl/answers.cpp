@@ -46,8 +46,7 @@ std::optional<nlohmann::json> ask_one(const std::string& ring, const NodeName& n
 
 nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds timeout) {
   Progress progress(port.ring());
-  return ask(port, request, timeout,
-             [&] { progress.tell("waiting for node " + label({port.id(), port.name()})); });
+  return ask(port, request, timeout, [&] { progress.tell("waiting for node " + label({port.id(), port.name()})); });
 }
 
 nlohmann::json ask(HostPort& port, const nlohmann::json& request, milliseconds timeout,

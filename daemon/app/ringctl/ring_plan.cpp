@@ -105,8 +105,7 @@ RingPlan plan_ring(const UpRequest& given) {
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   plan.ring_size = config.nodes.size();
   const bool records = config.recorder.enabled || request.record;
-  if (!plan.is_virtual && !request.config.empty())
-    plan.keeper = keeper_arguments(request.config, plan.ring, records);
+  if (!plan.is_virtual && !request.config.empty()) plan.keeper = keeper_arguments(request.config, plan.ring, records);
   if (!plan.is_virtual) plan.host = chosen_host(config, request.host);
   if (plan.host == kAllHosts) {
     plan.host.clear();

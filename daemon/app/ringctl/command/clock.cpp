@@ -85,9 +85,8 @@ CLI::App* add(CLI::App& app, Context& context, const char* name, const char* des
               const std::shared_ptr<ClockOptions>& options, const Act& act) {
   CLI::App* command = add_command(app, name, description);
   add_json(*command, options->json);
-  command->callback([&context, options, act] {
-    context.action = [&context, options, act] { return act(context, *options); };
-  });
+  command->callback(
+      [&context, options, act] { context.action = [&context, options, act] { return act(context, *options); }; });
   return command;
 }
 
@@ -111,8 +110,7 @@ int set_pace(const Context& context, const ClockOptions& options) {
 
 void add_clock(CLI::App& app, Context& context) {
   const auto options = std::make_shared<ClockOptions>();
-  CLI::App* pace =
-      add(app, context, "pace", "Change how fast the time of a virtual ring goes on", options, set_pace);
+  CLI::App* pace = add(app, context, "pace", "Change how fast the time of a virtual ring goes on", options, set_pace);
   pace->add_option("PACE", options->pace, "Its time per real time, 0.001 to 1000, or max: as fast as the programs are")
       ->transform(cli::pace())
       ->required();
@@ -121,14 +119,14 @@ void add_clock(CLI::App& app, Context& context) {
                         "Let the time of a virtual ring stand; ringctl and other tools go on, and what they send waits",
                         options, asking("pause"));
   add_ring(*pause, *options);
-  CLI::App* step = add(app, context, "step", "Let the time of a virtual ring go on by so much, and stand then", options,
-                       step_clock);
+  CLI::App* step =
+      add(app, context, "step", "Let the time of a virtual ring go on by so much, and stand then", options, step_clock);
   step->add_option("TIME", options->step_s, "By its own clock, such as 1ms; a plain number is seconds; 1ns to 1e6 s")
       ->transform(cli::seconds(1e-9, 1e6))
       ->required();
   add_ring(*step, *options);
-  CLI::App* run = add(app, context, "run", "Let the time of a virtual ring go on after 'pause' or 'step'", options,
-                      asking("run"));
+  CLI::App* run =
+      add(app, context, "run", "Let the time of a virtual ring go on after 'pause' or 'step'", options, asking("run"));
   add_ring(*run, *options);
 }
 

@@ -127,8 +127,7 @@ void tell_taken_down(const std::string& ring) {
 }
 
 /// Until a signal, whatever ends the daemons. @throw NotDone where one cannot start
-void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals,
-                      UpLock& lock) {
+void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, UpLock& lock) {
   Respawn respawn(daemons);
   std::optional<RingWatch> watch(plan);
   Progress progress;
