@@ -18,22 +18,24 @@ Blocks::Blocks(const Settings& settings)
 // ---- the lines ----------------------------------------------------------------------------
 
 void Blocks::input_up(NodeId from, Time now, bool folded) {
-  relay_.input_gap(now);
+  input_gap(now);
   membership_.input_up(from, folded, now);
 }
 
 void Blocks::input_lost(Time now) {
-  relay_.input_gap(now);
+  input_gap(now);
   membership_.input_lost(now);
 }
 
 void Blocks::output_up(NodeId to, Time now, bool folded) {
+  own_changes();
   output_replaced(now);
   relay_.set_successor(to);
   membership_.output_up(to, folded, now);
 }
 
 void Blocks::output_lost(Time now) {
+  own_changes();
   packet_manager_.output_lost();
   membership_.output_lost(now);
 }
@@ -49,14 +51,17 @@ void Blocks::set_neighbours(NodeId before, NodeId next, NodeId successor) {
 }
 
 void Blocks::receive(const wire::Slice& slice, Time now) {
-  if (relay_.receive(slice, now)) return;  // the usual case: it is on the line already
+  const Relay::Effect effect = relay_.receive(slice, now);
+  if (effect.own) own_changes();
+  if (effect.on_line) return;  // the usual case on a line without a data rate
   // Where the line takes time, everything that comes in at one instant competes for it (run());
   // where it takes none, what has come in goes on at once, so that a batch never fills the buffer.
-  const bool goes_on = settings_.byte_time_out.count() == 0;
-  act(goes_on, now);
+  settle(now);
+  if (settings_.byte_time_out.count() == 0) put_onto_line(now);
 }
 
 void Blocks::cpu_reset(Owner cpu, Time now) {
+  own_changes();
   transmit_.cancel(cpu, now);
   receive_.flush();
 }
@@ -64,27 +69,36 @@ void Blocks::cpu_reset(Owner cpu, Time now) {
 // ---- time ---------------------------------------------------------------------------------
 
 void Blocks::handle_timeout(Time now) {
-  relay_.handle_timeout(now);
+  if (relay_.deadline() <= now) {
+    own_changes();
+    relay_.handle_timeout(now);
+  }
+  if (own_deadline(now) > now) return;
+  own_changes();
   transmit_.handle_timeout(now);
   membership_.handle_timeout(now);
 }
 
 void Blocks::run(Time now) {
-  act(true, now);
-  act(false, now);  // a send into an open chain ends as it leaves, and may use up the sequence numbers
+  settle(now);
+  put_onto_line(now);
+  settle(now);  // a send into an open chain ends as it leaves, and may use up the sequence numbers
 }
 
-// Ends first: a send that has ended decides what may go onto the line.
-void Blocks::act(bool goes_on, Time now) {
-  membership_.settle(now);
-  if (goes_on) packet_manager_.run(now);
+void Blocks::settle_changes(Time now) {
+  settled_ = true;
+  if (membership_.settle(now)) own_changes();
 }
 
 Time Blocks::next_deadline(Time now) const {
+  return std::min(std::min(relay_.deadline(), packet_manager_.deadline()), own_deadline(now));
+}
+
+Time Blocks::find_own_deadline(Time now) const {
   // A packet that the CPU does not read is no reason to wake up.
-  const Time received = receive_.next() > now ? receive_.next() : kNever;
-  const Time node = std::min(std::min(relay_.deadline(), transmit_.deadline()), membership_.deadline());
-  return std::min(std::min(node, packet_manager_.deadline()), std::min(events_.next(), received));
+  const Time received = receive_.is_due(now) ? kNever : receive_.next();
+  const Time node = std::min(transmit_.deadline(), membership_.deadline());
+  return std::min(node, std::min(events_.next(), received));
 }
 
 }  // namespace limb_ring::core

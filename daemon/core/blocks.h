@@ -20,7 +20,10 @@ class Blocks {
   void input_up(NodeId from, Time now, bool folded = false);
   void input_lost(Time now);
   /// Something was lost on the input: a DATP that is coming in will never be whole.
-  void input_gap(Time now) { relay_.input_gap(now); }
+  void input_gap(Time now) {
+    own_changes();
+    relay_.input_gap(now);
+  }
   void output_up(NodeId to, Time now, bool folded = false);
   void output_lost(Time now);
   /// The output goes on over another line to the same node: what waited for the old one is dropped. (ours,
@@ -30,7 +33,10 @@ class Blocks {
   /// `successor` are bypassed. (ours, protocol.md section 8.9)
   void set_neighbours(NodeId before, NodeId next, NodeId successor);
   /// Whether the second line stands for input and output; beacons tell it. (ours, protocol.md section 8.12)
-  void set_folded(bool input, bool output, Time now) { membership_.set_folded(input, output, now); }
+  void set_folded(bool input, bool output, Time now) {
+    own_changes();
+    membership_.set_folded(input, output, now);
+  }
   /// What comes in was turned back at `node`; nothing: the input is the first line. (ours, protocol.md section 4.9)
   void set_turned_back_at(std::optional<NodeId> node) { relay_.set_turned_back_at(node); }
   /// line() holds something.
@@ -50,23 +56,37 @@ class Blocks {
 
   /// @name The CPU and its helpers. Every call ends in exactly one SendEnded event.
   ///@{
-  void send(const SendRequest& request, Time now) { transmit_.send(request, membership_.accepts_sends(), now); }
+  void send(const SendRequest& request, Time now) {
+    own_changes();
+    transmit_.send(request, membership_.accepts_sends(), now);
+  }
   void interrupt(const InterruptRequest& request, Time now) {
+    own_changes();
     transmit_.interrupt(request, membership_.accepts_sends(), now);
   }
   /// Pulls interrupt input 0..7: sends the INTP it is wired to, without the CPU. (paper, protocol.md section 5.4)
   void pull(Owner owner, std::uint32_t token, unsigned input, Time now) {
+    own_changes();
     transmit_.pull(owner, token, input, membership_.accepts_sends(), now);
   }
-  void cancel(Owner owner, Time now) { transmit_.cancel(owner, now); }
+  void cancel(Owner owner, Time now) {
+    own_changes();
+    transmit_.cancel(owner, now);
+  }
   ///@}
 
   /// @name The CPU's state
   ///@{
   /// Next packet for the CPU, by priority. @return false where none is due
-  bool take(Time now, ReceivedPacket& out) { return receive_.take(now, out); }
+  bool take(Time now, ReceivedPacket& out) {
+    own_changes();
+    return receive_.take(now, out);
+  }
   void set_cpu_present(bool present) { receive_.set_cpu_present(present); }
-  void set_cpu(const CpuReport& report, Time now) { membership_.set_cpu(report, now); }
+  void set_cpu(const CpuReport& report, Time now) {
+    own_changes();
+    membership_.set_cpu(report, now);
+  }
   /// The CPU was reset: empties its send queue and the receive buffers. (ours, protocol.md section 5.5)
   void cpu_reset(Owner cpu, Time now);
   ///@}
@@ -79,8 +99,11 @@ class Blocks {
   /// happens before.
   Time next_deadline(Time now) const;
   /// take_event() or take() has something.
-  bool has_output(Time now) const { return events_.next() <= now || receive_.next() <= now; }
-  bool take_event(Time now, Event& out) { return events_.take(now, out); }
+  bool has_output(Time now) const { return events_.is_due(now) || receive_.is_due(now); }
+  bool take_event(Time now, Event& out) {
+    own_changes();
+    return events_.take(now, out);
+  }
   ///@}
 
   const Settings& settings() const { return settings_; }
@@ -94,13 +117,33 @@ class Blocks {
   /// See archive.h. @pre to read: made with the same settings, and without any input so far
   template <class Archive>
   void archive(Archive& a) {
+    own_changes();
     a("counters", counters_)("events", events_)("line", line_)("transmit", transmit_)("memory", memory_);
     a("membership", membership_)("receive", receive_)("packet_manager", packet_manager_)("relay", relay_);
   }
 
  private:
-  /// After every input: settles what it has changed; if `goes_on`, also puts onto the line what may go now.
-  void act(bool goes_on, Time now);
+  /// Most packets only pass: they change nothing of Transmit, Receive, membership and events. So what these have to do
+  /// is kept until something else happens. Whatever may change it calls this.
+  void own_changes() {
+    own_deadline_ = Time::min();
+    settled_ = false;
+  }
+  /// Their part of next_deadline().
+  Time own_deadline(Time now) const {
+    if (own_deadline_ <= now) own_deadline_ = find_own_deadline(now);
+    return own_deadline_;
+  }
+  Time find_own_deadline(Time now) const;
+  /// After every input: membership settles what it has changed. An end of a send decides what may go onto the line, so
+  /// that comes before put_onto_line().
+  void settle(Time now) {
+    if (!settled_) settle_changes(now);
+  }
+  void settle_changes(Time now);
+  void put_onto_line(Time now) {
+    if (packet_manager_.run(now)) own_changes();
+  }
 
   const Settings settings_;
   Counters counters_;
@@ -114,6 +157,8 @@ class Blocks {
   PacketManager packet_manager_;
   Returns returns_;
   Relay relay_;
+  mutable Time own_deadline_ = Time::min();  ///< holds while it is not reached
+  bool settled_ = false;                     ///< membership has settled what has changed
 };
 
 }  // namespace limb_ring::core

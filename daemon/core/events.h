@@ -125,6 +125,7 @@ class EventQueue {
     events_.pop_front();
     return true;
   }
+  bool is_due(Time now) const { return !events_.empty() && events_.front().at <= now; }
   Time next() const { return events_.empty() ? kNever : events_.front().at; }
   /// archive.h
   template <class Archive>

@@ -56,7 +56,13 @@ void NetworkController::receive(Line line, const wire::Slice& slice, Time now) {
 }
 
 void NetworkController::enter(const wire::Slice& slice, Time now) {
-  if (tap_ == nullptr) return Blocks::receive(slice, now);
+  if (tap_ == nullptr)
+    Blocks::receive(slice, now);
+  else
+    enter_tapped(slice, now);
+}
+
+void NetworkController::enter_tapped(const wire::Slice& slice, Time now) {
   const Line line = input_line();
   tap_->arrives(slice, line, now);
   Blocks::receive(slice, now);

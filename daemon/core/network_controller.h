@@ -22,7 +22,7 @@ namespace limb_ring::core {
 ///      Where it asked for something on the way, it calls run() again;
 ///   4. waits for the next input, at most until next_deadline().
 /// A ring without a second line never uses Line::second: what is said of it then has no effect. (ours)
-class NetworkController : private Blocks {
+class NetworkController final : private Blocks {
  public:
   /// Sees each packet once, on whichever line it comes and goes, but not what the node only repeats on the second.
   class Tap {
@@ -120,6 +120,7 @@ class NetworkController : private Blocks {
   }
   static std::size_t index(Line line) { return static_cast<std::size_t>(line); }
   void enter(const wire::Slice& slice, Time now) override;
+  void enter_tapped(const wire::Slice& slice, Time now);
   bool has_given_out() const { return Blocks::has_given_out() || !outputs_[0].empty() || !outputs_[1].empty(); }
   void update_ready() { Blocks::set_output_ready(ready_[index(output_line())]); }
 

@@ -264,12 +264,6 @@ void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now
 
 // ---- the others ---------------------------------------------------------------------------
 
-bool Membership::is_unheard_nodes_retry(const wire::PacketFields& packet) {
-  if (!settings_.fold_back || packet.code().attempt == 0 || peers_[packet.source()].known) return false;
-  ++counters_.retries_of_unheard_nodes;
-  return true;
-}
-
 bool Membership::heard(const wire::PacketFields& packet, Time now) {
   if (const auto hello = wire::decode_hello(packet.data())) return heard_hello(packet, *hello, now);
   if (const auto beacon = wire::decode_beacon(packet.data())) return heard_beacon(packet, *beacon, now);

@@ -77,7 +77,10 @@ class Membership {
   /// True for a retry of a source that has not been heard since this node started: the node may have taken its first
   /// try before that start. The source may not know of the start if it was in the other part of a ring that was broken
   /// twice. (ours, protocol.md section 4.10)
-  bool is_unheard_nodes_retry(const wire::PacketFields& packet);
+  bool is_unheard_nodes_retry(const wire::PacketFields& packet) {
+    if (packet.code().attempt == 0 || !settings_.fold_back || peers_[packet.source()].known) return false;
+    return counted(counters_.retries_of_unheard_nodes, true);
+  }
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);
   /// An own packet came home with a good CRC, whether it matched anything or not.
@@ -90,12 +93,15 @@ class Membership {
   }
   ///@}
 
-  /// Acts on ends of the NC's own sends, and on sequence numbers that are used up. Part of Blocks::act(), behind every
-  /// input.
-  void settle(Time now) {
-    if (transmit_.data.has_control_end()) control_ended(now);
-    const bool due = renumbering_ || merged_ || transmit_.numbers_exhausted();
-    if (due && !hello_out_) on(Input::numbers_due, now);
+  /// Acts on ends of the NC's own sends, and on sequence numbers that are used up. Part of Blocks::settle(), behind
+  /// every input.
+  /// @return true if there was something to act on
+  bool settle(Time now) {
+    const bool ended = transmit_.data.has_control_end();
+    if (ended) control_ended(now);
+    const bool due = (renumbering_ || merged_ || transmit_.numbers_exhausted()) && !hello_out_;
+    if (due) on(Input::numbers_due, now);
+    return ended || due;
   }
   void handle_timeout(Time now) {
     if (deadline() <= now) act_on_time(now);

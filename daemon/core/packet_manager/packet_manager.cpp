@@ -90,17 +90,16 @@ void PacketManager::output_lost() {
 }
 
 // What waited for a line that took nothing goes now, not when it could have gone.
-void PacketManager::run(Time now) {
+bool PacketManager::run(Time now) {
   if (released_) free_at_ = std::max(free_at_, now);
-  released_ = false;
-  while (step(now)) {
+  released_ = own_begun_ = false;
+  while (may_put(now) && step(now)) {
   }
+  return own_begun_;
 }
 
 // What goes onto the line next, if something may go now. (paper; protocol.md sections 2.4 and 5.2)
 bool PacketManager::step(Time now) {
-  if (!output_up_ || !ready_ || free_at_ > now) return false;
-
   // An INTP goes before any DATP, also inside the one that is on the line.
   const Time interrupt = interrupt_at();
   if (interrupt <= now) {
@@ -156,6 +155,7 @@ void PacketManager::put_interrupt(Time at) {
     open_.grid += bytes_time(wire::kInterruptPacketSize);
   }
   if (interrupts_.empty() || transmit_.interrupts.ready_at() <= interrupts_.front().arrived) {
+    own_begun_ = true;
     line_.put(SliceKind::interrupt, transmit_.interrupts.start(at));
   } else {
     const wire::InterruptBytes& packet = interrupts_.front().bytes;
@@ -227,6 +227,7 @@ void PacketManager::close_open() {
 
 void PacketManager::open_data(bool own, Time at) {
   open_.own = own;
+  own_begun_ = own_begun_ || own;
   if (own) open_.own_bytes = transmit_.data.start(at);
   is_open_ = true;
   const ByteView bytes = open_bytes();

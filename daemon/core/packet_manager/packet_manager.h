@@ -56,14 +56,16 @@ class PacketManager {
   void output_up(Time now);
   void output_lost();
   void set_ready(bool ready) {
-    released_ = released_ || (ready && !ready_);
+    if (ready == ready_) return;
+    released_ = released_ || ready;
     ready_ = ready;
   }
 
   /// The header of a DATP is on the line, and its end is not.
   bool is_open() const { return is_open_; }
   /// Puts onto the line all that may go now.
-  void run(Time now);
+  /// @return true if something of Transmit's has begun
+  bool run(Time now);
   /// When run() has something to do again, if nothing else happens.
   Time deadline() const;
   /// archive.h; Transmit comes before it
@@ -102,9 +104,12 @@ class PacketManager {
   }
   bool line_is_free(Time now) const;
   void count_drop(std::uint64_t packets) { counters_.dropped_no_output += packets; }
+  /// The line is there, takes more, and what has gone onto it is through.
+  bool may_put(Time now) const { return output_up_ && ready_ && free_at_ <= now; }
   bool step(Time now);
 
   Time interrupt_at() const {
+    if (interrupts_.empty() && !transmit_.interrupts.has_work()) return kNever;
     const Time relayed = interrupts_.empty() ? kNever : interrupts_.front().arrived;
     const Time since = std::min(transmit_.interrupts.ready_at(), relayed);
     return since == kNever ? kNever : interrupt_place(since);
@@ -135,6 +140,7 @@ class PacketManager {
   bool released_ = false;   ///< the line has just begun to take more
   bool receiving_ = false;  ///< buffer_.back() is still coming in
   bool is_open_ = false;
+  bool own_begun_ = false;  ///< in this run()
   Open open_;
   Time free_at_{};  ///< when the header, INTP or tail on the line is through
 };

@@ -7,11 +7,6 @@ namespace limb_ring::core {
 
 using wire::PacketFields;
 
-bool Receive::addressed(const PacketFields& packet) const {
-  if (packet.destination() == wire::kBroadcast) return packet.source() != settings_.id;
-  return packet.destination() == settings_.id;
-}
-
 std::size_t Receive::free_buffers(const PacketFields& packet) const {
   if (wire::is_control(packet)) return wire::kFbcMax;
   if (!cpu_present_) return 0;
@@ -33,7 +28,7 @@ bool Receive::is_unaware_nodes_retry(const PacketFields& packet) const {
          !membership_.announced();
 }
 
-std::uint8_t Receive::pass(const PacketFields& packet, Time at) {
+std::uint8_t Receive::take_in(const PacketFields& packet, Time at) {
   if (wire::is_control(packet) && !membership_.heard(packet, at)) return 0;
   if (membership_.is_unheard_nodes_retry(packet)) return packet.fbc();
   return offer(packet, at);

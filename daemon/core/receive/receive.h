@@ -38,9 +38,15 @@ class Receive {
   Receive(const Settings& settings, DuplicateMemory& memory, Membership& membership, Counters& counters)
       : settings_(settings), memory_(memory), membership_(membership), counters_(counters) {}
 
+  /// The node takes something from that packet. Of others pass() only counts some.
+  bool heeds(const wire::PacketFields& packet) const { return addressed(packet) || wire::is_control(packet); }
   /// A packet of another node, with a good CRC, passes.
   /// @return the FBC it goes on with
-  std::uint8_t pass(const wire::PacketFields& packet, Time at);
+  std::uint8_t pass(const wire::PacketFields& packet, Time at) {
+    if (heeds(packet)) return take_in(packet, at);
+    membership_.is_unheard_nodes_retry(packet);  // counts it
+    return packet.fbc();
+  }
   /// The part of pass() that applies to an own packet to this node, too. @param at when its last bit is in
   std::uint8_t offer(const wire::PacketFields& packet, Time at);
 
@@ -49,6 +55,8 @@ class Receive {
   std::size_t waiting() const { return waiting_; }
   /// The same of one priority, 0..3.
   std::size_t waiting(wire::Priority priority) const { return buffers_[priority].size(); }
+  /// take() has something.
+  bool is_due(Time now) const { return waiting_ != 0 && earliest() <= now; }
   /// When take() may have something, kNever where all buffers are empty.
   Time next() const { return waiting_ == 0 ? kNever : earliest(); }
 
@@ -63,7 +71,11 @@ class Receive {
 
  private:
   using Verdict = DuplicateMemory::Verdict;
-  bool addressed(const wire::PacketFields& packet) const;
+  bool addressed(const wire::PacketFields& packet) const {
+    if (packet.destination() == wire::kBroadcast) return packet.source() != settings_.id;
+    return packet.destination() == settings_.id;
+  }
+  std::uint8_t take_in(const wire::PacketFields& packet, Time at);
   bool take_due(Time now, ReceivedPacket& out);
   Time earliest() const;
   std::size_t free_buffers(const wire::PacketFields& packet) const;

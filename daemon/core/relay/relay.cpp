@@ -8,19 +8,16 @@ using wire::ByteView;
 using wire::PacketFields;
 using wire::SliceKind;
 
-bool Relay::receive(const wire::Slice& slice, Time now) {
+Relay::Effect Relay::receive(const wire::Slice& slice, Time now) {
   switch (slice.kind) {
     case SliceKind::whole:
       return on_whole(slice.bytes, now);
     case SliceKind::start:
-      on_start(slice.bytes, now);
-      break;
+      return on_start(slice.bytes, now);
     case SliceKind::more:
-      on_more(slice.bytes, now);
-      break;
+      return on_more(slice.bytes, now);
     case SliceKind::end:
-      on_end(slice.bytes, now);
-      break;
+      return on_end(slice.bytes, now);
     case SliceKind::interrupt:
       on_interrupt(slice.bytes, now);
       break;
@@ -34,7 +31,7 @@ bool Relay::receive(const wire::Slice& slice, Time now) {
     case SliceKind::fold:
       break;
   }
-  return false;
+  return {};
 }
 
 // ---- what becomes of it -------------------------------------------------------------------
@@ -77,33 +74,35 @@ std::bitset<256> Relay::between(NodeId before, NodeId behind) const {
 
 // ---- DATP -----------------------------------------------------------------------------------
 
-bool Relay::on_whole(ByteView bytes, Time now) {
-  break_off(counters_.broken_off_packets, now);
+Relay::Effect Relay::on_whole(ByteView bytes, Time now) {
+  const bool broke_off_own = break_off(counters_.broken_off_packets, now);
   const PacketFields packet{bytes};
   const Fate fate = judge_data(bytes);
-  if (fate == Fate::discard) return false;
+  if (fate == Fate::discard) return {broke_off_own};
   const bool good = check(packet);
   if (fate == Fate::strip) {
     returns_.data(packet, good, now);
-    return false;
+    return {};
   }
+  const bool own = broke_off_own || (good && receive_.heeds(packet));
   const std::uint8_t fbc = good ? receive_.pass(packet, now) : packet.fbc();
-  if (fate != Fate::pass_on) return false;
+  if (fate != Fate::pass_on) return {own};
   const PacketManager::Place place = packet_manager_.relay_whole(bytes.size, now);
-  if (place.bytes == nullptr) return false;
+  if (place.bytes == nullptr) return {own};
   std::copy(bytes.begin(), bytes.end(), place.bytes);
   wire::rewrite(place.bytes, bytes.size, static_cast<std::uint8_t>(packet.hop() + 1), fbc);
-  return place.on_line;
+  return {own, place.on_line};
 }
 
-void Relay::on_start(ByteView bytes, Time now) {
-  break_off(counters_.broken_off_packets, now);
+Relay::Effect Relay::on_start(ByteView bytes, Time now) {
+  const bool broke_off_own = break_off(counters_.broken_off_packets, now);
   fate_ = judge_data(bytes);
   std::uint8_t* place = fate_ == Fate::pass_on ? packet_manager_.relay_begin(now) : nullptr;
   incoming_.begin(bytes, now, place);
-  if (!place) return;
+  if (!place) return {broke_off_own};
   ++place[wire::field::kHop];
   packet_manager_.relay_words(bytes.size);
+  return {broke_off_own};
 }
 
 bool Relay::append(ByteView bytes, Time now, std::size_t most) {
@@ -116,35 +115,43 @@ bool Relay::append(ByteView bytes, Time now, std::size_t most) {
   return false;
 }
 
-void Relay::on_more(ByteView bytes, Time now) {
+Relay::Effect Relay::on_more(ByteView bytes, Time now) {
   const std::size_t most = wire::kHeaderSize + wire::kMaxPayload;  // trailer and CRC come with the end alone
-  if (append(bytes, now, most) && fate_ == Fate::pass_on) packet_manager_.relay_words(bytes.size);
+  if (!append(bytes, now, most)) return {};
+  if (fate_ == Fate::pass_on) packet_manager_.relay_words(bytes.size);
+  return {false};
 }
 
 // An `end` slice comes when its bytes (last odd bytes, trailer, CRC) begin on the line; they are in at `at`.
-void Relay::on_end(ByteView bytes, Time now) {
-  if (!append(bytes, now, wire::kMaxDataPacketSize)) return;
+Relay::Effect Relay::on_end(ByteView bytes, Time now) {
+  if (!append(bytes, now, wire::kMaxDataPacketSize)) return {};
   const PacketFields packet{incoming_.bytes()};
-  if (packet.bytes.size < wire::kMinDataPacketSize) return break_off(counters_.malformed_packets, now);
+  if (packet.bytes.size < wire::kMinDataPacketSize) return {break_off(counters_.malformed_packets, now)};
   incoming_.close();
-  if (fate_ == Fate::discard) return;
+  if (fate_ == Fate::discard) return {false};
   const auto tail = static_cast<std::int64_t>(wire::tail_size(packet.bytes.size));
   const Time at = now + settings_.byte_time_in * tail;
   const bool good = check(packet);
-  if (fate_ == Fate::strip) return returns_.data(packet, good, at);
+  if (fate_ == Fate::strip) {
+    returns_.data(packet, good, at);
+    return {};
+  }
+  const bool own = good && receive_.heeds(packet);
   const std::uint8_t fbc = good ? receive_.pass(packet, at) : packet.fbc();
-  if (fate_ != Fate::pass_on) return;
+  if (fate_ != Fate::pass_on) return {own};
   wire::rewrite(incoming_.place(), packet.bytes.size, static_cast<std::uint8_t>(packet.hop() + 1), fbc);
   packet_manager_.relay_end(bytes.size, now);
+  return {own};
 }
 
 // The DATP that is coming in will never be complete; each relay passes the abort on. An INTP embedded in it goes on.
-void Relay::break_off(std::uint64_t& counter, Time now) {
-  if (!incoming_.open()) return;
+bool Relay::break_off(std::uint64_t& counter, Time now) {
+  if (!incoming_.open()) return false;
   incoming_.close();
   ++counter;
   if (fate_ == Fate::pass_on) packet_manager_.relay_abort();
   if (fate_ == Fate::strip) returns_.broken_off(now);
+  return fate_ == Fate::strip;
 }
 
 // ---- INTP -----------------------------------------------------------------------------------

@@ -30,9 +30,13 @@ class Relay {
         counters_(counters),
         stall_(settings.stall + 2 * settings.byte_time_in * 1024) {}
 
+  /// What a slice has changed in the node.
+  struct Effect {
+    bool own = true;       ///< perhaps also something of Transmit, Receive, pins or membership
+    bool on_line = false;  ///< what came went straight on to the line
+  };
   /// One slice from upstream.
-  /// @return true where it went straight on to the line, and nothing else has changed
-  bool receive(const wire::Slice& slice, Time now);
+  Effect receive(const wire::Slice& slice, Time now);
   /// Something was lost on the input: a DATP that is coming in will never be whole.
   void input_gap(Time now) { break_off(counters_.broken_off_packets, now); }
 
@@ -77,12 +81,13 @@ class Relay {
   bool check(const wire::PacketFields& packet);
 
   void on_interrupt(wire::ByteView bytes, Time now);
-  bool on_whole(wire::ByteView bytes, Time now);
-  void on_start(wire::ByteView bytes, Time now);
-  void on_more(wire::ByteView bytes, Time now);
-  void on_end(wire::ByteView bytes, Time now);
+  Effect on_whole(wire::ByteView bytes, Time now);
+  Effect on_start(wire::ByteView bytes, Time now);
+  Effect on_more(wire::ByteView bytes, Time now);
+  Effect on_end(wire::ByteView bytes, Time now);
   bool append(wire::ByteView bytes, Time now, std::size_t most);
-  void break_off(std::uint64_t& counter, Time now);
+  /// @return true if that was an own packet
+  bool break_off(std::uint64_t& counter, Time now);
   std::bitset<256> between(NodeId before, NodeId behind) const;
 
   const Settings& settings_;

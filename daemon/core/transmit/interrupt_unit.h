@@ -18,6 +18,7 @@ class InterruptUnit final : public SendUnit {
   /// @return Reject::none where it was queued; its SendEnded comes later
   Reject enqueue(const InterruptRequest& request, Time now);
 
+  bool has_work() const { return !queue_.empty(); }
   /// When it began, or will begin, to ask for the line; kNever: it does not.
   Time ready_at() const {
     if (flight_.phase() == Flight::Phase::waiting) return flight_.waiting_since();
@@ -28,7 +29,7 @@ class InterruptUnit final : public SendUnit {
   wire::ByteView start(Time now);
 
   void handle_timeout(Time now) {
-    if (!queue_.empty()) end_overdue(now);
+    if (has_work()) end_overdue(now);
   }
   Time deadline() const {
     if (queue_.empty()) return kNever;
