@@ -15,8 +15,8 @@ class SlotQueue {
   bool empty() const { return count_ == 0; }
   std::size_t size() const { return count_; }
   /// @pre i < size(); 0 is the front
-  T& operator[](std::size_t i) { return slots_[(first_ + i) & (slots_.size() - 1)]; }
-  const T& operator[](std::size_t i) const { return slots_[(first_ + i) & (slots_.size() - 1)]; }
+  T& operator[](std::size_t i) { return slots_[(first_ + i) & mask_]; }
+  const T& operator[](std::size_t i) const { return slots_[(first_ + i) & mask_]; }
   T& front() { return (*this)[0]; }
   const T& front() const { return (*this)[0]; }
   /// A new last slot, in whatever state its last user left it.
@@ -26,7 +26,7 @@ class SlotQueue {
   }
   void pop() {
     --count_;
-    first_ = count_ == 0 ? 0 : (first_ + 1) & (slots_.size() - 1);  // empty: reuse slot 0, still in cache
+    first_ = count_ == 0 ? 0 : (first_ + 1) & mask_;  // empty: reuse slot 0, still in cache
   }
   void clear() { count_ = 0; }
   /// Removes the elements from index `from` on for which which(T&) is true; the others keep their order.
@@ -46,10 +46,12 @@ class SlotQueue {
     std::vector<T> larger(slots_.empty() ? 2 : 2 * slots_.size());
     for (std::size_t i = 0; i < count_; ++i) std::swap(larger[i], (*this)[i]);
     slots_.swap(larger);
+    mask_ = slots_.size() - 1;
     first_ = 0;
   }
 
   std::vector<T> slots_;  ///< none, or a power of two
+  std::size_t mask_ = 0;  ///< slots_.size() - 1: to divide by the size of a T with each access would be slow
   std::size_t first_ = 0;
   std::size_t count_ = 0;
 };

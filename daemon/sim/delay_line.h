@@ -31,7 +31,7 @@ class DelayLine {
     }
   };
 
-  explicit DelayLine(Duration delay) : delay_(delay), slots_(16) {}
+  explicit DelayLine(Duration delay) : delay_(delay), slots_(16), mask_(slots_.size() - 1) {}
 
   Duration delay() const { return delay_; }
   bool empty() const { return count_ == 0; }
@@ -40,7 +40,7 @@ class DelayLine {
   /// What leaves at `now`; takes `slices`, and leaves an empty one in its place.
   void put(Time now, NodeId from, NodeId to, std::uint64_t epoch, core::Line line, wire::SliceWriter& slices) {
     if (count_ == slots_.size()) grow();
-    Arrival& slot = slots_[(first_ + count_++) & (slots_.size() - 1)];
+    Arrival& slot = slots_[(first_ + count_++) & mask_];
     slot.at = now + delay_;
     slot.from = from;
     slot.to = to;
@@ -52,12 +52,12 @@ class DelayLine {
   /// All that are under way, in their order.
   template <class Visit>
   void each(Visit visit) {
-    for (std::size_t i = 0; i < count_; ++i) visit(slots_[(first_ + i) & (slots_.size() - 1)]);
+    for (std::size_t i = 0; i < count_; ++i) visit(slots_[(first_ + i) & mask_]);
   }
   /// The next one; valid until the next put(). @pre !empty()
   const Arrival& pop() {
     const Arrival& slot = slots_[first_];
-    first_ = (first_ + 1) & (slots_.size() - 1);
+    first_ = (first_ + 1) & mask_;
     --count_;
     return slot;
   }
@@ -65,13 +65,15 @@ class DelayLine {
  private:
   void grow() {
     std::vector<Arrival> larger(2 * slots_.size());
-    for (std::size_t i = 0; i < count_; ++i) std::swap(larger[i], slots_[(first_ + i) & (slots_.size() - 1)]);
+    for (std::size_t i = 0; i < count_; ++i) std::swap(larger[i], slots_[(first_ + i) & mask_]);
     slots_.swap(larger);
+    mask_ = slots_.size() - 1;
     first_ = 0;
   }
 
   Duration delay_;
   std::vector<Arrival> slots_;  ///< a power of two
+  std::size_t mask_;            ///< slots_.size() - 1
   std::size_t first_ = 0;
   std::size_t count_ = 0;
 };

@@ -192,37 +192,30 @@ void VirtualRing::deliver(const DelayLine::Arrival& arrival) {
 void VirtualRing::settle_touched() {
   while (!touched_.empty()) {
     const NodeId id = touched_.pop();
-    if (nodes_[id].alive && !nodes_[id].paused) settle(id);
+    Node& node = nodes_[id];
+    if (node.alive && !node.paused) settle(id, node);
   }
 }
 
-void VirtualRing::settle(NodeId id) {
-  NetworkController& controller = *nodes_[id].controller;
+void VirtualRing::settle(NodeId id, Node& node) {
+  NetworkController& controller = *node.controller;
   controller.handle_timeout(now_);
   controller.run(now_);
-  carry_line(id);
+  for (const Line line : controller.lines())
+    if (SliceWriter& slices = controller.output(line); !slices.empty())
+      put_on_line(id, line, node.lines[static_cast<std::size_t>(line)], slices);
   if (controller.has_output(now_)) give_out(id);
-  const Time deadline = controller.next_deadline(now_);
-  wakes_.set(id, deadline == kNever ? kNever : std::max(deadline, now_));
+  wakes_.set(id, std::max(controller.next_deadline(now_), now_));
 }
 
-void VirtualRing::carry_line(NodeId id) {
-  for (const Line line : lines()) put_on_line(id, line, nodes_[id].controller->output(line));
+void VirtualRing::put_on_line(NodeId id, Line line, const Wire& out, SliceWriter& slices) {
+  if (!out.tap) return carry_off(id, line, out, slices);
+  pass_through_tap(id, line, slices);
+  slices.clear();
+  carry_off(id, line, out, tapped_);
 }
 
-void VirtualRing::put_on_line(NodeId id, Line line, SliceWriter& slices) {
-  if (slices.empty()) return;
-  SliceWriter* arriving = &slices;
-  if (wire_of(id, line).tap) {
-    pass_through_tap(id, line, slices);
-    slices.clear();
-    arriving = &tapped_;
-  }
-  carry_off(id, line, *arriving);
-}
-
-void VirtualRing::carry_off(NodeId id, Line line, SliceWriter& slices) {
-  const Wire& out = wire_of(id, line);
+void VirtualRing::carry_off(NodeId id, Line line, const Wire& out, SliceWriter& slices) {
   if (slices.empty() || out.cut || out.successor < 0) return slices.clear();
   const auto to = static_cast<NodeId>(out.successor);
   delay_lines_[nodes_[to].delay_line].put(now_, id, to, out.epoch, line, slices);
@@ -230,7 +223,7 @@ void VirtualRing::carry_off(NodeId id, Line line, SliceWriter& slices) {
 
 void VirtualRing::put_late(NodeId id, SliceWriter& slices, Line line) {
   tell(id, Incident::late_slice, line);
-  carry_off(id, line, slices);
+  carry_off(id, line, wire_of(id, line), slices);
 }
 
 void VirtualRing::tell_leaving(NodeId id, wire::ByteView slices) {

@@ -185,14 +185,14 @@ class VirtualRing {
   };
   struct Node {
     std::unique_ptr<NetworkController> controller;
-    std::unique_ptr<ObserverTap> observer_tap;
     bool alive = false;
+    bool paused = false;
     bool cpu_reads = true;
+    std::size_t delay_line = 0;  ///< of the line into it
     std::array<Wire, 2> lines;
+    std::unique_ptr<ObserverTap> observer_tap;
     std::uint64_t starts = 0;
     std::uint32_t next_token = 1;
-    std::size_t delay_line = 0;  ///< of the line into it
-    bool paused = false;
     std::vector<DelayLine::Arrival> waiting;  ///< what came while it was
     NodeLog log;
 
@@ -231,10 +231,9 @@ class VirtualRing {
   void act();
   void deliver(const DelayLine::Arrival& arrival);
   void settle_touched();
-  void settle(NodeId id);
-  void carry_line(NodeId id);
-  void put_on_line(NodeId id, Line line, wire::SliceWriter& slices);
-  void carry_off(NodeId id, Line line, wire::SliceWriter& slices);
+  void settle(NodeId id, Node& node);
+  void put_on_line(NodeId id, Line line, const Wire& out, wire::SliceWriter& slices);
+  void carry_off(NodeId id, Line line, const Wire& out, wire::SliceWriter& slices);
   void tell_leaving(NodeId id, wire::ByteView slices);
   void tell_tapped(NodeId id, Line line, const wire::Slice& slice, std::size_t before);
   void pass_through_tap(NodeId id, Line line, wire::SliceWriter& slices);

@@ -10,8 +10,6 @@ namespace limb_ring::wire {
 namespace {
 
 constexpr std::size_t kTail = kTrailerSize + kCrcSize;
-/// Of a framed slice: | magic | kind | size 16 |.
-constexpr std::size_t kMagicAt = 0, kKindAt = 1, kSizeAt = 2;
 
 }  // namespace
 
@@ -39,12 +37,12 @@ bool slice_size_fits(SliceKind kind, std::size_t size) {
 SliceParse parse_slice(ByteView bytes) {
   using Status = SliceParse::Status;
   if (bytes.size < kSliceHeaderSize) {
-    const bool wrong = !bytes.empty() && bytes[kMagicAt] != kSliceMagic;
+    const bool wrong = !bytes.empty() && bytes[kSliceMagicAt] != kSliceMagic;
     return {wrong ? Status::malformed : Status::incomplete, {}, 0};
   }
-  const auto kind = static_cast<SliceKind>(bytes[kKindAt]);
-  const std::size_t size = load_u16(bytes.data + kSizeAt);
-  if (bytes[kMagicAt] != kSliceMagic || !slice_size_fits(kind, size)) return {Status::malformed, {}, 0};
+  const auto kind = static_cast<SliceKind>(bytes[kSliceKindAt]);
+  const std::size_t size = load_u16(bytes.data + kSliceSizeAt);
+  if (bytes[kSliceMagicAt] != kSliceMagic || !slice_size_fits(kind, size)) return {Status::malformed, {}, 0};
   if (bytes.size < kSliceHeaderSize + size) return {Status::incomplete, {}, 0};
   return {Status::slice, {kind, bytes.from(kSliceHeaderSize).first(size)}, kSliceHeaderSize + size};
 }
@@ -54,9 +52,9 @@ std::uint8_t* SliceWriter::put_space(SliceKind kind, std::size_t size) {
   size_ += kSliceHeaderSize + size;
   if (buffer_.size() < size_) buffer_.resize(std::max(kMaxSliceSize, 2 * size_));
   std::uint8_t* p = buffer_.data() + at;
-  p[kMagicAt] = kSliceMagic;
-  p[kKindAt] = static_cast<std::uint8_t>(kind);
-  store_u16(p + kSizeAt, static_cast<std::uint16_t>(size));
+  p[kSliceMagicAt] = kSliceMagic;
+  p[kSliceKindAt] = static_cast<std::uint8_t>(kind);
+  store_u16(p + kSliceSizeAt, static_cast<std::uint16_t>(size));
   return p + kSliceHeaderSize;
 }
 

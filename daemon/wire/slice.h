@@ -30,6 +30,7 @@ struct Slice {
 };
 
 constexpr std::size_t kSliceHeaderSize = 4;
+constexpr std::size_t kSliceMagicAt = 0, kSliceKindAt = 1, kSliceSizeAt = 2;
 constexpr std::uint8_t kSliceMagic = 0xA7;
 constexpr std::size_t kMaxSliceSize = kSliceHeaderSize + kMaxDataPacketSize;
 
@@ -50,9 +51,9 @@ SliceParse parse_slice(ByteView bytes);
 template <class Visit>
 void each_slice(ByteView framed, Visit visit) {
   while (!framed.empty()) {
-    const SliceParse parse = parse_slice(framed);
-    framed = framed.from(parse.consumed);
-    visit(parse.slice);
+    const ByteView bytes = framed.from(kSliceHeaderSize).first(load_u16(framed.data + kSliceSizeAt));
+    visit(Slice{static_cast<SliceKind>(framed[kSliceKindAt]), bytes});
+    framed = framed.from(kSliceHeaderSize + bytes.size);
   }
 }
 
