@@ -6,14 +6,14 @@ namespace limb_ring::core {
 
 Blocks::Blocks(const Settings& settings)
     : settings_(settings),
-      transmit_(settings_, counters_, events_),
-      memory_(settings_.send_timeout(), settings_.fold_back),
-      membership_(settings_, transmit_, memory_, counters_, events_),
       receive_(settings_, memory_, membership_, counters_),
-      pins_(settings_, memory_, membership_, counters_, events_),
       packet_manager_(settings_, transmit_, counters_, line_),
+      transmit_(settings_, counters_, events_),
+      relay_(settings_, packet_manager_, receive_, pins_, returns_, counters_),
+      pins_(settings_, memory_, membership_, counters_, events_),
       returns_(settings_, transmit_, membership_, receive_, pins_, counters_),
-      relay_(settings_, packet_manager_, receive_, pins_, returns_, counters_) {}
+      membership_(settings_, transmit_, memory_, counters_, events_),
+      memory_(settings_.send_timeout(), settings_.fold_back) {}
 
 // ---- the lines ----------------------------------------------------------------------------
 

@@ -145,20 +145,22 @@ class Blocks {
     if (packet_manager_.run(now)) own_changes();
   }
 
+  // What every hop reads lies together, what few read behind it: a large ring does not fit into a cache. (The members
+  // know each other by reference alone, but for the settings, and Transmit, which membership sets up.)
   const Settings settings_;
-  Counters counters_;
-  EventQueue events_;
-  wire::SliceWriter line_;
-  Transmit transmit_;
-  DuplicateMemory memory_;
-  Membership membership_;
-  Receive receive_;
-  Pins pins_;
-  PacketManager packet_manager_;
-  Returns returns_;
-  Relay relay_;
   mutable Time own_deadline_ = Time::min();  ///< holds while it is not reached
   bool settled_ = false;                     ///< membership has settled what has changed
+  EventQueue events_;
+  wire::SliceWriter line_;
+  Receive receive_;
+  PacketManager packet_manager_;
+  Transmit transmit_;
+  Relay relay_;
+  Pins pins_;
+  Returns returns_;
+  Membership membership_;
+  Counters counters_;
+  DuplicateMemory memory_;
 };
 
 }  // namespace limb_ring::core

@@ -6,7 +6,7 @@ namespace limb_ring::core {
 
 NetworkController::NetworkController(const Settings& settings, Time now) : Blocks(settings) {
   Blocks& blocks = *this;
-  if (settings.fold_back) fold_.emplace(blocks, outputs_[0], outputs_[1], now);
+  if (settings.fold_back) fold_ = std::make_unique<FoldBack>(blocks, outputs_[0], outputs_[1], now);
 }
 
 // ---- the lines ----------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include "core/blocks.h"
@@ -63,7 +64,7 @@ class NetworkController final : private Blocks {
   /// The second line stands for the input.
   bool input_folded() const { return fold_ && fold_->takes_second(); }
   Line output_line() const { return fold_ && fold_->turned_back() ? Line::second : Line::first; }
-  Lines lines() const { return Lines(fold_.has_value()); }
+  Lines lines() const { return Lines(fold_ != nullptr); }
   ///@}
 
   /// @name The CPU and its helpers. Every call of the first three ends in exactly one SendEnded event.
@@ -126,7 +127,7 @@ class NetworkController final : private Blocks {
 
   std::array<wire::SliceWriter, 2> outputs_;
   std::array<bool, 2> ready_{true, true};
-  std::optional<FoldBack> fold_;
+  std::unique_ptr<FoldBack> fold_;  ///< null: there is no second line
   Tap* tap_ = nullptr;
   Journal* journal_ = nullptr;
 };

@@ -87,9 +87,9 @@ class Receive {
   DuplicateMemory& memory_;
   Membership& membership_;
   Counters& counters_;
-  std::array<SlotQueue<ReceivedPacket>, 4> buffers_;
-  std::size_t waiting_ = 0;  ///< in all of them
+  std::size_t waiting_ = 0;  ///< in all buffers
   bool cpu_present_ = false;
+  std::array<SlotQueue<ReceivedPacket>, 4> buffers_;
 };
 
 }  // namespace limb_ring::core

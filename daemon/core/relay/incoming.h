@@ -72,8 +72,8 @@ class Incoming {
   std::uint8_t hop_ = 0;
   Time last_slice_{};
   std::size_t size_ = 0;
-  std::array<std::uint8_t, wire::kMaxDataPacketSize> own_{};
   std::uint8_t* place_ = own_.data();
+  std::array<std::uint8_t, wire::kMaxDataPacketSize> own_{};
 };
 
 }  // namespace limb_ring::core

@@ -96,12 +96,12 @@ class Relay {
   Pins& pins_;
   Returns& returns_;
   Counters& counters_;
-  const Duration stall_;  ///< the longest pause between two slices of a DATP
-  Incoming incoming_;
+  const Duration stall_;       ///< the longest pause between two slices of a DATP
   Fate fate_ = Fate::discard;  ///< of what is coming in
   std::optional<NodeId> successor_, turned_back_at_;
   std::bitset<256> bypassed_;  ///< by the output, up to successor_
   std::bitset<256> cut_off_;   ///< by the fold, from turned_back_at_
+  Incoming incoming_;
 };
 
 }  // namespace limb_ring::core

@@ -110,9 +110,9 @@ class DataUnit final : public SendUnit {
   /// The head of `queue` is gone: the send behind it is due from now on, not since it was asked for.
   static void hold_next(Queue& queue, Time now);
 
-  std::array<Queue, kQueues> queues_;
-  std::size_t jobs_ = 0;     ///< in all of them
+  std::size_t jobs_ = 0;     ///< in all queues
   std::size_t current_ = 0;  ///< queue whose front is outstanding
+  std::array<Queue, kQueues> queues_;
   std::deque<SendEnded> control_ends_;
 };
 

@@ -6,22 +6,22 @@ std::uint8_t* Flight::load(wire::Code code, wire::NodeId source, wire::NodeId de
                            std::size_t data_size) {
   code_ = code;
   size_ = data_size + wire::kOverhead;
-  bytes_[wire::field::kSop] = wire::kSop;
-  bytes_[wire::field::kHop] = 0;
-  bytes_[wire::field::kSource] = source;
-  std::uint8_t* end = bytes_.data() + size_;
+  (*bytes_)[wire::field::kSop] = wire::kSop;
+  (*bytes_)[wire::field::kHop] = 0;
+  (*bytes_)[wire::field::kSource] = source;
+  std::uint8_t* end = bytes_->data() + size_;
   *(end - wire::field::kEopFromEnd) = wire::kEop;
   *(end - wire::field::kFbcFromEnd) = wire::kFbcUntaken;
   *(end - wire::field::kDestinationFromEnd) = destination;
   *(end - wire::field::kLastFromEnd) = last;
   phase_ = Phase::waiting;
-  return bytes_.data() + wire::kHeaderSize;
+  return bytes_->data() + wire::kHeaderSize;
 }
 
 wire::ByteView Flight::launch(Time now, Duration timeout) {
-  bytes_[wire::field::kCode] = code_.byte();
+  (*bytes_)[wire::field::kCode] = code_.byte();
   const std::size_t covered = size_ - wire::kCrcSize;
-  wire::store_u32(bytes_.data() + covered, wire::crc32({bytes_.data(), covered}));
+  wire::store_u32(bytes_->data() + covered, wire::crc32({bytes_->data(), covered}));
   phase_ = Phase::out;
   since_ = sent_at_ = now;
   deadline_ = now + timeout;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "core/time.h"
 #include "wire/data_packet.h"
@@ -20,7 +21,7 @@ class Flight {
   Time waiting_since() const { return since_; }
   Time deadline() const { return phase_ == Phase::out ? deadline_ : kNever; }
   Time sent_at() const { return sent_at_; }
-  wire::ByteView image() const { return {bytes_.data(), size_}; }
+  wire::ByteView image() const { return {bytes_->data(), size_}; }
   wire::NodeId destination() const { return wire::PacketFields{image()}.destination(); }
 
   /// A new packet; the caller writes `data_size` bytes where the result points.
@@ -39,7 +40,7 @@ class Flight {
   void archive(Archive& a) {
     a("phase", phase_)("interrupt", code_.interrupt)("attempt", code_.attempt)("sequence", code_.sequence);
     a("incarnation", code_.incarnation)("since", since_)("sent_at", sent_at_)("deadline", deadline_);
-    a("size", size_)("bytes", bytes_, size_);
+    a("size", size_)("bytes", *bytes_, size_);
   }
 
  private:
@@ -49,7 +50,8 @@ class Flight {
   Time sent_at_{};  ///< first byte of the last try
   Time deadline_{};
   std::size_t size_ = 0;
-  std::array<std::uint8_t, wire::kMaxDataPacketSize> bytes_{};
+  using Bytes = std::array<std::uint8_t, wire::kMaxDataPacketSize>;
+  std::unique_ptr<Bytes> bytes_ = std::make_unique<Bytes>();  ///< on the heap: kept away from what every hop reads
 };
 
 }  // namespace limb_ring::core

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "wire/packet.h"
 
@@ -15,12 +16,12 @@ class SequenceNumbers {
  public:
   /// Code of a first try to `destination`.
   wire::Code next(bool interrupt, wire::NodeId destination) {
-    const wire::Sequence sequence{static_cast<std::uint8_t>(counts_[destination].next++ & 7)};
+    const wire::Sequence sequence{static_cast<std::uint8_t>((*counts_)[destination].next++ & 7)};
     return {interrupt, 0, sequence, incarnation_};
   }
-  void decided(wire::NodeId destination) { counts_[destination].undecided = 0; }
+  void decided(wire::NodeId destination) { (*counts_)[destination].undecided = 0; }
   void undecided(wire::NodeId destination) {
-    if (++counts_[destination].undecided >= kMostUndecided) exhausted_ = true;
+    if (++(*counts_)[destination].undecided >= kMostUndecided) exhausted_ = true;
   }
   /// New numbers (a new hello) are due.
   bool exhausted() const { return exhausted_; }
@@ -32,7 +33,7 @@ class SequenceNumbers {
   /// archive.h
   template <class Archive>
   void archive(Archive& a) {
-    a("counts", counts_)("exhausted", exhausted_)("incarnation", incarnation_);
+    a("counts", *counts_)("exhausted", exhausted_)("incarnation", incarnation_);
   }
 
  private:
@@ -45,7 +46,8 @@ class SequenceNumbers {
       a("next", next)("undecided", undecided);
     }
   };
-  std::array<Count, 256> counts_{};
+  using Counts = std::array<Count, 256>;
+  std::unique_ptr<Counts> counts_ = std::make_unique<Counts>();  ///< on the heap, as Flight's bytes
   bool exhausted_ = false;
   wire::Incarnation incarnation_{};
 };
