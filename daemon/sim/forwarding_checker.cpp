@@ -38,14 +38,13 @@ bool ForwardingChecker::went(const PacketHeader& header, const PacketTrailer& ta
   auto it = std::find_if(coming.begin(), coming.end(), as_is_due);
   const bool due = it != coming.end();
   if (!due) it = std::find_if(coming.begin(), coming.end(), is_it);
-  const std::string at = " at node " + std::to_string(id_);
   if (it == coming.end()) {
-    complain_(Promise::true_fbc, name(header, tail) + " left without having come in" + at);
+    complain_(Promise::true_fbc, name(header, tail) + " left without having come in at node " + std::to_string(id_));
     return false;
   }
   if (!due)
     complain_(it->due.promise, name(header, tail) + " goes on with FBC " + std::to_string(tail.fbc) + " instead of " +
-                                   std::to_string(it->due.fbc) + at);
+                                   std::to_string(it->due.fbc) + " at node " + std::to_string(id_));
   if (header.code.interrupt) check_wait(it->at + lag_, now, name(header, tail));
   for (auto gone = coming.begin(); !header.code.interrupt && gone != it + 1; ++gone) bytes_ -= gone->size;
   const bool good = it->due.good;
