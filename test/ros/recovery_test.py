@@ -11,6 +11,11 @@ from std_msgs.msg import Bool
 from ring_testing import Newest, Ring, is_alive, kill_process, stop_process, wait_for
 
 
+def lost(node):
+    """Sends of that node that ended lost. Samples that its CPU left out, as it does on a slow machine, are none."""
+    return dict(zip(node.counter_names, node.counter_values))['ended_lost']
+
+
 def service(name, kind):
     rospy.wait_for_service(name, 30)
     return rospy.ServiceProxy(name, kind)
@@ -45,7 +50,7 @@ class Recovery(unittest.TestCase):
         self.states.wait(lambda s: 'l_knee' in s.name and len(s.name) == 26, 'the knee again')
         for name, node in self.others('left_knee').items():
             self.assertEqual(node.cpu_pid, calm[name].cpu_pid, name)
-            self.assertEqual(node.states_missing, calm[name].states_missing, name)
+            self.assertEqual(lost(node), lost(calm[name]), name)
 
     def test_a_reset_that_cannot_be_says_why(self):
         reset = service('reset_node', ResetNode)
@@ -105,7 +110,7 @@ class Recovery(unittest.TestCase):
         kill_process(before.pid)
         gone = self.ring.status.wait(lambda s: not s.connected, 'the bridge to notice')
         self.assertTrue(gone.message)
-        self.assertEqual(len(self.ring.status.wait(lambda s: s.silent_joints, 'silence').silent_joints), 26)
+        self.ring.status.wait(lambda s: len(s.silent_joints) == 26, 'all joints to fall silent')
         self.ring.wait_until_up()
         self.assertNotEqual(self.ring.node('body').pid, before.pid)
         self.assertEqual(self.ring.node('body').cpu_pid, before.cpu_pid, 'the same bridge')
