@@ -14,7 +14,8 @@ class ComparedRing final : public sim::Observer {
  public:
   /// @param ring has been made just now: what its nodes have been told by then is told to their models
   explicit ComparedRing(sim::VirtualRing& ring) : ring_(ring), lives_(ring.size()) {
-    for (const wire::NodeId id : ring.order()) begin(id);
+    for (const wire::NodeId id : ring.order())
+      if (ring.alive(id)) begin(id);
     ring.add_observer(*this);
   }
   void incident(wire::NodeId id, sim::Incident incident, core::Time, core::Line) override {

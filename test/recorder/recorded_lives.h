@@ -32,7 +32,8 @@ struct RecordedLife {
 class RecordedLives : public sim::Observer {
  public:
   explicit RecordedLives(sim::VirtualRing& ring) : ring_(ring), lives_(ring.size()) {
-    for (const wire::NodeId id : ring.order()) begin(id);
+    for (const wire::NodeId id : ring.order())
+      if (ring.alive(id)) begin(id);
     ring.add_observer(*this);
   }
   void incident(wire::NodeId id, sim::Incident incident, core::Time, core::Line) override {
