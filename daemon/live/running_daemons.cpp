@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "limb_ring/ring_directory.h"
+#include "live/node_notes.h"
 #include "process/process_state.h"
 #include "process/spawn.h"
 

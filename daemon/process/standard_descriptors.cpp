@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <initializer_list>
+
 namespace limb_ring::process {
 
 // open() gives the lowest free number, so each gets its own.
