@@ -1,6 +1,5 @@
 // The virtual ring's lines, starts and ends of nodes: who is next to whom, and what a fault does to that.
 #include <algorithm>
-#include <utility>
 
 #include "sim/virtual_ring.h"
 
@@ -139,8 +138,7 @@ void VirtualRing::start(NodeId id) {
   if (alive(id)) return;
   Node& n = nodes_[id];
   ++n.starts;
-  const auto former = std::move(n.controller);  // an observer may let go of it when it hears of the next one
-  make_node(id);
+  const auto former = make_node(id);  // an observer may let go of it when it hears of the next one
   n.controller->set_cpu_present(true);
   tell(id, Incident::started);
   enter(id);

@@ -1,6 +1,7 @@
 #include "sim/virtual_ring.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace limb_ring::sim {
 
@@ -34,11 +35,12 @@ VirtualRing::VirtualRing(const VirtualRingOptions& options)
   }
 }
 
-void VirtualRing::make_node(NodeId id) {
+std::unique_ptr<NetworkController> VirtualRing::make_node(NodeId id) {
   Node& n = nodes_[id];
-  n.controller = std::make_unique<NetworkController>(settings_of(id), now_);
+  auto former = std::exchange(n.controller, std::make_unique<NetworkController>(settings_of(id), now_));
   n.observer_tap = std::make_unique<ObserverTap>(*this, id);
   if (!observers_.empty()) n.controller->set_tap(n.observer_tap.get());
+  return former;
 }
 
 // Without an observer nothing is tapped, which costs nothing.

@@ -210,7 +210,8 @@ class VirtualRing {
   };
 
   core::Settings settings_of(NodeId id) const;
-  void make_node(NodeId id);
+  /// @return the controller of its former life, whose boot number the new one follows; null if this is the first
+  std::unique_ptr<NetworkController> make_node(NodeId id);
   Wire& wire_of(NodeId id, Line line = Line::first) { return nodes_[id].lines[static_cast<std::size_t>(line)]; }
   int next(NodeId id, Line line) const { return line == Line::first ? next_alive(id) : previous_alive(id); }
   int before(NodeId id, Line line) const { return line == Line::first ? previous_alive(id) : next_alive(id); }

@@ -29,6 +29,22 @@ TEST(VirtualRing, ACpuThatReadsAgainTakesWhatHasWaitedAtOnce) {
   EXPECT_EQ(ring.log(1_id).packets.size(), 1u);
 }
 
+// Its packets tell one life from the next by the boot number's two low bits (docs/protocol.md, 4.8).
+TEST(VirtualRing, ANodeThatStartsAgainHasAnotherIncarnation) {
+  VirtualRing ring(gigabit(3));
+  ASSERT_TRUE(ring.join());
+  for (int life = 0; life < 5; ++life) {
+    const std::uint64_t former = ring.node(1_id).membership().boot();
+    ring.kill(1_id);
+    ring.run_for(1ms);
+    ring.start(1_id);
+    const std::uint64_t boot = ring.node(1_id).membership().boot();
+    EXPECT_GT(boot, former);
+    EXPECT_NE(boot & 3, former & 3) << boot << " after " << former;
+    ring.run_for(100ms);
+  }
+}
+
 // Also where another packet's slice comes in just then.
 TEST(VirtualRing, ACpuTakesEachPacketInTheInstantItIsIn) {
   VirtualRing ring(gigabit(8));
