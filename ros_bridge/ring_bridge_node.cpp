@@ -1,12 +1,10 @@
 // ring_bridge: the CPU of one node of the ring, for ROS.
-#include <ros/ros.h>
-
 #include <cstring>
 
 #include "process/standard_descriptors.h"
-#include "ros_bridge/bridge.h"
 #include "ros_bridge/node_main.h"
 #include "ros_bridge/respawn.h"
+#include "ros_bridge/run_bridge.h"
 
 namespace {
 
@@ -18,11 +16,6 @@ constexpr const char* kHelp =
     "Parameters: ~config, ~ring, ~node, ~rate, ~frames, ~clock, ~sample_log: as the arguments of bridge.launch;\n"
     "  ~respawn: true where --respawn or roslaunch starts it again; else the answer to a reset of its node warns\n"
     "  that nobody does\n";
-
-void run() {
-  const limb_ring::bridge::Bridge bridge(ros::NodeHandle(), limb_ring::bridge::read_parameters(ros::NodeHandle("~")));
-  ros::spin();
-}
 
 /// Takes the flag out of the arguments.
 bool take_flag(int& argc, char** argv, const char* flag) {
@@ -40,6 +33,8 @@ bool take_flag(int& argc, char** argv, const char* flag) {
 int main(int argc, char** argv) {
   limb_ring::process::open_standard_descriptors();  // also of the one that starts it again
   const bool respawn = take_flag(argc, argv, "--respawn");
-  const auto node = [&] { return limb_ring::bridge::run_node(argc, argv, {"ring_bridge", kHelp, run}); };
+  const auto node = [&] {
+    return limb_ring::bridge::run_node(argc, argv, {"ring_bridge", kHelp, limb_ring::bridge::run_bridge});
+  };
   return respawn ? limb_ring::bridge::respawned(node) : node();
 }

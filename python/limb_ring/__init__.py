@@ -6,9 +6,29 @@ limb_ring.msg and limb_ring.srv beside it.
         ring.reset('left_knee', timeout=2)
         ring.wait('left_knee', 'running', timeout=5)
 """
-from ._client import (BROADCAST, JOINT_CHANNEL, MAX_PAYLOAD, TOPIC_CHANNEL, USER_CHANNEL, Announcement,  # noqa: F401
-                      CapturedPacket, CaptureCounts, Disconnected, Fragmenter, HostPortError, HostPortTimeout, Interrupt,
-                      JointCommand, JointState, Observed, ObservedLost, Packet, Reassembler, Reply, Result,
-                      SensorReading)
-from .host_port import HostPort, payload_of   # noqa: F401
-from .ring import Ring, RingError, RingTimeout, find_config   # noqa: F401
+import importlib
+
+# Loaded as soon as one of them is asked for: limb_ring.msg is for every ROS node that hears of a ring, and needs no
+# client library.
+_NAMES_IN = {
+    '_client': ['BROADCAST', 'JOINT_CHANNEL', 'MAX_PAYLOAD', 'TOPIC_CHANNEL', 'USER_CHANNEL', 'Announcement',
+                'CapturedPacket', 'CaptureCounts', 'Disconnected', 'Fragmenter', 'HostPortError', 'HostPortTimeout',
+                'Interrupt', 'JointCommand', 'JointState', 'Observed', 'ObservedLost', 'Packet', 'Reassembler', 'Reply',
+                'Result', 'SensorReading'],
+    'host_port': ['HostPort', 'payload_of'],   # Packet gets its `payload` there
+    'ring': ['Ring', 'RingError', 'RingTimeout', 'find_config'],
+}
+__all__ = [name for names in _NAMES_IN.values() for name in names]
+
+
+def __getattr__(name):
+    if name not in __all__:
+        raise AttributeError('limb_ring has no %s' % name)
+    for module, names in _NAMES_IN.items():
+        loaded = importlib.import_module('.' + module, __name__)
+        globals().update((each, getattr(loaded, each)) for each in names)
+    return globals()[name]
+
+
+def __dir__():
+    return sorted({*globals(), *__all__})
