@@ -141,6 +141,18 @@ class Dump(Looking):
 
 
 class Replay(Looking):
+    def test_counts_and_the_node_are_said_where_its_daemon_dies(self):
+        daemons = self.start_ring(plain_nodes(3))
+        path = self.capture('node0', '--kind', 'data', '-n', 20)
+        before = self.counters(1)['ended_delivered']
+        replay = self.start('replay', [program('ringctl'), 'replay', path, '--loop', '1000000'])
+        self.wait('some to arrive', lambda: self.counters(1)['ended_delivered'] > before + 20)
+        daemons[1].kill()
+        self.assertEqual(self.wait_exit(replay), 3)
+        said = self.log_of(replay)
+        self.assertRegex(said, r'sent [1-9]\d*, .*delivered [1-9]')
+        self.assertIn('node 1 (node1) of ring %s: ' % self.ring, said.splitlines()[-1])
+
     def test_sends_again_what_was_captured(self):
         self.start_ring(plain_nodes(3))
         path = self.capture('node0', '--kind', 'data,control', '-n', 20)

@@ -105,6 +105,18 @@ class Virtual(VirtualTest):
             answer = connection.recv(4096)
             self.assertIn((whose + ' speaks version 3 of the host port, this client version 2').encode(), answer)
 
+    def test_a_replay_says_that_the_clock_stands(self):
+        self.up(plain_nodes(3))
+        path = os.path.join(self.folder, 'some.pcapng')
+        dump = self.start('dump', [ring_process.program('ringctl'), 'dump', '--kind', 'data', '-n', '1', '-w', path])
+        port = self.port(0)
+        self.wait('the dump', lambda: port.wait(port.send(1, b'again')) and dump.poll() is not None)
+        self.ctl('pause')
+        replay = self.start('replay', [ring_process.program('ringctl'), 'replay', path])
+        self.wait('it to be said', lambda: 'ringctl run' in self.log_of(replay))
+        self.ctl('run')
+        self.assertEqual(self.wait_exit(replay), 0)
+
     def test_wrong_use_is_told(self):
         config = self.up(plain_nodes(3))
         again = self.ctl('up', config, '--clock', 'virtual', '--detach')

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <exception>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
+#include "app/ringctl/progress.h"
 #include "app/ringctl/replay_plan.h"
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/seen_packets.h"
@@ -38,14 +40,14 @@ struct ReplayOptions {
 /// Sends of a plan through the ports of their sources, in their time.
 class Replay {
  public:
-  Replay(const RingAccess& ring, const ReplayPlan& plan) : plan_(plan) {
+  Replay(const RingAccess& ring, const ReplayPlan& plan) : plan_(plan), progress_(ring.ring()) {
     for (const ReplaySend& send : plan.sends)
       if (ports_.count(send.source) == 0)
         ports_.emplace(send.source, ring.connect(ring.node(std::to_string(send.source))));
     for (const auto& [node, port] : ports_) waiting_.push_back({port.fd(), POLLIN, 0});
   }
 
-  /// @return false where somebody has asked it to end
+  /// @return false where somebody has asked it to end. @throw HostPortError where a daemon dies, as the next one
   bool run(double speed, process::SignalWait& signals) {
     const auto begin = steady_clock::now();
     for (const ReplaySend& send : plan_.sends) {
@@ -90,12 +92,13 @@ class Replay {
 
   void take_results(milliseconds patience) {
     for (auto& [node, port] : ports_)
-      while (const auto message = port.receive(milliseconds(0))) take(*message);
+      while (const auto message = port.receive(milliseconds(0))) take(port, *message);
+    progress_.tell();
     if (patience > milliseconds(0)) ::poll(waiting_.data(), waiting_.size(), static_cast<int>(patience.count()));
   }
 
-  void take(const Message& message) {
-    if (const auto* end = std::get_if<Disconnected>(&message)) throw HostPortError(end->reason);
+  void take(const HostPort& port, const Message& message) {
+    if (const auto* end = std::get_if<Disconnected>(&message)) throw gone(port, end->reason);
     const auto* result = std::get_if<Result>(&message);
     if (result == nullptr) return;
     ++ended_;
@@ -103,6 +106,7 @@ class Replay {
   }
 
   const ReplayPlan& plan_;
+  Progress progress_;
   std::map<wire::NodeId, HostPort> ports_;
   std::vector<pollfd> waiting_;
   std::map<Outcome, std::uint64_t> outcomes_;
@@ -146,14 +150,20 @@ int run(const Context& context, const ReplayOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring));
   process::SignalWait signals;
   Replay replay(ring, plan);
-  bool go_on = true;
-  for (unsigned i = 0; i < options.loop && go_on; ++i) go_on = replay.run(options.speed, signals);
-  replay.wait_for_results(signals);
+  std::exception_ptr daemon_gone;
+  try {
+    bool go_on = true;
+    for (unsigned i = 0; i < options.loop && go_on; ++i) go_on = replay.run(options.speed, signals);
+    replay.wait_for_results(signals);
+  } catch (const HostPortError&) {
+    daemon_gone = std::current_exception();
+  }
   const nlohmann::json report = report_of(replay, plan);
   if (options.json)
     std::cout << report.dump(2) << '\n';
   else
     print_text(report);
+  if (daemon_gone) std::rethrow_exception(daemon_gone);
   const bool all = report["outcomes"].value("delivered", std::uint64_t{0}) == plan.sends.size() * options.loop;
   return all ? kDone : kNotDone;
 }
