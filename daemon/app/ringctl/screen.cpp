@@ -27,6 +27,7 @@ Screen::Screen() {
   ::tcgetattr(STDIN_FILENO, &before_);
   termios keys = before_;
   keys.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  keys.c_cc[VSUSP] = _POSIX_VDISABLE;  // Ctrl-Z would leave this page, without a cursor, to the shell
   ::tcsetattr(STDIN_FILENO, TCSANOW, &keys);
   std::cout << kOpen << std::flush;
 }
