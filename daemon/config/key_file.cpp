@@ -79,8 +79,10 @@ void make_key_file(const std::string& path) {
   text += '\n';
   const OpenFile file(path, O_WRONLY | O_CREAT | O_EXCL);
   if (file.fd < 0) throw ConfigError(path + ": " + why() + (errno == EEXIST ? "; it is left as it is" : ""));
-  if (::write(file.fd, text.data(), text.size()) != static_cast<ssize_t>(text.size()) || ::fsync(file.fd) != 0)
-    throw ConfigError(path + ": " + why());
+  if (::write(file.fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(file.fd) == 0) return;
+  const std::string reason = why();
+  ::unlink(path.c_str());  // a part of a key is none, and would be in the way of the next try
+  throw ConfigError(path + ": " + reason);
 }
 
 }  // namespace limb_ring::config

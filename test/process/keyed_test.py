@@ -2,6 +2,8 @@
 
 import json
 import os
+import resource
+import signal
 import stat
 
 import ring_process
@@ -103,6 +105,17 @@ class Keyed(RingTest):
         self.assertIn('left as it is', again.stderr)
         with open(self.key) as key:
             self.assertEqual(key.read(), text)
+
+    def test_a_key_that_cannot_be_written_whole_leaves_no_file_behind(self):
+        def full_disk():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+
+        path = os.path.join(self.folder, 'full.key')
+        full = self.ctl('keygen', path, preexec_fn=full_disk)
+        self.assertEqual(full.returncode, 1)
+        self.assertIn('File too large', full.stderr)
+        self.assertFalse(os.path.exists(path))
 
     def test_beyond_this_host_there_is_a_key_or_the_word_insecure(self):
         ring = {'ring': self.ring, 'nodes': plain_nodes(2), 'links': {**self.links, 'address': '192.0.2.1'}}
