@@ -33,9 +33,8 @@ std::string machines_file(const config::RingConfig& ring, const std::string& env
     throw std::invalid_argument(ring.path + ": has no 'hosts', so there is nothing to start elsewhere");
   std::ostringstream file;
   file << "<launch>\n"
-          "  <!-- The hosts of ring "
-       << ring.ring
-       << ", for ring.launch machines:=THIS_FILE. env-loader is a script on the host that sets up ROS\n"
+          "  <!-- The hosts of a ring, for ring.launch machines:=THIS_FILE. env-loader is a script on the host that "
+          "sets up ROS\n"
           "       and runs its arguments, such as env.sh of a catkin workspace; user, ssh-port and timeout (s) may be\n"
           "       added: https://wiki.ros.org/roslaunch/XML/machine -->\n";
   for (const auto& host : ring.hosts) {

@@ -49,6 +49,13 @@ TEST(MachinesFile, LeavesOutAHostWithoutNodesAndEscapesWhatItIsTold) {
   EXPECT_THAT(file, AllOf(Not(HasSubstr("head")), HasSubstr("env-loader=\"/a &quot;b&quot; &amp; &lt;c&gt;\"")));
 }
 
+/// In a comment of XML two hyphens may not stand.
+TEST(MachinesFile, IsXmlAlsoForARingWithHyphensInItsName) {
+  auto ring = two_hosts();
+  ring.ring = "my--robot";
+  EXPECT_THAT(machines_file(ring, "e", ""), Not(HasSubstr("my--robot")));
+}
+
 TEST(MachinesFile, NeedsHosts) {
   const auto ring = config::parse_ring("ring: r\nnodes: [{id: 0}, {id: 1}]\n", "plain.yaml");
   EXPECT_THROW(machines_file(ring, "e", ""), std::invalid_argument);
