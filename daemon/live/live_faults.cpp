@@ -155,7 +155,7 @@ void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
   if (fault.name == Name::thaw) daemons_.thaw(node);
   if (fault.name == Name::start) daemons_.start(node);
   if (fault.name == Name::power_cycle) daemons_.power_cycle(node);
-  if (fault.name != Name::thaw) daemons_.wait_for_hello(node);
+  if (fault.name == Name::power_cycle) daemons_.wait_for_hello(node);
   remove_note(daemons_.folder(), node);  // last: without it 'ringctl up --respawn' would start a second daemon
 }
 
@@ -245,10 +245,7 @@ void LiveFaults::remove(const std::string& id) const {
 
 void LiveFaults::revive(wire::NodeId node, std::chrono::milliseconds patience) const {
   if (daemons_.is_stopped(node)) daemons_.thaw(node);
-  if (!daemons_.holder(node).held) {
-    daemons_.start(node);
-    daemons_.wait_for_hello(node, patience);
-  }
+  if (!daemons_.holder(node).held) daemons_.start(node, patience);
   remove_note(daemons_.folder(), node);
 }
 

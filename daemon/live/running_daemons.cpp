@@ -11,7 +11,9 @@
 
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
+#include "process/child.h"
 #include "process/process_state.h"
+#include "process/program.h"
 #include "process/spawn.h"
 
 namespace limb_ring::live {
@@ -39,6 +41,11 @@ bool wait_for(const std::function<bool()>& condition, milliseconds patience) {
 bool has_said_hello(const json& row) {
   const std::string state = row.value("state", "");
   return state != "" && state != "starting" && state != "joining";
+}
+
+NotDone not_joined(const std::string& node, milliseconds patience) {
+  return NotDone("node " + node + " was started, but has not joined the ring within " +
+                 std::to_string(patience.count()) + " ms");
 }
 
 }  // namespace
@@ -124,8 +131,8 @@ void RunningDaemons::thaw(wire::NodeId id) const {
     throw NotDone("node " + node(id).name + " does not go on");
 }
 
-void RunningDaemons::start(wire::NodeId id) const {
-  if (done_in_virtual_ring(fault::Name::start, id)) return;
+void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
+  if (done_in_virtual_ring(fault::Name::start, id)) return wait_for_hello(id, patience);
   const Holder last = holder(id);
   if (last.held) throw NotDone("node " + node(id).name + " runs already, pid " + std::to_string(last.pid));
   if (last.program.empty())
@@ -141,8 +148,14 @@ void RunningDaemons::start(wire::NodeId id) const {
   request.output = output.get();
   request.group = process::SpawnRequest::Group::session;
   request.death_signal = 0;
-  const process::Spawned daemon = process::spawn(request);
-  if (daemon.pid < 0) throw NotDone(std::string("cannot fork: ") + std::strerror(daemon.error));
+  process::Child daemon(process::spawn(request), request.path);
+  // Where it has ended and the node runs all the same, somebody else has started it.
+  const auto in_vain = [&] { return (daemon.reap() || daemon.ended()) && !holder(id).held; };
+  const bool in_time = wait_for([&] { return has_joined(id) || in_vain(); }, patience);
+  if (in_vain())
+    throw NotDone("node " + node(id).name + " cannot be started: " + daemon.ended()->text +
+                  process::last_lines_of(log));
+  if (!in_time) throw not_joined(node(id).name, patience);
 }
 
 std::uint64_t RunningDaemons::boot_of(wire::NodeId id) const {
@@ -170,17 +183,16 @@ void RunningDaemons::power_cycle(wire::NodeId id) const {
   if (!wait_for(is_new, kComesUp)) throw NotDone("node " + node(id).name + " does not come back");
 }
 
+bool RunningDaemons::has_joined(wire::NodeId id) const {
+  try {
+    return has_said_hello(ask(id, {{"do", "status"}}));
+  } catch (const HostPortError&) {
+    return false;
+  }
+}
+
 void RunningDaemons::wait_for_hello(wire::NodeId id, milliseconds patience) const {
-  const auto joined = [&] {
-    try {
-      return has_said_hello(ask(id, {{"do", "status"}}));
-    } catch (const HostPortError&) {
-      return false;
-    }
-  };
-  if (!wait_for(joined, patience))
-    throw NotDone("node " + node(id).name + " was started, but has not joined the ring within " +
-                  std::to_string(patience.count()) + " ms");
+  if (!wait_for([&] { return has_joined(id); }, patience)) throw not_joined(node(id).name, patience);
 }
 
 }  // namespace limb_ring::live

@@ -40,8 +40,9 @@ class RunningDaemons {
   /// SIGSTOP and SIGCONT, of the daemon alone: its CPU goes on.
   void freeze(wire::NodeId node) const;
   void thaw(wire::NodeId node) const;
-  /// With the arguments of its last start, in a session of its own, with a log file in the ring's folder.
-  void start(wire::NodeId node) const;
+  /// With the arguments of its last start, in a session of its own, with a log file in the ring's folder. As
+  /// wait_for_hello(); NotDone at once where the daemon ends instead.
+  void start(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
   /// As if its power went off and on; same pid.
   void power_cycle(wire::NodeId node) const;
   /// Returns when the node has said hello. @throw NotDone where it has not within `patience`
@@ -49,6 +50,7 @@ class RunningDaemons {
 
  private:
   std::uint64_t boot_of(wire::NodeId node) const;
+  bool has_joined(wire::NodeId node) const;
   nlohmann::json ask_through(HostPort& port, const nlohmann::json& request) const;
   bool done_in_virtual_ring(fault::Name what, wire::NodeId node) const;
   void signal(wire::NodeId node, int number) const;

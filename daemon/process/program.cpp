@@ -83,9 +83,10 @@ std::string Program::output() const {
   return text.str();
 }
 
-std::string Program::last_lines() const {
-  if (log_.empty()) return {};
-  std::ifstream file(log_);
+std::string Program::last_lines() const { return log_.empty() ? "" : last_lines_of(log_); }
+
+std::string last_lines_of(const std::string& log) {
+  std::ifstream file(log);
   std::deque<std::string> lines;
   for (std::string line; std::getline(file, line);) {
     lines.push_back(line);
@@ -93,7 +94,7 @@ std::string Program::last_lines() const {
   }
   std::string text;
   for (const std::string& line : lines) text += "\n  " + line;
-  return text.empty() ? "; " + log_ + " is empty" : text;
+  return text.empty() ? "; " + log + " is empty" : text;
 }
 
 }  // namespace limb_ring::process

@@ -27,6 +27,9 @@ struct ProgramRequest {
   std::optional<cpu_set_t> cores;  ///< it may use; empty: as this process
 };
 
+/// The last five lines of a log, each behind a line break and two blanks, or that the log is empty.
+std::string last_lines_of(const std::string& log);
+
 /// A program that this process has started and waits for. It goes on when this object is gone.
 class Program : public Child {
  public:
@@ -35,8 +38,7 @@ class Program : public Child {
 
   /// All that it has written into its log.
   std::string output() const;
-  /// The last five lines of its log, each behind a line break and two blanks, or that the log is empty; nothing where
-  /// it has no log.
+  /// last_lines_of() its log; nothing where it has none.
   std::string last_lines() const;
 
  private:

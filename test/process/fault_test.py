@@ -24,6 +24,19 @@ class Nodes(FaultTest):
         self.assertEqual(self.listed(), {})
         self.assertIn('runs already', self.fault('start', 'node2', code=1))
 
+    def test_a_node_that_cannot_be_started_is_told_at_once_with_its_last_words(self):
+        self.start_ring(plain_nodes(3))
+        self.begin('kill', 'node2')
+        config = os.path.join(self.folder, 'ring.yaml')
+        os.rename(config, config + '.moved')
+        said = self.fault('start', 'node2', code=1)
+        self.assertIn('node node2 cannot be started: exit 2', said)
+        self.assertIn(config + ': there is no such file', said)
+        self.assertIn('cannot be started', self.ctl('fault', 'clear').stderr)
+        os.rename(config + '.moved', config)
+        self.fault('start', 'node2')
+        self.wait_closed(range(3))
+
     def test_a_ring_of_which_all_nodes_were_killed_is_brought_back(self):
         self.start_ring(plain_nodes(3))
         self.begin('kill', 'all')
