@@ -53,9 +53,11 @@ void ClientCalls::on_pull(host::ClientId client, const client::PullRequest& requ
 }
 
 void ClientCalls::on_request(host::ClientId client, const client::JsonRequest& request) {
+  // The path of the ring's file is any bytes; JSON is UTF-8.
+  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
   to_.requests.handle(std::string(request.json), is_cpu(client),
                       [this, client, token = request.token](const nlohmann::json& answer) {
-                        to_.host.reply(client, token, answer.dump());
+                        to_.host.reply(client, token, answer.dump(-1, ' ', /*ensure_ascii=*/false, kReplace));
                       });
 }
 

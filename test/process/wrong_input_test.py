@@ -51,6 +51,16 @@ class WrongFile(RingTest):
             self.assertEqual(ended.returncode, 2, ended.stderr)
             self.assertNotEqual(ended.stderr, '')
 
+    def test_a_ring_whose_file_has_a_name_that_is_not_utf_8_is_seen_by_all_tools(self):
+        folder = os.fsencode(self.folder) + b'/\xff'
+        os.mkdir(folder)
+        with open(folder + b'/ring.yaml', 'w') as file:
+            file.write(GOOD)
+        up = self.ctl('up', os.fsdecode(folder) + '/ring.yaml', '--detach')
+        self.assertEqual(up.returncode, 0, up.stderr)
+        self.assertTrue(self.ctl_json('status')['path'].endswith('/\ufffd/ring.yaml'))
+        self.assertEqual(self.ctl('ping', 'b', '-c', '1').returncode, 0)
+
     def test_ringctl_up_refuses_the_same(self):
         path = self.write('wrong.yaml', GOOD + 'limit: {}\n')
         up = self.ctl('up', path, '--detach')

@@ -62,7 +62,9 @@ std::string csv(const std::vector<std::vector<std::string>>& table) {
 }  // namespace
 
 std::string format_rows(const std::vector<Row>& rows, Format format) {
-  if (format == Format::json) return Row(rows).dump(2) + "\n";
+  // A path may be any bytes; JSON is UTF-8.
+  if (format == Format::json)
+    return Row(rows).dump(2, ' ', /*ensure_ascii=*/false, Row::error_handler_t::replace) + "\n";
   if (rows.empty()) return "";
   return format == Format::csv ? csv(cells(rows)) : text_table(cells(rows));
 }

@@ -111,6 +111,12 @@ TEST_F(ScenarioCommand, AFileThatCannotBeWrittenIsNamedBeforeAnyIsRun) {
   }
 }
 
+TEST_F(ScenarioCommand, ItsJsonIsUtf8AlsoWhereAFilesNameIsNot) {
+  const CliRun said = run_scenarios({write("good\xff.yaml", kGood), "--json"});
+  EXPECT_EQ(said.code, kDone) << said.errors;
+  EXPECT_THAT(said.out, HasSubstr("good\xef\xbf\xbd.yaml"));
+}
+
 TEST_F(ScenarioCommand, WritesJunitAndJson) {
   const std::string junit = folder + "/junit.xml";
   const CliRun said = run_scenarios({write("unmet.yaml", kUnmet), "--junit", junit, "--json"});
