@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 
 namespace limb_ring::app {
@@ -12,6 +13,11 @@ namespace limb_ring::app {
 std::string open_for_writing(std::ofstream& file, const std::string& path) {
   file.open(path, std::ios::binary);
   return file ? "" : path + ": cannot be written: " + std::strerror(errno);
+}
+
+bool is_same_file(const std::string& one, const std::string& other) {
+  std::error_code missing;
+  return std::filesystem::equivalent(one, other, missing);
 }
 
 // Streams do not keep the reason: writing once more fails for the same one.

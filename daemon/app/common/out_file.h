@@ -8,6 +8,9 @@ namespace limb_ring::app {
 /// @return what is wrong: the file and the system's reason; empty where it can be written now
 std::string open_for_writing(std::ofstream& file, const std::string& path);
 
+/// Whether both are there and are one file: what is to be read from the one would be lost where the other is written.
+bool is_same_file(const std::string& one, const std::string& other);
+
 /// Writes what is held back.
 /// @return what is wrong: the file and the system's reason, as far as it is known; empty where all has been written
 std::string finish_writing(std::ostream& out, const std::string& path);

@@ -111,6 +111,16 @@ TEST_F(ScenarioCommand, AFileThatCannotBeWrittenIsNamedBeforeAnyIsRun) {
   }
 }
 
+TEST_F(ScenarioCommand, WritesOverNoScenario) {
+  const std::string path = write("good.yaml", kGood);
+  for (const char* option : {"--junit", "--capture"}) {
+    const CliRun said = run_scenarios({path, option, path});
+    EXPECT_EQ(said.code, kUsage) << option;
+    EXPECT_THAT(said.errors, HasSubstr("good.yaml is a scenario that is to be run, and would be lost")) << option;
+    EXPECT_EQ(run_scenarios({path}).code, kDone) << option;
+  }
+}
+
 TEST_F(ScenarioCommand, ItsJsonIsUtf8AlsoWhereAFilesNameIsNot) {
   const CliRun said = run_scenarios({write("good\xff.yaml", kGood), "--json"});
   EXPECT_EQ(said.code, kDone) << said.errors;

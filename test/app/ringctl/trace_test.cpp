@@ -83,6 +83,14 @@ TEST_F(Trace, DrawsAPictureWithABarForEachPacketInTheWay) {
   EXPECT_EQ(grey, 3u);
 }
 
+TEST_F(Trace, DoesNotDrawOverTheCapture) {
+  const std::string path = captured(Case::adversarial);
+  const CliRun said = trace({path, "--svg", path});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("--svg names the capture itself: " + path + " would be lost"));
+  EXPECT_EQ(trace({path}).code, kDone) << "it is as it was";
+}
+
 TEST_F(Trace, WithOverShowsAllThatWereSlower) {
   EXPECT_THAT(trace({captured(Case::adversarial), "--over", "1us"}).errors, Not(HasSubstr("that fit")));
 }

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <ctime>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "app/capture_text/packet_bytes.h"
 #include "app/common/colour.h"
+#include "app/common/out_file.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/capture_names.h"
 #include "app/ringctl/command/channel.h"
@@ -96,8 +96,7 @@ void show_records(capture::PcapngReader& reader, const DumpOptions& options, cap
 
 int dump_file(const DumpOptions& options) {
   if (!options.nodes.empty()) throw UsageError("-r reads a file, which has its own nodes: leave NODE out");
-  std::error_code missing;
-  if (std::filesystem::equivalent(options.read, options.write, missing))
+  if (app::is_same_file(options.read, options.write))
     throw UsageError("-r and -w name the same file: " + options.write + " would be lost; write to another one");
   capture::CaptureFile file(options.read);
   capture::PcapngReader& reader = file.reader();

@@ -66,7 +66,10 @@ void finish(std::ostream& out, const std::string& path) {
 }
 
 /// Before anything is run, so that a file that cannot be written costs no time. An empty path is none.
-std::ofstream open_output(const std::string& path) {
+std::ofstream open_output(const std::string& path, const std::vector<std::string>& scenarios) {
+  for (const std::string& scenario : scenarios)
+    if (app::is_same_file(scenario, path))
+      throw UsageError(path + " is a scenario that is to be run, and would be lost; write to another file");
   std::ofstream out;
   const std::string problem = path.empty() ? "" : app::open_for_writing(out, path);
   if (!problem.empty()) throw UsageError(problem);
@@ -77,7 +80,7 @@ std::ofstream open_capture(const ScenarioOptions& options) {
   if (options.capture.empty()) return {};
   if (options.live) throw UsageError("--capture: under the virtual clock alone; beside --live there is 'ringctl dump'");
   if (options.files.size() != 1) throw UsageError("--capture: one scenario at a time, its times begin at 0");
-  return open_output(options.capture);
+  return open_output(options.capture, options.files);
 }
 
 void require_live(const Scenario& scenario, const std::string& transport) {
@@ -131,7 +134,7 @@ ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::
 
 int run(const ScenarioOptions& options) {
   const std::vector<Scenario> scenarios = load(options);
-  std::ofstream capture = open_capture(options), junit = open_output(options.junit);
+  std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
   std::vector<ScenarioRun> runs;
   for (const Scenario& scenario : scenarios) {
     runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr));

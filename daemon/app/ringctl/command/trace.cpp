@@ -72,6 +72,8 @@ void check(const TraceOptions& options) {
   if (options.live != options.file.empty())
     throw UsageError("trace: either FILE, a capture, or --live: choose one of them");
   if (options.lasts_s && !options.live) throw UsageError("--for: how long to capture, with --live");
+  if (app::is_same_file(options.file, options.svg))
+    throw UsageError("--svg names the capture itself: " + options.svg + " would be lost; draw into another file");
   if (!options.live) return;
   if (!options.at.empty()) throw UsageError("--at: of a capture; what is to come with --live has no time yet");
 }
