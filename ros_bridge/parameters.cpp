@@ -17,12 +17,47 @@ using CpuKind = config::CpuConfig::Kind;
 constexpr auto kAlivePeriod = std::chrono::seconds(1);
 constexpr double kMaxRate = 1000.0;
 
+[[noreturn]] void refuse_type(const std::string& name, const std::string& right, const XmlRpc::XmlRpcValue& given) {
+  throw std::invalid_argument("parameter ~" + name + " must be " + right + ", and is " + given.toXml());
+}
+
+}  // namespace
+
+XmlRpc::XmlRpcValue given_parameter(const ros::NodeHandle& own, const std::string& name) {
+  XmlRpc::XmlRpcValue value;
+  own.getParam(name, value);
+  return value;
+}
+
 // roslaunch turns a value such as 12 into a number, whatever it was meant for.
-std::string text_parameter(const ros::NodeHandle& own, const std::string& name) {
-  std::string text;
-  if (own.getParam(name, text)) return text;
-  int number = 0;
-  return own.getParam(name, number) ? std::to_string(number) : "";
+std::string text_parameter(const std::string& name, XmlRpc::XmlRpcValue given) {
+  if (!given.valid()) return {};
+  if (given.getType() == XmlRpc::XmlRpcValue::TypeInt) return std::to_string(static_cast<int&>(given));
+  if (given.getType() != XmlRpc::XmlRpcValue::TypeString) refuse_type(name, "a text", given);
+  return static_cast<std::string&>(given);
+}
+
+double number_parameter(const std::string& name, XmlRpc::XmlRpcValue given, double usual) {
+  if (!given.valid()) return usual;
+  if (given.getType() == XmlRpc::XmlRpcValue::TypeInt) return static_cast<int&>(given);
+  if (given.getType() != XmlRpc::XmlRpcValue::TypeDouble) refuse_type(name, "a number", given);
+  return static_cast<double&>(given);
+}
+
+bool flag_parameter(const std::string& name, XmlRpc::XmlRpcValue given, bool usual) {
+  if (!given.valid()) return usual;
+  if (given.getType() != XmlRpc::XmlRpcValue::TypeBoolean) refuse_type(name, "true or false", given);
+  return static_cast<bool&>(given);
+}
+
+namespace {
+
+std::string given_text(const ros::NodeHandle& own, const std::string& name) {
+  return text_parameter(name, given_parameter(own, name));
+}
+
+bool given_flag(const ros::NodeHandle& own, const std::string& name) {
+  return flag_parameter(name, given_parameter(own, name), false);
 }
 
 std::string candidates(const config::RingConfig& ring) {
@@ -34,14 +69,14 @@ std::string candidates(const config::RingConfig& ring) {
 
 /// The first word where it is not given.
 std::string word_parameter(const ros::NodeHandle& own, const std::string& name, const std::vector<std::string>& words) {
-  const std::string given = own.param(name, words.front());
+  const std::string told = given_text(own, name), given = told.empty() ? words.front() : told;
   if (std::find(words.begin(), words.end(), given) == words.end())
     throw std::invalid_argument("parameter ~" + name + " is '" + given + "'; it must be " + config::join(words));
   return given;
 }
 
 double rate_parameter(const ros::NodeHandle& own, double configured) {
-  const double rate = own.param("rate", 0.0);
+  const double rate = number_parameter("rate", given_parameter(own, "rate"), 0.0);
   if (rate == 0.0) return configured;
   if (!std::isfinite(rate) || rate < 0 || rate > kMaxRate)
     throw std::invalid_argument("parameter ~rate is " + std::to_string(rate) +
@@ -67,7 +102,7 @@ const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std:
 }
 
 std::string config_parameter(const ros::NodeHandle& own) {
-  const auto path = text_parameter(own, "config");
+  const auto path = given_text(own, "config");
   if (path.empty()) throw std::invalid_argument("parameter ~config is needed: the ring's YAML file");
   return path;
 }
@@ -75,22 +110,22 @@ std::string config_parameter(const ros::NodeHandle& own) {
 Parameters read_parameters(const ros::NodeHandle& own) {
   Parameters parameters;
   parameters.ring = config::load_ring(config_parameter(own));
-  const auto ring = text_parameter(own, "ring");
+  const auto ring = given_text(own, "ring");
   if (!ring.empty()) config::rename_ring(parameters.ring, ring);
   parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
-  parameters.promises = own.param("promises", false);
-  own.getParam("frames", parameters.frames);
+  parameters.promises = given_flag(own, "promises");
+  parameters.frames = given_parameter(own, "frames");
   const std::string clock = word_parameter(own, "clock", {"none", "tell", "follow"});
   parameters.tells_time = clock == "tell";
   parameters.follows = clock == "follow";
-  parameters.sample_log = text_parameter(own, "sample_log");
+  parameters.sample_log = given_text(own, "sample_log");
   parameters.daemon.ring = parameters.ring.ring;
-  const std::string named = text_parameter(own, "node");
+  const std::string named = given_text(own, "node");
   const config::NodeConfig& node = bridge_node(parameters.ring, named);
   parameters.daemon.node = node.name;
   parameters.daemon.role = node.cpu.kind == CpuKind::attached ? Role::cpu : Role::tool;
   parameters.daemon.alive_period = kAlivePeriod;
-  parameters.daemon.restarted_by_owner = own.param("respawn", false);
+  parameters.daemon.restarted_by_owner = given_flag(own, "respawn");
   parameters.daemon.timeout = std::chrono::milliseconds(0);
   return parameters;
 }

@@ -25,6 +25,16 @@ struct Parameters {
 /// @throw std::invalid_argument, config::ConfigError naming what is wrong and what would be right
 Parameters read_parameters(const ros::NodeHandle& own);
 
+/// A private parameter by its name, as getParam() gives it (not valid: it is not given).
+/// @return what it says; the usual value, or an empty text, where it is not given
+/// @throw std::invalid_argument where it is of another type, which getParam(name, value) takes for not given, or rounds
+std::string text_parameter(const std::string& name, XmlRpc::XmlRpcValue given);
+double number_parameter(const std::string& name, XmlRpc::XmlRpcValue given, double usual);
+bool flag_parameter(const std::string& name, XmlRpc::XmlRpcValue given, bool usual);
+
+/// What the parameter server has of a private parameter.
+XmlRpc::XmlRpcValue given_parameter(const ros::NodeHandle& own, const std::string& name);
+
 /// Parameter ~config: path of the ring's YAML file. @throw std::invalid_argument where it is not given
 std::string config_parameter(const ros::NodeHandle& own);
 

@@ -28,8 +28,9 @@ sensor_msgs::JointState command_at(const limb_ring::bridge::Gait& gait, ros::Wal
 
 void walk() {
   ros::NodeHandle nodes, own("~");
-  const limb_ring::bridge::Gait gait(limb_ring::config::load_ring(limb_ring::bridge::config_parameter(own)),
-                                     own.param("step", 1.6));
+  using namespace limb_ring::bridge;
+  const Gait gait(limb_ring::config::load_ring(config_parameter(own)),
+                  number_parameter("step", given_parameter(own, "step"), 1.6));
   auto commands = nodes.advertise<sensor_msgs::JointState>("joint_commands", 1);
   const auto start = ros::WallTime::now();
   const auto timer = nodes.createWallTimer(

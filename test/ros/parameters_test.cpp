@@ -40,6 +40,36 @@ TEST(BridgeNode, IsRefusedWithTheChoiceWhereItIsUnknownOrHasACpuOfItsOwn) {
   EXPECT_THAT(refusal(small_robot(), "knee"), HasSubstr("nodes for a bridge: body"));
 }
 
+TEST(Parameter, IsWhatWasGivenElseTheUsual) {
+  using XmlRpc::XmlRpcValue;
+  EXPECT_EQ(text_parameter("node", XmlRpcValue("head")), "head");
+  EXPECT_EQ(text_parameter("node", XmlRpcValue(12)), "12");
+  EXPECT_EQ(text_parameter("node", {}), "");
+  EXPECT_EQ(number_parameter("rate", XmlRpcValue(20), 50), 20);
+  EXPECT_EQ(number_parameter("rate", XmlRpcValue(0.5), 50), 0.5);
+  EXPECT_EQ(number_parameter("rate", {}, 50), 50);
+  EXPECT_TRUE(flag_parameter("promises", XmlRpcValue(true), false));
+  EXPECT_TRUE(flag_parameter("promises", {}, true));
+}
+
+/// What getParam() would take for not given, or round.
+TEST(Parameter, OfAnotherTypeIsRefusedByName) {
+  using XmlRpc::XmlRpcValue;
+  const auto refused = [](const auto& read) -> std::string {
+    try {
+      read();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "not refused";
+  };
+  EXPECT_THAT(refused([] { text_parameter("config", XmlRpcValue(5.5)); }), HasSubstr("~config must be a text"));
+  EXPECT_THAT(refused([] { text_parameter("node", XmlRpcValue(true)); }), HasSubstr("~node must be a text"));
+  EXPECT_THAT(refused([] { number_parameter("rate", XmlRpcValue("fast"), 0); }), HasSubstr("~rate must be a number"));
+  EXPECT_THAT(refused([] { flag_parameter("promises", XmlRpcValue("yes"), false); }),
+              HasSubstr("~promises must be true or false, and is <value>yes</value>"));
+}
+
 TEST(BridgeNode, IsTheFirstNodeWhereNoneHasAnAttachedCpu) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/plain4.yaml");
   EXPECT_EQ(bridge_node(ring, "").name, "node0");
