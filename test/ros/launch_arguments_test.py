@@ -115,6 +115,11 @@ class LaunchArguments(unittest.TestCase):
                 output = roslaunch('config:=' + TWO_BRIDGES, 'ring:=' + own_ring(), argument)
                 self.assertIn(said, output)
 
+    def test_a_pace_or_an_end_without_a_clock_of_its_own_is_an_error(self):
+        for argument, option in (('pace:=2', '--pace'), ('lasts:=3', '--for')):
+            with self.subTest(argument):
+                self.assertIn(option + ' requires --clock', roslaunch('nodes:=2', 'ring:=' + own_ring(), argument))
+
     def test_what_keeps_the_walk_from_starting_is_said_and_ends_the_launch(self):
         self.assertIn('it must be 0.8 to 10 s', roslaunch('ring:=' + own_ring(), 'step:=99', file='demo.launch'))
 
