@@ -7,6 +7,16 @@ namespace limb_ring::bridge {
 
 using payload::Fragment;
 
+namespace {
+
+/// Or may have: in an open chain nothing returns, but what lies behind the break is known.
+bool arrived(const Result& result) {
+  if (result.outcome == Outcome::unconfirmed) return result.why != Reason::out_of_reach;
+  return result.outcome == Outcome::delivered;
+}
+
+}  // namespace
+
 TopicSender::TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send, Counters& counters)
     : fragmenter_(number),
       topic_(topic),
@@ -26,12 +36,13 @@ void TopicSender::offer(TopicMessage message) {
 
 void TopicSender::announce() {
   announce_due_ = type_.has_value();
+  if (latched_missing_ && waiting_.empty()) waiting_.push_back(*latched_);
   pump();
 }
 
 void TopicSender::far_side_restarted() {
   type_is_known_ = false;
-  if (latched_ && waiting_.empty()) waiting_.push_back(*latched_);
+  latched_missing_ = latched_.has_value();
   announce();
 }
 
@@ -70,11 +81,13 @@ bool TopicSender::start_message() {
     TopicMessage message = std::move(waiting_.front());
     waiting_.pop_front();
     latched_.reset();
+    latched_missing_ = false;
     if (message.type.latching) latched_ = message;
     if (fragmenter_.start(Fragment::Kind::data, std::move(message.bytes))) {
       begin_flight(false);
       return true;
     }
+    latched_.reset();
     count("dropped_too_large");
   }
   return false;
@@ -98,9 +111,8 @@ void TopicSender::on_result(std::uint64_t serial, const Result& result) {
   Flight& flight = flights_[serial];
   --under_way_;
   --flight.unanswered;
-  const bool arrived = result.outcome == Outcome::delivered || result.outcome == Outcome::unconfirmed;
-  if (!arrived && !flight.failed) {
-    fail(flight, result.outcome);
+  if (!arrived(result) && !flight.failed) {
+    fail(flight, serial, result.outcome);
     given_up_ = given_up_ || serial == serial_;
   }
   if (flight.unanswered == 0 && (flight.all_sent || flight.failed)) {
@@ -112,11 +124,12 @@ void TopicSender::on_result(std::uint64_t serial, const Result& result) {
 
 // After a failed announcement nothing is sent until the next announce(): there may be nobody to
 // listen, and asking again at once would only load the ring.
-void TopicSender::fail(Flight& flight, Outcome outcome) {
+void TopicSender::fail(Flight& flight, std::uint64_t serial, Outcome outcome) {
   flight.failed = true;
   type_is_known_ = false;
   announce_due_ = !flight.announcement;
   count((flight.announcement ? "announcement_" : "dropped_") + outcome_word(outcome));
+  if (!flight.announcement && serial == serial_) latched_missing_ = latched_.has_value();
 }
 
 void TopicSender::finish(const Flight& flight) {

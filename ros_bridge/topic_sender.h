@@ -26,7 +26,8 @@ struct TopicMessage {
 /// At most `kWindow` fragments are under way, so that a large message never fills the
 /// controller's send queue. The topic's type goes before its first message, whenever it
 /// changes, and once a second (announce()), because the far side may have restarted. After a
-/// fragment that was not delivered the rest of its message is not sent.
+/// fragment that was not delivered the rest of its message is not sent. A latched topic's last
+/// message is sent again, with the next announce(), until it has arrived.
 class TopicSender {
  public:
   static constexpr unsigned kWindow = 4;
@@ -57,7 +58,7 @@ class TopicSender {
   void begin_flight(bool announcement);
   void send_fragment();
   void on_result(std::uint64_t serial, const Result& result);
-  void fail(Flight& flight, Outcome outcome);
+  void fail(Flight& flight, std::uint64_t serial, Outcome outcome);
   void finish(const Flight& flight);
   void count(const std::string& what) { counters_.add(prefix_ + what); }
 
@@ -70,8 +71,9 @@ class TopicSender {
   std::deque<TopicMessage> waiting_;
   std::optional<payload::Announcement> type_;  // announced last
   std::optional<TopicMessage> latched_;
-  bool announce_due_ = false;   // announce before the next message
-  bool type_is_known_ = false;  // the announcement arrived: messages may follow
+  bool latched_missing_ = false;  // the far side has not got it: it is sent again with the next announce()
+  bool announce_due_ = false;     // announce before the next message
+  bool type_is_known_ = false;    // the announcement arrived: messages may follow
 
   std::map<std::uint64_t, Flight> flights_;  // by serial number
   std::uint64_t serial_ = 0;                 // of the message in the fragmenter

@@ -31,12 +31,13 @@ class Topic : public ::testing::Test {
             std::vector<std::uint8_t>(size, fill)};
   }
   /// Ends the oldest send; what was delivered is received.
-  void answer(Outcome outcome) {
+  void answer(Outcome outcome, Reason why = {}) {
     auto [packet, done] = std::move(under_way.front());
     under_way.pop_front();
     if (outcome == Outcome::delivered) receive(packet);
     Result result;
     result.outcome = outcome;
+    result.why = why;
     done(result);
   }
   void answer_all(Outcome outcome = Outcome::delivered) {
@@ -166,6 +167,39 @@ TEST_F(Topic, RepeatsALatchedMessageForAFarSideThatHasRestarted) {
   answer_all();
   EXPECT_THAT(first_bytes(), ElementsAre('a', 'a'));
   EXPECT_TRUE(far_side.announcement(kSource, kNumber)->latching);
+}
+
+TEST_F(Topic, WaitsWhileTheFarSideIsOutOfReachOfAnOpenChain) {
+  sender.offer(message(1, 'a'));
+  answer(Outcome::unconfirmed, Reason::out_of_reach);
+  EXPECT_TRUE(under_way.empty()) << "nothing is sent in vain";
+  sender.announce();
+  answer_all();
+  EXPECT_THAT(first_bytes(), ElementsAre('a'));
+}
+
+TEST_F(Topic, RepeatsALatchedMessageThatDidNotArrive) {
+  sender.offer(message(1, 'a', /*latching=*/true));
+  answer(Outcome::delivered);
+  answer(Outcome::unconfirmed, Reason::out_of_reach);
+  answer(Outcome::unconfirmed, Reason::out_of_reach);
+  EXPECT_TRUE(under_way.empty()) << "nothing is sent in vain";
+  sender.announce();
+  answer_all();
+  EXPECT_THAT(first_bytes(), ElementsAre('a'));
+  EXPECT_EQ(counted("dropped_unconfirmed"), 1u);
+  EXPECT_EQ(counted("sent"), 1u);
+}
+
+TEST_F(Topic, DoesNotRepeatALatchedMessageThatIsNotTheLast) {
+  sender.offer(message(1, 'a', /*latching=*/true));
+  answer(Outcome::delivered);
+  sender.offer(message(1, 'b', /*latching=*/true));
+  answer(Outcome::lost);
+  answer_all();
+  sender.announce();
+  answer_all();
+  EXPECT_THAT(first_bytes(), ElementsAre('b'));
 }
 
 TEST_F(Topic, DoesNotRepeatAMessageThatIsNotLatched) {
