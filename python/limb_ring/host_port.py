@@ -95,6 +95,8 @@ class HostPort:
         @param data 1 to 512 bytes; or a JointState, JointCommand or SensorReading
         @param channel default: 2 for one of these, else 0"""
         typed = hasattr(data, 'encode') and not isinstance(data, str)
+        if isinstance(data, int):
+            raise TypeError('data: bytes are needed, not %r' % data)   # bytes(5) would be five zeros
         content = data.encode() if typed else bytes(data)
         if channel is None:
             channel = JOINT_CHANNEL if typed else 0

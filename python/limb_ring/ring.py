@@ -162,7 +162,7 @@ class Ring:
     def node(self, node):
         """The row of one node: 'state', 'ring_size', 'cpu', 'counters' ..."""
         for row in self.status()['nodes']:
-            if node in (row['id'], row.get('name')):
+            if node in (row['id'], str(row['id']), row.get('name')):
                 return row
         raise RingError('no node %s in this ring' % node)
 
@@ -213,8 +213,8 @@ class Ring:
         return port
 
     def id_of(self, node):
-        if isinstance(node, int):
-            return node
+        if isinstance(node, int) or node.isdigit():   # no name begins with a digit
+            return int(node)
         if node == 'all':
             return _client.BROADCAST
         if node not in self._ids:

@@ -76,6 +76,8 @@ def test_bad_arguments_are_results_that_say_so(ring):
     assert port.wait(port.send(1, b'')).why == 'bad_size'
     assert port.wait(port.send(1, b'x', channel=64)).why == 'bad_channel'
     assert 'factors are 0 to 7' in port.wait(port.interrupt(1, 9)).reason
+    with pytest.raises(TypeError, match='bytes are needed, not 5'):
+        port.send(1, 5)
 
 
 @needs_ring

@@ -120,6 +120,12 @@ def test_what_is_wrong_is_said_in_the_words_of_ringctl():
             ring.fault('melt', 'knee')
 
 
+def test_nodes_go_by_name_or_id_which_may_be_a_text():
+    with Ring(plain('named')) as ring:
+        assert {ring.node(node)['name'] for node in ('body', 0, '0')} == {'body'}
+        assert {ring.send('0', node, b'x').outcome for node in ('knee', 1, '1')} == {'delivered'}
+
+
 def test_files_that_come_with_the_package_are_found():
     assert os.path.basename(find_config('humanoid16.yaml')) == 'humanoid16.yaml'
 
