@@ -111,10 +111,10 @@ class Launcher:
 
     def _holder_of(self, lock):
         try:
-            with open(lock) as file:
+            with open(lock, 'rb') as file:   # its paths, and variables, are any bytes
                 pid = int(file.readline() or 0)
-            with open('/proc/%d/environ' % pid) as file:
-                ours = 'XDG_RUNTIME_DIR=' + self.runtime in file.read().split('\0')
+            with open('/proc/%d/environ' % pid, 'rb') as file:
+                ours = b'XDG_RUNTIME_DIR=' + os.fsencode(self.runtime) in file.read().split(b'\0')
         except (OSError, ValueError):
             return None
         return pid if ours else None

@@ -98,6 +98,15 @@ def test_nothing_is_left_of_a_ring():
         ring.status()
 
 
+def test_nothing_is_left_where_a_variable_is_not_utf_8(monkeypatch):
+    monkeypatch.setenv('SOMEBODYS', os.fsdecode(b'\xff'))
+    ring = Ring(plain('left')).up()
+    pid = ring.node('body')['pid']
+    ring._launcher.end()   # as where ringctl cannot be asked any more
+    assert is_gone(pid)
+    ring.down()
+
+
 def test_a_ring_that_somebody_else_has_started_goes_on():
     with Ring(plain('theirs')) as theirs:
         with Ring.attach('theirs', runtime=theirs.environment['XDG_RUNTIME_DIR']) as ring:
