@@ -93,6 +93,14 @@ class PlayBag(unittest.TestCase):
         self.assertEqual(ended.returncode, 2)
         self.assertIn('nothing that the ring takes (/joint_commands); it has /odom', said)
 
+    def test_what_is_no_text_is_an_error_that_names_the_file(self):
+        garbage = self.bag + '.garbage'
+        with open(garbage, 'wb') as file:
+            file.write(b'\xff\xfe')
+        for arguments in ((garbage,), ('--config', garbage, self.bag)):
+            _, said = self.play(*arguments).communicate(timeout=60)
+            self.assertRegex(said, '^play_bag: %s: ' % garbage)
+
 
 if __name__ == '__main__':
     rospy.init_node('play_bag_test')
