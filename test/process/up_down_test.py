@@ -152,6 +152,18 @@ class UpDown(RingTest):
         self.assertEqual(self.ctl_json('list'), [])
         self.assertIn('no ring is running', self.ctl('down', '--all').stdout)
 
+    def test_all_rings_are_ended_also_where_somebody_ends_one_meanwhile(self):
+        nodes = plain_nodes(2)
+        nodes[0]['cpu'] = {'command': [self.script('stubborn', "trap '' TERM\nwhile :; do sleep 1; done\n")]}
+        self.start_ring(nodes)   # it takes its time to end
+        for ring in ('s', 't'):
+            self.assertEqual(self.ctl('up', '--nodes', 2, '--ring', ring, '--detach').returncode, 0)
+        down = self.start('down', [ring_process.program('ringctl'), 'down', '--all'])
+        self.wait('it to begin', lambda: self.row(1) is None)
+        self.ctl('down', 's')
+        self.assertEqual(self.wait_exit(down), 0, self.log_of(down))
+        self.assertEqual(self.ctl_json('list'), [])
+
     def up_respawning(self, *arguments):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--respawn',
                                *(str(argument) for argument in arguments)])

@@ -92,11 +92,20 @@ int run(const std::string& ring) {
   return tell_down(ring);
 }
 
-/// Ends all rings of this user. @return an ExitCode; kDone also if there is none
+/// Ends all rings of this user. @return an ExitCode; kDone also if there is none. @throw NotDone with what is left
 int run_all() {
   std::vector<std::string> rings = live::held_rings();
   for (const std::string& ring : live::killed_rings()) rings.push_back(ring);
-  for (const std::string& ring : rings) run(ring);
+  std::string left;
+  for (const std::string& ring : rings) {
+    try {
+      run(ring);
+    } catch (const NoRing&) {  // somebody else has ended it meanwhile
+    } catch (const NotDone& problem) {
+      left += (left.empty() ? "" : "; ") + std::string(problem.what());
+    }
+  }
+  if (!left.empty()) throw NotDone(left);
   if (rings.empty()) std::cout << "no ring is running" << std::endl;
   return kDone;
 }
