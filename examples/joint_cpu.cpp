@@ -6,6 +6,7 @@
 #include <limb_ring/payload/packet_type.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 using namespace limb_ring;

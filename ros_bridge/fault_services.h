@@ -5,7 +5,6 @@
 #include <limb_ring/ListFaults.h>
 
 #include <string>
-#include <vector>
 
 #include "config/ring_config.h"
 #include "live/live_faults.h"

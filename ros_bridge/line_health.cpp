@@ -1,7 +1,5 @@
 #include "ros_bridge/line_health.h"
 
-#include <algorithm>
-
 #include "ros_bridge/node_health.h"
 
 namespace limb_ring::bridge {

@@ -2,7 +2,6 @@
 
 #include <limb_ring/RingStatus.h>
 
-#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>

@@ -1,5 +1,7 @@
 #include "ros_bridge/ring_watch.h"
 
+#include <initializer_list>
+
 #include "ros_bridge/status_conversion.h"
 #include "wire/control_message.h"
 

@@ -5,6 +5,7 @@
 #include <ros/this_node.h>
 #include <xmlrpcpp/XmlRpc.h>
 
+#include <cstdint>
 #include <optional>
 #include <set>
 

@@ -3,7 +3,6 @@
 #include <limb_ring/RingStatus.h>
 #include <ros/ros.h>
 
-#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <map>

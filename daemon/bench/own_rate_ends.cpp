@@ -6,6 +6,7 @@
 #include <sensor_msgs/JointState.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>

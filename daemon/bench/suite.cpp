@@ -1,7 +1,6 @@
 #include "bench/suite.h"
 
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <optional>
 

@@ -1,5 +1,7 @@
 #include "cli/man_page.h"
 
+#include <memory>
+
 #include "cli/app_parts.h"
 #include "cli/roff.h"
 

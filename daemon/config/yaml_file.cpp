@@ -1,6 +1,7 @@
 #include "config/yaml_file.h"
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 
 #include "core/blocks.h"
 #include "core/fold/fold_back.h"

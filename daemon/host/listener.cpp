@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
+#include <stdexcept>
 
 #include "host/throw_errno.h"
 #include "limb_ring/ring_directory.h"

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "wire/bytes.h"
+
 namespace limb_ring::link {
 namespace {
 

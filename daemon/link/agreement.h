@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "wire/bytes.h"
-
 namespace limb_ring::link {
 
 /// What both ends of a link must agree on beside the version of the protocol: a hash for each part of the ring's file

@@ -1,8 +1,7 @@
 #include "link/datagram_input.h"
 
 #include <algorithm>
-
-#include "link/unix_socket.h"
+#include <iterator>
 
 namespace limb_ring::link {
 

@@ -1,6 +1,9 @@
 #include "link/delayed_input.h"
 
+#include <deque>
 #include <string>
+
+#include "event_loop/packet_timer.h"
 
 namespace limb_ring::link {
 

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <deque>
+#include <boost/asio/io_context.hpp>
 #include <functional>
 #include <memory>
-#include <vector>
 
-#include "event_loop/packet_timer.h"
 #include "link/counters.h"
 #include "link/endpoint.h"
 #include "link/input_handler.h"

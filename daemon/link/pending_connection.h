@@ -1,8 +1,8 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "link/endpoint.h"

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 
 #include "link/link_header.h"
 #include "wire/bytes.h"

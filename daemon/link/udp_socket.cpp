@@ -5,7 +5,6 @@
 #include <sys/socket.h>
 
 #include <boost/asio/io_context.hpp>
-#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 

@@ -4,7 +4,6 @@
 #include <boost/asio/io_context.hpp>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "event_loop/watch.h"
 #include "link/backlog.h"

@@ -3,7 +3,6 @@
 #include <sys/epoll.h>
 
 #include <cerrno>
-#include <string>
 #include <system_error>
 
 #include "link/unix_socket.h"

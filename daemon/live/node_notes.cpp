@@ -1,5 +1,6 @@
 #include "live/node_notes.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>

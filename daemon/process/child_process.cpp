@@ -4,8 +4,8 @@
 
 #include <boost/asio/post.hpp>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
-#include <cstring>
 #include <system_error>
 #include <thread>
 

@@ -9,8 +9,6 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <cstring>
-#include <new>
 #include <stdexcept>
 #include <system_error>
 #include <utility>

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <string>
 
 #include "core/network_controller.h"
 #include "recorder/layout.h"

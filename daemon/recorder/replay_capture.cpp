@@ -1,5 +1,6 @@
 #include "recorder/replay_capture.h"
 
+#include "capture/packet_assembler.h"
 #include "core/ring_order.h"
 
 namespace limb_ring::recorder {

@@ -4,7 +4,6 @@
 #include <ostream>
 #include <vector>
 
-#include "capture/packet_assembler.h"
 #include "capture/pcapng_writer.h"
 #include "recorder/replayed_ring.h"
 

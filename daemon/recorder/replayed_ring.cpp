@@ -1,7 +1,6 @@
 #include "recorder/replayed_ring.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>

@@ -1,6 +1,5 @@
 #include "runtime/engine.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 

@@ -1,5 +1,7 @@
 #include "runtime/folder_watch.h"
 
+#include <chrono>
+
 #include <spdlog/spdlog.h>
 
 #include "host/node_lock.h"

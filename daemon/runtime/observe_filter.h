@@ -3,7 +3,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "capture/selection.h"
 #include "config/ring_config.h"

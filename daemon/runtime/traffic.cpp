@@ -1,8 +1,8 @@
 #include "runtime/traffic.h"
 
 #include "limb_ring/host_port.h"
-#include "runtime/round_trips.h"
 #include "runtime/send_owner.h"
+#include "statistics/percentiles.h"
 
 namespace limb_ring::runtime {
 namespace {

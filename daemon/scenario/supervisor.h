@@ -1,7 +1,6 @@
 #pragma once
 
 #include <list>
-#include <optional>
 
 #include "config/ring_config.h"
 #include "scenario/cpus.h"

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "config/ring_config.h"
 #include "core/settings.h"
 

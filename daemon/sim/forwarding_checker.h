@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <vector>
 
 #include "core/network_controller.h"
 #include "sim/violation.h"

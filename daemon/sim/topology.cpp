@@ -1,5 +1,4 @@
 // The virtual ring's lines, starts and ends of nodes: who is next to whom, and what a fault does to that.
-#include <algorithm>
 
 #include "sim/virtual_ring.h"
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <string>
 
 #include "config/ring_config.h"
 #include "runtime/cpu/cpu_status.h"

@@ -1,5 +1,7 @@
 #include "capture/selection.h"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "capture/packets.h"

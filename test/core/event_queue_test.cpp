@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <vector>
+
 #include "core/events.h"
 
 namespace limb_ring::core {

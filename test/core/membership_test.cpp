@@ -1,5 +1,4 @@
 // Nodes come and go, and each knows the ring it is in.
-#include <numeric>
 
 #include "core/solo_node.h"
 #include "support/node_literal.h"

@@ -5,9 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <csignal>
+#include <iterator>
 
 #include <fstream>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>

@@ -1,5 +1,6 @@
 #include "firmware/servo.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

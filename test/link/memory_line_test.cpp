@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <sys/eventfd.h>
 
-#include <cstring>
 #include <random>
 
 #include "link/link_rig.h"

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <stdexcept>
+
 #include "link/hand_made_datagram.h"
 #include "link/link_header.h"
 #include "link/link_rig.h"

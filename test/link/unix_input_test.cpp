@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <stdexcept>
 
 #include "link/link_header.h"
 #include "link/link_rig.h"

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "link/link_header.h"
 #include "link/link_rig.h"
 #include "link/unix_socket.h"

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <functional>
+#include <stdexcept>
 #include <thread>
 
 #include "support/node_literal.h"

@@ -1,5 +1,4 @@
 // The NC behind the fold: protocol.md sections 4.9, 4.10 and 8.12.
-#include <algorithm>
 
 #include "model/node.h"
 

@@ -1,5 +1,4 @@
 // What comes on the second line: protocol.md section 8.11.
-#include <algorithm>
 
 #include "model/fold_back.h"
 

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <deque>
-#include <list>
 #include <map>
 #include <memory>
 #include <optional>

@@ -1,7 +1,5 @@
 #include "limb_ring/payload/reassembler.h"
 
-#include <functional>
-
 #include <gmock/gmock.h>
 
 #include "limb_ring/payload/fragmenter.h"

@@ -1,4 +1,5 @@
 // A CPU that talks to all others: a packet each millisecond to one after the other, and an answer to each it hears.
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <vector>

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <fstream>
+
 #include "runtime/cpu_fixture.h"
 
 namespace limb_ring::runtime {

@@ -6,7 +6,6 @@
 
 #include <boost/asio/io_context.hpp>
 #include <chrono>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>

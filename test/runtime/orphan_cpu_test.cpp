@@ -1,6 +1,8 @@
 // Children die with the daemon, however it ends.
 #include <sys/prctl.h>
 
+#include <fstream>
+
 #include "runtime/cpu_fixture.h"
 
 namespace limb_ring::runtime {

@@ -1,7 +1,6 @@
 #include "app/ringctl/refusal_counters.h"
 
 #include <array>
-#include <optional>
 #include <set>
 
 namespace limb_ring::ringctl {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <map>
-
 #include "ask/status_rows.h"
 #include "limb_ring/host_port.h"
 

@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <vector>
 
 #include "app/ringctl/problems.h"
 #include "process/find_program.h"

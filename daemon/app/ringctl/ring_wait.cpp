@@ -1,7 +1,5 @@
 #include "app/ringctl/ring_wait.h"
 
-#include <algorithm>
-
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_access.h"

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
-#include "app/ringctl/capture_sink.h"
+#include "capture/pcapng_reader.h"
 #include "capture/seen_packet.h"
 
 namespace limb_ring::ringctl {

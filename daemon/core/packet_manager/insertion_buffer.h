@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <cstring>
 
 #include "core/slot_queue.h"
 #include "core/time.h"

@@ -2,7 +2,6 @@
 
 #include <ostream>
 #include <string>
-#include <vector>
 
 #include "sim_tools/ring_capture.h"
 #include "study/analysis/latency.h"

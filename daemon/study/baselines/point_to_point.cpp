@@ -1,7 +1,6 @@
 #include "study/baselines/point_to_point.h"
 
 #include <algorithm>
-#include <functional>
 #include <tuple>
 
 namespace limb_ring::study {

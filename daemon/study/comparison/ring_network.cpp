@@ -1,7 +1,6 @@
 #include "study/comparison/ring_network.h"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "sim/watched_ring.h"
 #include "study/analysis/model_ring.h"

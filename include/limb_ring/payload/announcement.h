@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 #include "limb_ring/payload/byte_view.h"
 #include "limb_ring/payload/expected.h"

@@ -1,6 +1,7 @@
 // ring_sim table, run and soak, as a user and a script see them.
 #include <gmock/gmock.h>
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
-#include <vector>
 
 #include "app/ring_sim/plot_folder.h"
 #include "app/ring_sim/problems.h"

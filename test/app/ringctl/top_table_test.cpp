@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
 #include <sstream>
 
 #include "app/ringctl/ring_clock.h"

@@ -1,6 +1,8 @@
 // Every order of faults in a small ring, and the words for one of them.
 #include "study/explore/exploration.h"
 
+#include <stdexcept>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

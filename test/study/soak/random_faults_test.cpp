@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <initializer_list>
+#include <iostream>
 #include <numeric>
 #include <random>
 
