@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -18,6 +19,7 @@ enum class Verdict : std::uint8_t {
   unfit,     ///< for more joints than this node has
   malformed  ///< the bytes are no command
 };
+constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::malformed) + 1;
 const char* to_string(Verdict verdict);
 
 /// Lets a command through only where it may be acted on now (ours, protocol.md section 9.1).

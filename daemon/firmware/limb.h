@@ -40,7 +40,7 @@ class Limb {
 
   std::vector<Joint> joints_;
   CommandFilter filter_;
-  std::array<std::uint64_t, 7> counts_{};  // by Verdict
+  std::array<std::uint64_t, kVerdicts> counts_{};  ///< by Verdict
   std::uint16_t sequence_ = 0;
   std::uint16_t refused_ = 0;
   bool refused_since_sample_ = false;

@@ -118,7 +118,7 @@ std::string NodeCpu::summary() const {
   std::ostringstream text;
   text << "sent " << counters_.sent << ", not delivered " << counters_.not_delivered << ", left out " << left_out()
        << "; commands:";
-  for (int i = 0; i <= static_cast<int>(Verdict::malformed); ++i) {
+  for (std::size_t i = 0; i < kVerdicts; ++i) {
     const auto verdict = static_cast<Verdict>(i);
     const auto count = limb_.count(verdict);
     if (count > 0 || verdict == Verdict::obey) text << ' ' << to_string(verdict) << ' ' << count;

@@ -49,7 +49,7 @@ class Traffic {
     bool overdue = false;
     core::Time begun{};
     core::Time last_end{};
-    std::array<std::uint64_t, 7> outcomes{};
+    std::array<std::uint64_t, wire::kOutcomes> outcomes{};
     std::map<std::string, std::uint64_t> reasons;  ///< of those not delivered
     std::vector<core::Duration> round_trips;
     std::array<std::uint8_t, wire::kMaxPayload> data{};

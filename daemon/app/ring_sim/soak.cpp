@@ -34,7 +34,7 @@ struct SoakOptions {
 /// Sends by outcome, and hops, over all seeds so far.
 struct Tally {
   std::uint64_t seeds = 0, hops = 0;
-  std::array<std::uint64_t, 7> ended{};
+  std::array<std::uint64_t, wire::kOutcomes> ended{};
 
   void add(const study::RandomFaults& run) {
     ++seeds;

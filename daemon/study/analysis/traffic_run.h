@@ -18,7 +18,7 @@ struct StreamRun {
   /// `confirmed` counts from its first byte on the line, and `delivered` is empty.
   Latencies delivered;  ///< until its last packet's last bit is at the destination (a broadcast: the last one)
   Latencies confirmed;  ///< ... is home again
-  std::array<std::size_t, 7> outcomes{};  ///< packets (or interrupts) by core::Outcome
+  std::array<std::size_t, wire::kOutcomes> outcomes{};  ///< packets (or interrupts) by core::Outcome
 
   std::size_t failed() const;  ///< packets that were not delivered
 };

@@ -43,7 +43,7 @@ class RandomFaults {
   bool paced() const { return paced_; }
   bool folds_back() const { return fold_back_; }
   /// Results of DATPs and INTPs, by core::Outcome.
-  const std::array<unsigned, 7>& ended() const { return ended_; }
+  const std::array<unsigned, wire::kOutcomes>& ended() const { return ended_; }
   unsigned nodes() const { return nodes_; }
   std::uint64_t hops() const;
 
@@ -104,7 +104,7 @@ class RandomFaults {
   bool quiet_ = false;
   std::uint64_t slices_when_quiet_ = 0;
   std::vector<bool> killed_;  ///< if not alive: killed (true) or frozen
-  std::array<unsigned, 7> ended_{};
+  std::array<unsigned, wire::kOutcomes> ended_{};
   std::unique_ptr<sim::VirtualRing> ring_;
   std::unique_ptr<sim::VirtualLineFaults> lines_;
   std::unique_ptr<sim::Invariants> invariants_;

@@ -48,7 +48,7 @@ TEST(RandomFaults, BreakNoPromise) {
   const std::uint64_t first = from_environment("LIMB_RING_SEED", drawn);
   const std::uint64_t count = from_environment("LIMB_RING_SEEDS", std::getenv("LIMB_RING_SEED") ? 1 : kRuns);
   std::cout << "seeds " << first << " to " << first + count - 1 << '\n';
-  std::array<unsigned, 7> ended{};
+  std::array<unsigned, wire::kOutcomes> ended{};
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
     RandomFaults run(seed);
     run.run();
