@@ -67,13 +67,6 @@ Nonce fresh_long_nonce() {
   return nonce;
 }
 
-Key fresh_key() {
-  start_sodium();
-  Key key;
-  ::randombytes_buf(key.data(), key.size());
-  return key;
-}
-
 // ---- a session ----------------------------------------------------------------------------
 
 bool ReplayWindow::take(std::uint64_t number) {

@@ -24,7 +24,6 @@ using Tag = std::array<std::uint8_t, kTagSize>;
 
 /// Random bytes of the kernel's.
 Nonce fresh_long_nonce();
-Key fresh_key();
 
 /// Bytes of a `connect_keyed`: those of a `connect`, the asker's nonce, a tag.
 constexpr std::size_t kKeyedConnectSize = kConnectSize + sizeof(Nonce) + kTagSize;

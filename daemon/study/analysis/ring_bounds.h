@@ -23,11 +23,6 @@ inline Duration data_bound(const Medium& medium, unsigned hops) {
   return hops * (packet_time(medium) + medium.relay_delay);
 }
 
-/// The same for a DATP that is alone on the ring: T + h d.
-inline Duration data_alone(const Medium& medium, unsigned hops) {
-  return packet_time(medium) + hops * medium.relay_delay;
-}
-
 /// An INTP, from the CPU's request until it is back: at every node behind one INTP of its own and the
 /// odd bytes, trailer and CRC of a DATP. All DATPs have the medium's payload.
 inline Duration interrupt_bound(const Medium& medium) {

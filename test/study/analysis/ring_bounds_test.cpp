@@ -11,7 +11,6 @@ TEST(RingBounds, OfData) {
   EXPECT_EQ(packet_time(gigabit(16)), 4192ns);
   EXPECT_EQ(data_bound(gigabit(16), 16), 75264ns);
   EXPECT_EQ(data_bound(gigabit(16), 8), 37632ns);
-  EXPECT_EQ(data_alone(gigabit(16), 16), 12384ns);
 }
 
 // At every node d, 96 ns behind an INTP, and 8 bytes of trailer and CRC: 512 + 96 + 64 ns.
