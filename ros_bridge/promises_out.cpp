@@ -12,7 +12,7 @@ live::PromiseWatch::Ring ring_to_watch(const config::RingConfig& ring, const Con
   live::PromiseWatch::Ring watched;
   watched.name = ring.ring;
   watched.runtime = daemon.runtime;
-  watched.folds_back = ring.redundancy == config::RingConfig::Redundancy::foldback;
+  watched.folds_back = ring.folds_back();
   for (const auto& node : ring.nodes) watched.nodes.push_back(node.id);
   return watched;
 }

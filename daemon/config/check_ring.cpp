@@ -59,7 +59,7 @@ void check_parts_have_cpu(const Entry& file, const RingConfig& ring) {
 /// For unix links too: the command line can make them udp.
 void check_ports(const Entry& file, const RingConfig& ring) {
   std::map<std::pair<std::string, unsigned>, std::string> taken;
-  const bool folds = ring.redundancy == RingConfig::Redundancy::foldback;
+  const bool folds = ring.folds_back();
   for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
     const LinkConfig& link = ring.nodes[n].link;
     const auto take = [&](unsigned port) {

@@ -224,6 +224,8 @@ struct RingConfig {
   SupervisorConfig supervisor;
   std::vector<TrafficConfig> traffic;
 
+  /// There is a second line.
+  bool folds_back() const { return redundancy == Redundancy::foldback; }
   const NodeConfig* find(std::uint8_t id) const;
   /// By id ("12") or name ("left_knee").
   const NodeConfig* find(const std::string& id_or_name) const;

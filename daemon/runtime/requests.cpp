@@ -89,7 +89,7 @@ void Requests::config(const Json&, const Answer& answer) {
           {"path", to_.ring.path},
           {"nodes", nodes},
           {"hosts", hosts_json(to_.ring)},
-          {"folds_back", to_.ring.redundancy == config::RingConfig::Redundancy::foldback},
+          {"folds_back", to_.ring.folds_back()},
           {"beacon_ms", to_.ring.timeouts.beacon.count()},
           {"supervisor", config::supervisor_of(to_.ring).id}});
 }

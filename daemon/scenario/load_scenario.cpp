@@ -69,7 +69,7 @@ void check_line(const Entry& entry, const Step& step, const config::RingConfig& 
   const auto* fault = std::get_if<fault::Fault>(&step.action);
   const auto* action = std::get_if<SoakAction>(&step.action);
   const bool second = (fault && fault->second_line) || (action && action->second_line);
-  if (!second || folds_back(ring)) return;
+  if (!second || ring.folds_back()) return;
   entry.find("do")->refuse("that line would be the second one of a ring that folds back", "a line in ring order");
 }
 

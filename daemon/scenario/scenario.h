@@ -155,10 +155,6 @@ struct Scenario {
   std::vector<Condition> always, never;  ///< from the start to the last step's end
 };
 
-inline bool folds_back(const config::RingConfig& ring) {
-  return ring.redundancy == config::RingConfig::Redundancy::foldback;
-}
-
 /// Whether the scenario, or its world, says what has to be seen. Otherwise it could fail only by a broken promise of
 /// the ring.
 bool expects_something(const Scenario& scenario);

@@ -15,7 +15,7 @@ namespace {
 
 std::unique_ptr<sim::VirtualRing> soak_ring(const Scenario& scenario) {
   const config::LinkConfig& link = scenario.ring.nodes.front().link;
-  const bool fold_back = folds_back(scenario.ring);
+  const bool fold_back = scenario.ring.folds_back();
   sim::VirtualRingOptions options;
   options.nodes = static_cast<unsigned>(scenario.ring.nodes.size());
   options.byte_time = setup::byte_time(link);
@@ -68,7 +68,7 @@ void SoakStage::mend_all() {
   lines().mend_all();
   for (const NodeId id : ring_->order()) {
     ring_->set_cpu_reads(id, true);
-    folds_back(scenario().ring) ? ring_->heal_cable(id) : ring_->heal(id);
+    scenario().ring.folds_back() ? ring_->heal_cable(id) : ring_->heal(id);
     if (!ring_->alive(id)) bring_back(id);
   }
 }

@@ -19,9 +19,7 @@ std::string line_per_node(const RingConfig& ring, Rest rest) {
   return text;
 }
 
-std::string redundancy_text(const RingConfig& ring) {
-  return ring.redundancy == RingConfig::Redundancy::foldback ? "foldback\n" : "none\n";
-}
+std::string redundancy_text(const RingConfig& ring) { return ring.folds_back() ? "foldback\n" : "none\n"; }
 
 std::string timeouts_text(const config::Timeouts& t) {
   std::string text;

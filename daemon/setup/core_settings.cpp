@@ -69,7 +69,7 @@ core::Settings core_settings(const RingConfig& ring, const NodeConfig& node, std
   s.beacon = ring.timeouts.beacon;
   s.break_grace = ring.timeouts.break_grace;
   s.fold_permission = ring.timeouts.fold_permission;
-  s.fold_back = ring.redundancy == RingConfig::Redundancy::foldback;
+  s.fold_back = ring.folds_back();
   for (unsigned factor = 0; factor < 8; ++factor) {
     s.wired[factor] = node.pins[factor].action != config::PinConfig::Action::none;
     if (const auto& input = node.inputs[factor])

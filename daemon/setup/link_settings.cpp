@@ -102,7 +102,7 @@ link::OutputSettings output_settings(const RingConfig& ring, const NodeConfig& n
 
 std::vector<LinkSettings> link_settings(const RingConfig& ring, const NodeConfig& node, const std::string& directory) {
   std::vector<LinkSettings> lines;
-  for (const Line line : core::Lines(ring.redundancy == RingConfig::Redundancy::foldback))
+  for (const Line line : core::Lines(ring.folds_back()))
     lines.push_back({line, input_settings(ring, node, directory, line), output_settings(ring, node, directory, line)});
   return lines;
 }
