@@ -42,7 +42,8 @@ core::Duration all_delays(const RingConfig& ring) {
 core::Duration worst_lap(const RingConfig& ring) {
   core::Duration slowest{0};
   for (const NodeConfig& node : ring.nodes) slowest = std::max(slowest, byte_time(node.link));
-  return slowest * (524 + 12) * static_cast<std::int64_t>(ring.nodes.size()) + all_delays(ring);
+  constexpr auto kBytes = static_cast<std::int64_t>(wire::kMaxDataPacketSize + wire::kInterruptPacketSize);
+  return slowest * kBytes * static_cast<std::int64_t>(ring.nodes.size()) + all_delays(ring);
 }
 
 }  // namespace
