@@ -20,17 +20,17 @@ void BabblingCpu::start(std::chrono::nanoseconds period) {
   ++run_;
   sent_ = 0;
   // One goes onto the ring, the others fill the queue, and the last is rejected: the queue is full from the start.
-  const unsigned at_once = period.count() == 0 ? engine_.controller().settings().send_queue + 2 : 1;
+  const unsigned at_once = period.count() == 0 ? driver_.controller().settings().send_queue + 2 : 1;
   for (unsigned i = 0; i < at_once; ++i) send();
-  engine_.pump();
+  driver_.pump();
 }
 
 void BabblingCpu::stop() {
   if (!on_) return;
   on_ = false;
   next_->cancel();
-  engine_.controller().cancel(kBabblingOwner, engine_.now());
-  engine_.pump();
+  driver_.controller().cancel(kBabblingOwner, driver_.now());
+  driver_.pump();
 }
 
 void BabblingCpu::send() {
@@ -40,20 +40,20 @@ void BabblingCpu::send() {
   request.token = run_;
   request.destination = wire::kBroadcast;
   request.data = {data_.data(), data_.size()};
-  engine_.controller().send(request, engine_.now());
+  driver_.controller().send(request, driver_.now());
 }
 
 void BabblingCpu::send_next() {
   if (!on_) return;
   send();
-  engine_.pump();
+  driver_.pump();
 }
 
 void BabblingCpu::on_ended(const core::SendEnded& ended) {
   if (!on_ || ended.token != run_) return;
   ++sent_;
   const auto pause = ended.outcome == core::Outcome::rejected ? std::max(period_, kRejectedPause) : period_;
-  if (pause.count() > 0) return next_->expires_at(engine_.clock().now() + pause);
+  if (pause.count() > 0) return next_->expires_at(driver_.clock().now() + pause);
   send();
 }
 

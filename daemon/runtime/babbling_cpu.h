@@ -10,7 +10,7 @@ namespace limb_ring::runtime {
 /// end. The real CPU goes on beside it. (ours)
 class BabblingCpu {
  public:
-  explicit BabblingCpu(NodeDriver& engine) : engine_(engine), next_(engine.clock().timer([this] { send_next(); })) {}
+  explicit BabblingCpu(NodeDriver& driver) : driver_(driver), next_(driver.clock().timer([this] { send_next(); })) {}
 
   /// One packet per `period`, as each has ended; 0: its queue is always full, and what is beyond that is rejected.
   void start(std::chrono::nanoseconds period);
@@ -24,7 +24,7 @@ class BabblingCpu {
   void send();
   void send_next();
 
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   std::unique_ptr<event_loop::Timer> next_;
   std::chrono::nanoseconds period_{0};
   bool on_ = false;

@@ -10,12 +10,12 @@ std::optional<std::string> ClientCalls::on_attach(const host::ClientInfo& client
 }
 
 void ClientCalls::on_detach(const host::ClientInfo& client) {
-  to_.engine.controller().cancel(SendOwner::of(client.id).to_core(), to_.engine.now());
+  to_.driver.controller().cancel(SendOwner::of(client.id).to_core(), to_.driver.now());
   to_.observers.remove(client.id);
   to_.packet_observers.remove(client.id);
   to_.promise_observers.remove(client.id);
   if (client.role == Role::cpu) to_.cpu.detach(client);
-  to_.engine.pump();
+  to_.driver.pump();
 }
 
 void ClientCalls::on_send(host::ClientId client, const client::SendRequest& request) {
@@ -26,8 +26,8 @@ void ClientCalls::on_send(host::ClientId client, const client::SendRequest& requ
   send.priority = wire::Priority{request.priority};
   send.channel = wire::ChannelId{request.channel};
   send.data = request.data;
-  to_.engine.controller().send(send, to_.engine.now());
-  to_.engine.pump_soon();
+  to_.driver.controller().send(send, to_.driver.now());
+  to_.driver.pump_soon();
 }
 
 void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptRequest& request) {
@@ -39,17 +39,17 @@ void ClientCalls::on_interrupt(host::ClientId client, const client::InterruptReq
     result.reason = "factor " + std::to_string(request.factor) + " is wired to reset: " + sentence(result.why);
     return to_.host.result(client, result);
   }
-  to_.engine.pump();  // what was sent before it has begun
-  to_.engine.controller().interrupt(
+  to_.driver.pump();  // what was sent before it has begun
+  to_.driver.controller().interrupt(
       {SendOwner::of(client).to_core(), request.token, wire::NodeId{request.destination}, wire::Factor{request.factor}},
-      to_.engine.now());
-  to_.engine.pump();
+      to_.driver.now());
+  to_.driver.pump();
 }
 
 void ClientCalls::on_pull(host::ClientId client, const client::PullRequest& request) {
-  to_.engine.pump();  // as above
-  to_.engine.controller().pull(SendOwner::of(client).to_core(), request.token, request.input, to_.engine.now());
-  to_.engine.pump();
+  to_.driver.pump();  // as above
+  to_.driver.controller().pull(SendOwner::of(client).to_core(), request.token, request.input, to_.driver.now());
+  to_.driver.pump();
 }
 
 void ClientCalls::on_request(host::ClientId client, const client::JsonRequest& request) {

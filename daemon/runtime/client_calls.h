@@ -17,7 +17,7 @@ class ClientCalls final : public host::HostHandler {
   /// All must outlive this; they may be built after it.
   struct Receivers {
     const config::RingConfig& ring;
-    NodeDriver& engine;
+    NodeDriver& driver;
     host::HostServer& host;
     CpuSocket& cpu;
     Requests& requests;

@@ -58,7 +58,7 @@ void CpuFaults::wake(const Done& done) {
 void CpuFaults::read_on() {
   cpu_.read_throttle().as_fast_as_it_can();
   cpu_.hand_over();
-  engine_.pump();
+  driver_.pump();
 }
 
 bool CpuFaults::hangs() const {

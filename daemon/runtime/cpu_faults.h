@@ -16,8 +16,8 @@ class CpuFaults {
   /// Called once: with an empty text when the action has taken effect, else with the reason why it has not.
   using Done = std::function<void(const std::string& problem)>;
 
-  CpuFaults(boost::asio::io_context& io, NodeDriver& engine, CpuSocket& cpu)
-      : io_(io), engine_(engine), cpu_(cpu), babbling_(engine) {}
+  CpuFaults(boost::asio::io_context& io, NodeDriver& driver, CpuSocket& cpu)
+      : io_(io), driver_(driver), cpu_(cpu), babbling_(driver) {}
 
   /// Stops its process.
   void hang(const Done& done);
@@ -43,7 +43,7 @@ class CpuFaults {
   void wait(std::function<bool()> condition, const std::string& otherwise, const Done& done);
 
   boost::asio::io_context& io_;
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   CpuSocket& cpu_;
   BabblingCpu babbling_;
   pid_t stopping_ = -1;                                     ///< it was sent SIGSTOP, which has not taken effect yet

@@ -11,9 +11,9 @@ namespace limb_ring::runtime {
 class CpuSightings {
  public:
   /// All must outlive this.
-  CpuSightings(const config::RingConfig& ring, const config::NodeConfig& self, const NodeDriver& engine,
+  CpuSightings(const config::RingConfig& ring, const config::NodeConfig& self, const NodeDriver& driver,
                const CpuSocket& own)
-      : ring_(ring), self_(self), engine_(engine), own_(own) {}
+      : ring_(ring), self_(self), driver_(driver), own_(own) {}
 
   /// For the watchdog.
   watchdog::CpuSighting of(wire::NodeId node) const;
@@ -23,7 +23,7 @@ class CpuSightings {
  private:
   const config::RingConfig& ring_;
   const config::NodeConfig& self_;
-  const NodeDriver& engine_;
+  const NodeDriver& driver_;
   const CpuSocket& own_;
 };
 

@@ -4,22 +4,22 @@
 
 namespace limb_ring::runtime {
 
-CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& engine, host::HostServer& host,
+CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& driver, host::HostServer& host,
                      std::function<void()> changed)
     : kind_(options.cpu.kind),
       alive_period_(options.cpu.alive_period),
-      engine_(engine),
+      driver_(driver),
       host_(host),
       changed_(std::move(changed)),
-      process_(io, engine.clock(), std::move(options), *this),
-      next_read_(engine.clock().timer([this] {
+      process_(io, driver.clock(), std::move(options), *this),
+      next_read_(driver.clock().timer([this] {
         hand_over();
-        engine_.pump();
+        driver_.pump();
       })) {}
 
 void CpuSocket::start() {
   process_.start();
-  engine_.set_cpu_present(is_sink());
+  driver_.set_cpu_present(is_sink());
   if (process_.status().kind != CpuKind::child) report();  // a child's start calls on_cpu_changed(), which reports
 }
 
@@ -29,8 +29,8 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
   const auto alive_period = std::max(client.alive_period, alive_period_);
   if (!process_.attached(client.pid, client.restarted_by_owner, alive_period))
     return "this process has ended or is being reset";
-  reported_.spoke_at = engine_.now();  // its greeting was its first word
-  engine_.set_cpu_present(true);
+  reported_.spoke_at = driver_.now();  // its greeting was its first word
+  driver_.set_cpu_present(true);
   return std::nullopt;
 }
 
@@ -39,33 +39,33 @@ void CpuSocket::detach(const host::ClientInfo& client) {
   process_.detached(client.pid);
   if (host_.cpu() != nullptr && host_.cpu()->id != client.id) return;
   stop_latched(false);
-  engine_.set_cpu_present(false);
-  engine_.cpu_reset(client.id);
+  driver_.set_cpu_present(false);
+  driver_.cpu_reset(client.id);
 }
 
 void CpuSocket::spoke() {
-  process_.spoke(engine_.clock().now());
-  reported_.spoke_at = engine_.now();
-  engine_.controller().set_cpu(reported_, engine_.now());
+  process_.spoke(driver_.clock().now());
+  reported_.spoke_at = driver_.now();
+  driver_.controller().set_cpu(reported_, driver_.now());
 }
 
 void CpuSocket::hand_over() {
   core::ReceivedPacket packet;
-  while (read_throttle_.may_take(engine_.now()) && (is_sink() || host_.cpu_can_take()) && engine_.take(packet)) {
-    read_throttle_.took(engine_.now());
+  while (read_throttle_.may_take(driver_.now()) && (is_sink() || host_.cpu_can_take()) && driver_.take(packet)) {
+    read_throttle_.took(driver_.now());
     if (!is_sink())
       host_.give(
           client::PacketView{packet.source, packet.destination, packet.priority, packet.channel, packet.bytes()});
   }
-  if (read_throttle_.next() != core::kNever && engine_.controller().received_waiting() != 0)
-    next_read_->expires_at(engine_.steady(read_throttle_.next()));
+  if (read_throttle_.next() != core::kNever && driver_.controller().received_waiting() != 0)
+    next_read_->expires_at(driver_.steady(read_throttle_.next()));
 }
 
 CpuActionResult CpuSocket::reset(const std::string& reason) {
   if (is_sink()) {
     ++sink_boots_;
     ++sink_resets_;
-    engine_.cpu_reset(core::kController);
+    driver_.cpu_reset(core::kController);
     report();
     return {true, true, "the built-in sink was reset"};
   }
@@ -78,15 +78,15 @@ void CpuSocket::drop_client() {
   if (host_.cpu() == nullptr) return;
   const host::ClientInfo client = *host_.cpu();
   stop_latched(false);
-  engine_.set_cpu_present(false);
-  engine_.cpu_reset(client.id);
+  driver_.set_cpu_present(false);
+  driver_.cpu_reset(client.id);
   host_.disconnect(client.id, "the CPU was reset");
 }
 
 void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor) {
   if (action == limb_ring::Interrupt::Action::stop) {
     ++stop_.pulled;
-    stop_.pulled_at = engine_.now();
+    stop_.pulled_at = driver_.now();
   }
   if (!is_sink()) host_.interrupt({action, source, factor});
 }
@@ -94,13 +94,13 @@ void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t sour
 void CpuSocket::stop_latched(bool latched) {
   if (latched == stop_.latched) return;
   stop_.latched = reported_.stop_latched = latched;
-  engine_.controller().set_cpu(reported_, engine_.now());
-  engine_.pump();
+  driver_.controller().set_cpu(reported_, driver_.now());
+  driver_.pump();
 }
 
 void CpuSocket::clock_latched(const wire::ClockLatch& latch) {
   reported_.latch = latch;
-  engine_.controller().set_cpu(reported_, engine_.now());
+  driver_.controller().set_cpu(reported_, driver_.now());
 }
 
 CpuStatus CpuSocket::status() const {
@@ -120,9 +120,9 @@ void CpuSocket::report() {
   reported_.boots = now.boots;
   reported_.state = now.state;
   reported_.comes_back = now.kind != CpuKind::attached || now.restarted_by_owner;
-  engine_.controller().set_cpu(reported_, engine_.now());
+  driver_.controller().set_cpu(reported_, driver_.now());
   changed_();
-  engine_.pump();
+  driver_.pump();
 }
 
 }  // namespace limb_ring::runtime

@@ -13,7 +13,7 @@ namespace limb_ring::runtime {
 class CpuSocket final : private CpuEvents {
  public:
   /// `changed` is called after anything that status() shows has changed.
-  CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& engine, host::HostServer& host,
+  CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& driver, host::HostServer& host,
             std::function<void()> changed);
 
   void start();
@@ -64,7 +64,7 @@ class CpuSocket final : private CpuEvents {
 
   config::CpuConfig::Kind kind_;
   std::chrono::milliseconds alive_period_;
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   host::HostServer& host_;
   std::function<void()> changed_;
   CpuProcess process_;

@@ -12,8 +12,8 @@ constexpr core::Owner kInterruptsOwner = SendOwner::of(SendOwner::Kind::daemon_i
 void DaemonInterrupts::interrupt(wire::NodeId to, std::uint8_t factor, Ended done) {
   const std::uint32_t token = ++last_token_;
   interrupts_.emplace(token, std::move(done));
-  engine_.controller().interrupt({kInterruptsOwner, token, to, wire::Factor{factor}}, engine_.now());
-  engine_.pump();
+  driver_.controller().interrupt({kInterruptsOwner, token, to, wire::Factor{factor}}, driver_.now());
+  driver_.pump();
 }
 
 void DaemonInterrupts::on_ended(const core::SendEnded& ended) {
@@ -26,21 +26,21 @@ void DaemonInterrupts::on_ended(const core::SendEnded& ended) {
 
 void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout,
                              ResetDone done) {
-  Reset& reset = resets_.emplace_back(node, cpus_.known(node), engine_.now(), std::move(done));
+  Reset& reset = resets_.emplace_back(node, cpus_.known(node), driver_.now(), std::move(done));
   reset.deadline =
-      engine_.clock().timer([this, which = &reset] { finish(place_of(which), which->order.timed_out(engine_.now())); });
-  reset.deadline->expires_at(engine_.clock().now() + timeout);
+      driver_.clock().timer([this, which = &reset] { finish(place_of(which), which->order.timed_out(driver_.now())); });
+  reset.deadline->expires_at(driver_.clock().now() + timeout);
   interrupt(node, factor, [this, which = &reset](const core::SendEnded& ended) {
     const auto place = place_of(which);
     if (place != resets_.end())
-      finish(place, place->order.interrupt_ended(ended, cpus_.known(place->node), engine_.now()));
+      finish(place, place->order.interrupt_ended(ended, cpus_.known(place->node), driver_.now()));
   });
 }
 
 void DaemonInterrupts::on_cpu_changed(wire::NodeId node) {
   for (auto it = resets_.begin(); it != resets_.end();) {
     const auto place = it++;
-    if (place->node == node) finish(place, place->order.cpu_changed(cpus_.known(node), engine_.now()));
+    if (place->node == node) finish(place, place->order.cpu_changed(cpus_.known(node), driver_.now()));
   }
 }
 

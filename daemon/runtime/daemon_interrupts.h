@@ -17,7 +17,7 @@ class DaemonInterrupts {
   using Ended = std::function<void(const core::SendEnded&)>;
   using ResetDone = std::function<void(const watchdog::ResetReport&)>;
 
-  DaemonInterrupts(NodeDriver& engine, const CpuSightings& cpus) : engine_(engine), cpus_(cpus) {}
+  DaemonInterrupts(NodeDriver& driver, const CpuSightings& cpus) : driver_(driver), cpus_(cpus) {}
 
   void interrupt(wire::NodeId to, std::uint8_t factor, Ended done);
   /// Pulls the reset pin of `node`. `done` is called when the effect is known, or after `timeout`.
@@ -43,7 +43,7 @@ class DaemonInterrupts {
   void finish(ResetPlace place, const watchdog::ResetOrder::Report& report);
   ResetPlace place_of(const Reset* reset);
 
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   const CpuSightings& cpus_;
   std::uint32_t last_token_ = 0;
   std::map<std::uint32_t, Ended> interrupts_;

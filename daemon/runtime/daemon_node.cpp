@@ -27,7 +27,7 @@ recorder::Title title_of(const config::RingConfig& ring, const config::NodeConfi
 NodeBase daemon_base(boost::asio::io_context& io, const config::RingConfig& ring, const config::NodeConfig& node) {
   const auto cores = own_cores(ring);
   NodeBase base;
-  base.make_driver = [&io, &ring, &node](const NodeFolder& folder, EngineListener& listener) {
+  base.make_driver = [&io, &ring, &node](const NodeFolder& folder, DriverListener& listener) {
     auto engine = std::make_unique<Engine>(io, setup::core_settings(ring, node, folder.first_boot()),
                                            setup::link_settings(ring, node, folder.path()), listener);
     if (ring.recorder.enabled)

@@ -11,7 +11,7 @@ constexpr std::chrono::milliseconds kPutOffEvery{10};
 }  // namespace
 
 Engine::Engine(boost::asio::io_context& io, const core::Settings& core, const std::vector<setup::LinkSettings>& lines,
-               EngineListener& listener)
+               DriverListener& listener)
     : machine_clock_(io),
       listener_(listener),
       controller_(core, clock_.now()),

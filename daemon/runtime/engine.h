@@ -24,7 +24,7 @@ namespace limb_ring::runtime {
 class Engine final : public NodeDriver, private LineHandler, private core::NetworkController::Tap {
  public:
   Engine(boost::asio::io_context& io, const core::Settings& core, const std::vector<setup::LinkSettings>& lines,
-         EngineListener& listener);
+         DriverListener& listener);
   ~Engine() override { close(); }
 
   core::NetworkController& controller() override { return controller_; }
@@ -81,7 +81,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
 
   Clock clock_;
   event_loop::MachineClock machine_clock_;
-  EngineListener& listener_;
+  DriverListener& listener_;
   core::NetworkController controller_;
   std::unique_ptr<recorder::RecorderFile> recorder_;
   event_loop::PacketLoop& loop_;

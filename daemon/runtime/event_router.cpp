@@ -13,10 +13,10 @@ void EventRouter::on_event(const core::Event& event) {
 }
 
 void EventRouter::on_round_end() {
-  const core::NetworkController& controller = to_.engine.controller();
+  const core::NetworkController& controller = to_.driver.controller();
   to_.folder.note_boot(controller.membership().boot());
   if (controller.received_waiting() != 0) to_.cpu.hand_over();
-  to_.observers.tell_changes(to_.engine);
+  to_.observers.tell_changes(to_.driver);
 }
 
 void EventRouter::on_link(std::string_view what) {
@@ -56,7 +56,7 @@ void EventRouter::tell_client(host::ClientId client, const core::SendEnded& ende
 }
 
 void EventRouter::handle(const core::PinPulled& pin) {
-  const event_loop::NodeClock::Time latched = to_.engine.clock().now();
+  const event_loop::NodeClock::Time latched = to_.driver.clock().now();
   const std::string done = to_.pins.pull(pin.factor, pin.source, latched.time_since_epoch().count());
   spdlog::info("{}{}", to_.log_prefix, done);
   to_.observers.tell("pin",
@@ -64,7 +64,7 @@ void EventRouter::handle(const core::PinPulled& pin) {
 }
 
 void EventRouter::handle(const core::StateChanged& change) {
-  const auto& membership = to_.engine.controller().membership();
+  const auto& membership = to_.driver.controller().membership();
   spdlog::info("{}{} -> {}, ring size {}", to_.log_prefix, to_string(change.before), to_string(change.after),
                membership.ring_size());
   const auto line = membership.broken_line();

@@ -17,14 +17,14 @@ namespace limb_ring::runtime {
 
 /// The one place that knows where events of a node go: what comes out of its network controller, what becomes of its
 /// CPU, and what its watchdog finds.
-class EventRouter final : public EngineListener {
+class EventRouter final : public DriverListener {
  public:
   /// All must outlive the router; they may be built after it.
   struct Receivers {
     const config::NodeConfig& node;
     std::string log_prefix;
     const SendReasons& reasons;
-    NodeDriver& engine;
+    NodeDriver& driver;
     host::HostServer& host;
     NodeFolder& folder;
     CpuSocket& cpu;

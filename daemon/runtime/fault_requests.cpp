@@ -53,7 +53,7 @@ void require_own(const Fault& fault, const FaultTargets& to) {
                        "line begins, one of a node or CPU at that node");
   if (word.of == Of::node && fault.name != Name::power_cycle)
     throw RequestError(std::string(word.word) + " is not for the daemon itself: 'ringctl fault' does it from outside");
-  fault::check_second_line(fault, to.engine.has_second_line(), to.faults.nodes());
+  fault::check_second_line(fault, to.driver.has_second_line(), to.faults.nodes());
   if (fault.name == Name::reorder) require_udp(fault, to);
 }
 

@@ -15,7 +15,7 @@ using Answer = std::function<void(const nlohmann::json&)>;
 struct FaultTargets {
   const config::RingConfig& ring;
   const config::NodeConfig& node;
-  const NodeDriver& engine;
+  const NodeDriver& driver;
   Faults& faults;
   std::function<void()> power_cycle;  ///< null: cannot be done
 };

@@ -35,13 +35,13 @@ void Faults::begin(const Fault& fault, const Begun& begun) {
 
 Faults::Id Faults::add(const Fault& fault) {
   const Id id = ++last_id_;
-  active_.try_emplace(id, fault, engine_.now());
+  active_.try_emplace(id, fault, driver_.now());
   return id;
 }
 
 void Faults::begin_line(const Fault& fault, const Begun& begun) {
   LineBreaker& on = breaker_of(fault);
-  const LineFaults::Id line = on.begin(fault, engine_.now());
+  const LineFaults::Id line = on.begin(fault, driver_.now());
   if (line == 0) {  // mended
     drop_ended();
     return wait_for(on, [begun](const std::string& problem) { begun(0, problem); });
@@ -93,8 +93,8 @@ void Faults::begin_hang(const Fault& fault, const Begun& begun) {
 void Faults::end_later(Id id) {
   Active& active = active_.at(id);
   if (active.fault.lasts.count() == 0) return;
-  active.end = engine_.clock().timer([this, id] { remove(id, nobody); });
-  active.end->expires_at(engine_.clock().now() + active.fault.lasts);
+  active.end = driver_.clock().timer([this, id] { remove(id, nobody); });
+  active.end->expires_at(driver_.clock().now() + active.fault.lasts);
 }
 
 // ---- the end --------------------------------------------------------------------------------
@@ -110,7 +110,7 @@ bool Faults::remove(Id id, const Done& done) {
   if (on == nullptr) {
     mend(name, done);
   } else {
-    on->remove(line, engine_.now());
+    on->remove(line, driver_.now());
     wait_for(*on, done);
   }
   return true;
@@ -118,10 +118,10 @@ bool Faults::remove(Id id, const Done& done) {
 
 void Faults::clear(const Done& done) {
   active_.clear();
-  LineBreaker& first = engine_.breaker(core::Line::first);
-  LineBreaker* second = engine_.has_second_line() ? &engine_.breaker(core::Line::second) : nullptr;
-  first.clear(engine_.now());
-  if (second != nullptr) second->clear(engine_.now());
+  LineBreaker& first = driver_.breaker(core::Line::first);
+  LineBreaker* second = driver_.has_second_line() ? &driver_.breaker(core::Line::second) : nullptr;
+  first.clear(driver_.now());
+  if (second != nullptr) second->clear(driver_.now());
   mend_cpu([this, &first, second, done](const std::string& problem) {
     if (!problem.empty()) return done(problem);
     if (second == nullptr) return wait_for(first, done);
@@ -169,7 +169,7 @@ void Faults::cpu_booted() {
 }
 
 LineBreaker& Faults::breaker_of(const Fault& fault) {
-  return engine_.breaker(fault.second_line ? core::Line::second : core::Line::first);
+  return driver_.breaker(fault.second_line ? core::Line::second : core::Line::first);
 }
 
 void Faults::wait_for(const LineBreaker& line, const Done& done) {
@@ -191,7 +191,7 @@ void Faults::drop_ended() {
 
 std::optional<LineFaults::Listed> Faults::listed(const Active& active) const {
   if (active.on == nullptr) return std::nullopt;
-  for (const LineFaults::Listed& one : active.on->list(engine_.now()))
+  for (const LineFaults::Listed& one : active.on->list(driver_.now()))
     if (one.id == active.line) return one;
   return std::nullopt;
 }
@@ -202,7 +202,7 @@ json Faults::list() {
   for (const auto& [id, active] : active_) {
     const Fault& fault = active.fault;
     const auto of_line = listed(active);
-    const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(engine_.now() - active.since);
+    const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(driver_.now() - active.since);
     json row{{"id", id},
              {"name", fault::word_of(fault.name).word},
              {"fault", fault::to_words(fault, nodes_)},

@@ -20,8 +20,8 @@ class Faults {
   using Done = std::function<void(const std::string& problem)>;
   using Begun = std::function<void(Id id, const std::string& problem)>;
 
-  Faults(boost::asio::io_context& io, fault::RingNodes nodes, NodeDriver& engine, CpuSocket& cpu)
-      : io_(io), nodes_(std::move(nodes)), engine_(engine), cpu_(io, engine, cpu) {}
+  Faults(boost::asio::io_context& io, fault::RingNodes nodes, NodeDriver& driver, CpuSocket& cpu)
+      : io_(io), nodes_(std::move(nodes)), driver_(driver), cpu_(io, driver, cpu) {}
 
   const fault::RingNodes& nodes() const { return nodes_; }
   /// @pre a fault of the line out of this node, or of its CPU; where it takes a seed, it has one
@@ -66,7 +66,7 @@ class Faults {
 
   boost::asio::io_context& io_;
   fault::RingNodes nodes_;
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   CpuFaults cpu_;
   Id last_id_ = 0;
   std::map<Id, Active> active_;

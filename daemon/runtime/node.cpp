@@ -31,42 +31,41 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
     : folder_(base.folder ? base.folder : std::make_shared<NodeFolder>(ring, config)),
       start_anew_(base.start_anew),
       driver_(base.make_driver(*folder_, router_)),
-      engine_(*driver_),
-      router_({config, base.log_prefix, reasons_, engine_, host_, *folder_, cpu_, pins_, traffic_, interrupts_, faults_,
-               round_trips_, observers_}),
-      calls_({ring, engine_, host_, cpu_, requests_, observers_, packet_observers_, promise_observers_}),
+      router_({config, base.log_prefix, reasons_, *driver_, host_, *folder_, cpu_, pins_, traffic_, interrupts_,
+               faults_, round_trips_, observers_}),
+      calls_({ring, *driver_, host_, cpu_, requests_, observers_, packet_observers_, promise_observers_}),
       filter_(base.make_filter ? base.make_filter(calls_) : nullptr),
       host_(io, host_options(ring, config, folder_->path(), base.turns), filter_ ? *filter_ : calls_),
-      observers_(host_, engine_.clock()),
-      packet_observers_(wire::NodeId{config.id}, engine_, host_),
-      promise_observers_(wire::NodeId{config.id}, folder_->path(), engine_, host_),
-      cpu_(io, cpu_options(ring, config, base), engine_, host_,
+      observers_(host_, driver_->clock()),
+      packet_observers_(wire::NodeId{config.id}, *driver_, host_),
+      promise_observers_(wire::NodeId{config.id}, folder_->path(), *driver_, host_),
+      cpu_(io, cpu_options(ring, config, base), *driver_, host_,
            [this, tell = base.on_cpu_changed] {
              const CpuStatus cpu = cpu_.status();
              if (!cpu.unsettled) router_.on_cpu_changed();
              if (tell) tell(cpu);
            }),
       pins_(config.pins, cpu_),
-      traffic_(engine_),
-      sightings_(ring, config, engine_, cpu_),
-      reasons_(ring, config, cpu_, engine_),
-      interrupts_(engine_, sightings_),
-      faults_(io, fault::ring_nodes(ring), engine_, cpu_),
+      traffic_(*driver_),
+      sightings_(ring, config, *driver_, cpu_),
+      reasons_(ring, config, cpu_, *driver_),
+      interrupts_(*driver_, sightings_),
+      faults_(io, fault::ring_nodes(ring), *driver_, cpu_),
       requests_(
           {ring,
            config,
-           engine_,
+           *driver_,
            cpu_,
            pins_,
            traffic_,
            interrupts_,
            reasons_,
-           {ring, config, engine_, faults_, base.start_anew ? [this] { power_cycle(); } : std::function<void()>()},
-           {ring, config, engine_, cpu_, host_, faults_, round_trips_, supervisor_},
+           {ring, config, *driver_, faults_, base.start_anew ? [this] { power_cycle(); } : std::function<void()>()},
+           {ring, config, *driver_, cpu_, host_, faults_, round_trips_, supervisor_},
            base.clock}),
       folder_watch_(io, folder_to_watch()) {
   if (config::supervisor_of(ring).id == config.id)
-    supervisor_.emplace(ring, engine_, interrupts_, sightings_,
+    supervisor_.emplace(ring, *driver_, interrupts_, sightings_,
                         [this](const Watchdog::Finding& finding) { router_.on_finding(finding); });
 }
 
@@ -82,7 +81,7 @@ void Node::stop(std::function<void()> done) {
   traffic_.stop();
   interrupts_.stop();
   faults_.stop();
-  engine_.close();
+  driver_->close();
   host_.close();
   cpu_.stop(std::move(done));
 }
@@ -103,7 +102,7 @@ FolderWatch::Folder Node::folder_to_watch() {
   return {[this] { return folder_->is_in_place() && host_.is_in_place(); },
           [this] {
             folder_->make_again();
-            engine_.listen_again();
+            driver_->listen_again();
             host_.listen_again();
           },
           [this] {

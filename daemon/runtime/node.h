@@ -35,7 +35,7 @@ struct NodeBase {
   /// Null: the node makes its own, and holds the node as long as it lives.
   std::shared_ptr<NodeFolder> folder;
   /// Makes the driver of the node to which the folder belongs. The listener must not be called before it returns.
-  std::function<std::unique_ptr<NodeDriver>(const NodeFolder&, EngineListener&)> make_driver;
+  std::function<std::unique_ptr<NodeDriver>(const NodeFolder&, DriverListener&)> make_driver;
   /// Starts this process anew, as if the node's power went off and on; null: that cannot be done.
   std::function<void()> start_anew;
   std::optional<cpu_set_t> cpu_cores;  ///< for the CPU's processes; empty: as this one
@@ -86,7 +86,6 @@ class Node {
   std::shared_ptr<NodeFolder> folder_;
   std::function<void()> start_anew_;
   std::unique_ptr<NodeDriver> driver_;
-  NodeDriver& engine_;
   EventRouter router_;
   ClientCalls calls_;
   std::unique_ptr<host::HostHandler> filter_;  ///< before them; null: none

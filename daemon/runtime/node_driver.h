@@ -12,8 +12,8 @@
 namespace limb_ring::runtime {
 
 /// What comes out of the network controller. Handlers may call into the controller.
-struct EngineListener {
-  virtual ~EngineListener() = default;
+struct DriverListener {
+  virtual ~DriverListener() = default;
   virtual void on_event(const core::Event& event) = 0;
   /// After all else of a round: packets may wait for the CPU.
   virtual void on_round_end() = 0;

@@ -25,12 +25,12 @@ void Observers::tell(const std::string& kind, nlohmann::json what) {
     if (kinds.count(kind) != 0) host_.observed(client, line);
 }
 
-void Observers::tell_changes(const NodeDriver& engine) {
+void Observers::tell_changes(const NodeDriver& driver) {
   if (!any()) return;
   Figures now;
-  now.ring_size = engine.controller().membership().ring_size();
-  now.crc_errors = engine.controller().counters().crc_errors;
-  now.line_corrupted = engine.breaker(core::Line::first).counters().line_corrupted;
+  now.ring_size = driver.controller().membership().ring_size();
+  now.crc_errors = driver.controller().counters().crc_errors;
+  now.line_corrupted = driver.breaker(core::Line::first).counters().line_corrupted;
   const Figures before = std::exchange(told_, now);
   if (now.ring_size != before.ring_size) tell("ring", {{"ring_size", now.ring_size}});
   if (now.crc_errors != before.crc_errors || now.line_corrupted != before.line_corrupted)

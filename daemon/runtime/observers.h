@@ -24,7 +24,7 @@ class Observers {
   /// `what` gets "kind" and "time_ns" (CLOCK_REALTIME) added.
   void tell(const std::string& kind, nlohmann::json what);
   /// Reports figures that change without an event of their own, if they have changed since the last call.
-  void tell_changes(const NodeDriver& engine);
+  void tell_changes(const NodeDriver& driver);
 
  private:
   /// What the observers were last told; all 0 again for a new one.

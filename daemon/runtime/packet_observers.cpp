@@ -4,9 +4,9 @@ namespace limb_ring::runtime {
 
 using Instant = LineTap::Time;
 
-PacketObservers::PacketObservers(wire::NodeId self, NodeDriver& engine, host::HostServer& host)
+PacketObservers::PacketObservers(wire::NodeId self, NodeDriver& driver, host::HostServer& host)
     : self_(self),
-      engine_(engine),
+      driver_(driver),
       host_(host),
       input_([this](const capture::PacketView& packet) { seen(packet); }),
       output_([this](const capture::PacketView& packet) { seen(packet); }) {}
@@ -37,7 +37,7 @@ void PacketObservers::update_taps() {
   }
   if (!watch_input_) input_.reset();
   if (!watch_output_) output_.reset();
-  engine_.set_tap(observers_.empty() ? nullptr : this);
+  driver_.set_tap(observers_.empty() ? nullptr : this);
 }
 
 // ---- the lines ----------------------------------------------------------------------------
@@ -67,7 +67,7 @@ void PacketObservers::seen(const capture::PacketView& packet) {
 
 void PacketObservers::give(host::ClientId client, Observer& observer, const capture::PacketView& packet) {
   capture::Selection& selection = observer.selection;
-  const std::int64_t time = engine_.clock().wall_ns(Instant(packet.at));
+  const std::int64_t time = driver_.clock().wall_ns(Instant(packet.at));
   if (!host_.captured(client, {time, selection.lost_before(), packet})) return selection.lost();
   selection.given();
   if (packet.at - observer.told_at < std::chrono::seconds(1)) return;

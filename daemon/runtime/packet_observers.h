@@ -11,11 +11,11 @@
 namespace limb_ring::runtime {
 
 /// Clients that want to see the packets on this node's lines. Each gets those that it chose, as far
-/// as it reads; one that is slow loses, and is told. While there are none the engine has no tap.
+/// as it reads; one that is slow loses, and is told. While there are none the driver has no tap.
 class PacketObservers final : private LineTap {
  public:
-  PacketObservers(wire::NodeId self, NodeDriver& engine, host::HostServer& host);
-  ~PacketObservers() override { engine_.set_tap(nullptr); }
+  PacketObservers(wire::NodeId self, NodeDriver& driver, host::HostServer& host);
+  ~PacketObservers() override { driver_.set_tap(nullptr); }
 
   /// Nothing: the client wants no packets any more. It is told its counts as it begins and ends.
   void set(host::ClientId client, const std::optional<capture::Choice>& choice);
@@ -38,7 +38,7 @@ class PacketObservers final : private LineTap {
   void give(host::ClientId client, Observer& observer, const capture::PacketView& packet);
 
   wire::NodeId self_;
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   host::HostServer& host_;
   capture::PacketAssembler input_, output_;
   std::map<host::ClientId, Observer> observers_;

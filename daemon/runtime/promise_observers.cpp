@@ -5,8 +5,8 @@
 
 namespace limb_ring::runtime {
 
-PromiseObservers::PromiseObservers(wire::NodeId self, std::string folder, NodeDriver& engine, host::HostServer& host)
-    : path_(std::move(folder) + '/' + std::to_string(self) + ".watch"), engine_(engine), host_(host) {}
+PromiseObservers::PromiseObservers(wire::NodeId self, std::string folder, NodeDriver& driver, host::HostServer& host)
+    : path_(std::move(folder) + '/' + std::to_string(self) + ".watch"), driver_(driver), host_(host) {}
 
 void PromiseObservers::set(host::ClientId client, bool wanted) {
   if (!wanted) return remove(client);
@@ -22,28 +22,28 @@ void PromiseObservers::remove(host::ClientId client) {
 
 void PromiseObservers::start() {
   using std::chrono::nanoseconds;
-  const core::NetworkController& controller = engine_.controller();
-  const auto zero = std::chrono::duration_cast<nanoseconds>(engine_.steady(core::Time{}).time_since_epoch());
+  const core::NetworkController& controller = driver_.controller();
+  const auto zero = std::chrono::duration_cast<nanoseconds>(driver_.steady(core::Time{}).time_since_epoch());
   file_ = std::make_unique<promises::ObservationFile>(path_);
   observer_ = std::make_unique<promises::NodeObserver>(
-      controller.settings(), zero, [this] { return engine_.controller().received_waiting(); }, *file_);
-  engine_.set_journal(observer_.get());
+      controller.settings(), zero, [this] { return driver_.controller().received_waiting(); }, *file_);
+  driver_.set_journal(observer_.get());
 }
 
 void PromiseObservers::stop() {
   if (!file_) return;
-  engine_.set_journal(nullptr);
+  driver_.set_journal(nullptr);
   observer_.reset();
   file_.reset();
 }
 
 void PromiseObservers::tell(host::ClientId client) {
-  const core::NetworkController& controller = engine_.controller();
+  const core::NetworkController& controller = driver_.controller();
   const nlohmann::json where{{"kind", "promises"},
                              {"path", file_->path()},
                              {"from", file_->count()},
                              {"state", static_cast<unsigned>(controller.membership().state())},
-                             {"at_ns", engine_.steady(engine_.now()).time_since_epoch().count()},
+                             {"at_ns", driver_.steady(driver_.now()).time_since_epoch().count()},
                              {"longest_send_ns", promises::longest_send(controller.settings()).count()}};
   host_.observed(client, where.dump());
 }

@@ -17,7 +17,7 @@ namespace limb_ring::runtime {
 class PromiseObservers {
  public:
   /// @param folder the ring's
-  PromiseObservers(wire::NodeId self, std::string folder, NodeDriver& engine, host::HostServer& host);
+  PromiseObservers(wire::NodeId self, std::string folder, NodeDriver& driver, host::HostServer& host);
   ~PromiseObservers() { stop(); }
   PromiseObservers(const PromiseObservers&) = delete;
   PromiseObservers& operator=(const PromiseObservers&) = delete;
@@ -32,7 +32,7 @@ class PromiseObservers {
   void tell(host::ClientId client);
 
   std::string path_;
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   host::HostServer& host_;
   std::set<host::ClientId> clients_;
   std::unique_ptr<promises::ObservationFile> file_;

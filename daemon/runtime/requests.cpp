@@ -77,7 +77,7 @@ bool Requests::changes_something(const std::string& text) {
 }
 
 void Requests::clock(const Json&, const Answer& answer) {
-  Json now{{"now_ns", to_.engine.clock().now().time_since_epoch().count()}};
+  Json now{{"now_ns", to_.driver.clock().now().time_since_epoch().count()}};
   if (to_.virtual_clock != nullptr) add_state(*to_.virtual_clock, now);
   answer(now);
 }
@@ -159,11 +159,11 @@ void Requests::stop(const Json& request, const Answer& answer) {
 
 void Requests::sync(const Json&, const Answer& answer) {
   const std::uint8_t factor = factor_of(to_.node, Action::sync, "sync");
-  const std::int64_t clock = to_.engine.clock().now().time_since_epoch().count();
+  const std::int64_t clock = to_.driver.clock().now().time_since_epoch().count();
   to_.pins.latch(to_.node.id, clock);
   to_.interrupts.interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
     Json end = end_of(ended);
-    end["ring_size"] = to_.engine.controller().membership().ring_size();
+    end["ring_size"] = to_.driver.controller().membership().ring_size();
     end["clock_ns"] = clock;
     answer(end);
   });

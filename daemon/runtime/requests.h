@@ -24,7 +24,7 @@ class Requests {
   struct Targets {
     const config::RingConfig& ring;
     const config::NodeConfig& node;
-    NodeDriver& engine;
+    NodeDriver& driver;
     CpuSocket& cpu;
     PinBoard& pins;
     Traffic& traffic;

@@ -4,15 +4,15 @@
 
 namespace limb_ring::runtime {
 
-RingSupervisor::RingSupervisor(const config::RingConfig& ring, NodeDriver& engine, DaemonInterrupts& interrupts,
+RingSupervisor::RingSupervisor(const config::RingConfig& ring, NodeDriver& driver, DaemonInterrupts& interrupts,
                                const CpuSightings& cpus, Found found)
     : ring_(ring),
-      engine_(engine),
+      driver_(driver),
       interrupts_(interrupts),
       cpus_(cpus),
       found_(std::move(found)),
       watchdog_(ring.supervisor, wire::kMissedBeacons * ring.timeouts.beacon, watchdog::watched_in(ring)),
-      timer_(engine.clock().timer([this] {
+      timer_(driver.clock().timer([this] {
         poll();
         poll_later();
       })) {}
@@ -25,10 +25,10 @@ void RingSupervisor::start() {
 }
 
 // Polled by the clock and not by the beacons, so that a daemon that was not scheduled reads all waiting beacons first.
-void RingSupervisor::poll_later() { timer_->expires_at(engine_.clock().now() + ring_.timeouts.beacon); }
+void RingSupervisor::poll_later() { timer_->expires_at(driver_.clock().now() + ring_.timeouts.beacon); }
 
 void RingSupervisor::poll() {
-  const Watchdog::Round round = watchdog_.evaluate([this](wire::NodeId node) { return cpus_.of(node); }, engine_.now());
+  const Watchdog::Round round = watchdog_.evaluate([this](wire::NodeId node) { return cpus_.of(node); }, driver_.now());
   for (const Watchdog::Finding& finding : round.findings) tell(finding);
   for (const wire::NodeId node : round.resets) reset(node);
 }
@@ -36,7 +36,7 @@ void RingSupervisor::poll() {
 void RingSupervisor::reset(wire::NodeId node) {
   const std::uint8_t factor = *config::reset_pin(*ring_.find(node));  // check_ring() has seen to it
   interrupts_.reset(node, factor, watchdog_.confirm_within(), [this, node](const watchdog::ResetReport& report) {
-    const auto failure = watchdog_.reset_ended(node, report.success(), report.message, engine_.now());
+    const auto failure = watchdog_.reset_ended(node, report.success(), report.message, driver_.now());
     if (failure) tell(*failure);
   });
 }

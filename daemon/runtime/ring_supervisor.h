@@ -18,7 +18,7 @@ class RingSupervisor {
  public:
   using Found = std::function<void(const Watchdog::Finding&)>;
 
-  RingSupervisor(const config::RingConfig& ring, NodeDriver& engine, DaemonInterrupts& interrupts,
+  RingSupervisor(const config::RingConfig& ring, NodeDriver& driver, DaemonInterrupts& interrupts,
                  const CpuSightings& cpus, Found found);
 
   /// Does nothing where no CPU is to be watched, or the policy is off.
@@ -33,7 +33,7 @@ class RingSupervisor {
   void tell(const Watchdog::Finding& finding) const;
 
   const config::RingConfig& ring_;
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   DaemonInterrupts& interrupts_;
   const CpuSightings& cpus_;
   Found found_;

@@ -22,8 +22,8 @@ class SendReasons {
  public:
   /// All must outlive this.
   SendReasons(const config::RingConfig& ring, const config::NodeConfig& self, const CpuSocket& cpu,
-              const NodeDriver& engine)
-      : ring_(ring), self_(self), cpu_(cpu), engine_(engine) {}
+              const NodeDriver& driver)
+      : ring_(ring), self_(self), cpu_(cpu), driver_(driver) {}
 
   SendReason of(const core::SendEnded& ended) const;
 
@@ -34,12 +34,12 @@ class SendReasons {
   SendReason unconfirmed(const core::SendEnded& ended) const;
   SendReason rejected(const core::SendEnded& ended) const;
   std::string name_of(wire::NodeId id) const;
-  const core::Membership& membership() const { return engine_.controller().membership(); }
+  const core::Membership& membership() const { return driver_.controller().membership(); }
 
   const config::RingConfig& ring_;
   const config::NodeConfig& self_;
   const CpuSocket& cpu_;
-  const NodeDriver& engine_;
+  const NodeDriver& driver_;
 };
 
 /// The client library's word for the core's.

@@ -42,30 +42,30 @@ json rate_json(const core::Settings& settings) {
 }
 
 /// What faults on purpose did is added to the counts of the first line; the links' counters have names of their own.
-void add_second_line(const NodeDriver& engine, json& all) {
-  engine.breaker(core::Line::second).counters().each([&](const char* name, const char*, std::uint64_t value) {
+void add_second_line(const NodeDriver& driver, json& all) {
+  driver.breaker(core::Line::second).counters().each([&](const char* name, const char*, std::uint64_t value) {
     all[name] = all[name].get<std::uint64_t>() + value;
   });
-  link::for_each_counter(engine.input_counters(core::Line::second), [&](const char* name, std::uint64_t value) {
+  link::for_each_counter(driver.input_counters(core::Line::second), [&](const char* name, std::uint64_t value) {
     all[std::string("second_input_") + name] = value;
   });
-  link::for_each_counter(engine.output_counters(core::Line::second), [&](const char* name, std::uint64_t value) {
+  link::for_each_counter(driver.output_counters(core::Line::second), [&](const char* name, std::uint64_t value) {
     all[std::string("second_output_") + name] = value;
   });
 }
 
 json counters_json(const StatusSources& from) {
   json all = json::object();
-  from.engine.controller().counters().each(
+  from.driver.controller().counters().each(
       [&](const char* name, const char*, std::uint64_t value) { all[name] = value; });
-  link::for_each_counter(from.engine.input_counters(core::Line::first),
+  link::for_each_counter(from.driver.input_counters(core::Line::first),
                          [&](const char* name, std::uint64_t value) { all[std::string("input_") + name] = value; });
-  link::for_each_counter(from.engine.output_counters(core::Line::first),
+  link::for_each_counter(from.driver.output_counters(core::Line::first),
                          [&](const char* name, std::uint64_t value) { all[std::string("output_") + name] = value; });
-  from.engine.breaker(core::Line::first).counters().each([&](const char* name, const char*, std::uint64_t value) {
+  from.driver.breaker(core::Line::first).counters().each([&](const char* name, const char*, std::uint64_t value) {
     all[name] = value;
   });
-  if (from.engine.has_second_line()) add_second_line(from.engine, all);
+  if (from.driver.has_second_line()) add_second_line(from.driver, all);
   const host::HostCounters& h = from.host.counters();
   all["host_refused"] = h.refused + h.refused_foreign + h.refused_full;
   all["host_garbage"] = h.garbage + h.never_greeted;
@@ -78,24 +78,24 @@ json counters_json(const StatusSources& from) {
 
 /// The node behind a break knows when its input fell silent; the others, when they were told.
 json broken_line_json(const StatusSources& from) {
-  const auto line = from.engine.controller().membership().broken_line();
+  const auto line = from.driver.controller().membership().broken_line();
   if (!line) return {};
-  const NodeDriver& engine = from.engine;
+  const NodeDriver& driver = from.driver;
   const bool behind = line->behind == from.node.id;
-  const core::Time since = behind ? engine.input_lost_at() : engine.broken_since();
+  const core::Time since = behind ? driver.input_lost_at() : driver.broken_since();
   json broken{{"before", std::uint8_t{line->before}},
               {"behind", std::uint8_t{line->behind}},
-              {"since_s", std::chrono::duration<double>(engine.now() - since).count()}};
+              {"since_s", std::chrono::duration<double>(driver.now() - since).count()}};
   // If the node was folded already, around another break, its state does not change and broken_since() is older.
-  if (behind && engine.broken_since() >= since)
-    broken["announced_ms"] = std::chrono::duration<double, std::milli>(engine.broken_since() - since).count();
+  if (behind && driver.broken_since() >= since)
+    broken["announced_ms"] = std::chrono::duration<double, std::milli>(driver.broken_since() - since).count();
   return broken;
 }
 
-json fold_json(const NodeDriver& engine) {
-  const LineEnds second = engine.ends(core::Line::second);
-  return {{"input", engine.controller().input_folded()},
-          {"output", engine.controller().output_line() == core::Line::second},
+json fold_json(const NodeDriver& driver) {
+  const LineEnds second = driver.ends(core::Line::second);
+  return {{"input", driver.controller().input_folded()},
+          {"output", driver.controller().output_line() == core::Line::second},
           {"second_input", second.from ? "up" : "down"},
           {"second_output", second.to ? "up" : "down"}};
 }
@@ -118,8 +118,8 @@ void add_refusals(json& all, const StatusSources& from, const link::Refusals* re
 
 json refusals_json(const StatusSources& from) {
   json all = json::array();
-  for (const core::Line line : core::Lines(from.engine.has_second_line())) {
-    const LineRefusals refusals = from.engine.refusals(line);
+  for (const core::Line line : core::Lines(from.driver.has_second_line())) {
+    const LineRefusals refusals = from.driver.refusals(line);
     add_refusals(all, from, refusals.by_input, true);
     add_refusals(all, from, refusals.of_output, false);
   }
@@ -141,11 +141,11 @@ json told_break_json(const wire::Beacon& beacon) {
 
 json heard_json(const StatusSources& from) {
   json heard = json::array();
-  const core::Peers& peers = from.engine.controller().membership().peers();
+  const core::Peers& peers = from.driver.controller().membership().peers();
   for (const auto& config : from.ring.nodes) {
     const core::Peer& peer = peers[wire::NodeId{config.id}];
     if (!peer.known) continue;
-    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.engine.now() - peer.heard_at);
+    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.driver.now() - peer.heard_at);
     heard.push_back({{"id", config.id},
                      {"name", config.name},
                      {"boot", peer.boot},
@@ -168,7 +168,7 @@ json supervisor_json(const StatusSources& from) {
   const Watchdog& watcher = from.supervisor->watchdog();
   json watched = json::array();
   for (const WatchedCpu& cpu : watcher.watched()) {
-    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.engine.now() - cpu.since);
+    const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(from.driver.now() - cpu.since);
     watched.push_back({{"id", std::uint8_t{cpu.node}},
                        {"name", from.ring.find(cpu.node)->name},
                        {"verdict", to_string(cpu.verdict)},
@@ -187,31 +187,31 @@ json supervisor_json(const StatusSources& from) {
 }  // namespace
 
 json status_row(const StatusSources& from) {
-  const NodeDriver& engine = from.engine;
-  const core::Membership& membership = engine.controller().membership();
-  const LineEnds ends = engine.ends(core::Line::first);
+  const NodeDriver& driver = from.driver;
+  const core::Membership& membership = driver.controller().membership();
+  const LineEnds ends = driver.ends(core::Line::first);
   json row{{"id", from.node.id},
            {"name", from.node.name},
            {"state", to_string(membership.state())},
            {"pid", ::getpid()},
-           {"cpu", cpu_json(from.cpu, engine.now())},
+           {"cpu", cpu_json(from.cpu, driver.now())},
            {"ring_size", membership.ring_size()},
            {"boot", membership.boot()},
-           {"uptime_s", std::chrono::duration<double>(engine.now() - engine.started()).count()},
+           {"uptime_s", std::chrono::duration<double>(driver.now() - driver.started()).count()},
            {"input", {{"state", ends.from ? "up" : "down"}, {"from", ends.from ? json(*ends.from) : json()}}},
            {"output",
             {{"state", ends.to ? "up" : "down"},
              {"to", ends.to ? json(*ends.to) : json()},
-             {"rate_bit_s", rate_json(engine.controller().settings())}}},
+             {"rate_bit_s", rate_json(driver.controller().settings())}}},
            {"round_trip_us", to_json(from.round_trips.get())},
-           {"received", engine.controller().counters().received_data},
-           {"waiting", engine.controller().received_waiting()},
+           {"received", driver.controller().counters().received_data},
+           {"waiting", driver.controller().received_waiting()},
            {"broken_line", broken_line_json(from)},
            {"faults", from.faults.list()},
            {"refusals", refusals_json(from)},
            {"counters", counters_json(from)},
            {"heard", heard_json(from)}};
-  if (engine.has_second_line()) row["fold"] = fold_json(engine);
+  if (driver.has_second_line()) row["fold"] = fold_json(driver);
   if (from.supervisor) row["supervisor"] = supervisor_json(from);
   return row;
 }

@@ -17,7 +17,7 @@ namespace limb_ring::runtime {
 struct StatusSources {
   const config::RingConfig& ring;
   const config::NodeConfig& node;
-  const NodeDriver& engine;
+  const NodeDriver& driver;
   const CpuSocket& cpu;
   const host::HostServer& host;
   Faults& faults;

@@ -15,13 +15,13 @@ bool Traffic::start(const TrafficRequest& request, Done done) {
   if (runs_.size() >= kMostRuns) return false;
   const std::uint32_t id = ++last_id_;
   auto& run = *runs_.emplace(id, std::make_unique<Run>(request, std::move(done))).first->second;
-  run.next = engine_.clock().timer([this, id] { send_next(id); });
-  run.deadline = engine_.clock().timer([this, id] { overdue(id); });
-  run.begun = run.last_end = engine_.now();
+  run.next = driver_.clock().timer([this, id] { send_next(id); });
+  run.deadline = driver_.clock().timer([this, id] { overdue(id); });
+  run.begun = run.last_end = driver_.now();
   run.round_trips.reserve(request.count);
-  run.deadline->expires_at(engine_.clock().now() + request.deadline);
+  run.deadline->expires_at(driver_.clock().now() + request.deadline);
   send(id, run);
-  engine_.pump();
+  driver_.pump();
   return true;
 }
 
@@ -39,21 +39,21 @@ void Traffic::send(std::uint32_t id, Run& run) {
   request.destination = run.request.to;
   request.priority = wire::Priority{run.request.priority};
   request.data = {run.data.data(), run.request.size};
-  engine_.controller().send(request, engine_.now());
+  driver_.controller().send(request, driver_.now());
 }
 
 void Traffic::send_next(std::uint32_t id) {
   const auto it = runs_.find(id);
   if (it == runs_.end()) return;
   send(id, *it->second);
-  engine_.pump();
+  driver_.pump();
 }
 
 void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) {
   const auto it = runs_.find(ended.token);
   if (it == runs_.end()) return;
   Run& run = *it->second;
-  run.last_end = engine_.now();
+  run.last_end = driver_.now();
   ++run.outcomes[static_cast<std::size_t>(ended.outcome)];
   if (ended.outcome == core::Outcome::delivered)
     run.round_trips.push_back(ended.round_trip);
@@ -62,7 +62,7 @@ void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) 
   if (complete(run)) return finish(ended.token);
   // A rejection comes at once: sending again at once would keep the event loop from all else.
   if (run.request.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
-    run.next->expires_at(engine_.clock().now() + run.request.interval);
+    run.next->expires_at(driver_.clock().now() + run.request.interval);
   else
     send(ended.token, run);
 }

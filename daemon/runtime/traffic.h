@@ -30,7 +30,7 @@ class Traffic {
   static constexpr std::uint64_t kMostPackets = 1'000'000;
   static constexpr std::size_t kMostRuns = 32;
 
-  explicit Traffic(NodeDriver& engine) : engine_(engine) {}
+  explicit Traffic(NodeDriver& driver) : driver_(driver) {}
 
   /// `done` gets {"sent","delivered","lost","other","reasons","round_trip_us","seconds",...} once.
   /// @return false where too many runs are under way
@@ -62,7 +62,7 @@ class Traffic {
   static bool complete(const Run& run);
   static nlohmann::json report(Run& run);
 
-  NodeDriver& engine_;
+  NodeDriver& driver_;
   std::uint32_t last_id_ = 0;
   std::map<std::uint32_t, std::unique_ptr<Run>> runs_;
 };

@@ -13,7 +13,7 @@ bool VirtualBreaker::mended() const {
   return world_.faults.cut(id_, line_) || world_.ring.successor(id_, line_).has_value();
 }
 
-VirtualNode::VirtualNode(const VirtualWorld& world, wire::NodeId id, runtime::EngineListener& listener)
+VirtualNode::VirtualNode(const VirtualWorld& world, wire::NodeId id, runtime::DriverListener& listener)
     : world_(world),
       clock_(world.ring, world.on_expired),
       id_(id),

@@ -38,7 +38,7 @@ class VirtualBreaker final : public runtime::LineBreaker {
 class VirtualNode final : public runtime::NodeDriver {
  public:
   /// @param world, listener outlive this
-  VirtualNode(const VirtualWorld& world, wire::NodeId id, runtime::EngineListener& listener);
+  VirtualNode(const VirtualWorld& world, wire::NodeId id, runtime::DriverListener& listener);
 
   core::NetworkController& controller() override { return world_.ring.controller(id_); }
   const core::NetworkController& controller() const override { return world_.ring.controller(id_); }
@@ -87,7 +87,7 @@ class VirtualNode final : public runtime::NodeDriver {
   VirtualWorld world_;
   VirtualClock clock_;
   wire::NodeId id_;
-  runtime::EngineListener& listener_;
+  runtime::DriverListener& listener_;
   VirtualBreaker first_, second_;
   std::array<runtime::LineEnds, 2> ends_;  ///< as last told
   runtime::LineTap* tap_ = nullptr;

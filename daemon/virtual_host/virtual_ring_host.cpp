@@ -93,7 +93,7 @@ runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
     fault.nodes = {wire::NodeId{node.id}};
     begin_at_nodes(fault, [](const std::string&) {});
   };
-  base.make_driver = [this, &node](const runtime::NodeFolder&, runtime::EngineListener& listener) {
+  base.make_driver = [this, &node](const runtime::NodeFolder&, runtime::DriverListener& listener) {
     const VirtualWorld world{ring_, faults_, [this] { lockstep_.has_news(); }};
     auto driver = std::make_unique<VirtualNode>(world, wire::NodeId{node.id}, listener);
     drivers_[node.id] = driver.get();
