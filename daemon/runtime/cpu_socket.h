@@ -40,6 +40,7 @@ class CpuSocket final : private CpuEvents {
   void kill() { process_.kill(); }
   CpuActionResult signal(int number) { return process_.signal(number); }
   CpuActionResult run(const std::vector<std::string>& command) { return process_.run(command); }
+  const PinCommands::Counters& command_counters() const { return process_.command_counters(); }
   ///@}
 
   /// What is known of stop pins that were pulled.

@@ -73,6 +73,10 @@ json counters_json(const StatusSources& from) {
   all["host_observed_lost"] = h.observed_lost;
   all["host_captured_lost"] = h.captured_lost;
   all["host_interrupts_lost"] = h.interrupts_lost;
+  const PinCommands::Counters& commands = from.cpu.command_counters();
+  all["pin_commands_refused"] = commands.refused;
+  all["pin_commands_failed"] = commands.failed;
+  all["pin_commands_timed_out"] = commands.timed_out;
   return all;
 }
 

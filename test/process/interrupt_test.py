@@ -68,7 +68,7 @@ class Pins(RingTest):
         mark = os.path.join(self.folder, 'mark')
         nodes = plain_nodes(2)
         nodes[1]['pins'] = {'6': {'exec': ['sh', '-c', 'echo "$LIMB_RING_NODE" > ' + mark]},
-                            '7': {'exec': ['no_such_command']}}
+                            '7': {'exec': ['no_such_command']}, '5': {'exec': ['false']}}
         daemons = self.start_ring(nodes)
         self.ctl_json('interrupt', '--from', 0, '--to', 1, 6)
         self.wait('the command ran', lambda: os.path.exists(mark) and os.path.getsize(mark))
@@ -76,6 +76,10 @@ class Pins(RingTest):
             self.assertEqual(file.read().strip(), '1')
         self.ctl_json('interrupt', '--from', 0, '--to', 1, 7)
         self.wait('the reason is in the log', lambda: 'no_such_command' in self.log_of(daemons[1]))
+        self.assertEqual(self.counters(1)['pin_commands_refused'], 1)
+        self.ctl_json('interrupt', '--from', 0, '--to', 1, 5)
+        self.wait('the failure is counted', lambda: self.counters(1)['pin_commands_failed'] == 1)
+        self.assertEqual(self.counters(1)['pin_commands_timed_out'], 0)
         self.assertTrue(self.is_closed([0, 1]))
 
     def test_each_interrupt_pulls_once(self):

@@ -17,6 +17,7 @@ namespace limb_ring::runtime {
 class PinCommands {
  public:
   static constexpr std::size_t kAtOnce = 4;
+  /// Shown by status as pin_commands_refused and so on.
   struct Counters {
     std::uint64_t refused = 0;    ///< the command is empty, its program is not found, or kAtOnce were running already
     std::uint64_t failed = 0;     ///< fork or exec failed, or it ended by a signal or with other than exit 0
