@@ -139,15 +139,13 @@ class Ring:
 
     def ctl(self, *words, timeout=30.0):
         """`ringctl WORDS`: what it printed. @raise RingError where it ended with another exit code than 0, RingTimeout"""
-        runtime = self._runtime()
+        environment = self.environment
         folder = self._launcher.programs if self._launcher else programs_folder()
         name = ['--ring', self._attached[0]] if self._attached and self._attached[0] else []
         command = [os.path.join(folder, 'ringctl'), *name, *(str(word) for word in words)]
-        environment = dict(os.environ, XDG_RUNTIME_DIR=runtime) if runtime else None
         try:
-            done = subprocess.run(command, env=self._launcher.environment if self._launcher else environment,
-                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                  universal_newlines=True, timeout=timeout, check=False)
+            done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, universal_newlines=True, timeout=timeout, check=False)
         except subprocess.TimeoutExpired:
             raise RingTimeout('ringctl %s: no answer within %g s' % (' '.join(command[1:]), timeout)) from None
         if done.returncode != 0:

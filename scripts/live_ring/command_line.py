@@ -1,4 +1,4 @@
-"""What both programs are told."""
+"""Options that scripts/chaos and scripts/fault_table have in common."""
 import argparse
 import os
 import secrets
@@ -10,6 +10,7 @@ SEEDS = 1000000   # small enough to be typed in again
 
 
 def at_least(least, kind):
+    """For add_argument(type=...): a number of that kind, `least` or more."""
     def read(text):
         value = kind(text)
         if value < least:
@@ -19,8 +20,8 @@ def at_least(least, kind):
     return read
 
 
-def parser(text):
-    result = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
+def new_parser(description):
+    result = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     result.add_argument('--seed', type=at_least(0, int), default=secrets.randbelow(SEEDS), help='default: drawn')
     result.add_argument('--transport', choices=('unix', 'shm', 'udp'), help='default: shm')
     result.add_argument('--redundancy', choices=('none', 'foldback'), default='none', help='default: none')
@@ -35,13 +36,14 @@ def interrupt_no_more():
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
 
 
-def parse(options):
+def parse(parser):
+    """The options given; from now on SIGTERM ends the program as Ctrl-C does."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    told = options.parse_args()
-    told.transport_given = told.transport is not None
-    told.transport = told.transport or 'shm'
-    told.programs = os.path.abspath(told.programs)
-    ringd = os.path.join(told.programs, 'ringd')
+    options = parser.parse_args()
+    options.transport_given = options.transport is not None
+    options.transport = options.transport or 'shm'
+    options.programs = os.path.abspath(options.programs)
+    ringd = os.path.join(options.programs, 'ringd')
     if not os.access(ringd, os.X_OK):
-        options.error('no program %s; run `make build` first, or say where it is by --programs' % ringd)
-    return told
+        parser.error('no program %s; run `make build` first, or say where it is by --programs' % ringd)
+    return options

@@ -1,7 +1,7 @@
 """Faults whose times are not measured: they damage, delay or restart, and the promises must hold."""
 from live_ring.faults import Fault
 
-# Of a line: fault and what it is told. Seeds are added.
+# Faults of a line, with their parameters; a seed is added to those that choose at random.
 OF_LINES = {
     'drop': 'once_in=20', 'corrupt': 'once_in=20', 'truncate': 'once_in=20', 'duplicate': 'once_in=10',
     'delay': 'delay=2ms jitter=2ms', 'rate': 'rate=20Mbit/s', 'flap': 'every=400ms'}
@@ -11,14 +11,14 @@ OF_CHILD_CPUS = {'slow': 'every=5ms', 'not_reading': ''}
 
 
 class Disturbance(Fault):
-    def __init__(self, live, node, kind, told):
+    def __init__(self, live, node, kind, parameters):
         super().__init__(live, node)
-        self.kind, self.told = kind, told
+        self.kind, self.parameters = kind, parameters
 
 
 class LineDisturbance(Disturbance):
     def begin(self):
-        self.order('%s %s %s' % (self.kind, self.live.ring.line(self.node), self.told))
+        self.order('%s %s %s' % (self.kind, self.live.ring.line(self.node), self.parameters))
 
     def mend(self):
         self.order('heal ' + self.live.ring.line(self.node))
@@ -26,7 +26,7 @@ class LineDisturbance(Disturbance):
 
 class CpuDisturbance(Disturbance):
     def begin(self):
-        self.order('%s %s %s' % (self.kind, self.live.ring.name_of(self.node), self.told))
+        self.order('%s %s %s' % (self.kind, self.live.ring.name_of(self.node), self.parameters))
 
     def mend(self):
         self.order('resume ' + self.live.ring.name_of(self.node))

@@ -2,21 +2,17 @@
 import json
 import random
 
-from live_ring import built  # noqa: F401
+from live_ring import disturbances, rounds
+from live_ring.ring import NODES, NOTIFY, SUPERVISION
 from limb_ring.launcher import plain_nodes
 
-NODES = 16
 FIRMWARE = (3, 7, 11, 15)     # have limb_firmware; the others a CPU that takes packets
-NOTIFY = 3                    # the factor that interrupts of the traffic have
 ROUNDS = 5
-ONE_IN, MOST_AT_ONCE = 3, 3   # rounds have several faults
 GUARD = '30s'                 # of the ring's time, until it is whole again
 
-# What is told of a line, and of a CPU that somebody has to cure.
-OF_LINES = {'cut': '', 'stall': '', 'drop': 'once_in=20', 'corrupt': 'once_in=20', 'truncate': 'once_in=20',
-            'duplicate': 'once_in=10', 'delay': 'delay=2ms jitter=2ms', 'rate': 'rate=20Mbit/s',
-            'flap': 'every=400ms', 'reorder': 'once_in=20'}
-OF_CPUS = {'slow': 'every=5ms', 'not_reading': '', 'babble': 'every=1ms'}
+# Faults with their parameters: of a line, and of a CPU until `resume`.
+OF_LINES = dict(disturbances.OF_LINES, **disturbances.OF_UDP_LINES, cut='', stall='')
+OF_CPUS = dict(disturbances.OF_CHILD_CPUS, babble='every=1ms')
 CURED = ('hang', 'crash', 'reset')     # by the supervisor, by the node, at once
 OF_NODES = {'kill': 'start', 'freeze': 'thaw'}
 
@@ -30,7 +26,7 @@ def ring(redundancy):
             node['cpu'] = {'command': ['limb_firmware'], 'alive_period': '200ms'}
             node['joints'] = [{'name': 'joint%d' % node['id']}]
     return json.dumps({'ring': 'chaos', 'redundancy': redundancy, 'nodes': nodes,
-                       'supervisor': {'node': 0, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}})
+                       'supervisor': SUPERVISION})
 
 
 def name(node):
@@ -38,7 +34,7 @@ def name(node):
 
 
 class DrawnScenario:
-    """kinds: of its faults; crashed: nodes whose CPU was told to end."""
+    """kinds: of its faults; crashed: nodes whose CPU it ends."""
 
     def __init__(self, seed):
         self.chance = random.Random(seed)
@@ -57,8 +53,8 @@ class DrawnScenario:
     def whole():
         return {'node': 'all', 'is': 'up', 'ring_size': NODES}
 
-    def do(self, what, told):
-        self.steps.append({'after': '%dms' % self.chance.randrange(10, 300), 'do': {what: told}})
+    def do(self, action, parameters):
+        self.steps.append({'after': '%dms' % self.chance.randrange(10, 300), 'do': {action: parameters}})
 
     def traffic(self):
         for node in range(NODES):
@@ -77,13 +73,12 @@ class DrawnScenario:
         self.steps.append({'do': {'send': send}})
 
     def round(self):
-        at_once = 2 + self.chance.randrange(MOST_AT_ONCE - 1) if self.chance.randrange(ONE_IN) == 0 else 1
         mends, cpus = [], []
-        for node in self.chance.sample(range(NODES), at_once):
+        for node in self.chance.sample(range(NODES), rounds.how_many(self.chance)):
             mends += self.chance.choice([self.line, self.cpu, self.node])(node, cpus)
         self.chance.shuffle(mends)
-        for what, told in mends:
-            self.do(what, told)
+        for action, parameters in mends:
+            self.do(action, parameters)
         self.steps.append({'when': self.whole(), 'within': GUARD})
         # Only now: behind a broken line the supervisor cannot reach a CPU.
         self.steps += [{'when': {'cpu': name(node), 'is': 'running', 'boots': self.boots[node]}, 'within': GUARD}

@@ -16,13 +16,13 @@ def counting(folder):
 
 
 class Live:
-    def __init__(self, told, rate, child_nodes, child_command=counting, records=False):
+    def __init__(self, options, rate, child_nodes, child_command=counting, records=False):
         self.loop = Loop()
-        self.ring = LiveRing(told, child_nodes, child_command, records)
+        self.ring = LiveRing(options, child_nodes, child_command, records)
         # What other programs receive cannot be checked.
         targets = [node for node in range(NODES) if child_command is counting or node not in child_nodes]
         self.watch = Watch(self.loop, self.ring)
-        self.traffic = Traffic(self.loop, self.ring, told.seed, rate, targets)
+        self.traffic = Traffic(self.loop, self.ring, options.seed, rate, targets)
         self.loop.seldom.append(self.ring.check)
 
     def start(self):
@@ -54,4 +54,3 @@ class Live:
         if 'error' in answer:
             raise RingFailed('node %d, asked %s: %s' % (node, order, answer['error']))
         return answer
-

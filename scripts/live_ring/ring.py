@@ -11,6 +11,7 @@ from limb_ring.launcher import Launcher, free_udp_ports, plain_nodes
 BUILT = built.PROGRAMS
 NODES = 16
 SUPERVISOR = 0
+SUPERVISION = {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}
 NOTIFY = 3        # the factor that interrupts of the traffic have
 SILENCE_MS = 250  # as config/humanoid16.yaml: a desktop that compiles lets a process wait for 100 ms
 END_TIMEOUT = 10  # s
@@ -25,17 +26,19 @@ class RingFailed(Exception):
 class LiveRing:
     """Nodes with a CPU of the caller's (attached) but for `child_nodes`, whose CPU ringd starts."""
 
-    def __init__(self, told, child_nodes, child_command, records=False):
-        """@param records the nodes' flight recorders are on"""
+    def __init__(self, options, child_nodes, child_command, records=False):
+        """@param options of command_line.parse()
+        @param child_command makes a CPU's command of the ring's folder
+        @param records the nodes' flight recorders are on"""
         self.records = records
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))   # crashes are ordered here
-        self.launcher = Launcher(told.programs)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))   # CPUs are crashed on purpose
+        self.launcher = Launcher(options.programs)
         self.launcher.environment['PYTHONDONTWRITEBYTECODE'] = '1'
-        self.folder, self.transport, self.redundancy = self.launcher.folder, told.transport, told.redundancy
+        self.folder, self.transport, self.redundancy = self.launcher.folder, options.transport, options.redundancy
         self.nodes, self.child_nodes = list(range(NODES)), list(child_nodes)
-        self.name = 'live%d_%d' % (told.seed, os.getpid())
+        self.name = 'live%d_%d' % (options.seed, os.getpid())
         self.config = self._write(child_command)
-        self.daemons, self.ordered, self.frozen = {}, set(), set()
+        self.daemons, self.killed, self.frozen = {}, set(), set()
         self.starts = {node: 0 for node in self.nodes}
 
     def _write(self, child_command):
@@ -51,7 +54,7 @@ class LiveRing:
         ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes,
                 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
                 'recorder': {'enabled': self.records, 'size': RECORDER_BYTES},
-                'supervisor': {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}}
+                'supervisor': SUPERVISION}
         return self.launcher.write('ring.yaml', json.dumps(ring))   # which is YAML too
 
     def name_of(self, node):
@@ -74,11 +77,11 @@ class LiveRing:
     def start_node(self, node):
         # In a session of its own: Ctrl-C is for the caller, who ends the ring.
         self.daemons[node] = self.launcher.ringd(self.config, node, start_new_session=True)
-        self.ordered.discard(node)
+        self.killed.discard(node)
         self.starts[node] += 1
 
     def kill(self, node):
-        self.ordered.add(node)
+        self.killed.add(node)
         self.daemons[node].kill()
 
     def gone(self, node):
@@ -93,12 +96,12 @@ class LiveRing:
         self.frozen.discard(node)
 
     def can_answer(self, node):
-        return node not in self.ordered and node not in self.frozen
+        return node not in self.killed and node not in self.frozen
 
     def check(self):
-        """@raise RingFailed where a daemon has ended that nobody told to"""
+        """@raise RingFailed where a daemon has ended that was not killed"""
         for node, daemon in self.daemons.items():
-            if node not in self.ordered and daemon.poll() is not None:
+            if node not in self.killed and daemon.poll() is not None:
                 raise RingFailed('ringd of node %d (pid %d) has ended by itself with %d; its last lines:\n%s' % (
                     node, daemon.pid, daemon.returncode, self.last_lines(node)))
 

@@ -2,9 +2,14 @@
 from live_ring import disturbances, episode, faults
 from live_ring.ring import NODES
 
-ONE_IN = 3         # rounds have several faults
+ONE_IN = 3         # so many rounds has several faults
 MOST_AT_ONCE = 3
 SHORT, LONG = 0.1, 1.0    # s that faults last
+
+
+def how_many(chance):
+    """Faults that a round has at once."""
+    return 2 + chance.randrange(MOST_AT_ONCE - 1) if chance.randrange(ONE_IN) == 0 else 1
 
 
 class Rounds:
@@ -13,9 +18,9 @@ class Rounds:
         self.begun, self.rows = {}, []     # kind: count; measured ones
 
     def one(self, tell):
-        """Begins and mends; `tell` is told before what it will be. Returns that, once the ring is whole and all sends
-        have ended."""
-        at_once = 2 + self.chance.randrange(MOST_AT_ONCE - 1) if self.chance.randrange(ONE_IN) == 0 else 1
+        """Begins faults and mends them. Calls tell(words) before, with what they will be, and returns the same words once
+        the ring is whole and all sends have ended."""
+        at_once = how_many(self.chance)
         drawn = [self.draw(node) for node in self.chance.sample(range(NODES), at_once)]
         words = ', '.join('%s at node %d' % (fault.kind, fault.node) for fault in drawn)
         tell(words)
@@ -28,10 +33,10 @@ class Rounds:
         self.look_for_ends({fault.node for fault in drawn if isinstance(fault, faults.Crash)})
         return words
 
-    def look_for_ends(self, ordered):
+    def look_for_ends(self, crashed):
         """CPUs that ended though nobody told them to."""
         for node, event in self.live.watch.events['cpu']:
-            if event['state'] == 'failed' and node not in ordered:
+            if event['state'] == 'failed' and node not in crashed:
                 self.live.traffic.promises.broken('the CPU of node %d (pid %d) ended by itself', node, event['pid'])
 
     def time(self):

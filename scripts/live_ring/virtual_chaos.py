@@ -16,11 +16,11 @@ OUTCOMES = ('delivered', 'unconfirmed', 'no such node', 'lost', 'cancelled', 're
 
 
 class VirtualChaos:
-    def __init__(self, told, say):
-        self.told, self.say, self.started = told, say, time.monotonic()
-        self.launcher = Launcher(told.programs)
-        self.ring = self.launcher.write('ring.yaml', drawn_scenario.ring(told.redundancy))
-        self.seeds = random.Random(told.seed)
+    def __init__(self, options, say):
+        self.options, self.say, self.started = options, say, time.monotonic()
+        self.launcher = Launcher(options.programs)
+        self.ring = self.launcher.write('ring.yaml', drawn_scenario.ring(options.redundancy))
+        self.seeds = random.Random(options.seed)
         self.results, self.faults, self.problems = Counter(), Counter(), []
 
     def seconds(self):
@@ -29,7 +29,7 @@ class VirtualChaos:
     def run(self):
         """Until the time is over, but one scenario at least."""
         number = 0
-        while not self.problems and (number == 0 or self.seconds() < self.told.minutes * 60):
+        while not self.problems and (number == 0 or self.seconds() < self.options.minutes * 60):
             number += 1
             self.scenario(number, self.seeds.randrange(10 ** 6))
 
@@ -45,7 +45,7 @@ class VirtualChaos:
         self.problems += ['scenario %d: %s' % (number, problem) for problem in self.judge(drawn, first, second)]
 
     def play(self, file):
-        done = subprocess.run([os.path.join(self.told.programs, 'ringctl'), 'scenario', 'run', '--virtual', file, '--json'],
+        done = subprocess.run([os.path.join(self.options.programs, 'ringctl'), 'scenario', 'run', '--virtual', file, '--json'],
                               env=self.launcher.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, universal_newlines=True)
         if done.returncode not in (DONE, NOT_DONE) or not done.stdout:
