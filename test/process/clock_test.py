@@ -1,6 +1,5 @@
 """The time of a virtual ring, steered from outside: at another pace, paused, by steps; and a ring that follows a clock."""
 
-import json
 import os
 import re
 import signal

@@ -88,7 +88,7 @@ class Forge(RingTest):
         self.round_trip(100)
         after = self.counters(1)
         self.check_counts(sent, before, after, self.dropped_by_kernel() - dropped)
-        self.check_sender(sent, sender)
+        self.check_sender(sender)
         growth = {node: self.memory_kb(node) - memory[node] for node in NODES}
         self.report(sent, before, after, quiet, sorted(trips)[len(trips) // 2], growth)
         for node in NODES:
@@ -108,7 +108,7 @@ class Forge(RingTest):
         for counter in ('input_losses', 'input_malformed', 'crc_errors', 'malformed_packets', 'duplicates'):
             self.assertEqual(after[counter], before[counter], counter)
 
-    def check_sender(self, sent, before):
+    def check_sender(self, before):
         after = self.counters(0)
         grown = sum(after['output_datagrams_' + name] - before['output_datagrams_' + name]
                     for name in ('truncated', 'forged', 'replayed'))

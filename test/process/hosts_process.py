@@ -31,9 +31,7 @@ class HostsTest(RingTest):
 
     def on(self, host, *arguments, code=0):
         """Runs ringctl there, which is to end so. @return what it printed, both outputs"""
-        done = subprocess.run([ring_process.program('ringctl')] + [str(a) for a in arguments],
-                              env=self.hosts[host].environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, universal_newlines=True, timeout=ring_process.GUARD)
+        done = self.ctl(*arguments, env=self.hosts[host].environment, stderr=subprocess.STDOUT)
         self.assertEqual(done.returncode, code, done.stdout)
         return done.stdout
 
@@ -51,9 +49,6 @@ class HostsTest(RingTest):
 
     def states(self, host):
         return {row['name']: row['state'] for row in self.json_on(host, 'status')['nodes']}
-
-    def nodes_of(self, host):
-        return [name for name in self.names if name.startswith(host)]
 
     def kill(self, host):
         """All processes of its ring, as a power cut would."""

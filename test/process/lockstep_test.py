@@ -28,8 +28,7 @@ class Lockstep(RingTest):
         return re.search(r'trace hash ([0-9a-f]{16}) of ', log).group(1)
 
     def compare_traces(self, *paths):
-        return subprocess.run([ring_process.program('ring_sim'), 'compare-traces', *paths], stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, universal_newlines=True, timeout=ring_process.GUARD)
+        return self.run_program('ring_sim', 'compare-traces', *paths)
 
     def busy(self):
         for _ in range(2 * os.cpu_count()):

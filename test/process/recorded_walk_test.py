@@ -24,10 +24,8 @@ class RecordedWalk(RingTest):
         return self.write('walk.yaml', yaml.safe_dump(ring, sort_keys=False))
 
     def walk(self, config):
-        done = subprocess.run([ring_process.program('ringd'), '--config', config, '--ring', self.ring, '--clock', 'virtual',
-                               '--pace', 'max', '--for', str(SECONDS)], env=self.environment, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                              timeout=2 * ring_process.GUARD)
+        done = self.run_program('ringd', '--config', config, '--ring', self.ring, '--clock', 'virtual', '--pace', 'max',
+                                '--for', SECONDS, stderr=subprocess.STDOUT, timeout=2 * ring_process.GUARD)
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertNotIn('not repeatable', done.stdout)
         return done.stdout

@@ -1,12 +1,10 @@
-"""Flight recorders of a live ring: kept while it goes on, also of dead nodes, and had again."""
+"""Flight recorders of a live ring: saved while it goes on, also of dead nodes, and replayed."""
 
 import os
 import shutil
-import subprocess
 
 import ring_process
-from ring_process import GUARD, RingTest, plain_nodes, program
-from limb_ring import Result
+from ring_process import RingTest, plain_nodes
 
 
 class Recorder(RingTest):
@@ -14,21 +12,10 @@ class Recorder(RingTest):
         super().setUp()
         self.saved = os.path.join(self.folder, 'saved')
 
-    def send(self, source, to, count=50):
-        port = self.port(source)
-        for i in range(count):
-            port.send(to, b'recorded %d' % i)
-            self.assertEqual(port.next_of(Result).outcome, 'delivered')
-        port.close()
-
     def save(self, folder=None):
         done = self.ctl('record', 'save', folder or self.saved)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
-
-    def run_program(self, name, *arguments):
-        return subprocess.run([program(name), *arguments], env=self.environment, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=GUARD)
 
     def replay(self, *arguments, code=0):
         done = self.run_program('ring_sim', 'replay', *arguments)
@@ -37,10 +24,10 @@ class Recorder(RingTest):
 
     def test_of_living_dead_and_former_nodes_are_had_again(self):
         daemons = self.start_ring(plain_nodes(4), recorder={'enabled': True, 'size': 1048576}, redundancy='foldback')
-        self.send(0, 2)
+        self.send_delivered(0, 2)
         daemons[3].kill()
         self.wait('a ring of three', lambda: self.row(0)['ring_size'] == 3)
-        self.send(0, 2)
+        self.send_delivered(0, 2)
         self.ringd(os.path.join(self.folder, 'ring.yaml'), 3)
         self.wait('a ring of four', lambda: self.row(3) and self.row(0)['ring_size'] == 4)
         self.assertEqual(self.ctl('fault', 'cut', 'node0:node1').returncode, 0)
@@ -69,13 +56,13 @@ class Recorder(RingTest):
 
     def test_are_a_capture_and_a_state_too(self):
         self.start_ring(plain_nodes(3), recorder={'enabled': True})
-        self.send(1, 2, 3)
+        self.send_delivered(1, 2, 3)
         self.save()
         state = self.replay(self.saved, '--until', '1e6', '--node', 'node2')
         self.assertIn('membership.ring_size 3', state)
         self.assertNotIn('node 1 (node1), what', state)
         records = self.replay(self.saved, '--node', '2', '--print')
-        self.assertIn(b'recorded 2'.hex(), records)
+        self.assertIn(b'packet 2'.hex(), records)
         capture = os.path.join(self.folder, 'lines.pcapng')
         self.replay(self.saved, '--capture', capture)
         trace = self.run_program('ringctl', 'trace', capture, '-n', '1')

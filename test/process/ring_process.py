@@ -90,11 +90,14 @@ class RingTest(unittest.TestCase):
             self.assertIsNone(process.poll(), 'ringd of node %s has ended' % node)
         return True
 
+    def run_program(self, name, *arguments, **options):
+        """One that ends by itself. `options` are those of subprocess.run(), where not the usual ones."""
+        usual = dict(env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                     universal_newlines=True, timeout=GUARD)
+        return subprocess.run([program(name)] + [str(a) for a in arguments], **dict(usual, **options))
+
     def ctl(self, *arguments, **options):
-        return subprocess.run([program('ringctl')] + [str(a) for a in arguments],
-                              env=self.environment, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              universal_newlines=True, timeout=GUARD, **options)
+        return self.run_program('ringctl', *arguments, **options)
 
     def ctl_json(self, *arguments, code=0):
         done = self.ctl(*arguments, '--json')
@@ -102,11 +105,7 @@ class RingTest(unittest.TestCase):
         return json.loads(done.stdout)
 
     def run_ringd(self, *arguments):
-        """A ringd that is to end by itself."""
-        return subprocess.run([program('ringd')] + [str(a) for a in arguments],
-                              env=self.environment, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              universal_newlines=True, timeout=GUARD)
+        return self.run_program('ringd', *arguments)
 
     def wait_exit(self, process):
         return process.wait(timeout=GUARD)
@@ -117,6 +116,12 @@ class RingTest(unittest.TestCase):
         port = HostPort.connect(ring=self.ring, node=node, runtime=self.runtime, **options)
         self.addCleanup(port.close)
         return port
+
+    def send_delivered(self, source, to, count=50):
+        """So many packets (b'packet 0', ...), each of which is delivered before the next one."""
+        with HostPort.connect(ring=self.ring, node=source, runtime=self.runtime) as port:
+            for i in range(count):
+                self.assertEqual(port.wait(port.send(to, b'packet %d' % i), GUARD).outcome, 'delivered')
 
     def assert_refused(self, words, port, order):
         """The daemon says no, in these words."""

@@ -84,9 +84,7 @@ class Send(RingTest):
 class Dump(RingTest):
     def test_log_is_named_by_date(self):
         self.start_ring(plain_nodes(2))
-        done = subprocess.run([program('ringctl'), 'dump', '-l', '-n', '1'], cwd=self.folder, env=self.environment,
-                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              universal_newlines=True, timeout=GUARD)
+        done = self.ctl('dump', '-l', '-n', 1, cwd=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         name = re.search(r'writing (dump-[-0-9]+_\d{6}\.pcapng)', done.stderr).group(1)
         self.assertGreater(os.path.getsize(os.path.join(self.folder, name)), 0)
@@ -186,9 +184,7 @@ class PlainWords(RingTest):
         versions = set()
         for name in ('ringctl', 'ringd', 'ring_sim', 'limb_firmware'):
             for asked in (['--version'], ['help'], ['--help']):
-                done = subprocess.run([program(name)] + asked, env=self.environment, stdin=subprocess.DEVNULL,
-                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True,
-                                      timeout=GUARD)
+                done = self.run_program(name, *asked)
                 self.assertEqual((done.returncode, done.stderr), (0, ''), name)
                 self.assertIn(name if asked == ['--version'] else '--version', done.stdout)
                 versions.add(done.stdout.split()[1] if asked == ['--version'] else '')

@@ -7,13 +7,10 @@ import os
 import re
 import signal
 import struct
-import subprocess
 import zlib
 
 import ring_process
-from ring_process import GUARD, RingTest, plain_nodes, program
-from limb_ring import Result
-
+from ring_process import RingTest, plain_nodes, program
 
 TAKEN = 2   # Observation::Kind
 
@@ -21,13 +18,6 @@ TAKEN = 2   # Observation::Kind
 class WatchingTest(RingTest):
     def watch(self, *arguments):
         return self.start('watch', [program('ringctl'), 'watch', *arguments])
-
-    def send(self, source, to, count=50):
-        port = self.port(source)
-        for i in range(count):
-            port.send(to, b'watched %d' % i)
-            self.assertEqual(port.next_of(Result).outcome, 'delivered')
-        port.close()
 
     def is_watched(self, node):
         return os.path.exists(os.path.join(self.ring_folder(), '%d.watch' % node))
@@ -43,16 +33,16 @@ class Watching(WatchingTest):
         daemons = self.start_ring(plain_nodes(4))
         watch = self.watch()
         self.wait('all watched', lambda: all(self.is_watched(node) for node in range(4)))
-        self.send(0, 2)
-        self.send(1, 255)
+        self.send_delivered(0, 2)
+        self.send_delivered(1, 255)
         daemons[3].kill()
         self.wait('a ring of three', lambda: self.row(0)['ring_size'] == 3)
-        self.send(0, 2)
+        self.send_delivered(0, 2)
         os.remove(os.path.join(self.ring_folder(), '3.watch'))  # of the dead one
         self.ringd(os.path.join(self.folder, 'ring.yaml'), 3)
         self.wait('a ring of four', lambda: self.row(3) and self.row(0)['ring_size'] == 4)
         self.wait('the new one is watched', lambda: self.is_watched(3))
-        self.send(0, 3)
+        self.send_delivered(0, 3)
         said = self.end(watch)
         self.assertIn('every promise was kept', said)
         self.assertIn('200 sends', said)
@@ -79,11 +69,10 @@ class Watching(WatchingTest):
 
     def test_recordings_are_judged_as_well(self):
         self.start_ring(plain_nodes(3), recorder={'enabled': True, 'size': 1048576})
-        self.send(0, 2)
+        self.send_delivered(0, 2)
         saved = os.path.join(self.folder, 'saved')
         self.assertEqual(self.ctl('record', 'save', saved).returncode, 0)
-        done = subprocess.run([program('ring_sim'), 'replay', saved], env=self.environment, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, universal_newlines=True, timeout=GUARD)
+        done = self.run_program('ring_sim', 'replay', saved)
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn('promises: all kept; 50 sends', done.stdout)
 
@@ -128,8 +117,7 @@ class SavedByThemselves(WatchingTest):
         return sorted(os.listdir(self.saves)) if os.path.isdir(self.saves) else []
 
     def replay(self, folder):
-        done = subprocess.run([program('ring_sim'), 'replay', folder], env=self.environment, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, universal_newlines=True, timeout=GUARD)
+        done = self.run_program('ring_sim', 'replay', folder)
         self.assertEqual(done.returncode, 0, done.stdout)
 
     def read(self, log):
@@ -167,8 +155,8 @@ class SavedByThemselves(WatchingTest):
         self.wait('it is watched', lambda: all(self.is_watched(node) for node in range(3)))
         self.let_look(self.keeper())   # at all of them, before it judges what they send
         keeper = self.stop_keeper()
-        self.send(0, 2, count=1)
-        self.falsify_what_was_taken(2, b'watched 0')
+        self.send_delivered(0, 2, count=1)
+        self.falsify_what_was_taken(2, b'packet 0')
         os.kill(keeper, signal.SIGCONT)
         self.wait('saved', lambda: 'recordings are saved in' in self.read(log))
         saved, = self.saved()
