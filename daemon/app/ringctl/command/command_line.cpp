@@ -5,7 +5,6 @@
 #include <set>
 
 #include "app/ringctl/command/commands.h"
-#include "app/ringctl/command/watch.h"
 #include "app/ringctl/other_host.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"

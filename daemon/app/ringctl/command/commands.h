@@ -40,6 +40,7 @@ void add_reset(CLI::App& app, Context& context);
 void add_clock(CLI::App& app, Context& context);  ///< pace, pause, step, run
 void add_ping(CLI::App& app, Context& context);
 void add_observe(CLI::App& app, Context& context);
+void add_watch(CLI::App& app, Context& context);
 void add_dump(CLI::App& app, Context& context);
 void add_trace(CLI::App& app, Context& context);
 void add_record(CLI::App& app, Context& context);
