@@ -76,8 +76,8 @@ soak: build ## Random faults by seed under the virtual clock (SEEDS=10000)
 mutants: deps ## Changes a copy of the core at random places; do the tests notice? (COUNT=20 SEED=1)
 	$(PYTHON) test/mutants/try_mutants $(if $(COUNT),--count $(COUNT)) $(if $(SEED),--seed $(SEED)) --jobs $(JOBS)
 
-# Failures of chaos with a core that is broken on purpose: recorded live, and had again.
-planted: build ## Breaks the core of live rings on purpose, and has what failed again from their recordings (FAILURES=10)
+# Failures of chaos with a core that is broken on purpose: recorded live, and replayed.
+planted: build ## Breaks the core of live rings on purpose, and replays what failed from their recordings (FAILURES=10)
 	$(BUILD_TARGET) limb_ring_python
 	$(PYTHON) test/mutants/plant_failures $(if $(FAILURES),--failures $(FAILURES)) --programs $(BUILD)/devel/lib/limb_ring --jobs $(JOBS)
 

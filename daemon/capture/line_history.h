@@ -9,7 +9,7 @@ namespace limb_ring::capture {
 /// What has gone out of one node, in the order of its line.
 class LineHistory {
  public:
-  /// @param packet goes on living; in the order of `began`
+  /// Packets are added in the order of `began`. @param packet must outlive this
   void add(const SeenPacket& packet);
 
   /// Packets that had the line while this one waited for it: the line was not free before this one came in, and they

@@ -10,7 +10,7 @@ namespace limb_ring::capture::pcapng {
 enum Block : std::uint32_t { kInterface = 1, kEnhancedPacket = 6, kSectionHeader = 0x0A0D0D0A };
 constexpr std::uint32_t kByteOrderMagic = 0x1A2B3C4D;
 constexpr std::uint16_t kLinkType = 147;          ///< LINKTYPE_USER0
-constexpr std::uint32_t kMaxBlock = 1024 * 1024;  ///< of a file that is no nonsense
+constexpr std::uint32_t kMaxBlock = 1024 * 1024;  ///< bytes; a block that says it is larger is damaged
 
 enum Option : std::uint16_t {
   kEnd = 0,

@@ -17,7 +17,7 @@ namespace limb_ring::client {
 
 /// Changes whenever a message changes: both sides come from one build as a rule.
 constexpr std::uint16_t kHostPortVersion = 3;
-/// Follows a frame's size and type: the first bytes of another protocol are hardly these.
+/// Follows a frame's size and type: no other protocol is likely to begin so.
 constexpr std::uint32_t kGreetingMagic = 0x4C524850;  // "LRHP"
 
 /// The first message of a client.  | magic 32 | version 16 | role 8 | flags 8 | pid 32 |

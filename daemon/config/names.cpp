@@ -47,9 +47,9 @@ bool is_topic_name(const std::string& name) {
 }
 
 std::string closest(const std::string& word, const std::vector<std::string>& candidates) {
-  if (word.size() > 64) return {};  // nobody's slip of the pen, and the search is quadratic
+  if (word.size() > 64) return {};  // no typing error, and the search is quadratic
   std::string best;
-  // Two letters changed places are two edits; of a word of which nothing is left nobody knows what was meant.
+  // Two edits at least, as two swapped letters are; but some of the word must be left.
   std::size_t least = std::min(word.size() / 4 + 2, word.size());
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);

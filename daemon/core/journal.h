@@ -131,8 +131,8 @@ using Input = std::variant<input::InputUp, input::InputLost, input::InputGap, in
                            input::OutputReady, input::Receive, input::Send, input::Interrupt, input::Pull,
                            input::Cancel, input::CpuReset, input::Cpu, input::CpuPresent, input::Timeout, input::Run>;
 
-/// Sees all that goes into a network controller and all that is taken out of it, in its order: enough to have it again
-/// exactly. (ours)
+/// Sees all that goes into a network controller and all that is taken out of it, in order: enough to replay it exactly.
+/// (ours)
 class Journal {
  public:
   virtual ~Journal() = default;

@@ -162,7 +162,7 @@ bool DatagramInput::is_unsealed(const LinkHeader& header, wire::ByteView& datagr
   if (session == nullptr && offer != offers_.end() && offer->second.number == header.session) session = &offer->second;
   if (session == nullptr) {
     ++report_.counters.datagrams_stale;
-    return false;  // and no answer: a stranger gets none
+    return false;  // without an answer: who sent it has not proved that it has the key
   }
   const Opener::Verdict verdict = session->opener->open(datagram);
   count(verdict, report_.counters);
@@ -170,8 +170,8 @@ bool DatagramInput::is_unsealed(const LinkHeader& header, wire::ByteView& datagr
   return verdict == Opener::Verdict::good;
 }
 
-/// An answer that nobody can trust, for the people at the other end. It is shorter than the question, and there is at
-/// most one per tick: nothing for somebody who wants others flooded.
+/// An answer that is not authenticated, for the people at the other end. It is shorter than the question, and there is
+/// at most one per tick, so that nobody can be flooded by it.
 void DatagramInput::hint(const LinkHeader& connect, Refusal refusal, const UdpAddress& sender) {
   LinkHeader refuse = admission_.header(LinkHeaderType::refuse, refusal);
   refuse.session = connect.session;

@@ -88,7 +88,7 @@ class DatagramInput {
   SequenceCheck sequence_;
   Silence silence_;
   bool batch_ = false;       ///< something was handed on since the last on_batch_end
-  bool hinted_ = false;      ///< one answer that nobody can trust per tick is enough
+  bool hinted_ = false;      ///< one answer that is not authenticated per tick is enough
   bool told_stale_ = false;  ///< one answer to stale sessions per tick is enough
   bool closed_ = false;
 };

@@ -57,7 +57,7 @@ class QueueMemory {
 /// Bytes of capacity that a queue needs for a ring: a full packet of every node fits.
 std::size_t queue_capacity(std::size_t nodes);
 
-/// The other end's index is none that it can have.
+/// Why a line ends where the other end's index is one that it cannot have.
 constexpr const char* kInvalidQueue = "its end of the shared memory is invalid";
 
 /// The writer's end.

@@ -4,21 +4,21 @@
 
 namespace limb_ring::link {
 
-/// Whether a socket is read once more in the same turn. A packet that comes alone most likely is, and a read that finds
-/// nothing is a system call for each packet; where packets pile up, to read them all is what keeps a loaded ring fast.
-/// So it is gone on with for as long as it finds something, and else tried now and then. (ours)
+/// Whether a socket is read once more in the same turn of the event loop. Behind a packet that comes alone there is
+/// nothing, and the read would be a system call in vain for each packet; where packets pile up, reading them all keeps
+/// a loaded ring fast. So reading goes on while it mostly finds something; else every kTryEvery-th turn tries. (ours)
 class ReadAgain {
  public:
   static constexpr unsigned kTryEvery = 16;
-  static constexpr unsigned kMostLuck = 8;
+  static constexpr unsigned kMostCredit = 8;
 
-  bool wanted() { return luck_ > 0 || ++turns_ % kTryEvery == 0; }
+  bool wanted() { return credit_ > 0 || ++turns_ % kTryEvery == 0; }
   /// After each such read.
-  void found(bool something) { luck_ = something ? std::min(luck_ + 1, kMostLuck) : luck_ / 2; }
+  void found(bool something) { credit_ = something ? std::min(credit_ + 1, kMostCredit) : credit_ / 2; }
 
  private:
-  unsigned luck_ = 0;
-  unsigned turns_ = 0;
+  unsigned credit_ = 0;  ///< one more by each read that found something, half by one that did not
+  unsigned turns_ = 0;   ///< without credit
 };
 
 }  // namespace limb_ring::link

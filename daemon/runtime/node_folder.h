@@ -29,7 +29,7 @@ class NodeFolder {
   const config::RingConfig& ring_;
   const config::NodeConfig& node_;
   std::string path_;
-  std::optional<host::NodeLock> lock_;  ///< none where it could not be had again
+  std::optional<host::NodeLock> lock_;  ///< none where it could not be taken again
   std::optional<BootRecord> boots_;
 };
 

@@ -56,10 +56,10 @@ class ForwardingChecker {
         lag_(std::max(Duration{0}, byte_time_in - byte_time) * static_cast<std::int64_t>(wire::kOverhead)),
         complain_(complain) {}
 
-  /// What a packet has to leave with.
+  /// The FBC that a packet has to leave with.
   struct Due {
-    int fbc;                              ///< kAnyFbc: nobody can tell
-    Promise promise = Promise::true_fbc;  ///< that another FBC would break
+    int fbc;                              ///< kAnyFbc: it cannot be told from outside
+    Promise promise = Promise::true_fbc;  ///< the one that is broken if it leaves with another FBC
     bool good = true;                     ///< its CRC is right
 
     template <class Archive>

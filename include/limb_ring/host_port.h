@@ -91,11 +91,13 @@ struct HostPortTimeout : HostPortError {
   using HostPortError::HostPortError;
 };
 
+/// What a program is at its node. (ours)
 enum class Role : std::uint8_t {
   tool,  ///< any number may send, pull inputs, ask and observe, each getting its own results
   cpu    ///< the node's CPU, one at a time: also receives packets and interrupts, and is reset
 };
 
+/// To which node a program connects, and as what. (ours)
 struct ConnectOptions {
   std::string ring;  ///< empty: the environment's LIMB_RING_RING, else the only ring running
   std::string node;  ///< id or name; empty: the environment's LIMB_RING_NODE
@@ -105,8 +107,8 @@ struct ConnectOptions {
   bool restarted_by_owner = false;
   /// role cpu: promises to call alive() (or anything else) at least this often. 0: no promise.
   std::chrono::milliseconds alive_period{0};
-  /// A Result may come up to 20 ms late, with the next packet or whatever else comes: for who sends at a fixed rate and
-  /// waits for no Result. It spares both processes a wake-up per send.
+  /// A Result may come up to 20 ms late, with the next packet or whatever else comes: for programs that send at a fixed
+  /// rate and wait for no Result. It spares both processes a wake-up per send.
   bool results_may_wait = false;
   /// role cpu, on a ring with a virtual clock (`ringctl up --clock virtual`): its time goes on only while this program
   /// waits, in receive(), wait(), ask() or sleep_until(). False: it does not wait for this program, as it does for no

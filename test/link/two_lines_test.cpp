@@ -41,7 +41,7 @@ TEST_P(TwoLines, BypassMovesTheInputToItsOtherLineAndBack) {
 }
 
 TEST_P(TwoLines, NodeFartherAwayOnTheOtherLineIsRefusedWhileTheNearerOneIsThere) {
-  Output stranger(
+  Output unknown(
       node(0).io,
       [&] {
         OutputSettings out = local.output_settings(0);
@@ -49,7 +49,7 @@ TEST_P(TwoLines, NodeFartherAwayOnTheOtherLineIsRefusedWhileTheNearerOneIsThere)
         return out;
       }(),
       node(0).said);
-  ASSERT_TRUE(udp.until([&] { return stranger.counters().refused > 0; }));
+  ASSERT_TRUE(udp.until([&] { return unknown.counters().refused > 0; }));
   EXPECT_TRUE(udp.whole());
 }
 

@@ -1,4 +1,4 @@
-// A recording of a core that is broken is had again by that core alone: a sound one does something else, and the other
+// A recording of a core that is broken is replayed by that core alone: a sound one does something else, and the other
 // way round.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What a flight recorder has written down of a core is had again exactly. LIMB_RING_REPLAYS=n: of n seeds.
+// What a flight recorder has recorded of a core is replayed exactly. LIMB_RING_REPLAYS=n: of n seeds.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -19,8 +19,8 @@ std::string finish_writing(std::ostream& out, const std::string& path);
 /// output could not take all that was written.
 int code_with_output(const std::string& program, int code);
 
-/// False where standard output is a pipe that nobody reads any more (`| head -1`): for who waits for something to
-/// write.
+/// False where standard output is a pipe that nobody reads any more (`| head -1`). For callers that wait
+/// until there is something to write.
 bool is_output_read();
 
 }  // namespace limb_ring::app

@@ -16,9 +16,9 @@ enum ExitCode : int {
 };
 
 constexpr const char* kExitCodesHelp =
-    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, a "
-    "recording is not had again, gnuplot is missing or fails, a disk is full, or it was interrupted; 2 wrong arguments "
-    "or configuration, or a folder that cannot be written.";
+    "Exit code: 0 done; 1 a promise of the ring was broken, a plan does not fit onto it, two captures differ, the "
+    "replay of a recording differs from it, gnuplot is missing or fails, a disk is full, or it was interrupted; 2 "
+    "wrong arguments or configuration, or a folder that cannot be written.";
 
 /// Ends ring_sim with kUsage.
 struct UsageError : std::runtime_error {

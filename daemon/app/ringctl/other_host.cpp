@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSecondsToConnect = 10;
 
-/// One word for a shell.
+/// The word as a shell reads it back, whatever is in it.
 std::string quoted(const std::string& word) {
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);

@@ -26,8 +26,9 @@ class DuplicateMemory {
 
   /// @param horizon a first try with a number decided longer ago than this is new: no copy of the
   ///        former is left, and numbers wrap unseen behind a line that is down for long. (ours)
-  /// @param falls_into_parts in another part of the ring a source may have begun four incarnations that were not seen
-  ///        here, so verdicts on retries hold no longer than tries go on
+  /// @param falls_into_parts two breaks leave two working parts (fold-back). In the other part a source may have begun
+  ///        four incarnations unseen, so that Code shows the same one again: verdicts on retries hold no longer than
+  ///        tries go on
   DuplicateMemory(Duration horizon, bool falls_into_parts) : horizon_(horizon), falls_into_parts_(falls_into_parts) {}
 
   /// A packet of that incarnation came.

@@ -25,6 +25,7 @@ enum class EncodeError : std::uint8_t {
   bad_field        ///< a negative time, or something else the reader would refuse
 };
 
+/// Why a value cannot be written, and which part of it.
 struct EncodeFailure {
   EncodeError error = EncodeError::bad_field;
   std::size_t item = 0;  ///< which joint or axis, from 0

@@ -61,7 +61,7 @@ int dump_live(const Context& context, const DumpOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), first);
   const capture::RingNames names = names_of(ring);
   nlohmann::json order{{"packets", order_of(choice_of(options.filter, names))}};
-  // A file is read later, by somebody who was not there.
+  // Who reads a file later wants to know what else happened.
   if (options.events || !options.write.empty()) order["kinds"] = {"state", "link", "pin", "cpu"};
   const auto sink = sink_of(options, names);
   const DumpTotals totals = LiveDump(ring, nodes_of(ring, options.nodes), order, *sink).run(options.count);

@@ -122,8 +122,8 @@ std::vector<std::size_t> chosen_trips(const capture::TracedRing& ring, const cap
 
 int run(const Context& context, const TraceOptions& options) {
   check(options);
-  // Before the ring is looked at for long; but a file is read first, as an old picture is lost when a new one is
-  // opened.
+  // A live capture takes a while: whether the picture can be written shows before. Opening it empties an older one,
+  // so where a capture file is read, which may fail, it is opened after that.
   std::ofstream picture;
   if (options.live) open_picture(picture, options);
   SeenPackets seen = seen_packets(context, options);
