@@ -60,13 +60,14 @@ std::size_t ForwardingChecker::bytes_since(Time since) const {
 
 void ForwardingChecker::own_interrupt_went(Time since, Time now) { check_wait(since, now, "its own INTP"); }
 
-// 12 bytes for each INTP before it, and at most 3 odd bytes, trailer and CRC. (protocol.md section 5.2)
+// Each INTP before it, and at most the longest tail of a DATP: 3 odd bytes, trailer and CRC. (protocol.md section 5.2)
 void ForwardingChecker::check_wait(Time since, Time now, const std::string& which) const {
   since = std::max(since, released_);
-  const Duration interrupt = byte_time_ * static_cast<std::int64_t>(wire::kOverhead);
+  const Duration interrupt = byte_time_ * static_cast<std::int64_t>(wire::kInterruptPacketSize);
   const auto ahead = std::count_if(interrupts_gone_.begin(), interrupts_gone_.end(),
                                    [&](Time gone) { return gone + interrupt > since; });
-  const Duration most = interrupt * ahead + byte_time_ * 11;
+  constexpr auto kLongestTail = static_cast<std::int64_t>(wire::tail_size(wire::kOverhead + wire::kWord - 1));
+  const Duration most = interrupt * ahead + byte_time_ * kLongestTail;
   if (now - since > most)
     complain_(Promise::interrupt_wait, which + " waited " + std::to_string(core::picoseconds(now - since)) +
                                            " ps at node " + std::to_string(id_) + ", " +

@@ -53,7 +53,7 @@ class ForwardingChecker {
   ForwardingChecker(NodeId id, Duration byte_time, Duration byte_time_in, const Complain& complain)
       : id_(id),
         byte_time_(byte_time),
-        lag_(std::max(Duration{0}, byte_time_in - byte_time) * static_cast<std::int64_t>(wire::kOverhead)),
+        lag_(std::max(Duration{0}, byte_time_in - byte_time) * static_cast<std::int64_t>(wire::kInterruptPacketSize)),
         complain_(complain) {}
 
   /// The FBC that a packet has to leave with.

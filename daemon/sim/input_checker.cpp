@@ -16,7 +16,8 @@ core::Duration stall_of(const core::Settings& settings) { return settings.stall 
 /// If lines differ, what a slow one has held up comes all at once further on, and the bound is not promised.
 bool lines_differ(const core::Settings& settings) {
   const core::Duration each =
-      settings.byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kOverhead) + settings.relay_delay;
+      settings.byte_time_out * static_cast<int>(wire::kMaxDataPacketSize + wire::kInterruptPacketSize) +
+      settings.relay_delay;
   return settings.lap.count() != 0 && settings.lap != settings.nodes() * each;
 }
 

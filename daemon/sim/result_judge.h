@@ -52,9 +52,9 @@ class ResultJudge {
 };
 
 /// What a packet says is acted on when its `end` begins; what follows is told when its last bit is in, at most so much
-/// later. (protocol.md section 6.4)
+/// later: an INTP begins and ends with the same slice, which is the longest. (protocol.md section 6.4)
 inline core::Duration told_within(const core::Settings& settings) {
-  return settings.byte_time_in * static_cast<std::int64_t>(wire::kOverhead);
+  return settings.byte_time_in * static_cast<std::int64_t>(wire::kInterruptPacketSize);
 }
 
 /// In a ring, or in an open chain: users may send. (protocol.md section 8.1)

@@ -20,7 +20,7 @@ RingRecord::RingRecord(VirtualRing& of_ring)
 
 bool RingRecord::has_news(NodeId node, Time now) const {
   const NodeRecord& n = at(node);
-  return n.news_at + n.settings.byte_time_in * static_cast<std::int64_t>(wire::kOverhead) >= now;
+  return n.news_at + told_within(n.settings) >= now;
 }
 
 Time RingRecord::last_bit(NodeId node, std::size_t tail_size, Time now) const {

@@ -5,6 +5,7 @@
 #include "study/analysis/laps.h"
 #include "study/analysis/plan_words.h"
 #include "study/analysis/response.h"
+#include "wire/interrupt_packet.h"
 
 namespace limb_ring::study {
 
@@ -111,7 +112,7 @@ class Planner {
 
   void add_line_loads() {
     for (const Stream& stream : streams_) {
-      std::size_t bytes = (stream.packets.size() + (stream.interrupt ? 1 : 0)) * wire::kOverhead;
+      std::size_t bytes = stream.packets.size() * wire::kOverhead + (stream.interrupt ? wire::kInterruptPacketSize : 0);
       for (const unsigned packet : stream.packets) bytes += packet;
       for (std::size_t n = 0; n < plan_.lines.size(); ++n) {
         const Duration busy = laps_.on_line(static_cast<NodeId>(n), static_cast<unsigned>(bytes));

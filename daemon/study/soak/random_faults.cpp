@@ -58,7 +58,8 @@ void RandomFaults::differ(core::Settings& s) const {
   core::Duration all{0};
   for (const core::Duration delay : delays_) all += delay;
   const unsigned slowest = *std::max_element(slownesses_.begin(), slownesses_.end());
-  s.lap = nodes_ * s.byte_time_out * slowest * static_cast<int>(wire::kMaxDataPacketSize + wire::kOverhead) + all;
+  s.lap = nodes_ * s.byte_time_out * slowest * static_cast<int>(wire::kMaxDataPacketSize + wire::kInterruptPacketSize) +
+          all;
   s.all_delays = all;
   s.byte_time_in = s.byte_time_out * slownesses_[(place + nodes_ - 1) % nodes_];
   s.byte_time_out = s.byte_time_out * slownesses_[place];
@@ -230,8 +231,7 @@ void RandomFaults::fault() {
 // restarted meanwhile and knows nothing of the first copy. So a line holds back for a part of the time-out only. The
 // part is small where lines duplicate, and where folded lines send packets without an owner round and round.
 void RandomFaults::line_fault(NodeId node) {
-  const int share = doubles_ ? 32 : fold_back_ ? 16 : 2;
-  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / share / 1ns);
+  const unsigned longest = longest_hold(node, doubles_ ? 32 : fold_back_ ? 16 : 2);
   fault::Fault fault;
   fault.name = once_in(2) ? fault::Name::delay : doubles_ ? fault::Name::duplicate : fault::Name::stall;
   fault.nodes = {node};
@@ -244,16 +244,20 @@ void RandomFaults::line_fault(NodeId node) {
   lines_->begin(fault);
 }
 
+unsigned RandomFaults::longest_hold(NodeId node, int share) const {
+  return static_cast<unsigned>(ring_->settings(node).send_timeout() / share / 1ns);
+}
+
 // The node stands still for at most as long as a line may hold back, for the same reason: see line_fault().
 void RandomFaults::stand_still(NodeId node) {
-  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / (doubles_ ? 32 : 16) / 1ns);
+  const unsigned longest = longest_hold(node, doubles_ ? 32 : 16);
   ring_->pause(node);
   ring_->at(ring_->now() + Duration{1ns} * (1 + wide(longest)), [this, node] { ring_->resume(node); });
 }
 
 void RandomFaults::hold_output(NodeId node) {
   if (!ring_->alive(node)) return;
-  const auto longest = static_cast<unsigned>(ring_->settings(node).send_timeout() / (doubles_ ? 32 : 16) / 1ns);
+  const unsigned longest = longest_hold(node, doubles_ ? 32 : 16);
   ring_->set_output_ready(node, false);
   ring_->at(ring_->now() + Duration{1ns} * (1 + wide(longest)), [this, node] { ring_->set_output_ready(node, true); });
 }

@@ -69,6 +69,8 @@ class RandomFaults {
   void interrupt();
   void fault();
   void line_fault(wire::NodeId node);
+  /// Nanoseconds: that part of the time-out of a try.
+  unsigned longest_hold(wire::NodeId node, int share) const;
   void cut(wire::NodeId node);
   void heal(wire::NodeId node);
   void kill_or_start(wire::NodeId node);
