@@ -65,6 +65,7 @@ void take_lines(const json& row, NodeStatus& status) {
   take_number(broken, "before", status.broken_before);
   take_number(broken, "behind", status.broken_behind);
 }
+
 }  // namespace
 
 NodeStatus unheard_node(const config::NodeConfig& node) {

@@ -53,11 +53,12 @@ core::Settings VirtualRing::settings_of(NodeId id) const {
   core::Settings settings;
   settings.id = id;
   settings.order = options_.order;
+  // Each life has the incarnation after that of the one before; the first one has 0.
   const std::uint64_t former = nodes_[id].controller ? nodes_[id].controller->membership().boot() : 3;
   settings.boot = (nodes_[id].starts + 1) << 32 | std::uint64_t{id} << 24 | wire::incarnation_of(former + 1);
   settings.byte_time_in = settings.byte_time_out = options_.byte_time;
   settings.relay_delay = options_.relay_delay;
-  settings.wired = {true, true, true, false, false, false, false, false};
+  settings.wired = {true, true, true, false, false, false, false, false};  // as pins are by default
   options_.adjust(settings);
   return settings;
 }
