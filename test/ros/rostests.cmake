@@ -5,12 +5,6 @@ endif()
 find_package(rostest REQUIRED)
 find_package(roslaunch REQUIRED)
 
-# Recordings of real robots, kept beside the project, not in it.
-set(recordings "$ENV{LIMB_RING_DATA}")
-if(NOT recordings)
-  set(recordings "${PROJECT_SOURCE_DIR}/../shared/data")
-endif()
-
 # ring_rostest(NAME SECONDS): test/ros/NAME.test, ended by ctest after so many seconds.
 function(ring_rostest name seconds)
   add_rostest(${name}.test)
