@@ -1,10 +1,9 @@
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "config/ring_text.h"
+#include "support/temporary_folder.h"
 
 namespace limb_ring::config {
 namespace {
@@ -15,17 +14,7 @@ using ::testing::StartsWith;
 
 class UnreadableFile : public ::testing::Test {
  protected:
-  UnreadableFile() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "ring_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~UnreadableFile() override { std::filesystem::remove_all(folder_); }
-
-  std::string file(const std::string& text) const {
-    const std::string path = folder_ + "/ring.yaml";
-    std::ofstream(path) << text;
-    return path;
-  }
+  std::string file(const std::string& text) const { return temporary_.write("ring.yaml", text); }
   static std::string refusal_of_file(const std::string& path) {
     try {
       load_ring(path);
@@ -35,7 +24,8 @@ class UnreadableFile : public ::testing::Test {
     }
   }
 
-  std::string folder_;
+  test::TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
 };
 
 TEST_F(UnreadableFile, IsReadWhereNothingIsWrong) {

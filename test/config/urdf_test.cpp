@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "config/ring_text.h"
+#include "support/temporary_folder.h"
 
 namespace limb_ring::config {
 namespace {
@@ -32,13 +33,7 @@ std::string ring_of(const std::string& more = "") {
 
 class Urdf : public ::testing::Test {
  protected:
-  Urdf() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "urdf_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~Urdf() override { std::filesystem::remove_all(folder_); }
-
-  void write(const std::string& urdf) const { std::ofstream(folder_ + "/robot.urdf") << urdf; }
+  void write(const std::string& urdf) const { temporary_.write("robot.urdf", urdf); }
   RingConfig load(const std::string& ring) const { return parse_ring(ring, folder_ + "/ring.yaml"); }
   JointConfig joint(const std::string& urdf, const std::string& more = "") const {
     write(urdf);
@@ -54,7 +49,8 @@ class Urdf : public ::testing::Test {
     }
   }
 
-  std::string folder_;
+  test::TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
 };
 
 TEST_F(Urdf, GivesTheLimitsOfItsJoints) {

@@ -1,8 +1,6 @@
 #include "firmware/options.h"
 
-#include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <initializer_list>
 #include <vector>
 
@@ -10,6 +8,7 @@
 
 #include "config/config_error.h"
 #include "firmware/node_setup.h"
+#include "support/temporary_folder.h"
 
 namespace limb_ring::firmware {
 namespace {
@@ -88,22 +87,16 @@ class SetupTest : public OptionsTest {
  protected:
   void SetUp() override {
     OptionsTest::SetUp();
-    folder = testing::TempDir() + "limb_firmware_XXXXXX";
-    ASSERT_NE(mkdtemp(folder.data()), nullptr);
-    path = folder + "/ring.yaml";
-    std::ofstream(path) << "ring: two\n"
-                           "timeouts: {command: 300ms}\n"
-                           "nodes:\n"
-                           "  - {id: 4, name: arm, joints: [{name: elbow}], cpu: {command: [a], alive_period: 70ms}}\n"
-                           "  - {id: 9, name: body, cpu: attached}\n";
-  }
-  void TearDown() override {
-    std::remove(path.c_str());
-    std::remove(folder.c_str());
-    OptionsTest::TearDown();
+    path = folder.write("ring.yaml",
+                        "ring: two\n"
+                        "timeouts: {command: 300ms}\n"
+                        "nodes:\n"
+                        "  - {id: 4, name: arm, joints: [{name: elbow}], cpu: {command: [a], alive_period: 70ms}}\n"
+                        "  - {id: 9, name: body, cpu: attached}\n");
   }
 
-  std::string folder, path;
+  test::TemporaryFolder folder;
+  std::string path;
 };
 
 TEST_F(SetupTest, TakesTheNodesPartOfTheFile) {

@@ -1,39 +1,19 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <boost/asio/io_context.hpp>
-#include <filesystem>
 #include <memory>
-#include <stdexcept>
 
 #include "link/input.h"
 #include "link/output.h"
 #include "link/recording_handler.h"
 #include "link/udp_socket.h"
+#include "support/temporary_folder.h"
 
 namespace limb_ring::link {
 
-/// A fresh folder for sockets, gone with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "link_test_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string file(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
+using test::TemporaryFolder;
 
 /// One node's two link ends, with an event loop of its own so that it can be frozen alone.
 struct RigNode {

@@ -16,6 +16,7 @@
 #include "recorder/replay_capture.h"
 #include "recorder/replayed_ring.h"
 #include "sim/virtual_ring.h"
+#include "support/temporary_folder.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -30,12 +31,7 @@ constexpr std::chrono::nanoseconds kAll = 1h;
 
 class SavedFile : public testing::Test {
  protected:
-  SavedFile() {
-    char name[] = "/tmp/limb_ring_recorder_XXXXXX";
-    folder_ = ::mkdtemp(name);
-    fs::create_directory(folder_ / "saved");
-  }
-  ~SavedFile() override { fs::remove_all(folder_); }
+  SavedFile() { fs::create_directory(folder_ / "saved"); }
 
   /// A ring of four whose nodes record into the folder.
   void record(sim::VirtualRing& ring) {
@@ -69,7 +65,8 @@ class SavedFile : public testing::Test {
     return "";
   }
 
-  fs::path folder_;
+  test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   std::vector<std::unique_ptr<RecorderFile>> files_;
 };
 

@@ -6,19 +6,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "support/temporary_folder.h"
 #include "wire/packet.h"
 
 namespace limb_ring::runtime {
 namespace {
 
 struct BootRecordTest : testing::Test {
-  std::filesystem::path folder;
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "boot_record_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder = pattern;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
+  test::TemporaryFolder temporary;
+  const std::filesystem::path folder = temporary.path();
   BootRecord open() { return BootRecord(folder.string(), 7); }
 };
 
