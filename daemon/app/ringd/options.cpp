@@ -26,6 +26,28 @@ void check_node_count(const Options& options, const config::RingConfig& ring) {
                      std::to_string(ring.nodes.size()) + " nodes; make them the same, or leave --nodes out");
 }
 
+/// Adds the options of a virtual ring.
+void add_clock(CLI::App& app, Options& o) {
+  CLI::Option* clock =
+      app.add_option(
+             "--clock", o.clock,
+             "virtual: all nodes of the ring in this one process, on a clock of their own, with the lines' rates "
+             "and delays of the configuration (where it gives none: 1 Gbit/s, 512 ns). follow: the same, and its time "
+             "goes on no further than a client allows, such as ring_bridge by /clock")
+          ->transform(cli::one_of({"machine", "virtual", "follow"}));
+  app.add_option(
+         "--pace", o.pace,
+         "With --clock virtual: its time per real time, 0.001 to 1000, or max: as fast as the machine and the CPUs "
+         "are; default 1, of follow max")
+      ->transform(cli::pace())
+      ->needs(clock);
+  app.add_option("--for", o.lasts_s, "With --clock virtual: the ring ends by itself after so many seconds of its time")
+      ->transform(cli::seconds(0.001, 1e9))
+      ->needs(clock);
+  app.add_option("--capture", o.capture, "With --clock virtual: write the packets on all lines there, as pcapng")
+      ->needs(clock);
+}
+
 }  // namespace
 
 std::optional<Options> parse_options(int argc, const char* const* argv) {
@@ -45,24 +67,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--transport", o.transport, "unix, shm or udp, for every link (default: the configuration's)")
       ->transform(cli::one_of({"unix", "shm", "udp"}));
   app.add_flag("--one-host", o.one_host, "all nodes are on this machine, whatever hosts the configuration gives");
-  CLI::Option* clock =
-      app.add_option(
-             "--clock", o.clock,
-             "virtual: all nodes of the ring in this one process, on a clock of their own, with the lines' rates "
-             "and delays of the configuration (where it gives none: 1 Gbit/s, 512 ns). follow: the same, and its time "
-             "goes on no further than a client allows, such as ring_bridge by /clock")
-          ->transform(cli::one_of({"machine", "virtual", "follow"}));
-  app.add_option(
-         "--pace", o.pace,
-         "With --clock virtual: its time per real time, 0.001 to 1000, or max: as fast as the machine and the CPUs "
-         "are; default 1, of follow max")
-      ->transform(cli::pace())
-      ->needs(clock);
-  app.add_option("--for", o.lasts_s, "With --clock virtual: the ring ends by itself after so many seconds of its time")
-      ->transform(cli::seconds(0.001, 1e9))
-      ->needs(clock);
-  app.add_option("--capture", o.capture, "With --clock virtual: write the packets on all lines there, as pcapng")
-      ->needs(clock);
+  add_clock(app, o);
   app.add_flag("--record", o.record,
                "Record all that goes into the network controller and comes out: 'ringctl record'");
   app.add_flag("--options", o.list_options, "print every entry of the YAML file, and end");
