@@ -4,7 +4,7 @@
 def process_state(pid):
     """'T' stopped, 'Z' ended but not waited for ...; '' where there is none."""
     try:
-        with open('/proc/%d/stat' % pid) as stat:
+        with open('/proc/%d/stat' % pid, errors='replace') as stat:
             return stat.read().rsplit(')', 1)[1].split()[0]
     except OSError:
         return ''

@@ -185,7 +185,7 @@ class Program(unittest.TestCase):
         found = []
         for pid in filter(str.isdigit, os.listdir('/proc')):
             try:
-                with open('/proc/%s/cmdline' % pid) as line:
+                with open('/proc/%s/cmdline' % pid, errors='replace') as line:
                     words = line.read().split('\0')
             except OSError:
                 continue
