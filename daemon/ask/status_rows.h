@@ -12,6 +12,7 @@ namespace limb_ring::ask {
 /// How long a daemon may take to answer when rows are polled.
 constexpr std::chrono::milliseconds kRowTimeout{500};
 
+/// A node by both its names.
 struct Node {
   std::uint8_t id = 0;
   std::string name;

@@ -10,6 +10,7 @@
 
 namespace limb_ring::client {
 
+/// Why a call is rejected before anything is sent.
 struct Problem {
   Reason why = Reason::none;
   std::string text;  ///< with the value that is wrong

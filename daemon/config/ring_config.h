@@ -30,6 +30,7 @@ struct InputConfig {
   std::uint8_t factor = 0;
 };
 
+/// The CPU of a node, and where its process comes from.
 struct CpuConfig {
   /// none: a built-in sink reads and counts. child: ringd starts `command`. attached: an outside
   /// process (ring_bridge) connects; until it has, packets are refused.
@@ -93,6 +94,7 @@ struct HostConfig {
   const std::string& ssh_destination() const { return ssh.empty() ? address : ssh; }
 };
 
+/// A node, as the list `nodes` has it.
 struct NodeConfig {
   std::uint8_t id = 0;
   std::string name;
@@ -105,6 +107,7 @@ struct NodeConfig {
   LinkConfig link;
 };
 
+/// The bounds of a node's queues and buffers. (ours)
 struct Limits {
   unsigned insertion_buffer = 8;   ///< DATPs of 524 bytes that may wait in the Packet Manager, or more smaller ones
   unsigned interrupt_buffer = 64;  ///< INTPs that may wait there
@@ -113,6 +116,7 @@ struct Limits {
   unsigned clients = 32;           ///< on a host port
 };
 
+/// The waits of protocol.md section 7.4. (ours)
 struct Timeouts {
   milliseconds send{100};             ///< least time-out of one try
   milliseconds refused{1000};         ///< a refused unicast is tried again for so long
@@ -139,6 +143,7 @@ struct SupervisorConfig {
   milliseconds backoff{1000};  ///< from a failed reset to the next; it doubles
 };
 
+/// What limb_firmware simulates.
 struct Firmware {
   double state_rate = 100.0;  ///< Hz
   double bandwidth = 8.0;     ///< Hz, natural frequency of the simulated servo
@@ -173,6 +178,7 @@ struct TrafficConfig {
   std::optional<nanoseconds> phase;  ///< first message so long after the start; none: by the seed
 };
 
+/// What ring_bridge does.
 struct BridgeConfig {
   double rate = 50.0;  ///< Hz of joint_states
   std::optional<nanoseconds>
@@ -195,6 +201,7 @@ struct RecorderConfig {
   unsigned size = 8u << 20;  ///< bytes of each node's file
 };
 
+/// Which cores the daemons have, and how the kernel schedules them.
 struct Realtime {
   std::vector<unsigned> cores;  ///< pin the daemons there; empty: anywhere
   bool auto_cores = false;      ///< a core for each daemon, neighbours together

@@ -7,6 +7,7 @@
 
 namespace limb_ring::firmware {
 
+/// What limb_firmware was told on its command line and by ringd.
 struct Options {
   std::string ring;    ///< --ring, else LIMB_RING_RING, else the configuration's, else the only one
   std::string node;    ///< --node, else LIMB_RING_NODE: id or name

@@ -14,6 +14,7 @@ namespace limb_ring::host {
 
 using ClientId = std::uint32_t;  ///< never used twice by one server
 
+/// One client of a host port, as it has introduced itself.
 struct ClientInfo {
   ClientId id = 0;
   Role role = Role::tool;

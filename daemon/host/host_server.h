@@ -27,6 +27,7 @@ struct HostCounters {
   std::uint64_t interrupts_lost = 0;  ///< interrupts for a CPU that was not attached
 };
 
+/// Where a host port listens, and for which node.
 struct HostOptions {
   std::string directory;  ///< make_ring_directory()'s
   std::string ring;

@@ -13,6 +13,7 @@
 
 namespace limb_ring::link {
 
+/// Where an Input listens, and whom it may let in.
 struct InputSettings {
   Identity self;
   Endpoint endpoint;                ///< where we listen, for nodes of this host

@@ -32,6 +32,7 @@ enum class LinkHeaderType : std::uint8_t {
   connect_keyed
 };
 
+/// Why a node does not want, or no longer wants, the one that it says `refuse` to.
 enum class Refusal : std::uint8_t {
   none = 0,
   busy,             ///< has an upstream nearer to it than the one that asks

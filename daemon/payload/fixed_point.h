@@ -16,6 +16,7 @@ namespace limb_ring::payload {
 constexpr double kMicro = 1e6;     ///< steps per unit
 constexpr double kTenMicro = 1e5;  ///< steps per unit
 
+/// A number as it crosses the ring.
 struct Fixed {
   std::int32_t steps = 0;
   bool saturated = false;  ///< the value was out of range (infinite too) and was cut to it

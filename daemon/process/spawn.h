@@ -28,6 +28,7 @@ struct SpawnRequest {
   std::optional<cpu_set_t> affinity;                     ///< cores it may use; empty: as this process
 };
 
+/// A child that was just forked; it may yet fail to execute its program.
 struct Spawned {
   pid_t pid = -1;       ///< -1: not even forked; see `error`
   int error = 0;        ///< errno of a failed fork

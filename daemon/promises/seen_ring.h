@@ -33,6 +33,7 @@ struct ByNode {
   std::bitset<kNodes> passed;
 };
 
+/// One send as its source was asked for it, and what was seen of it since.
 struct Sent {
   Observation asked;
   std::uint64_t index = 0;  ///< in the order of asking, within its queue; from 1

@@ -11,6 +11,7 @@
 
 namespace limb_ring::runtime {
 
+/// Why one send ended otherwise than delivered.
 struct SendReason {
   Reason reason = Reason::none;
   std::string text;  ///< for people; says "probably" where it is an inference

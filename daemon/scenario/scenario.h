@@ -63,6 +63,7 @@ struct Limit {
 /// If a file gives one time for both, a live run allows this much more. (ours)
 constexpr std::chrono::seconds kLiveGuard{5};
 
+/// Whole numbers that are as expected; an end that is not given is open.
 struct Range {
   std::optional<std::uint64_t> at_least, at_most;
   bool holds(std::uint64_t value) const { return (!at_least || value >= *at_least) && (!at_most || value <= *at_most); }
@@ -114,6 +115,7 @@ struct Latency {
   Limit at_most;
 };
 
+/// One thing that has to be seen of a ring.
 struct Condition {
   std::variant<NodeIs, CpuIs, Located, Counted, Results, Taken, Latency> what;
   std::string words;  ///< as it stands in the file
@@ -140,6 +142,7 @@ enum class World {
   soak    ///< as in `ring_sim soak` (SoakStage)
 };
 
+/// A scenario as its file says it.
 struct Scenario {
   std::string path;
   std::string name;            ///< one line of what it is about

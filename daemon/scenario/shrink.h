@@ -16,6 +16,7 @@ struct ScenarioSize {
   std::uint64_t sends = 0;  ///< packets; of a send without end, one
 };
 
+/// A failing scenario made smaller.
 struct Shrunk {
   std::string text;  ///< of the smaller scenario, YAML; its ring's file is named as seen from `beside`
   ScenarioRun run;   ///< what it does
@@ -32,6 +33,7 @@ bool alike(const Unmet& one, const Unmet& other);
 /// Far more than any failure has needed so far but one, of which no end was seen: everything in it mattered.
 constexpr std::size_t kMostShrinkingRuns = 5000;
 
+/// Which scenario shrink() is to make smaller, and how hard to try.
 struct ShrinkRequest {
   std::string path;                   ///< of the scenario's file
   std::optional<std::string> text;    ///< instead of what is in that file

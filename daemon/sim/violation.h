@@ -11,6 +11,7 @@ namespace limb_ring::sim {
 using promises::Promise;
 using promises::to_string;
 
+/// A promise that was broken.
 struct Violation {
   Promise promise;
   core::Time at;

@@ -16,6 +16,7 @@ namespace limb_ring::sim {
 
 using core::NetworkController;
 
+/// What a virtual ring is made of.
 struct VirtualRingOptions {
   unsigned nodes = 4;                                    ///< 1 to 255; their ids are 0, 1, 2 ...
   core::RingOrder order;                                 ///< ... unless these are, in ring order

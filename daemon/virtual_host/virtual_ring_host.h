@@ -21,6 +21,7 @@
 
 namespace limb_ring::virtual_host {
 
+/// What a virtual ring with host ports is told beside the ring's file.
 struct VirtualRingHostOptions {
   std::uint64_t line_fault_seed = 0;  ///< of faults that come without a seed
   int cpu_output = -1;                ///< descriptor for what CPUs print; -1: as this process

@@ -34,6 +34,7 @@ inline bool is_heard(const CpuSighting& cpu, core::Time now, core::Duration beac
 /// The CPUs that have promised to speak, by node id, in ring order.
 std::vector<wire::NodeId> watched_in(const config::RingConfig& ring);
 
+/// What the supervisor believes of a CPU. (ours, protocol.md section 8.13)
 enum class CpuVerdict {
   unheard,  ///< nothing was heard of its node yet
   booting,  ///< not there yet, or silent within the grace after its start

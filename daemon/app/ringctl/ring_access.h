@@ -10,6 +10,7 @@
 
 namespace limb_ring::ringctl {
 
+/// A node as a running ring tells of it.
 struct NodeName {
   std::uint8_t id = 0;
   std::string name;

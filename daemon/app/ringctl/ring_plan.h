@@ -28,6 +28,7 @@ struct UpRequest {
   std::optional<VirtualClock> clock;  ///< none: the machine's
 };
 
+/// A node that `ringctl up` is to start.
 struct PlannedNode {
   NodeName node;
   bool has_child = false;  ///< its CPU is a process that ringd starts

@@ -39,6 +39,7 @@ struct CpuActionResult {
   std::string message;      ///< for people: what was done, or why not
 };
 
+/// How a node's CPU is started, watched and ended.
 struct CpuOptions {
   config::CpuConfig cpu;
   /// For the child and the commands of pins: LIMB_RING_RING, LIMB_RING_NODE, LIMB_RING_CONFIG.

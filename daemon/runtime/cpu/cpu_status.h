@@ -25,6 +25,7 @@ inline const char* to_string(CpuKind kind) {
   return "?";
 }
 
+/// What a node's daemon knows of its CPU, as status shows it.
 struct CpuStatus {
   CpuKind kind = CpuKind::none;
   /// none: the node has no CPU, but a built-in sink. absent: never attached, gone, or ended with exit 0. booting: its

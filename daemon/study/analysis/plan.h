@@ -17,6 +17,7 @@ struct StreamPlan {
   double load = 0;                    ///< share of its source's time: rate times the worst laps of a message
 };
 
+/// What one node has to carry.
 struct NodePlan {
   double data = 0;          ///< share of time in which a DATP of it is under way in the worst case; below 1
   double interrupts = 0;    ///< the same for its INTPs

@@ -23,6 +23,7 @@ struct StreamRun {
   std::size_t failed() const;  ///< packets that were not delivered
 };
 
+/// How long the streams of a plan are simulated, and how.
 struct TrafficOptions {
   Duration duration{0};    ///< messages are asked for this long; then what is under way comes home
   std::uint64_t seed = 1;  ///< of the phases not given, and of jitter

@@ -36,6 +36,7 @@ struct NodesPoint {
   Spread at_once;
 };
 
+/// What is compared: the medium, and the points of each curve.
 struct ComparisonOptions {
   Medium medium;
   std::uint64_t seed = 1;

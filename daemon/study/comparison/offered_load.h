@@ -15,6 +15,7 @@ using Random = std::mt19937_64;
 /// Uniform in [0, below). @pre below > 0
 std::uint64_t draw(Random& random, std::uint64_t below);
 
+/// To whom a node sends.
 enum class Destination {
   opposite,  ///< half the ring away, rounded down
   random     ///< any other node, each equally likely
