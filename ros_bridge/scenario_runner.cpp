@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <stdlib.h>
 
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -53,8 +54,12 @@ std::string file_of(const ScenarioOrder& order, const Folder& folder) {
   if (order.path.empty() == order.text.empty())
     throw std::invalid_argument("give either path, a scenario's file, or text, its YAML");
   if (!order.path.empty()) return order.path;
-  std::ofstream(folder.file("scenario.yaml")) << order.text;
-  return folder.file("scenario.yaml");
+  const std::string file = folder.file("scenario.yaml");
+  errno = 0;
+  std::ofstream out(file);
+  if (!(out << order.text).flush())  // a part of it could be a scenario, too
+    throw std::system_error(errno, std::generic_category(), "cannot write the scenario to " + file);
+  return file;
 }
 
 std::vector<std::string> arguments_of(const ScenarioOrder& order, const Folder& folder) {
