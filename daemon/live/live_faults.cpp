@@ -155,7 +155,6 @@ void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
   if (fault.name == Name::thaw) daemons_.thaw(node);
   if (fault.name == Name::start) daemons_.start(node);
   if (fault.name == Name::power_cycle) daemons_.power_cycle(node);
-  if (fault.name == Name::power_cycle) daemons_.wait_for_hello(node);
   remove_note(daemons_.folder(), node);  // last: without it 'ringctl up --respawn' would start a second daemon
 }
 

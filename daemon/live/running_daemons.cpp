@@ -181,6 +181,7 @@ void RunningDaemons::power_cycle(wire::NodeId id) const {
     }
   };
   if (!wait_for(is_new, kComesUp)) throw NotDone("node " + node(id).name + " does not come back");
+  wait_for_hello(id);
 }
 
 bool RunningDaemons::has_joined(wire::NodeId id) const {

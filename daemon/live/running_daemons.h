@@ -43,7 +43,7 @@ class RunningDaemons {
   /// With the arguments of its last start, in a session of its own, with a log file in the ring's folder. As
   /// wait_for_hello(); NotDone at once where the daemon ends instead.
   void start(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
-  /// As if its power went off and on; same pid.
+  /// As if its power went off and on; same pid. Then as wait_for_hello().
   void power_cycle(wire::NodeId node) const;
   /// Returns when the node has said hello. @throw NotDone where it has not within `patience`
   void wait_for_hello(wire::NodeId node, std::chrono::milliseconds patience = kComesUp) const;
