@@ -28,7 +28,8 @@ function(limb_ring_whole_program target)
   endif()
 endfunction()
 
-# Linked without that, which takes 10 s: a daemon's packets wait for the kernel most of all, and gain 1 to 2 % by it.
+# Linked without that, which takes 10 s for each program: no packet waits for ringctl or a test, and those of a daemon wait
+# for the kernel most of all, and gain 1 to 2 % by it.
 function(limb_ring_plain_link target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     target_link_libraries(${target} PRIVATE -fno-use-linker-plugin)
