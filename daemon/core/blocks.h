@@ -100,10 +100,8 @@ class Blocks {
   Time next_deadline(Time now) const;
   /// take_event() or take() has something.
   bool has_output(Time now) const { return events_.is_due(now) || receive_.is_due(now); }
-  bool take_event(Time now, Event& out) {
-    own_changes();
-    return events_.take(now, out);
-  }
+  /// What is due is looked for anew in any case: nothing changes by it.
+  bool take_event(Time now, Event& out) { return events_.take(now, out); }
   ///@}
 
   const Settings& settings() const { return settings_; }

@@ -56,6 +56,18 @@ TEST_F(OpenChain, IsNotDeclaredWithinTheGrace) {
   EXPECT_EQ(ring.counters(5_id).ended_unconfirmed, 0u);
 }
 
+TEST(OpenChainFromTheStart, KnowsTheSizeOfTheRingOnceItIsClosed) {
+  VirtualRing ring{with(quick(kChainNodes), [](Settings& s) { s.beacon = 100ms; })};
+  ring.cut(2_id);
+  ring.run_for(1s);
+  const Membership& one = ring.node(5_id).membership();
+  ASSERT_EQ(one.state(), NodeState::open_chain);
+  EXPECT_EQ(one.ring_size(), 0u);
+  ring.heal(2_id);
+  ASSERT_TRUE(ring.run_until([&] { return one.state() == NodeState::up; }, 1s));
+  EXPECT_EQ(one.ring_size(), kChainNodes);
+}
+
 TEST_F(OpenChain, SendsArriveWhereAWayIsLeftAndAllEndUnconfirmed) {
   cut();
   EXPECT_EQ(outcome_of(ring, 4_id, ring.send(4_id, 1_id, text("down the chain"))).outcome, Outcome::unconfirmed);

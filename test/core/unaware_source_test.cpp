@@ -64,6 +64,19 @@ TEST_F(UnawareSource, APinIsNotPulledAgainByItsRetry) {
   EXPECT_EQ(solo.counters().pins_pulled, 2u) << "a retry of another one is new";
 }
 
+// A daemon that was started anew remembers nothing of what its last one took.
+TEST(UnawareSourceOfANewProcess, ARetryOfItIsNotAnswered) {
+  SoloNode solo;
+  solo.run();
+  hear_of_break(solo);
+  solo.run_for(1ms);
+  ASSERT_EQ(solo.node().membership().state(), NodeState::open_chain);
+  ASSERT_TRUE(solo.node().membership().joined());
+  solo.receive(SliceKind::whole, Foreign{0, 1}.with_attempt(1).with(text("x")));
+  EXPECT_THAT(solo.packets(), IsEmpty());
+  EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 1u);
+}
+
 // All know of the start then, and repeat nothing that was under way before.
 TEST_F(UnawareSource, ARetryIsTakenOnceTheHelloHasComeHome) {
   ASSERT_FALSE(hello.empty());

@@ -1,0 +1,155 @@
+// What a node keeps of its next deadline, so that a packet that only passes costs no look at everything, is always what
+// such a look would find. Random inputs, in random order.
+#include <random>
+
+#include "core/archive.h"
+#include "core/solo_node.h"
+
+namespace limb_ring::core {
+namespace {
+
+constexpr unsigned kSeeds = 6, kInputs = 400;
+
+class AnyInputs {
+ public:
+  AnyInputs(unsigned seed, Duration byte_time) : random_(seed), node_(settings(byte_time)) {}
+
+  void give_all() {
+    for (unsigned i = 0; i < kInputs && !testing::Test::HasFailure(); ++i) {
+      const unsigned what = any(19);
+      give(what);
+      expect_kept_deadline(what);
+      node_.line().clear();
+    }
+  }
+
+ private:
+  static Settings settings(Duration byte_time) {
+    Settings s;
+    s.id = 1_id;
+    s.order = {0_id, 1_id, 2_id, 3_id};
+    s.boot = 100;
+    s.byte_time_in = s.byte_time_out = byte_time;
+    s.insertion_buffer = s.interrupt_buffer = s.send_queue = s.receive_buffers = 4;  // its state is small
+    s.beacon = 10ms;
+    s.wired = {true, true, true};
+    return s;
+  }
+  unsigned any(unsigned below) { return std::uniform_int_distribution<unsigned>(0, below - 1)(random_); }
+
+  void give(unsigned what) {
+    switch (what) {
+      case 0:
+        return node_.input_up(0_id, now_);
+      case 1:
+        return any(8) == 0 ? node_.input_lost(now_) : node_.input_gap(now_);
+      case 2:
+        return node_.output_up(2_id, now_);
+      case 3:
+        return any(8) == 0 ? node_.output_lost(now_) : node_.output_replaced(now_);
+      case 4:
+        return node_.set_folded(any(2) != 0, any(2) != 0, now_);
+      case 5:
+        return node_.set_output_ready(any(4) != 0);
+      case 6:
+        return node_.send(send_of(1, ++token_, NodeId(static_cast<std::uint8_t>(any(4))), data_), now_);
+      case 7:
+        return node_.interrupt({1, ++token_, 2_id, wire::Factor{1}}, now_);
+      case 8:
+        return node_.pull(1, ++token_, any(3), now_);
+      case 9:
+        return any(8) == 0 ? node_.cancel(1, now_) : node_.set_cpu_present(any(4) != 0);
+      case 10:
+        return set_cpu();
+      case 11:
+        return any(8) == 0 ? node_.cpu_reset(1, now_) : hear_beacon();
+      case 12:
+        return come_in();
+      case 13:
+        return come_home();
+      case 14: {
+        ReceivedPacket packet;
+        node_.take(now_, packet);
+        return;
+      }
+      case 15: {
+        Event event;
+        node_.take_event(now_, event);
+        return;
+      }
+      case 16:
+        now_ = std::max(now_, std::min(node_.next_deadline(now_), now_ + 20ms));
+        return;
+      case 17:
+        return node_.handle_timeout(now_);
+      default:
+        return node_.run(now_);
+    }
+  }
+
+  void set_cpu() {
+    CpuReport report;
+    report.boots = any(3);
+    node_.set_cpu(report, now_);
+  }
+  void receive(const Bytes& packet) { node_.receive({wire::SliceKind::whole, {packet.data(), packet.size()}}, now_); }
+  void come_in() {
+    Foreign packet;
+    packet.destination = any(2) != 0 ? 1 : 2;
+    packet.sequence = ++sequence_;
+    packet.pri = wire::pri_byte(wire::Priority{static_cast<std::uint8_t>(any(4))}, wire::id_of(wire::Channel::user));
+    receive(packet.with(data_));
+  }
+  void hear_beacon() {
+    Bytes bytes(wire::kBeaconSize);
+    wire::Beacon beacon;
+    beacon.boot = any(3);
+    beacon.input = any(2) != 0 ? wire::LinkState::silent : wire::LinkState::up;
+    beacon.break_known = beacon.input == wire::LinkState::silent;
+    beacon.break_before = 2_id;
+    beacon.break_behind = 3_id;
+    wire::encode(beacon, bytes.data());
+    receive(Foreign{3, wire::kBroadcast}.with_sequence(++sequence_).with_pri(kControlPri).with(bytes));
+  }
+  /// What was last put onto the line, if it is a packet of its own, after a lap.
+  void come_home() {
+    node_.run(now_);
+    Bytes packet;
+    wire::each_slice(node_.line().view(), [&](const wire::Slice& slice) {
+      if (slice.kind == wire::SliceKind::start || slice.kind == wire::SliceKind::whole) packet.clear();
+      if (slice.kind <= wire::SliceKind::whole) packet.insert(packet.end(), slice.bytes.begin(), slice.bytes.end());
+    });
+    if (packet.size() >= wire::kOverhead) receive(SoloNode::home(packet, wire::kFbcMax));
+  }
+
+  /// A node looks anew once its state was written down.
+  void expect_kept_deadline(unsigned what) {
+    const Time kept = node_.next_deadline(now_);
+    StateWriter writer(state_.data(), state_.size());
+    node_.archive(writer);
+    ASSERT_FALSE(writer.failed());
+    EXPECT_TRUE(kept == node_.next_deadline(now_)) << "after input " << what << " of give()";
+  }
+
+  std::mt19937 random_;
+  Blocks node_;
+  Time now_{};
+  std::uint32_t token_ = 0;
+  std::uint8_t sequence_ = 0;
+  Bytes state_ = Bytes(1 << 20);
+  const Bytes data_ = pattern(64);
+};
+
+class KeptDeadline : public testing::TestWithParam<Duration> {};
+
+TEST_P(KeptDeadline, IsTheOneThatALookWouldFind) {
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    AnyInputs(seed, GetParam()).give_all();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(LinesWithAndWithoutADataRate, KeptDeadline, testing::Values(Duration{0}, Duration{8ns}));
+
+}  // namespace
+}  // namespace limb_ring::core
