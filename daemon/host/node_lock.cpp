@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,21 +13,19 @@ namespace limb_ring::host {
 
 namespace {
 
-/// Our arguments without the program, one a line.
+/// Our arguments without the program, each ended by a null, as the kernel has them.
 std::string own_arguments() {
   std::ifstream file("/proc/self/cmdline");
   std::string program;
   std::getline(file, program, '\0');
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  std::replace(text.begin(), text.end(), '\0', '\n');
-  return text;
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::string own_description() {
   namespace fs = std::filesystem;
-  std::error_code unknown;  // leaves its line empty
-  return std::to_string(getpid()) + '\n' + fs::read_symlink("/proc/self/exe", unknown).string() + '\n' +
-         fs::current_path(unknown).string() + '\n' + own_arguments();
+  std::error_code unknown;  // leaves it empty
+  return std::to_string(getpid()) + '\n' + fs::read_symlink("/proc/self/exe", unknown).string() + '\0' +
+         fs::current_path(unknown).string() + '\0' + own_arguments();
 }
 
 process::LockFile taken(const std::string& path, const std::string& whose) {

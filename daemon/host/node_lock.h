@@ -14,7 +14,8 @@ struct NodeHeld : std::runtime_error {
 };
 
 /// Holds a node for one daemon: the lock file DIRECTORY/ID.lock. Its text says who the holder is, and how to
-/// start it again once it is dead: pid, program, working folder, then the arguments, one a line.
+/// start it again once it is dead: its pid in a line, then, each ended by a null since paths may have line ends,
+/// program, working folder and the arguments.
 class NodeLock {
  public:
   /// @throw NodeHeld "node 3 (left_knee) of ring r is held by pid 4711 (ringd)"; std::system_error naming

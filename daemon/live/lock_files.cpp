@@ -63,9 +63,9 @@ bool may_run(pid_t pid, const std::string& program) {
 }
 
 std::vector<std::string> rest_of(std::istream& file) {
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(file, line);) lines.push_back(line);
-  return lines;
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  return words;
 }
 
 bool are_of_virtual_ring(const std::vector<std::string>& arguments) {
@@ -97,8 +97,8 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   std::ifstream file(lock);
   std::string pid;
   std::getline(file, pid);
-  std::getline(file, holder.program);
-  std::getline(file, holder.folder);
+  std::getline(file, holder.program, '\0');
+  std::getline(file, holder.folder, '\0');
   holder.arguments = rest_of(file);
   holder.pid = pid_in(pid);
   const bool lives = is_held(lock);

@@ -38,8 +38,8 @@ TEST_F(NodeLockTest, SaysHowToStartTheHolderAgain) {
   std::ifstream file(directory + "/3.lock");
   std::string pid, program, working_folder;
   std::getline(file, pid);
-  std::getline(file, program);
-  std::getline(file, working_folder);
+  std::getline(file, program, '\0');
+  std::getline(file, working_folder, '\0');
   EXPECT_EQ(pid, std::to_string(getpid()));
   EXPECT_EQ(std::filesystem::path(program).filename(), "host_test");
   EXPECT_EQ(working_folder, std::filesystem::current_path());

@@ -45,10 +45,20 @@ TEST_F(RingFolder, APidIsTakenFromNothingButItsLineAndTheRightProgram) {
     EXPECT_EQ(held_nodes(ring)[0].pid, -1) << text;
     EXPECT_EQ(holder_of(ring, 7).pid, -1) << text;
   }
-  std::ofstream(ring + "/7.lock") << ::getpid() << "\n/some/other/program\n";
+  std::ofstream(ring + "/7.lock") << ::getpid() << "\n/some/other/program";
   EXPECT_EQ(held_nodes(ring)[0].pid, -1);
   std::ofstream(ring + "/7.lock") << ::getpid() << '\n';
   EXPECT_EQ(held_nodes(ring)[0].pid, ::getpid());
+}
+
+TEST_F(RingFolder, AFolderWithALineEndInItsNameIsReadWhole) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::create_directory(ring + "/two\nlines");
+  std::filesystem::current_path(ring + "/two\nlines");
+  const auto held = lock_of(7);
+  std::filesystem::current_path(before);
+  EXPECT_EQ(holder_of(ring, 7).folder, ring + "/two\nlines");
+  EXPECT_EQ(holder_of(ring, 7).pid, ::getpid());
 }
 
 TEST_F(RingFolder, ADaemonThatStartsGetsItsNodeWhileOthersAskWhoHoldsIt) {
