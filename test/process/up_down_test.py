@@ -221,6 +221,18 @@ class UpDown(RingTest):
         self.assertTrue(self.is_closed(range(3)))
         self.assertEqual(self.ctl('down', self.ring).returncode, 0)
 
+    def test_respawning_ends_with_the_ring_where_its_starter_was_killed(self):
+        script = self.script('launch', '%s --ring %s up --respawn --nodes 3 & echo $!; wait\n'
+                             % (ring_process.program('ringctl'), self.ring))
+        starter = self.start('launch', [script])
+        self.wait_closed(range(3))
+        up = int(self.log_of(starter).split()[0])
+        starter.kill()
+        starter.wait()
+        self.assertTrue(self.is_closed(range(3)), 'the ring goes on')
+        self.assertEqual(self.ctl('down', self.ring).returncode, 0)
+        self.wait('its end', lambda: ring_process.is_gone(up))
+
     def test_a_node_started_again_by_hand_is_taken_down_with_the_rest(self):
         up = self.up_respawning('--nodes', 3)
         for act in ('kill', 'start'):

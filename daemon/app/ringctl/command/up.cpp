@@ -1,4 +1,5 @@
 #include <signal.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -126,12 +127,14 @@ void tell_taken_down(const std::string& ring) {
             << std::endl;
 }
 
-/// Until a signal, whatever ends the daemons. @throw NotDone where one cannot start
+/// Until a signal, whatever ends the daemons; where the ring was taken down, also until whoever started us is gone,
+/// such as a roslaunch that was killed: nobody else would end us. @throw NotDone where one cannot start
 void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, UpLock& lock) {
   Respawn respawn(daemons);
   std::optional<RingWatch> watch(plan);
   Progress progress;
   bool down = false;
+  const pid_t starter = ::getppid();
   while (!signals.asked_to_end(Respawn::kTick)) {
     daemons.reap();
     if (watch) require_started(daemons);
@@ -142,6 +145,7 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process
       watch.reset();
       down = true;
     }
+    if (down && ::getppid() != starter) return;
     if (!watch) continue;
     if (const auto waiting = watch->first_not_ready()) {
       progress.tell("waiting for " + waiting->lack);
