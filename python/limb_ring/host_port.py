@@ -1,5 +1,6 @@
 """The door between a node's network controller and the programs beside it (limb_ring/host_port.h)."""
 import json
+import operator
 import time
 
 from . import _client
@@ -19,6 +20,21 @@ def payload_of(packet):
 
 
 _client.Packet.payload = property(payload_of)
+
+
+def _byte(name, value, what):
+    """A number of the C++ library that is a byte there. What it may be is for that to judge."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = -1
+    if not 0 <= number <= 255:
+        raise ValueError('%s: %s is needed, not %r' % (name, what, value))
+    return number
+
+
+def _id(value):
+    return _byte('to', value, 'the id of a node, 0 to 254, or BROADCAST')
 
 
 class HostPort:
@@ -100,15 +116,16 @@ class HostPort:
         content = data.encode() if typed else bytes(data)
         if channel is None:
             channel = JOINT_CHANNEL if typed else 0
-        return self._port.send(to, content, priority, channel)
+        return self._port.send(_id(to), content, _byte('priority', priority, '0 (highest) to 3'),
+                               _byte('channel', channel, '0 to 63'))
 
     def interrupt(self, to, factor, force=False):
         """Pulls pin `factor`, 0 to 7, of a node. A broadcast that would reset all needs `force`."""
-        return self._port.interrupt(to, factor, force)
+        return self._port.interrupt(_id(to), _byte('factor', factor, '0 to 7'), force)
 
     def pull(self, number):
         """Pulls this node's interrupt input, 0 to 7."""
-        return self._port.pull(number)
+        return self._port.pull(_byte('number', number, '0 to 7'))
 
     def request(self, order):
         """Asks the daemon; the answer is a Reply with this token. @param order {'do': ...}, see requests.md"""
@@ -162,6 +179,8 @@ class HostPort:
 
     def find(self, wanted, timeout=30.0, missing='it did not come'):
         """The next message for which wanted(message); others stay for receive(). @raise as next_of()"""
+        if not timeout >= 0:   # nor is it a number where it is NaN, which would never be over
+            raise ValueError('timeout: 0 s or more is needed, not %r' % timeout)
         kept = self._take(wanted)
         deadline = time.monotonic() + timeout
         while kept is None:

@@ -211,7 +211,8 @@ class Ring:
         return port
 
     def id_of(self, node):
-        if isinstance(node, int) or node.isdigit():   # no name begins with a digit
+        node = str(node)
+        if node.isascii() and node.isdigit():   # no name begins with a digit
             return int(node)
         if node == 'all':
             return _client.BROADCAST

@@ -78,6 +78,13 @@ def test_bad_arguments_are_results_that_say_so(ring):
     assert 'factors are 0 to 7' in port.wait(port.interrupt(1, 9)).reason
     with pytest.raises(TypeError, match='bytes are needed, not 5'):
         port.send(1, 5)
+    for call, said in ((lambda: port.send(256, b'x'), '0 to 254, or BROADCAST is needed, not 256'),
+                       (lambda: port.send('knee', b'x'), "the id of a node, .* not 'knee'"),
+                       (lambda: port.send(1, b'x', priority=-1), 'priority: 0 .highest. to 3 is needed, not -1'),
+                       (lambda: port.send(1, b'x', channel=300), 'channel: 0 to 63'),
+                       (lambda: port.interrupt(1, -1), 'factor: 0 to 7'), (lambda: port.pull(256), 'number: 0 to 7')):
+        with pytest.raises(ValueError, match=said):
+            call()
 
 
 @needs_ring
@@ -104,6 +111,8 @@ def test_every_wait_ends_at_its_deadline(ring):
         HostPort.connect(ring='no_such', node=3, timeout=0.05)
     with pytest.raises(ValueError, match='timeout'):
         port.receive(-1)
+    with pytest.raises(ValueError, match='timeout: 0 s or more is needed, not nan'):
+        port.next_of(Packet, timeout=float('nan'))
     with pytest.raises(ValueError, match="'tool' or 'cpu'"):
         HostPort.connect(ring='no_such', node=3, role='boss')
 

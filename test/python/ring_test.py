@@ -133,6 +133,9 @@ def test_nodes_go_by_name_or_id_which_may_be_a_text():
     with Ring(plain('named')) as ring:
         assert {ring.node(node)['name'] for node in ('body', 0, '0')} == {'body'}
         assert {ring.send('0', node, b'x').outcome for node in ('knee', 1, '1')} == {'delivered'}
+        for node in ('hip', '\u00b2', None, -1):
+            with pytest.raises(RingError, match='no node %s in this ring' % node):
+                ring.send('0', node, b'x')
 
 
 def test_files_that_come_with_the_package_are_found():
