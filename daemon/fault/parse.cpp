@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "config/names.h"
@@ -274,7 +275,7 @@ Fault from_words(const std::string& text, const RingNodes& nodes) {
   Fault fault;
   fault.name = read_word(parts.empty() ? "" : parts[0]).name;
   std::vector<std::string> who;
-  bool of = false;
+  std::set<std::string> keys;
   for (std::size_t i = 1; i < parts.size(); ++i) {
     const std::size_t equals = parts[i].find('=');
     if (equals == std::string::npos) {
@@ -282,11 +283,11 @@ Fault from_words(const std::string& text, const RingNodes& nodes) {
       continue;
     }
     const std::string key = parts[i].substr(0, equals);
-    of = of || key == kOf;
+    if (!keys.insert(key).second) throw ParseError(quoted(key, "is given twice"), "once");
     set_key(fault, key, parts[i].substr(equals + 1), nodes);
   }
   set_place(fault, who, nodes);
-  if (of != (fault.after_packets != 0))
+  if ((keys.count(kOf) != 0) != (fault.after_packets != 0))
     throw ParseError("after_packets and of are not both given", "after_packets=100 of=NODE");
   check(fault);
   return fault;

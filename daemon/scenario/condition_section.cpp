@@ -43,6 +43,9 @@ template <class T>
 Option<T> bound(const char* name, std::optional<std::uint64_t> Range::*member, const char* meaning) {
   return {name, "none", config::allowed(kAmounts), meaning, [=](const Entry& entry, T& object) {
             object.range.*member = static_cast<std::uint64_t>(read_integer(entry, kAmounts));
+            const Range& range = object.range;
+            if (range.at_least && range.at_most && *range.at_least > *range.at_most)
+              entry.refuse_value("leaves nothing between at_least and at_most", "at_least up to at_most");
           }};
 }
 
