@@ -73,6 +73,8 @@ class Recorder(RingTest):
         self.start_ring(plain_nodes(2), recorder={'enabled': True})
         self.save()
         path = os.path.join(self.saved, '1.record')
+        self.assertIn('1.record would be lost', self.replay(self.saved, '--capture', path, code=2))
+        self.replay(self.saved)
         with open(path, 'r+b') as file:
             file.seek(os.path.getsize(path) // 2)
             byte = file.read(1)

@@ -121,6 +121,15 @@ class WrongArguments(RingTest):
         self.assertIn('nowhere', gone.stderr)
         self.assertEqual(self.ctl('status').returncode, 3)
 
+    def test_a_capture_over_the_rings_own_file_is_refused(self):
+        path = self.write('good.yaml', GOOD)
+        for command in (('ringd', '--config', path), ('ringctl', 'up', path)):
+            ended = self.run_program(*command, '--clock', 'virtual', '--pace', 'max', '--for', '0.01', '--capture', path)
+            self.assertEqual(ended.returncode, 2, ended.stderr)
+            self.assertIn("--capture names the ring's file: %s would be lost" % path, ended.stderr)
+        with open(path) as file:
+            self.assertEqual(file.read(), GOOD)
+
 
 if __name__ == '__main__':
     ring_process.main()

@@ -101,6 +101,12 @@ void require_node(ReplayedRing& ring, const std::string& node) {
   throw UsageError("--node " + node + ": there is no recording of it");
 }
 
+void require_no_recording(ReplayedRing& ring, const std::string& capture) {
+  for (const auto& life : ring.lives())
+    if (app::is_same_file(life->file(), capture))
+      throw UsageError("--capture names a recording: " + capture + " would be lost; write to another file");
+}
+
 int run(const ReplayOptions& options) {
   if (options.print && options.node.empty()) throw UsageError("--print goes with --node: all records of one node");
   std::unique_ptr<ReplayedRing> ring;
@@ -110,6 +116,7 @@ int run(const ReplayOptions& options) {
     throw UsageError(problem.what());
   }
   if (!options.node.empty()) require_node(*ring, options.node);
+  require_no_recording(*ring, options.capture);
   std::ofstream file;
   std::optional<recorder::ReplayCapture> capture;
   if (!options.capture.empty()) {

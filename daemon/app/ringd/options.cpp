@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "app/common/from_roslaunch.h"
+#include "app/common/out_file.h"
 #include "cli/command_line.h"
 #include "cli/values.h"
 #include "config/load_ring.h"
@@ -101,6 +102,8 @@ void check_virtual(const Options& options) {
   if (!options.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
   if (options.record)
     throw UsageError("--clock virtual repeats exactly by itself: leave --record out, or --capture it");
+  if (app::is_same_file(options.config, options.capture))
+    throw UsageError("--capture names the ring's file: " + options.capture + " would be lost; write to another one");
 }
 
 const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring) {

@@ -121,6 +121,20 @@ TEST_F(ScenarioCommand, WritesOverNoScenario) {
   }
 }
 
+TEST_F(ScenarioCommand, AddsNoLogToAScenario) {
+  const std::string path = write("good.yaml", kGood);
+  const CliRun said = run_scenarios({path, "--virtual", "--log", path});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("good.yaml is a scenario that is to be run, and would be lost"));
+}
+
+TEST_F(ScenarioCommand, IsNotMadeSmallInItsOwnPlace) {
+  const std::string path = write("unmet.yaml", kUnmet);
+  const CliRun said = ringctl({"scenario", "shrink", path, "-o", path});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("--out names the scenario itself: " + path + " would be lost"));
+}
+
 TEST_F(ScenarioCommand, ItsJsonIsUtf8AlsoWhereAFilesNameIsNot) {
   const CliRun said = run_scenarios({write("good\xff.yaml", kGood), "--json"});
   EXPECT_EQ(said.code, kDone) << said.errors;

@@ -65,11 +65,15 @@ void finish(std::ostream& out, const std::string& path) {
   if (!problem.empty()) throw NotDone(problem);
 }
 
-/// Before anything is run, so that a file that cannot be written costs no time. An empty path is none.
-std::ofstream open_output(const std::string& path, const std::vector<std::string>& scenarios) {
+void require_none_of(const std::vector<std::string>& scenarios, const std::string& path) {
   for (const std::string& scenario : scenarios)
     if (app::is_same_file(scenario, path))
       throw UsageError(path + " is a scenario that is to be run, and would be lost; write to another file");
+}
+
+/// Before anything is run, so that a file that cannot be written costs no time. An empty path is none.
+std::ofstream open_output(const std::string& path, const std::vector<std::string>& scenarios) {
+  require_none_of(scenarios, path);
   std::ofstream out;
   const std::string problem = path.empty() ? "" : app::open_for_writing(out, path);
   if (!problem.empty()) throw UsageError(problem);
@@ -133,6 +137,7 @@ ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::
 }
 
 int run(const ScenarioOptions& options) {
+  require_none_of(options.files, options.log);
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
   std::vector<ScenarioRun> runs;

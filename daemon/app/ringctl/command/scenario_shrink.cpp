@@ -39,6 +39,8 @@ void write(const std::string& text, const std::string& path) {
 }
 
 int run(ShrinkOptions& options) {
+  if (app::is_same_file(options.request.path, options.out))
+    throw UsageError("--out names the scenario itself: " + options.out + " would be lost; write to another file");
   if (!options.out.empty()) options.request.beside = std::filesystem::absolute(options.out).parent_path().string();
   Progress progress;
   options.request.tell = [&progress](std::size_t runs) {
