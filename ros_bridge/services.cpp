@@ -49,6 +49,11 @@ json answer_to(HostPort& port, const json& question, milliseconds timeout) {
   return json::parse(port.ask(question.dump(), timeout));
 }
 
+std::invalid_argument would_reset_bridge(const std::string& node, const std::string& instead) {
+  return std::invalid_argument("node '" + node +
+                               "' is this bridge's own: it would be killed before it could answer; use " + instead);
+}
+
 template <typename Response>
 void fill(Response& response, const std::string& outcome, double round_trip, const std::string& message) {
   response.outcome = outcome_word(outcome);
@@ -104,9 +109,7 @@ bool Services::reset_node(ResetNode::Request& request, ResetNode::Response& resp
     const auto id = one_node(request.node);
     const auto timeout = timeout_of(request.timeout, kReset);
     const std::uint8_t own = HostPort::connect(daemon_).id();
-    if (id == own)
-      throw std::invalid_argument("node '" + request.node + "' is this bridge's own: it would be " +
-                                  "killed before it could answer; use ringctl reset");
+    if (id == own) throw would_reset_bridge(request.node, "ringctl reset");
     const auto reply = ask::reset_node({ring_.ring, nodes_to_ask(), id, own, true, timeout});
     response.success = reply.value("success", false);
     response.message = reply.value("message", "");
@@ -122,6 +125,8 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
     const auto to = destination(request.node);
     const auto timeout = timeout_of(request.timeout, kServiceAnswer);
     auto port = HostPort::connect(daemon_);
+    if (to == port.id() && ring_.find(to)->pins[request.factor].action == config::PinConfig::Action::reset)
+      throw would_reset_bridge(request.node, "ringctl interrupt");
     const auto result = port.wait(port.interrupt(to, request.factor, request.force), timeout);
     fill(response, to_string(result.outcome), in_seconds(result.round_trip), result.reason);
   });

@@ -72,6 +72,7 @@ class Recovery(unittest.TestCase):
         self.assertEqual(send(node='head', factor=7, force=False).outcome, 'refused')
         self.assertIn('0 to 7', send(node='head', factor=8, force=False).message)
         self.assertFalse(send(node='all', factor=0, force=False).success, 'a reset of all needs force')
+        self.assertIn('own', send(node='body', factor=0, force=False).message)
 
     def test_a_stop_of_all_is_latched_until_resumed(self):
         stopped = Newest('stopped', Bool)
