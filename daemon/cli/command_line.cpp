@@ -55,7 +55,8 @@ std::string guess(const std::string& word, const Words& known) {
 /// What was left over, nobody's option or argument.
 void check_left_over(const CLI::App& root) {
   const CLI::App& app = deepest(root);
-  const Words left = root.remaining(/*recurse=*/true);
+  Words left = root.remaining(/*recurse=*/true);
+  left.erase(std::remove(left.begin(), left.end(), "--"), left.end());  // left there where something else is wrong
   const auto word = std::find_if(left.begin(), left.end(), [](const std::string& text) { return text[0] != '-'; });
   if (!subcommands_of(app).empty() && word != left.end()) no_such_subcommand(app, *word);
   if (!left.empty()) one_too_many(app, left.front());

@@ -86,6 +86,8 @@ TEST_F(Program, NamesWhatIsMissingOrTooMuch) {
   EXPECT_EQ(refusal({"send", "--text", "x", "--from"}), "--from needs a value: Node that sends");
   EXPECT_EQ(refusal({"send", "--text", "x", "--from", "a", "--from", "b"}), "--from is given more than once");
   EXPECT_THAT(refusal({"send", "--from", "a"}), HasSubstr("[--text,--size]"));
+  EXPECT_EQ(refusal({"send", "--text", "x", "--", "all"}),
+            "'all' is one argument too many; 'prog send --help' says more");
 }
 
 TEST_F(Program, RefusesAValueWithWhatIsAllowedAndNothingOfItsInside) {
