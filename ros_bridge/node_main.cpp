@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "cli/output.h"
 #include "cli/roff.h"
 #include "config/config_error.h"
 #include "process/standard_descriptors.h"
@@ -63,12 +64,12 @@ int run_node(int argc, char** argv, const NodeProgram& program) {
   process::open_standard_descriptors();
   if (asks_for_help(argc, argv)) {
     std::cout << program.help << kExitCodes;
-    return 0;
+    return cli::code_with_output(program.name, 0);
   }
   if (asks_for_man_page(argc, argv)) {
     std::cout << cli::man_page_of_text(program.name, std::string(program.help) + kExitCodes,
                                        "[OPTIONS] _PARAMETER:=VALUE ...");
-    return 0;
+    return cli::code_with_output(program.name, 0);
   }
   try {
     ros::init(argc, argv, program.name);  // takes NAME:=VALUE out of argv

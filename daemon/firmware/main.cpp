@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <exception>
+#include <iostream>
 
+#include "cli/output.h"
 #include "firmware/cpu_loop.h"
 #include "firmware/node_setup.h"
 #include "firmware/options.h"
@@ -43,8 +45,8 @@ int main(int argc, char** argv) try {
   process::open_standard_descriptors();
   const auto options = firmware::parse_options(argc, argv);
   if (options.print.empty()) return run_cpu(options);
-  std::fputs(options.print.c_str(), stdout);
-  return 0;
+  std::cout << options.print;
+  return cli::code_with_output("limb_firmware", 0);
 } catch (const limb_ring::HostPortError& error) {
   return fail(error, 1);
 } catch (const std::exception& error) {

@@ -115,6 +115,7 @@ class UpDown(RingTest):
 
     def test_what_could_not_be_printed_is_an_error(self):
         for command in (('ringctl', 'fault', '--help'), ('ringctl', 'help'), ('ringd', '--options'), ('ringd', '--help'),
+                        ('limb_firmware', '--help'),
                         ('ring_sim', 'run', '--nodes', '2')):
             with self.subTest(command), open('/dev/full', 'w') as full:
                 done = subprocess.run([ring_process.program(command[0]), *command[1:]], stdout=full, text=True,

@@ -145,6 +145,9 @@ class LaunchArguments(unittest.TestCase):
                                        stdout=subprocess.PIPE, timeout=60)
                 self.assertEqual(ended.returncode, 0)
                 self.assertIn(program, ended.stdout)
+                with open('/dev/full', 'w') as full:
+                    ended = subprocess.run(['rosrun', 'limb_ring', program, '--help'], stdout=full, timeout=60)
+                self.assertNotEqual(ended.returncode, 0, 'it could not be printed')
 
     def test_a_bag_is_played_where_one_is_given(self):
         self.assertIn('/play', launched_nodes('bag:=any.bag'))

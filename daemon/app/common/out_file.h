@@ -11,14 +11,6 @@ std::string open_for_writing(std::ofstream& file, const std::string& path);
 /// Whether both are there and are one file: what is to be read from the one would be lost where the other is written.
 bool is_same_file(const std::string& one, const std::string& other);
 
-/// Writes what is held back.
-/// @return what is wrong: the file and the system's reason, as far as it is known; empty where all has been written
-std::string finish_writing(std::ostream& out, const std::string& path);
-
-/// Exit code of a program that would end with `code`: 1 instead of 0, and a line on standard error, where standard
-/// output could not take all that was written.
-int code_with_output(const std::string& program, int code);
-
 /// False where standard output is a pipe that nobody reads any more (`| head -1`). For callers that wait
 /// until there is something to write.
 bool is_output_read();

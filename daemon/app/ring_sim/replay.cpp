@@ -9,6 +9,7 @@
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
+#include "cli/output.h"
 #include "cli/values.h"
 #include "recorder/recorder_file.h"
 #include "recorder/replay_capture.h"
@@ -143,7 +144,7 @@ int run(const ReplayOptions& options) {
   print_promises(*ring, promises);
   const unsigned different = print_results(*ring);
   if (capture) {
-    const std::string problem = app::finish_writing(file, options.capture);
+    const std::string problem = cli::finish_writing(file, options.capture);
     if (!problem.empty()) throw std::runtime_error(problem);
   }
   return different == 0 && promises.counts().breaches == 0 ? kDone : kBroken;

@@ -6,6 +6,7 @@
 #include "app/ring_sim/case_rows.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
+#include "cli/output.h"
 #include "cli/values.h"
 
 namespace limb_ring::ring_sim {
@@ -38,7 +39,7 @@ void open(std::ofstream& file, const std::string& option, const std::string& pat
 }
 
 void finish(std::ofstream& file, const std::string& path) {
-  const std::string problem = path.empty() ? "" : app::finish_writing(file, path);
+  const std::string problem = path.empty() ? "" : cli::finish_writing(file, path);
   if (!problem.empty()) throw std::runtime_error(problem);
 }
 

@@ -11,6 +11,7 @@
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
+#include "cli/output.h"
 #include "cli/values.h"
 #include "process/signal_wait.h"
 #include "sim/trace.h"
@@ -74,7 +75,7 @@ bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std:
   std::ofstream out;
   std::string problem = app::open_for_writing(out, path);
   out << shrunk->text;
-  if (problem.empty()) problem = app::finish_writing(out, path);
+  if (problem.empty()) problem = cli::finish_writing(out, path);
   if (!problem.empty()) throw UsageError("--shrink: " + problem);
   std::cerr << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
             << " tried" << (shrunk->stopped ? ", and no more: it may not be the smallest" : "")

@@ -7,6 +7,7 @@
 #include "app/capture_text/packet_bytes.h"
 #include "app/common/out_file.h"
 #include "app/ringctl/problems.h"
+#include "cli/output.h"
 
 namespace limb_ring::ringctl {
 
@@ -64,7 +65,7 @@ class FileSink final : public CaptureSink {
 }  // namespace
 
 bool CaptureSink::flush_to(std::ostream& out, const std::string& path) {
-  if (problem_.empty()) problem_ = app::finish_writing(out, path);
+  if (problem_.empty()) problem_ = cli::finish_writing(out, path);
   if (problem_.empty() && &out == &std::cout && !app::is_output_read()) problem_ = path + ": " + std::strerror(EPIPE);
   return problem_.empty();
 }

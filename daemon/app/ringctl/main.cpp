@@ -1,13 +1,13 @@
 #include <algorithm>
 
 #include "app/common/from_roslaunch.h"
-#include "app/common/out_file.h"
 #include "app/ringctl/command/command_line.h"
+#include "cli/output.h"
 #include "process/standard_descriptors.h"
 
 int main(int argc, char** argv) {
   limb_ring::process::open_standard_descriptors();
   char** const end = std::remove_if(argv + 1, argv + argc, limb_ring::app::from_roslaunch);
   const int code = limb_ring::ringctl::run_command_line(static_cast<int>(end - argv), argv);
-  return limb_ring::app::code_with_output("ringctl", code);
+  return limb_ring::cli::code_with_output("ringctl", code);
 }

@@ -12,6 +12,7 @@
 #include "app/common/out_file.h"
 #include "app/ringd/options.h"
 #include "app/ringd/stderr_sink.h"
+#include "cli/output.h"
 #include "config/config_error.h"
 #include "config/options_markdown.h"
 #include "event_loop/packet_loop.h"
@@ -95,7 +96,7 @@ int run_virtual(const config::RingConfig& given, const ringd::Options& options) 
       options.lasts_s > 0 ? core::Time{} + std::chrono::nanoseconds(std::llround(options.lasts_s * 1e9)) : core::kNever;
   host.run(pace, end);
   report(host, pace);
-  const std::string problem = capture.is_open() ? app::finish_writing(capture, options.capture) : "";
+  const std::string problem = capture.is_open() ? cli::finish_writing(capture, options.capture) : "";
   if (!problem.empty()) throw std::runtime_error(problem);
   return 0;
 }
@@ -112,10 +113,10 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   try {
     const auto options = ringd::parse_options(argc, argv);
-    if (!options) return app::code_with_output("ringd", 0);
+    if (!options) return cli::code_with_output("ringd", 0);
     if (options->list_options) {
       std::cout << config::options_markdown();
-      return app::code_with_output("ringd", 0);
+      return cli::code_with_output("ringd", 0);
     }
     const config::RingConfig ring = ringd::ring_of(*options);
     if (options->clock == "machine") return run(ring, ringd::node_of(*options, ring));

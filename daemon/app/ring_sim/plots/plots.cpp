@@ -7,6 +7,7 @@
 #include "app/common/out_file.h"
 #include "app/ring_sim/plots/gnuplot.h"
 #include "app/ring_sim/problems.h"
+#include "cli/output.h"
 
 namespace limb_ring::ring_sim {
 
@@ -55,7 +56,7 @@ void PlotFolder::write(const std::string& name, const std::string& text) const {
   const std::string wrong_place = app::open_for_writing(file, path);
   if (!wrong_place.empty()) throw UsageError(wrong_place);
   file << text;
-  const std::string not_written = app::finish_writing(file, path);
+  const std::string not_written = cli::finish_writing(file, path);
   if (!not_written.empty()) throw std::runtime_error(not_written);
 }
 

@@ -12,6 +12,7 @@
 #include "app/ringctl/live/play_live.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/virtual/play_virtual.h"
+#include "cli/output.h"
 #include "cli/values.h"
 #include "scenario/load_scenario.h"
 #include "scenario/only_virtual.h"
@@ -61,7 +62,7 @@ app::Row row_of(const ScenarioRun& run) {
 }
 
 void finish(std::ostream& out, const std::string& path) {
-  const std::string problem = app::finish_writing(out, path);
+  const std::string problem = cli::finish_writing(out, path);
   if (!problem.empty()) throw NotDone(problem);
 }
 

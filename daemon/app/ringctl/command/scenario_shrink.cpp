@@ -9,6 +9,7 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "cli/output.h"
 #include "cli/values.h"
 #include "scenario/report.h"
 #include "scenario/shrink.h"
@@ -34,7 +35,7 @@ void write(const std::string& text, const std::string& path) {
   std::ofstream out;
   std::string problem = app::open_for_writing(out, path);
   out << text;
-  if (problem.empty()) problem = app::finish_writing(out, path);
+  if (problem.empty()) problem = cli::finish_writing(out, path);
   if (!problem.empty()) throw NotDone(problem);
 }
 

@@ -13,6 +13,7 @@
 #include "app/ringctl/trace_svg.h"
 #include "app/ringctl/trace_words.h"
 #include "capture/trip_choice.h"
+#include "cli/output.h"
 #include "cli/values.h"
 #include "config/quantity.h"
 
@@ -105,7 +106,7 @@ void show(const capture::TracedRing& ring, const std::vector<std::size_t>& trips
 void draw(const capture::PacketTrace& trace, const capture::RingNames& names, std::ofstream& picture,
           const TraceOptions& options) {
   picture << trace_svg(trace, names);
-  const std::string problem = app::finish_writing(picture, options.svg);
+  const std::string problem = cli::finish_writing(picture, options.svg);
   if (!problem.empty()) throw NotDone(problem);
 }
 

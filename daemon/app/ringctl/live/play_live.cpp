@@ -10,6 +10,7 @@
 #include "app/ringctl/live/live_stage.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/virtual/scenario_cpu.h"
+#include "cli/output.h"
 #include "config/quantity.h"
 #include "config/yaml_file.h"
 #include "live/private_folder.h"
@@ -43,7 +44,7 @@ void write(const YAML::Node& file, const std::string& path) {
   std::ofstream out;
   std::string problem = app::open_for_writing(out, path);
   out << text.c_str() << '\n';
-  if (problem.empty()) problem = app::finish_writing(out, path);
+  if (problem.empty()) problem = cli::finish_writing(out, path);
   if (!problem.empty()) throw NotDone(problem);
 }
 
