@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "ask/in_parallel.h"
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
+#include "live/in_parallel.h"
 #include "live/lock_files.h"
 
 namespace limb_ring::ask {
@@ -38,7 +38,7 @@ std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono
 
 Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::chrono::milliseconds timeout) {
   std::vector<std::optional<json>> answers(nodes.size());
-  in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = row_of(ring, nodes[i].id, timeout); });
+  live::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = row_of(ring, nodes[i].id, timeout); });
   Rows rows;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (answers[i]) rows.emplace(nodes[i].id, std::move(*answers[i]));

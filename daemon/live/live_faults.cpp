@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "live/in_parallel.h"
 #include "live/node_notes.h"
 
 namespace limb_ring::live {
@@ -33,18 +34,15 @@ struct Problem {
 std::vector<Problem> at_the_same_time(const std::vector<wire::NodeId>& nodes,
                                       const std::function<void(std::size_t)>& act) {
   std::vector<Problem> problems(nodes.size());
-  std::vector<std::thread> threads;
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    threads.emplace_back([&, i] {
-      try {
-        act(i);
-      } catch (const HostPortError& error) {
-        problems[i] = {error.what(), true};
-      } catch (const std::exception& error) {
-        problems[i] = {error.what()};
-      }
-    });
-  for (auto& thread : threads) thread.join();
+  in_parallel(nodes.size(), nodes.size(), [&](std::size_t i) {
+    try {
+      act(i);
+    } catch (const HostPortError& error) {
+      problems[i] = {error.what(), true};
+    } catch (const std::exception& error) {
+      problems[i] = {error.what()};
+    }
+  });
   return problems;
 }
 

@@ -3,8 +3,8 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_clock.h"
-#include "ask/in_parallel.h"
 #include "limb_ring/ring_directory.h"
+#include "live/in_parallel.h"
 #include "live/lock_files.h"
 
 namespace limb_ring::ringctl {
@@ -69,7 +69,7 @@ std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring, cons
                                                    const nlohmann::json& request) {
   std::vector<std::optional<nlohmann::json>> answers(nodes.size());
   // A daemon that is stopped takes its whole time-out.
-  ask::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = ask_one(ring, nodes[i], request); });
+  live::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = ask_one(ring, nodes[i], request); });
   return answers;
 }
 

@@ -1,6 +1,7 @@
 #include "study/explore/exploration.h"
 
 #include <algorithm>
+#include <system_error>
 #include <thread>
 
 namespace limb_ring::study {
@@ -16,7 +17,11 @@ void Exploration::run(const Progress& progress) {
     }
   };
   std::vector<std::thread> helpers;
-  for (unsigned i = 1; i < bounds_.threads; ++i) helpers.emplace_back(work);
+  helpers.reserve(bounds_.threads);
+  try {
+    for (unsigned i = 1; i < bounds_.threads; ++i) helpers.emplace_back(work);
+  } catch (const std::system_error&) {  // the system has no more: those that are there do it all
+  }
   work();
   for (std::thread& helper : helpers) helper.join();
 }

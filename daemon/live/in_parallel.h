@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <system_error>
 #include <thread>
 #include <vector>
 
-namespace limb_ring::ask {
+namespace limb_ring::live {
 
 /// Calls work(i) for each i below `count`, at most `most` of them at the same time; returns when all have been done.
-/// `work` must not throw.
+/// Where the system has no threads for so many, fewer are done at the same time. `work` must not throw.
 template <class Work>
 void in_parallel(std::size_t count, std::size_t most, Work work) {
   std::atomic<std::size_t> next{0};
@@ -17,8 +18,14 @@ void in_parallel(std::size_t count, std::size_t most, Work work) {
     for (std::size_t i = next++; i < count; i = next++) work(i);
   };
   std::vector<std::thread> threads;
-  for (std::size_t i = 0; i < std::min(most, count); ++i) threads.emplace_back(do_some);
+  const std::size_t helpers = std::min(most, count);
+  threads.reserve(helpers);
+  try {
+    while (threads.size() + 1 < helpers) threads.emplace_back(do_some);
+  } catch (const std::system_error&) {  // what they do not do, this thread does
+  }
+  do_some();
   for (std::thread& thread : threads) thread.join();
 }
 
-}  // namespace limb_ring::ask
+}  // namespace limb_ring::live
