@@ -1,5 +1,6 @@
 """Rings of real daemons in a folder of their own: every program that is started here sees no other ring, has a log, and
-ends with the launcher. Ring stands on it, and so do the scripts and process tests of limb_ring itself."""
+ends with the launcher, daemons also where its process is killed. Ring stands on it, and so do the scripts and process tests
+of limb_ring itself."""
 import os
 import random
 import shutil
@@ -46,6 +47,10 @@ class Launcher:
         self.environment = {k: v for k, v in os.environ.items() if not k.startswith('LIMB_RING')}
         self.environment['XDG_RUNTIME_DIR'] = self.runtime
         self.started = []   # (what, process); process.log is the path of its output
+        # However this process ends, also by SIGTERM or SIGKILL, its end of the pipe is closed then.
+        self._guard = subprocess.Popen(['sh', '-c', 'read line; exec "$0" down --all', self.program('ringctl')],
+                                       stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                       env=self.environment, start_new_session=True)
 
     def program(self, name):
         return os.path.join(self.programs, name)
@@ -97,6 +102,9 @@ class Launcher:
             deadline = time.monotonic() + KILLED
             while not is_gone(pid) and time.monotonic() < deadline:
                 time.sleep(STEP)
+        self._guard.kill()
+        self._guard.wait(timeout=KILLED)
+        self._guard.stdin.close()
 
     def remove(self):
         shutil.rmtree(self.folder, ignore_errors=True)

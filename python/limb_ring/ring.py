@@ -41,7 +41,8 @@ def find_config(name, beside=''):
 
 class Ring:
     """`with Ring('leg8.yaml') as ring:` has a ring of its own, in a folder of its own, which meets no other and ends with
-    the block, with all that was started in it. Nodes go by name or id, times are in seconds, every call has a deadline."""
+    the block, with all that was started in it; its daemons also where this process is killed. Nodes go by name or id,
+    times are in seconds, every call has a deadline."""
 
     def __init__(self, config, clock='machine', pace=None, programs=None, timeout=30.0):
         """

@@ -1,7 +1,10 @@
 """Ring and the fixtures of pytest_plugin."""
 import os
+import signal
+import subprocess
 import sys
 import textwrap
+import time
 
 import pytest
 
@@ -96,6 +99,24 @@ def test_nothing_is_left_of_a_ring():
     assert all(is_gone(pid) for pid in pids)
     with pytest.raises(RingError, match='is down'):
         ring.status()
+
+
+@pytest.mark.parametrize('number', [signal.SIGTERM, signal.SIGKILL])
+def test_no_daemon_is_left_of_a_program_that_is_killed(number):
+    program = subprocess.Popen([sys.executable, '-c', textwrap.dedent("""
+        import limb_ring, time
+        with limb_ring.Ring(2) as ring:
+            print(*(row['pid'] for row in ring.status()['nodes']), flush=True)
+            time.sleep(600)
+        """)], stdout=subprocess.PIPE, universal_newlines=True)
+    pids = [int(pid) for pid in program.stdout.readline().split()]
+    assert len(pids) == 2
+    program.send_signal(number)
+    program.communicate()
+    deadline = time.monotonic() + 60
+    while not all(is_gone(pid) for pid in pids):
+        assert time.monotonic() < deadline, 'daemons are left'
+        time.sleep(0.02)
 
 
 def test_nothing_is_left_where_a_variable_is_not_utf_8(monkeypatch):
