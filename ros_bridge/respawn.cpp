@@ -1,5 +1,7 @@
 #include "ros_bridge/respawn.h"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -48,6 +50,7 @@ int respawned(const std::function<int()>& program) {
     signals.release();
     std::exit(program());
   };
+  const pid_t starter = ::getppid();
   process::BackOff back_off({});
   for (;;) {
     const auto start = steady_clock::now();
@@ -56,7 +59,7 @@ int respawned(const std::function<int()>& program) {
     const bool asked = wait_for(child, signals);
     const process::ExitStatus& end = *child.ended();
     const int code = end.code.value_or(1);
-    if (asked || code == kWrongParameters) return code;
+    if (asked || code == kWrongParameters || ::getppid() != starter) return code;
     std::cerr << "the process ended with " << end.text << " and is started again" << std::endl;
     const auto ran = std::chrono::duration_cast<milliseconds>(steady_clock::now() - start);
     if (wait_before_next(back_off.after(ran), signals)) return code;
