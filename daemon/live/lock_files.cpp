@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <sstream>
 
@@ -62,10 +63,14 @@ bool may_run(pid_t pid, const std::string& program) {
   return unknown || program.empty() || runs == program || runs == program + " (deleted)";
 }
 
+/// What is left of the file: words that end by a null; by a line end where a daemon of limb_ring 0.1.0 wrote it.
 std::vector<std::string> rest_of(std::istream& file) {
-  std::vector<std::string> words;
-  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
-  return words;
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const char end = text.find('\0') == std::string::npos ? '\n' : '\0';
+  std::istringstream words(text);
+  std::vector<std::string> rest;
+  for (std::string word; std::getline(words, word, end);) rest.push_back(word);
+  return rest;
 }
 
 bool are_of_virtual_ring(const std::vector<std::string>& arguments) {
@@ -97,9 +102,12 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   std::ifstream file(lock);
   std::string pid;
   std::getline(file, pid);
-  std::getline(file, holder.program, '\0');
-  std::getline(file, holder.folder, '\0');
   holder.arguments = rest_of(file);
+  for (std::string* first : {&holder.program, &holder.folder}) {
+    if (holder.arguments.empty()) break;
+    *first = holder.arguments.front();
+    holder.arguments.erase(holder.arguments.begin());
+  }
   holder.pid = pid_in(pid);
   const bool lives = is_held(lock);
   if (lives && !may_run(holder.pid, holder.program)) holder.pid = -1;  // whoever that is, it must not be signalled

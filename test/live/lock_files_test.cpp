@@ -61,6 +61,16 @@ TEST_F(RingFolder, AFolderWithALineEndInItsNameIsReadWhole) {
   EXPECT_EQ(holder_of(ring, 7).pid, ::getpid());
 }
 
+TEST_F(RingFolder, ADaemonOfTheReleaseBeforeIsKnownByItsLines) {
+  const auto held = lock_of(7);
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe");
+  std::ofstream(ring + "/7.lock") << ::getpid() << '\n' << program << "\n/home/me\n--node\n7\n";
+  const Holder holder = holder_of(ring, 7);
+  EXPECT_EQ(holder.pid, ::getpid());
+  EXPECT_EQ(holder.folder, "/home/me");
+  EXPECT_THAT(holder.arguments, ElementsAre("--node", "7"));
+}
+
 TEST_F(RingFolder, ADaemonThatStartsGetsItsNodeWhileOthersAskWhoHoldsIt) {
   std::atomic<bool> done{false};
   std::thread others([&] {
