@@ -4,7 +4,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -30,18 +29,13 @@ class Lockstep(RingTest):
     def compare_traces(self, *paths):
         return self.run_program('ring_sim', 'compare-traces', *paths)
 
-    def busy(self):
-        for _ in range(2 * os.cpu_count()):
-            self.start('busy', [sys.executable, '-c', 'while True: pass'])
-
     def test_the_same_trace_on_one_core_on_all_and_beside_busy_processes(self):
         first = self.trace_of(self.run_for(2))
         self.assertEqual(self.trace_of(self.run_for(2)), first)
         one_core = ('taskset', '-c', str(min(os.sched_getaffinity(0))))
         self.assertEqual(self.trace_of(self.run_for(2, prefix=one_core)), first, 'on one core')
-        self.busy()
-        for _ in range(3):
-            self.assertEqual(self.trace_of(self.run_for(2)), first, 'beside busy processes')
+        self.keep_cores_busy()
+        self.assertEqual(self.trace_of(self.run_for(2)), first, 'beside busy processes')
         self.assertNotEqual(self.trace_of(self.run_for(2.2)), first)
 
     def test_sixteen_processes_that_all_talk_leave_one_trace_in_ten_runs(self):
@@ -51,7 +45,7 @@ class Lockstep(RingTest):
         traces = [self.trace_of(self.run_for(0.2, one_core)) for _ in range(3)]
         free = self.write_ring(nodes, realtime={'cores': all_cores})
         traces += [self.trace_of(self.run_for(0.2, free)) for _ in range(3)]
-        self.busy()
+        self.keep_cores_busy()
         traces += [self.trace_of(self.run_for(0.2, free)) for _ in range(4)]
         self.assertEqual(len(set(traces)), 1, traces)
 

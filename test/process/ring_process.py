@@ -75,6 +75,11 @@ class RingTest(unittest.TestCase):
     def start(self, what, arguments, **options):
         return self.launcher.start(what, arguments, **options)
 
+    def keep_cores_busy(self):
+        """Something computes on each core until the test ends."""
+        for _ in range(os.cpu_count()):
+            self.start('busy', [sys.executable, '-c', 'while True: pass'])
+
     def ringd(self, config, node, *more):
         return self.launcher.ringd(config, node, *more)
 

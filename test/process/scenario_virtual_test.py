@@ -6,7 +6,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
 
 import ring_process
 from ring_process import ScenarioTest
@@ -136,10 +135,6 @@ class ScenarioVirtual(ScenarioTest):
 
     # ---- repeatable -----------------------------------------------------------------------
 
-    def busy(self):
-        for _ in range(2 * os.cpu_count()):
-            self.start('busy', [sys.executable, '-c', 'while True: pass'])
-
     def test_the_same_trace_on_one_core_on_all_and_beside_busy_processes(self):
         nodes = self.nodes()
         nodes[0].update(cpu={'command': ['limb_firmware'], 'turnaround': '20us', 'jitter': '30us'}, joints=[{'name': 'knee'}])
@@ -148,8 +143,8 @@ class ScenarioVirtual(ScenarioTest):
         self.assertEqual(first['not_repeatable'], '')
         one_core = ('taskset', '-c', str(min(os.sched_getaffinity(0))))
         runs = [self.play(file), self.play(file, prefix=one_core)]
-        self.busy()
-        runs += [self.play(file, prefix=('nice',)) for _ in range(3)]
+        self.keep_cores_busy()
+        runs.append(self.play(file))
         for run in runs:
             self.assertEqual((run['trace_hash'], self.said(run)), (first['trace_hash'], self.said(first)))
         self.assertNotEqual(self.play(file, '--seed', '2')['trace_hash'], first['trace_hash'])
