@@ -8,19 +8,10 @@ namespace {
 
 using Level = diagnostic_msgs::DiagnosticStatus;
 
-live::PromiseWatch::Ring ring_to_watch(const config::RingConfig& ring, const ConnectOptions& daemon) {
-  live::PromiseWatch::Ring watched;
-  watched.name = ring.ring;
-  watched.runtime = daemon.runtime;
-  watched.folds_back = ring.folds_back();
-  for (const auto& node : ring.nodes) watched.nodes.push_back(node.id);
-  return watched;
-}
-
 }  // namespace
 
 PromisesOut::PromisesOut(const config::RingConfig& ring, const ConnectOptions& daemon)
-    : watch_(ring_to_watch(ring, daemon),
+    : watch_({ring.ring, ring.node_ids(), ring.folds_back(), daemon.runtime},
              [this](const promises::Breach& breach) {
                const std::string what = std::string(to_string(breach.promise)) + ": " + breach.what;
                ROS_ERROR("promise broken at node %u: %s", breach.node, what.c_str());

@@ -8,23 +8,14 @@
 #include "live/promise_watch.h"
 
 namespace limb_ring::bench {
-namespace {
-
-live::PromiseWatch::Ring ring_to_judge(const PrivateRing& ring) {
-  live::PromiseWatch::Ring judged;
-  judged.name = ring.name();
-  for (const auto& node : ring.config().nodes) judged.nodes.push_back(node.id);
-  return judged;
-}
-
-}  // namespace
 
 RingJudge::RingJudge(const Setup& setup, const PrivateRing& ring, Pinning pinning)
     : seen_(std::make_unique<Shared<Seen>>(1)) {
   Seen& seen = (*seen_)[0];
   worker_ = std::make_unique<Worker>([&] {
     stay_on(cores_for(pinning));
-    live::PromiseWatch watch(ring_to_judge(ring), [&seen](const promises::Breach&) { seen.broken = true; });
+    live::PromiseWatch watch({ring.name(), ring.config().node_ids()},
+                             [&seen](const promises::Breach&) { seen.broken = true; });
     for (;; std::this_thread::sleep_for(live::PromiseWatch::kRound)) {
       watch.poll();
       seen.ready = watch.watched() == ring.config().nodes.size();

@@ -12,6 +12,12 @@ std::array<PinConfig, 8> default_pins() {
   return pins;
 }
 
+std::vector<std::uint8_t> RingConfig::node_ids() const {
+  std::vector<std::uint8_t> ids;
+  for (const NodeConfig& node : nodes) ids.push_back(node.id);
+  return ids;
+}
+
 const NodeConfig* RingConfig::find(std::uint8_t id) const {
   const auto found = std::find_if(nodes.begin(), nodes.end(), [id](const NodeConfig& node) { return node.id == id; });
   return found == nodes.end() ? nullptr : &*found;

@@ -233,6 +233,8 @@ struct RingConfig {
 
   /// There is a second line.
   bool folds_back() const { return redundancy == Redundancy::foldback; }
+  /// Ids of all nodes, in ring order.
+  std::vector<std::uint8_t> node_ids() const;
   const NodeConfig* find(std::uint8_t id) const;
   /// By id ("12") or name ("left_knee").
   const NodeConfig* find(const std::string& id_or_name) const;
