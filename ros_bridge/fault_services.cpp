@@ -27,7 +27,7 @@ bool sleeps_until_shutdown(std::chrono::milliseconds time) {
 }  // namespace
 
 FaultServices::FaultServices(TwoNames& names, const config::RingConfig& ring, const std::string& own, RingPort& port)
-    : ring_nodes_(fault::ring_nodes(ring)), own_(own), port_(port), faults_(ring.ring, ring_nodes_) {
+    : ring_nodes_(fault::nodes_by_id(ring)), own_(own), port_(port), faults_(ring.ring, ring_nodes_) {
   names.advertise("inject_fault", &FaultServices::inject, this);
   names.advertise("clear_faults", &FaultServices::clear, this);
   names.advertise("list_faults", &FaultServices::list, this);

@@ -163,7 +163,7 @@ MissingKey::MissingKey(std::string word, std::vector<std::string> any_of, const 
       fault(std::move(word)),
       keys(std::move(any_of)) {}
 
-RingNodes ring_nodes(const config::RingConfig& ring) {
+RingNodes nodes_by_id(const config::RingConfig& ring) {
   RingNodes nodes;
   for (const auto& node : ring.nodes) nodes.push_back({node.name, std::to_string(node.id), NodeId{node.id}});
   return nodes;

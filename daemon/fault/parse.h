@@ -20,8 +20,8 @@ struct NamedNode {
 };
 /// All nodes of a ring, in ring order.
 using RingNodes = std::vector<NamedNode>;
-/// Those of a configured ring, by their configured ids.
-RingNodes ring_nodes(const config::RingConfig& ring);
+/// Those of a configured ring; a Fault names them by their configured ids.
+RingNodes nodes_by_id(const config::RingConfig& ring);
 
 /// A text is no fault: `'WORD' is so wrong; allowed: ...`.
 struct ParseError : std::runtime_error {

@@ -12,8 +12,8 @@ namespace {
 
 constexpr config::IntegerRange kFactors{0, 7};
 constexpr config::IntegerRange kCounts{1, 1000000};
-/// The nodes as the file may call them, in ring order.
-fault::RingNodes ring_nodes(const Entry& entry) {
+/// The nodes as the file may call them; a scenario's faults name them by their places in ring order.
+fault::RingNodes nodes_by_place(const Entry& entry) {
   fault::RingNodes nodes;
   for (const auto& [name, place] : entry.document().nodes) {
     if (nodes.size() <= place) nodes.resize(place + 1u);
@@ -74,7 +74,7 @@ Fault fault_in_a_map(const Entry& entry, const fault::Word& word, const fault::R
 }
 
 Fault read_fault(const Entry& entry, const fault::Word& word) {
-  const fault::RingNodes nodes = ring_nodes(entry);
+  const fault::RingNodes nodes = nodes_by_place(entry);
   if (entry.is_scalar()) return fault_in_words(entry, word.word, nodes);
   if (entry.is_map()) return fault_in_a_map(entry, word, nodes);
   Fault fault;
@@ -138,7 +138,7 @@ void read_action(const Entry& entry, Step& step) {
     step.action = read_send(members[0].value);
     return;
   }
-  if (const auto action = read_soak_action(members[0], ring_nodes(entry))) {
+  if (const auto action = read_soak_action(members[0], nodes_by_place(entry))) {
     step.action = *action;
     return;
   }

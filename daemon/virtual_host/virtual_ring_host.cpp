@@ -64,7 +64,7 @@ VirtualRingHost::VirtualRingHost(boost::asio::io_context& io, const config::Ring
     add(node);
   }
   // All nodes are held by now: nobody else's files are in these places.
-  const fault::RingNodes names = fault::ring_nodes(ring);
+  const fault::RingNodes names = fault::nodes_by_id(ring);
   NodePower& power = *this;
   node_faults_.emplace(ring_, power, names, folders_.begin()->second->path());
   port_.emplace(io, port_options(ring, folders_.begin()->second->path()), names,

@@ -96,7 +96,7 @@ nodes:
     Seen seen;
     boost::asio::io_context io(1);
     VirtualRingHost host(io, ring);
-    const fault::RingNodes nodes = fault::ring_nodes(ring);
+    const fault::RingNodes nodes = fault::nodes_by_id(ring);
     for (const Planned& planned : plan)
       host.at(core::Time{} + planned.at, [&host, &seen, fault = fault::from_words(planned.words, nodes)] {
         host.begin(fault, [&seen](const std::string& problem) {

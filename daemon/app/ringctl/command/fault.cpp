@@ -38,7 +38,7 @@ struct FaultOptions {
   bool json = false;
 };
 
-fault::RingNodes nodes_of(const RingAccess& ring) {
+fault::RingNodes nodes_by_id(const RingAccess& ring) {
   fault::RingNodes nodes;
   for (const NodeName& node : ring.nodes())
     nodes.push_back({node.name, std::to_string(node.id), wire::NodeId{node.id}});
@@ -108,7 +108,7 @@ int begin(const Context& context, const fault::Word& word, const FaultOptions& o
   if (!options.where.empty() && options.where.back() == "-")
     throw UsageError(std::string(word.word) + ": the shell has taken '>' for itself: write A:B, or quote 'A -> B'");
   const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
-  const fault::RingNodes nodes = nodes_of(ring);
+  const fault::RingNodes nodes = nodes_by_id(ring);
   const fault::Fault fault = parsed(words_of(word, options), nodes, ring.folds_back());
   for (const wire::NodeId id : fault.nodes) ring.require_here(ring.node(std::to_string(id)));
   Interruption interruption(fault);
@@ -126,7 +126,7 @@ int begin(const Context& context, const fault::Word& word, const FaultOptions& o
 
 int list(const Context& context, const FaultOptions& options) {
   const RingAccess ring = RingAccess::open_also_dead(choose_ring(context.ring));
-  const auto faults = LiveFaults(ring.ring(), nodes_of(ring)).list();
+  const auto faults = LiveFaults(ring.ring(), nodes_by_id(ring)).list();
   json all = json::array();
   for (const live::LiveFault& fault : faults) all.push_back(to_json(fault));
   if (options.json)
@@ -143,7 +143,7 @@ int remove(const Context& context, const FaultOptions& options) {
   try {
     const std::size_t dot = options.id.rfind('.');
     if (dot != std::string::npos) ring.require_here(ring.node(options.id.substr(0, dot)));
-    while_telling(ring.ring(), [&] { LiveFaults(ring.ring(), nodes_of(ring)).remove(options.id); });
+    while_telling(ring.ring(), [&] { LiveFaults(ring.ring(), nodes_by_id(ring)).remove(options.id); });
   } catch (const fault::ParseError& error) {
     throw UsageError(error.what());
   }
@@ -156,7 +156,7 @@ int clear(const Context& context, const FaultOptions& options) {
   const std::chrono::milliseconds timeout(std::llround(options.timeout_s * 1000));
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   std::vector<std::string> problems;
-  while_telling(ring.ring(), [&] { problems = LiveFaults(ring.ring(), nodes_of(ring)).clear(timeout); });
+  while_telling(ring.ring(), [&] { problems = LiveFaults(ring.ring(), nodes_by_id(ring)).clear(timeout); });
   for (const std::string& problem : problems) std::cerr << "ringctl: " << problem << '\n';
   if (!problems.empty()) return kNotDone;
   std::cout << "no faults are left in ring " << ring.ring() << std::endl;

@@ -28,7 +28,8 @@ E from_word(const std::string& word, E last) {
   return E{};
 }
 
-fault::RingNodes ring_nodes(const config::RingConfig& ring) {
+/// A scenario's faults name nodes by their places in ring order.
+fault::RingNodes nodes_by_place(const config::RingConfig& ring) {
   fault::RingNodes nodes;
   for (const config::NodeConfig& node : ring.nodes)
     nodes.push_back({node.name, std::to_string(node.id), static_cast<NodeId>(nodes.size())});
@@ -210,7 +211,7 @@ void LiveStage::apply_at_daemon(Fault fault, std::size_t place) {
   fault.nodes = {static_cast<NodeId>(place)};
   if ((fault::word_of(fault.name).keys & fault::kSeed) != 0 && fault.seed == 0) fault.seed = random_() % 1000000 + 1;
   if (fault.name == Name::hang) senders_.set_hung(place, true);
-  const json request{{"do", "fault"}, {"fault", fault::to_words(fault, ring_nodes(scenario_.ring))}};
+  const json request{{"do", "fault"}, {"fault", fault::to_words(fault, nodes_by_place(scenario_.ring))}};
   // Under the virtual clock too the scenario goes on while the CPU boots.
   if (fault.name == Name::reset)
     nodes_.order(place, request);
