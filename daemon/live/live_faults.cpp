@@ -208,8 +208,7 @@ std::vector<LiveFault> LiveFaults::faults_of(wire::NodeId node) const {
 }
 
 std::vector<LiveFault> LiveFaults::list() const {
-  std::vector<wire::NodeId> ids;
-  for (const auto& node : daemons_.nodes()) ids.push_back(node.id);
+  const std::vector<wire::NodeId> ids = daemons_.node_ids();
   std::vector<std::vector<LiveFault>> found(ids.size());
   at_the_same_time(ids, [&](std::size_t i) { found[i] = faults_of(ids[i]); });
   std::vector<LiveFault> all;
@@ -253,8 +252,7 @@ void LiveFaults::clear_at(wire::NodeId node, std::chrono::milliseconds patience)
 }
 
 std::vector<std::string> LiveFaults::clear(std::chrono::milliseconds patience) const {
-  std::vector<wire::NodeId> ids;
-  for (const auto& node : daemons_.nodes()) ids.push_back(node.id);
+  const std::vector<wire::NodeId> ids = daemons_.node_ids();
   std::vector<std::string> problems;
   for (const Problem& problem : at_the_same_time(ids, [&](std::size_t i) { clear_at(ids[i], patience); }))
     if (!problem.what.empty()) problems.push_back(problem.what);

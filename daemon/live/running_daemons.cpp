@@ -53,6 +53,12 @@ NotDone not_joined(const std::string& node, milliseconds patience) {
 RunningDaemons::RunningDaemons(std::string ring, fault::RingNodes nodes)
     : ring_(std::move(ring)), nodes_(std::move(nodes)), folder_(ring_directory(ring_)) {}
 
+std::vector<wire::NodeId> RunningDaemons::node_ids() const {
+  std::vector<wire::NodeId> ids;
+  for (const fault::NamedNode& node : nodes_) ids.push_back(node.id);
+  return ids;
+}
+
 const fault::NamedNode& RunningDaemons::node(wire::NodeId id) const {
   return *std::find_if(nodes_.begin(), nodes_.end(), [id](const auto& node) { return node.id == id; });
 }

@@ -21,6 +21,7 @@ class RunningDaemons {
   RunningDaemons(std::string ring, fault::RingNodes nodes);
 
   const fault::RingNodes& nodes() const { return nodes_; }
+  std::vector<wire::NodeId> node_ids() const;
   const fault::NamedNode& node(wire::NodeId id) const;
   const std::string& folder() const { return folder_; }
   Holder holder(wire::NodeId node) const { return holder_of(folder_, node); }
