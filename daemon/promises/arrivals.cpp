@@ -11,11 +11,11 @@ using Kind = Observation::Kind;
 using wire::Outcome;
 
 void Arrivals::taken(std::uint8_t id, const Observation& seen) {
-  ++findings_.counts.packets;
+  ++report_.counts.packets;
   SeenNode& node = ring_.at(id);
   if (seen.destination != id && seen.destination != wire::kBroadcast)
-    return findings_.break_promise(Promise::undamaged, id, seen.source, seen.at_ns,
-                                   name_of(seen, seen.source) + ", was given to the CPU of node " + std::to_string(id));
+    return report_.break_promise(Promise::undamaged, id, seen.source, seen.at_ns,
+                                 name_of(seen, seen.source) + ", was given to the CPU of node " + std::to_string(id));
   const Pending came{seen, ring_.round, node.life_of(seen.queue), node.empty_at};
   // While one waits for its send to be seen, later ones have to wait as well, because their order is judged.
   if (!node.pending.empty() || !match(id, came, false)) node.pending.push_back(came);
@@ -98,13 +98,13 @@ bool Arrivals::certain(std::uint8_t receiver, const Pending& pending) const {
 
 void Arrivals::classify(std::uint8_t receiver, const Pending& pending) {
   const Observation& seen = pending.seen;
-  if (!certain(receiver, pending)) return void(findings_.leave(Unjudged::source_unknown));
+  if (!certain(receiver, pending)) return void(report_.leave_unjudged(Unjudged::source_unknown));
   const bool pin = seen.kind == Kind::pin;
   if (judge_alike(receiver, pending, ring_.find_flow(seen.source, seen.queue, seen.destination))) return;
   if (pin && judge_alike(receiver, pending, ring_.find_flow(seen.source, seen.queue, wire::kBroadcast))) return;
-  findings_.break_promise(Promise::undamaged, receiver, seen.source, seen.at_ns,
-                          name_of(seen, seen.source) + ", " + (pin ? "has pulled a pin of" : "was taken by") +
-                              " node " + std::to_string(receiver) + ", and was not asked for");
+  report_.break_promise(Promise::undamaged, receiver, seen.source, seen.at_ns,
+                        name_of(seen, seen.source) + ", " + (pin ? "has pulled a pin of" : "was taken by") + " node " +
+                            std::to_string(receiver) + ", and was not asked for");
 }
 
 /// Reports something that came again although every send of its content was taken already, or that came out of order.
@@ -123,8 +123,8 @@ bool Arrivals::judge_alike(std::uint8_t receiver, const Pending& came, Flow* fro
   const std::string what = !twice                   ? ", was taken by" + by + " after one that was asked for later"
                            : seen.kind == Kind::pin ? ", has pulled its pin twice at" + by
                                                     : ", was taken twice by" + by;
-  findings_.break_promise(twice ? Promise::exactly_once : Promise::in_order, receiver, seen.source, seen.at_ns,
-                          name_of(*from, *alike) + what);
+  report_.break_promise(twice ? Promise::exactly_once : Promise::in_order, receiver, seen.source, seen.at_ns,
+                        name_of(*from, *alike) + what);
   return true;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "promises/findings.h"
+#include "promises/judge_report.h"
 #include "promises/seen_ring.h"
 
 namespace limb_ring::promises {
@@ -8,8 +8,8 @@ namespace limb_ring::promises {
 /// What CPUs were given and pins were pulled for, each found among what was asked for: whole, once, in order. (ours)
 class Arrivals {
  public:
-  Arrivals(SeenRing& ring, Findings& findings, const JudgeTimes& times)
-      : ring_(ring), findings_(findings), times_(times) {}
+  Arrivals(SeenRing& ring, JudgeReport& report, const JudgeTimes& times)
+      : ring_(ring), report_(report), times_(times) {}
 
   /// A CPU was given a packet, or a pin was pulled.
   void taken(std::uint8_t id, const Observation& seen);
@@ -27,7 +27,7 @@ class Arrivals {
   bool judge_alike(std::uint8_t receiver, const Pending& came, Flow* from);
 
   SeenRing& ring_;
-  Findings& findings_;
+  JudgeReport& report_;
   const JudgeTimes& times_;
 };
 

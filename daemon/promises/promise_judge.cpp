@@ -38,7 +38,7 @@ void PromiseJudge::looks_at(std::uint8_t id, std::uint8_t state, std::chrono::na
   node.proven_at.fill(0);
   node.newest.clear();
   for (const Pending& pending : node.pending)
-    if (pending.seen.kind != Kind::passed) findings_.leave(node.before);
+    if (pending.seen.kind != Kind::passed) report_.leave_unjudged(node.before);
   node.pending.clear();
 }
 
@@ -57,7 +57,7 @@ void PromiseJudge::leaves(std::uint8_t id) {
 
 void PromiseJudge::lost(std::uint8_t id, std::uint64_t count) {
   SeenNode& node = ring_.at(id);
-  findings_.counts.lost += count;
+  report_.counts.lost += count;
   sends_.forget(id, Unjudged::observations_lost);
   ends(id);
   node.before = Unjudged::observations_lost;
@@ -81,10 +81,10 @@ void PromiseJudge::see(std::uint8_t id, const Observation& seen) {
     case Kind::passed:
       return arrivals_.passed(id, seen);
     case Kind::circles:
-      return findings_.break_promise(Promise::no_circling, id, seen.source, seen.at_ns,
-                                     "a packet of node " + std::to_string(seen.source) + " with HOP " +
-                                         std::to_string(seen.size) + " came into node " + std::to_string(id) +
-                                         ": it has gone round");
+      return report_.break_promise(Promise::no_circling, id, seen.source, seen.at_ns,
+                                   "a packet of node " + std::to_string(seen.source) + " with HOP " +
+                                       std::to_string(seen.size) + " came into node " + std::to_string(id) +
+                                       ": it has gone round");
     case Kind::flushed:
       node.flushed_round = ring_.round;
       return;
@@ -110,7 +110,7 @@ void PromiseJudge::changed_state(std::uint8_t id, std::uint8_t after) {
 
 void PromiseJudge::round_is_over() {
   for (const std::uint8_t id : ring_.known) arrivals_.settle(id);
-  for (Flow* flow : ring_.active) verdicts_.settle(*flow);
+  for (Flow* flow : ring_.active) result_judge_.settle(*flow);
   const auto is_idle = [](Flow* flow) {
     if (!flow->sends.empty()) return false;
     flow->listed = false;

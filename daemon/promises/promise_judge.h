@@ -1,8 +1,8 @@
 #pragma once
 
 #include "promises/arrivals.h"
+#include "promises/result_judge.h"
 #include "promises/sends.h"
-#include "promises/verdicts.h"
 
 namespace limb_ring::promises {
 
@@ -15,12 +15,12 @@ namespace limb_ring::promises {
 /// on everything that each node has, or, if all nodes share a clock, everything in order of time. (ours)
 class PromiseJudge {
  public:
-  using OnBreach = Findings::OnBreach;
+  using OnBreach = JudgeReport::OnBreach;
   /// @param fold_back the ring has a second line
   PromiseJudge(bool fold_back, OnBreach on_breach, const JudgeTimes& times = {})
       : times_(times),
-        findings_(std::move(on_breach), times.told_again),
-        verdicts_(ring_, findings_, times_, fold_back) {}
+        report_(std::move(on_breach), times.told_again),
+        result_judge_(ring_, report_, times_, fold_back) {}
 
   /// From now on that node is seen. @param state as Observation::detail. @param longest_send see longest_send()
   void begins(std::uint8_t node, std::uint8_t state, std::chrono::nanoseconds longest_send, std::int64_t at_ns);
@@ -35,7 +35,7 @@ class PromiseJudge {
   void leaves(std::uint8_t node);
   void round_is_over();
 
-  const JudgeCounts& counts() const { return findings_.counts; }
+  const JudgeCounts& counts() const { return report_.counts; }
 
  private:
   void looks_at(std::uint8_t id, std::uint8_t state, std::chrono::nanoseconds longest_send, std::int64_t at_ns);
@@ -43,10 +43,10 @@ class PromiseJudge {
 
   const JudgeTimes times_;
   SeenRing ring_;
-  Findings findings_;
-  Sends sends_{ring_, findings_, times_};
-  Arrivals arrivals_{ring_, findings_, times_};
-  Verdicts verdicts_;
+  JudgeReport report_;
+  Sends sends_{ring_, report_, times_};
+  Arrivals arrivals_{ring_, report_, times_};
+  ResultJudge result_judge_;
 };
 
 }  // namespace limb_ring::promises

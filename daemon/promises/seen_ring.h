@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "promises/findings.h"
+#include "promises/judge_report.h"
 #include "promises/observation.h"
 #include "wire/outcome.h"
 

@@ -14,11 +14,11 @@ constexpr std::size_t kMost = 20000;
 }  // namespace
 
 void Sends::asked(std::uint8_t id, const Observation& seen) {
-  ++findings_.counts.sends;
+  ++report_.counts.sends;
   SeenNode& node = ring_.at(id);
   Flow& to = ring_.flow(id, seen.queue, seen.destination);
   if (to.sends.size() >= kMost) {
-    if (!to.sends.front().judged) findings_.leave(Unjudged::too_many);
+    if (!to.sends.front().judged) report_.leave_unjudged(Unjudged::too_many);
     to.pop_front();
     node.known_at = seen.at_ns;  // its end is not known any more
     node.proven_at.fill(0);
@@ -70,17 +70,17 @@ void Sends::ended_again(std::uint8_t id, const Observation& seen) {
   const bool had_ended = any_flow(id, seen, [&](Flow& flow) {
     for (const Sent& sent : flow.sends) {
       if (sent.cut_short || !sent.asked.same_send(seen)) continue;
-      findings_.break_promise(Promise::one_result, id, id, seen.at_ns, name_of(flow, sent) + " has two results");
+      report_.break_promise(Promise::one_result, id, id, seen.at_ns, name_of(flow, sent) + " has two results");
       return true;
     }
     return false;
   });
   if (had_ended) return;
   if (seen.at_ns - node.known_at < node.longest_send + times_.copies_last.count())
-    return void(findings_.leave(Unjudged::source_unknown));
-  findings_.break_promise(Promise::one_result, id, id, seen.at_ns,
-                          "a send of node " + std::to_string(id) + " to " + std::to_string(seen.destination) +
-                              " ended, and nobody had asked for it, or it had ended long before");
+    return void(report_.leave_unjudged(Unjudged::source_unknown));
+  report_.break_promise(Promise::one_result, id, id, seen.at_ns,
+                        "a send of node " + std::to_string(id) + " to " + std::to_string(seen.destination) +
+                            " ended, and nobody had asked for it, or it had ended long before");
 }
 
 void Sends::cut_short(std::uint8_t id) {
@@ -95,7 +95,7 @@ void Sends::forget(std::uint8_t id, Unjudged why) {
   for (auto& flow : ring_.at(id).flows) {
     if (!flow) continue;
     for (const Sent& sent : flow->sends)
-      if (!sent.judged) findings_.leave(why);
+      if (!sent.judged) report_.leave_unjudged(why);
     flow->sends.clear();
     flow->first_open = 0;
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "promises/findings.h"
+#include "promises/judge_report.h"
 #include "promises/seen_ring.h"
 
 namespace limb_ring::promises {
@@ -8,8 +8,7 @@ namespace limb_ring::promises {
 /// What the sources were asked to send, and how that ended: each send has one result. (ours)
 class Sends {
  public:
-  Sends(SeenRing& ring, Findings& findings, const JudgeTimes& times)
-      : ring_(ring), findings_(findings), times_(times) {}
+  Sends(SeenRing& ring, JudgeReport& report, const JudgeTimes& times) : ring_(ring), report_(report), times_(times) {}
 
   void asked(std::uint8_t id, const Observation& seen);
   void ended(std::uint8_t id, const Observation& seen);
@@ -25,7 +24,7 @@ class Sends {
   bool any_flow(std::uint8_t id, const Observation& ended, Visit visit);
 
   SeenRing& ring_;
-  Findings& findings_;
+  JudgeReport& report_;
   const JudgeTimes& times_;
 };
 

@@ -1,4 +1,4 @@
-#include "promises/findings.h"
+#include "promises/judge_report.h"
 
 #include <numeric>
 
@@ -38,8 +38,8 @@ std::string describe(const JudgeCounts& counts) {
   return text;
 }
 
-void Findings::break_promise(Promise promise, std::uint8_t node, std::uint8_t source, std::int64_t at,
-                             std::string what) {
+void JudgeReport::break_promise(Promise promise, std::uint8_t node, std::uint8_t source, std::int64_t at,
+                                std::string what) {
   ++counts.breaches;
   const auto [told, first] = told_.try_emplace({promise, node, source}, at);
   if (!first && at - told->second < told_again_.count()) return;

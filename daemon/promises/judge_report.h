@@ -48,16 +48,16 @@ struct JudgeCounts {
 std::string describe(const JudgeCounts& counts);
 
 /// Where the judge says what it has found: promises broken, and what it could not judge.
-class Findings {
+class JudgeReport {
  public:
   using OnBreach = std::function<void(const Breach&)>;
   /// @param told_again for this time, a breach of the same promise at the same node and source is not told again
-  Findings(OnBreach on_breach, std::chrono::nanoseconds told_again)
+  JudgeReport(OnBreach on_breach, std::chrono::nanoseconds told_again)
       : on_breach_(std::move(on_breach)), told_again_(told_again) {}
 
   void break_promise(Promise promise, std::uint8_t node, std::uint8_t source, std::int64_t at, std::string what);
   /// Counts something that cannot be judged. @return true, for callers that return whether they are done with it
-  bool leave(Unjudged why) {
+  bool leave_unjudged(Unjudged why) {
     ++counts.unjudged[static_cast<std::size_t>(why)];
     return true;
   }

@@ -1,16 +1,16 @@
 #pragma once
 
-#include "promises/findings.h"
+#include "promises/judge_report.h"
 #include "promises/seen_ring.h"
 
 namespace limb_ring::promises {
 
 /// Whether the result of a send says what has happened. (ours)
-class Verdicts {
+class ResultJudge {
  public:
   /// @param fold_back the ring has a second line
-  Verdicts(SeenRing& ring, Findings& findings, const JudgeTimes& times, bool fold_back)
-      : ring_(ring), findings_(findings), times_(times), fold_back_(fold_back) {}
+  ResultJudge(SeenRing& ring, JudgeReport& report, const JudgeTimes& times, bool fold_back)
+      : ring_(ring), report_(report), times_(times), fold_back_(fold_back) {}
 
   /// Judges what can be, and forgets what is done with.
   void settle(Flow& flow);
@@ -32,7 +32,7 @@ class Verdicts {
   bool other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver);
 
   SeenRing& ring_;
-  Findings& findings_;
+  JudgeReport& report_;
   const JudgeTimes& times_;
   bool fold_back_;
 };

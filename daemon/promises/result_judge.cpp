@@ -1,4 +1,4 @@
-#include "promises/verdicts.h"
+#include "promises/result_judge.h"
 
 #include <algorithm>
 
@@ -17,11 +17,11 @@ constexpr std::uint8_t kUp = 2;
 
 }  // namespace
 
-void Verdicts::settle(Flow& flow) {
+void ResultJudge::settle(Flow& flow) {
   for (Sent& sent : flow.sends) {
     if (sent.judged || !judge(flow, sent)) continue;
     sent.judged = true;
-    ++findings_.counts.judged;
+    ++report_.counts.judged;
   }
   while (!flow.sends.empty() && is_done_with(flow, flow.sends.front())) {
     flow.pop_front();
@@ -29,7 +29,7 @@ void Verdicts::settle(Flow& flow) {
 }
 
 /// Nobody can receive it any more, and a second copy would have been seen by now.
-bool Verdicts::is_done_with(const Flow& flow, const Sent& sent) const {
+bool ResultJudge::is_done_with(const Flow& flow, const Sent& sent) const {
   const SeenNode& source = ring_.at(flow.source);
   if (!sent.judged || !sent.ended) return false;
   if (source.known && std::max(sent.ended_at, sent.taken_at) + times_.kept.count() >= source.at) return false;
@@ -37,28 +37,28 @@ bool Verdicts::is_done_with(const Flow& flow, const Sent& sent) const {
                       : sent.taken_life != 0 || is_over_at(flow.destination, flow, sent);
 }
 
-bool Verdicts::is_over_at(std::uint8_t receiver, const Flow& flow, const Sent& sent) const {
+bool ResultJudge::is_over_at(std::uint8_t receiver, const Flow& flow, const Sent& sent) const {
   const SeenNode& node = ring_.at(receiver);
   if (!node.known || node.known_round > sent.ended_round) return true;
   return (flow.queue == Observation::kInterrupt ? node.seen_round : node.empty_round) >= sent.ended_round + kLate;
 }
 
 /// @return false where that is not known yet
-bool Verdicts::judge(Flow& flow, Sent& sent) {
+bool ResultJudge::judge(Flow& flow, Sent& sent) {
   if (!sent.ended) return judge_open(flow, sent);
   return sent.by_node ? judge_broadcast(flow, sent) : judge_unicast(flow, sent);
 }
 
-bool Verdicts::judge_open(Flow& flow, Sent& sent) {
+bool ResultJudge::judge_open(Flow& flow, Sent& sent) {
   const SeenNode& source = ring_.at(flow.source);
   if (source.alive - sent.asked_alive < source.longest_send + times_.copies_last.count()) return false;
   sent.cut(ring_.round, source.at);
-  findings_.break_promise(Promise::one_result, flow.source, flow.source, source.at,
-                          name_of(flow, sent) + " has not ended");
+  report_.break_promise(Promise::one_result, flow.source, flow.source, source.at,
+                        name_of(flow, sent) + " has not ended");
   return true;
 }
 
-bool Verdicts::judge_unicast(Flow& flow, Sent& sent) {
+bool ResultJudge::judge_unicast(Flow& flow, Sent& sent) {
   if (sent.taken_life == ring_.at(flow.destination).life_of(flow.queue)) return judge_taken(flow, sent);
   if (sent.taken_life != 0) return true;
   return judge_missing(flow, sent, flow.destination);
@@ -67,7 +67,7 @@ bool Verdicts::judge_unicast(Flow& flow, Sent& sent) {
 /// Visits the other sends that look the same at the receiver: a pin does not show whether the INTP was a broadcast.
 /// @param visit returns true to stop @return whether one did
 template <class Visit>
-bool Verdicts::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, Visit visit) {
+bool ResultJudge::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, Visit visit) {
   const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
   for (const std::uint8_t destination : {flow.destination, other_way}) {
     const bool told_apart = flow.queue != Observation::kInterrupt && destination != flow.destination;
@@ -81,7 +81,7 @@ bool Verdicts::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiv
 
 /// Corrects a wrong match: the receiver took this send, but that was credited to another one of the same content,
 /// which need not have been delivered. @return false if there is no such send
-bool Verdicts::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
+bool ResultJudge::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
   // The pin may have been pulled for it before the receiver started over.
   const SeenNode& to = ring_.at(receiver);
   const bool any_life = flow.queue == Observation::kInterrupt && to.pins_round + 1 >= sent.asked_round;
@@ -97,7 +97,7 @@ bool Verdicts::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
 
 /// Corrects a wrong match the other way: this send was not taken, but another one of the same content was.
 /// @return false if there is no such send
-bool Verdicts::other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver) {
+bool ResultJudge::other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver) {
   return any_alike(flow, sent, receiver, [&](Sent& other) {
     const bool untaken = other.taken_in(receiver) != ring_.at(receiver).life_of(flow.queue);
     if (!untaken || (other.ended && says_untaken(other.outcome) && !other.by_node)) return false;
@@ -106,46 +106,46 @@ bool Verdicts::other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver) {
   });
 }
 
-bool Verdicts::judge_taken(Flow& flow, Sent& sent) {
+bool ResultJudge::judge_taken(Flow& flow, Sent& sent) {
   if (!says_untaken(sent.outcome)) return true;
   if (ring_.round < sent.ended_round + 3) return false;  // another one of that content may have been meant
   if (other_was_meant(flow, sent, flow.destination)) return true;
-  findings_.break_promise(Promise::true_result, flow.source, flow.source, sent.ended_at,
-                          name_of(flow, sent) + " ended " + wire::to_string(sent.outcome) + ", and node " +
-                              std::to_string(flow.destination) + " has taken it");
+  report_.break_promise(Promise::true_result, flow.source, flow.source, sent.ended_at,
+                        name_of(flow, sent) + " ended " + wire::to_string(sent.outcome) + ", and node " +
+                            std::to_string(flow.destination) + " has taken it");
   return true;
 }
 
-bool Verdicts::judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver) {
+bool ResultJudge::judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver) {
   const SeenNode& to = ring_.at(receiver);
   const bool delivered = sent.outcome == Outcome::delivered;
-  if (!to.known || to.known_round + 2 > sent.asked_round) return !delivered || findings_.leave(to.before);
-  if (to.flushed_round + 2 >= sent.asked_round) return !delivered || findings_.leave(Unjudged::receiver_restarted);
+  if (!to.known || to.known_round + 2 > sent.asked_round) return !delivered || report_.leave_unjudged(to.before);
+  if (to.flushed_round + 2 >= sent.asked_round)
+    return !delivered || report_.leave_unjudged(Unjudged::receiver_restarted);
   if (!delivered) return is_over_at(receiver, flow, sent);
   const std::uint32_t looked = flow.queue == Observation::kInterrupt ? to.seen_round : to.empty_round;
   if (looked < sent.ended_round + 2 || to.has_pending(flow)) return false;
   if (taken_for_other(flow, sent, receiver)) return true;
-  findings_.break_promise(
-      Promise::true_result, receiver, flow.source, sent.ended_at,
-      name_of(flow, sent) + " ended delivered, and " +
-          (flow.queue == Observation::kInterrupt ? "pulled no pin of" : "never came to the CPU of") + " node " +
-          std::to_string(receiver));
+  report_.break_promise(Promise::true_result, receiver, flow.source, sent.ended_at,
+                        name_of(flow, sent) + " ended delivered, and " +
+                            (flow.queue == Observation::kInterrupt ? "pulled no pin of" : "never came to the CPU of") +
+                            " node " + std::to_string(receiver));
   return true;
 }
 
 // A node that is up and that the broadcast has passed must have taken or refused it.
-bool Verdicts::judge_broadcast(Flow& flow, Sent& sent) {
+bool ResultJudge::judge_broadcast(Flow& flow, Sent& sent) {
   if (sent.outcome != Outcome::delivered) return is_over_everywhere(flow, sent);
   if (ring_.round < sent.ended_round + 3) return false;
   // A packet that turns back at a fold passes nodes without being taken there.
   const auto whole = [&](std::uint8_t id) { return is_in_ring_since(id, sent); };
   const bool may_turn_back =
       fold_back_ && (sent.tries > 1 || !std::all_of(ring_.known.begin(), ring_.known.end(), whole));
-  if (may_turn_back) return findings_.leave(Unjudged::ring_changed);
+  if (may_turn_back) return report_.leave_unjudged(Unjudged::ring_changed);
   for (const std::uint8_t id : ring_.known) {
     if (!sent.by_node->passed[id] || sent.by_node->taken_in[id] != 0) continue;
     if (!is_in_ring_since(id, sent) || !is_in_ring_since(flow.source, sent))
-      return findings_.leave(Unjudged::ring_changed);
+      return report_.leave_unjudged(Unjudged::ring_changed);
     if (!judge_missing(flow, sent, id)) return false;
     sent.by_node->passed.reset(id);  // told once
   }
@@ -153,14 +153,14 @@ bool Verdicts::judge_broadcast(Flow& flow, Sent& sent) {
 }
 
 /// All that took it have given it to their CPUs by now.
-bool Verdicts::is_over_everywhere(const Flow& flow, const Sent& sent) const {
+bool ResultJudge::is_over_everywhere(const Flow& flow, const Sent& sent) const {
   return std::all_of(ring_.known.begin(), ring_.known.end(), [&](std::uint8_t id) {
     return id == flow.source || sent.by_node->taken_in[id] == ring_.at(id).life_of(flow.queue) ||
            is_over_at(id, flow, sent);
   });
 }
 
-bool Verdicts::is_in_ring_since(std::uint8_t id, const Sent& sent) const {
+bool ResultJudge::is_in_ring_since(std::uint8_t id, const Sent& sent) const {
   const SeenNode& node = ring_.at(id);
   return node.known && node.state == kUp && node.state_round + 2 <= sent.asked_round;
 }
