@@ -121,7 +121,7 @@ Time LineFaults::next_deadline() const {
 void LineFaults::line_lost() {
   counters_.line_lost += held_.count();
   held_.clear();
-  if (on_data_) on_data_ = Verdict{Name::cut, Duration{0}};  // the rest of that DATP is lost, too
+  if (on_data_) on_data_ = Effect{Name::cut, Duration{0}};  // the rest of that DATP is lost, too
 }
 
 // ---- what becomes of a packet ---------------------------------------------------------------
@@ -133,8 +133,8 @@ bool LineFaults::hits(Active& active) {
   return true;
 }
 
-LineFaults::Verdict LineFaults::decide(bool interrupt, Time now) {
-  Verdict verdict;
+LineFaults::Effect LineFaults::decide(bool interrupt, Time now) {
+  Effect effect;
   if (held_.bytes() + wire::kMaxSliceSize > kLimit) {
     ++counters_.line_full;
     return {Name::drop, Duration{0}};
@@ -142,15 +142,15 @@ LineFaults::Verdict LineFaults::decide(bool interrupt, Time now) {
   for (Active& active : active_) {
     if (active.waits(now)) continue;
     if (active.fault.name == Name::delay)
-      decide_delay(active, verdict);
+      decide_delay(active, effect);
     else
-      decide_damage(active, interrupt, verdict);
+      decide_damage(active, interrupt, effect);
   }
-  return verdict;
+  return effect;
 }
 
 // The first fault that hits counts. An INTP is too short to be truncated.
-void LineFaults::decide_damage(Active& active, bool interrupt, Verdict& verdict) {
+void LineFaults::decide_damage(Active& active, bool interrupt, Effect& effect) {
   std::uint64_t* counter = nullptr;
   switch (active.fault.name) {
     case Name::drop:
@@ -171,15 +171,15 @@ void LineFaults::decide_damage(Active& active, bool interrupt, Verdict& verdict)
     default:
       break;
   }
-  if (counter == nullptr || verdict.damage || !hits(active)) return;
+  if (counter == nullptr || effect.damage || !hits(active)) return;
   ++*counter;
-  verdict.damage = active.fault.name;
+  effect.damage = active.fault.name;
 }
 
-void LineFaults::decide_delay(Active& active, Verdict& verdict) {
+void LineFaults::decide_delay(Active& active, Effect& effect) {
   if (!hits(active)) return;
   const auto jitter = static_cast<std::uint64_t>(Duration(active.fault.jitter).count());
-  verdict.delay += active.fault.delay + Duration(static_cast<std::int64_t>(active.random() % (jitter + 1)));
+  effect.delay += active.fault.delay + Duration(static_cast<std::int64_t>(active.random() % (jitter + 1)));
   ++counters_.line_delayed;
 }
 
@@ -202,7 +202,7 @@ void LineFaults::swallow(const Slice& slice) {
   const bool known = on_data_ && on_data_->damage == Name::cut && !begins(slice);
   if (interrupt || !known) ++counters_.line_cut;
   if (interrupt) return;
-  on_data_ = Verdict{Name::cut, Duration{0}};
+  on_data_ = Effect{Name::cut, Duration{0}};
   if (ends(slice) || slice.kind == SliceKind::abort) on_data_.reset();
 }
 
@@ -212,38 +212,38 @@ void LineFaults::pass_data(const Slice& slice, Time now) {
     data_source_ = wire::NodeId{slice.bytes[3]};
     copy_.clear();
   }
-  const Verdict verdict = on_data_.value_or(Verdict{});
-  if (verdict.damage == Name::duplicate) copy_.insert(copy_.end(), slice.bytes.begin(), slice.bytes.end());
+  const Effect effect = on_data_.value_or(Effect{});
+  if (effect.damage == Name::duplicate) copy_.insert(copy_.end(), slice.bytes.begin(), slice.bytes.end());
   if (ends(slice))
-    end_data(slice, verdict, now);
-  else if (!swallowed(verdict.damage))
-    put(slice.kind, slice.bytes, now + verdict.delay, now);
+    end_data(slice, effect, now);
+  else if (!swallowed(effect.damage))
+    put(slice.kind, slice.bytes, now + effect.delay, now);
   if (ends(slice) || slice.kind == SliceKind::abort) on_data_.reset();
 }
 
-void LineFaults::end_data(const Slice& slice, const Verdict& verdict, Time now) {
-  const Time due = now + verdict.delay;
-  if (swallowed(verdict.damage)) return;
+void LineFaults::end_data(const Slice& slice, const Effect& effect, Time now) {
+  const Time due = now + effect.delay;
+  if (swallowed(effect.damage)) return;
   if (on_data_) count_awaited(slice.bytes, now);
-  if (verdict.damage == Name::corrupt) return put_damaged(slice, due, now);
-  if (verdict.damage == Name::truncate) return put_cut_short(slice, due, now);
+  if (effect.damage == Name::corrupt) return put_damaged(slice, due, now);
+  if (effect.damage == Name::truncate) return put_cut_short(slice, due, now);
   put(slice.kind, slice.bytes, due, now);
-  if (verdict.damage != Name::duplicate || !wire::slice_size_fits(SliceKind::whole, copy_.size())) return;
+  if (effect.damage != Name::duplicate || !wire::slice_size_fits(SliceKind::whole, copy_.size())) return;
   put(SliceKind::whole, {copy_.data(), copy_.size()}, due + byte_time_ * static_cast<std::int64_t>(copy_.size()), now);
 }
 
 void LineFaults::pass_interrupt(const Slice& slice, Time now) {
-  const Verdict verdict = decide(true, now);
-  const Time due = now + verdict.delay;
-  if (verdict.damage == Name::reorder && on_data_ && !swallowed(on_data_->damage)) {
+  const Effect effect = decide(true, now);
+  const Time due = now + effect.delay;
+  if (effect.damage == Name::reorder && on_data_ && !swallowed(on_data_->damage)) {
     ++counters_.line_aborted;
     put(SliceKind::abort, {}, now + on_data_->delay, now);
     on_data_->damage = Name::reorder;
   }
-  if (swallowed(verdict.damage)) return;
-  if (verdict.damage == Name::corrupt) return put_damaged(slice, due, now);
+  if (swallowed(effect.damage)) return;
+  if (effect.damage == Name::corrupt) return put_damaged(slice, due, now);
   put(slice.kind, slice.bytes, due, now);
-  if (verdict.damage == Name::duplicate)
+  if (effect.damage == Name::duplicate)
     put(slice.kind, slice.bytes, due + byte_time_ * static_cast<std::int64_t>(slice.bytes.size), now);
 }
 

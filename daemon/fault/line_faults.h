@@ -77,8 +77,8 @@ class LineFaults {
     std::mt19937_64 random;
     bool waits(Time now) const { return now < from || after_packets_left != 0; }
   };
-  /// What becomes of one packet.
-  struct Verdict {
+  /// What the faults do to one packet.
+  struct Effect {
     std::optional<Name> damage;
     Duration delay{0};
   };
@@ -90,12 +90,12 @@ class LineFaults {
   Duration pace(Time now) const;
   Time next_change(const Active& active) const;
   static bool hits(Active& active);
-  Verdict decide(bool interrupt, Time now);
-  void decide_damage(Active& active, bool interrupt, Verdict& verdict);
-  void decide_delay(Active& active, Verdict& verdict);
+  Effect decide(bool interrupt, Time now);
+  void decide_damage(Active& active, bool interrupt, Effect& effect);
+  void decide_delay(Active& active, Effect& effect);
   void swallow(const wire::Slice& slice);
   void pass_data(const wire::Slice& slice, Time now);
-  void end_data(const wire::Slice& slice, const Verdict& verdict, Time now);
+  void end_data(const wire::Slice& slice, const Effect& effect, Time now);
   void pass_interrupt(const wire::Slice& slice, Time now);
   void count_awaited(wire::ByteView end, Time now);
   void put(wire::SliceKind kind, wire::ByteView bytes, Time due, Time now);
@@ -108,7 +108,7 @@ class LineFaults {
   Id next_id_ = 1;
   Time now_{};                      ///< of the last call
   bool told_cut_ = false;           ///< by cut(), the last time
-  std::optional<Verdict> on_data_;  ///< of the DATP that is passing
+  std::optional<Effect> on_data_;   ///< of the DATP that is passing
   NodeId data_source_{0};           ///< source of that DATP
   std::vector<std::uint8_t> copy_;  ///< its bytes so far, if it is to be duplicated
   HeldSlices held_;

@@ -52,13 +52,13 @@ void DatagramInput::take_slices(const LinkHeader& header, wire::ByteView bytes, 
   if (!present(header) && !take_up_offer(header, now)) return on_stale(header, sender);
   if (closed_) return;
   silence_.heard();
-  const SequenceCheck::Verdict verdict = sequence_.check(header.sequence);
-  if (!verdict.fresh) {
+  const SequenceCheck::Arrival arrival = sequence_.check(header.sequence);
+  if (!arrival.fresh) {
     ++report_.counters.datagrams_duplicate;
     return;
   }
-  report_.counters.datagrams_lost += verdict.lost;
-  if (verdict.lost != 0) gap(verdict.lost);
+  report_.counters.datagrams_lost += arrival.lost;
+  if (arrival.lost != 0) gap(arrival.lost);
   hand_on(bytes);
 }
 

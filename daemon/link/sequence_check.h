@@ -7,12 +7,12 @@ namespace limb_ring::link {
 /// Discards what comes late or twice on a line that may reorder or double datagrams. (ours, protocol.md section 6.7)
 class SequenceCheck {
  public:
-  struct Verdict {
+  struct Arrival {
     bool fresh;          ///< false: lower or equal to one already seen; discard
     std::uint32_t lost;  ///< so many before this one are missing
   };
   /// A session's first number is 1. Numbers wrap.
-  Verdict check(std::uint32_t sequence) {
+  Arrival check(std::uint32_t sequence) {
     const std::uint32_t ahead = sequence - next_;
     if (ahead >= 0x80000000u) return {false, 0};
     next_ = sequence + 1;

@@ -16,7 +16,7 @@ std::string Sent::name() const {
 }
 
 bool Sent::taken() const {
-  return std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.taken; });
+  return std::any_of(decisions.begin(), decisions.end(), [](const Decision& d) { return d.taken; });
 }
 
 bool Sent::is(const core::ReceivedPacket& packet) const {
@@ -228,8 +228,8 @@ Ledger::Return Ledger::returned(NodeId source, wire::Code code, NodeId destinati
 bool Ledger::has_taken(const core::ReceivedPacket& packet, NodeId node) const {
   const auto& sent = sources_[packet.source].sent;
   return std::any_of(sent.begin(), sent.end(), [&](const Sent& s) {
-    const auto by_it = [&](const Sent::Verdict& v) { return v.node == node && v.taken; };
-    return s.is(packet) && std::any_of(s.verdicts.begin(), s.verdicts.end(), by_it);
+    const auto by_it = [&](const Sent::Decision& d) { return d.node == node && d.taken; };
+    return s.is(packet) && std::any_of(s.decisions.begin(), s.decisions.end(), by_it);
   });
 }
 
@@ -253,10 +253,10 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
     complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
   const std::uint32_t incarnation = sources_[node].incarnation + (queue == 4 ? interrupt_incarnations_[node] : 0);
-  for (const Sent::Verdict& verdict : sent->verdicts)
-    if (verdict.taken && verdict.node == node && verdict.incarnation == incarnation)
+  for (const Sent::Decision& decision : sent->decisions)
+    if (decision.taken && decision.node == node && decision.incarnation == incarnation)
       complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
-  sent->verdicts.push_back({node, incarnation, true});
+  sent->decisions.push_back({node, incarnation, true});
   check_order(*sent, node);
 }
 

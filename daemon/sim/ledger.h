@@ -17,7 +17,7 @@ using wire::NodeId;
 /// One send as its CPU asked for it, and what became of it.
 struct Sent {
   /// What a node it was sent to has decided.
-  struct Verdict {
+  struct Decision {
     NodeId node;
     std::uint32_t incarnation;
     bool taken;  ///< or refused
@@ -54,9 +54,9 @@ struct Sent {
   bool ended = false;
   Time ended_at{};
   core::SendEnded end;
-  bool in_doubt = false;          ///< whether it has come home cannot be told
-  unsigned unread = 0;            ///< receive buffers in which it lies
-  std::vector<Verdict> verdicts;  ///< in the order in which they were made
+  bool in_doubt = false;            ///< whether it has come home cannot be told
+  unsigned unread = 0;              ///< receive buffers in which it lies
+  std::vector<Decision> decisions;  ///< in the order in which they were made
 
   bool interrupt() const { return queue == 4; }
   /// As a new packet, not as a retry.
@@ -76,7 +76,7 @@ struct Sent {
     a("attempts", attempts)("may_have_failed", may_have_failed)("last_try", last_try)("home_at", home_at);
     a("home_fbc", home_fbc)("final", final)("cancelled_at", cancelled_at)("cancel_due", cancel_due);
     a("first_refused", first_refused)("refused_at", refused_at)("ended", ended)("ended_at", ended_at)("end", end);
-    a("in_doubt", in_doubt)("unread", unread)("verdicts", verdicts)("may_be_taken", may_be_taken);
+    a("in_doubt", in_doubt)("unread", unread)("decisions", decisions)("may_be_taken", may_be_taken);
   }
 };
 
@@ -138,7 +138,7 @@ class Ledger {
   Sent* find(NodeId source, std::uint32_t token);
   /// Node `node` has refused it; take(): has taken it, or pulled its pin.
   void refuse(Sent* sent, NodeId node) {
-    if (sent) sent->verdicts.push_back({node, 0, false});
+    if (sent) sent->decisions.push_back({node, 0, false});
   }
   void take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue);
   /// `node` has taken a packet that looks like this one.

@@ -121,19 +121,19 @@ void ReceiverModel::doubt(const PacketFields& packet) {
 std::optional<ReceiverModel::Answer> ReceiverModel::of_known(const Entry& e, const PacketFields& packet,
                                                              Time at) const {
   if (e.any_sequence) return Answer::unknown;
-  if (e.verdict == Verdict::none || e.sequence != packet.code().sequence) return std::nullopt;
+  if (e.decision == Decision::none || e.sequence != packet.code().sequence) return std::nullopt;
   const bool fresh = !e.aged && at - e.decided <= horizon_;
   if (!fresh && packet.code().attempt == 0) return std::nullopt;
-  if (e.verdict == Verdict::unknown) return Answer::unknown;
+  if (e.decision == Decision::unknown) return Answer::unknown;
   if (fold_back_ && is_old(e, at)) return Answer::none;
-  return e.verdict == Verdict::taken ? Answer::repeats_taken : Answer::repeats_refused;
+  return e.decision == Decision::taken ? Answer::repeats_taken : Answer::repeats_refused;
 }
 
 void ReceiverModel::decide(Entry& e, const PacketFields& packet, Answer answer, Time at) {
-  const Verdict verdict = answer == Answer::takes || answer == Answer::control ? Verdict::taken
-                          : answer == Answer::refuses                          ? Verdict::refused
-                                                                               : Verdict::unknown;
-  e = {at, packet.code().sequence, verdict, false, false};
+  const Decision decision = answer == Answer::takes || answer == Answer::control ? Decision::taken
+                            : answer == Answer::refuses                          ? Decision::refused
+                                                                                 : Decision::unknown;
+  e = {at, packet.code().sequence, decision, false, false};
 }
 
 ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Tristate received, Tristate has_buffer, Time at) {
@@ -208,7 +208,7 @@ void ReceiverModel::set_announced(Tristate announced) {
   if (announced != Tristate::unknown) return;
   for (Page& page : pages_)
     for (Entry& e : page.entries)
-      if (e.aged && e.verdict != Verdict::none) e.verdict = Verdict::unknown;
+      if (e.aged && e.decision != Decision::none) e.decision = Decision::unknown;
 }
 
 void ReceiverModel::start_over(bool forgets_peers, Time now) {
@@ -226,7 +226,7 @@ void ReceiverModel::may_start_over() {
   if (announced_ == Tristate::yes) announced_ = Tristate::unknown;
   for (Page& page : pages_) {
     for (Entry& e : page.entries)
-      if (e.verdict != Verdict::none) e.any_sequence = true;
+      if (e.decision != Decision::none) e.any_sequence = true;
     if (page.peer_known == Tristate::yes) page.peer_known = Tristate::unknown;
   }
 }

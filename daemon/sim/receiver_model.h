@@ -59,17 +59,17 @@ class ReceiverModel {
   }
 
  private:
-  enum class Verdict : std::uint8_t { none, taken, refused, unknown };
+  enum class Decision : std::uint8_t { none, taken, refused, unknown };
   struct Entry {
     Time decided{};
     std::uint8_t sequence = 0;
-    Verdict verdict = Verdict::none;
+    Decision decision = Decision::none;
     bool aged = false;          ///< a first try is new
     bool any_sequence = false;  ///< nobody knows which number was decided last
 
     template <class Archive>
     void archive(Archive& a) {
-      a("decided", decided)("sequence", sequence)("verdict", verdict)("aged", aged)("any_sequence", any_sequence);
+      a("decided", decided)("sequence", sequence)("decision", decision)("aged", aged)("any_sequence", any_sequence);
     }
   };
   struct Page {

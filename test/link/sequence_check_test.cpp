@@ -8,9 +8,9 @@ namespace {
 TEST(SequenceCheck, TakesNumbersInOrder) {
   SequenceCheck check;
   for (std::uint32_t i = 1; i < 5; ++i) {
-    const auto verdict = check.check(i);
-    EXPECT_TRUE(verdict.fresh);
-    EXPECT_EQ(verdict.lost, 0u);
+    const auto arrival = check.check(i);
+    EXPECT_TRUE(arrival.fresh);
+    EXPECT_EQ(arrival.lost, 0u);
   }
 }
 
