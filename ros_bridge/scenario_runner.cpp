@@ -1,11 +1,9 @@
 #include "ros_bridge/scenario_runner.h"
 
 #include <signal.h>
-#include <stdlib.h>
 
 #include <cerrno>
 #include <chrono>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -14,35 +12,15 @@
 #include <vector>
 
 #include "process/program.h"
+#include "process/temporary_folder.h"
 
 namespace limb_ring::bridge {
 
 namespace {
 
-namespace fs = std::filesystem;
+using process::TemporaryFolder;
 
 constexpr std::chrono::milliseconds kTick{20};
-
-/// For the files of one run; removed with all in it.
-class Folder {
- public:
-  Folder() {
-    path_ = (fs::temp_directory_path() / "limb_ring_scenario_XXXXXX").string();
-    if (::mkdtemp(path_.data()) == nullptr)
-      throw std::system_error(errno, std::generic_category(), "cannot make a folder " + path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::string file(const char* name) const { return path_ + '/' + name; }
-
- private:
-  std::string path_;
-};
 
 std::string content(const std::string& file) {
   std::ostringstream text;
@@ -50,7 +28,7 @@ std::string content(const std::string& file) {
   return text.str();
 }
 
-std::string file_of(const ScenarioOrder& order, const Folder& folder) {
+std::string file_of(const ScenarioOrder& order, const TemporaryFolder& folder) {
   if (order.path.empty() == order.text.empty())
     throw std::invalid_argument("give either path, a scenario's file, or text, its YAML");
   if (!order.path.empty()) return order.path;
@@ -62,7 +40,7 @@ std::string file_of(const ScenarioOrder& order, const Folder& folder) {
   return file;
 }
 
-std::vector<std::string> arguments_of(const ScenarioOrder& order, const Folder& folder) {
+std::vector<std::string> arguments_of(const ScenarioOrder& order, const TemporaryFolder& folder) {
   if (order.live && order.programs)
     throw std::invalid_argument(
         "give either live, for live daemons, or programs, for a virtual ring with real programs");
@@ -92,7 +70,7 @@ int wait_for(process::Program& ringctl, const std::function<bool()>& go_on) {
 }  // namespace
 
 ScenarioEnd play_scenario(const ScenarioOrder& order, const std::function<bool()>& go_on) {
-  const Folder folder;
+  const TemporaryFolder folder("scenario");
   ScenarioEnd end;
   process::ProgramRequest request;
   request.name = "ringctl";
