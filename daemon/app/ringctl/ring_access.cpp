@@ -68,13 +68,18 @@ std::size_t index_of(const std::vector<NodeName>& nodes, std::uint8_t id) {
   return static_cast<std::size_t>(found - nodes.begin());
 }
 
-RingAccess described_by(const std::string& ring, const std::string& node) {
+RingDescription described_by(const std::string& ring, const std::string& node) {
   HostPort port = connect_node(ring, node);
   const nlohmann::json config = ask(port, {{"do", "config"}}, kAnswerTime);
-  const std::vector<NodeName> nodes = names_of(config);
-  const std::chrono::milliseconds beacon(config.value("beacon_ms", 0));
-  return RingAccess(ring, config.value("path", ""), config.value("folds_back", false), beacon, nodes,
-                    index_of(nodes, port.id()), hosts_of(config));
+  RingDescription described;
+  described.ring = ring;
+  described.nodes = names_of(config);
+  described.answered = index_of(described.nodes, port.id());
+  described.hosts = hosts_of(config);
+  described.path = config.value("path", "");
+  described.folds_back = config.value("folds_back", false);
+  described.beacon = std::chrono::milliseconds(config.value("beacon_ms", 0));
+  return described;
 }
 
 /// The order in which to ask daemons: frozen ones last, because they would keep us waiting.
@@ -143,7 +148,7 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
   Progress progress;
   for (const std::string& node : whom_to_ask(ring, first)) {
     try {
-      return described_by(ring, node);
+      return RingAccess(described_by(ring, node));
     } catch (const HostPortError& problem) {
       why = problem.what();
     }
@@ -161,47 +166,38 @@ RingAccess RingAccess::open_also_dead(const std::string& ring) {
     return open(ring);
   } catch (const NoRing&) {
     const std::string folder = ring_directory(ring);
-    std::vector<NodeName> nodes;
+    RingDescription described;
+    described.ring = ring;
     bool noted = false;
     for (const live::KnownNode& node : live::known_nodes(folder)) {
-      nodes.push_back({node.id, node.name});
+      described.nodes.push_back({node.id, node.name});
       noted = noted || live::note_of(folder, node.id).has_value();
     }
     if (!noted) throw;
-    return RingAccess(ring, "", false, std::chrono::milliseconds(0), nodes, 0);
+    return RingAccess(described);
   }
 }
 
-RingAccess::RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,
-                       std::vector<NodeName> nodes, std::size_t answered, std::vector<RingHost> hosts)
-    : ring_(std::move(ring)),
-      path_(std::move(path)),
-      folds_back_(folds_back),
-      beacon_(beacon),
-      nodes_(std::move(nodes)),
-      answered_(answered),
-      hosts_(std::move(hosts)) {}
-
 std::vector<NodeName> RingAccess::nodes_here() const {
   std::vector<NodeName> here;
-  for (const NodeName& node : nodes_)
+  for (const NodeName& node : nodes())
     if (!is_elsewhere(node)) here.push_back(node);
   return here;
 }
 
 void RingAccess::require_here(const NodeName& node) const {
   if (!is_elsewhere(node)) return;
-  for (const RingHost& host : hosts_)
+  for (const RingHost& host : hosts())
     if (host.name == node.host)
       throw Elsewhere(
           "node " + label(node) + " is on host " + host.name + " (" + host.address + "), this is host " + here(),
-          host.ssh, ring_);
+          host.ssh, ring());
 }
 
 const NodeName& RingAccess::node(const std::string& id_or_name) const {
-  for (const NodeName& node : nodes_)
+  for (const NodeName& node : nodes())
     if (id_or_name == node.name || id_or_name == std::to_string(node.id)) return node;
-  throw unknown_node(id_or_name, ring_, nodes_);
+  throw unknown_node(id_or_name, ring(), nodes());
 }
 
 std::uint8_t RingAccess::destination(const std::string& id_or_name_or_all) const {
@@ -209,18 +205,18 @@ std::uint8_t RingAccess::destination(const std::string& id_or_name_or_all) const
 }
 
 const NodeName& RingAccess::source(const std::string& id_or_name) const {
-  return id_or_name.empty() ? nodes_[answered_] : node(id_or_name);
+  return id_or_name.empty() ? answered() : node(id_or_name);
 }
 
 std::vector<ask::Node> RingAccess::ask_nodes() const {
   std::vector<ask::Node> nodes;
-  for (const NodeName& node : nodes_) nodes.push_back({node.id, node.name});
+  for (const NodeName& node : ring_.nodes) nodes.push_back({node.id, node.name});
   return nodes;
 }
 
 HostPort RingAccess::connect(const NodeName& node) const {
   require_here(node);
-  return connect_node(ring_, std::to_string(node.id));
+  return connect_node(ring(), std::to_string(node.id));
 }
 
 HostPortError gone(const HostPort& port, const std::string& reason) {

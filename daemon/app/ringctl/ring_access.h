@@ -38,6 +38,17 @@ std::string choose_ring(const std::string& given);
 std::vector<std::uint8_t> node_sockets(const std::string& ring);
 
 /// A running ring, as one of its daemons describes it.
+struct RingDescription {
+  std::string ring;
+  std::vector<NodeName> nodes;          ///< in ring order; at least one
+  std::size_t answered = 0;             ///< place in `nodes` of the one whose daemon said all this
+  std::vector<RingHost> hosts;          ///< none where the ring's file gives none
+  std::string path;                     ///< of the ring's YAML file; may be empty
+  bool folds_back = false;              ///< it has a second line
+  std::chrono::milliseconds beacon{0};  ///< time between two beacons of a node; 0: unknown
+};
+
+/// Access to a running ring: which nodes it has, and connections to those of this host.
 class RingAccess {
  public:
   /// Asks `first` (id or name; may be empty), then one daemon after the other, how the ring is
@@ -46,19 +57,17 @@ class RingAccess {
   /// As open(). Where none answers, because nodes were killed or frozen on purpose, the nodes of this host by what
   /// their files tell, in the order of their ids.
   static RingAccess open_also_dead(const std::string& ring);
-  /// `answered`: index of the node that said all this.
-  RingAccess(std::string ring, std::string path, bool folds_back, std::chrono::milliseconds beacon,
-             std::vector<NodeName> nodes, std::size_t answered, std::vector<RingHost> hosts = {});
+  explicit RingAccess(RingDescription ring) : ring_(std::move(ring)) {}
 
-  const std::string& ring() const { return ring_; }
-  const std::string& path() const { return path_; }              ///< of its YAML file; may be empty
-  bool folds_back() const { return folds_back_; }                ///< it has a second line
-  std::chrono::milliseconds beacon() const { return beacon_; }   ///< time between two beacons of a node
-  const std::vector<NodeName>& nodes() const { return nodes_; }  ///< in ring order
-  std::vector<ask::Node> ask_nodes() const;                      ///< the same for daemon/ask
+  const std::string& ring() const { return ring_.ring; }
+  const std::string& path() const { return ring_.path; }
+  bool folds_back() const { return ring_.folds_back; }
+  std::chrono::milliseconds beacon() const { return ring_.beacon; }
+  const std::vector<NodeName>& nodes() const { return ring_.nodes; }
+  std::vector<ask::Node> ask_nodes() const;  ///< the same for daemon/ask
 
-  const std::vector<RingHost>& hosts() const { return hosts_; }       ///< none where the file gives none
-  const std::string& here() const { return nodes_[answered_].host; }  ///< this host; empty where there are none
+  const std::vector<RingHost>& hosts() const { return ring_.hosts; }
+  const std::string& here() const { return answered().host; }  ///< this host; empty where there are none
   bool is_elsewhere(const NodeName& node) const { return node.host != here(); }
   std::vector<NodeName> nodes_here() const;
   /// @throw Elsewhere where it is on another host
@@ -74,12 +83,9 @@ class RingAccess {
   HostPort connect(const NodeName& node) const;
 
  private:
-  std::string ring_, path_;
-  bool folds_back_;
-  std::chrono::milliseconds beacon_;
-  std::vector<NodeName> nodes_;
-  std::size_t answered_;
-  std::vector<RingHost> hosts_;
+  const NodeName& answered() const { return ring_.nodes[ring_.answered]; }
+
+  RingDescription ring_;
 };
 
 /// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
