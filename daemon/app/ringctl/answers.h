@@ -12,6 +12,8 @@ namespace limb_ring::ringctl {
 
 /// How long a daemon may take for an answer that needs no waiting.
 constexpr std::chrono::milliseconds kAnswerTime{2000};
+/// How long it may take to answer a request that sends an interrupt: the answer comes when the interrupt has ended.
+constexpr std::chrono::milliseconds kInterruptTime{10'000};
 
 /// Asks a daemon, with progress on standard error where it takes long.
 /// @throw NotDone with what the daemon says is wrong; HostPortError where it does not answer

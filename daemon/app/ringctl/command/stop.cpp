@@ -48,7 +48,7 @@ int run(const Context& context, const StopOptions& options) {
   const nlohmann::json request{{"do", "stop"}, {"node", all ? nlohmann::json("all") : nlohmann::json(nodes[0].id)}};
   HostPort port = ring.connect(ring.source(options.from));
   const auto sent = std::chrono::steady_clock::now();
-  nlohmann::json answer = ask(port, request, std::chrono::seconds(10));
+  nlohmann::json answer = ask(port, request, kInterruptTime);
   const bool delivered = answer.at("outcome") == to_string(Outcome::delivered);
   const auto stops = ask::wait_for_stops(ring.ring(), nodes, sent, delivered);
   answer["nodes"] = to_json(stops);

@@ -19,6 +19,8 @@ using nlohmann::json;
 
 namespace {
 
+constexpr std::chrono::milliseconds kLatchesPollPeriod{10};
+
 struct SyncOptions {
   std::string from;
   bool json = false;
@@ -83,7 +85,7 @@ Latches latches_after(const RingAccess& ring, const Latches& before, std::uint8_
     for (std::size_t i = 0; i < after.size(); ++i)
       if (ring.is_elsewhere(ring.nodes()[i])) all = all && new_latch(before[i], after[i], source).has_value();
     if (all || std::chrono::steady_clock::now() >= deadline) return after;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::this_thread::sleep_for(kLatchesPollPeriod);
   }
 }
 
@@ -92,7 +94,7 @@ Sync synchronize(const RingAccess& ring, const NodeName& from) {
   sync.source = index_of(ring, from.id);
   const Latches before = last_latches(ring);
   HostPort port = ring.connect(from);
-  const json answer = ask(port, {{"do", "sync"}}, std::chrono::seconds(10));
+  const json answer = ask(port, {{"do", "sync"}}, kInterruptTime);
   const Latches after = latches_after(ring, before, from.id);
   sync.outcome = answer.at("outcome").get<std::string>();
   sync.round_trip_us = answer.value("round_trip_us", 0.0);
