@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "limb_ring/host_port.h"
+
 namespace limb_ring::bench {
 
 enum class Sending { one, all };
@@ -19,13 +21,13 @@ constexpr const char* kCases[] = {"unix",        "shm",      "udp",           "k
 
 /// What is to be measured, and how.
 struct Setup {
-  unsigned nodes = 16;            ///< 2 to 255
-  std::size_t payload = 512;      ///< bytes of data per packet, 4 to 512
-  double seconds = 2;             ///< per case, over all rounds
-  unsigned rounds = 3;            ///< reference and rings take turns, because machines are noisy
-  bool ros = true;                ///< the chain of relays too, where ROS is there
-  std::string humanoid;           ///< its YAML file; empty: not measured
-  std::vector<std::string> only;  ///< of kCases; empty: all
+  unsigned nodes = 16;                ///< 2 to 255
+  std::size_t payload = kMaxPayload;  ///< bytes of data per packet, 4 to 512
+  double seconds = 2;                 ///< per case, over all rounds
+  unsigned rounds = 3;                ///< reference and rings take turns, because machines are noisy
+  bool ros = true;                    ///< the chain of relays too, where ROS is there
+  std::string humanoid;               ///< its YAML file; empty: not measured
+  std::vector<std::string> only;      ///< of kCases; empty: all
   /// Called many times a second while something is waited for; throws to end the benchmark.
   std::function<void()> poll = [] {};
   /// What is being measured now, for people.

@@ -15,7 +15,7 @@ bool is_ssh_destination(const std::string& text) {
 }
 
 void read_hosts(const Entry& entry, RingConfig& ring) {
-  const std::vector<Entry> items = entry.items(kAllowedHosts, 255);
+  const std::vector<Entry> items = entry.items(kAllowedHosts, kMostNodes);
   if (items.empty()) entry.refuse("a list of 0 is too short", kAllowedHosts);
   std::set<std::string> addresses;
   for (const Entry& item : items) {

@@ -26,7 +26,7 @@ NodeConfig plain_node(std::uint8_t id, const LinkConfig& links) {
 
 RingConfig plain_ring(const std::string& ring, unsigned nodes) {
   if (!is_ring_name(ring)) throw ConfigError("ring: '" + ring + "' is no ring name; allowed: " + kRingNameRule);
-  if (nodes < 2 || nodes > 255)
+  if (nodes < kFewestNodes || nodes > kMostNodes)
     throw ConfigError("nodes: '" + std::to_string(nodes) + "' is out of range; allowed: 2 to 255");
   RingConfig config;
   config.ring = ring;

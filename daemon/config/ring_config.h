@@ -211,6 +211,9 @@ struct Realtime {
   nanoseconds spin{0};  ///< look for packets for so long before sleeping
 };
 
+/// Nodes of a ring: one alone has nobody to send to, and of the 256 ids the last one means all nodes.
+constexpr unsigned kFewestNodes = 2, kMostNodes = 255;
+
 /// One ring, as its YAML file says. Read by every program; config/OPTIONS.md lists every entry
 /// with default, range and unit.
 struct RingConfig {

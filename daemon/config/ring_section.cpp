@@ -40,8 +40,9 @@ NodeConfig read_node_map(const Entry& item, const LinkConfig& links, const std::
 }
 
 void read_nodes(const Entry& entry, RingConfig& ring) {
-  const std::vector<Entry> items = entry.items(kAllowedNodes, 255);
-  if (items.size() < 2) entry.refuse("a list of " + std::to_string(items.size()) + " is too short", kAllowedNodes);
+  const std::vector<Entry> items = entry.items(kAllowedNodes, kMostNodes);
+  if (items.size() < kFewestNodes)
+    entry.refuse("a list of " + std::to_string(items.size()) + " is too short", kAllowedNodes);
   if (ring.links.port == 0) ring.links.port = default_first_port(ring.ring);
   read_roster(items);
   for (const Entry& item : items) ring.nodes.push_back(read_node_map(item, ring.links, ring.hosts));

@@ -120,7 +120,7 @@ void Requests::ping(const Json& request, const Answer& answer) {
   traffic.duration = std::chrono::milliseconds(number_in(request, "duration_ms", 0, 0, 600'000));
   const std::uint64_t count = traffic.duration.count() == 0 ? 10 : Traffic::kMostPackets;
   traffic.count = number_in(request, "count", count, 1, Traffic::kMostPackets);
-  traffic.size = number_in(request, "size", 512, 1, wire::kMaxPayload);
+  traffic.size = number_in(request, "size", wire::kMaxPayload, 1, wire::kMaxPayload);
   traffic.priority = static_cast<std::uint8_t>(number_in(request, "priority", 2, 0, 3));
   traffic.interval = std::chrono::microseconds(number_in(request, "interval_us", 0, 0, 10'000'000));
   traffic.deadline = std::chrono::milliseconds(number_in(request, "deadline_ms", 60'000, 1, 3'600'000));

@@ -16,7 +16,7 @@ struct TrafficRequest {
   wire::NodeId to{0};
   std::uint64_t count = 10;               ///< packets, 1 to kMostPackets
   std::chrono::milliseconds duration{0};  ///< no new packet after it; 0: `count` alone decides
-  std::size_t size = 512;                 ///< bytes of data, 1 to 512
+  std::size_t size = wire::kMaxPayload;   ///< bytes of data, 1 to 512
   std::uint8_t priority = 2;
   std::chrono::microseconds interval{0};      ///< 0: the next as the last returns
   std::chrono::milliseconds deadline{60000};  ///< the run ends then, finished or not

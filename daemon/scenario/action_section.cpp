@@ -1,5 +1,6 @@
 #include "fault/parse.h"
 #include "scenario/sections.h"
+#include "wire/data_packet.h"
 
 namespace limb_ring::scenario {
 
@@ -103,7 +104,7 @@ const Section<Send>& send_section() {
       {"from", config::kRequired, "a node, a list of nodes, or all", "Each of them sends.",
        [](const Entry& entry, Send& send) { send.from = read_nodes(entry); }},
       {"to", "none", "a node, or all", "Its destination; not for an input.", read_target},
-      config::integer_option("size", &Send::size, {1, 512}, "Bytes of data."),
+      config::integer_option("size", &Send::size, {1, wire::kMaxPayload}, "Bytes of data."),
       factor_option("interrupt", &Send::interrupt, "Instead of `size`: an interrupt packet with this factor."),
       factor_option("input", &Send::input, "Instead of `size` and `to`: this interrupt input is pulled."),
       config::integer_option("priority", &Send::priority, {0, 3}, "0 is the highest."),

@@ -26,7 +26,8 @@ config::RingConfig ring_of(const Entry& file) {
     file.refuse(path ? "ring and nodes are both given" : "neither ring nor nodes is given",
                 "ring: the YAML file of a ring, beside this file; or nodes: 2 to 255 plain ones");
   if (nodes) {
-    config::RingConfig ring = config::plain_ring("plain", static_cast<unsigned>(read_integer(*nodes, {2, 255})));
+    config::RingConfig ring = config::plain_ring(
+        "plain", static_cast<unsigned>(read_integer(*nodes, {config::kFewestNodes, config::kMostNodes})));
     if (const auto redundancy = file.find("redundancy")) ring.redundancy = read_redundancy(*redundancy);
     return ring;
   }

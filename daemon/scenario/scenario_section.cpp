@@ -80,7 +80,8 @@ std::vector<NodeId> read_nodes(const Entry& entry) {
     return nodes;
   }
   if (entry.is_scalar()) return {read_place(entry, ", a list of them, or all")};
-  for (const Entry& item : entry.items("a node, a list of nodes, or all", 255)) nodes.push_back(read_place(item));
+  for (const Entry& item : entry.items("a node, a list of nodes, or all", config::kMostNodes))
+    nodes.push_back(read_place(item));
   return nodes;
 }
 

@@ -11,6 +11,7 @@
 #include "config/config_error.h"
 #include "config/quantity.h"
 #include "sim/watched_ring.h"
+#include "wire/data_packet.h"
 
 namespace limb_ring::ring_sim {
 
@@ -53,7 +54,7 @@ std::string read_delay(const std::string& text, study::Medium& medium) {
 void add_medium(CLI::App& command, study::Medium& medium) {
   command.add_option("--nodes", medium.nodes, "Nodes, 2 to 254; default 16")->transform(cli::whole(2, 254));
   command.add_option("--payload", medium.payload, "Bytes of data in a packet, 1 to 512; default 512")
-      ->transform(cli::whole(1, 512));
+      ->transform(cli::whole(1, wire::kMaxPayload));
   add_lines(command, medium);
 }
 

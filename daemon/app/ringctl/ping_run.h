@@ -18,7 +18,7 @@ struct PingOrder {
   std::uint64_t count = 0;                                     ///< 0: without end
   std::chrono::nanoseconds interval{std::chrono::seconds(1)};  ///< 0: the next as the last returns
   std::optional<std::chrono::nanoseconds> deadline;            ///< for all of it
-  unsigned size = 512;                                         ///< bytes of data
+  unsigned size = kMaxPayload;                                 ///< bytes of data
   std::uint8_t priority = 2;
 };
 

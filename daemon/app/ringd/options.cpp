@@ -61,9 +61,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--config", o.config, "YAML file of the ring; without it a plain ring of --nodes nodes");
   app.add_option("--node", o.node, "this node: its id or name");
   app.add_option("--index", o.index, "this node: its place in ring order, from 0 (instead of --node)")
-      ->transform(cli::whole(0, 254));
+      ->transform(cli::whole(0, config::kMostNodes - 1));
   app.add_option("--nodes", o.nodes, "number of nodes, 2 to 255; with --config it must be the configuration's")
-      ->transform(cli::whole(2, 255));
+      ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
   app.add_option("--ring", o.ring, "name of the ring (default: the configuration's, or 'plain')");
   app.add_option("--transport", o.transport, "unix, shm or udp, for every link (default: the configuration's)")
       ->transform(cli::one_of({"unix", "shm", "udp"}));

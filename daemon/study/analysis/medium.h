@@ -4,7 +4,7 @@
 
 #include "core/time.h"
 #include "sim_tools/planned_ring.h"
-#include "wire/packet.h"
+#include "wire/data_packet.h"
 
 namespace limb_ring::study {
 
@@ -17,7 +17,7 @@ struct Medium {
   unsigned nodes = 16;                           ///< 2 to 254
   std::uint64_t rate = sim::kUsualRate;          ///< R, bit/s
   Duration relay_delay = sim::kUsualRelayDelay;  ///< d: line and node, once per hop
-  unsigned payload = 512;                        ///< B, bytes of data in a message, 1 to 512
+  unsigned payload = wire::kMaxPayload;          ///< B, bytes of data in a message, 1 to 512
 
   /// Time of one byte on the line, rounded to whole picoseconds.
   Duration byte_time() const { return bits(8); }

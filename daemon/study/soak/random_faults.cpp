@@ -162,7 +162,7 @@ void RandomFaults::act() {
 void RandomFaults::send() {
   const NodeId source = random_node();
   if (!can_ask(source)) return;
-  std::vector<std::uint8_t> data(once_in(3) ? wire::kMaxPayload : 1 + random(512));
+  std::vector<std::uint8_t> data(once_in(3) ? wire::kMaxPayload : 1 + random(wire::kMaxPayload));
   for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random_());
   // Keep this order of draws: otherwise seeds would no longer give the same runs as before.
   const auto priority = static_cast<std::uint8_t>(random(4));

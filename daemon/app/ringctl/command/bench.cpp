@@ -55,7 +55,7 @@ void add_bench(CLI::App& app, Context& context) {
       add_command(app, "bench", "Measure rings of our own beside a bare reference ring; takes about two minutes");
   command->add_option("--nodes", setup.nodes, "Nodes in each ring, 2 to 64; default 16")->transform(cli::whole(2, 64));
   command->add_option("--payload", setup.payload, "Bytes of data in a packet, 4 to 512; default 512")
-      ->transform(cli::whole(4, 512));
+      ->transform(cli::whole(4, kMaxPayload));
   command->add_option("--seconds", setup.seconds, "Seconds per case, 0.1 to 60; default 2")
       ->transform(cli::seconds(0.1, 60.0));
   command->add_option("--rounds", setup.rounds, "Reference and rings take turns so many times, 1 to 100; default 3")

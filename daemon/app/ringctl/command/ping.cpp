@@ -18,7 +18,7 @@ constexpr double kUnset = -1;
 struct PingOptions {
   std::string from, to;
   std::uint64_t count = 0;
-  unsigned size = 512, priority = 2;
+  unsigned size = kMaxPayload, priority = 2;
   double interval_s = kUnset, timeout_s = 0;
   bool flood = false, quiet = false, json = false;
 };
@@ -71,7 +71,8 @@ void add_options(CLI::App& command, PingOptions& options) {
                               ->transform(cli::seconds(0, 3600));
   command.add_flag("-f,--flood", options.flood, "No time between: as one returns, the next")->excludes(interval);
   command.add_flag("-q,--quiet", options.quiet, "Only the statistics at the end");
-  command.add_option("-s,--size", options.size, "Bytes in each, 1 to 512; default 512")->transform(cli::whole(1, 512));
+  command.add_option("-s,--size", options.size, "Bytes in each, 1 to 512; default 512")
+      ->transform(cli::whole(1, kMaxPayload));
   command.add_option("--priority", options.priority, "0 (highest) to 3; default 2")->transform(cli::whole(0, 3));
   command.add_option("-w,--timeout", options.timeout_s, "End after that time, 0.001 to 3600 s; default: never")
       ->transform(cli::seconds(0.001, 3600));

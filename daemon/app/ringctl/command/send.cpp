@@ -55,7 +55,7 @@ int run(const Context& context, const SendOptions& options) {
 
 const CLI::App& add_data_options(CLI::App& command, SendOptions& options) {
   CLI::App& data = *command.add_option_group("data", "What to send, one of:");
-  data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")->transform(cli::whole(1, 512));
+  data.add_option("--size", options.size, "So many bytes 0, 1, 2 ..., 1 to 512")->transform(cli::whole(1, kMaxPayload));
   data.add_option("--data", options.text, "This text, 1 to 512 bytes");
   data.add_option("--hex", options.hex, "These bytes, two hexadecimal digits each");
   return data;

@@ -15,6 +15,7 @@
 #include "app/ringctl/ring_watch.h"
 #include "app/ringctl/up_lock.h"
 #include "cli/values.h"
+#include "config/ring_config.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "process/find_program.h"
@@ -282,7 +283,7 @@ void add_up(CLI::App& app, Context& context) {
   command
       ->add_option("--nodes", request.nodes,
                    "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
-      ->transform(cli::whole(2, 255));
+      ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
   command->add_option("--transport", request.transport, "unix, shm or udp, whatever CONFIG says")
       ->transform(cli::one_of({"unix", "shm", "udp"}));
   command->add_option(
