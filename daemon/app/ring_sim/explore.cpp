@@ -117,66 +117,78 @@ int run_all(const ExploreOptions& options) {
   return kBroken;
 }
 
-}  // namespace
+constexpr const char* kExploreHelp =
+    "Not a sample but all: a small ring with a few sends, once with each fault at each place where it can fall "
+    "(each slice that leaves a node is one, until all sends have ended and the ring is whole again), and with each "
+    "further fault behind that; every promise of the ring "
+    "checked at every event; stops at the first that is broken. Faults: that slice lost, damaged in its first, "
+    "middle or last byte, doubled (not with fold-back) or late; a node restarted, or frozen for 3 ms, a line cut and "
+    "mended 3 ms later; "
+    "and, counted like a fault, an INTP sent by a node just then. Between two strikes at least one slice leaves. "
+    "A run that comes into a state in which another one was ends there, since both would go on in the same way: its "
+    "states are compared, by a hash of 64 bits, after every slice while more may strike, and when all sends have "
+    "ended.";
 
-void add_explore(CLI::App& app, Context& context) {
-  auto options = std::make_shared<ExploreOptions>();
-  study::World& world = options->world;
-  CLI::App* command = add_command(
-      app, "explore",
-      "Not a sample but all: a small ring with a few sends, once with each fault at each place where it can fall "
-      "(each slice that leaves a node is one, until all sends have ended and the ring is whole again), and with each "
-      "further fault behind that; every promise of the ring "
-      "checked at every event; stops at the first that is broken. Faults: that slice lost, damaged in its first, "
-      "middle or last byte, doubled (not with fold-back) or late; a node restarted, or frozen for 3 ms, a line cut and "
-      "mended 3 ms later; "
-      "and, counted like a fault, an INTP sent by a node just then. Between two strikes at least one slice leaves. "
-      "A run that comes into a state in which another one was ends there, since both would go on in the same way: its "
-      "states are compared, by a hash of 64 bits, after every slice while more may strike, and when all sends have "
-      "ended.");
-  command->add_option("--nodes", world.nodes, "Nodes of the ring, 2 to 6; default 3")->transform(cli::whole(2, 6));
+void add_size(CLI::App& command, study::World& world) {
+  command.add_option("--nodes", world.nodes, "Nodes of the ring, 2 to 6; default 3")->transform(cli::whole(2, 6));
   command
-      ->add_option("--sends", world.sends, "Sends asked for at once, DATPs and broadcasts by turns, 1 to 6; default 2")
+      .add_option("--sends", world.sends, "Sends asked for at once, DATPs and broadcasts by turns, 1 to 6; default 2")
       ->transform(cli::whole(1, 6));
-  study::Exploration::Bounds& bounds = options->bounds;
+}
+
+void add_bounds(CLI::App& command, ExploreOptions& options) {
+  study::Exploration::Bounds& bounds = options.bounds;
   command
-      ->add_option("--faults", bounds.faults,
-                   "At most so many in a run, 0 to 3; default 1. Each one more takes some hundred times as long")
+      .add_option("--faults", bounds.faults,
+                  "At most so many in a run, 0 to 3; default 1. Each one more takes some hundred times as long")
       ->transform(cli::whole(0, 3));
   command
-      ->add_option("--places", bounds.places,
-                   "Faults fall at the first so many places of a run alone, 1 to 1000000; default: at all")
+      .add_option("--places", bounds.places,
+                  "Faults fall at the first so many places of a run alone, 1 to 1000000; default: at all")
       ->transform(cli::whole(1, study::Exploration::kAllPlaces));
-  command->add_flag("--all-runs", options->all_runs, "Runs each to its end: states met before are not recognised");
+  command.add_flag("--all-runs", options.all_runs, "Runs each to its end: states met before are not recognised");
   bounds.threads = std::max(1u, std::thread::hardware_concurrency());
   command
-      ->add_option("--threads", bounds.threads,
-                   "So many runs at once, 1 to 256; default: as many as there are CPUs. With one, the run that is told "
-                   "where a promise is broken is always the same")
+      .add_option("--threads", bounds.threads,
+                  "So many runs at once, 1 to 256; default: as many as there are CPUs. With one, the run that is told "
+                  "where a promise is broken is always the same")
       ->transform(cli::whole(1, 256));
+}
+
+void add_line_options(CLI::App& command, study::World& world) {
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "--rate", [&world](const std::string& rate) { world.paced = rate == "1Gbit/s"; },
           "Of the lines: 1Gbit/s (default), so that packets leave in slices; unlimited, so that they leave whole")
       ->transform(cli::one_of({"1Gbit/s", "unlimited"}));
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "--redundancy", [&world](const std::string& what) { world.fold_back = what == "foldback"; },
           "none (default) or foldback: a second line; then a cut is of the cable, and there are 3 nodes at least")
       ->transform(cli::one_of({"none", "foldback"}));
-  command->add_flag("--open-chain", world.broken,
-                    "The line out of the last node is cut before the sends, and mended at the end; with fold-back its "
-                    "cable, so that the ring is folded");
+  command.add_flag("--open-chain", world.broken,
+                   "The line out of the last node is cut before the sends, and mended at the end; with fold-back its "
+                   "cable, so that the ring is folded");
+}
+
+int run(ExploreOptions& options) {
+  if (options.world.fold_back && options.world.nodes < 3)
+    throw UsageError("--redundancy foldback: a ring of 2 has no way round a break; --nodes 3 or more");
+  options.bounds.recognise = !options.all_runs;
+  return options.only ? run_one(options) : run_all(options);
+}
+
+}  // namespace
+
+void add_explore(CLI::App& app, Context& context) {
+  auto options = std::make_shared<ExploreOptions>();
+  CLI::App* command = add_command(app, "explore", kExploreHelp);
+  add_size(*command, options->world);
+  add_bounds(*command, *options);
+  add_line_options(*command, options->world);
   command->add_option("--only", options->only, "One run alone, with these strikes: 12:lost,20:restart:1; or none");
   add_format(*command, options->format);
-  command->callback([&context, options] {
-    context.action = [options] {
-      if (options->world.fold_back && options->world.nodes < 3)
-        throw UsageError("--redundancy foldback: a ring of 2 has no way round a break; --nodes 3 or more");
-      options->bounds.recognise = !options->all_runs;
-      return options->only ? run_one(*options) : run_all(*options);
-    };
-  });
+  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }
 
 }  // namespace limb_ring::ring_sim
