@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "wire/data_packet.h"
+#include "wire/interrupt_packet.h"
+
 namespace limb_ring::setup {
 
 using config::LinkConfig;

@@ -116,7 +116,7 @@ const std::map<std::string, Parts> kMayInclude{
     {"statistics", {"core"}},
     {"sim", {"wire", "core", "promises"}},
     {"watchdog", {"wire", "core", "config"}},
-    {"setup", {"core", "config", "link", "limb_ring"}},
+    {"setup", {"wire", "core", "config", "link", "limb_ring"}},
     {"sim_tools", {"wire", "capture", "core", "fault", "sim", "setup", "config"}},
     {"scenario", {"wire", "capture", "core", "fault", "sim", "sim_tools", "setup", "config", "watchdog"}},
     {"study",
