@@ -11,12 +11,12 @@
 
 #include "host/host_server.h"
 #include "limb_ring/ring_directory.h"
+#include "support/run_until.h"
 #include "support/runtime_folder.h"
 
 namespace limb_ring::test {
 
 using std::chrono::milliseconds;
-constexpr std::chrono::seconds kGuard{30};
 
 /// Writes down what it is told; a test may answer through `when_...`.
 struct FakeHandler : host::HostHandler {
@@ -86,12 +86,8 @@ class HostTest : public testing::Test {
     io.run_one_for(milliseconds{1});
     io.poll();
   }
-  /// Turns the loop until `condition` holds; fails the test when it never does.
-  void until(const std::function<bool()>& condition) {
-    const auto give_up = std::chrono::steady_clock::now() + kGuard;
-    while (!condition() && std::chrono::steady_clock::now() < give_up) turn();
-    ASSERT_TRUE(condition());
-  }
+  /// Runs the loop until `condition` holds; fails the test when it never does.
+  void until(const std::function<bool()>& condition) { ASSERT_TRUE(run_until(io, condition)); }
   /// Runs a client's blocking call while the loop turns.
   template <typename Call>
   auto during(Call call) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "link/link_rig.h"
+#include "support/run_until.h"
 
 namespace limb_ring::link {
 namespace {
@@ -16,16 +17,7 @@ struct LongLine : testing::Test {
   InputCounters counters;
   DelayedInput line{io, milliseconds(3), far_end, counters};
 
-  /// @return false where it did not come true; the guard is generous.
-  template <typename Condition>
-  bool until(Condition condition) {
-    const Time deadline = Clock::now() + std::chrono::seconds(30);
-    while (!condition() && Clock::now() < deadline) {
-      io.restart();
-      io.run_one_for(milliseconds(10));
-    }
-    return condition();
-  }
+  bool until(const std::function<bool()>& condition) { return test::run_until(io, condition); }
 
   void give(std::uint8_t value) {
     const std::vector<std::uint8_t> bytes(20, value);

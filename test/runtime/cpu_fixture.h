@@ -15,24 +15,13 @@
 #include "event_loop/machine_clock.h"
 #include "process/process_state.h"
 #include "runtime/cpu/cpu_process.h"
+#include "support/run_until.h"
 
 namespace limb_ring::runtime {
 
 using namespace std::chrono_literals;
 using process::process_state;
-
-/// Generous: reached only where something is wrong.
-constexpr auto kGuard = 20s;
-
-/// Runs the event loop until `condition` holds. @return false where it never did.
-inline bool run_until(boost::asio::io_context& io, const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kGuard;
-  while (!condition() && std::chrono::steady_clock::now() < deadline) {
-    io.restart();
-    io.run_one_for(5ms);
-  }
-  return condition();
-}
+using test::run_until;
 
 /// A CPU of real processes, and an event loop to run it with. The test plays the host
 /// port: it says when a process has attached.

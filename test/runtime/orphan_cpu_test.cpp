@@ -24,7 +24,7 @@ struct NoEvents final : CpuEvents {
   cpu.start();
   const pid_t pid = cpu.status().pid;
   if (::write(pipe, &pid, sizeof pid) != sizeof pid) ::_exit(1);
-  io.run_for(kGuard);
+  io.run_for(test::kGuard);
   ::_exit(0);
 }
 
