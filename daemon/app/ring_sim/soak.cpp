@@ -160,6 +160,52 @@ class Soak {
   bool small_ = false;  ///< a scenario that was made of one of them
 };
 
+constexpr std::int64_t kMostSeeds = 100'000'000;
+
+void add_seeds(CLI::App& command, SoakOptions& options) {
+  command.add_option("--seeds", options.seeds, "How many, 1 to 100000000; default 1000")
+      ->transform(cli::whole(1, kMostSeeds));
+  command.add_option("--first", options.first, "The first of them, above 0; drawn and printed where it is not given")
+      ->transform(cli::whole(1, std::numeric_limits<std::int64_t>::max()));
+  command.add_option("--failures", options.failures, "Stop after so many broken seeds; default 1")
+      ->transform(cli::whole(1, kMostSeeds));
+}
+
+void add_world(CLI::App& command, SoakOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--redundancy", [&options](const std::string& what) { options.all_fold_back = what == "foldback"; },
+          "mixed: a third of the rings folds back (default); foldback: all of them")
+      ->transform(cli::one_of({"mixed", "foldback"}));
+  command
+      .add_option_function<std::string>(
+          "--world", [&options](const std::string& what) { options.wide = what == "wide"; },
+          "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
+          "still")
+      ->transform(cli::one_of({"usual", "wide"}));
+}
+
+void add_shrink(CLI::App& command, SoakOptions& options) {
+  command
+      .add_option(
+          "--shrink", options.shrink_into,
+          "Make of each broken seed the smallest scenario that fails in the same way, and write it into this "
+          "folder (default: where you are); 'ringctl scenario run' takes it. Where more than 3 faults or 10 sends "
+          "are left, up to 5 more broken seeds follow. Of the usual world alone")
+      ->expected(0, 1)
+      ->default_str(".");
+}
+
+/// Refuses options that contradict each other. @throw UsageError
+void check(const SoakOptions& options) {
+  if (options.shrink_into && !std::filesystem::is_directory(*options.shrink_into))
+    throw UsageError("--shrink: '" + *options.shrink_into + "' is no folder");
+  if (options.shrink_into && options.wide)
+    throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
+  if (options.hashes && options.format != app::Format::text)
+    throw UsageError("--hashes prints lines of text: leave --json and --csv out");
+}
+
 }  // namespace
 
 void add_soak(CLI::App& app, Context& context) {
@@ -167,42 +213,15 @@ void add_soak(CLI::App& app, Context& context) {
   CLI::App* command = add_command(app, "soak",
                                   "Rings under random traffic and random faults, by seed, every promise of the ring "
                                   "checked at every event; stops at the first that is broken");
-  command->add_option("--seeds", options->seeds, "How many, 1 to 100000000; default 1000")
-      ->transform(cli::whole(1, 100000000));
-  command->add_option("--first", options->first, "The first of them, above 0; drawn and printed where it is not given")
-      ->transform(cli::whole(1, std::numeric_limits<std::int64_t>::max()));
-  command->add_option("--failures", options->failures, "Stop after so many broken seeds; default 1")
-      ->transform(cli::whole(1, 100000000));
-  command
-      ->add_option_function<std::string>(
-          "--redundancy", [options](const std::string& what) { options->all_fold_back = what == "foldback"; },
-          "mixed: a third of the rings folds back (default); foldback: all of them")
-      ->transform(cli::one_of({"mixed", "foldback"}));
-  command
-      ->add_option_function<std::string>(
-          "--world", [options](const std::string& what) { options->wide = what == "wide"; },
-          "usual (default); wide: sparse ids, rarely up to 254 nodes, lines that differ, nodes and lines that stand "
-          "still")
-      ->transform(cli::one_of({"usual", "wide"}));
-  command
-      ->add_option(
-          "--shrink", options->shrink_into,
-          "Make of each broken seed the smallest scenario that fails in the same way, and write it into this "
-          "folder (default: where you are); 'ringctl scenario run' takes it. Where more than 3 faults or 10 sends "
-          "are left, up to 5 more broken seeds follow. Of the usual world alone")
-      ->expected(0, 1)
-      ->default_str(".");
+  add_seeds(*command, *options);
+  add_world(*command, *options);
+  add_shrink(*command, *options);
   command->add_flag("--hashes", options->hashes, "Print the trace hash of every seed");
   add_format(*command, options->format);
   command->callback([&context, options] {
     context.action = [options] {
       if (options->first == 0) options->first = fresh_range();
-      if (options->shrink_into && !std::filesystem::is_directory(*options->shrink_into))
-        throw UsageError("--shrink: '" + *options->shrink_into + "' is no folder");
-      if (options->shrink_into && options->wide)
-        throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
-      if (options->hashes && options->format != app::Format::text)
-        throw UsageError("--hashes prints lines of text: leave --json and --csv out");
+      check(*options);
       return Soak(*options).run();
     };
   });
