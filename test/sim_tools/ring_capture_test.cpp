@@ -28,7 +28,7 @@ Medium four_nodes() {
 
 TEST(RingCapture, OfOnePacketShowsItOnEveryLineAtItsTime) {
   std::ostringstream file;
-  run_case(Case::alone, four_nodes(), 1, nullptr, &file);
+  run_case(Case::alone, four_nodes(), 1, {nullptr, &file});
   const auto records = records_of(file.str());
   ASSERT_EQ(records.size(), 4u);
   std::int64_t before = 0;
@@ -48,7 +48,7 @@ TEST(RingCapture, OfOnePacketShowsItOnEveryLineAtItsTime) {
 
 TEST(RingCapture, ChangesNothing) {
   std::ostringstream file;
-  const CaseResult watched = run_case(Case::random, four_nodes(), 7, nullptr, &file);
+  const CaseResult watched = run_case(Case::random, four_nodes(), 7, {nullptr, &file});
   EXPECT_EQ(watched.trace_hash, run_case(Case::random, four_nodes(), 7).trace_hash);
   EXPECT_GT(records_of(file.str()).size(), 100u);
 }

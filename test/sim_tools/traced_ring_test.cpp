@@ -40,7 +40,7 @@ TracedRing traced_case(Case which, sim::CaptureAt at = sim::CaptureAt::inputs_an
   Medium medium;
   medium.nodes = 4;
   std::ostringstream file;
-  run_case(which, medium, 1, nullptr, &file, at);
+  run_case(which, medium, 1, {nullptr, &file, at});
   return TracedRing(seen_in(file.str()));
 }
 

@@ -47,10 +47,11 @@ int run(const RunOptions& options) {
   std::ofstream trace, capture;
   open(trace, "--trace ", options.trace);
   open(capture, "--capture ", options.capture);
-  const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
-  const study::CaseResult result =
-      run_case(options.which, options.medium, options.seed, trace.is_open() ? &trace : nullptr,
-               capture.is_open() ? &capture : nullptr, at);
+  study::CaseRecords records;
+  if (trace.is_open()) records.trace = &trace;
+  if (capture.is_open()) records.capture = &capture;
+  if (options.outputs) records.capture_at = sim::CaptureAt::inputs_and_outputs;
+  const study::CaseResult result = run_case(options.which, options.medium, options.seed, records);
   finish(trace, options.trace);
   finish(capture, options.capture);
   const app::Row row = run_row(options.which, options.medium, result, options.seed);

@@ -275,12 +275,12 @@ std::string formula_words(Case which, const Medium& medium) {
   return "";
 }
 
-CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace, std::ostream* capture,
-                    sim::CaptureAt at) {
+CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, const CaseRecords& records) {
   CaseResult result;
-  CaseRing ring(medium, trace);
+  CaseRing ring(medium, records.trace);
   std::optional<sim::RingCapture> captured;
-  if (capture != nullptr) captured.emplace(ring, *capture, sim::plain_names(medium.nodes), at);
+  if (records.capture != nullptr)
+    captured.emplace(ring, *records.capture, sim::plain_names(medium.nodes), records.capture_at);
   const std::uint64_t bytes = ring.line_use().bytes();
   Run run{medium, ring, result, std::mt19937_64(seed)};
   dispatch(which, run);

@@ -38,11 +38,15 @@ struct CaseResult {
   std::uint64_t trace_hash = 0;
 };
 
+/// Where a case writes what happens on its lines. Streams are null where nobody wants to read that.
+struct CaseRecords {
+  std::ostream* trace = nullptr;    ///< lines of text (sim/trace.h)
+  std::ostream* capture = nullptr;  ///< packets, as pcapng
+  sim::CaptureAt capture_at = sim::CaptureAt::inputs;
+};
+
 /// Runs one case. The seed matters where something is random (interrupt_bound, random).
-/// @param trace where the lines of the trace go, or null
-/// @param capture where its packets go as pcapng, or null; taken where `at` says
 /// @throw sim::BrokenPromise
-CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, std::ostream* trace = nullptr,
-                    std::ostream* capture = nullptr, sim::CaptureAt at = sim::CaptureAt::inputs);
+CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, const CaseRecords& records = {});
 
 }  // namespace limb_ring::study

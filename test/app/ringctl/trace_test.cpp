@@ -29,7 +29,7 @@ class Trace : public test::OwnFolder {
     study::Medium medium;
     medium.nodes = 4;
     std::ofstream out(file("case.pcapng"), std::ios::binary);
-    run_case(which, medium, 1, nullptr, &out, at);
+    run_case(which, medium, 1, {nullptr, &out, at});
     return file("case.pcapng");
   }
 

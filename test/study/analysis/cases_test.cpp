@@ -73,9 +73,9 @@ TEST(Cases, SlowerLinesScale) {
 
 TEST(Cases, OfTheSameSeedHaveTheSameTrace) {
   std::ostringstream first, second, other;
-  const auto hash = run_case(Case::random, of(4), 7, &first).trace_hash;
-  EXPECT_EQ(run_case(Case::random, of(4), 7, &second).trace_hash, hash);
-  EXPECT_NE(run_case(Case::random, of(4), 8, &other).trace_hash, hash);
+  const auto hash = run_case(Case::random, of(4), 7, {&first}).trace_hash;
+  EXPECT_EQ(run_case(Case::random, of(4), 7, {&second}).trace_hash, hash);
+  EXPECT_NE(run_case(Case::random, of(4), 8, {&other}).trace_hash, hash);
   EXPECT_EQ(first.str(), second.str());
   EXPECT_NE(first.str(), other.str());
 }
