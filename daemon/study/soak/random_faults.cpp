@@ -172,7 +172,7 @@ void RandomFaults::send() {
   send.to = destination;
   send.size = static_cast<unsigned>(data.size());
   send.priority = priority;
-  note_deed(send);
+  record(send);
   ring_->send(source, destination, data, priority);
 }
 
@@ -185,7 +185,7 @@ void RandomFaults::interrupt() {
   send.from = {source};
   send.to = destination;
   send.interrupt = factor;
-  note_deed(send);
+  record(send);
   ring_->interrupt(source, destination, factor);
 }
 
@@ -240,7 +240,7 @@ void RandomFaults::line_fault(NodeId node) {
   fault.delay = 1ns * (1 + random(longest));
   fault.jitter = 1ns * random(longest);
   fault.lasts = fault.name == fault::Name::stall ? 1ns * (1 + random(longest)) : 1us * (1 + random(1000));
-  note_deed(fault);
+  record(fault);
   lines_->begin(fault);
 }
 
@@ -304,7 +304,7 @@ void RandomFaults::note(fault::Name name, NodeId node) {
   fault::Fault fault;
   fault.name = name;
   fault.nodes = {node};
-  note_deed(fault);
+  record(fault);
 }
 
 void RandomFaults::note(Kind kind, NodeId node, bool second_line) {
@@ -312,7 +312,7 @@ void RandomFaults::note(Kind kind, NodeId node, bool second_line) {
   action.kind = kind;
   action.node = node;
   action.second_line = second_line;
-  note_deed(action);
+  record(action);
 }
 
 void RandomFaults::count_slice(NodeId id, Line line) {
@@ -332,7 +332,7 @@ void RandomFaults::note_slice(Kind kind, NodeId id, Line line, std::size_t byte,
   action.nth = leaving_[static_cast<std::size_t>(line)][id].slices;
   action.byte = static_cast<unsigned>(byte);
   action.bits = bits;
-  note_deed(action);
+  record(action);
 }
 
 // ---- afterwards -----------------------------------------------------------------------------

@@ -9,7 +9,7 @@
 
 #include "sim/invariants.h"
 #include "sim_tools/virtual_line_faults.h"
-#include "study/soak/deed.h"
+#include "study/soak/recorded_step.h"
 
 namespace limb_ring::study {
 
@@ -37,7 +37,7 @@ class RandomFaults {
   std::string describe() const;
   /// From now on all that is done to the ring is kept. @pre the usual world
   void keep_history() { keeps_history_ = true; }
-  const std::vector<Deed>& history() const { return history_; }
+  const std::vector<RecordedStep>& history() const { return history_; }
   /// Until then something was done to it; afterwards all was mended.
   core::Time acted_until() const { return acted_until_; }
   bool paced() const { return paced_; }
@@ -82,7 +82,7 @@ class RandomFaults {
   /// A node of a CPU that can ask for sends.
   bool can_ask(wire::NodeId node) const { return ring_->alive(node) && !ring_->paused(node); }
   template <class What>
-  void note_deed(const What& what) {
+  void record(const What& what) {
     if (keeps_history_) history_.push_back({ring_->now(), what});
   }
   void note(fault::Name name, wire::NodeId node);
@@ -118,7 +118,7 @@ class RandomFaults {
     unsigned slices = 0;
   };
   bool keeps_history_ = false;
-  std::vector<Deed> history_;
+  std::vector<RecordedStep> history_;
   core::Time acted_until_{};
   std::array<std::vector<AtInstant>, 2> leaving_;  ///< by line and node
 };

@@ -75,16 +75,16 @@ class Words {
   std::size_t sends_ = 0;
 };
 
-bool is_of_slice(const Deed& deed) {
-  const auto* action = std::get_if<SoakAction>(&deed.what);
+bool is_of_slice(const RecordedStep& step) {
+  const auto* action = std::get_if<SoakAction>(&step.what);
   return action && (action->kind == Kind::lose_slice || action->kind == Kind::damage_slice);
 }
 
 /// When the step is due. One that hits a slice has to be in place before the slice leaves.
-std::chrono::nanoseconds due(const Deed& deed) {
+std::chrono::nanoseconds due(const RecordedStep& step) {
   using std::chrono::nanoseconds;
-  const core::Duration since = deed.at.time_since_epoch();
-  if (!is_of_slice(deed)) return std::chrono::duration_cast<nanoseconds>(since);
+  const core::Duration since = step.at.time_since_epoch();
+  if (!is_of_slice(step)) return std::chrono::duration_cast<nanoseconds>(since);
   const auto before = std::chrono::duration_cast<nanoseconds>(since - core::Duration{1});
   return std::max(nanoseconds{0}, before);
 }
@@ -101,14 +101,14 @@ struct History {
   bool paced, fold_back;
   std::uint64_t seed;
   core::Time until;  ///< then all is mended
-  std::vector<Deed> deeds;
+  std::vector<RecordedStep> steps;
 
   std::string text() const {
     std::string text = head_of(nodes, paced, fold_back, seed) + "\n";
     Words words(nodes);
-    for (const Deed& deed : deeds)
-      text += "  - {at: " + config::format_time(due(deed)) +
-              ", do: " + std::visit([&](const auto& what) { return words.of(what); }, deed.what) + "}\n";
+    for (const RecordedStep& step : steps)
+      text += "  - {at: " + config::format_time(due(step)) +
+              ", do: " + std::visit([&](const auto& what) { return words.of(what); }, step.what) + "}\n";
     const auto end = std::chrono::duration_cast<std::chrono::nanoseconds>(until.time_since_epoch());
     return text + "  - {at: " + config::format_time(end) + "}\n";
   }
@@ -116,8 +116,8 @@ struct History {
 
 History history_of(const RandomFaults& run, std::uint64_t seed) {
   History history{run.nodes(), run.paced(), run.folds_back(), seed, run.acted_until(), run.history()};
-  const auto earlier = [](const Deed& a, const Deed& b) { return due(a) < due(b); };
-  std::stable_sort(history.deeds.begin(), history.deeds.end(), earlier);
+  const auto earlier = [](const RecordedStep& a, const RecordedStep& b) { return due(a) < due(b); };
+  std::stable_sort(history.steps.begin(), history.steps.end(), earlier);
   return history;
 }
 
@@ -153,11 +153,11 @@ class StepTrial {
 // ---- fewer nodes ----------------------------------------------------------------------------
 
 template <class Visit>
-void each_node(Deed& deed, Visit visit) {
-  if (auto* fault = std::get_if<fault::Fault>(&deed.what))
+void each_node(RecordedStep& step, Visit visit) {
+  if (auto* fault = std::get_if<fault::Fault>(&step.what))
     for (NodeId& node : fault->nodes) visit(node);
-  if (auto* action = std::get_if<SoakAction>(&deed.what)) visit(action->node);
-  if (auto* send = std::get_if<scenario::Send>(&deed.what)) {
+  if (auto* action = std::get_if<SoakAction>(&step.what)) visit(action->node);
+  if (auto* send = std::get_if<scenario::Send>(&step.what)) {
     visit(send->from[0]);
     if (send->to != wire::kBroadcast) visit(send->to);
   }
@@ -168,10 +168,11 @@ void each_node(Deed& deed, Visit visit) {
 std::optional<History> among(const History& history, unsigned nodes) {
   History fewer = history;
   std::set<unsigned> used;
-  for (Deed& deed : fewer.deeds) each_node(deed, [&](NodeId& node) { used.insert(node); });
+  for (RecordedStep& step : fewer.steps) each_node(step, [&](NodeId& node) { used.insert(node); });
   if (used.size() > nodes) return std::nullopt;
   const auto place = [&](NodeId node) { return std::distance(used.begin(), used.find(node)); };
-  for (Deed& deed : fewer.deeds) each_node(deed, [&](NodeId& node) { node = static_cast<NodeId>(place(node)); });
+  for (RecordedStep& step : fewer.steps)
+    each_node(step, [&](NodeId& node) { node = static_cast<NodeId>(place(node)); });
   fewer.nodes = nodes;
   return fewer;
 }
@@ -202,11 +203,11 @@ std::optional<scenario::Shrunk> shrunk_soak(const RandomFaults& run, std::uint64
     tell(++runs);
     return trial(steps);
   };
-  const auto needed = scenario::needed_steps(history.deeds.size(), request.most_runs, fails_alike);
+  const auto needed = scenario::needed_steps(history.steps.size(), request.most_runs, fails_alike);
   const bool stopped = runs > request.most_runs;
-  std::vector<Deed> deeds;
-  for (const std::size_t step : needed) deeds.push_back(history.deeds[step]);
-  history.deeds = std::move(deeds);
+  std::vector<RecordedStep> steps;
+  for (const std::size_t step : needed) steps.push_back(history.steps[step]);
+  history.steps = std::move(steps);
   for (unsigned nodes = history.fold_back ? 3 : 2; nodes < history.nodes; ++nodes) {
     const auto fewer = among(history, nodes);
     if (!fewer) continue;

@@ -6,8 +6,8 @@
 
 namespace limb_ring::study {
 
-/// Something that was done to a ring, in the words of scenarios, with its instant. Nodes are ids.
-struct Deed {
+/// One thing that was done to a ring: what, in the words of scenarios, and when. Nodes are ids.
+struct RecordedStep {
   core::Time at{};
   std::variant<fault::Fault, scenario::Send, scenario::SoakAction> what;
 };
