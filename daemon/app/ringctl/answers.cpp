@@ -1,5 +1,7 @@
 #include "app/ringctl/answers.h"
 
+#include "app/ringctl/connect_node.h"
+#include "app/ringctl/node_name.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_clock.h"

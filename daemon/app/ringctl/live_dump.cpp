@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/node_name.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "process/signal_wait.h"

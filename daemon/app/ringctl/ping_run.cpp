@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/connect_node.h"
+#include "app/ringctl/node_name.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/results.h"
 #include "statistics/percentiles.h"

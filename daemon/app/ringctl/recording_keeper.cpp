@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/ringctl/node_name.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
 #include "recorder/save_ring.h"

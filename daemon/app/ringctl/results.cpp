@@ -5,6 +5,7 @@
 #include <map>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/connect_node.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/refusal_counters.h"

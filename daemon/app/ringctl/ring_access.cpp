@@ -1,52 +1,21 @@
 #include "app/ringctl/ring_access.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
-#include "app/ringctl/problems.h"
+#include "app/ringctl/choose_ring.h"
+#include "app/ringctl/connect_node.h"
 #include "app/ringctl/progress.h"
-#include "config/names.h"
+#include "app/ringctl/ring_folder.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
 
 namespace limb_ring::ringctl {
 
-namespace fs = std::filesystem;
-
 namespace {
-
-std::string valid(const std::string& ring) {
-  try {
-    ring_directory(ring);
-  } catch (const std::invalid_argument& problem) {
-    throw UsageError(problem.what());
-  }
-  return ring;
-}
-
-}  // namespace
-
-std::string why_unreadable(const std::string& folder) {
-  std::error_code error;
-  fs::directory_iterator(folder, error);
-  return error && error != std::errc::no_such_file_or_directory ? ": " + error.message() : "";
-}
-
-namespace {
-
-/// The id in "12.host"; nothing for another file, such as the link of the node's name.
-std::optional<std::uint8_t> socket_id(const fs::path& file) {
-  const std::string stem = file.stem().string();
-  const bool number = !stem.empty() && stem.size() <= 3 && stem.find_first_not_of("0123456789") == std::string::npos;
-  if (file.extension() != ".host" || !number || std::stoul(stem) >= kBroadcast) return {};
-  return static_cast<std::uint8_t>(std::stoul(stem));
-}
 
 std::vector<NodeName> names_of(const nlohmann::json& config) {
   std::vector<NodeName> nodes;
@@ -101,45 +70,6 @@ std::size_t killed_nodes(const std::string& folder) {
 }
 
 }  // namespace
-
-std::string label(const NodeName& node) { return std::to_string(node.id) + " (" + node.name + ")"; }
-
-UsageError unknown_node(const std::string& word, const std::string& ring, const std::vector<NodeName>& nodes) {
-  std::vector<std::string> labels, names;
-  for (const NodeName& node : nodes) {
-    labels.push_back(label(node));
-    names.push_back(node.name);
-  }
-  const std::string meant = config::closest(word, names);
-  return UsageError("unknown node '" + word + "'" + (meant.empty() ? ". " : ", did you mean '" + meant + "'? ") +
-                    "Ring " + ring + " has: " + config::join(labels));
-}
-
-std::string choose_ring(const std::string& given) {
-  if (!given.empty()) return valid(given);
-  const char* environment = std::getenv("LIMB_RING_RING");
-  if (environment != nullptr && *environment != '\0') return valid(environment);
-  const std::vector<std::string> rings = running_rings();
-  if (rings.empty()) {
-    const std::vector<std::string> killed = live::killed_rings();
-    if (killed.size() == 1) return killed.front();
-    const std::string unreadable = why_unreadable(rings_directory());
-    if (!unreadable.empty()) throw NoRing(rings_directory() + unreadable);
-    throw NoRing("no ring is running (looked in " + rings_directory() + ")");
-  }
-  if (rings.size() == 1) return rings.front();
-  throw UsageError("several rings are running: " + config::join(rings) + "; choose one with --ring");
-}
-
-std::vector<std::uint8_t> node_sockets(const std::string& ring) {
-  std::vector<std::uint8_t> ids;
-  std::error_code error;
-  const fs::directory_iterator folder(ring_directory(ring), error);
-  for (auto it = fs::begin(folder); !error && it != fs::end(folder); it.increment(error))
-    if (const auto id = socket_id(it->path())) ids.push_back(*id);
-  std::sort(ids.begin(), ids.end());
-  return ids;
-}
 
 RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
   const std::string folder = ring_directory(ring), unreadable = why_unreadable(folder);
@@ -217,18 +147,6 @@ std::vector<ask::Node> RingAccess::ask_nodes() const {
 HostPort RingAccess::connect(const NodeName& node) const {
   require_here(node);
   return connect_node(ring(), std::to_string(node.id));
-}
-
-HostPortError gone(const HostPort& port, const std::string& reason) {
-  return HostPortError("node " + label({port.id(), port.name()}) + " of ring " + port.ring() + ": " + reason);
-}
-
-HostPort connect_node(const std::string& ring, const std::string& node) {
-  ConnectOptions options;
-  options.ring = ring;
-  options.node = node;
-  options.timeout = std::chrono::milliseconds(0);
-  return HostPort::connect(options);
 }
 
 }  // namespace limb_ring::ringctl

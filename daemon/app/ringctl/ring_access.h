@@ -1,41 +1,21 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "app/ringctl/problems.h"
+#include "app/ringctl/node_name.h"
 #include "ask/status_rows.h"
 #include "limb_ring/host_port.h"
 
 namespace limb_ring::ringctl {
-
-/// A node as a running ring tells of it.
-struct NodeName {
-  std::uint8_t id = 0;
-  std::string name;
-  std::string host = {};  ///< empty where the ring's file gives no hosts
-};
 
 /// A machine that runs some of the nodes.
 struct RingHost {
   std::string name, address;
   std::string ssh;  ///< where ssh finds it
 };
-
-/// "12 (left_knee)"
-std::string label(const NodeName& node);
-
-/// What is wrong with a node that the ring has not, with a guess and those it has.
-UsageError unknown_node(const std::string& word, const std::string& ring, const std::vector<NodeName>& nodes);
-
-/// The ring meant: the one given, else the environment's LIMB_RING_RING, else the only one
-/// running, else the only one that is dead because its daemons were killed on purpose.
-/// @throw NoRing where there is none; UsageError listing them where several run.
-std::string choose_ring(const std::string& given);
-
-/// Ids of the nodes whose daemon has a socket in the ring's folder, answering or not, sorted.
-std::vector<std::uint8_t> node_sockets(const std::string& ring);
 
 /// A running ring, as one of its daemons describes it.
 struct RingDescription {
@@ -87,14 +67,5 @@ class RingAccess {
 
   RingDescription ring_;
 };
-
-/// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
-std::string why_unreadable(const std::string& folder);
-
-/// The daemon at the other end has gone: which one, and why.
-HostPortError gone(const HostPort& port, const std::string& reason);
-
-/// Connects to a daemon that is there, or not at all. @throw HostPortError
-HostPort connect_node(const std::string& ring, const std::string& node);
 
 }  // namespace limb_ring::ringctl

@@ -4,6 +4,7 @@
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
+#include "app/ringctl/connect_node.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
 #include "limb_ring/ring_directory.h"

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "process/unique_fd.h"
 
@@ -19,5 +21,11 @@ class RingFolder {
   std::string path_;
   process::UniqueFd opened_;
 };
+
+/// Ids of the nodes whose daemon has a socket in the ring's folder, answering or not, sorted.
+std::vector<std::uint8_t> node_sockets(const std::string& ring);
+
+/// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
+std::string why_unreadable(const std::string& folder);
 
 }  // namespace limb_ring::ringctl

@@ -1,5 +1,6 @@
 #include "app/ringctl/ring_wait.h"
 
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_access.h"

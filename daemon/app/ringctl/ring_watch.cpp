@@ -1,6 +1,8 @@
 #include "app/ringctl/ring_watch.h"
 
 #include "app/ringctl/answers.h"
+#include "app/ringctl/connect_node.h"
+#include "app/ringctl/node_name.h"
 
 namespace limb_ring::ringctl {
 

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "app/ringctl/capture_names.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/dump_filter.h"
 #include "app/ringctl/live_dump.h"
 #include "app/ringctl/problems.h"

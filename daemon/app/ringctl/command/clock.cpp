@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "app/ringctl/answers.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <set>
 
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/other_host.h"
 #include "app/ringctl/problems.h"

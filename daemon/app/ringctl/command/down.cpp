@@ -8,9 +8,11 @@
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
+#include "app/ringctl/ring_folder.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
 

@@ -12,6 +12,7 @@
 #include "app/common/out_file.h"
 #include "app/ringctl/answers.h"
 #include "app/ringctl/capture_names.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/channel.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/dump_filter.h"

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/fault_table.h"
 #include "app/ringctl/problems.h"

@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/common/out_file.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/connect_node.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_access.h"
 #include "cli/values.h"

@@ -3,7 +3,9 @@
 #include <iostream>
 #include <memory>
 
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/node_name.h"
 #include "app/ringctl/ping_run.h"
 #include "app/ringctl/problems.h"
 #include "cli/values.h"

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "app/common/text_table.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/recording_keeper.h"

@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "app/ringctl/answers.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/channel.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/hex.h"

@@ -6,6 +6,7 @@
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/clock_offsets.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/line_delays.h"

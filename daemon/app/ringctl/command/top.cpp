@@ -8,6 +8,7 @@
 
 #include "app/common/colour.h"
 #include "app/ringctl/answers.h"
+#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/line_report.h"
 #include "app/ringctl/problems.h"

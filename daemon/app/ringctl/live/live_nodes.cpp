@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/ringctl/answers.h"
+#include "app/ringctl/connect_node.h"
 
 namespace limb_ring::ringctl {
 

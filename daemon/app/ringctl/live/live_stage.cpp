@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/ringctl/node_name.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_watch.h"
 #include "fault/parse.h"

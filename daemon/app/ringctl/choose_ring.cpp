@@ -1,0 +1,44 @@
+#include "app/ringctl/choose_ring.h"
+
+#include <cstdlib>
+#include <stdexcept>
+#include <vector>
+
+#include "app/ringctl/problems.h"
+#include "app/ringctl/ring_folder.h"
+#include "config/names.h"
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+std::string valid(const std::string& ring) {
+  try {
+    ring_directory(ring);
+  } catch (const std::invalid_argument& problem) {
+    throw UsageError(problem.what());
+  }
+  return ring;
+}
+
+}  // namespace
+
+std::string choose_ring(const std::string& given) {
+  if (!given.empty()) return valid(given);
+  const char* environment = std::getenv("LIMB_RING_RING");
+  if (environment != nullptr && *environment != '\0') return valid(environment);
+  const std::vector<std::string> rings = running_rings();
+  if (rings.empty()) {
+    const std::vector<std::string> killed = live::killed_rings();
+    if (killed.size() == 1) return killed.front();
+    const std::string unreadable = why_unreadable(rings_directory());
+    if (!unreadable.empty()) throw NoRing(rings_directory() + unreadable);
+    throw NoRing("no ring is running (looked in " + rings_directory() + ")");
+  }
+  if (rings.size() == 1) return rings.front();
+  throw UsageError("several rings are running: " + config::join(rings) + "; choose one with --ring");
+}
+
+}  // namespace limb_ring::ringctl

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+namespace limb_ring::ringctl {
+
+/// The ring that a command is for: the one given, else the environment's LIMB_RING_RING, else the only one
+/// running, else the only one that is dead because its daemons were killed on purpose.
+/// @throw NoRing where there is none; UsageError listing them where several run.
+std::string choose_ring(const std::string& given);
+
+}  // namespace limb_ring::ringctl
