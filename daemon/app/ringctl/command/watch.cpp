@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
@@ -85,35 +86,62 @@ void print_end(const promises::JudgeCounts& counts, double seconds, bool json) {
             << std::endl;
 }
 
+/// One run of `ringctl watch`, from its start to the end of the ring or of the user's patience.
+class WatchRun {
+ public:
+  WatchRun(const RingAccess& ring, const WatchOptions& options)
+      : ring_(ring),
+        options_(options),
+        folder_(ring.ring()),
+        watch_(watched_ring(ring), [this](const promises::Breach& breach) {
+          print_breach(ring_, breach, watch_.date(breach.at_ns), options_.json);
+        }) {
+    if (ring.nodes_here().size() < ring.nodes().size())
+      std::cerr << "ringctl: nodes of other hosts are not watched; what they send or take is not judged" << std::endl;
+  }
+
+  int run() {
+    process::SignalWait signals;
+    do {
+      watch_.poll();
+      tell_lost();
+    } while (!is_over() && !signals.asked_to_end(live::PromiseWatch::kRound));
+    if (folder_.is_gone()) std::cerr << "ringctl: ring " << ring_.ring() << " was taken down" << std::endl;
+    watch_.finish();
+    print_end(watch_.counts(), seconds(), options_.json);
+    return watch_.counts().breaches == 0 ? kDone : kNotDone;
+  }
+
+ private:
+  static live::PromiseWatch::Ring watched_ring(const RingAccess& ring) {
+    live::PromiseWatch::Ring watched{ring.ring(), {}, ring.folds_back()};
+    for (const NodeName& node : ring.nodes_here()) watched.nodes.push_back(node.id);
+    return watched;
+  }
+
+  double seconds() const { return std::chrono::duration<double>(steady_clock::now() - began_).count(); }
+  bool is_over() const { return folder_.is_gone() || (options_.lasts_s != 0 && seconds() >= options_.lasts_s); }
+
+  void tell_lost() {
+    const std::uint64_t told = std::exchange(told_lost_, watch_.counts().lost);
+    if (told_lost_ == told) return;
+    std::cerr << "ringctl: " << told_lost_ - told << " observations came too fast; what hangs on them is not judged"
+              << std::endl;
+  }
+
+  const RingAccess& ring_;
+  const WatchOptions& options_;
+  const RingFolder folder_;
+  live::PromiseWatch watch_;
+  const steady_clock::time_point began_ = steady_clock::now();
+  std::uint64_t told_lost_ = 0;
+};
+
 int run(const Context& context, const WatchOptions& options) {
   if (!options.ring.empty() && !context.ring.empty() && options.ring != context.ring)
     throw UsageError("RING and --ring name two rings");
   const RingAccess ring = RingAccess::open(choose_ring(options.ring.empty() ? context.ring : options.ring));
-  live::PromiseWatch* at_work = nullptr;
-  std::vector<std::uint8_t> here;
-  for (const NodeName& node : ring.nodes_here()) here.push_back(node.id);
-  std::uint64_t told_lost = 0;
-  live::PromiseWatch watch({ring.ring(), here, ring.folds_back()}, [&](const promises::Breach& breach) {
-    print_breach(ring, breach, at_work->date(breach.at_ns), options.json);
-  });
-  at_work = &watch;
-  if (here.size() < ring.nodes().size())
-    std::cerr << "ringctl: nodes of other hosts are not watched; what they send or take is not judged" << std::endl;
-  const RingFolder folder(ring.ring());
-  process::SignalWait signals;
-  const auto began = steady_clock::now();
-  const auto so_far = [&] { return std::chrono::duration<double>(steady_clock::now() - began).count(); };
-  do {
-    watch.poll();
-    if (watch.counts().lost != told_lost)
-      std::cerr << "ringctl: " << watch.counts().lost - std::exchange(told_lost, watch.counts().lost)
-                << " observations came too fast; what hangs on them is not judged" << std::endl;
-  } while (!folder.is_gone() && (options.lasts_s == 0 || so_far() < options.lasts_s) &&
-           !signals.asked_to_end(live::PromiseWatch::kRound));
-  if (folder.is_gone()) std::cerr << "ringctl: ring " << ring.ring() << " was taken down" << std::endl;
-  watch.finish();
-  print_end(watch.counts(), so_far(), options.json);
-  return watch.counts().breaches == 0 ? kDone : kNotDone;
+  return WatchRun(ring, options).run();
 }
 
 }  // namespace
