@@ -120,11 +120,13 @@ struct ConnectOptions {
   std::string runtime;
 };
 
-/// The door between a node's network controller (ringd) and the programs beside it.
+/// A program's connection to a node's network controller (ringd).
 ///
-/// One thread; nothing is called back. Sends return at once with a token; the Result with that
+/// Not for several threads at a time; nothing is called back. Sends return at once with a token; the Result with that
 /// token comes out of receive(). Writing waits while the daemon's socket is full, for 5 s at most:
 /// then the connection ends. It ends as well where 65536 messages are left without receive().
+/// Once it has ended, calls with a token still return one, whose Result is `cancelled` or whose Reply holds an error;
+/// the others do nothing.
 class HostPort {
  public:
   /// @throw HostPortError, HostPortTimeout where the daemon is not there yet or does not answer
@@ -160,13 +162,18 @@ class HostPort {
   }
   /// Sends an interrupt packet: pulls pin `factor` (0 to 7) of `destination`. A broadcast to a
   /// factor that some node has wired to `reset` needs `force`.
+  /// @return token of the Result, as of send()
   std::uint32_t interrupt(std::uint8_t destination, std::uint8_t factor, bool force = false);
   /// Pulls this node's interrupt input (0 to 7), as a watchdog or a button wired to it would.
+  /// @return token of the Result, as of send()
   std::uint32_t pull(std::uint8_t input);
-  /// Asks the daemon: a JSON object {"do": "...", ...}; see daemon/host/requests.md.
+  /// Asks the daemon: a JSON object {"do": "...", ...}, at most 64 kB; see daemon/host/requests.md.
+  /// @return token of the Reply
   std::uint32_t request(const std::string& json);
   /// From now on, what happens at this node comes as Observed, and where "packets" is given, what
   /// is on its lines as CapturedPacket: {"kinds": [...], "packets": {...}} as in requests.md.
+  /// @throw HostPortError where the text is longer than 64 kB. A filter that is refused comes as Observed {"error":
+  /// ...}
   void observe(const std::string& json_filter);
   /// Says that the CPU is alive (any other call that sends, receives or waits does so too; one
   /// that is itself waiting does not).
@@ -192,6 +199,7 @@ class HostPort {
   /// @throw HostPortTimeout; HostPortError where no result of that token is outstanding.
   Result wait(std::uint32_t token, std::chrono::milliseconds timeout);
 
+  /// False once Disconnected is to be received, or was.
   bool connected() const;
   /// Readable when receive() may have something; for poll() or an event loop. A message that is
   /// already buffered does not show here: receive(0) until empty first. Not for a CPU in lockstep.

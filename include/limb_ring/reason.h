@@ -4,32 +4,32 @@
 
 namespace limb_ring {
 
-/// Why a send ended otherwise than delivered. (ours) The first ten are known before anything is sent; of the others
-/// the source knows what its own ring's file and the others' beacons say.
+/// Why a send ended otherwise than delivered. (ours) `rejected` sends were never on the line. Why a packet was refused
+/// elsewhere the source can only infer, from its ring's file and from the beacons of the other nodes.
 enum class Reason : std::uint8_t {
-  none,  ///< delivered
-  bad_size,
-  bad_destination,
-  bad_priority,
-  bad_channel,
-  bad_factor,
-  input_unwired,
-  queue_full,
-  not_in_ring,
-  no_way_out,
-  needs_force,   ///< rejected: it would reset every CPU at once
-  cpu_absent,    ///< refused: the destination is to have a CPU, and none is there
-  cpu_booting,   ///< refused: its CPU boots
-  cpu_failed,    ///< refused: its CPU has failed
-  cpu_silent,    ///< refused: its CPU hangs and takes nothing out of the receive buffers
-  no_buffer,     ///< refused: no receive buffer of that priority is free
-  joining,       ///< refused: the destination is joining the ring
-  pin_unwired,   ///< refused: the pin is wired to nothing there
-  node_missing,  ///< no such node: it is down or bypassed
-  no_return,     ///< lost: no try came home whole in time
-  open_chain,    ///< unconfirmed: the ring is open, and nothing returns
-  out_of_reach,  ///< unconfirmed: in the open chain the destination lies before the source
-  given_up       ///< cancelled: by a reset, or because the sender or the daemon went away
+  none,             ///< delivered
+  bad_size,         ///< rejected: not 1 to 512 bytes
+  bad_destination,  ///< rejected: no node of that id is configured
+  bad_priority,     ///< rejected: not 0 to 3
+  bad_channel,      ///< rejected: not 0 to 63, or 1, which is the network controllers' own
+  bad_factor,       ///< rejected: not 0 to 7
+  input_unwired,    ///< rejected: the interrupt input is wired to nothing, or is not 0 to 7
+  queue_full,       ///< rejected: the send queue is full (limits.send_queue)
+  not_in_ring,      ///< rejected: this node is not in a ring
+  no_way_out,       ///< rejected: the packet could not go onto the line within timeouts.queue
+  needs_force,      ///< rejected: it would reset every CPU at once
+  cpu_absent,       ///< refused: the destination is to have a CPU, and none is there
+  cpu_booting,      ///< refused: its CPU boots
+  cpu_failed,       ///< refused: its CPU has failed
+  cpu_silent,       ///< refused: its CPU hangs and takes nothing out of the receive buffers
+  no_buffer,        ///< refused: no receive buffer of that priority is free
+  joining,          ///< refused: the destination is joining the ring
+  pin_unwired,      ///< refused: the pin is wired to nothing there
+  node_missing,     ///< no such node: it is down or bypassed
+  no_return,        ///< lost: no try came home whole in time
+  open_chain,       ///< unconfirmed: the ring is open, and nothing returns
+  out_of_reach,     ///< unconfirmed: in the open chain the destination lies before the source
+  given_up          ///< cancelled: by a reset, or because the sender or the daemon went away
 };
 constexpr Reason kLastReason = Reason::given_up;
 

@@ -7,7 +7,7 @@
 namespace limb_ring::payload {
 
 /// A run of bytes owned by someone else, who has to keep them as long as this is used. A vector of bytes, such as a
-/// received packet's data, is one without more ado.
+/// received packet's data, converts to one.
 struct ByteView {
   ByteView() = default;
   ByteView(const std::uint8_t* first, std::size_t count) : data(first), size(count) {}
