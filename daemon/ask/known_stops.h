@@ -10,7 +10,7 @@ enum class StopState : std::uint8_t {
   told,         ///< its stop pin was pulled; its CPU does not say what it made of it
   no_cpu,       ///< there is none that could stop
   not_reached,  ///< its stop pin was not pulled
-  unknown       ///< its daemon does not answer here, nor do its beacons tell
+  unknown       ///< its daemon does not answer, and no beacon of it says
 };
 /// One word for programs: "not_reached".
 const char* to_string(StopState state);

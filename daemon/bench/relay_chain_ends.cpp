@@ -51,7 +51,7 @@ class ChainEnds {
 
   void on_message(const std_msgs::UInt8MultiArray::ConstPtr& message) {
     const auto now = Samples::Clock::now();
-    if (limb_ring::wire::load_u32(message->data.data()) != number_) return;  // knocked earlier
+    if (limb_ring::wire::load_u32(message->data.data()) != number_) return;  // from before all relays were connected
     if (running_)
       done_ = !samples_.lap(now);
     else

@@ -11,11 +11,13 @@ struct Trip {
   std::vector<std::size_t> seen;
 };
 
-/// Sorts what was seen on all lines into tries of packets. A packet is known by source, kind, try and
-/// sequence; HOP and line say how far it is. A sighting goes to the try that was last seen nearest before it
-/// (lines keep order). Numbers come again, so a sighting is the first of a new packet where the try has been there
-/// already, where what it carries is another, and where the try must be over: its source has begun others of that kind
-/// since, a whole turn of the numbers, or one, and more than a second has passed.
+/// Sorts what was seen on all lines into tries of packets. A try is known by source, kind, number of the try and
+/// sequence number; HOP and line say how far it has come. A sighting belongs to the try that was last seen nearest
+/// before it (lines keep order). Sequence numbers repeat, so a sighting begins a new packet in these cases:
+///   - the try was seen at this place already
+///   - the data is not the same
+///   - the try must be over: its source has since begun a whole turn of sequence numbers of that kind; or at least one
+///     packet, and more than a second has passed
 ///
 /// @param packets in the order of `began`; see traced_ring.h
 std::vector<Trip> sort_into_trips(const std::vector<SeenPacket>& packets);

@@ -8,8 +8,8 @@
 
 namespace limb_ring::capture {
 
-/// Why was it late: captured packets of a ring's lines in, the paths of packets out. Knows no IO and no
-/// clock; the times are the capture's, of a live ring or a virtual one. (ours)
+/// Shows why a packet was late: takes the packets captured on a ring's lines, and gives the path of each. Knows no IO
+/// and no clock; the times are the capture's, of a live ring or a virtual one. (ours)
 ///
 /// What a packet waited for can only be told where both inputs and outputs were captured. Where nodes
 /// are on hosts whose clocks differ, their waits are wrong by as much.

@@ -84,7 +84,7 @@ struct Waiting {
 using ToDaemon = std::variant<Greeting, SendRequest, InterruptRequest, PullRequest, JsonRequest, ObserveRequest, Alive,
                               Credit, Waiting>;
 
-/// Whose time it is at a node.
+/// Which clock a node goes by.
 enum class ClockKind : std::uint8_t {
   machine,
   ring,     ///< a virtual ring's, which does not wait for this client

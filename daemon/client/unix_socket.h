@@ -21,7 +21,7 @@ class UnixSocket {
   ~UnixSocket();
 
   int fd() const { return fd_; }
-  /// User at the other end, by the kernel's word.
+  /// User at the other end, as the kernel says (SO_PEERCRED).
   std::optional<unsigned> peer_user() const;
 
   enum class Status { done, would_block, closed };

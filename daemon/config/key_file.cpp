@@ -81,7 +81,7 @@ void make_key_file(const std::string& path) {
   if (file.fd < 0) throw ConfigError(path + ": " + why() + (errno == EEXIST ? "; it is left as it is" : ""));
   if (::write(file.fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(file.fd) == 0) return;
   const std::string reason = why();
-  ::unlink(path.c_str());  // a part of a key is none, and would be in the way of the next try
+  ::unlink(path.c_str());  // part of a key is useless, and the file would stop the next try
   throw ConfigError(path + ": " + reason);
 }
 

@@ -166,7 +166,7 @@ std::optional<std::int64_t> parse_integer(const std::string& text) {
   if (const auto plain = plain_integer(text)) return plain;
   const auto scaled = split(text);
   if (!scaled || scaled->unit.size() > 1) return std::nullopt;
-  // m is milli to as many as it is million.
+  // Not m: some read it as milli, others as million.
   const bool prefix = !scaled->unit.empty() && scaled->unit != "m";
   const bool exponent = scaled->unit.empty() && text.find_first_of("eE") != std::string::npos;
   const long double unit = prefix ? prefix_of(scaled->unit[0]) : exponent ? 1 : 0;

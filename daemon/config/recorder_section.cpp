@@ -45,7 +45,7 @@ std::string usual_folder() {
 
 }  // namespace
 
-// What is about saving is checked here, and read by who saves.
+// The options of saving are only checked here; `ringctl up`, which saves, reads them (recorder_saves.h).
 const Section<RecorderConfig>& recorder_section() {
   static const Section<RecorderConfig> section = [] {
     Section<RecorderConfig> all{

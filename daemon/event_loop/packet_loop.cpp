@@ -90,7 +90,7 @@ void PacketLoop::at_turn_end(std::function<void()> call) {
   finish_soon();
 }
 
-// Outside of a turn nobody else may come back to what waits, so a posted call does.
+// Outside of a turn nothing else is sure to run what waits, so a call is posted that does.
 void PacketLoop::finish_soon() {
   if (in_turn_ || running_ || std::exchange(posted_, true)) return;
   boost::asio::post(io_, [this] {

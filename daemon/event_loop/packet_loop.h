@@ -21,8 +21,8 @@ namespace limb_ring::event_loop {
 /// calls, more slowly.
 class PacketLoop final : public boost::asio::execution_context::service {
  public:
-  /// While packets pass, what Asio looks after is late by at most this, by the time between two packets where that is
-  /// longer, and by kQuietPeriod when they have just ended.
+  /// While packets pass, Asio's timers and sockets are late by at most this, or by the time between two packets if that
+  /// is longer. When packets have just stopped, they are late by at most kQuietPeriod.
   static constexpr std::chrono::milliseconds kColdPeriod{5};
   /// No packets pass once none has come for this.
   static constexpr std::chrono::milliseconds kQuietPeriod{20};

@@ -54,7 +54,7 @@ enum Key : unsigned {
   kSeed = 1u << 9
 };
 
-/// What there is to know of a fault: its word, what it is of, what it may be told.
+/// What there is to know of a fault: its word, what it hits, which parameters it takes.
 struct Word {
   Name name;
   const char* word;

@@ -23,14 +23,15 @@ using RingNodes = std::vector<NamedNode>;
 /// Those of a configured ring; a Fault names them by their configured ids.
 RingNodes nodes_by_id(const config::RingConfig& ring);
 
-/// A text is no fault: `'WORD' is so wrong; allowed: ...`.
+/// A text that is not a fault. what() reads `PROBLEM; allowed: ALLOWED`.
 struct ParseError : std::runtime_error {
   ParseError(const std::string& why, const std::string& right)
       : std::runtime_error(why + "; allowed: " + right), problem(why), allowed(right) {}
   std::string problem, allowed;
 };
 
-/// A word of a text that is neither where the fault is nor has a key before it, as `1Mbit/s` for `rate=1Mbit/s`.
+/// A word too many: it does not say where the fault is, and has no key before it, such as `1Mbit/s` for
+/// `rate=1Mbit/s`.
 struct BareWord : ParseError {
   BareWord(std::string bare, std::string meant, const std::string& right)
       : ParseError('\'' + bare + "' is a word too many", right), word(std::move(bare)), key(std::move(meant)) {}
@@ -38,14 +39,15 @@ struct BareWord : ParseError {
   std::string key;  ///< a key of the fault that takes such a value; empty where none does
 };
 
-/// A fault is not told what it needs to know, as how often a line flaps.
+/// A parameter that the fault needs is missing, such as how often a line flaps.
 struct MissingKey : ParseError {
   MissingKey(std::string word, std::vector<std::string> any_of, const std::string& right);
   std::string fault;
   std::vector<std::string> keys;  ///< any of them is enough
 };
 
-/// The one form of a fault as text, of tools, services and scenarios: its word, what it is of, then what it is told.
+/// The one form of a fault as text, the same in tools, services and scenarios: its word, the line or nodes that it
+/// hits, then its parameters.
 ///
 ///   drop left_hip -> left_hip_yaw packets=3 once_in=10 for=2s seed=4
 ///   drop left_hip:left_hip_yaw                             (the same line; '>' is the shell's)
@@ -59,7 +61,7 @@ Fault from_words(const std::string& text, const RingNodes& nodes);
 /// The same form back: from_words() of the result is the same fault. @throw ParseError if it names an unknown node
 std::string to_words(const Fault& fault, const RingNodes& nodes);
 
-/// The keys that a fault takes, with their meanings, for help and errors.
+/// A parameter of a fault, as help and errors show it.
 struct KeyWord {
   Key key;
   const char* word;

@@ -18,7 +18,7 @@ using ClientId = std::uint32_t;  ///< never used twice by one server
 struct ClientInfo {
   ClientId id = 0;
   Role role = Role::tool;
-  pid_t pid = 0;  ///< by the kernel's word, not the client's
+  pid_t pid = 0;  ///< as the kernel says (SO_PEERCRED), not the client
   bool restarted_by_owner = false;
   bool results_may_wait = false;
   bool lockstep = false;                      ///< it acts in its turns alone

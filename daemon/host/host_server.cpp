@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
-/// Who is at the other end, by the kernel's word.
+/// Who is at the other end, as the kernel says.
 ucred peer_of(int socket) {
   ucred peer{0, static_cast<uid_t>(-1), static_cast<gid_t>(-1)};
   socklen_t size = sizeof peer;

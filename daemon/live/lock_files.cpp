@@ -110,7 +110,8 @@ Holder holder_of(const std::string& folder, std::uint8_t node) {
   }
   holder.pid = pid_in(pid);
   const bool lives = is_held(lock);
-  if (lives && !may_run(holder.pid, holder.program)) holder.pid = -1;  // whoever that is, it must not be signalled
+  // Some other process has that pid now: it must not be signalled.
+  if (lives && !may_run(holder.pid, holder.program)) holder.pid = -1;
   holder.on_virtual_ring = lives && are_of_virtual_ring(holder.arguments);
   const std::string fault = holder.on_virtual_ring ? noted_fault(folder, node) : "";
   holder.held = lives && fault != fault::word_of(fault::Name::kill).word;

@@ -92,7 +92,7 @@ void ChildProcess::poll() {
   if (status)
     report(*status);
   else
-    watch_signals();  // SIGCHLD of another child, or a pidfd that spoke too early
+    watch_signals();  // SIGCHLD of another child, or a pidfd that was readable too early
 }
 
 /// The group first: once its leader is reaped, its number may belong to others.

@@ -47,7 +47,7 @@ struct JudgeCounts {
 /// "1200 sends, 1180 packets; not judged: 3 (the receiver was restarted)"
 std::string describe(const JudgeCounts& counts);
 
-/// Where the judge says what it has found: promises broken, and what it could not judge.
+/// Where the judge reports broken promises, and counts what it could not judge.
 class JudgeReport {
  public:
   using OnBreach = std::function<void(const Breach&)>;

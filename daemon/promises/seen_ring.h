@@ -121,7 +121,7 @@ struct SeenRing {
   std::uint64_t& newest(std::uint8_t receiver, std::uint8_t source, std::uint8_t queue);
 };
 
-/// Of a result: nobody has taken it.
+/// Whether a result says that nobody has taken the packet.
 bool says_untaken(wire::Outcome outcome);
 /// "DATP of node 3 to 12, priority 0, channel 4, 100 bytes"
 std::string name_of(const Observation& packet, std::uint8_t source);

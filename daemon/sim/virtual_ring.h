@@ -48,14 +48,16 @@ class VirtualRing {
   explicit VirtualRing(const VirtualRingOptions& options);
 
   Time now() const { return now_; }
-  /// To tell a node something: before time goes on, it may use its lines, and its events are taken.
+  /// For calls that change something at a node: before time goes on, the node may then use its lines, and its events
+  /// are taken.
   NetworkController& node(NodeId id) {
     touch(id);
     return *nodes_[id].controller;
   }
   /// One above the largest id.
   unsigned size() const { return static_cast<unsigned>(nodes_.size()); }
-  /// As node(), but without that: for a caller that calls node() itself when it has asked something of the node.
+  /// The same controller, for reading: nothing follows from that. Who changes something all the same calls node()
+  /// afterwards.
   NetworkController& controller(NodeId id) { return *nodes_[id].controller; }
   const core::RingOrder& order() const { return options_.order; }
   core::Lines lines() const { return nodes_.front().controller->lines(); }

@@ -12,7 +12,8 @@ namespace limb_ring::sim {
 /// @param paced lines have a rate
 void set_short_times(core::Settings& settings, bool paced, bool fold_back);
 
-/// It belongs to traffic: it is no beacon's, nor the beginning of a packet, whose end tells.
+/// Whether a slice counts as traffic: it does not belong to a beacon. The beginning of a packet never counts, since
+/// only its end shows what it is.
 bool is_traffic(const wire::Slice& slice);
 
 /// Runs a ring in which all was mended until what is left over has ended: all nodes are up in a ring of them all, each

@@ -16,9 +16,9 @@
 
 namespace limb_ring::virtual_host {
 
-/// The programs that go by the ring's clock, and whose turn it is. What they do in one instant is ordered by node.
-/// Time goes on when all wait. A CPU that boots or ends stops the clock at a fixed instant, so that a run does not
-/// depend on how long it really takes.
+/// The programs that run in lockstep with the ring's clock, and which of them may act. What they do in one instant is
+/// ordered by node. Time goes on when all wait. A CPU that boots or ends stops the clock at a fixed instant, so that a
+/// run does not depend on how long it really takes.
 class Lockstep final : public host::TurnKeeper {
  public:
   /// All outlive this. No CPU attaches before its boot_time is over.

@@ -40,8 +40,8 @@ enum class CpuVerdict {
   booting,  ///< not there yet, or silent within the grace after its start
   alive,
   hung,        ///< its network controller is heard, and says that the CPU is silent; until it speaks or has booted
-  absent,      ///< no process is the CPU; nothing that a reset pin cures
-  unreachable  ///< no beacon any more: node or line, so nobody knows about the CPU
+  absent,      ///< the CPU has no process; a reset pin cannot help
+  unreachable  ///< no beacon comes any more, so nobody knows about the CPU: its node is down, or a line is broken
 };
 const char* to_string(CpuVerdict verdict);
 const char* to_string(config::SupervisorConfig::Policy policy);

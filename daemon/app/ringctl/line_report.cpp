@@ -56,7 +56,7 @@ std::string broken_second_lines(const std::vector<json>& rows) {
   return text;
 }
 
-/// Tolerance of noisy_line(): this fraction, one in so many, of a node's damaged packets may be under way.
+/// Tolerance of noisy_line(): one in so many of a node's damaged packets may not have reached the next node yet.
 constexpr std::int64_t kUnderWay = 8;
 
 std::int64_t counted(const json& row, const char* name) { return row["counters"].value(name, std::int64_t{0}); }

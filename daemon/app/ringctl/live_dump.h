@@ -36,7 +36,7 @@ class LiveDump {
     std::uint64_t received = 0;
     CaptureCounts counts;
     bool gone = false;
-    bool ended = false;  ///< it has told its counts after all was over
+    bool ended = false;  ///< it has sent its final counts
   };
 
   bool all_gone() const;

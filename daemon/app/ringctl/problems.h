@@ -13,7 +13,7 @@ enum ExitCode : int {
   kNotDone = 1,  ///< the thing asked for did not happen
   kUsage = 2,    ///< wrong arguments, or a configuration that is refused
   kNoRing = 3,   ///< no such ring, or a daemon that does not answer
-  kUnknown = 4   ///< sent, and it may have happened: nothing that can be heard tells
+  kUnknown = 4   ///< sent, but nobody knows whether it has happened
 };
 
 constexpr const char* kExitCodesHelp =

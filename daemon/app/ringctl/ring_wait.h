@@ -11,8 +11,8 @@ namespace limb_ring::ringctl {
 /// Says in words what is still missing in the status rows; empty if the wait is over.
 using Lack = std::function<std::string(const std::vector<nlohmann::json>& rows)>;
 
-/// Whole: every node is up in a ring of all of them, not folded back, its second line (where it has one) leads on,
-/// and every CPU that its ringd starts runs.
+/// What keeps the ring from being whole. It is whole when every node is up in a ring of all nodes, not folded back; its
+/// second line, if it has one, is connected; and every CPU that its ringd starts runs.
 std::string lack_of_whole(const std::vector<nlohmann::json>& rows);
 
 /// A node's state, or its CPU's, in the words of `ringctl status`.

@@ -25,7 +25,7 @@ std::string number_text(double value, const char* unit) {
 
 std::string percent_text(double share) { return number_text(100 * share, " %"); }
 
-/// Of almost 1: by how much it falls short says more.
+/// For a share just below 1, how much is missing says more than the share.
 std::string all_but(double share) {
   if (share == 1) return "always";
   const double missing = 1 - share;

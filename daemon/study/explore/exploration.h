@@ -24,10 +24,10 @@ class Exploration {
 
   Exploration(const World& world, const Bounds& bounds) : world_(world), bounds_(bounds) {}
 
-  /// Runs them all, or until a promise is broken or nobody wants more.
+  /// Runs them all, or until a promise is broken or stop() is called.
   /// @param progress called after every run, by one thread at a time
   void run(const std::function<void()>& progress);
-  /// Runs that have begun are the last; also for `progress` to call.
+  /// Begins no further run. May be called by `progress`.
   void stop() { stop_ = true; }
   std::uint64_t runs() const { return runs_; }
   /// Runs that ended in a state that had been met before.
