@@ -33,7 +33,7 @@ constexpr const char* kFaultHelp =
 
 struct FaultOptions {
   std::vector<std::string> where;
-  std::map<std::string, std::string> told;  ///< key of fault/parse.h -> value
+  std::map<std::string, std::string> parameters;  ///< by key (fault/parse.h)
   std::string id;
   double timeout_s = 20;
   bool json = false;
@@ -49,7 +49,7 @@ fault::RingNodes nodes_by_id(const RingAccess& ring) {
 std::string words_of(const fault::Word& word, const FaultOptions& options) {
   std::string words = word.word;
   for (const std::string& part : options.where) words += ' ' + part;
-  for (const auto& [key, value] : options.told)
+  for (const auto& [key, value] : options.parameters)
     if (!value.empty()) words += ' ' + key + '=' + value;
   return words;
 }
@@ -176,7 +176,8 @@ void add_word(CLI::App& faults, Context& context, const fault::Word& word) {
       ->required()
       ->type_name(line ? "A:B" : "NODE");
   for (const fault::KeyWord& key : fault::keys_of(word))
-    command->add_option(option_name(key.word), options->told[key.word], std::string(key.meaning) + "; " + key.allowed);
+    command->add_option(option_name(key.word), options->parameters[key.word],
+                        std::string(key.meaning) + "; " + key.allowed);
   add_json(*command, options->json);
   command->callback([&context, &word, options] {
     context.action = [&context, &word, options] { return begin(context, word, *options); };

@@ -270,37 +270,46 @@ void add_clock(CLI::App& command, UpOptions& options) {
       ->needs(clock);
 }
 
+/// Adds what is to be started.
+void add_request(CLI::App& command, UpRequest& request) {
+  command.add_option("CONFIG", request.config,
+                     "YAML file of the ring; or its name: NAME.yaml in ~/.config/limb_ring, in "
+                     "/etc/limb_ring, or of those that came with limb_ring, such as leg8");
+  command
+      .add_option("--nodes", request.nodes,
+                  "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
+      ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
+  command.add_option("--transport", request.transport, "unix, shm or udp, whatever CONFIG says")
+      ->transform(cli::one_of({"unix", "shm", "udp"}));
+  command.add_option(
+      "--host", request.host,
+      "Where CONFIG has `hosts`: start the nodes of this one; all: run all nodes on this machine. Default: "
+      "the host whose address is this machine's, where that is one");
+  command.add_flag("--record", request.record,
+                   "Each node records all that goes into its network controller and comes out, for 'ringctl record'");
+}
+
+/// Adds what ringctl does once the daemons are started.
+void add_stay(CLI::App& command, UpOptions& options) {
+  command.add_flag("--detach", options.detach,
+                   "Return when the ring is closed; its daemons go on, each with a log file "
+                   "NODE.log in the ring's folder");
+  command
+      .add_flag("--respawn", options.respawn,
+                "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
+                "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files. With --clock "
+                "virtual: the whole ring, at 0 s of its time and with all its nodes")
+      ->excludes("--detach");
+}
+
 }  // namespace
 
 void add_up(CLI::App& app, Context& context) {
   auto options = std::make_shared<UpOptions>();
-  UpRequest& request = options->request;
   CLI::App* command = add_command(
       app, "up", "Start a ring, or one host's part of it, one ringd per node, and stay until Ctrl-C or 'ringctl down'");
-  command->add_option("CONFIG", request.config,
-                      "YAML file of the ring; or its name: NAME.yaml in ~/.config/limb_ring, in "
-                      "/etc/limb_ring, or of those that came with limb_ring, such as leg8");
-  command
-      ->add_option("--nodes", request.nodes,
-                   "Instead of CONFIG: so many plain nodes without CPUs, 2 to 255; with CONFIG its number")
-      ->transform(cli::whole(config::kFewestNodes, config::kMostNodes));
-  command->add_option("--transport", request.transport, "unix, shm or udp, whatever CONFIG says")
-      ->transform(cli::one_of({"unix", "shm", "udp"}));
-  command->add_option(
-      "--host", request.host,
-      "Where CONFIG has `hosts`: start the nodes of this one; all: run all nodes on this machine. Default: "
-      "the host whose address is this machine's, where that is one");
-  command->add_flag("--record", request.record,
-                    "Each node records all that goes into its network controller and comes out, for 'ringctl record'");
-  command->add_flag("--detach", options->detach,
-                    "Return when the ring is closed; its daemons go on, each with a log file "
-                    "NODE.log in the ring's folder");
-  command
-      ->add_flag("--respawn", options->respawn,
-                 "Start a daemon again that ends by itself, and stay when the ring is taken down; what "
-                 "'ringctl down' and 'ringctl fault kill' end stays so. No --timeout. For launch files. With --clock "
-                 "virtual: the whole ring, at 0 s of its time and with all its nodes")
-      ->excludes("--detach");
+  add_request(*command, options->request);
+  add_stay(*command, *options);
   add_clock(*command, *options);
   command->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
       ->transform(cli::seconds(0.1, 600.0));
