@@ -1,5 +1,6 @@
 #include "bench/samples.h"
 
+#include "core/time.h"
 #include "statistics/percentiles.h"
 
 namespace limb_ring::bench {

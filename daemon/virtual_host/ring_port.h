@@ -3,6 +3,7 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 
+#include "client/host_message.h"
 #include "fault/parse.h"
 #include "host/host_server.h"
 #include "runtime/clock_control.h"

@@ -3,6 +3,7 @@
 #include <random>
 #include <set>
 
+#include "client/host_message.h"
 #include "config/ring_config.h"
 #include "host/host_handler.h"
 #include "virtual_host/virtual_clock.h"

@@ -1,5 +1,6 @@
 #include "app/ring_sim/case_rows.h"
 
+#include "core/time.h"
 #include "sim/trace.h"
 
 namespace limb_ring::ring_sim {

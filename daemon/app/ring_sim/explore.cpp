@@ -9,6 +9,7 @@
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
 #include "cli/values.h"
+#include "core/time.h"
 #include "process/signal_wait.h"
 #include "sim/trace.h"
 #include "study/explore/exploration.h"

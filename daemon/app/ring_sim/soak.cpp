@@ -13,6 +13,7 @@
 #include "app/ring_sim/progress.h"
 #include "cli/output.h"
 #include "cli/values.h"
+#include "core/time.h"
 #include "process/signal_wait.h"
 #include "sim/trace.h"
 #include "study/soak/shrunk_soak.h"

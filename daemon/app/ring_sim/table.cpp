@@ -5,6 +5,7 @@
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
+#include "core/time.h"
 
 namespace limb_ring::ring_sim {
 

@@ -7,6 +7,7 @@
 #include "app/ringctl/node_name.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/results.h"
+#include "core/time.h"
 #include "statistics/percentiles.h"
 
 namespace limb_ring::ringctl {

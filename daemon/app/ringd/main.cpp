@@ -15,11 +15,13 @@
 #include "cli/output.h"
 #include "config/config_error.h"
 #include "config/options_markdown.h"
+#include "core/time.h"
 #include "event_loop/packet_loop.h"
 #include "process/standard_descriptors.h"
 #include "runtime/daemon_node.h"
 #include "runtime/realtime.h"
 #include "setup/core_settings.h"
+#include "sim/trace.h"
 #include "sim_tools/planned_ring.h"
 #include "virtual_host/virtual_ring_host.h"
 

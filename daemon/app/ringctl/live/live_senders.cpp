@@ -1,4 +1,5 @@
 #include "app/ringctl/live/live_senders.h"
+#include "core/time.h"
 
 #include <algorithm>
 

@@ -5,6 +5,7 @@
 #include "app/ringctl/node_name.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_watch.h"
+#include "core/time.h"
 #include "fault/parse.h"
 
 namespace limb_ring::ringctl {
