@@ -10,7 +10,7 @@ function(ring_rostest name seconds)
   add_rostest(${name}.test)
   set_tests_properties(_ctest_${PROJECT_NAME}_rostest_test_ros_${name}.test PROPERTIES
     TIMEOUT ${seconds}
-    PROCESSORS 3 RESOURCE_LOCK humanoid16  # the ring's name; each is some 40 processes at 100 Hz
+    PROCESSORS 2 RESOURCE_LOCK humanoid16  # the ring's name; each is some 40 processes at 100 Hz, half a core
     COST 100  # one after the other they take longest, so they begin first
     ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home;LIMB_RING_DATA=${recordings};LIMB_RING_TEST_FILES=${CMAKE_CURRENT_BINARY_DIR}")
 endfunction()
