@@ -58,15 +58,10 @@ class AnyInputs {
   }
   /// @param beacon their period, 0: none, which would often be the first deadline of all
   static Settings settings(Duration byte_time, Duration beacon) {
-    Settings s;
-    s.id = 1_id;
-    s.order = {0_id, 1_id, 2_id, 3_id};
-    s.boot = 100;
-    s.byte_time_in = s.byte_time_out = byte_time;
-    s.insertion_buffer = s.interrupt_buffer = s.send_queue = s.receive_buffers = 4;  // its state is small
-    s.beacon = beacon;
-    s.wired = {true, true, true};
-    return s;
+    return SoloNode::settings(byte_time, [beacon](Settings& s) {
+      s.insertion_buffer = s.interrupt_buffer = s.send_queue = s.receive_buffers = 4;  // its state is small
+      s.beacon = beacon;
+    });
   }
   unsigned any(unsigned below) { return std::uniform_int_distribution<unsigned>(0, below - 1)(random_); }
 

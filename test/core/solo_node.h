@@ -15,6 +15,19 @@ class SoloNode {
     Bytes bytes;
   };
 
+  /// Of node 1 in a ring of 4 without beacons.
+  static Settings settings(Duration byte_time, const std::function<void(Settings&)>& adjust) {
+    Settings s;
+    s.id = 1_id;
+    s.order = {0_id, 1_id, 2_id, 3_id};
+    s.boot = 100;
+    s.byte_time_in = s.byte_time_out = byte_time;
+    s.beacon = Duration{0};
+    s.wired = {true, true, true};
+    adjust(s);
+    return s;
+  }
+
   explicit SoloNode(
       Duration byte_time = Duration{0}, std::function<void(Settings&)> adjust = [](Settings&) {})
       : node_(settings(byte_time, adjust)) {
@@ -92,17 +105,6 @@ class SoloNode {
   }
 
  private:
-  static Settings settings(Duration byte_time, const std::function<void(Settings&)>& adjust) {
-    Settings s;
-    s.id = 1_id;
-    s.order = {0_id, 1_id, 2_id, 3_id};
-    s.boot = 100;
-    s.byte_time_in = s.byte_time_out = byte_time;
-    s.beacon = Duration{0};
-    s.wired = {true, true, true};
-    adjust(s);
-    return s;
-  }
   void collect() {
     wire::ByteView rest = node_.line().view();
     while (!rest.empty()) {
