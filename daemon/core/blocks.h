@@ -100,7 +100,7 @@ class Blocks {
   Time next_deadline(Time now) const;
   /// take_event() or take() has something.
   bool has_output(Time now) const { return events_.is_due(now) || receive_.is_due(now); }
-  /// What is due is looked for anew in any case: nothing changes by it.
+  /// Needs no own_changes(): own_deadline() looks anew anyway while something is due.
   bool take_event(Time now, Event& out) { return events_.take(now, out); }
   ///@}
 
