@@ -5,8 +5,8 @@
 
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
-#include "live/in_parallel.h"
 #include "live/lock_files.h"
+#include "process/in_parallel.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -38,7 +38,7 @@ std::optional<json> row_of(const std::string& ring, std::uint8_t id, std::chrono
 
 Rows status_rows(const std::string& ring, const std::vector<Node>& nodes, std::chrono::milliseconds timeout) {
   std::vector<std::optional<json>> answers(nodes.size());
-  live::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = row_of(ring, nodes[i].id, timeout); });
+  process::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = row_of(ring, nodes[i].id, timeout); });
   Rows rows;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (answers[i]) rows.emplace(nodes[i].id, std::move(*answers[i]));

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <thread>
 
-#include "live/in_parallel.h"
 #include "live/node_notes.h"
+#include "process/in_parallel.h"
 
 namespace limb_ring::live {
 
@@ -34,7 +34,7 @@ struct Problem {
 std::vector<Problem> at_the_same_time(const std::vector<wire::NodeId>& nodes,
                                       const std::function<void(std::size_t)>& act) {
   std::vector<Problem> problems(nodes.size());
-  in_parallel(nodes.size(), nodes.size(), [&](std::size_t i) {
+  process::in_parallel(nodes.size(), nodes.size(), [&](std::size_t i) {
     try {
       act(i);
     } catch (const HostPortError& error) {

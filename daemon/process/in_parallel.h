@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace limb_ring::live {
+namespace limb_ring::process {
 
 /// Calls work(i) for each i below `count`, at most `most` of them at the same time; returns when all have been done.
 /// Where the system has no threads for so many, fewer are done at the same time. `work` must not throw.
@@ -28,4 +28,4 @@ void in_parallel(std::size_t count, std::size_t most, Work work) {
   for (std::thread& thread : threads) thread.join();
 }
 
-}  // namespace limb_ring::live
+}  // namespace limb_ring::process

@@ -121,7 +121,7 @@ const std::map<std::string, Parts> kMayInclude{
     {"sim_tools", {"wire", "capture", "core", "fault", "sim", "setup", "config"}},
     {"scenario", {"wire", "capture", "core", "fault", "sim", "sim_tools", "setup", "config", "watchdog"}},
     {"study",
-     {"wire", "core", "fault", "statistics", "sim", "sim_tools", "scenario", "setup", "config", "payload",
+     {"wire", "core", "fault", "statistics", "sim", "sim_tools", "scenario", "setup", "config", "payload", "process",
       "limb_ring"}},
     {"config", {"wire", "limb_ring"}},
     {"cli", {"config"}},

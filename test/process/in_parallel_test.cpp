@@ -1,10 +1,10 @@
 // Work for several threads, also where the system has none to give.
-#include "live/in_parallel.h"
+#include "process/in_parallel.h"
 
 #include <gmock/gmock.h>
 #include <pthread.h>
 
-namespace limb_ring::live {
+namespace limb_ring::process {
 namespace {
 
 using ::testing::Each;
@@ -33,4 +33,4 @@ TEST(InParallel, DoesItAloneWhereNoThreadCanBeMade) {
 }
 
 }  // namespace
-}  // namespace limb_ring::live
+}  // namespace limb_ring::process

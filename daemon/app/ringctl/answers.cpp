@@ -6,8 +6,8 @@
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_clock.h"
 #include "limb_ring/ring_directory.h"
-#include "live/in_parallel.h"
 #include "live/lock_files.h"
+#include "process/in_parallel.h"
 
 namespace limb_ring::ringctl {
 
@@ -71,7 +71,7 @@ std::vector<std::optional<nlohmann::json>> ask_all(const std::string& ring, cons
                                                    const nlohmann::json& request) {
   std::vector<std::optional<nlohmann::json>> answers(nodes.size());
   // A daemon that is stopped takes its whole time-out.
-  live::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = ask_one(ring, nodes[i], request); });
+  process::in_parallel(nodes.size(), kAskers, [&](std::size_t i) { answers[i] = ask_one(ring, nodes[i], request); });
   return answers;
 }
 

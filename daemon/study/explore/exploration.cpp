@@ -1,29 +1,19 @@
 #include "study/explore/exploration.h"
 
 #include <algorithm>
-#include <system_error>
-#include <thread>
+
+#include "process/in_parallel.h"
 
 namespace limb_ring::study {
 
 // Each thread takes one first strike after another and explores everything that can follow it.
 void Exploration::run(const Progress& progress) {
   const std::vector<Choice> firsts = next({}, run_once({}, progress));
-  std::atomic<std::size_t> taken{0};
-  const auto work = [&] {
-    for (std::size_t i; (i = taken++) < firsts.size() && !stop_;) {
-      std::vector<Choice> choices{firsts[i]};
-      extend(choices, progress);
-    }
-  };
-  std::vector<std::thread> helpers;
-  helpers.reserve(bounds_.threads);
-  try {
-    for (unsigned i = 1; i < bounds_.threads; ++i) helpers.emplace_back(work);
-  } catch (const std::system_error&) {  // the system has no more: those that are there do it all
-  }
-  work();
-  for (std::thread& helper : helpers) helper.join();
+  process::in_parallel(firsts.size(), bounds_.threads, [&](std::size_t i) {
+    if (stop_) return;
+    std::vector<Choice> choices{firsts[i]};
+    extend(choices, progress);
+  });
 }
 
 void Exploration::extend(std::vector<Choice>& choices, const Progress& progress) {
