@@ -28,13 +28,32 @@ void ResultJudge::settle(Flow& flow) {
   }
 }
 
-/// Nobody can receive it any more, and a second copy would have been seen by now.
+/// Nobody can receive it any more, a second copy would have been seen by now, and so would that another send was meant.
 bool ResultJudge::is_done_with(const Flow& flow, const Sent& sent) const {
   const SeenNode& source = ring_.at(flow.source);
   if (!sent.judged || !sent.ended) return false;
   if (source.known && std::max(sent.ended_at, sent.taken_at) + times_.kept.count() >= source.at) return false;
+  if (may_stand_for_other(flow, sent)) return false;
   return sent.by_node ? is_over_everywhere(flow, sent)
                       : sent.taken_life != 0 || is_over_at(flow.destination, flow, sent);
+}
+
+/// Something of its content was taken when a send that is not judged yet had been asked for as well: taken_for_other()
+/// may still have to find this one.
+bool ResultJudge::may_stand_for_other(const Flow& flow, const Sent& sent) const {
+  const auto is_open_in = [&](std::uint8_t destination) {
+    const Flow* others = ring_.find_flow(flow.source, flow.queue, destination);
+    if (others == nullptr) return false;
+    for (const Sent& other : others->sends) {
+      if (other.asked.at_ns > sent.taken_at) return false;
+      if (!other.judged && other.asked.same_content(sent.asked)) return true;
+    }
+    return false;
+  };
+  if (is_open_in(flow.destination)) return true;
+  if (flow.queue != Observation::kInterrupt) return false;
+  if (flow.destination != wire::kBroadcast) return is_open_in(wire::kBroadcast);
+  return std::any_of(ring_.known.begin(), ring_.known.end(), is_open_in);
 }
 
 bool ResultJudge::is_over_at(std::uint8_t receiver, const Flow& flow, const Sent& sent) const {

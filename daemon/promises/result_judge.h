@@ -23,6 +23,7 @@ class ResultJudge {
   bool judge_missing(Flow& flow, Sent& sent, std::uint8_t receiver);
   bool judge_broadcast(Flow& flow, Sent& sent);
   bool is_done_with(const Flow& flow, const Sent& sent) const;
+  bool may_stand_for_other(const Flow& flow, const Sent& sent) const;
   bool is_over_at(std::uint8_t receiver, const Flow& flow, const Sent& sent) const;
   bool is_over_everywhere(const Flow& flow, const Sent& sent) const;
   bool is_in_ring_since(std::uint8_t id, const Sent& sent) const;

@@ -55,6 +55,56 @@ TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverFreez
   EXPECT_THAT(broken(), IsEmpty());
 }
 
+TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheSourceDiesBehindIt) {
+  interrupt(1, 3, 14, 0);
+  end_interrupt(1, 3, 14, Outcome::lost);
+  interrupt(1, 3, 15, 0);
+  pin(3, 1, 0);
+  end_interrupt(1, 3, 15, Outcome::delivered);
+  judge.ends(1);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
+TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheOtherEndsMuchLater) {
+  interrupt(1, 3, 14, 0);
+  end_interrupt(1, 3, 14, Outcome::lost);
+  interrupt(1, 3, 15, 0);
+  pin(3, 1, 0);
+  rounds(20);
+  end_interrupt(1, 3, 15, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
+TEST_F(JudgeTest, ofAnInterruptToAllAndOneToANodeTheLostOneMayBeMeantAlsoWhereTheOtherEndsMuchLater) {
+  interrupt(1, kAll, 14, 0);
+  interrupt(1, 3, 15, 0);
+  pin(3, 1, 0);
+  end_interrupt(1, kAll, 14, Outcome::lost);
+  rounds(100);
+  end_interrupt(1, 3, 15, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
+TEST_F(JudgeTest, ofAnInterruptToANodeAndOneToAllTheLostOneMayBeMeantAlsoWhereTheOtherEndsMuchLater) {
+  interrupt(1, 3, 14, 0);
+  interrupt(1, kAll, 15, 0);
+  Observation passes = of(Kind::passed);
+  passes.source = 1;
+  passes.destination = kAll;
+  passes.queue = Observation::kInterrupt;
+  judge.see(3, passes);
+  pin(3, 1, 0);
+  rounds(1);
+  end_interrupt(1, 3, 14, Outcome::lost);
+  rounds(20);
+  end_interrupt(1, kAll, 15, Outcome::delivered);
+  rounds(10);
+  EXPECT_THAT(broken(), IsEmpty());
+}
+
 TEST_F(JudgeTest, aPinMayBePulledForTheFirstOfTwoEqualInterruptsAndThenTheReceiverStartsOver) {
   interrupt(1, 3, 14, 0);
   interrupt(1, 3, 15, 0);
