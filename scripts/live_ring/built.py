@@ -9,5 +9,11 @@ PROGRAMS = os.environ.get('RING_TEST_PROGRAMS') or os.path.join(ROOT, 'build', '
 try:
     import limb_ring._client  # noqa: F401
 except ImportError:
-    sys.path.insert(0, os.path.join(PROGRAMS, '..', 'python3', 'dist-packages'))
+    sys.path.insert(0, os.path.normpath(os.path.join(PROGRAMS, '..', 'python3', 'dist-packages')))
     sys.modules.pop('limb_ring', None)   # one with the messages alone
+    try:
+        import limb_ring._client  # noqa: F401
+    except ImportError as problem:
+        print('%s: no Python library of limb_ring in %s: %s; run `make build` first, or say by RING_TEST_PROGRAMS in which '
+              'folder ringd is' % (os.path.basename(sys.argv[0]), sys.path[0], problem), file=sys.stderr)
+        sys.exit(2)

@@ -235,6 +235,15 @@ class Program(unittest.TestCase):
             self.assertEqual(done.returncode, 2, said)
             self.assertIn(words, said)
 
+    def test_where_nothing_is_built_it_says_what_to_do(self):
+        # Not even the library that is to be found with a set-up shell.
+        unset = {name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}
+        done = subprocess.run([sys.executable, '-s', os.path.join(SCRIPTS, 'chaos'), '--help'], capture_output=True, text=True,
+                              timeout=GUARD, env={**unset, 'RING_TEST_PROGRAMS': '/nowhere/lib/limb_ring'})
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertIn('no Python library of limb_ring in /nowhere/lib/python3/dist-packages', done.stderr)
+        self.assertIn('run `make build` first', done.stderr)
+
 
 if __name__ == '__main__':
     ring_process.main()
