@@ -57,14 +57,16 @@ test-quick: deps ## The quick tests, under address and undefined behaviour sanit
 	cmake --build $(BUILD)-quick -j$(JOBS) --target $(QUICK_TESTS)
 	cd $(BUILD)-quick && LIMB_RING_SEEDS=10 GTEST_FILTER=-*InWideWorlds ctest -j$(JOBS) --output-on-failure -R '^($(subst $(SPACE),|,$(strip $(QUICK_TESTS))))$$'
 
+# Those of living rings mostly wait.
+TESTS_AT_ONCE = $$((3 * $(JOBS)))
 ifeq ($(SANITIZE),)
 test: tests ## Builds and runs all tests (SANITIZE=address,undefined: what needs no ROS, under sanitizers)
-	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest -j$$((2 * $(JOBS))) --output-on-failure
+	. $(BUILD)/devel/setup.bash && cd $(BUILD) && ctest -j$(TESTS_AT_ONCE) --output-on-failure
 else
 test: deps
 	cmake -S . -B $(BUILD)-sanitize -DLIMB_RING_ROS=OFF -DLIMB_RING_SANITIZE=$(SANITIZE) -DPYTHON_EXECUTABLE=$(PYTHON)
 	cmake --build $(BUILD)-sanitize -j$(JOBS) --target all tests
-	cd $(BUILD)-sanitize && ctest -j$$((2 * $(JOBS))) --output-on-failure
+	cd $(BUILD)-sanitize && ctest -j$(TESTS_AT_ONCE) --output-on-failure
 endif
 
 # Random faults by seed under the virtual clock; stops at the first broken promise.
