@@ -2,18 +2,15 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
-#include <set>
 
-#include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/names_to_complete.h"
 #include "app/ringctl/other_host.h"
 #include "app/ringctl/problems.h"
-#include "app/ringctl/ring_access.h"
 #include "capture/pcapng_reader.h"
 #include "cli/command_line.h"
 #include "config/config_error.h"
 #include "limb_ring/host_port.h"
-#include "live/lock_files.h"
 
 namespace limb_ring::ringctl {
 
@@ -83,21 +80,6 @@ int act(const Context& context) {
   }
 }
 
-/// Of the rings that run, and of the nodes of the one meant.
-std::vector<std::string> names_for(const std::string& wanted) {
-  if (wanted == "RING" || wanted == "--ring") return live::held_rings();
-  std::vector<std::string> names;
-  const std::set<std::string> nodes{"NODE", "TO", "--to", "--from"};
-  if (nodes.count(wanted) == 0) return names;
-  try {
-    const RingAccess access = RingAccess::open(choose_ring(""));
-    for (const NodeName& node : access.nodes()) names.push_back(node.name);
-  } catch (const std::exception&) {
-    return {};  // none runs, or several do
-  }
-  return names;
-}
-
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
@@ -112,7 +94,10 @@ int run_command_line(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
     if (std::string(argv[i]) != "--ssh") context.arguments.emplace_back(argv[i]);
   add_commands(app, context);
-  if (const auto end = cli::parse(app, argc, argv, names_for)) return *end;
+  const auto names = [&context](const std::string& wanted) {
+    return names_to_complete(wanted, typed_ring(context.arguments));
+  };
+  if (const auto end = cli::parse(app, argc, argv, names)) return *end;
   return act(context);
 }
 
