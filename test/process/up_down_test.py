@@ -42,11 +42,21 @@ class UpDown(RingTest):
         self.assertEqual(self.wait_exit(winner), 0)
         self.assertFalse(os.path.exists(self.ring_folder()))
 
-    def test_one_that_is_refused_leaves_no_lock(self):
+    def test_one_that_fails_leaves_no_folder_unless_something_was_in_it(self):
         nodes = plain_nodes(2)
         nodes[1]['cpu'] = {'command': ['no_such_program']}
-        self.assertEqual(self.ctl('up', self.write_ring(nodes), '--timeout', 2).returncode, 1)
-        self.assertNotIn('up.lock', os.listdir(self.ring_folder()))
+        config = self.write_ring(nodes)
+        for more in ['--detach'], []:
+            failed = self.ctl('up', config, '--timeout', 2, *more)
+            self.assertEqual(failed.returncode, 1)
+            self.assertIn('no_such_program', failed.stderr)
+            self.assertFalse(os.path.exists(self.ring_folder()))
+        self.assertEqual(self.ctl('up', config, '--timeout', 2, '--record').returncode, 1)
+        self.assertIn('1.record', os.listdir(self.ring_folder()))
+        self.assertEqual(self.ctl('up', config, '--timeout', 2).returncode, 1)
+        left = os.listdir(self.ring_folder())
+        self.assertIn('1.boot', left)
+        self.assertNotIn('up.lock', left)
 
     def test_down_ends_frozen_daemons_too(self):
         self.up('--nodes', 3)

@@ -14,14 +14,17 @@ class UpLock {
   /// @param host whose part is started; empty: all of the ring
   /// @throw NotDone with the pid of the other one
   UpLock(const std::string& ring, const std::string& host);
-  ~UpLock() { release(); }
+  /// Where the ring has not come up, and its folder was made for it, that goes, too: a failed start leaves nothing. It
+  /// stays where a daemon lives, or has recorded what may tell why.
+  ~UpLock();
   UpLock(const UpLock&) = delete;
   UpLock& operator=(const UpLock&) = delete;
 
-  /// The ring is closed, or will not be. Leaves nothing behind.
+  /// The ring is closed, or was taken down. Leaves nothing of its own behind.
   void release();
 
  private:
+  bool folder_is_new_;
   std::string folder_;
   std::optional<process::LockFile> file_;
 };
