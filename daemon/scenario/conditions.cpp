@@ -44,15 +44,19 @@ std::string state_words(NodeId id, const StageView& view) {
   return view.name(id) + " is " + to_string(view.state(id)) + ", in a ring of " + std::to_string(view.ring_size(id));
 }
 
+/// Of nobody it does not hold: where no node lives, nothing has been seen.
 bool holds_now(const NodeIs& node, const StageView& view) {
-  for (const NodeId id : those(node.who, view))
+  const std::vector<NodeId> nodes = those(node.who, view);
+  for (const NodeId id : nodes)
     if (!holds_at(node, id, view)) return false;
-  return true;
+  return !nodes.empty();
 }
 
 std::string describe(const NodeIs& node, const StageView& view) {
   const bool one = node.who.kind == Who::Kind::one;
-  return list(those(node.who, view),
+  const std::vector<NodeId> nodes = those(node.who, view);
+  if (nodes.empty()) return "no node is alive";
+  return list(nodes,
               [&](NodeId id) { return one || !holds_at(node, id, view) ? state_words(id, view) : std::string(); });
 }
 
@@ -66,13 +70,14 @@ std::vector<NodeId> living_others(NodeId not_this, const StageView& view) {
 }
 
 bool holds_now(const CpuIs& cpu, const StageView& view) {
-  for (const NodeId id : living_others(cpu.node, view)) {
+  const std::vector<NodeId> others = living_others(cpu.node, view);
+  for (const NodeId id : others) {
     const auto beacon = view.heard(id, cpu.node);
     if (!beacon) return false;
     if (cpu.state && beacon->cpu_state != *cpu.state) return false;
     if (cpu.boots && beacon->cpu_boots != *cpu.boots) return false;
   }
-  return true;
+  return !others.empty();
 }
 
 std::string describe(const CpuIs& cpu, const StageView& view) {

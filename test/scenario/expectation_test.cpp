@@ -45,6 +45,15 @@ TEST(Expectation, OfAState) {
             "always {node: all, is: up}; node3 is down");
 }
 
+TEST(Expectation, OfLivingNodesIsUnmetWhereNoneLives) {
+  const std::string nobody = "steps:\n  - {at: 1ms, do: {kill: all}}\n";
+  EXPECT_EQ(unmet_of(nobody + when("{node: living, is: up}", "1ms")),
+            "when {node: living, is: up} within 1ms; no node is alive");
+  EXPECT_EQ(unmet_of(nobody + when("{cpu: node0, is: running}", "1ms")),
+            "when {cpu: node0, is: running} within 1ms; no other node is alive");
+  EXPECT_EQ(unmet_of(nobody + when("{node: all, is: down}", "1ms")), "");
+}
+
 TEST(Expectation, OfACpu) {
   EXPECT_EQ(unmet_of("steps:\n" + when("{cpu: node1, is: running, boots: 1}", "1ms")), "");
   EXPECT_EQ(unmet_of("steps:\n" + when("{cpu: node1, is: silent}", "200ms")),
