@@ -73,8 +73,9 @@ struct HostPort::Impl {
     return token;
   }
 
-  std::chrono::nanoseconds deadline_in(std::chrono::milliseconds timeout) const {
-    return connection.now() + at_most_longest(timeout);
+  /// Of a wait for the end of a call; now, where that can no longer come.
+  std::chrono::nanoseconds deadline_of(std::uint32_t token, std::chrono::milliseconds timeout) const {
+    return connection.now() + (connection.outstanding(token) ? at_most_longest(timeout) : std::chrono::nanoseconds{0});
   }
 
   client::Connection connection;
@@ -164,7 +165,7 @@ std::string HostPort::ask(const std::string& json, std::chrono::milliseconds tim
 std::string HostPort::reply(std::uint32_t token, std::chrono::milliseconds timeout) {
   impl_->connection.stay_alive();
   client::Inbox& inbox = impl_->connection.inbox();
-  const auto reply = impl_->read_until([&] { return inbox.take_reply(token); }, impl_->deadline_in(timeout));
+  const auto reply = impl_->read_until([&] { return inbox.take_reply(token); }, impl_->deadline_of(token, timeout));
   if (!reply && !impl_->connection.outstanding(token)) {
     throw HostPortError("token " + std::to_string(token) + ": no reply is outstanding (was it received already?)");
   }
@@ -180,7 +181,7 @@ std::string HostPort::reply(std::uint32_t token, std::chrono::milliseconds timeo
 Result HostPort::wait(std::uint32_t token, std::chrono::milliseconds timeout) {
   impl_->connection.stay_alive();
   client::Inbox& inbox = impl_->connection.inbox();
-  const auto result = impl_->read_until([&] { return inbox.take_result(token); }, impl_->deadline_in(timeout));
+  const auto result = impl_->read_until([&] { return inbox.take_result(token); }, impl_->deadline_of(token, timeout));
   if (result) return *result;
   if (!impl_->connection.outstanding(token)) {
     throw HostPortError("token " + std::to_string(token) + ": no result is outstanding (was it received already?)");

@@ -193,10 +193,10 @@ class HostPort {
   /// The Reply to a request, waiting up to `timeout`; other messages stay for receive().
   /// @throw HostPortTimeout; HostPortError on lost connection, or a reply holding "error".
   std::string ask(const std::string& json, std::chrono::milliseconds timeout);
-  /// The same for the token of a request().
+  /// The same for the token of a request(). @throw HostPortError, too, at once, where no reply of it is outstanding.
   std::string reply(std::uint32_t token, std::chrono::milliseconds timeout);
   /// The Result of a token, waiting up to `timeout`; other messages stay for receive().
-  /// @throw HostPortTimeout; HostPortError where no result of that token is outstanding.
+  /// @throw HostPortTimeout; HostPortError, at once, where no result of that token is outstanding.
   Result wait(std::uint32_t token, std::chrono::milliseconds timeout);
 
   /// False once Disconnected is to be received, or was.

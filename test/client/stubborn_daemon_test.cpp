@@ -155,6 +155,21 @@ TEST_F(StubbornDaemon, NotAnsweringInTimeIsSaid) {
               HasSubstr("did not answer within 1 ms"));
 }
 
+// An end that was received already does not come again, however long one waits.
+TEST_F(StubbornDaemon, IsNotWaitedForWhereNothingIsOutstanding) {
+  HostPort port = connect();
+  const std::uint32_t sent = port.send(4, std::vector<std::uint8_t>(100000));  // ends here: rejected
+  EXPECT_EQ(next<Result>(port).token, sent);
+  const auto waits = [&](auto wait) {
+    auto said = std::async(std::launch::async, [&] { return test::thrown<HostPortError>(wait); });
+    EXPECT_EQ(said.wait_for(kGuard), std::future_status::ready) << "it waits";
+    if (said.wait_for(seconds{0}) != std::future_status::ready) daemon.hang_up();
+    return said.get();
+  };
+  EXPECT_THAT(waits([&] { port.wait(sent, std::chrono::hours{1}); }), HasSubstr("no result is outstanding"));
+  EXPECT_THAT(waits([&] { port.reply(sent, std::chrono::hours{1}); }), HasSubstr("no reply is outstanding"));
+}
+
 TEST_F(StubbornDaemon, IsNotSentMoreThanAFrameHolds) {
   HostPort port = connect();
   const std::vector<std::uint8_t> large(100000);
