@@ -83,7 +83,8 @@ bool any_daemon_answers(const fs::path& folder) {
 std::string rings_directory(const std::string& runtime) {
   if (!runtime.empty()) return runtime + "/limb_ring";
   const char* told = std::getenv("XDG_RUNTIME_DIR");
-  if (told != nullptr && *told != '\0') return std::string(told) + "/limb_ring";
+  // A relative one would be another folder for each program; XDG's specification has it ignored.
+  if (told != nullptr && *told == '/') return std::string(told) + "/limb_ring";
   std::error_code error;
   const fs::path temporary = fs::temp_directory_path(error);
   const std::string base = error ? std::string("/tmp") : temporary.string();

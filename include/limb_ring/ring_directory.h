@@ -7,8 +7,8 @@
 namespace limb_ring {
 
 /// Where the sockets of the rings of this user live (ours):
-/// `$XDG_RUNTIME_DIR/limb_ring`, or where that is not set `limb_ring-UID` below the system's
-/// temporary folder. Never created here, only named.
+/// `$XDG_RUNTIME_DIR/limb_ring`, or where that is not set, or no absolute path, `limb_ring-UID`
+/// below the system's temporary folder. Never created here, only named.
 /// @param runtime folder in the place of $XDG_RUNTIME_DIR; empty: the environment says it
 std::string rings_directory(const std::string& runtime = {});
 

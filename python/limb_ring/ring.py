@@ -57,9 +57,11 @@ class Ring:
 
     @classmethod
     def attach(cls, name='', runtime=''):
-        """A ring that is running already, such as that of ring.launch; it is left running."""
+        """A ring that is running already, such as that of ring.launch; it is left running.
+        @param runtime folder in the place of XDG_RUNTIME_DIR"""
         ring = cls(None)
-        ring._attached = name, runtime
+        # `environment` is for programs in other folders, too.
+        ring._attached = name, os.path.abspath(runtime) if runtime else ''
         return ring
 
     # ---- up and down ----------------------------------------------------------------------

@@ -29,6 +29,10 @@ TEST_F(RingDirectory, LiesInAFolderOfItsOwnBelowTheTemporaryOneOtherwise) {
   unsetenv("XDG_RUNTIME_DIR");
   const fs::path expected = fs::temp_directory_path() / ("limb_ring-" + std::to_string(geteuid())) / "r";
   EXPECT_EQ(ring_directory("r"), expected.string());
+  for (const char* relative : {"", ".", "run", "./run"}) {
+    setenv("XDG_RUNTIME_DIR", relative, 1);
+    EXPECT_EQ(ring_directory("r"), expected.string()) << relative;
+  }
 }
 
 TEST_F(RingDirectory, RefusesNamesThatAreNoNames) {

@@ -128,10 +128,14 @@ def test_nothing_is_left_where_a_variable_is_not_utf_8(monkeypatch):
     ring.down()
 
 
-def test_a_ring_that_somebody_else_has_started_goes_on():
+def test_a_ring_that_somebody_else_has_started_goes_on(monkeypatch):
     with Ring(plain('theirs')) as theirs:
         with Ring.attach('theirs', runtime=theirs.environment['XDG_RUNTIME_DIR']) as ring:
             assert ring.send('body', 'knee', b'x').outcome == 'delivered'
+        monkeypatch.chdir(theirs.environment['XDG_RUNTIME_DIR'])
+        with Ring.attach('theirs', runtime='.') as ring:
+            assert ring.send('body', 'knee', b'x').outcome == 'delivered'
+            ring.wait_up()   # by ringctl, to which a relative XDG_RUNTIME_DIR is none
         theirs.wait_up()
 
 
