@@ -30,9 +30,16 @@ bool name_fits(const std::string& name) {
          std::all_of(name.begin(), name.end(), allowed);
 }
 
+/// On one line, whatever was given; an exception's text would end at a null.
+std::string shown(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+  return name;
+}
+
 void require_name(const char* what, const std::string& name) {
   if (name_fits(name)) return;
-  throw std::invalid_argument(std::string(what) + " '" + name +
+  throw std::invalid_argument(std::string(what) + " '" + shown(name) +
                               "': a name has 1 to 32 letters, digits, '-', '_' or '.', and does "
                               "not begin with '.'");
 }

@@ -42,6 +42,11 @@ TEST_F(RingDirectory, RefusesNamesThatAreNoNames) {
   EXPECT_NO_THROW(ring_directory("a2345678901234567890123456789012"));
 }
 
+TEST_F(RingDirectory, RefusesANameInOneLineWhateverIsInIt) {
+  EXPECT_THAT(test::thrown<std::invalid_argument>([] { ring_directory(std::string("a\0b\nc", 5)); }),
+              AllOf(HasSubstr("ring 'a?b?c': a name has"), HasSubstr("begin with")));
+}
+
 TEST_F(RingDirectory, IsMadeForItsOwnerAlone) {
   const std::string made = make_ring_directory("r");
   struct stat status {};

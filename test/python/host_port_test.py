@@ -115,6 +115,8 @@ def test_every_wait_ends_at_its_deadline(ring):
         port.next_of(Packet, timeout=float('nan'))
     with pytest.raises(ValueError, match="'tool' or 'cpu'"):
         HostPort.connect(ring='no_such', node=3, role='boss')
+    with pytest.raises(HostPortError, match="ring 'a.b': a name has 1 to 32 letters"):
+        HostPort.connect(ring='a\0b', node=3)
 
 
 @needs_ring
