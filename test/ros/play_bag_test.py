@@ -101,6 +101,37 @@ class PlayBag(unittest.TestCase):
             _, said = self.play(*arguments).communicate(timeout=60)
             self.assertRegex(said, '^play_bag: %s: ' % garbage)
 
+    def assert_refused(self, words, code, *arguments):
+        ended = self.play(*arguments)
+        _, said = ended.communicate(timeout=60)
+        self.assertIn(words, said)
+        self.assertNotIn('Traceback', said)
+        self.assertEqual(ended.returncode, code)
+
+    def test_topics_that_are_not_in_the_bag_are_an_error(self):
+        self.assert_refused('has no topic /odom; it has /joint_commands, /joint_states, /wrench', 2,
+                            self.bag, '--topics', '/wrench', '/odom', '--rate', '2')
+
+    def test_commands_of_another_type_are_an_error(self):
+        self.assert_refused('/wrench is std_msgs/String, which the ring does not take as joint_commands', 2,
+                            self.bag, '--rename', '/wrench', '/joint_commands')
+
+    def test_a_renaming_without_a_name_is_an_error(self):
+        self.assert_refused("'/wrench:=' lacks a name", 2, self.bag, '--rename', '/wrench', '')
+        self.assert_refused("':=x' lacks a name", 2, self.bag, ':=x')
+
+    def test_an_input_that_is_no_name_is_an_error(self):
+        config = self.bag + '.yaml'
+        for wrong in ('5', '""', 'null'):
+            with open(config, 'w') as file:
+                file.write('bridge: {topics: [{input: %s}]}' % wrong)
+            self.assert_refused(config + ': an input of bridge.topics is no name', 2, '--config', config, self.bag)
+
+    def test_a_bag_whose_recorder_was_killed_is_an_error_that_says_what_mends_it(self):
+        with open(self.bag, 'r+b') as file:
+            file.truncate(os.path.getsize(self.bag) // 2)
+        self.assert_refused('rosbag reindex', 1, self.bag)
+
 
 if __name__ == '__main__':
     rospy.init_node('play_bag_test')
