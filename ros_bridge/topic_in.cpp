@@ -1,9 +1,15 @@
 #include "ros_bridge/topic_in.h"
 
+#include <ros/master.h>
+
+#include <algorithm>
+#include <utility>
+
 namespace limb_ring::bridge {
 namespace {
 
 constexpr auto kAnnouncePeriod = std::chrono::seconds(1);
+const ros::WallDuration kPublisherLook{1.0};
 
 TopicMessage to_message(const ros::MessageEvent<topic_tools::ShapeShifter const>& event) {
   const auto& shape = *event.getConstMessage();
@@ -29,17 +35,43 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
       counters_(counters),
       sender_(
           number, topic,
-          [&port](const Outgoing& packet, RingPort::OnResult done) { port.send(packet, std::move(done)); }, counters) {
+          [&port](const Outgoing& packet, RingPort::OnResult done) { port.send(packet, std::move(done)); }, counters),
+      nodes_(nodes) {
   port_.every(kAnnouncePeriod, [this] { sender_.announce(); });
-  ros::SubscribeOptions options;
-  options.initByFullCallbackType<const Event&>(topic.input, topic.queue,
-                                               [this](const Event& event) { on_message(event); });
-  options.transport_hints = ros::TransportHints().tcpNoDelay();
-  subscriber_ = nodes.subscribe(options);
+  options_.initByFullCallbackType<const Event&>(topic.input, topic.queue,
+                                                [this](const Event& event) { on_message(event); });
+  options_.transport_hints = ros::TransportHints().tcpNoDelay();
+  subscriber_ = nodes_.subscribe(options_);
+  look_ = nodes_.createWallTimer(kPublisherLook, [this](const ros::WallTimerEvent&) { renew_where_type_changed(); });
+}
+
+// roscpp takes the type of the first publisher for that of the subscription. Where the topic is silent and the master
+// says another type than before, it is made anew. The master is asked only, not waited for: this thread is the CPU's.
+void TopicIn::renew_where_type_changed() {
+  ros::master::V_TopicInfo topics;
+  if (std::exchange(spoke_, false) || !ros::master::getTopics(topics)) return;
+  const auto found = std::find_if(topics.begin(), topics.end(),
+                                  [&](const auto& topic) { return topic.name == subscriber_.getTopic(); });
+  if (found == topics.end() || found->datatype == "*") return;
+  const std::string before = std::exchange(published_as_, found->datatype);
+  if (before.empty() || before == published_as_) return;
+  subscriber_.shutdown();
+  subscriber_ = nodes_.subscribe(options_);
+}
+
+void TopicIn::take_type(const payload::Announcement& type) {
+  if (!md5sum_.empty() && md5sum_ != type.md5sum)
+    ROS_WARN("topic '%s' is %s (md5sum %s) from here on, it was %s (md5sum %s): who hears '%s' has to take that type",
+             topic_.input.c_str(), type.datatype.c_str(), type.md5sum.c_str(), datatype_.c_str(), md5sum_.c_str(),
+             topic_.output.c_str());
+  spoke_ = true;
+  datatype_ = published_as_ = type.datatype;
+  md5sum_ = type.md5sum;
 }
 
 void TopicIn::on_message(const Event& event) {
   auto message = to_message(event);
+  take_type(message.type);
   bool first = false;
   {
     std::lock_guard<std::mutex> lock(mutex_);

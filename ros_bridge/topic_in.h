@@ -5,12 +5,14 @@
 
 #include <deque>
 #include <mutex>
+#include <string>
 
 #include "ros_bridge/topic_sender.h"
 
 namespace limb_ring::bridge {
 
-/// A ROS topic of any type, subscribed here and sent to the node the configuration names.
+/// A ROS topic of any type, subscribed here and sent to the node the configuration names. Its type may change:
+/// the publisher may be replaced by one of another type, which a subscription of roscpp's alone would refuse.
 class TopicIn {
  public:
   TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic, RingPort& port,
@@ -23,6 +25,8 @@ class TopicIn {
  private:
   using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
   void on_message(const Event& event);
+  void take_type(const payload::Announcement& type);
+  void renew_where_type_changed();
   void hand_over();
 
   config::TopicConfig topic_;
@@ -31,7 +35,13 @@ class TopicIn {
   TopicSender sender_;  // ring thread only
   std::mutex mutex_;
   std::deque<TopicMessage> handed_in_;  // at most topic_.queue
+  ros::NodeHandle nodes_;
+  ros::SubscribeOptions options_;
   ros::Subscriber subscriber_;
+  ros::WallTimer look_;
+  bool spoke_ = false;             ///< a message has come since the last look
+  std::string published_as_;       ///< the type, as the last message or the master has said
+  std::string datatype_, md5sum_;  ///< of the last message
 };
 
 }  // namespace limb_ring::bridge

@@ -24,6 +24,9 @@ class Received:
         with self._lock:
             return list(self._messages)
 
+    def unregister(self):
+        self._subscriber.unregister()
+
     def bytes(self):
         return [message._buff for message in self.all()]
 

@@ -5,7 +5,7 @@ import unittest
 
 import rospy
 import rostest
-from std_msgs.msg import String
+from std_msgs.msg import Int32, String
 
 from ring_testing import Newest, Ring, kill_process, wait_for
 from topic_testing import Received, open_the_way, publisher_across, serialized
@@ -41,6 +41,17 @@ class Topics(unittest.TestCase):
                  'all messages')
         self.assertEqual([m for m in received.bytes() if m != first],
                          [serialized(m) for m in sent])
+
+    def test_a_topic_is_carried_on_where_its_type_has_changed(self):
+        for message in [String('text'), Int32(5), String('text again')]:
+            received = Received('/head/wrench_there')
+            there = publisher_across('/body/wrench', type(message))
+            def is_through():
+                there.publish(message)
+                return [m for m in received.all() if m._connection_header['type'] == message._type]
+            self.assertEqual(wait_for(is_through, message._type + ' across')[0]._buff, serialized(message))
+            there.unregister()
+            received.unregister()
 
     def test_a_latched_message_stays_for_late_subscribers_and_a_new_far_bridge(self):
         latched = publisher_across('/body/map', String, latch=True)
