@@ -67,29 +67,31 @@ void ClockFollower::run() {
 void ClockFollower::take_over(HostPort& port) {
   const json state = json::parse(port.ask(R"({"do": "clock"})", kFollowAnswer));
   const std::int64_t allowed_ns = state.value("allowed_ns", std::int64_t{0});
+  if (allowed_ns == 0) zero_ns_.reset();  // a ring that was started anew meanwhile
   if (zero_ns_ || allowed_ns == 0) return;
   zero_ns_ = state.value("outer_zero_ns", std::int64_t{0});
   last_ns_ = *zero_ns_ + allowed_ns;
   clock_.set_outer_zero(*zero_ns_);
 }
 
+// What has not been allowed has not been reached, so it is kept only when the daemon has said yes.
 void ClockFollower::pass_on(HostPort& port, std::int64_t time_ns) {
-  if (!zero_ns_) {
-    zero_ns_ = time_ns;
+  const bool begins = !zero_ns_, jumped_back = zero_ns_ && time_ns < last_ns_;
+  const std::int64_t reached_ns = begins ? 0 : last_ns_ - *zero_ns_;
+  const std::int64_t zero_ns = begins || jumped_back ? time_ns - reached_ns : *zero_ns_;
+  clock_.set_outer_zero(zero_ns);
+  const json allow{{"do", "allow"}, {"until_ns", time_ns - zero_ns}, {"outer_zero_ns", zero_ns}};
+  port.ask(allow.dump(), kFollowAnswer);
+  if (begins)
     ROS_INFO("the ring's clock follows /clock; its 0 is %.6f s there", static_cast<double>(time_ns) / kNsPerSecond);
-  } else if (time_ns < last_ns_) {
-    const std::int64_t reached_ns = last_ns_ - *zero_ns_;
+  if (jumped_back)
     ROS_WARN(
         "/clock has jumped back, from %.6f s to %.6f s: the ring goes on from where it is, %.6f s after its start, and "
         "its stamps follow /clock",
         static_cast<double>(last_ns_) / kNsPerSecond, static_cast<double>(time_ns) / kNsPerSecond,
         static_cast<double>(reached_ns) / kNsPerSecond);
-    zero_ns_ = time_ns - reached_ns;
-  }
-  clock_.set_outer_zero(*zero_ns_);
+  zero_ns_ = zero_ns;
   last_ns_ = time_ns;
-  const json allow{{"do", "allow"}, {"until_ns", time_ns - *zero_ns_}, {"outer_zero_ns", *zero_ns_}};
-  port.ask(allow.dump(), kFollowAnswer);
 }
 
 }  // namespace limb_ring::bridge

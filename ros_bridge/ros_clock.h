@@ -29,9 +29,11 @@ class RosClock {
   std::int64_t outer(std::int64_t stamp_ns) const {
     return ring_ns_ == kMachine ? stamp_ns : std::max<std::int64_t>(0, stamp_ns + outer_zero_ns_);
   }
+  /// As far as a time of ROS reaches: 0 to 2^32 s.
   ros::Time to_ros(std::int64_t stamp_ns) const {
+    static const auto latest_ns = static_cast<std::int64_t>(ros::TIME_MAX.toNSec());
     ros::Time time;
-    return time.fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(0, outer(stamp_ns))));
+    return time.fromNSec(static_cast<std::uint64_t>(std::clamp<std::int64_t>(outer(stamp_ns), 0, latest_ns)));
   }
 
  private:

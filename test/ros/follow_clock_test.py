@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock, Log
 from sensor_msgs.msg import Imu, JointState
 
 from limb_ring.msg import Frame, RingEvent, RingStatus
-from ring_testing import Newest, wait_for
+from ring_testing import Newest, Ring, wait_for
 
 START = 1000.0   # s, of the outer clock
 STEP = 0.01      # s
@@ -68,6 +68,17 @@ class FollowClock(unittest.TestCase):
         wait_for(lambda: [line for line in said if line.startswith('/clock has jumped back, from 10')], 'a word about the jump')
         joints.wait(lambda states: 6 < seconds(states) <= clock.now, 'stamps of the clock as it is now')
         self.assertEqual(joints.get().name, ['knee'])
+
+        # Further than a ring lives; what follows is followed as if it had not been said.
+        ring = Ring()
+        ring.wait_until_up()
+        boots = ring.node('body').cpu_boots
+        clock.publisher.publish(Clock(rospy.Time(4294967295)))
+        wait_for(lambda: [line for line in said if 'does not follow /clock: until_ns' in line], 'a word about the leap')
+        after = clock.now + 1
+        joints.wait(lambda states: after < seconds(states) <= clock.now, 'the clock to be followed again')
+        self.assertEqual(len([line for line in said if 'has jumped back' in line]), 1)
+        self.assertEqual(ring.node('body').cpu_boots, boots)
 
     def settled(self, joints, clock):
         """Nothing new while the bridge goes on to be asked: ten of its statuses are published in the meantime."""
