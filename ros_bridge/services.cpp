@@ -8,6 +8,7 @@
 
 #include "ask/known_stops.h"
 #include "ask/reset_node.h"
+#include "config/characters.h"
 #include "config/quantity.h"
 #include "ros_bridge/answered.h"
 #include "ros_bridge/outcome_word.h"
@@ -97,7 +98,8 @@ Services::~Services() {
 
 std::uint8_t Services::one_node(const std::string& node) const {
   if (const auto* found = ring_.find(node)) return found->id;
-  throw std::invalid_argument("no node '" + node + "' in ring " + ring_.ring + "; there are: " + known_nodes(ring_));
+  throw std::invalid_argument("no node '" + config::printable(node) + "' in ring " + ring_.ring +
+                              "; there are: " + known_nodes(ring_));
 }
 
 std::uint8_t Services::destination(const std::string& node) const {

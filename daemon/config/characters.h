@@ -11,4 +11,8 @@ inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
 /// UTF-8 without control characters: can be printed, and written into JSON and XML as it is.
 bool is_plain_text(const std::string& text);
 
+/// Fit for one line of an error message, whatever was given: control characters are '?', and of what is long the first
+/// 60 bytes are shown, and "...".
+std::string printable(const std::string& text);
+
 }  // namespace limb_ring::config

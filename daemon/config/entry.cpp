@@ -3,18 +3,11 @@
 #include <set>
 #include <utility>
 
+#include "config/characters.h"
 #include "config/yaml_file.h"
 
 namespace limb_ring::config {
 namespace {
-
-/// Fit for one line of an error message, whatever stands in the file.
-std::string printable(const std::string& text) {
-  std::string shown = text.substr(0, 60);
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  return text.size() > 60 ? shown + "..." : shown;
-}
 
 std::string one_line(const YAML::Node& node) {
   constexpr std::size_t kLongest = 200;

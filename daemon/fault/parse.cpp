@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "config/characters.h"
 #include "config/names.h"
 #include "config/quantity.h"
 #include "config/ring_config.h"
@@ -104,7 +105,7 @@ std::string quoted(const std::string& word, const std::string& problem) { return
 
 std::string with_guess(const std::string& problem, const std::string& word, const std::vector<std::string>& known) {
   const std::string meant = config::closest(word, known);
-  return quoted(word, meant.empty() ? problem : problem + ", did you mean '" + meant + "'?");
+  return quoted(shown(word), meant.empty() ? problem : problem + ", did you mean '" + meant + "'?");
 }
 
 std::size_t place_of(const std::string& name, const RingNodes& nodes) {
@@ -158,6 +159,8 @@ std::string needs(const Word& word, const std::string& what) { return std::strin
 
 }  // namespace
 
+std::string shown(const std::string& word) { return config::printable(word); }
+
 MissingKey::MissingKey(std::string word, std::vector<std::string> any_of, const std::string& right)
     : ParseError(word + " needs " + config::join(any_of, " or "), right),
       fault(std::move(word)),
@@ -191,7 +194,8 @@ void set_key(Fault& fault, const std::string& key, const std::string& value, con
   if (row == std::end(kRows))
     throw ParseError(with_guess(std::string("is nothing that ") + word.word + " takes", key, known),
                      known.empty() ? "nothing" : config::join(known));
-  if (!row->read(fault, value)) throw ParseError(quoted(value, "is not allowed for '" + key + "'"), row->key.allowed);
+  if (!row->read(fault, value))
+    throw ParseError(quoted(shown(value), "is not allowed for '" + key + "'"), row->key.allowed);
 }
 
 void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNodes& nodes) {
@@ -236,8 +240,8 @@ void check(const Fault& fault) {
 
 namespace {
 
-[[noreturn]] void refuse_bare(const std::string& bare, const Word& word) {
-  const std::string key = key_taking(bare, word);
+[[noreturn]] void refuse_bare(const std::string& part, const Word& word) {
+  const std::string bare = shown(part), key = key_taking(part, word);
   const std::vector<std::string> known = key_words(word);
   const std::string keys = known.empty() ? "" : ", and as KEY=VALUE " + config::join(known);
   throw BareWord(bare, key, key.empty() ? "one line A -> B" + keys : key + '=' + bare);
@@ -283,7 +287,7 @@ Fault from_words(const std::string& text, const RingNodes& nodes) {
       continue;
     }
     const std::string key = parts[i].substr(0, equals);
-    if (!keys.insert(key).second) throw ParseError(quoted(key, "is given twice"), "once");
+    if (!keys.insert(key).second) throw ParseError(quoted(shown(key), "is given twice"), "once");
     set_key(fault, key, parts[i].substr(equals + 1), nodes);
   }
   set_place(fault, who, nodes);

@@ -23,6 +23,9 @@ using RingNodes = std::vector<NamedNode>;
 /// Those of a configured ring; a Fault names them by their configured ids.
 RingNodes nodes_by_id(const config::RingConfig& ring);
 
+/// A word as an error message shows it: on one line, and of a long one the first 60 bytes.
+std::string shown(const std::string& word);
+
 /// A text that is not a fault. what() reads `PROBLEM; allowed: ALLOWED`.
 struct ParseError : std::runtime_error {
   ParseError(const std::string& why, const std::string& right)

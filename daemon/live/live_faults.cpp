@@ -74,7 +74,7 @@ void require_all(const std::vector<Problem>& problems) {
 }
 
 fault::ParseError no_id(const std::string& id) {
-  return {"no fault can have the id '" + id + "'",
+  return {"no fault can have the id '" + fault::shown(id) + "'",
           "NODE.NUMBER, NODE.kill and NODE.freeze, as the list of faults shows"};
 }
 

@@ -35,6 +35,13 @@ TEST(PlainText, IsUtf8WithoutControlCharacters) {
     EXPECT_FALSE(is_plain_text(text)) << text;
 }
 
+TEST(PrintableText, IsOneLineAndOfALongTextTheBeginning) {
+  EXPECT_EQ(printable(std::string("a\nb\0c\x7f", 6)), "a?b?c?");
+  EXPECT_EQ(printable(std::string(60, 'x')), std::string(60, 'x'));
+  EXPECT_EQ(printable(std::string(61, 'x')), std::string(60, 'x') + "...");
+  EXPECT_EQ(printable(std::string(59, 'x') + "\xC3\xB6"), std::string(59, 'x') + "...");
+}
+
 TEST(Names, CloseToAWordAreFound) {
   const std::vector<std::string> words{"send", "silence", "stall"};
   EXPECT_EQ(closest("sned", words), "send");

@@ -96,6 +96,15 @@ TEST(FaultWords, NameAValueThatStandsAloneAndItsKey) {
   EXPECT_THAT(refusal_of("heal hip:knee 3"), StartsWith("'3' is a word too many; allowed: one line A -> B"));
 }
 
+TEST(FaultWords, ThatAreLongAreShownByTheirBeginning) {
+  const std::string word(100000, 'x'), shown = "'" + std::string(60, 'x') + "...'";
+  EXPECT_THAT(refusal_of(word), StartsWith(shown + " is no fault"));
+  EXPECT_THAT(refusal_of("kill " + word), StartsWith(shown + " is no node"));
+  EXPECT_THAT(refusal_of("drop hip -> knee " + word + "=1"), StartsWith(shown + " is nothing that drop takes"));
+  EXPECT_THAT(refusal_of("drop hip -> knee packets=" + word), StartsWith(shown + " is not allowed"));
+  EXPECT_THAT(refusal_of("drop hip -> knee " + word), StartsWith(shown + " is a word too many"));
+}
+
 TEST(FaultWords, SayWhatIsMissing) {
   EXPECT_THAT(refusal_of("rate hip -> knee"), StartsWith("rate needs rate; allowed: a rate such as"));
   EXPECT_THAT(refusal_of("delay hip -> knee"), StartsWith("delay needs delay or jitter; allowed: a time"));

@@ -4,7 +4,7 @@ import unittest
 
 import rospy
 import rostest
-from limb_ring.srv import ClearFaults, InjectFault, ListFaults
+from limb_ring.srv import ClearFaults, InjectFault, ListFaults, ResetNode, Stop
 
 from ring_testing import Ring, is_alive, process_state, wait_for
 
@@ -78,6 +78,13 @@ class Faults(unittest.TestCase):
         self.assertIn('this bridge', self.inject(fault='hang body').message)
         self.assertIn('any more', self.clear(id='left_knee.99').message)
         self.assertFalse(self.inject(fault='').success)
+
+    def test_what_is_long_is_shown_by_its_beginning(self):
+        word = 'x' * 100000
+        for answer in [self.inject(fault=word), self.clear(id=word), service('stop', Stop)(node=word),
+                       service('reset_node', ResetNode)(node=word)]:
+            self.assertFalse(answer.success)
+            self.assertIn("'" + 60 * 'x' + "...'", answer.message)
 
 
 if __name__ == '__main__':
