@@ -1,5 +1,7 @@
 #!/usr/bin/python3
 """A ring on a virtual clock that follows a /clock given by somebody else: here the test, as Gazebo or a bag would."""
+import os
+import subprocess
 import threading
 import time
 import unittest
@@ -79,6 +81,29 @@ class FollowClock(unittest.TestCase):
         joints.wait(lambda states: after < seconds(states) <= clock.now, 'the clock to be followed again')
         self.assertEqual(len([line for line in said if 'has jumped back' in line]), 1)
         self.assertEqual(ring.node('body').cpu_boots, boots)
+
+    def test_the_clock_of_a_ring_that_is_started_anew_begins_at_the_next_outer_one(self):
+        config = os.path.join(os.path.dirname(os.path.realpath(__file__)), 'follow_clock.yaml')
+        name = 'anew%d' % os.getpid()
+        said = []
+        rospy.Subscriber('/rosout', Log, lambda line: said.append(line.msg) if line.name == '/anew/bridge' else None)
+
+        def begun():
+            return [line for line in said if "the ring's clock follows /clock; its 0 is" in line]
+
+        def ringctl(*arguments):
+            return subprocess.call(['rosrun', 'limb_ring', 'ringctl', '--ring', name, *arguments])
+        self.addCleanup(ringctl, 'down')   # where it has not come so far
+        clock = OuterClock(20.0)
+        self.addCleanup(clock.end)
+        bridge = subprocess.Popen(['rosrun', 'limb_ring', 'ring_bridge', '__ns:=/anew', '__name:=bridge',
+                                   '_config:=' + config, '_ring:=' + name, '_node:=body', '_clock:=follow'])
+        self.addCleanup(bridge.wait)
+        self.addCleanup(bridge.terminate)
+        for turn in range(2):
+            self.assertEqual(ringctl('up', config, '--clock', 'follow', '--detach'), 0)
+            wait_for(lambda: len(begun()) > turn, "the ring's clock to begin")
+            self.assertEqual(ringctl('down'), 0)
 
     def settled(self, joints, clock):
         """Nothing new while the bridge goes on to be asked: ten of its statuses are published in the meantime."""
