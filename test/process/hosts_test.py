@@ -192,6 +192,13 @@ class WrongUse(HostsTest):
         self.assertEqual(daemon.returncode, 1)
         self.assertIn('203.0.113.1', daemon.stderr)
 
+    def test_another_part_in_the_same_runtime_folder_is_refused_by_what_would_be_right(self):
+        self.up('waist')
+        self.assertIn('needs a runtime folder of its own (XDG_RUNTIME_DIR)',
+                      self.on('waist', 'up', self.config, '--host', 'head', '--detach', code=1))
+        self.assertIn("is running already; 'ringctl down",
+                      self.on('waist', 'up', self.config, '--host', 'waist', '--detach', code=1))
+
     def test_host_without_nodes(self):
         config = self.changed(('"host": "head"', '"host": "waist"'))
         self.assertIn("host 'head' has no nodes", self.refusal(config, '--host', 'head'))

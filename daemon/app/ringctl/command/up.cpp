@@ -44,9 +44,18 @@ struct UpOptions {
   double timeout_s = 10;
 };
 
-void require_not_running(const std::string& ring) {
-  if (live::held_nodes(ring_directory(ring)).empty()) return;
-  throw NotDone("ring " + ring + " is running already; 'ringctl down " + ring + "' ends it");
+void require_not_running(const RingPlan& plan) {
+  const std::vector<live::HeldNode> held = live::held_nodes(ring_directory(plan.ring));
+  if (held.empty()) return;
+  const auto is_planned = [&plan](const live::HeldNode& node) {
+    return std::any_of(plan.nodes.begin(), plan.nodes.end(),
+                       [&node](const PlannedNode& planned) { return planned.node.id == node.node; });
+  };
+  if (plan.is_part() && std::none_of(held.begin(), held.end(), is_planned))
+    throw NotDone("ring " + plan.ring +
+                  ": another part of it runs here already; on one machine each host's part needs a "
+                  "runtime folder of its own (XDG_RUNTIME_DIR)");
+  throw NotDone("ring " + plan.ring + " is running already; 'ringctl down " + plan.ring + "' ends it");
 }
 
 /// Waits until the ring, or this host's part of it, is closed. @return why it is not; empty where it is
@@ -195,7 +204,7 @@ RingPlan planned(const Context& context, const UpOptions& options) try {
 
 int run(const RingPlan& plan, const UpOptions& options) {
   UpLock lock(plan.ring, plan.host);
-  require_not_running(plan.ring);
+  require_not_running(plan);
   if (options.respawn) return respawn(plan, lock);
   process::SignalWait signals;
   const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
