@@ -28,15 +28,13 @@ struct Record {
 /// Bytes of any value that has an archive(), for comparison.
 template <class T>
 std::vector<std::uint8_t> bytes_of(const T& what) {
-  std::vector<std::uint8_t> bytes(1024);
-  for (;;) {
+  for (std::size_t room = 1024;; room *= 2) {
+    std::vector<std::uint8_t> bytes(room);
     core::StateWriter writer(bytes.data(), bytes.size());
     const_cast<T&>(what).archive(writer);  // a writer changes nothing
-    if (!writer.failed()) {
-      bytes.resize(writer.size());
-      return bytes;
-    }
-    bytes.resize(2 * bytes.size());
+    if (writer.failed()) continue;
+    bytes.resize(writer.size());
+    return bytes;
   }
 }
 
