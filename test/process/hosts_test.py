@@ -13,7 +13,7 @@ class TwoHosts(HostsTest):
         self.set_up_hosts('waist', 'head')
 
     def test_each_starts_its_own_nodes_and_sees_all(self):
-        self.assertIn('the 2 nodes of host waist are up',
+        self.assertIn('all nodes of host waist are up (2)',
                       self.on('waist', 'up', self.config, '--host', 'waist', '--detach', '--timeout', 30))
         self.assertEqual(self.states('waist')['head0'], 'down')
         self.up('head')

@@ -79,14 +79,14 @@ std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::Laun
 }
 
 void announce(const RingPlan& plan, std::size_t ring_size) {
-  const std::string here = std::to_string(plan.nodes.size()) + " ";
+  const std::string here = std::to_string(plan.nodes.size());
   std::string text = "ring " + plan.ring;
   if (!plan.is_part())
-    text += " is closed: " + std::to_string(plan.nodes.size()) + " nodes up";
+    text += " is closed: " + here + " nodes up";
   else if (ring_size == plan.ring_size)
-    text += " is closed: " + std::to_string(ring_size) + " nodes up, " + here + "of them here, on host " + plan.host;
+    text += " is closed: " + std::to_string(ring_size) + " nodes up, " + here + " of them here, on host " + plan.host;
   else
-    text += ": the " + here + "nodes of host " + plan.host + " are up, " + std::to_string(ring_size) + " of " +
+    text += ": all nodes of host " + plan.host + " are up (" + here + "), " + std::to_string(ring_size) + " of " +
             std::to_string(plan.ring_size) + " are in the ring; 'ringctl wait up' waits for the other hosts";
   std::cout << text << std::endl;
   process::tell_ready(text);
