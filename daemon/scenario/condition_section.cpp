@@ -70,6 +70,8 @@ void read_state(const Entry& entry, NodeIs& node) {
   const std::size_t word = read_choice(entry, words);
   node.down = word + 1 == words.size();
   if (!node.down) node.state = static_cast<core::NodeState>(word);
+  if (node.down && node.who.kind == Who::Kind::living)
+    entry.refuse_value("is what no living node is", "a state; down of a node, or of all");
 }
 
 Section<NodeIs> node_section() {

@@ -77,6 +77,8 @@ TEST(LoadScenario, RefusesConditionsThatSayNothing) {
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{knee: up}]\n")), HasSubstr("it is no condition"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{counter: timeouts, of: all, at_most: 2, at_least: 5}]\n")),
               HasSubstr("'2' leaves nothing between at_least and at_most; allowed: at_least up to at_most"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{is: down, node: living}]\n")),
+              HasSubstr("'down' is what no living node is; allowed: a state; down of a node, or of all"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{counter: crc_error, of: all, at_most: 0}]\n")),
               HasSubstr("did you mean 'crc_errors'?"));
 }
