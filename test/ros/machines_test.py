@@ -23,6 +23,11 @@ def skip(reason):
     sys.exit(0)
 
 
+def parent_of(pid):
+    with open('/proc/%s/stat' % pid) as stat:
+        return int(stat.read().rpartition(')')[2].split()[1])
+
+
 class Machines(HostsTest):
     def setUp(self):
         super().setUp()
@@ -79,13 +84,14 @@ class Machines(HostsTest):
         return done.stdout
 
     def processes_at(self, host):
-        """Of everything that was started there: pid and command line."""
+        """Of everything that was started there, but for our own children, which end what we leave behind: pid and command
+        line."""
         mark = ('XDG_RUNTIME_DIR=' + self.hosts[host].runtime).encode()
         found = {}
         for pid in filter(str.isdigit, os.listdir('/proc')):
             try:
                 with open('/proc/%s/environ' % pid, 'rb') as environ, open('/proc/%s/cmdline' % pid, 'rb') as line:
-                    if mark in environ.read().split(b'\0'):
+                    if mark in environ.read().split(b'\0') and parent_of(pid) != os.getpid():
                         found[int(pid)] = line.read().replace(b'\0', b' ').decode()
             except OSError:
                 continue  # it has ended, or is not ours
