@@ -24,7 +24,13 @@ std::string LaunchedDaemon::exit_reason() const {
 
 LaunchedRing::LaunchedRing(LaunchRequest request)
     : request_(std::move(request)), folder_(make_ring_directory(request_.ring)) {
-  for (const LaunchRequest::Node& node : request_.nodes) daemons_.push_back(started(node));
+  try {
+    for (const LaunchRequest::Node& node : request_.nodes) daemons_.push_back(started(node));
+  } catch (...) {
+    signal(SIGTERM);
+    for (LaunchedDaemon& daemon : daemons_) daemon.program.end();
+    throw;
+  }
 }
 
 LaunchedDaemon LaunchedRing::started(const LaunchRequest::Node& node) const {

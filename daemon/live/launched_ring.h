@@ -46,7 +46,8 @@ class LaunchedRing {
   /// Waits for up to the given time. @return true: kill what still runs, without further grace
   using Wait = std::function<bool(std::chrono::milliseconds)>;
 
-  /// Starts one ringd per node. @throw std::runtime_error where there is none to start
+  /// Starts one ringd per node. @throw std::runtime_error where one cannot be started, or its log not be written; those
+  /// that were have ended then
   explicit LaunchedRing(LaunchRequest request);
 
   /// Notes which have ended. @return the ones that have since the last call

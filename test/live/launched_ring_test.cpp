@@ -3,11 +3,15 @@
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 
+#include <cerrno>
+#include <filesystem>
 #include <functional>
 #include <stdexcept>
 #include <thread>
 
+#include "limb_ring/ring_directory.h"
 #include "support/node_literal.h"
 #include "support/own_folder.h"
 
@@ -107,6 +111,15 @@ TEST_F(Launched, WithoutRingdThereIsNoRing) {
   } catch (const std::runtime_error& problem) {
     EXPECT_THAT(problem.what(), HasSubstr("no program ringd"));
   }
+}
+
+TEST_F(Launched, WhereOneCannotBeStartedThoseBeforeItHaveEnded) {
+  ringd_is("sleep 1000");
+  request.lifetime = Lifetime::its_own;
+  std::filesystem::create_directory(make_ring_directory(request.ring) + "/7.log");
+  EXPECT_THROW(LaunchedRing{request}, std::runtime_error);
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child still runs";
+  EXPECT_EQ(errno, ECHILD);
 }
 
 }  // namespace
