@@ -1,6 +1,7 @@
 #include "promises/result_judge.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "wire/packet.h"
 
@@ -14,6 +15,7 @@ namespace {
 constexpr Round kLate = 60;
 /// core::NodeState::up, in which users may send into a closed ring.
 constexpr std::uint8_t kUp = 2;
+constexpr std::int64_t kWhenever = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
 
@@ -38,22 +40,33 @@ bool ResultJudge::is_done_with(const Flow& flow, const Sent& sent) const {
                       : sent.taken_life != 0 || is_over_at(flow.destination, flow, sent);
 }
 
+/// Visits the other sends that look the same at the receiver: a pin does not show whether the INTP was a broadcast.
+/// @param asked_until those that were asked for later are left out, by the source's clock, ns
+/// @param visit returns true to stop @return whether one did
+template <class Visit>
+bool ResultJudge::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, std::int64_t asked_until,
+                            Visit visit) const {
+  const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
+  for (const std::uint8_t destination : {flow.destination, other_way}) {
+    const bool told_apart = flow.queue != Observation::kInterrupt && destination != flow.destination;
+    Flow* others = told_apart ? nullptr : ring_.find_flow(flow.source, flow.queue, destination);
+    if (others == nullptr) continue;
+    for (Sent& other : others->sends) {
+      if (other.asked.at_ns > asked_until) break;
+      if (&other != &sent && other.asked.same_content(sent.asked) && visit(other)) return true;
+    }
+  }
+  return false;
+}
+
 /// Something of its content was taken when a send that is not judged yet had been asked for as well: taken_for_other()
 /// may still have to find this one.
 bool ResultJudge::may_stand_for_other(const Flow& flow, const Sent& sent) const {
-  const auto is_open_in = [&](std::uint8_t destination) {
-    const Flow* others = ring_.find_flow(flow.source, flow.queue, destination);
-    if (others == nullptr) return false;
-    for (const Sent& other : others->sends) {
-      if (other.asked.at_ns > sent.taken_at) return false;
-      if (!other.judged && other.asked.same_content(sent.asked)) return true;
-    }
-    return false;
+  const auto any_open_at = [&](std::uint8_t receiver) {
+    return any_alike(flow, sent, receiver, sent.taken_at, [](const Sent& other) { return !other.judged; });
   };
-  if (is_open_in(flow.destination)) return true;
-  if (flow.queue != Observation::kInterrupt) return false;
-  if (flow.destination != wire::kBroadcast) return is_open_in(wire::kBroadcast);
-  return std::any_of(ring_.known.begin(), ring_.known.end(), is_open_in);
+  if (!sent.by_node) return any_open_at(flow.destination);
+  return std::any_of(ring_.known.begin(), ring_.known.end(), any_open_at);
 }
 
 bool ResultJudge::is_over_at(std::uint8_t receiver, const Flow& flow, const Sent& sent) const {
@@ -83,28 +96,13 @@ bool ResultJudge::judge_unicast(Flow& flow, Sent& sent) {
   return judge_missing(flow, sent, flow.destination);
 }
 
-/// Visits the other sends that look the same at the receiver: a pin does not show whether the INTP was a broadcast.
-/// @param visit returns true to stop @return whether one did
-template <class Visit>
-bool ResultJudge::any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, Visit visit) {
-  const std::uint8_t other_way = flow.destination == wire::kBroadcast ? receiver : std::uint8_t{wire::kBroadcast};
-  for (const std::uint8_t destination : {flow.destination, other_way}) {
-    const bool told_apart = flow.queue != Observation::kInterrupt && destination != flow.destination;
-    Flow* others = told_apart ? nullptr : ring_.find_flow(flow.source, flow.queue, destination);
-    if (others == nullptr) continue;
-    for (Sent& other : others->sends)
-      if (&other != &sent && other.asked.same_content(sent.asked) && visit(other)) return true;
-  }
-  return false;
-}
-
 /// Corrects a wrong match: the receiver took this send, but that was credited to another one of the same content,
 /// which need not have been delivered. @return false if there is no such send
 bool ResultJudge::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
   // The pin may have been pulled for it before the receiver started over.
   const SeenNode& to = ring_.at(receiver);
   const bool any_life = flow.queue == Observation::kInterrupt && to.pins_round + 1 >= sent.asked_round;
-  return any_alike(flow, sent, receiver, [&](Sent& other) {
+  return any_alike(flow, sent, receiver, kWhenever, [&](Sent& other) {
     const bool must = !other.by_node || other.by_node->passed[receiver];
     const bool sure = other.ended && other.outcome == Outcome::delivered && must;
     const std::uint16_t taken = other.taken_in(receiver);
@@ -117,7 +115,7 @@ bool ResultJudge::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver)
 /// Corrects a wrong match the other way: this send was not taken, but another one of the same content was.
 /// @return false if there is no such send
 bool ResultJudge::other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver) {
-  return any_alike(flow, sent, receiver, [&](Sent& other) {
+  return any_alike(flow, sent, receiver, kWhenever, [&](Sent& other) {
     const bool untaken = other.taken_in(receiver) != ring_.at(receiver).life_of(flow.queue);
     if (!untaken || (other.ended && says_untaken(other.outcome) && !other.by_node)) return false;
     std::swap(other.taken_in(receiver), sent.taken_in(receiver));

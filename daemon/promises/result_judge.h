@@ -28,7 +28,8 @@ class ResultJudge {
   bool is_over_everywhere(const Flow& flow, const Sent& sent) const;
   bool is_in_ring_since(std::uint8_t id, const Sent& sent) const;
   template <class Visit>
-  bool any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, Visit visit);
+  bool any_alike(const Flow& flow, const Sent& sent, std::uint8_t receiver, std::int64_t asked_until,
+                 Visit visit) const;
   bool taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver);
   bool other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver);
 

@@ -106,6 +106,13 @@ struct JudgeTest : testing::Test {
     seen.channel = factor;
     judge.see(at, seen);
   }
+  /// Of two equal interrupts of node 1 to 3 the first, 14, is lost, and a pin is pulled when the second, 15, is out.
+  void pull_for_the_second_of_two() {
+    interrupt(1, 3, 14, 0);
+    end_interrupt(1, 3, 14, Outcome::lost);
+    interrupt(1, 3, 15, 0);
+    pin(3, 1, 0);
+  }
   void state(std::uint8_t at, std::uint8_t after) {
     Observation seen = of(Kind::state);
     seen.detail = after;

@@ -56,10 +56,7 @@ TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheReceiverFreez
 }
 
 TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheSourceDiesBehindIt) {
-  interrupt(1, 3, 14, 0);
-  end_interrupt(1, 3, 14, Outcome::lost);
-  interrupt(1, 3, 15, 0);
-  pin(3, 1, 0);
+  pull_for_the_second_of_two();
   end_interrupt(1, 3, 15, Outcome::delivered);
   judge.ends(1);
   rounds(10);
@@ -67,10 +64,7 @@ TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheSourceDiesBeh
 }
 
 TEST_F(JudgeTest, ofEqualInterruptsTheLostOneMayBeMeantAlsoWhereTheOtherEndsMuchLater) {
-  interrupt(1, 3, 14, 0);
-  end_interrupt(1, 3, 14, Outcome::lost);
-  interrupt(1, 3, 15, 0);
-  pin(3, 1, 0);
+  pull_for_the_second_of_two();
   rounds(20);
   end_interrupt(1, 3, 15, Outcome::delivered);
   rounds(10);
