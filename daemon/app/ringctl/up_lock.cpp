@@ -2,31 +2,22 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
 #include "app/ringctl/problems.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "recorder/recorder_file.h"
 
 namespace limb_ring::ringctl {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 /// What cannot be looked at, make_ring_directory() names.
 bool is_there(const std::string& folder) {
   std::error_code error;
-  return fs::exists(folder, error);
-}
-
-bool has_recordings(const std::string& folder) {
-  std::error_code error;
-  const fs::directory_iterator files(folder, error);
-  return std::any_of(fs::begin(files), fs::end(files),
-                     [](const fs::directory_entry& file) { return file.path().extension() == ".record"; });
+  return std::filesystem::exists(folder, error);
 }
 
 }  // namespace
@@ -40,7 +31,7 @@ UpLock::UpLock(const std::string& ring, const std::string& host)
 }
 
 UpLock::~UpLock() {
-  if (file_ && folder_is_new_ && live::held_nodes(folder_).empty() && !has_recordings(folder_))
+  if (file_ && folder_is_new_ && live::held_nodes(folder_).empty() && recorder::recordings_in(folder_).empty())
     live::remove_leftovers(folder_);
   release();
 }
