@@ -13,6 +13,7 @@ sys.path.insert(0, os.path.join(HERE, '..', 'process'))
 import ring_process  # noqa: E402
 from hosts_process import HostsTest  # noqa: E402
 from limb_ring.launcher import free_udp_ports  # noqa: E402
+from limb_ring.processes import parent_of  # noqa: E402
 from own_ssh import SSHD, SshServer, free_port  # noqa: E402
 
 SETUP = os.path.join(ring_process.PROGRAMS, '..', '..', 'setup.sh')
@@ -21,11 +22,6 @@ SETUP = os.path.join(ring_process.PROGRAMS, '..', '..', 'setup.sh')
 def skip(reason):
     print('skipped: ' + reason)  # ctest shows it so
     sys.exit(0)
-
-
-def parent_of(pid):
-    with open('/proc/%s/stat' % pid) as stat:
-        return int(stat.read().rpartition(')')[2].split()[1])
 
 
 class Machines(HostsTest):
@@ -91,7 +87,7 @@ class Machines(HostsTest):
         for pid in filter(str.isdigit, os.listdir('/proc')):
             try:
                 with open('/proc/%s/environ' % pid, 'rb') as environ, open('/proc/%s/cmdline' % pid, 'rb') as line:
-                    if mark in environ.read().split(b'\0') and parent_of(pid) != os.getpid():
+                    if mark in environ.read().split(b'\0') and parent_of(int(pid)) != os.getpid():
                         found[int(pid)] = line.read().replace(b'\0', b' ').decode()
             except OSError:
                 continue  # it has ended, or is not ours
