@@ -29,9 +29,7 @@ Sent* Arrivals::next_in_order(std::uint8_t receiver, Flow* flow, const Pending& 
   const Observation& seen = came.seen;
   const std::uint64_t last = seen.kind == Kind::pin ? 0 : ring_.newest(receiver, seen.source, seen.queue);
   Sent* old = nullptr;
-  auto it = std::upper_bound(flow->sends.begin(), flow->sends.end(), last,
-                             [](std::uint64_t index, const Sent& sent) { return index < sent.index; });
-  for (; it != flow->sends.end(); ++it) {
+  for (auto it = flow->first_after(last); it != flow->sends.end(); ++it) {
     const bool before_its_life = it->ended_round <= ring_.at(receiver).known_round;
     if (it->ended && (it->outcome == Outcome::rejected || before_its_life)) continue;
     const std::uint16_t taken = it->taken_in(receiver);

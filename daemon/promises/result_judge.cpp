@@ -20,10 +20,13 @@ constexpr std::int64_t kWhenever = std::numeric_limits<std::int64_t>::max();
 }  // namespace
 
 void ResultJudge::settle(Flow& flow) {
-  for (Sent& sent : flow.sends) {
-    if (sent.judged || !judge(flow, sent)) continue;
-    sent.judged = true;
-    ++report_.counts.judged;
+  for (std::size_t i = flow.first_unjudged; i < flow.sends.size(); ++i) {
+    Sent& sent = flow.sends[i];
+    if (!sent.judged && judge(flow, sent)) {
+      sent.judged = true;
+      ++report_.counts.judged;
+    }
+    if (sent.judged && i == flow.first_unjudged) ++flow.first_unjudged;
   }
   while (!flow.sends.empty() && is_done_with(flow, flow.sends.front())) {
     flow.pop_front();

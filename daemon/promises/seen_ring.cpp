@@ -1,6 +1,7 @@
 #include "promises/seen_ring.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "wire/packet.h"
 
@@ -19,6 +20,30 @@ bool SeenNode::has_pending(const Flow& flow) const {
   });
 }
 
+// What is taken next mostly follows what was taken last: a search through all of them would go through memory that no
+// cache holds.
+std::deque<Sent>::iterator Flow::first_after(std::uint64_t index) {
+  const auto begin = sends.begin();
+  auto it = begin + static_cast<std::ptrdiff_t>(found);
+  if (it != begin && index < std::prev(it)->index)
+    it = std::upper_bound(begin, it, index, [](std::uint64_t i, const Sent& sent) { return i < sent.index; });
+  else
+    while (it != sends.end() && it->index <= index) ++it;
+  found = static_cast<std::size_t>(it - begin);
+  return it;
+}
+
+void Flow::pop_front() {
+  sends.pop_front();
+  for (std::size_t* place : {&first_open, &first_unjudged, &found})
+    if (*place != 0) --*place;
+}
+
+void Flow::clear() {
+  sends.clear();
+  first_open = first_unjudged = found = 0;
+}
+
 Flow* SeenRing::find_flow(std::uint8_t source, std::uint8_t queue, std::uint8_t destination) const {
   const auto& flows = nodes[source].flows;
   return flows.empty() ? nullptr : flows[queue * kNodes + destination].get();
@@ -28,7 +53,7 @@ Flow& SeenRing::flow(std::uint8_t source, std::uint8_t queue, std::uint8_t desti
   auto& flows = nodes[source].flows;
   if (flows.empty()) flows.resize(kQueues * kNodes);
   auto& found = flows[queue * kNodes + destination];
-  if (!found) found = std::make_unique<Flow>(Flow{source, queue, destination, {}, 0, false});
+  if (!found) found = std::make_unique<Flow>(Flow{source, queue, destination, {}});
   return *found;
 }
 

@@ -64,13 +64,15 @@ struct Sent {
 struct Flow {
   std::uint8_t source, queue, destination;
   std::deque<Sent> sends;
-  std::size_t first_open = 0;  ///< those before it have ended
-  bool listed = false;         ///< in SeenRing::active
+  std::size_t first_open = 0;      ///< those before it have ended
+  std::size_t first_unjudged = 0;  ///< those before it are judged
+  std::size_t found = 0;           ///< by first_after(), the last time
+  bool listed = false;             ///< in SeenRing::active
 
-  void pop_front() {
-    sends.pop_front();
-    if (first_open != 0) --first_open;
-  }
+  /// The first one whose index is greater.
+  std::deque<Sent>::iterator first_after(std::uint64_t index);
+  void pop_front();
+  void clear();
 };
 
 /// Something that was taken, but whose send has not been found yet.

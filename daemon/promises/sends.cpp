@@ -96,8 +96,7 @@ void Sends::forget(std::uint8_t id, Unjudged why) {
     if (!flow) continue;
     for (const Sent& sent : flow->sends)
       if (!sent.judged) report_.leave_unjudged(why);
-    flow->sends.clear();
-    flow->first_open = 0;
+    flow->clear();
   }
 }
 
