@@ -26,6 +26,12 @@ TopicMessage to_message(const ros::MessageEvent<topic_tools::ShapeShifter const>
   return message;
 }
 
+bool is_published(const std::string& name) {
+  ros::master::V_TopicInfo topics;
+  return ros::master::getTopics(topics) &&
+         std::any_of(topics.begin(), topics.end(), [&](const auto& topic) { return topic.name == name; });
+}
+
 }  // namespace
 
 TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic, RingPort& port,
@@ -42,19 +48,18 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
                                                 [this](const Event& event) { on_message(event); });
   options_.transport_hints = ros::TransportHints().tcpNoDelay();
   subscriber_ = nodes_.subscribe(options_);
-  look_ = nodes_.createWallTimer(kPublisherLook, [this](const ros::WallTimerEvent&) { renew_where_type_changed(); });
+  look_ = nodes_.createWallTimer(kPublisherLook, [this](const ros::WallTimerEvent&) { renew_where_refused(); });
 }
 
-// roscpp takes the type of the first publisher for that of the subscription. Where the topic is silent and the master
-// says another type than before, it is made anew. The master is asked only, not waited for: this thread is the CPU's.
-void TopicIn::renew_where_type_changed() {
-  ros::master::V_TopicInfo topics;
-  if (std::exchange(spoke_, false) || !ros::master::getTopics(topics)) return;
-  const auto found = std::find_if(topics.begin(), topics.end(),
-                                  [&](const auto& topic) { return topic.name == subscriber_.getTopic(); });
-  if (found == topics.end() || found->datatype == "*") return;
-  const std::string before = std::exchange(published_as_, found->datatype);
-  if (before.empty() || before == published_as_) return;
+// roscpp takes type and definition of the first publisher for those of the subscription, and publishers with others
+// refuse it. The master does not know definitions, so where one is there and not connected for two looks, the
+// subscription is made anew. The master is asked only where nobody is connected, and not waited for: this thread is the
+// CPU's.
+void TopicIn::renew_where_refused() {
+  const bool refused = subscriber_.getNumPublishers() == 0 && is_published(subscriber_.getTopic());
+  refused_ = refused ? refused_ + 1 : 0;
+  if (refused_ < 2) return;
+  refused_ = 0;
   subscriber_.shutdown();
   subscriber_ = nodes_.subscribe(options_);
 }
@@ -64,8 +69,7 @@ void TopicIn::take_type(const payload::Announcement& type) {
     ROS_WARN("topic '%s' is %s (md5sum %s) from here on, it was %s (md5sum %s): who hears '%s' has to take that type",
              topic_.input.c_str(), type.datatype.c_str(), type.md5sum.c_str(), datatype_.c_str(), md5sum_.c_str(),
              topic_.output.c_str());
-  spoke_ = true;
-  datatype_ = published_as_ = type.datatype;
+  datatype_ = type.datatype;
   md5sum_ = type.md5sum;
 }
 

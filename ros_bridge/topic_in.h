@@ -12,7 +12,8 @@
 namespace limb_ring::bridge {
 
 /// A ROS topic of any type, subscribed here and sent to the node the configuration names. Its type may change:
-/// the publisher may be replaced by one of another type, which a subscription of roscpp's alone would refuse.
+/// the publisher may be replaced by one of another type or definition, which would refuse a subscription of roscpp's
+/// alone.
 class TopicIn {
  public:
   TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::TopicConfig& topic, RingPort& port,
@@ -26,7 +27,7 @@ class TopicIn {
   using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
   void on_message(const Event& event);
   void take_type(const payload::Announcement& type);
-  void renew_where_type_changed();
+  void renew_where_refused();
   void hand_over();
 
   config::TopicConfig topic_;
@@ -39,8 +40,7 @@ class TopicIn {
   ros::SubscribeOptions options_;
   ros::Subscriber subscriber_;
   ros::WallTimer look_;
-  bool spoke_ = false;             ///< a message has come since the last look
-  std::string published_as_;       ///< the type, as the last message or the master has said
+  unsigned refused_ = 0;           ///< looks in a row at which a publisher was there, and not connected
   std::string datatype_, md5sum_;  ///< of the last message
 };
 

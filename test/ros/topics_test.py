@@ -11,6 +11,12 @@ from ring_testing import Newest, Ring, kill_process, wait_for
 from topic_testing import Received, open_the_way, publisher_across, serialized
 
 
+class LongerString(String):
+    """std_msgs/String after its definition has changed."""
+    _md5sum = 'c0ffee' + String._md5sum[6:]
+    _full_text = String._full_text + '\nstring more\n'
+
+
 class Topics(unittest.TestCase):
     def setUp(self):
         self.ring = Ring('/body/ring_status')
@@ -43,12 +49,12 @@ class Topics(unittest.TestCase):
                          [serialized(m) for m in sent])
 
     def test_a_topic_is_carried_on_where_its_type_has_changed(self):
-        for message in [String('text'), Int32(5), String('text again')]:
+        for message in [String('text'), Int32(5), String('text again'), LongerString('defined anew')]:
             received = Received('/head/wrench_there')
             there = publisher_across('/body/wrench', type(message))
             def is_through():
                 there.publish(message)
-                return [m for m in received.all() if m._connection_header['type'] == message._type]
+                return [m for m in received.all() if m._connection_header['md5sum'] == message._md5sum]
             self.assertEqual(wait_for(is_through, message._type + ' across')[0]._buff, serialized(message))
             there.unregister()
             received.unregister()
