@@ -72,6 +72,14 @@ class UpDown(RingTest):
             up.send_signal(number)
             self.assertEqual(self.wait_exit(up), 0)
             self.assertTrue(all(ring_process.is_gone(pid) for pid in pids))
+            self.assertFalse(os.path.exists(self.ring_folder()))
+
+    def test_recordings_stay_where_a_ring_in_the_foreground_is_ended(self):
+        up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '2', '--record'])
+        self.wait('said so', lambda: 'closed' in self.log_of(up))
+        up.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(up), 0)
+        self.assertIn('1.record', os.listdir(self.ring_folder()))
 
     def test_daemons_die_with_a_foreground_up_that_is_killed(self):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
@@ -208,7 +216,8 @@ class UpDown(RingTest):
         started = self.row(2)['pid']
         up.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(up), 0)
-        self.wait('its daemon gone', lambda: ring_process.is_gone(started))
+        self.assertTrue(ring_process.is_gone(started))
+        self.assertFalse(os.path.exists(self.ring_folder()))
 
     def test_a_kill_that_cannot_be_noted_is_not_done(self):
         up = self.up_respawning('--nodes', 3)

@@ -4,19 +4,28 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <system_error>
+#include <thread>
 
+#include "app/common/text_table.h"
 #include "limb_ring/host_port.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "recorder/recorder_file.h"
 
 namespace limb_ring::ringctl {
 
 namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
 
 namespace {
+
+constexpr milliseconds kEndTick{20};
+constexpr milliseconds kLongestEnd{3000};  // a daemon ends its CPU first
 
 /// The id in "12.host"; nothing for another file, such as the link of the node's name.
 std::optional<std::uint8_t> socket_id(const fs::path& file) {
@@ -46,6 +55,22 @@ std::vector<std::uint8_t> node_sockets(const std::string& ring) {
     if (const auto id = socket_id(it->path())) ids.push_back(*id);
   std::sort(ids.begin(), ids.end());
   return ids;
+}
+
+bool wait_until_gone(const std::string& folder, Progress& progress) {
+  const auto deadline = steady_clock::now() + kLongestEnd;
+  for (;;) {
+    const auto held = live::held_nodes(folder);
+    if (held.empty()) return true;
+    if (steady_clock::now() >= deadline) return false;
+    progress.tell("waiting for " + app::counted(held.size(), "daemon") + " to end");
+    std::this_thread::sleep_for(kEndTick);
+  }
+}
+
+void tidy_folder(const std::string& ring) {
+  const std::string folder = ring_directory(ring);
+  if (live::held_nodes(folder).empty() && recorder::recordings_in(folder).empty()) live::remove_leftovers(folder);
 }
 
 std::string why_unreadable(const std::string& folder) {

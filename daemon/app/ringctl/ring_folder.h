@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/ringctl/progress.h"
 #include "process/unique_fd.h"
 
 namespace limb_ring::ringctl {
@@ -24,6 +25,12 @@ class RingFolder {
 
 /// Ids of the nodes whose daemon has a socket in the ring's folder, answering or not, sorted.
 std::vector<std::uint8_t> node_sockets(const std::string& ring);
+
+/// Waits for the end of all daemons that run in a ring's folder, 3 s at most. @return true where all have ended
+bool wait_until_gone(const std::string& folder, Progress& progress);
+
+/// Removes the folder of a ring that has ended; not where a daemon lives, or has recorded what may tell why.
+void tidy_folder(const std::string& ring);
 
 /// ": Permission denied" where that folder is another user's; empty where it can be read, or is not there.
 std::string why_unreadable(const std::string& folder);

@@ -6,9 +6,8 @@
 #include <system_error>
 
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_folder.h"
 #include "limb_ring/ring_directory.h"
-#include "live/lock_files.h"
-#include "recorder/recorder_file.h"
 
 namespace limb_ring::ringctl {
 
@@ -23,7 +22,7 @@ bool is_there(const std::string& folder) {
 }  // namespace
 
 UpLock::UpLock(const std::string& ring, const std::string& host)
-    : folder_is_new_(!is_there(ring_directory(ring))), folder_(make_ring_directory(ring)) {
+    : ring_(ring), folder_is_new_(!is_there(ring_directory(ring))), folder_(make_ring_directory(ring)) {
   const std::string path = folder_ + (host.empty() ? "/up" : "/up-" + host) + ".lock";
   file_ = process::LockFile::take(path);
   if (!file_) throw NotDone("ring " + ring + " is being started already, by " + process::lock_holder(path));
@@ -31,8 +30,7 @@ UpLock::UpLock(const std::string& ring, const std::string& host)
 }
 
 UpLock::~UpLock() {
-  if (file_ && folder_is_new_ && live::held_nodes(folder_).empty() && recorder::recordings_in(folder_).empty())
-    live::remove_leftovers(folder_);
+  if (file_ && folder_is_new_) tidy_folder(ring_);
   release();
 }
 

@@ -24,6 +24,7 @@ class UpLock {
   void release();
 
  private:
+  std::string ring_;
   bool folder_is_new_;
   std::string folder_;
   std::optional<process::LockFile> file_;

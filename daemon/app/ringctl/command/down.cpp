@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
-#include <thread>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
@@ -18,30 +17,12 @@
 
 namespace limb_ring::ringctl {
 
-using std::chrono::milliseconds;
-using std::chrono::steady_clock;
-
 namespace {
-
-constexpr milliseconds kDownTick{20};
-constexpr milliseconds kPatience{3000};  // a daemon ends its CPU first
 
 std::vector<NodeName> nodes_with_sockets(const std::string& ring) {
   std::vector<NodeName> nodes;
   for (const std::uint8_t id : node_sockets(ring)) nodes.push_back({id, std::to_string(id)});
   return nodes;
-}
-
-/// @return true where no node is held any more
-bool wait_until_gone(const std::string& folder, Progress& progress) {
-  const auto deadline = steady_clock::now() + kPatience;
-  for (;;) {
-    const auto held = live::held_nodes(folder);
-    if (held.empty()) return true;
-    if (steady_clock::now() >= deadline) return false;
-    progress.tell("waiting for " + app::counted(held.size(), "daemon") + " to end");
-    std::this_thread::sleep_for(kDownTick);
-  }
 }
 
 /// A daemon that holds a lock wrote its own pid into it: nobody else is hit.

@@ -12,6 +12,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/respawn.h"
+#include "app/ringctl/ring_folder.h"
 #include "app/ringctl/ring_watch.h"
 #include "app/ringctl/up_lock.h"
 #include "cli/values.h"
@@ -100,11 +101,14 @@ void tell_ended(live::LaunchedRing& daemons) {
 /// Ends daemons that were killed on purpose and started again by 'ringctl fault start': they are not our children, but
 /// have to end with the ring.
 void end_restarted(const std::string& ring) {
-  for (const live::HeldNode& node : live::held_nodes(ring_directory(ring))) {
+  const std::string folder = ring_directory(ring);
+  for (const live::HeldNode& node : live::held_nodes(folder)) {
     if (node.pid <= 0) continue;
     ::kill(node.pid, SIGTERM);
     ::kill(node.pid, SIGCONT);  // one that is stopped would not see it
   }
+  Progress progress;
+  wait_until_gone(folder, progress);
 }
 
 /// A second request to end kills at once.
@@ -112,15 +116,24 @@ void end(live::LaunchedRing& daemons, process::SignalWait& signals) {
   daemons.end([&signals](milliseconds time) { return signals.asked_to_end(time); }, kGrace);
 }
 
+/// Ends all that is left of the ring, by a signal. The folder of a part stays: the nodes of other hosts know these by
+/// their boot numbers.
+void end_all(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals) {
+  end(daemons, signals);
+  end_restarted(plan.ring);
+  if (!plan.is_part()) tidy_folder(plan.ring);
+}
+
 /// Until a signal, or until all daemons have ended by themselves (ringctl down).
-int stay(live::LaunchedRing& daemons, process::SignalWait& signals) {
+int stay(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals) {
   while (daemons.any_running()) {
     if (signals.asked_to_end(milliseconds(1000))) {
-      end(daemons, signals);
+      end_all(plan, daemons, signals);
       return kDone;
     }
     tell_ended(daemons);
   }
+  end_restarted(plan.ring);
   const bool clean = std::all_of(daemons.all().begin(), daemons.all().end(),
                                  [](const live::LaunchedDaemon& daemon) { return daemon.ended()->clean; });
   return clean ? kDone : kNotDone;
@@ -166,8 +179,7 @@ void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process
     }
   }
   if (down) return;  // daemons that run now were started by somebody else
-  end(daemons, signals);
-  end_restarted(plan.ring);
+  end_all(plan, daemons, signals);
 }
 
 /// Saves recordings when something goes wrong, where the ring's file says so; ends with the ring.
@@ -225,9 +237,7 @@ int run(const RingPlan& plan, const UpOptions& options) {
     std::cout << "ring " << plan.ring << " has ended: its time was over" << std::endl;
   const auto keeper = start_keeper(plan, options.detach);
   if (options.detach) return kDone;
-  const int code = stay(daemons, signals);
-  end_restarted(plan.ring);
-  return code;
+  return stay(plan, daemons, signals);
 }
 
 void read_clock(UpOptions& options) {
