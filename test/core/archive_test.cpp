@@ -2,6 +2,7 @@
 #include "core/archive.h"
 
 #include "core/copied_state.h"
+#include "core/membership/known_break.h"
 #include "core/solo_node.h"
 
 namespace limb_ring::core {
@@ -34,6 +35,12 @@ TEST(StateLayout, DiffersWithASize) {
   EXPECT_NE(layout_of(Member<>{"hop", 1}), layout_of(Member<std::uint16_t>{"hop", 1}));
 }
 
+TEST(State, HasText) {
+  Member<std::string> before{"name", "left_knee"}, after{"name", ""};
+  read_state(bytes_of(before), after);
+  EXPECT_EQ(after.value, "left_knee");
+}
+
 TEST(State, HasAllThatABeaconSaid) {
   wire::Beacon said{7,
                     1,
@@ -55,6 +62,19 @@ TEST(State, HasAllThatABeaconSaid) {
   wire::encode(said, first.data());
   wire::encode(had, second.data());
   EXPECT_EQ(first, second);
+}
+
+TEST(State, HasTheBrokenLine) {
+  wire::Beacon beacon;
+  beacon.break_known = true;
+  beacon.break_before = 5_id;
+  beacon.break_behind = 6_id;
+  KnownBreak before{1_id}, after{1_id};
+  before.heard(beacon, 6_id);
+  read_state(bytes_of(before), after);
+  ASSERT_TRUE(after.line());
+  EXPECT_EQ(after.line()->before, 5);
+  EXPECT_EQ(after.line()->behind, 6);
 }
 
 TEST(State, HasThePacketThatIsComingIn) {

@@ -46,6 +46,17 @@ TEST_F(BrokenPacket, WhatWaitsBehindAnAbortGoesInTheSameTurn) {
   EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::abort, SliceKind::whole));
 }
 
+TEST_F(BrokenPacket, WhatWaitsBehindAnEndGoesInTheSameTurn) {
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.line();
+  solo.node().set_output_ready(false);
+  solo.receive(SliceKind::end, tail_of(packet));
+  solo.receive(SliceKind::whole, packet);
+  solo.node().set_output_ready(true);
+  solo.run();
+  EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::end, SliceKind::whole));
+}
+
 TEST_F(BrokenPacket, ThatStallsIsAborted) {
   solo.receive(SliceKind::start, head_of(packet));
   solo.run_for(49ms);

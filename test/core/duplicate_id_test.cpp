@@ -1,5 +1,5 @@
 // Two nodes with one id: both say so, and the others go on.
-#include "core/ring_fixture.h"
+#include "core/solo_node.h"
 #include "support/node_literal.h"
 
 namespace limb_ring::core {
@@ -61,6 +61,20 @@ TEST_F(DuplicateId, IsLeftThroughJoining) {
   for (std::size_t i = before; i < ring.log(3_id).events.size(); ++i)
     if (const auto* change = std::get_if<StateChanged>(&ring.log(3_id).events[i].what)) states.push_back(change->after);
   EXPECT_THAT(states, ElementsAre(NodeState::joining, NodeState::up));
+}
+
+// Leftovers of an earlier life pass once: fewer than three signs mean nothing.
+TEST(DuplicateIdOfANodeThatJoins, IsFoundByTheThirdHelloThatItHasNotSaid) {
+  SoloNode solo;
+  Bytes hello(wire::kHelloSize);
+  wire::encode(wire::Hello{50}, hello.data());
+  solo.run();
+  for (std::uint8_t sign = 1; sign <= 3; ++sign) {
+    EXPECT_EQ(solo.node().membership().state(), NodeState::joining) << "before sign " << int{sign};
+    solo.receive(wire::SliceKind::whole,
+                 Foreign{1, wire::kBroadcast}.with_sequence(sign).with_hop(3).with_pri(kControlPri).with(hello));
+  }
+  EXPECT_EQ(solo.node().membership().state(), NodeState::duplicate_id);
 }
 
 // The lines of this node stay as they are, so nothing else would have it say hello again.

@@ -1,5 +1,6 @@
 // Fold-back at one node, what comes and goes on its lines slice by slice. (protocol.md sections 8.8 to 8.12)
 #include "core/copied_state.h"
+#include "core/fold/held_slices.h"
 #include "core/solo_node.h"
 #include "wire/fold_word.h"
 
@@ -44,6 +45,14 @@ struct LoneFold : testing::Test {
   }
 };
 
+TEST(HeldSlices, AreCountedWithoutThoseThatHaveGone) {
+  HeldSlices held;
+  const Bytes word = pattern(4);
+  for (int i = 0; i < 3; ++i) held.put({wire::SliceKind::more, {word.data(), word.size()}});
+  held.pop();
+  EXPECT_EQ(held.count(), 2u);
+}
+
 // Its own node would take it off; that one is dead, and bypassed by this one's input.
 TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
   node.input_up(Line::second, 7_id, Time{});
@@ -83,6 +92,23 @@ TEST_F(FoldedAtNodeOne, ANodeThatTakesTheFirstLineAgainTellsOfTheFoldThatIsLeft)
   EXPECT_EQ(word->node, 1);
 }
 
+// The packet on the second line never ended, and was broken off as the first line was taken.
+TEST_F(FoldedAtNodeOne, WhatWasLeftOpenOnTheSecondLineHoldsNobodyUpTheNextTime) {
+  const Bytes packet = Foreign{7, 2}.with(pattern(64));
+  node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
+  receive_interrupt(Line::first, 1, 2);
+  ASSERT_EQ(node.input_line(), Line::second) << "it waits for the packet's end";
+  const Time later = Time{} + node.settings().stall;
+  node.handle_timeout(later);
+  ASSERT_EQ(node.input_line(), Line::first);
+  node.input_lost(Line::first, later);
+  hear(wire::FoldWordKind::begin, 1_id, later);
+  node.input_up(Line::first, 3_id, later);
+  ASSERT_EQ(node.input_line(), Line::second);
+  receive_interrupt(Line::first, 2, 2);
+  EXPECT_EQ(node.input_line(), Line::first);
+}
+
 // Its `last` was lost: what comes on the first line waits no longer than the table of timers says.
 TEST_F(LoneFold, TheFirstLineIsTakenAfterAWhileThoughTheSecondNeverEnds) {
   node.input_lost(Line::first, Time{});
@@ -106,6 +132,15 @@ TEST_F(LoneFold, WhatFindsNoRoomOnAWholeRingIsDroppedNotHeld) {
   for (int i = 0; i < 20; ++i)
     node.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
   EXPECT_GT(node.counters().insertion_buffer_full, 0u);
+}
+
+TEST_F(LoneFold, ALineThatIsUpAgainIsReadyThoughItWasNotWhenItWasLost) {
+  node.set_output_ready(Line::first, false);
+  node.output_lost(Line::first, Time{});
+  node.output_up(Line::first, 5_id, Time{});
+  receive_interrupt(Line::first, 0, 2);
+  node.run(Time{});
+  EXPECT_FALSE(node.output(Line::first).empty());
 }
 
 TEST_F(LoneFold, TheSecondOutputsLossIsTheOutputsWhileItIsFolded) {

@@ -100,6 +100,56 @@ TEST_F(NewIncarnationAtTheFirstTry, WhatItRefusedGoesAgainIntoAnOpenChain) {
   EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::unconfirmed)));
 }
 
+/// A node that was bypassed joins again while the ring is open: nobody confirms its hello.
+struct BypassedAndInAnOpenChain : testing::Test {
+  SoloNode solo{Duration{0}, [](Settings& s) { s.beacon = 10ms; }};
+  void pull(std::uint8_t attempt) {
+    solo.receive(SliceKind::interrupt, foreign_interrupt(3, 1, 1, 0, attempt));
+    solo.line();
+  }
+  std::uint64_t pulled() const { return solo.counters().pins_pulled; }
+  void SetUp() override {
+    solo.join();
+    pull(0);
+    ASSERT_EQ(pulled(), 1u);
+    solo.node().input_lost(solo.now());
+    solo.node().output_lost(solo.now());
+    solo.node().input_up(0_id, solo.now());
+    solo.node().output_up(2_id, solo.now());
+    solo.run();
+    solo.line();
+    hear_of_break(solo);
+    ASSERT_EQ(solo.node().membership().state(), NodeState::open_chain);
+  }
+};
+
+// The source may not know yet that the node has started over.
+TEST_F(BypassedAndInAnOpenChain, ARepeatedInterruptIsKnownUntilTheNodesOwnBeaconHasComeHome) {
+  solo.run();
+  const auto out = solo.line();
+  ASSERT_FALSE(out.empty());
+  pull(1);
+  EXPECT_EQ(pulled(), 1u);
+  solo.receive(SliceKind::whole, SoloNode::home(out.back().bytes, wire::kFbcMax));
+  pull(2);
+  EXPECT_EQ(pulled(), 2u) << "all know of its start, so this one is new";
+}
+
+TEST(NewIncarnation, ForgetsHowTheHelloBeforeEnded) {
+  SoloNode solo{Duration{0}, [](Settings& s) { s.break_grace = 50ms; }};
+  solo.run();
+  Blocks& node = solo.node();
+  node.input_lost(solo.now());
+  const Time due = solo.now() + 50ms;
+  node.handle_timeout(due);  // the hello that is out ends unconfirmed
+  node.output_lost(due);
+  node.input_up(0_id, due);
+  node.output_up(2_id, due);
+  node.run(due);
+  EXPECT_EQ(solo.counters().hellos, 2u);
+  EXPECT_EQ(node.membership().state(), NodeState::joining);
+}
+
 // ---- a whole ring ---------------------------------------------------------------------------
 
 struct ExactlyOnceRing : testing::Test {
@@ -189,6 +239,17 @@ TEST_F(ExactlyOnceRing, SixSendsWithoutAVerdictAreFollowedByANewHello) {
   EXPECT_GT(ring.node(0_id).membership().boot(), boot);
   EXPECT_EQ(ring.node(1_id).membership().peers()[0_id].boot, ring.node(0_id).membership().boot());
   EXPECT_EQ(outcome_of(ring, 0_id, ring.send(0_id, 1_id, text("b"))).outcome, Outcome::delivered);
+}
+
+TEST_F(ExactlyOnceRing, SoAreSixThatAreLost) {
+  const auto hellos = ring.counters(0_id).hellos;
+  ring.tap(3_id, lose(6 * 4, is_interrupt));
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(ring.counters(0_id).hellos, hellos);
+    EXPECT_EQ(outcome_of(ring, 0_id, ring.interrupt(0_id, 1_id, 1)).outcome, Outcome::lost);
+  }
+  ring.run_for(1ms);
+  EXPECT_EQ(ring.counters(0_id).hellos, hellos + 1);
 }
 
 TEST_F(ExactlyOnceRing, VerdictInBetweenResetsTheCount) {

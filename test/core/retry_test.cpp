@@ -73,6 +73,7 @@ TEST_F(Retry, InterruptsAreTriedAgainAsDataIs) {
   const auto out = solo.line();
   ASSERT_THAT(out, SizeIs(4));
   for (unsigned attempt = 0; attempt < 4; ++attempt) EXPECT_EQ(code(out[attempt].bytes).attempt, attempt);
+  EXPECT_EQ(solo.counters().retries, 3u);
   solo.run_for(100ms);
   EXPECT_THAT(solo.ends(), ElementsAre(Field(&SendEnded::outcome, Outcome::lost)));
 }

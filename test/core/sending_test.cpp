@@ -11,7 +11,8 @@ using testing::Field;
 using testing::IsEmpty;
 
 auto rejected(Reject reason) {
-  return AllOf(Field(&SendEnded::outcome, Outcome::rejected), Field(&SendEnded::reject, reason));
+  return AllOf(Field(&SendEnded::outcome, Outcome::rejected), Field(&SendEnded::reject, reason),
+               Field(&SendEnded::round_trip, Duration{0}));
 }
 
 struct Sending : testing::Test {

@@ -3,6 +3,7 @@
 
 #include "recorder/record_reader.h"
 #include "recorder/record_writer.h"
+#include "recorder/text_archive.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -18,7 +19,7 @@ constexpr Time kNow{1s};
 /// Written at that time, and read by who was at `last`.
 template <class What>
 std::optional<Record> again(const What& what, Time at = kNow, Time last = kNow) {
-  std::uint8_t room[2048];
+  static std::uint8_t room[2048];  // the record points into it
   RecordWriter writer(core::StateWriter(room, sizeof room), last);
   writer.put(at, what);
   EXPECT_FALSE(writer.failed());
@@ -35,6 +36,40 @@ TEST(Record, isReadAsItWasWritten) {
   const auto& call = std::get<input::InputUp>(std::get<core::Input>(record->what));
   EXPECT_EQ(call.line, Line::second);
   EXPECT_EQ(call.from, 9);
+}
+
+/// What a record of that input says once it is read.
+std::string read_back(const core::Input& what) {
+  const auto record = again(what);
+  if (!record) return "none";
+  TextArchive text(TextArchive::Form::one_line);
+  std::visit([&](auto call) { call.archive(text); }, std::get<core::Input>(record->what));
+  return text.text();
+}
+
+TEST(Record, hasAllOfEachInput) {
+  const std::vector<std::uint8_t> bytes{0xAB, 0xCD, 0x01, 0x02};
+  const wire::ByteView data{bytes.data(), bytes.size()};
+  const core::SendRequest request{11, 12, wire::NodeId{13}, wire::Priority{2}, wire::ChannelId{5}, data};
+  const core::InterruptRequest interrupt{21, 22, wire::NodeId{23}, wire::Factor{4}};
+  const core::CpuReport report{31, wire::CpuState::failed, false, kNow, true, {7, wire::NodeId{8}, 9}};
+  EXPECT_EQ(read_back(input::InputUp{Line::second, wire::NodeId{9}}), "line 1 from 9");
+  EXPECT_EQ(read_back(input::InputLost{Line::second}), "line 1");
+  EXPECT_EQ(read_back(input::InputGap{Line::second}), "line 1");
+  EXPECT_EQ(read_back(input::OutputUp{Line::second, wire::NodeId{9}}), "line 1 to 9");
+  EXPECT_EQ(read_back(input::OutputLost{Line::second}), "line 1");
+  EXPECT_EQ(read_back(input::OutputReady{Line::second, true}), "line 1 ready 1");
+  EXPECT_EQ(read_back(input::Receive{Line::second, {wire::SliceKind::more, data}}), "line 1 kind 2 bytes abcd0102");
+  EXPECT_EQ(read_back(input::Send{request}), "owner 11 token 12 destination 13 priority 2 channel 5 data abcd0102");
+  EXPECT_EQ(read_back(input::Interrupt{interrupt}), "owner 21 token 22 destination 23 factor 4");
+  EXPECT_EQ(read_back(input::Pull{41, 42, 3}), "owner 41 token 42 input 3");
+  EXPECT_EQ(read_back(input::Cancel{51}), "owner 51");
+  EXPECT_EQ(read_back(input::CpuReset{61}), "cpu 61");
+  EXPECT_EQ(read_back(input::Cpu{report}),
+            "boots 31 state 5 comes_back 0 spoke_at 1.000000000000 s stop_latched 1 count 7 source 8 clock_ns 9");
+  EXPECT_EQ(read_back(input::CpuPresent{true}), "present 1");
+  EXPECT_EQ(read_back(input::Timeout{}), "");
+  EXPECT_EQ(read_back(input::Run{}), "");
 }
 
 TEST(Record, ofALineThatNoRingHasIsNone) {

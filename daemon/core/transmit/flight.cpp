@@ -14,7 +14,6 @@ std::uint8_t* Flight::load(wire::Code code, wire::NodeId source, wire::NodeId de
   *(end - wire::field::kFbcFromEnd) = wire::kFbcUntaken;
   *(end - wire::field::kDestinationFromEnd) = destination;
   *(end - wire::field::kLastFromEnd) = last;
-  phase_ = Phase::waiting;
   return bytes_->data() + wire::kHeaderSize;
 }
 

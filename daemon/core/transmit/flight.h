@@ -24,7 +24,7 @@ class Flight {
   wire::ByteView image() const { return {bytes_->data(), size_}; }
   wire::NodeId destination() const { return wire::PacketFields{image()}.destination(); }
 
-  /// A new packet; the caller writes `data_size` bytes where the result points.
+  /// A new packet, which goes onto the line at once; the caller writes `data_size` bytes where the result points.
   std::uint8_t* load(wire::Code code, wire::NodeId source, wire::NodeId destination, std::uint8_t last,
                      std::size_t data_size);
   /// Its next try goes onto the line now.
