@@ -138,6 +138,8 @@ TEST_F(LoneFold, ALineThatIsUpAgainIsReadyThoughItWasNotWhenItWasLost) {
   node.set_output_ready(Line::first, false);
   node.output_lost(Line::first, Time{});
   node.output_up(Line::first, 5_id, Time{});
+  node.run(Time{});
+  node.output(Line::first).clear();
   receive_interrupt(Line::first, 0, 2);
   node.run(Time{});
   EXPECT_FALSE(node.output(Line::first).empty());
