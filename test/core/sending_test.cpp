@@ -79,6 +79,7 @@ TEST_F(Sending, NobodyTakesAPacketToADeadNode) {
   const SendEnded end = send(0_id, 2_id, text("a"));
   EXPECT_EQ(end.outcome, Outcome::no_such_node);
   EXPECT_EQ(end.round_trip, 3us);
+  EXPECT_EQ(ring.counters(0_id).ended_no_such_node, 1u);
 }
 
 TEST_F(Sending, SizesOf1And512AreSentOthersRejected) {
