@@ -45,8 +45,8 @@ ProgramStage::ProgramStage(const scenario::Scenario& scenario, std::unique_ptr<H
   host_->host.lockstep().on_credited = [this](std::uint8_t id, unsigned packets) {
     cpus_[id].taken.credited(packets, [this](std::size_t send) { senders().taken(send); });
   };
-  host_->host.lockstep().on_stuck = [this](std::uint8_t id, const std::string& program) {
-    notes_.push_back(name_of(NodeId{id}) + ": its CPU, " + program + ", does not answer");
+  host_->host.lockstep().on_stuck = [this](std::uint8_t id, const std::string& what) {
+    notes_.push_back(name_of(NodeId{id}) + ": its CPU, " + what);
   };
   signals_.async_wait([this](const boost::system::error_code& error, int) {
     if (error) return;

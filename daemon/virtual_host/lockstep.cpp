@@ -18,6 +18,10 @@ namespace {
 
 /// How long listen() goes on before the event loop has its turn, real time.
 constexpr milliseconds kHearing{2};
+/// So many turns in one instant has no program that waits for anything: it asks, or sends what is rejected, again and
+/// again, or waits for a time that is over. Time would stand for ever.
+constexpr unsigned kMostTurns = 10'000;
+constexpr milliseconds kRest{1};  ///< of the ring's time
 
 double seconds(core::Time time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
 
@@ -156,18 +160,41 @@ void Lockstep::gets_stuck(std::uint8_t node, Program& program) {
       "{}: its CPU ({}, pid {}) is stuck at {:.9f} s of the ring's time: it has not waited again for {} ms; the "
       "ring goes on without it",
       config_.find(node)->name, process::program_of(pid), pid, seconds(ring_.now()), patience_with(node).count());
-  on_stuck(node, process::program_of(pid));
+  on_stuck(node, process::program_of(pid) + ", does not answer");
+}
+
+nanoseconds Lockstep::next_turn(const Program& program) const {
+  const nanoseconds wanted = program.session->has_news() ? now() : program.session->waits_until();
+  return program.restless ? std::max(wanted, program.turn_at + kRest) : wanted;
+}
+
+void Lockstep::begin_turn(std::uint8_t node, Program& program) {
+  if (now() > program.turn_at + kRest) program.restless = false;  // it has waited by itself
+  if (std::exchange(program.turn_at, now()) != now()) program.turns = 0;
+  if (++program.turns > kMostTurns && !program.restless) gets_restless(node, program);
+  program.turn_since = steady_clock::now();
+  program.session->begin_turn(now());
+}
+
+void Lockstep::gets_restless(std::uint8_t node, Program& program) {
+  program.restless = true;
+  const std::string name = process::program_of(program.session->info().pid);
+  spdlog::warn(
+      "{}: its CPU ({}, pid {}) lets no time pass at {:.9f} s of the ring's time: {} turns in this instant; it asks, "
+      "or "
+      "sends what is rejected, again and again, or waits for a time that is over. From now on it has a turn each {} ms",
+      config_.find(node)->name, name, program.session->info().pid, seconds(ring_.now()), kMostTurns, kRest.count());
+  on_stuck(node, name + ", lets no time pass");
 }
 
 bool Lockstep::give_turns() {
   std::optional<std::uint8_t> given;
   for (Entry& entry : programs_) {
     auto& [key, program] = entry;
-    host::Session& session = *program.session;
+    const host::Session& session = *program.session;
     if (given == key.first || is_away(entry) || !session.open() || session.has_turn()) continue;
-    if (!session.has_news() && session.waits_until() > now()) continue;
-    program.turn_since = steady_clock::now();
-    session.begin_turn(now());
+    if (next_turn(program) > now()) continue;
+    begin_turn(key.first, program);
     given = key.first;
   }
   return given.has_value();
@@ -176,8 +203,8 @@ bool Lockstep::give_turns() {
 core::Time Lockstep::next_wake() const {
   nanoseconds earliest = nanoseconds::max();
   for (const Entry& entry : programs_) {
-    const host::Session& session = *entry.second.session;
-    if (!session.has_turn() && !is_away(entry)) earliest = std::min(earliest, session.waits_until());
+    const Program& program = entry.second;
+    if (!program.session->has_turn() && !is_away(entry)) earliest = std::min(earliest, next_turn(program));
   }
   return earliest == nanoseconds::max() ? core::kNever : core::Time{} + earliest;
 }

@@ -70,8 +70,8 @@ class Lockstep final : public host::TurnKeeper {
   bool is_stuck(std::uint8_t node) const;
   /// As TurnKeeper::credited().
   std::function<void(std::uint8_t node, unsigned packets)> on_credited = [](std::uint8_t, unsigned) {};
-  /// A program does not answer. @param program its name
-  std::function<void(std::uint8_t node, const std::string& program)> on_stuck = [](std::uint8_t, const std::string&) {};
+  /// A program does not answer, or lets no time pass. @param what its name, and which of them
+  std::function<void(std::uint8_t node, const std::string& what)> on_stuck = [](std::uint8_t, const std::string&) {};
 
   /// Why this run is not repeatable; empty if no reason is known.
   std::string not_repeatable() const;
@@ -81,6 +81,9 @@ class Lockstep final : public host::TurnKeeper {
   struct Program {
     std::shared_ptr<host::Session> session;
     Instant turn_since{};
+    std::chrono::nanoseconds turn_at{-1};  ///< of the ring's time: its last turn
+    unsigned turns = 0;                    ///< in that instant
+    bool restless = false;                 ///< had too many of them: its turns are kRest apart
     bool stuck = false;
     bool dies = false;  ///< was sent a signal that ends it
   };
@@ -93,6 +96,9 @@ class Lockstep final : public host::TurnKeeper {
   Entry* acting();
   bool hear(Entry& entry);
   void gets_stuck(std::uint8_t node, Program& program);
+  std::chrono::nanoseconds next_turn(const Program& program) const;
+  void begin_turn(std::uint8_t node, Program& program);
+  void gets_restless(std::uint8_t node, Program& program);
   void forget_gone();
 
   sim::VirtualRing& ring_;

@@ -110,6 +110,15 @@ class Lockstep(RingTest):
         hashes = [re.search(r'trace hash (\S+)', log).group(1) for log in logs]
         self.assertEqual(hashes[0], hashes[1], 'it stuck, was found and reset at the same instants')
 
+    def test_a_cpu_that_lets_no_time_pass_is_named_and_the_ring_goes_on(self):
+        nodes = plain_nodes(3)
+        nodes[1]['cpu'] = {'command': [os.path.join(CPUS, 'asking_cpu')]}
+        config = self.write_ring(nodes)
+        logs = [self.run_for(0.5, config) for _ in range(2)]
+        named = re.findall(r"node1: its CPU \(asking_cpu, pid \d+\) lets no time pass at (\S+) s of the ring's time", logs[0])
+        self.assertEqual(named, ['0.020000000'], logs[0])
+        self.assertEqual(*map(self.trace_of, logs))
+
     def test_a_cpu_that_ends_does_so_at_an_instant_of_the_ring(self):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = {'command': [os.path.join(CPUS, 'short_lived_cpu')]}
