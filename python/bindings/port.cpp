@@ -177,6 +177,7 @@ void bind_port(py::module& module) {
       .def_property_readonly("name", [](Port& p) { return Use(p)->name(); })
       .def_property_readonly("ring", [](Port& p) { return Use(p)->ring(); })
       .def_property_readonly("connected", &is_connected)
+      .def_property_readonly("in_lockstep", [](Port& p) { return Use(p)->in_lockstep(); })
       .def("fileno", [](Port& p) { return Use(p)->fd(); })
       .def("close", &close)
       .def(

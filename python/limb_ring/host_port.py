@@ -91,6 +91,11 @@ class HostPort:
 
     # ---- the ring's clock -----------------------------------------------------------------
 
+    @property
+    def in_lockstep(self):
+        """On a virtual ring, as connect() was told: its waits, next_of() and find() too, are of the ring's time."""
+        return self._port.in_lockstep
+
     def now(self):
         """CLOCK_MONOTONIC; on a virtual ring the time since its start. s"""
         return self._port.now_ns() / 1e9
@@ -182,16 +187,17 @@ class HostPort:
         if not timeout >= 0:   # nor is it a number where it is NaN, which would never be over
             raise ValueError('timeout: 0 s or more is needed, not %r' % timeout)
         kept = self._take(wanted)
-        deadline = time.monotonic() + timeout
+        clock = self.now if self._port.in_lockstep else time.monotonic   # that of receive()
+        deadline = clock() + timeout
         while kept is None:
-            message = self._port.receive(max(0.0, deadline - time.monotonic()))
+            message = self._port.receive(max(0.0, deadline - clock()))
             if message is not None and wanted(message):
                 return message
             if message is not None:
                 self._kept.append(message)
             if isinstance(message, Disconnected) or message is None and not self.connected:
                 raise HostPortError('%s; the connection has ended' % missing)
-            if message is None and time.monotonic() >= deadline:
+            if message is None and clock() >= deadline:
                 raise HostPortTimeout('%s within %g s' % (missing, timeout))
         return kept
 

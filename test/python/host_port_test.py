@@ -119,6 +119,17 @@ def test_every_wait_ends_at_its_deadline(ring):
         HostPort.connect(ring='a\0b', node=3)
 
 
+@pytest.mark.ring(RING, clock='virtual', pace='max')
+def test_in_lockstep_every_wait_is_of_the_rings_time(ring):
+    with ring.port('body', role='cpu', lockstep=True) as cpu, ring.port('body') as tool:
+        assert cpu.in_lockstep and not tool.in_lockstep
+        for wait in lambda: cpu.next_of(Packet, timeout=0.5), lambda: cpu.find(lambda _: False, timeout=0.5):
+            begun = cpu.now()
+            with pytest.raises(HostPortTimeout, match='within 0.5 s'):
+                wait()
+            assert cpu.now() - begun == pytest.approx(0.5, abs=1e-6)
+
+
 @needs_ring
 def test_a_daemon_that_is_frozen_is_said_to_be_so(ring):
     port = ring.port('spare')
