@@ -139,11 +139,18 @@ std::string describe(const Results& results, const StageView& view) {
   return none_if_empty(text);
 }
 
+bool none_confirmed(const Latency& latency, const StageView& view) {
+  return view.tally(latency.send).results[static_cast<std::size_t>(core::Outcome::delivered)] == 0;
+}
+
+/// Of none it does not hold: nothing has been seen.
 bool holds_now(const Latency& latency, const StageView& view) {
-  return view.tally(latency.send).worst <= core::Duration(view.allowed(latency.at_most));
+  return !none_confirmed(latency, view) &&
+         view.tally(latency.send).worst <= core::Duration(view.allowed(latency.at_most));
 }
 
 std::string describe(const Latency& latency, const StageView& view) {
+  if (none_confirmed(latency, view)) return "none was confirmed";
   const core::Duration worst = view.tally(latency.send).worst;
   return config::format_time(std::chrono::duration_cast<nanoseconds>(worst));
 }
@@ -152,6 +159,11 @@ std::string describe(const Latency& latency, const StageView& view) {
 
 bool holds(const Condition& condition, const StageView& view) {
   return std::visit([&](const auto& what) { return holds_now(what, view); }, condition.what);
+}
+
+bool holds_so_far(const Condition& condition, const StageView& view) {
+  const auto* latency = std::get_if<Latency>(&condition.what);
+  return (latency != nullptr && none_confirmed(*latency, view)) || holds(condition, view);
 }
 
 std::string seen(const Condition& condition, const StageView& view) {

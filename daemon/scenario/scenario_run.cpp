@@ -90,7 +90,7 @@ class Run {
     for (const std::string& note : stage_.take_notes()) log(note);
     if (const auto broken = stage_.broken()) return fail(broken->expected, broken->seen);
     for (const Condition& condition : scenario_.always)
-      if (!holds(condition, stage_)) return fail("always " + condition.words, seen(condition, stage_));
+      if (!holds_so_far(condition, stage_)) return fail("always " + condition.words, seen(condition, stage_));
     for (const Condition& condition : scenario_.never)
       if (holds(condition, stage_)) return fail("never " + condition.words, seen(condition, stage_));
     return true;

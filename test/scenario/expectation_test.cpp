@@ -28,6 +28,16 @@ TEST(Expectation, OfLatency) {
             "always {latency: x, at_most: 6239ns}; 6240ns");
 }
 
+TEST(Expectation, OfLatencyIsUnmetWhereNoneWasConfirmed) {
+  const std::string lost = "steps:\n  - {at: 1ms, do: {kill: node2}}\n" + kSent.substr(kSent.find("  -"));
+  EXPECT_EQ(unmet_of(lost + when("{latency: x, at_most: 1s}", "100ms")),
+            "when {latency: x, at_most: 1s} within 100ms; none was confirmed");
+  EXPECT_EQ(unmet_of(lost + "  - {after: 100ms}\nalways: [{latency: x, at_most: 1ns}]\n"), "");
+  EXPECT_EQ(unmet_of(kSent + "  - {after: 1ms}\nnever: [{latency: x, at_most: 1us}]\n"), "");
+  EXPECT_EQ(unmet_of(kSent + "  - {after: 1ms}\nnever: [{latency: x, at_most: 1ms}]\n"),
+            "never {latency: x, at_most: 1ms}; 6240ns");
+}
+
 TEST(Expectation, OfWhatWasTaken) {
   EXPECT_EQ(unmet_of(kSent + when("{taken: x, at_least: 1}", "1ms")), "");
   EXPECT_EQ(unmet_of(kSent + when("{taken: x, at_least: 2}", "1ms")), "when {taken: x, at_least: 2} within 1ms; 1");
