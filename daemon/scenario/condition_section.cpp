@@ -79,6 +79,7 @@ Section<NodeIs> node_section() {
            [](const Entry& entry, NodeIs& node) { node.who = read_who(entry, true); }},
           {"is", "none", "a state, or down", "Its state.", read_state},
           {"ring_size", "none", "1 to 255", "As it has learned it.", [](const Entry& entry, NodeIs& node) {
+             if (node.down) entry.refuse("a node that is down has none", "ring_size beside another state, or alone");
              node.ring_size = static_cast<unsigned>(read_integer(entry, {1, config::kMostNodes}));
            }}};
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 
 #include "config/characters.h"
 #include "scenario/sections.h"
@@ -118,7 +119,11 @@ const Section<Scenario>& scenario_section() {
           "boot_time", &Scenario::boot_time, 0ns, 60s,
           "From a reset of a CPU to its first word, under the virtual clock; live it takes what it takes."),
       {"absent", "[]", "a node or a list of nodes", "Not there at the start.",
-       [](const Entry& entry, Scenario& scenario) { scenario.absent = read_nodes(entry); }},
+       [](const Entry& entry, Scenario& scenario) {
+         scenario.absent = read_nodes(entry);  // the others are counted by it
+         if (std::set<NodeId>(scenario.absent.begin(), scenario.absent.end()).size() != scenario.absent.size())
+           entry.refuse("a node is there twice", "each node once");
+       }},
       {"steps", config::kRequired, "a list of steps", "What happens and what is seen, in this order.",
        [](const Entry& entry, Scenario& scenario) {
          for (const Entry& item : entry.items("a list of steps", kMostSteps)) {

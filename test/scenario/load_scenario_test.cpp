@@ -62,6 +62,11 @@ TEST(LoadScenario, RefusesALineThatTheRingDoesNotHave) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node1 -> node0}}]\n")), HasSubstr("a ring that folds back"));
 }
 
+TEST(LoadScenario, RefusesAnAbsentNodeThatIsThereTwice) {
+  EXPECT_THAT(refusal_of(four_nodes("absent: [node1, 1]\nsteps: []\n")),
+              HasSubstr("entry 'absent': a node is there twice; allowed: each node once"));
+}
+
 TEST(LoadScenario, RefusesAWaitWithoutALimit) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{when: {node: all, is: up}}]\n")), HasSubstr("'within' is missing"));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{within: 1s}]\n")), HasSubstr("there is no when"));
@@ -77,6 +82,8 @@ TEST(LoadScenario, RefusesConditionsThatSayNothing) {
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{knee: up}]\n")), HasSubstr("it is no condition"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{counter: timeouts, of: all, at_most: 2, at_least: 5}]\n")),
               HasSubstr("'2' leaves nothing between at_least and at_most; allowed: at_least up to at_most"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{ring_size: 3, node: node1, is: down}]\n")),
+              HasSubstr("a node that is down has none; allowed: ring_size beside another state, or alone"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nnever: [{is: down, node: living}]\n")),
               HasSubstr("'down' is what no living node is; allowed: a state; down of a node, or of all"));
   EXPECT_THAT(refusal_of(four_nodes("steps: []\nalways: [{counter: crc_error, of: all, at_most: 0}]\n")),
