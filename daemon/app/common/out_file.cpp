@@ -19,6 +19,15 @@ bool is_same_file(const std::string& one, const std::string& other) {
   return std::filesystem::equivalent(one, other, missing);
 }
 
+bool is_same_output(const std::string& one, const std::string& other) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (one.empty() || other.empty()) return false;
+  if (fs::exists(one, error)) return fs::is_regular_file(one, error) && is_same_file(one, other);
+  const fs::path path = fs::weakly_canonical(fs::absolute(one, error), error);
+  return !path.empty() && path == fs::weakly_canonical(fs::absolute(other, error), error);
+}
+
 bool is_output_read() {
   pollfd output{STDOUT_FILENO, 0, 0};
   return ::poll(&output, 1, 0) <= 0 || (output.revents & POLLERR) == 0;

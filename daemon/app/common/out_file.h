@@ -11,6 +11,9 @@ std::string open_for_writing(std::ofstream& file, const std::string& path);
 /// Whether both are there and are one file: what is to be read from the one would be lost where the other is written.
 bool is_same_file(const std::string& one, const std::string& other);
 
+/// Whether both name one file that is to be written, be it there already or not. Devices (/dev/null) may be shared.
+bool is_same_output(const std::string& one, const std::string& other);
+
 /// False where standard output is a pipe that nobody reads any more (`| head -1`). For callers that wait
 /// until there is something to write.
 bool is_output_read();

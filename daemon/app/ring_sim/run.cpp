@@ -44,6 +44,8 @@ void finish(std::ofstream& file, const std::string& path) {
 }
 
 int run(const RunOptions& options) {
+  if (app::is_same_output(options.trace, options.capture))
+    throw UsageError("--trace and --capture both name " + options.capture + "; each needs a file of its own");
   std::ofstream trace, capture;
   open(trace, "--trace ", options.trace);
   open(capture, "--capture ", options.capture);

@@ -1,4 +1,4 @@
-// What `ring_sim compare-traces` says of captures that are not whole.
+// Captures of `ring_sim run`, and what `compare-traces` says of those that are not whole.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -53,6 +53,14 @@ TEST_F(CompareTraces, WhatCannotBeReadIsNamedWithTheReason) {
   EXPECT_THAT(ring_sim({"compare-traces", whole, none}).errors,
               AllOf(HasSubstr(none), HasSubstr("cannot be read: No such file")));
   EXPECT_THAT(ring_sim({"compare-traces", folder, whole}).errors, HasSubstr("it is a folder"));
+}
+
+using RingSimRun = test::OwnFolder;
+
+TEST_F(RingSimRun, WritesTraceAndCaptureIntoFilesOfTheirOwn) {
+  const CliRun said = ring_sim({"run", "--trace", folder + "/x", "--capture", folder + "/x"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("--trace and --capture both name " + folder + "/x; each needs a file of its own"));
 }
 
 }  // namespace

@@ -128,6 +128,17 @@ TEST_F(ScenarioCommand, AddsNoLogToAScenario) {
   EXPECT_THAT(said.errors, HasSubstr("good.yaml is a scenario that is to be run, and would be lost"));
 }
 
+TEST_F(ScenarioCommand, WritesEachOfItsFilesForItself) {
+  const std::string path = write("good.yaml", kGood), out = folder + "/out";
+  for (const char* there : {"not yet", "already"}) {
+    const CliRun said = run_scenarios({path, "--junit", out, "--capture", folder + "/./out"});
+    EXPECT_EQ(said.code, kUsage) << there;
+    EXPECT_THAT(said.errors, HasSubstr("--junit and --capture both name " + folder + "/./out; each needs a file"));
+    write("out", "");
+  }
+  EXPECT_EQ(run_scenarios({path, "--junit", "/dev/null", "--capture", "/dev/null"}).code, kDone);
+}
+
 TEST_F(ScenarioCommand, IsNotMadeSmallInItsOwnPlace) {
   const std::string path = write("unmet.yaml", kUnmet);
   const CliRun said = ringctl({"scenario", "shrink", path, "-o", path});

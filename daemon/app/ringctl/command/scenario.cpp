@@ -72,6 +72,17 @@ void require_none_of(const std::vector<std::string>& scenarios, const std::strin
       throw UsageError(path + " is a scenario that is to be run, and would be lost; write to another file");
 }
 
+/// @throw UsageError where two options name one file: it would be neither
+void require_files_of_their_own(const ScenarioOptions& options) {
+  const std::pair<const char*, const std::string&> outputs[] = {
+      {"--junit", options.junit}, {"--capture", options.capture}, {"--log", options.log}};
+  for (const auto& one : outputs)
+    for (const auto& other : outputs)
+      if (&one < &other && app::is_same_output(one.second, other.second))
+        throw UsageError(std::string(one.first) + " and " + other.first + " both name " + other.second +
+                         "; each needs a file of its own");
+}
+
 /// Before anything is run, so that a file that cannot be written costs no time. An empty path is none.
 std::ofstream open_output(const std::string& path, const std::vector<std::string>& scenarios) {
   require_none_of(scenarios, path);
@@ -139,6 +150,7 @@ ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::
 
 int run(const ScenarioOptions& options) {
   require_none_of(options.files, options.log);
+  require_files_of_their_own(options);
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
   std::vector<ScenarioRun> runs;
