@@ -53,9 +53,9 @@ class ScenarioLive(ScenarioTest):
         self.assertEqual(self.started(), [])
         self.assertEqual(os.listdir(self.temporary), [])
 
-    def start_endless(self):
-        """A run that has a frozen node and goes on for minutes."""
-        run = self.start('run', [ring_process.program('ringctl'), 'scenario', 'run', '--live',
+    def start_endless(self, *first):
+        """A run that has a frozen node and goes on for minutes. @param first arguments before that scenario"""
+        run = self.start('run', [ring_process.program('ringctl'), 'scenario', 'run', '--live', *first,
                                  self.write('endless.yaml', ENDLESS)])
         self.wait('a frozen node', lambda: 'T' in [ring_process.process_state(pid) for pid in self.started()])
         return run
@@ -100,6 +100,14 @@ class ScenarioLive(ScenarioTest):
             self.assertEqual(self.wait_exit(run), 1)
             self.assertIn('interrupted', self.log_of(run))
             self.assert_clean()
+
+    def test_an_interrupted_run_reports_the_scenarios_that_it_has_run(self):
+        junit = os.path.join(self.folder, 'out.xml')
+        run = self.start_endless('--junit', junit, self.write('first.yaml', SURPRISE))
+        run.send_signal(signal.SIGINT)
+        self.assertEqual(self.wait_exit(run), 1)
+        suite = xml.etree.ElementTree.parse(junit).getroot().find('testsuite')
+        self.assertEqual((suite.get('tests'), suite.get('failures')), ('1', '1'))
 
     def test_killed_itself(self):
         run = self.start_endless()

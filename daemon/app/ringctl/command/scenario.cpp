@@ -154,16 +154,24 @@ int run(const ScenarioOptions& options) {
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
   std::vector<ScenarioRun> runs;
-  for (const Scenario& scenario : scenarios) {
-    runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr));
-    if (!options.json) std::cout << text_of(runs.back()) << std::endl;
+  const auto write_junit = [&] {
+    if (junit.is_open()) finish(junit << scenario::junit_of(runs), options.junit);
+  };
+  try {
+    for (const Scenario& scenario : scenarios) {
+      runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr));
+      if (!options.json) std::cout << text_of(runs.back()) << std::endl;
+    }
+  } catch (...) {  // interrupted, for one: what was found so far is not lost
+    write_junit();
+    throw;
   }
   if (!options.json && runs.size() > 1) std::cout << verdict_of(runs) << std::endl;
   if (capture.is_open()) finish(capture, options.capture);
   std::vector<app::Row> rows;
   for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
   if (options.json) std::cout << app::format_rows(rows, app::Format::json) << '\n';
-  if (junit.is_open()) finish(junit << scenario::junit_of(runs), options.junit);
+  write_junit();
   const bool unmet =
       std::any_of(runs.begin(), runs.end(), [](const ScenarioRun& each) { return each.unmet.has_value(); });
   return unmet ? kNotDone : kDone;
