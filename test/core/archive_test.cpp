@@ -41,6 +41,22 @@ TEST(State, HasText) {
   EXPECT_EQ(after.value, "left_knee");
 }
 
+TEST(State, HasBits) {
+  Member<std::bitset<3>> before{"bits", 5}, after{"bits", 0};
+  read_state(bytes_of(before), after);
+  EXPECT_EQ(after.value, 5);
+}
+
+TEST(State, ThatEndsInsideAByteViewIsRefused) {
+  const Bytes data = pattern(4);
+  Member<wire::ByteView> before{"data", {data.data(), data.size()}}, after{"data", {}};
+  const Bytes whole = bytes_of(before);
+  StateReader reader({whole.data(), whole.size() - 1});
+  after.archive(reader);
+  EXPECT_TRUE(reader.failed());
+  EXPECT_TRUE(after.value.empty());
+}
+
 TEST(State, HasAllThatABeaconSaid) {
   wire::Beacon said{7,
                     1,
@@ -100,6 +116,25 @@ TEST(State, HasTheEventsThatNobodyHasTaken) {
   ASSERT_TRUE(after.take(Time{}, event));
   ASSERT_TRUE(std::holds_alternative<BeaconHome>(event.what));
   EXPECT_EQ(std::get<BeaconHome>(event.what).round_trip, Duration{5us});
+}
+
+TEST(State, HasAChangeOfTheStateThatNobodyHasTaken) {
+  EventQueue before, after;
+  before.put(Time{}, StateChanged{NodeState::joining, NodeState::open_chain});
+  read_state(bytes_of(before), after);
+  Event event;
+  ASSERT_TRUE(after.take(Time{}, event));
+  EXPECT_EQ(std::get<StateChanged>(event.what).before, NodeState::joining);
+  EXPECT_EQ(std::get<StateChanged>(event.what).after, NodeState::open_chain);
+}
+
+TEST(SlotQueue, KeepsTheOrderOfWhatIsNotErased) {
+  SlotQueue<int> queue;
+  for (int i = 0; i < 6; ++i) queue.push() = i;
+  queue.erase_if(1, [](int value) { return value % 3 == 1; });
+  ASSERT_EQ(queue.size(), 4u);
+  const int left[] = {0, 2, 3, 5};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(queue[i], left[i]);
 }
 
 }  // namespace

@@ -33,7 +33,9 @@ struct ExactlyOnce : testing::Test {
 TEST_F(ExactlyOnce, RetryOfATakenPacketIsConfirmedNotDelivered) {
   pass({0, 1, 0, 0});
   EXPECT_EQ(pass({0, 1, 0, 1}), 1);
+  EXPECT_EQ(solo.node().received_waiting(), 1u);
   EXPECT_EQ(solo.packets().size(), 1u);
+  EXPECT_EQ(solo.node().received_waiting(), 0u);
   EXPECT_EQ(solo.counters().duplicates, 1u);
 }
 
