@@ -29,7 +29,7 @@ class LineUse : public sim::Observer {
   std::uint64_t bytes_ = 0, packet_bytes_ = 0, data_bytes_ = 0;
 };
 
-/// A ring as protocol.md section 7.2 supposes it: joined before time zero, beacons off.
+/// A ring as protocol.md section 7.2 supposes it: joined before time zero, beacons and time-outs off.
 class CaseRing : public sim::WatchedRing {
  public:
   CaseRing(const Medium& medium, std::ostream* trace);

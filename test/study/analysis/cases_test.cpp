@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "sim/trace.h"
+#include "study/analysis/case_ring.h"
 
 namespace limb_ring::study {
 namespace {
@@ -33,6 +34,15 @@ TEST(Cases, GiveThePapersFigures) {
   EXPECT_EQ(worst(Case::interrupt, of(16)), 9728ns);
   EXPECT_NEAR(run_case(Case::saturated, of(16), 1).measured_share, 16 * 4.192 / (16 * 4.192 + 0.512), 1e-9);
   EXPECT_NEAR(run_case(Case::payload, of(16), 1).measured_share, 512.0 / 524, 1e-12);
+}
+
+// With long packets beside the delay, INTPs hold DATPs up for longer than two worst laps, which have one INTP a node.
+TEST(Cases, RepeatNothingHoweverLongInterruptsHoldItUp) {
+  Medium medium = of(16);
+  medium.relay_delay = Duration{0};
+  const CaseRing ring(medium, nullptr);
+  const core::Settings& settings = ring.settings(wire::NodeId{0});
+  EXPECT_GT(settings.send_timeout(), 1000 * settings.worst_lap());
 }
 
 struct Sizes : testing::TestWithParam<std::tuple<unsigned, unsigned>> {
