@@ -26,33 +26,32 @@ void DaemonInterrupts::on_ended(const core::SendEnded& ended) {
 
 void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout,
                              ResetDone done) {
-  Reset& reset = resets_.emplace_back(node, cpus_.known(node), driver_.now(), std::move(done));
-  reset.deadline =
-      driver_.clock().timer([this, which = &reset] { finish(place_of(which), which->order.timed_out(driver_.now())); });
+  const std::uint32_t number = ++last_reset_;
+  Reset& reset = resets_.try_emplace(number, node, cpus_.known(node), driver_.now(), std::move(done)).first->second;
+  reset.deadline = driver_.clock().timer([this, number] {
+    const auto place = resets_.find(number);
+    finish(place, place->second.order.timed_out(driver_.now()));
+  });
   reset.deadline->expires_at(driver_.clock().now() + timeout);
-  interrupt(node, factor, [this, which = &reset](const core::SendEnded& ended) {
-    const auto place = place_of(which);
-    if (place != resets_.end())
-      finish(place, place->order.interrupt_ended(ended, cpus_.known(place->node), driver_.now()));
+  interrupt(node, factor, [this, number](const core::SendEnded& ended) {
+    const auto place = resets_.find(number);
+    if (place == resets_.end()) return;
+    Reset& of = place->second;
+    finish(place, of.order.interrupt_ended(ended, cpus_.known(of.node), driver_.now()));
   });
 }
 
 void DaemonInterrupts::on_cpu_changed(wire::NodeId node) {
   for (auto it = resets_.begin(); it != resets_.end();) {
     const auto place = it++;
-    if (place->node == node) finish(place, place->order.cpu_changed(cpus_.known(node), driver_.now()));
+    Reset& reset = place->second;
+    if (reset.node == node) finish(place, reset.order.cpu_changed(cpus_.known(node), driver_.now()));
   }
 }
 
-DaemonInterrupts::ResetPlace DaemonInterrupts::place_of(const Reset* reset) {
-  auto it = resets_.begin();
-  while (it != resets_.end() && &*it != reset) ++it;
-  return it;
-}
-
-void DaemonInterrupts::finish(ResetPlace place, const watchdog::ResetOrder::Report& report) {
+void DaemonInterrupts::finish(Resets::iterator place, const watchdog::ResetOrder::Report& report) {
   if (!report) return;
-  const ResetDone done = std::move(place->done);
+  const ResetDone done = std::move(place->second.done);
   resets_.erase(place);
   done(*report);
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <list>
 #include <map>
 
 #include "runtime/cpu_sightings.h"
@@ -37,17 +36,18 @@ class DaemonInterrupts {
     ResetDone done;
     std::unique_ptr<event_loop::Timer> deadline;
   };
-  using ResetPlace = std::list<Reset>::iterator;
+  /// By number, since the interrupt of a reset that has timed out may end while later ones are under way.
+  using Resets = std::map<std::uint32_t, Reset>;
 
   /// @param report how the reset ended; none: it is still under way, and nothing is done
-  void finish(ResetPlace place, const watchdog::ResetOrder::Report& report);
-  ResetPlace place_of(const Reset* reset);
+  void finish(Resets::iterator place, const watchdog::ResetOrder::Report& report);
 
   NodeDriver& driver_;
   const CpuSightings& cpus_;
   std::uint32_t last_token_ = 0;
   std::map<std::uint32_t, Ended> interrupts_;
-  std::list<Reset> resets_;
+  std::uint32_t last_reset_ = 0;
+  Resets resets_;
 };
 
 }  // namespace limb_ring::runtime

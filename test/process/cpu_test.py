@@ -58,6 +58,18 @@ class Reset(RingTest):
         self.wait_cpu(0, 'running')
         self.assertTrue(self.ctl_json('reset', 0, '--from', 0, '--timeout', 30)['success'])
 
+    def test_a_reset_is_not_judged_by_the_interrupt_of_an_earlier_one_that_has_timed_out(self):
+        daemons = self.start_ring(limb_at(1, count=4))
+        self.wait_cpu(1, 'running')
+        daemons[3].kill()
+        self.wait_closed(range(3))
+        self.assertEqual(self.ctl('fault', 'delay', 'node0:node1', '--delay', '300ms').returncode, 0)
+        port = self.port(0)
+        late = port.ask({'do': 'reset', 'node': 'node3', 'timeout_ms': 1})
+        self.assertEqual(late['effect'], 'unknown', late)
+        reset = port.ask({'do': 'reset', 'node': 'node1', 'timeout_ms': 60000}, timeout=ring_process.GUARD)
+        self.assertTrue(reset['success'], reset)
+
     def test_attached_cpu_that_nobody_restarts_is_said_so(self):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = 'attached'
