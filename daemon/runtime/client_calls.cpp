@@ -68,9 +68,9 @@ bool ClientCalls::changes_something(const client::JsonRequest& request) const {
 void ClientCalls::on_observe(host::ClientId client, const client::ObserveRequest& request) {
   try {
     const ObserveFilter filter = read_observe_filter(to_.ring, std::string(request.json));
+    to_.promise_observers.set(client, filter.promises);  // first: it may fail, and nothing is changed then
     to_.observers.set(client, filter.kinds);
     to_.packet_observers.set(client, filter.packets);
-    to_.promise_observers.set(client, filter.promises);
   } catch (const std::exception& error) {
     to_.host.observed(client, nlohmann::json{{"error", error.what()}}.dump());
   }

@@ -1,5 +1,7 @@
 """Clients that see the packets on a node's lines, as fast or as slow as they read."""
 
+import os
+
 import ring_process
 from ring_process import RingTest, plain_nodes
 from limb_ring import CaptureCounts, CapturedPacket, Observed, Result
@@ -97,6 +99,19 @@ class Packets(RingTest):
             error = observer.next_of(Observed).content['error']
             for word in words:
                 self.assertIn(word, error)
+
+
+class Orders(RingTest):
+    def test_an_order_that_cannot_be_followed_changes_nothing(self):
+        self.start_ring(plain_nodes(2))
+        os.mkdir(self.socket_of(1, 'watch'))   # where the file for the promises would be
+        observer = self.port(1)
+        observer.observe('pin', promises=True)
+        self.assertIn('1.watch', observer.next_of(Observed).content['error'])
+        self.ctl_json('interrupt', '--from', 0, '--to', 1, 1)
+        self.wait('the pin pulled', lambda: self.counters(1)['pins_pulled'] == 1)
+        observer.ask({'do': 'latch'})
+        self.assertEqual([seen.content for seen in observer.received(Observed)], [])
 
 
 if __name__ == '__main__':
