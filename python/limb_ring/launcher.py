@@ -98,7 +98,10 @@ class Launcher:
         for process in processes:
             process.wait(timeout=KILLED)
         for pid in list(self.daemons_left()):
-            os.kill(pid, signal.SIGKILL)
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                continue   # it has ended by itself, as daemons of a killed `ringctl up` do
             deadline = time.monotonic() + KILLED
             while not is_gone(pid) and time.monotonic() < deadline:
                 time.sleep(STEP)

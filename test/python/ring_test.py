@@ -119,6 +119,19 @@ def test_no_daemon_is_left_of_a_program_that_is_killed(number):
         time.sleep(0.02)
 
 
+def test_a_daemon_that_ends_just_before_it_is_killed_stops_nothing(monkeypatch):
+    ring = Ring(plain('late')).up()
+    folder = ring.environment['XDG_RUNTIME_DIR']
+    ended = subprocess.Popen(['true'])
+    ended.wait()
+    left = list(ring._launcher.daemons_left())
+    monkeypatch.setattr(ring._launcher, 'daemons_left', lambda: [ended.pid] + left)
+    ring._launcher.end()
+    assert all(is_gone(pid) for pid in left)
+    ring.down()
+    assert not os.path.exists(folder)
+
+
 def test_nothing_is_left_where_a_variable_is_not_utf_8(monkeypatch):
     monkeypatch.setenv('SOMEBODYS', os.fsdecode(b'\xff'))
     ring = Ring(plain('left')).up()
