@@ -5,7 +5,7 @@ import shutil
 import subprocess
 
 from . import _client
-from .host_port import HostPort
+from .host_port import HostPort, HostPortError
 from .launcher import Launcher
 
 _PREFIX = os.path.abspath(os.path.join(os.path.dirname(__file__), *['..'] * 4))   # PREFIX/lib/python3/dist-packages/limb_ring
@@ -95,7 +95,10 @@ class Ring:
 
     def down(self):
         for port in self._ports:
-            port.close()
+            try:
+                port.close()
+            except HostPortError:
+                pass   # another thread waits there, until the ring's end
         self._ports.clear()
         if self._launcher:
             try:

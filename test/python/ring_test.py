@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 
 import pytest
@@ -117,6 +118,26 @@ def test_no_daemon_is_left_of_a_program_that_is_killed(number):
     while not all(is_gone(pid) for pid in pids):
         assert time.monotonic() < deadline, 'daemons are left'
         time.sleep(0.02)
+
+
+def test_a_ring_goes_down_while_another_thread_waits_at_a_port_of_it():
+    ring = Ring(plain('busy')).up()
+    pid, port = ring.node('body')['pid'], ring.port('body')
+    waits = threading.Thread(target=port.receive, args=(600,), daemon=True)
+    waits.start()
+    while not in_use(port):
+        time.sleep(0.01)
+    ring.down()
+    assert is_gone(pid)
+    waits.join(60)
+    assert not waits.is_alive()
+
+
+def in_use(port):
+    try:
+        return port.id is None
+    except limb_ring.HostPortError:
+        return True
 
 
 def test_a_daemon_that_ends_just_before_it_is_killed_stops_nothing(monkeypatch):
