@@ -210,11 +210,14 @@ class Ring:
     def port(self, node, role='tool', **options):
         """A HostPort at a node, closed when the ring goes down; options as HostPort.connect(). On a virtual ring a
         CPU here is not in lockstep unless told `lockstep=True`: what a test does elsewhere would hold the ring up."""
-        options.setdefault('lockstep', False)
-        name = self._attached[0] if self._attached else ''
-        port = HostPort.connect(ring=name, node=node, role=role, runtime=self._runtime(), **options)
+        port = self._connect(node, role=role, **options)
         self._ports.append(port)
         return port
+
+    def _connect(self, node, **options):
+        options.setdefault('lockstep', False)
+        name = self._attached[0] if self._attached else ''
+        return HostPort.connect(ring=name, node=node, runtime=self._runtime(), **options)
 
     def id_of(self, node):
         node = str(node)
@@ -230,10 +233,10 @@ class Ring:
 
     def send(self, source, to, data, priority=2, channel=None, timeout=10.0):
         """Sends from one node to another, or to 'all': the Result. @param data bytes, or a JointCommand and the like"""
-        with self.port(source) as port:
+        with self._connect(source) as port:
             return port.wait(port.send(self.id_of(to), data, priority, channel), timeout)
 
     def interrupt(self, source, to, factor, force=False, timeout=10.0):
         """Sends an interrupt packet from one node to another: the Result."""
-        with self.port(source) as port:
+        with self._connect(source) as port:
             return port.wait(port.interrupt(self.id_of(to), factor, force), timeout)

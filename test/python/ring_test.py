@@ -153,6 +153,14 @@ def test_a_daemon_that_ends_just_before_it_is_killed_stops_nothing(monkeypatch):
     assert not os.path.exists(folder)
 
 
+def test_ports_of_single_sends_are_not_kept(make_ring):
+    ring = make_ring(plain('single'))
+    for _ in range(3):
+        assert ring.send('body', 'knee', b'x').outcome == 'delivered'
+        ring.interrupt('body', 'knee', 1)
+    assert ring._ports == []
+
+
 def test_nothing_is_left_where_a_variable_is_not_utf_8(monkeypatch):
     monkeypatch.setenv('SOMEBODYS', os.fsdecode(b'\xff'))
     ring = Ring(plain('left')).up()
