@@ -53,7 +53,8 @@ void Listener::listen() {
 
 bool Listener::is_in_place() const {
   struct stat status {};
-  return lstat(path_.c_str(), &status) == 0 && S_ISSOCK(status.st_mode);
+  if (lstat(path_.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) return false;
+  return link_.empty() || (lstat(link_.c_str(), &status) == 0 && S_ISLNK(status.st_mode));
 }
 
 void Listener::listen_again() {

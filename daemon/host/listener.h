@@ -21,7 +21,7 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
 
   Acceptor& acceptor() { return acceptor_; }
-  /// The socket is where it was made.
+  /// The socket is where it was made, and the name with it.
   bool is_in_place() const;
   /// Makes it again, in a folder that is there. @throw std::runtime_error
   void listen_again();

@@ -71,6 +71,20 @@ TEST_F(ListenerTest, NeedsNoLinkForANameThatIsItsId) {
   EXPECT_FALSE(fs::is_symlink(directory + "/3.host"));
 }
 
+TEST_F(ListenerTest, IsInPlaceOnlyWithItsName) {
+  Listener listener(io, directory, 3, "left_knee");
+  EXPECT_TRUE(listener.is_in_place());
+  fs::remove(directory + "/left_knee.host");
+  EXPECT_FALSE(listener.is_in_place());
+  std::ofstream(directory + "/left_knee.host") << "mine";
+  EXPECT_THAT(test::thrown<std::runtime_error>([&] { listener.listen_again(); }), HasSubstr("is in the way"));
+  EXPECT_FALSE(listener.is_in_place()) << "nobody would try again";
+  fs::remove(directory + "/left_knee.host");
+  listener.listen_again();
+  EXPECT_TRUE(listener.is_in_place());
+  EXPECT_TRUE(answers("left_knee"));
+}
+
 TEST_F(ListenerTest, NamesThePathThatIsTooLong) {
   directory += "/" + std::string(100, 'd');
   EXPECT_THAT(test::thrown<std::invalid_argument>([&] { listen(); }), HasSubstr("107"));

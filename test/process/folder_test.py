@@ -102,6 +102,12 @@ class Folder(RingTest):
         self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'power_cycle', 'all').returncode, 0)
         self.wait_closed(range(3))
 
+    def test_a_name_that_is_removed_is_made_again(self):
+        self.start_ring(plain_nodes(2))
+        os.unlink(self.socket_of('node1'))
+        self.wait('the name made again', lambda: os.path.exists(self.socket_of('node1')))
+        self.wait('the node found by it', lambda: self.row('node1'))
+
     def test_removed_and_taken_by_another_daemon_ends_the_first_which_leaves_its_files_alone(self):
         config = self.write_ring(plain_nodes(2))
         first = self.ringd(config, 0)
