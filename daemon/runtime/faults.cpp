@@ -26,7 +26,7 @@ void nobody(const std::string&) {}
 // ---- beginning ------------------------------------------------------------------------------
 
 void Faults::begin(const Fault& fault, const Begun& begun) {
-  drop_ended();
+  drop_ended(driver_.now());
   if (fault::word_of(fault.name).of == fault::Of::line)
     begin_line(fault, begun);
   else
@@ -43,7 +43,7 @@ void Faults::begin_line(const Fault& fault, const Begun& begun) {
   LineBreaker& on = breaker_of(fault);
   const LineFaults::Id line = on.begin(fault, driver_.now());
   if (line == 0) {  // mended
-    drop_ended();
+    drop_ended(driver_.now());
     return wait_for(on, [begun](const std::string& problem) { begun(0, problem); });
   }
   const Id id = add(fault);
@@ -100,7 +100,7 @@ void Faults::end_later(Id id) {
 // ---- the end --------------------------------------------------------------------------------
 
 bool Faults::remove(Id id, const Done& done) {
-  drop_ended();
+  drop_ended(driver_.now());
   const auto found = active_.find(id);
   if (found == active_.end()) return false;
   LineBreaker* on = found->second.on;
@@ -178,37 +178,38 @@ void Faults::wait_for(const LineBreaker& line, const Done& done) {
 }
 
 /// Those that have ended by themselves, and a hang that somebody else has ended.
-void Faults::drop_ended() {
+void Faults::drop_ended(core::Time now) {
   for (auto it = active_.begin(); it != active_.end();) {
     const Active& active = it->second;
     const bool ended =
-        active.on != nullptr ? !listed(active).has_value() : active.fault.name == Name::hang && !cpu_.hangs();
+        active.on != nullptr ? !listed(active, now).has_value() : active.fault.name == Name::hang && !cpu_.hangs();
     it = ended ? active_.erase(it) : std::next(it);
   }
 }
 
 // ---- what there is --------------------------------------------------------------------------
 
-std::optional<LineFaults::Listed> Faults::listed(const Active& active) const {
+std::optional<LineFaults::Listed> Faults::listed(const Active& active, core::Time now) const {
   if (active.on == nullptr) return std::nullopt;
-  for (const LineFaults::Listed& one : active.on->list(driver_.now()))
+  for (const LineFaults::Listed& one : active.on->list(now))
     if (one.id == active.line) return one;
   return std::nullopt;
 }
 
 json Faults::list() {
-  drop_ended();
+  const core::Time now = driver_.now();  // of all that follows: none may end in between
+  drop_ended(now);
   json all = json::array();
   for (const auto& [id, active] : active_) {
     const Fault& fault = active.fault;
-    const auto of_line = listed(active);
-    const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(driver_.now() - active.since);
+    const auto of_line = listed(active, now);
+    const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(now - active.since);
     json row{{"id", id},
              {"name", fault::word_of(fault.name).word},
              {"fault", fault::to_words(fault, nodes_)},
              {"age_s", seconds(age)},
              {"waits", of_line && of_line->waits},
-             {"hits", hits_of(active)}};
+             {"hits", hits_of(active, now)}};
     if (fault.packets != 0) row["packets_left"] = fault.packets - of_line->hits;
     if (fault.lasts.count() != 0 && fault.after_packets == 0)
       row["seconds_left"] = std::max(0.0, seconds(fault.after + fault.lasts - age));
@@ -217,8 +218,8 @@ json Faults::list() {
   return all;
 }
 
-std::uint64_t Faults::hits_of(const Active& active) const {
-  if (const auto of_line = listed(active)) return of_line->hits;
+std::uint64_t Faults::hits_of(const Active& active, core::Time now) const {
+  if (const auto of_line = listed(active, now)) return of_line->hits;
   return active.fault.name == Name::babble ? cpu_.babbled() : 1;
 }
 

@@ -60,9 +60,10 @@ class Faults {
   void forget_cpu_faults();
   LineBreaker& breaker_of(const fault::Fault& fault);
   void wait_for(const LineBreaker& line, const Done& done);
-  void drop_ended();
-  std::optional<fault::LineFaults::Listed> listed(const Active& active) const;
-  std::uint64_t hits_of(const Active& active) const;
+  void drop_ended(core::Time now);
+  /// Of a fault of a line, what the line says of it; nothing where it has ended by then.
+  std::optional<fault::LineFaults::Listed> listed(const Active& active, core::Time now) const;
+  std::uint64_t hits_of(const Active& active, core::Time now) const;
 
   boost::asio::io_context& io_;
   fault::RingNodes nodes_;

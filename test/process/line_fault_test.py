@@ -90,6 +90,17 @@ class Lines(FaultTest):
         self.fault('remove', rate[0])
         self.assertEqual(self.ping(0, 2)['delivered'], 20)
 
+    def test_faults_that_end_while_they_are_listed_are_listed_whole_or_not_at_all(self):
+        self.start_ring(plain_nodes(2))
+        port, packets = self.port(0), 10 ** 6
+        for i in range(60):
+            port.ask({'do': 'fault', 'fault': 'delay node0 -> node1 delay=1us packets=%d for=%dms' % (packets, 100 + 2 * i)})
+        rows = True
+        while rows:
+            rows = port.ask({'do': 'faults'})['faults']
+            for row in rows:
+                self.assertEqual(row['packets_left'] + row['hits'], packets, row)
+
     def test_a_short_stall_loses_nothing_and_a_long_one_is_a_broken_line(self):
         self.start_ring(plain_nodes(3), timeouts={'silence': '1s', 'first_successor': '50ms', 'break_grace': '50ms', 'send': '2s'})
         self.begin('stall', 'node0:node1', '--for', '200ms')
