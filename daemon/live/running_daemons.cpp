@@ -8,10 +8,10 @@
 #include <cstring>
 #include <functional>
 #include <thread>
+#include <utility>
 
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
-#include "process/child.h"
 #include "process/process_state.h"
 #include "process/program.h"
 #include "process/spawn.h"
@@ -161,7 +161,15 @@ void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {
   if (in_vain())
     throw NotDone("node " + node(id).name + " cannot be started: " + daemon.ended()->text +
                   process::last_lines_of(log));
+  keep(std::move(daemon));
   if (!in_time) throw not_joined(node(id).name, patience);
+}
+
+void RunningDaemons::keep(process::Child daemon) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  started_.push_back(std::move(daemon));
+  const auto has_ended = [](process::Child& child) { return child.reap() || child.ended(); };
+  started_.erase(std::remove_if(started_.begin(), started_.end(), has_ended), started_.end());
 }
 
 std::uint64_t RunningDaemons::boot_of(wire::NodeId id) const {

@@ -1,13 +1,16 @@
 #pragma once
 
 #include <chrono>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "fault/parse.h"
 #include "limb_ring/host_port.h"
 #include "live/lock_files.h"
 #include "live/not_done.h"
+#include "process/child.h"
 
 namespace limb_ring::live {
 
@@ -55,10 +58,13 @@ class RunningDaemons {
   nlohmann::json ask_through(HostPort& port, const nlohmann::json& request) const;
   bool done_in_virtual_ring(fault::Name what, wire::NodeId node) const;
   void signal(wire::NodeId node, int number) const;
+  void keep(process::Child daemon) const;
 
   std::string ring_;
   fault::RingNodes nodes_;
   std::string folder_;
+  mutable std::mutex mutex_;
+  mutable std::vector<process::Child> started_;  ///< here; a start reaps those that have ended, else they stay zombies
 };
 
 }  // namespace limb_ring::live

@@ -1,9 +1,12 @@
 #!/usr/bin/python3
 """Faults on purpose through the bridge's services: they take effect, are listed and end."""
+import os
 import unittest
+import xmlrpc.client
 
 import rospy
 import rostest
+from limb_ring.processes import parent_of
 from limb_ring.srv import ClearFaults, InjectFault, ListFaults, ResetNode, Stop
 
 from ring_testing import Ring, is_alive, process_state, wait_for
@@ -12,6 +15,10 @@ from ring_testing import Ring, is_alive, process_state, wait_for
 def service(name, kind):
     rospy.wait_for_service(name, 30)
     return rospy.ServiceProxy(name, kind)
+
+
+def pids():
+    return [int(entry) for entry in os.listdir('/proc') if entry.isdigit()]
 
 
 class Faults(unittest.TestCase):
@@ -65,6 +72,16 @@ class Faults(unittest.TestCase):
         self.begin('thaw left_ankle')
         self.assertEqual(self.list().ids, [])
         self.ring.wait_until_up()
+
+    def test_daemons_that_the_bridge_has_started_do_not_stay_when_they_have_ended(self):
+        uri = rospy.get_master().lookupNode(rospy.resolve_name('ring_bridge'))[2]
+        bridge = xmlrpc.client.ServerProxy(uri).getPid('fault_test')[2]
+        for _ in range(3):
+            killed = self.begin('kill right_elbow')
+            self.assertTrue(self.clear(id=killed.id).success)
+        self.ring.wait_until_up()
+        states = [process_state(pid) for pid in pids() if parent_of(pid) == bridge]
+        self.assertLessEqual(states.count('Z'), 1, states)
 
     def test_a_drawn_seed_is_told(self):
         answer = self.begin('corrupt left_hip -> left_hip_yaw once_in=1000')
