@@ -1,6 +1,7 @@
 #include "app/ringctl/ring_folder.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -55,6 +56,17 @@ std::vector<std::uint8_t> node_sockets(const std::string& ring) {
     if (const auto id = socket_id(it->path())) ids.push_back(*id);
   std::sort(ids.begin(), ids.end());
   return ids;
+}
+
+// A daemon that holds a lock wrote its own pid into it: nobody else is hit.
+void signal_daemons(const std::string& folder, int number) {
+  for (const live::HeldNode& node : live::held_nodes(folder))
+    if (node.pid > 0) ::kill(node.pid, number);
+}
+
+void terminate_daemons(const std::string& folder) {
+  signal_daemons(folder, SIGTERM);
+  signal_daemons(folder, SIGCONT);  // one that is stopped would not see it
 }
 
 bool wait_until_gone(const std::string& folder, Progress& progress) {

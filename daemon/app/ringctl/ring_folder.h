@@ -26,6 +26,12 @@ class RingFolder {
 /// Ids of the nodes whose daemon has a socket in the ring's folder, answering or not, sorted.
 std::vector<std::uint8_t> node_sockets(const std::string& ring);
 
+/// Signals all daemons that run in a ring's folder.
+void signal_daemons(const std::string& folder, int number);
+
+/// Asks them to end, also those that are stopped.
+void terminate_daemons(const std::string& folder);
+
 /// Waits for the end of all daemons that run in a ring's folder, 3 s at most. @return true where all have ended
 bool wait_until_gone(const std::string& folder, Progress& progress);
 

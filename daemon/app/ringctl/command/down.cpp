@@ -25,12 +25,6 @@ std::vector<NodeName> nodes_with_sockets(const std::string& ring) {
   return nodes;
 }
 
-/// A daemon that holds a lock wrote its own pid into it: nobody else is hit.
-void signal_holders(const std::string& folder, int number) {
-  for (const live::HeldNode& node : live::held_nodes(folder))
-    if (node.pid > 0) ::kill(node.pid, number);
-}
-
 /// @return true where every daemon has a socket and has said yes
 bool ask_to_end(const std::string& ring, std::size_t daemons) {
   const auto answers = ask_all(ring, nodes_with_sockets(ring), {{"do", "shutdown"}});
@@ -39,18 +33,13 @@ bool ask_to_end(const std::string& ring, std::size_t daemons) {
   return static_cast<std::size_t>(agreed) == daemons;
 }
 
-void terminate(const std::string& folder) {
-  signal_holders(folder, SIGTERM);
-  signal_holders(folder, SIGCONT);  // one that is stopped would not see it
-}
-
 bool end_ring(const std::string& ring, const std::string& folder) {
   Progress progress;
-  if (!ask_to_end(ring, live::held_nodes(folder).size())) terminate(folder);
+  if (!ask_to_end(ring, live::held_nodes(folder).size())) terminate_daemons(folder);
   if (wait_until_gone(folder, progress)) return true;
-  terminate(folder);
+  terminate_daemons(folder);
   if (wait_until_gone(folder, progress)) return true;
-  signal_holders(folder, SIGKILL);
+  signal_daemons(folder, SIGKILL);
   return wait_until_gone(folder, progress);
 }
 

@@ -1,4 +1,3 @@
-#include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -102,11 +101,7 @@ void tell_ended(live::LaunchedRing& daemons) {
 /// have to end with the ring.
 void end_restarted(const std::string& ring) {
   const std::string folder = ring_directory(ring);
-  for (const live::HeldNode& node : live::held_nodes(folder)) {
-    if (node.pid <= 0) continue;
-    ::kill(node.pid, SIGTERM);
-    ::kill(node.pid, SIGCONT);  // one that is stopped would not see it
-  }
+  terminate_daemons(folder);
   Progress progress;
   wait_until_gone(folder, progress);
 }
