@@ -112,12 +112,7 @@ struct BypassedAndInAnOpenChain : testing::Test {
     solo.join();
     pull(0);
     ASSERT_EQ(pulled(), 1u);
-    solo.node().input_lost(solo.now());
-    solo.node().output_lost(solo.now());
-    solo.node().input_up(0_id, solo.now());
-    solo.node().output_up(2_id, solo.now());
-    solo.run();
-    solo.line();
+    solo.be_bypassed();
     hear_of_break(solo);
     ASSERT_EQ(solo.node().membership().state(), NodeState::open_chain);
   }

@@ -103,6 +103,15 @@ class SoloNode {
     receive(wire::SliceKind::whole, home(hello, wire::kFbcMax));
     ASSERT_EQ(node_.membership().state(), NodeState::up);
   }
+  /// Both its lines are lost, and come up again: it was bypassed, and starts over.
+  void be_bypassed() {
+    node_.input_lost(now_);
+    node_.output_lost(now_);
+    node_.input_up(0_id, now_);
+    node_.output_up(2_id, now_);
+    run();
+    line();
+  }
 
  private:
   void collect() {
