@@ -209,7 +209,7 @@ json Faults::list() {
              {"fault", fault::to_words(fault, nodes_)},
              {"age_s", seconds(age)},
              {"waits", of_line && of_line->waits},
-             {"hits", hits_of(active, now)}};
+             {"hits", of_line ? of_line->hits : cpu_hits(fault.name)}};
     if (fault.packets != 0) row["packets_left"] = fault.packets - of_line->hits;
     if (fault.lasts.count() != 0 && fault.after_packets == 0)
       row["seconds_left"] = std::max(0.0, seconds(fault.after + fault.lasts - age));
@@ -218,9 +218,6 @@ json Faults::list() {
   return all;
 }
 
-std::uint64_t Faults::hits_of(const Active& active, core::Time now) const {
-  if (const auto of_line = listed(active, now)) return of_line->hits;
-  return active.fault.name == Name::babble ? cpu_.babbled() : 1;
-}
+std::uint64_t Faults::cpu_hits(Name fault) const { return fault == Name::babble ? cpu_.babbled() : 1; }
 
 }  // namespace limb_ring::runtime

@@ -63,7 +63,7 @@ class Faults {
   void drop_ended(core::Time now);
   /// Of a fault of a line, what the line says of it; nothing where it has ended by then.
   std::optional<fault::LineFaults::Listed> listed(const Active& active, core::Time now) const;
-  std::uint64_t hits_of(const Active& active, core::Time now) const;
+  std::uint64_t cpu_hits(fault::Name fault) const;
 
   boost::asio::io_context& io_;
   fault::RingNodes nodes_;
