@@ -180,9 +180,9 @@ void Lockstep::gets_restless(std::uint8_t node, Program& program) {
   program.restless = true;
   const std::string name = process::program_of(program.session->info().pid);
   spdlog::warn(
-      "{}: its CPU ({}, pid {}) lets no time pass at {:.9f} s of the ring's time: {} turns in this instant; it asks, "
-      "or "
-      "sends what is rejected, again and again, or waits for a time that is over. From now on it has a turn each {} ms",
+      "{}: its CPU ({}, pid {}) lets no time pass at {:.9f} s of the ring's time: {} turns in this instant; it "
+      "asks, or sends what is rejected, again and again, or waits for a time that is over. From now on it has a turn "
+      "each {} ms",
       config_.find(node)->name, name, program.session->info().pid, seconds(ring_.now()), kMostTurns, kRest.count());
   on_stuck(node, name + ", lets no time pass");
 }
