@@ -145,7 +145,9 @@ class SavedByThemselves(WatchingTest):
         """In what the node lets see, its CPU gets other data (promises/observation.h)."""
         with open(os.path.join(self.ring_folder(), '%d.watch' % node), 'r+b') as file:
             seen = mmap.mmap(file.fileno(), 0)
-            at = seen.find(struct.pack('<I', zlib.crc32(data)))
+            content = struct.pack('<I', zlib.crc32(data))
+            self.wait('it is taken', lambda: seen.find(content) != -1)   # delivered is before that
+            at = seen.find(content)
             self.assertEqual(seen[at + 14], TAKEN)
             seen[at] ^= 1
             seen.close()
