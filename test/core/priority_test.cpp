@@ -107,5 +107,26 @@ TEST(Fairness, WhatANodeIsAskedToSendGoesBeforeWhatComesInThen) {
   EXPECT_EQ(out[1].bytes[wire::field::kSource], 0);
 }
 
+// Behind a send that is given up, the next one waits only from then on.
+TEST(Fairness, WhatMovesUpInItsQueueGoesBehindWhatHasComeInBefore) {
+  SoloNode solo;
+  solo.join();
+  solo.line();
+  const Bytes data = text("own"), foreign = Foreign{0, 2}.with(text("foreign"));
+  solo.node().set_output_ready(false);
+  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  solo.node().send(send_of(2, 1, 2_id, data), solo.now());
+  solo.run_for(1us);
+  solo.receive(wire::SliceKind::whole, foreign);
+  solo.run_for(1us);
+  solo.node().cancel(1, solo.now());
+  solo.node().set_output_ready(true);
+  solo.run();
+  const auto out = solo.line();
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].bytes[wire::field::kSource], 0);
+  EXPECT_EQ(out[1].bytes[wire::field::kSource], 1);
+}
+
 }  // namespace
 }  // namespace limb_ring::core

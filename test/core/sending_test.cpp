@@ -162,5 +162,22 @@ TEST_F(Sending, EveryEndIsCountedUnderItsName) {
   EXPECT_EQ(ring.counters(0_id).ended_refused, 1u);
 }
 
+// A daemon that is woken late puts a packet where it would have been; only what had waited for the line begins as it
+// wakes.
+TEST(LateTurn, LeavesAPacketAtTheInstantItWasAskedFor) {
+  SoloNode solo(8ns);
+  solo.join();
+  solo.node().set_output_ready(false);
+  solo.run_for(1us);
+  solo.node().set_output_ready(true);
+  solo.run();
+  const Time asked = solo.now();
+  const Bytes data(512);
+  solo.node().send(send_of(1, 1, 2_id, data), asked);
+  solo.node().run(asked + 1us);
+  const Duration words = 8ns * (512 + 4);
+  EXPECT_EQ(solo.node().next_deadline(asked + 1us), asked + words);
+}
+
 }  // namespace
 }  // namespace limb_ring::core
