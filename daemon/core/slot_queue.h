@@ -16,9 +16,8 @@ class SlotQueue {
   std::size_t size() const { return count_; }
   /// @pre i < size(); 0 is the front
   T& operator[](std::size_t i) { return slots_[(first_ + i) & mask_]; }
-  const T& operator[](std::size_t i) const { return slots_[(first_ + i) & mask_]; }
   T& front() { return (*this)[0]; }
-  const T& front() const { return (*this)[0]; }
+  const T& front() const { return slots_[first_]; }
   /// A new last slot, in whatever state its last user left it.
   T& push() {
     if (count_ == slots_.size()) grow();

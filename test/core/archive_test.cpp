@@ -108,6 +108,24 @@ TEST(State, HasThePacketThatIsComingIn) {
   EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
 }
 
+TEST(State, HasThePacketThatTheCpuHasNotTaken) {
+  SoloNode before;
+  before.join();
+  before.receive(wire::SliceKind::whole,
+                 Foreign{0, 1}.with_pri(wire::pri_byte(wire::Priority{2}, wire::ChannelId{5})).with(pattern(22)));
+  before.run_for(1us);
+  Blocks after{before.node().settings()};
+  read_state(bytes_of(before.node()), after);
+  ReceivedPacket taken;
+  ASSERT_TRUE(after.take(before.now(), taken));
+  EXPECT_EQ(taken.at, before.now() - 1us);
+  EXPECT_EQ(taken.source, 0);
+  EXPECT_EQ(taken.destination, 1);
+  EXPECT_EQ(taken.priority, 2);
+  EXPECT_EQ(taken.channel, 5);
+  EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
+}
+
 TEST(State, HasTheEventsThatNobodyHasTaken) {
   EventQueue before, after;
   before.put(Time{}, BeaconHome{Duration{5us}});

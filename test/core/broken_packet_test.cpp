@@ -57,6 +57,17 @@ TEST_F(BrokenPacket, WhatWaitsBehindAnEndGoesInTheSameTurn) {
   EXPECT_THAT(solo.kinds(), ElementsAre(SliceKind::end, SliceKind::whole));
 }
 
+TEST_F(BrokenPacket, IsBrokenOffByAGapOfItsOwnLine) {
+  NetworkController node(solo.node().settings(), Time{});
+  node.input_up(Line::first, 0_id, Time{});
+  node.output_up(Line::first, 2_id, Time{});
+  node.receive(Line::first, {SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
+  node.input_gap(Line::second, Time{});
+  EXPECT_EQ(node.counters().broken_off_packets, 0u);
+  node.input_gap(Line::first, Time{});
+  EXPECT_EQ(node.counters().broken_off_packets, 1u);
+}
+
 TEST_F(BrokenPacket, ThatStallsIsAborted) {
   solo.receive(SliceKind::start, head_of(packet));
   solo.run_for(49ms);

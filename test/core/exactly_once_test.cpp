@@ -81,6 +81,17 @@ TEST_F(ExactlyOnce, DamagedFirstTryLeavesNoTrace) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("x")));
 }
 
+// Numbers wrap unseen behind a line that is down for long.
+TEST_F(ExactlyOnce, AFirstTryIsNewWhereItsNumberWasDecidedLongerAgoThanATimeOut) {
+  pass({0, 1, 5}, text("first"));
+  solo.run_for(solo.node().settings().send_timeout());
+  pass({0, 1, 5}, text("first"));
+  EXPECT_EQ(solo.counters().duplicates, 1u);
+  solo.run_for(Duration{1});
+  pass({0, 1, 5}, text("another"));
+  EXPECT_THAT(solo.packets(), ElementsAre(text("first"), text("another")));
+}
+
 struct Incarnations : ExactlyOnce {
   using ExactlyOnce::ExactlyOnce;
   static wire::Incarnation of(std::uint64_t boot) { return wire::incarnation_of(boot); }
@@ -111,6 +122,7 @@ struct Incarnations : ExactlyOnce {
 
 TEST_F(Incarnations, AHelloBeginsNewNumbers) {
   hello(7);
+  EXPECT_FALSE(solo.node().membership().peers()[0_id].beacon_heard);
   data(7, "seven");
   hello(7, 1);
   data(7, "seven");
@@ -126,6 +138,7 @@ TEST_F(Incarnations, AHelloBeginsNewNumbers) {
 TEST_F(Incarnations, ABeaconBeginsNewNumbersWhereTheHelloWasMissed) {
   data(7, "before any word of it");
   beacon(7, 0);
+  EXPECT_TRUE(solo.node().membership().peers()[0_id].beacon_heard);
   data(7, "before any word of it", 0, 1);
   beacon(8, 1);
   data(8, "eight");
@@ -179,11 +192,32 @@ TEST_F(Incarnations, ABootNumberLowerByAThousandIsEarlierByMoreTheClockWasSetBac
   EXPECT_EQ(solo.node().membership().peers()[0_id].boot, 1999u);
 }
 
+// Once a beacon has told of an incarnation, one with the same two bits is four later.
+TEST_F(Incarnations, APacketOfTheFourthAfterOneThatABeaconToldOfIsNew) {
+  beacon(1000, 0);
+  data(1001, "first");
+  beacon(1001, 1);
+  beacon(1005, 1);
+  data(1005, "another");
+  EXPECT_THAT(solo.packets(), ElementsAre(text("first"), text("another")));
+}
+
 // Four incarnations of the source were missed, so that its packet seemed to be of the one that was known.
 TEST_F(Incarnations, OneInterruptPullsOnceThoughFourIncarnationsWereMissed) {
   beacon(1000, 3);
   EXPECT_EQ(interrupt(1004), 1);
   beacon(1004, 1);
+  EXPECT_EQ(interrupt(1004, 1), 1);
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+}
+
+TEST_F(Incarnations, OneInterruptPullsOnceThoughThisNodesOwnBeaconComesHomeMeanwhile) {
+  beacon(1000, 3);
+  EXPECT_EQ(interrupt(1004), 1);
+  beacon(1004, 1);
+  Bytes own(wire::kHelloSize);
+  wire::encode(wire::Hello{solo.node().membership().boot()}, own.data());
+  solo.receive(SliceKind::whole, Foreign{1, wire::kBroadcast}.with_hop(3).with_pri(kControlPri).with(own));
   EXPECT_EQ(interrupt(1004, 1), 1);
   EXPECT_EQ(solo.counters().pins_pulled, 1u);
 }
@@ -297,6 +331,13 @@ TEST(UnheardSource, ARetryOfItIsNotAnsweredWhereTheRingFoldsBack) {
   EXPECT_EQ((wire::PacketFields{{out[0].bytes.data(), out[0].bytes.size()}}.fbc()), wire::kFbcUntaken);
   solo.receive(wire::SliceKind::interrupt, foreign_interrupt(0, 1, 1, 6, 0));
   EXPECT_EQ(solo.counters().pins_pulled, 1u) << "a first try is";
+}
+
+TEST(UnheardSource, ARetryOfItIsCountedAlsoWhereItIsForAnother) {
+  SoloNode solo(Duration{0}, [](Settings& s) { s.fold_back = true; });
+  solo.join();
+  solo.receive(SliceKind::whole, Foreign{0, 2}.with_attempt(1).with(text("x")));
+  EXPECT_EQ(solo.counters().retries_of_unheard_nodes, 1u);
 }
 
 }  // namespace

@@ -76,6 +76,9 @@ TEST_P(AnyPlace, ACutCableLeavesAllReachingAll) {
   ring.cut_cable(before);
   ring.run_for(30ms);
   expect_all(NodeState::folded);
+  EXPECT_EQ(ring.counters(before).folds, 1u);
+  EXPECT_EQ(ring.counters(behind).folds, 1u);
+  EXPECT_EQ(all(&Counters::folds), 2u);
   expect_all_reach_all();
 }
 

@@ -12,7 +12,8 @@ using testing::IsEmpty;
 
 /// A node of a ring of 8 with its four lines in the hands of the test.
 struct LoneFold : testing::Test {
-  NetworkController node{settings(), Time{}};
+  explicit LoneFold(const Settings& s = settings()) : node(s, Time{}) {}
+  NetworkController node;
   static Settings settings() {
     Settings s;
     s.id = 4_id;
@@ -53,6 +54,14 @@ TEST(HeldSlices, AreCountedWithoutThoseThatHaveGone) {
   EXPECT_EQ(held.count(), 2u);
 }
 
+TEST(HeldSlices, HaveRoomAgainOnceAllHaveGone) {
+  HeldSlices held;
+  const Bytes word = pattern(4);
+  held.put({wire::SliceKind::more, {word.data(), word.size()}});
+  held.pop();
+  EXPECT_EQ(held.bytes(), 0u);
+}
+
 // Its own node would take it off; that one is dead, and bypassed by this one's input.
 TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
   node.input_up(Line::second, 7_id, Time{});
@@ -81,6 +90,31 @@ TEST_F(FoldedAtNodeOne, TheSecondLineIsTakenUntilTheFirstHasSpoken) {
   receive_interrupt(Line::first, 1, 2);
   EXPECT_EQ(node.input_line(), Line::first) << "nothing is under way on the second";
   EXPECT_EQ(node.counters().pins_pulled, 2u);
+}
+
+TEST_F(FoldedAtNodeOne, IsFoldedUntilItTakesTheFirstLineAgain) {
+  EXPECT_TRUE(node.input_folded());
+  receive_interrupt(Line::first, 1, 2);
+  EXPECT_FALSE(node.input_folded());
+  EXPECT_FALSE(NetworkController(SoloNode::settings({}, [](Settings&) {}), Time{}).input_folded()) << "it cannot fold";
+}
+
+TEST_F(FoldedAtNodeOne, APacketInPiecesFromTheFirstLineWaitsForRoom) {
+  node.set_output_ready(Line::first, false);
+  const Bytes packet = Foreign{7, 2}.with(pattern(512));
+  for (unsigned i = 0; i < node.settings().insertion_buffer; ++i)
+    node.receive(Line::second, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+  node.receive(Line::first, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
+  EXPECT_EQ(node.input_line(), Line::first);
+  EXPECT_EQ(node.counters().insertion_buffer_full, 0u);
+}
+
+TEST_F(FoldedAtNodeOne, WhatItHoldsIsDroppedWithTheLineItCameFrom) {
+  const Bytes packet = Foreign{7, 2}.with(pattern(64));
+  node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
+  receive_interrupt(Line::first, 1, 2);
+  node.input_lost(Line::first, Time{});
+  EXPECT_EQ(node.counters().fold_held_dropped, 1u);
 }
 
 TEST_F(FoldedAtNodeOne, ANodeThatTakesTheFirstLineAgainTellsOfTheFoldThatIsLeft) {
@@ -163,6 +197,24 @@ TEST_F(LoneFold, ABeginIsRepeatedUnlessItWasHeardLessThanHalfABeaconPeriodAgo) {
   hear(wire::FoldWordKind::begin, 6_id, Time{} + half - Duration{1});
   EXPECT_TRUE(second().empty());
   hear(wire::FoldWordKind::begin, 6_id, Time{} + half);
+  EXPECT_FALSE(second().empty());
+}
+
+struct LoneFoldWithoutBeacons : LoneFold {
+  static Settings settings() {
+    Settings s = LoneFold::settings();
+    s.beacon = {};
+    return s;
+  }
+  LoneFoldWithoutBeacons() : LoneFold(settings()) {}
+};
+
+TEST_F(LoneFoldWithoutBeacons, SaysItsWordsTenTimesASecond) {
+  node.input_lost(Line::first, Time{});
+  second().clear();
+  node.handle_timeout(Time{} + 100ms - Duration{1});
+  EXPECT_TRUE(second().empty());
+  node.handle_timeout(Time{} + 100ms);
   EXPECT_FALSE(second().empty());
 }
 

@@ -287,6 +287,13 @@ TEST_F(LoneMember, TakesAReplacedOutputForOneThatWasLost) {
   EXPECT_EQ(state(), NodeState::starting) << "both were lost since a packet was home: it was bypassed";
 }
 
+TEST_F(LoneMember, TakesAReplacedInputForOneThatWasLost) {
+  solo.join();
+  solo.node().input_up(3_id, solo.now());
+  solo.node().output_lost(solo.now());
+  EXPECT_EQ(state(), NodeState::starting) << "both were lost since a packet was home: it was bypassed";
+}
+
 TEST_F(LoneMember, CountsWhatIsNeitherHelloNorBeacon) {
   solo.join();
   solo.receive(wire::SliceKind::whole, Foreign{0, 0xFF}.with_pri(kControlPri).with(text("?")));
@@ -311,6 +318,20 @@ TEST_F(LoneMember, SendsItsBeaconWithAnothersWhereItIsDueWithinHalfAPeriod) {
   talking.run_for(Duration{1});
   another_says(2);
   EXPECT_EQ(beacons_sent(), 2u);
+}
+
+// Only two parts of a ring that was folded grow together; others are nodes that start.
+TEST(Hello, IsNotSaidAgainWhereARingThatWasNeverFoldedGrows) {
+  SoloNode solo(Duration{0}, [](Settings& s) { s.fold_back = true; });
+  solo.run();
+  solo.receive(wire::SliceKind::whole, SoloNode::home(solo.line().at(0).bytes, wire::kFbcMax, 1));
+  const Bytes data = text("round");
+  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  solo.run();
+  solo.receive(wire::SliceKind::whole, SoloNode::home(solo.line().at(0).bytes, 1, 3));
+  solo.run_for(10ms);
+  EXPECT_EQ(solo.node().membership().ring_size(), 4u);
+  EXPECT_EQ(solo.counters().hellos, 1u);
 }
 
 // It ended lost, as a retry that comes home untaken does, and was said again (seed 1938716889 of test/model).

@@ -86,6 +86,7 @@ TEST_F(InsertionBufferFull, PacketIsDroppedWholeAndNotReceived) {
     solo.receive(SliceKind::whole, Foreign{0, 1}.with_sequence(i).with(Bytes(512, i)));
   EXPECT_THAT(solo.packets(), ElementsAre(Bytes(512, 0), Bytes(512, 1)));
   EXPECT_EQ(solo.counters().insertion_buffer_full, 2u);
+  EXPECT_EQ(solo.counters().relayed_data, 2u);
   EXPECT_EQ(solo.node().insertion_buffer().count(), 2u);
   solo.node().set_output_ready(true);
   solo.run();
@@ -150,6 +151,16 @@ TEST(LostOutput, WhatWaitedIsDroppedAndCountedNotReplayed) {
   solo.node().output_up(2_id, solo.now());
   solo.run();
   EXPECT_THAT(solo.line(), IsEmpty());
+}
+
+TEST(LostOutput, WhatComesInPiecesIsCountedOnce) {
+  SoloNode solo;
+  solo.join();
+  solo.node().output_lost(solo.now());
+  const Bytes packet = Foreign{0, 2}.with(pattern(8));
+  solo.receive(SliceKind::start, head_of(packet));
+  solo.receive(SliceKind::end, tail_of(packet));
+  EXPECT_EQ(solo.counters().dropped_no_output, 1u);
 }
 
 TEST(LostOutput, PacketStillComingInIsNotContinuedOnTheNewOne) {

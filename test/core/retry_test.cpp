@@ -79,14 +79,12 @@ TEST_F(Retry, InterruptsAreTriedAgainAsDataIs) {
 }
 
 TEST_F(Retry, TimeOutIsTwoWorstLapsWhereThatIsLonger) {
-  SoloNode slow(10us);
-  slow.run_for(1us);
-  const Duration two_laps = 2 * 4 * (10us * (524 + 12));
-  ASSERT_GT(two_laps - 1ms, Duration{0});
-  slow.line();
-  slow.run_for(std::max<Duration>(100ms, two_laps) - 1ms);
+  SoloNode slow(100us);
+  const Duration two_laps = 2 * 4 * (100us * (524 + 12));
+  ASSERT_GT(two_laps, slow.node().settings().send_timeout_least);
+  slow.run_for(two_laps - Duration{1});
   EXPECT_EQ(slow.counters().retries, 0u);
-  slow.run_for(1ms);
+  slow.run_for(Duration{1});
   EXPECT_EQ(slow.counters().retries, 1u);
 }
 
@@ -137,6 +135,17 @@ TEST_F(Retry, ReturnWhileItsRetryWaitsForTheLineCountsWithItsOwnRoundTrip) {
   ASSERT_THAT(solo.ends(), ElementsAre(Field(&SendEnded::outcome, Outcome::delivered)));
   EXPECT_EQ(solo.ends()[0].round_trip, 102ms);
   EXPECT_EQ(solo.ends()[0].tries, 1u);
+}
+
+TEST_F(Retry, ThatNeverGetsOntoTheLineEndsLostInTime) {
+  send();
+  solo.line();
+  solo.node().set_output_ready(false);
+  const Settings& settings = solo.node().settings();
+  solo.run_for(settings.send_timeout() + settings.queue_timeout - Duration{1});
+  EXPECT_THAT(solo.ends(), IsEmpty());
+  solo.run_for(Duration{1});
+  EXPECT_THAT(solo.ends(), ElementsAre(Field(&SendEnded::outcome, Outcome::lost)));
 }
 
 TEST_F(Retry, LateReturnAfterTheEndIsDiscardedAndCounted) {

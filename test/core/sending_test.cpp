@@ -116,12 +116,14 @@ TEST_F(Sending, EveryTryLostEndsLost) {
   EXPECT_EQ(end.outcome, Outcome::lost);
   EXPECT_EQ(end.tries, 4u);
   EXPECT_EQ(end.round_trip, Duration{0});
+  EXPECT_EQ(ring.counters(0_id).ended_lost, 1u);
   EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("a"))) << "it may have arrived, never twice";
 }
 
 TEST_F(Sending, ThatCannotGetOntoTheLineIsRejectedInTime) {
   ring.node(0_id).set_output_ready(Line::first, false);
   EXPECT_THAT(send(0_id, 1_id, text("a")), rejected(Reject::no_way_out));
+  EXPECT_THAT(outcome_of(ring, 0_id, ring.interrupt(0_id, 1_id, 1)), rejected(Reject::no_way_out));
   ring.node(0_id).set_output_ready(Line::first, true);
   EXPECT_EQ(send(0_id, 1_id, text("b")).outcome, Outcome::delivered);
   EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("b")));

@@ -1,7 +1,7 @@
 // What a network controller does where nobody has said otherwise. (protocol.md sections 7.2 and 7.3)
 #include "core/settings.h"
 
-#include <gtest/gtest.h>
+#include "core/copied_state.h"
 
 namespace limb_ring::core {
 namespace {
@@ -19,6 +19,35 @@ TEST(Settings, HaveTheTimesOfTheTableOfTimersUnlessOthersAreGiven) {
   EXPECT_EQ(settings.beacon, Duration{100ms});
   EXPECT_EQ(settings.break_grace, Duration{200ms});
   EXPECT_EQ(settings.fold_permission, Duration{200ms});
+}
+
+TEST(Settings, HaveTheBuffersAndQueuesOfTheSpecificationUnlessOthersAreGiven) {
+  const Settings settings;
+  EXPECT_EQ(settings.insertion_buffer, 8u);
+  EXPECT_EQ(settings.interrupt_buffer, 64u);
+  EXPECT_EQ(settings.send_queue, 64u);
+  EXPECT_EQ(settings.receive_buffers, 32u);
+}
+
+// Two INTPs at each node, which is as long as one may take.
+TEST(Settings, SayHowOftenAnInterruptMayGoIntoAnOpenChain) {
+  Settings settings;
+  EXPECT_EQ(settings.open_chain_interrupt_pace(), Duration{100us});
+  settings.order = {NodeId{0}, NodeId{1}, NodeId{2}};
+  settings.byte_time_out = 10us;
+  settings.relay_delay = 1us;
+  EXPECT_EQ(settings.open_chain_interrupt_pace(), 3 * (24 * 10us + 1us));
+}
+
+TEST(Settings, AreWholeInARecording) {
+  Settings before, after;
+  before.break_grace = 1ms;
+  before.fold_permission = 2ms;
+  before.unconfirmed_pace = 3ms;
+  read_state(bytes_of(before), after);
+  EXPECT_EQ(after.break_grace, Duration{1ms});
+  EXPECT_EQ(after.fold_permission, Duration{2ms});
+  EXPECT_EQ(after.unconfirmed_pace, Duration{3ms});
 }
 
 TEST(Settings, AreOfALineThatTakesNoTimeUnlessARateIsGiven) {
