@@ -27,23 +27,4 @@ inline ChannelId channel_of(std::uint8_t pri) { return ChannelId{static_cast<std
 /// True for a DATP on the network controllers' own channel.
 inline bool is_control(const PacketFields& packet) { return channel_of(packet.last()) == id_of(Channel::control); }
 
-/// A DATP as a plain value.
-struct DataPacket {
-  Code code;
-  std::uint8_t hop = 0;
-  NodeId source{0};
-  std::uint8_t fbc = kFbcUntaken;
-  NodeId destination{0};
-  std::uint8_t pri = 0;
-  ByteView data;  ///< 1..512 bytes, owned by someone else
-};
-
-/// Writes the packet with its CRC. @pre 1 <= data.size <= 512; `out` has room for data.size + 12.
-/// @return bytes written
-std::size_t encode(const DataPacket& packet, std::uint8_t* out);
-
-/// Reads a packet; `packet.data` points into `bytes`.
-/// @return PacketError::none where everything (CRC included) is right
-PacketError decode(ByteView bytes, DataPacket& packet);
-
 }  // namespace limb_ring::wire

@@ -127,12 +127,4 @@ inline void rewrite(std::uint8_t* packet, std::size_t size, std::uint8_t hop, st
   fbc_field = fbc;
 }
 
-/// Why bytes are no packet; to_string gives a sentence.
-enum class PacketError { none, size, header, trailer, crc };
-const char* to_string(PacketError error);
-
-/// Checks everything a receiver can check without a context.
-/// @param interrupt true where an INTP is expected (12 bytes), else a DATP (13..524 bytes)
-PacketError check_packet(ByteView packet, bool interrupt);
-
 }  // namespace limb_ring::wire

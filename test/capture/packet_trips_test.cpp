@@ -25,14 +25,13 @@ struct Sent {
 
 SeenPacket sighting(const Sent& sent, unsigned stage, nanoseconds at) {
   const test::Bytes data(8, sent.fill);
-  test::Bytes bytes(data.size() + wire::kOverhead);
-  wire::DataPacket packet;
+  test::DataPacket packet;
   packet.code = {false, sent.attempt, wire::Sequence{sent.sequence}, {}};
   packet.hop = static_cast<std::uint8_t>(stage / 2);
   packet.destination = 2_id;
   packet.fbc = sent.fbc;
   packet.data = test::view(data);
-  wire::encode(packet, bytes.data());
+  const test::Bytes bytes = test::encoded(packet);
   CapturedPacket captured;
   captured.time_ns = at.count();
   captured.info.input = stage % 2 == 1;

@@ -3,8 +3,7 @@
 #include <vector>
 
 #include "capture/packet_view.h"
-#include "wire/data_packet.h"
-#include "wire/interrupt_packet.h"
+#include "support/packets.h"
 
 namespace limb_ring::test {
 
@@ -17,24 +16,21 @@ inline Bytes data_packet(std::uint8_t source, std::uint8_t destination, std::siz
                          wire::Code code = {}) {
   Bytes payload(size);
   for (std::size_t i = 0; i < size; ++i) payload[i] = static_cast<std::uint8_t>(i);
-  wire::DataPacket packet;
+  DataPacket packet;
   packet.code = code;
   packet.source = wire::NodeId{source};
   packet.destination = wire::NodeId{destination};
   packet.pri = pri;
   packet.data = view(payload);
-  Bytes bytes(size + wire::kOverhead);
-  wire::encode(packet, bytes.data());
-  return bytes;
+  return encoded(packet);
 }
 
 inline Bytes interrupt_packet(std::uint8_t source, std::uint8_t destination, std::uint8_t factor) {
-  wire::InterruptPacket packet;
+  InterruptPacket packet;
   packet.source = wire::NodeId{source};
   packet.destination = wire::NodeId{destination};
   packet.factor = wire::Factor{factor};
-  const wire::InterruptBytes bytes = encode(packet);
-  return {bytes.begin(), bytes.end()};
+  return encoded(packet);
 }
 
 }  // namespace limb_ring::test

@@ -57,6 +57,15 @@ TEST(State, ThatEndsInsideAByteViewIsRefused) {
   EXPECT_TRUE(after.value.empty());
 }
 
+TEST(State, ThatEndsInsideANumberIsRefused) {
+  Member<std::uint32_t> before{"number", 0x01020304}, after{"number", 5};
+  const Bytes whole = bytes_of(before);
+  StateReader reader({whole.data(), whole.size() - 1});
+  after.archive(reader);
+  EXPECT_TRUE(reader.failed());
+  EXPECT_EQ(after.value, 5u);
+}
+
 TEST(State, HasAllThatABeaconSaid) {
   wire::Beacon said{7,
                     1,
@@ -134,6 +143,15 @@ TEST(State, HasTheEventsThatNobodyHasTaken) {
   ASSERT_TRUE(after.take(Time{}, event));
   ASSERT_TRUE(std::holds_alternative<BeaconHome>(event.what));
   EXPECT_EQ(std::get<BeaconHome>(event.what).round_trip, Duration{5us});
+}
+
+TEST(State, HasTheNodeOfWhichABeaconSaysSomethingNew) {
+  EventQueue before, after;
+  before.put(Time{}, PeerChanged{7_id});
+  read_state(bytes_of(before), after);
+  Event event;
+  ASSERT_TRUE(after.take(Time{}, event));
+  EXPECT_EQ(std::get<PeerChanged>(event.what).node, 7);
 }
 
 TEST(State, HasAChangeOfTheStateThatNobodyHasTaken) {

@@ -76,6 +76,25 @@ TEST(Embedding, SeveralInOneDatpKeepTheirOrder) {
 }
 
 /// On a line with a data rate: node 0 sends one DATP, and node `from` an INTP at every time.
+TEST(Embedding, APicosecondAfterAWordTheInterruptWaitsForTheNextOne) {
+  SoloNode solo(8ns);
+  solo.join();
+  const Bytes data = pattern(64);
+  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  solo.run();
+  solo.line();
+  const Duration word = 4 * 8ns;
+  solo.run_for(4 * word + Duration{1});  // the header and three words
+  solo.node().interrupt({1, 2, 2_id, wire::Factor{1}}, solo.now());
+  solo.run();
+  EXPECT_TRUE(solo.line().empty());
+  solo.run_for(word - Duration{1});
+  const auto out = solo.line();
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].bytes.size(), 16u);
+  EXPECT_EQ(out[1].kind, SliceKind::interrupt);
+}
+
 struct PacedEmbedding : testing::TestWithParam<std::size_t> {
   static constexpr unsigned kNodes = 4;
   VirtualRing ring{gigabit(kNodes)};

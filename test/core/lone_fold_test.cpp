@@ -36,12 +36,12 @@ struct LoneFold : testing::Test {
     node.receive(Line::second, wire::parse_slice(word.view()).slice, now);
   }
   void receive_interrupt(Line line, std::uint8_t sequence, std::uint8_t hop) {
-    wire::InterruptPacket packet;
+    test::InterruptPacket packet;
     packet.code.sequence = wire::Sequence{sequence};
     packet.hop = hop;
     packet.source = 1_id;
     packet.destination = wire::kBroadcast;
-    const auto bytes = wire::encode(packet);
+    const Bytes bytes = encoded(packet);
     node.receive(line, {wire::SliceKind::interrupt, {bytes.data(), bytes.size()}}, Time{});
   }
 };
@@ -109,6 +109,16 @@ TEST_F(FoldedAtNodeOne, APacketInPiecesFromTheFirstLineWaitsForRoom) {
   EXPECT_EQ(node.counters().insertion_buffer_full, 0u);
 }
 
+TEST_F(FoldedAtNodeOne, ANodeThatGoesOnFromAStateWaitsForTheEndOfWhatComesInOnTheSecondLine) {
+  const Bytes packet = Foreign{7, 2}.with(pattern(64));
+  node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
+  NetworkController other{node.settings(), Time{}};
+  read_state(bytes_of(node), other);
+  const Bytes interrupt = foreign_interrupt(1, wire::kBroadcast, 0);
+  other.receive(Line::first, {wire::SliceKind::interrupt, {interrupt.data(), interrupt.size()}}, Time{});
+  EXPECT_EQ(other.input_line(), Line::second);
+}
+
 TEST_F(FoldedAtNodeOne, WhatItHoldsIsDroppedWithTheLineItCameFrom) {
   const Bytes packet = Foreign{7, 2}.with(pattern(64));
   node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
@@ -166,6 +176,13 @@ TEST_F(LoneFold, WhatFindsNoRoomOnAWholeRingIsDroppedNotHeld) {
   for (int i = 0; i < 20; ++i)
     node.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
   EXPECT_GT(node.counters().insertion_buffer_full, 0u);
+}
+
+TEST_F(LoneFold, AGapOfTheFirstLineBreaksOffWhatComesInOnIt) {
+  const Bytes packet = Foreign{1, 2}.with(pattern(64));
+  node.receive(Line::first, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
+  node.input_gap(Line::first, Time{});
+  EXPECT_EQ(node.counters().broken_off_packets, 1u);
 }
 
 TEST_F(LoneFold, ALineThatIsUpAgainIsReadyThoughItWasNotWhenItWasLost) {

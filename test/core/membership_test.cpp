@@ -305,7 +305,11 @@ TEST_F(LoneMember, SendsItsBeaconWithAnothersWhereItIsDueWithinHalfAPeriod) {
   talking.join();
   const auto beacons_sent = [&] { return talking.counters().sent_data - talking.counters().hellos; };
   ASSERT_EQ(beacons_sent(), 1u);
-  talking.receive(wire::SliceKind::whole, SoloNode::home(talking.line().back().bytes, wire::kFbcMax));
+  const Bytes first = talking.line().back().bytes;
+  const auto said = wire::decode_beacon(wire::PacketFields{{first.data(), first.size()}}.data());
+  ASSERT_TRUE(said);
+  EXPECT_EQ(said->cpu_boots, 0u) << "no CPU has booted";
+  talking.receive(wire::SliceKind::whole, SoloNode::home(first, wire::kFbcMax));
   const auto another_says = [&](std::uint8_t sequence) {
     std::array<std::uint8_t, wire::kBeaconSize> bytes;
     wire::encode(wire::Beacon{}, bytes.data());
@@ -318,6 +322,24 @@ TEST_F(LoneMember, SendsItsBeaconWithAnothersWhereItIsDueWithinHalfAPeriod) {
   talking.run_for(Duration{1});
   another_says(2);
   EXPECT_EQ(beacons_sent(), 2u);
+}
+
+TEST(Hello, ThatCannotGetOntoTheLineIsGivenUpInTime) {
+  SoloNode solo;
+  solo.node().set_output_ready(false);
+  solo.run();
+  EXPECT_EQ(solo.node().next_deadline(solo.now()), solo.now() + solo.node().settings().queue_timeout);
+}
+
+// Its input was lost before its output was there.
+TEST(Hello, GoesIntoAnOpenChainFromANodeThatNeverHadBothLines) {
+  NetworkController node(SoloNode::settings({}, [](Settings&) {}), Time{});
+  node.input_up(Line::first, 0_id, Time{});
+  node.input_lost(Line::first, Time{});
+  node.output_up(Line::first, 2_id, Time{});
+  node.handle_timeout(Time{} + node.settings().break_grace);
+  EXPECT_EQ(node.membership().state(), NodeState::open_chain);
+  EXPECT_EQ(node.counters().hellos, 1u);
 }
 
 // Only two parts of a ring that was folded grow together; others are nodes that start.

@@ -1,6 +1,5 @@
 // FBC, and what a receiver without a buffer does to a send.
-#include "core/ring_fixture.h"
-#include "support/node_literal.h"
+#include "core/solo_node.h"
 
 namespace limb_ring::core {
 namespace {
@@ -177,6 +176,20 @@ TEST_F(FreeBuffers, ReceiverWritesItsFreeBuffersBeforeTakingThisOne) {
 TEST_F(FreeBuffers, BroadcastCarriesTheMinimumOfAllReceivers) { EXPECT_EQ(fbc_after(wire::kBroadcast), 3); }
 TEST_F(FreeBuffers, AtMost254IsWritten) { EXPECT_EQ(fbc_after(3_id), 254); }
 TEST_F(FreeBuffers, NobodyWritesWhereNobodyIsAddressed) { EXPECT_EQ(fbc_after(0_id), wire::kFbcUntaken); }
+
+TEST(RefusalAlone, IsOfANodeWhoseCpuWasNeverThere) {
+  Blocks node(SoloNode::settings({}, [](Settings&) {}));
+  node.input_up(0_id, Time{});
+  node.output_up(2_id, Time{});
+  node.run(Time{});
+  const wire::ByteView hello = wire::parse_slice(node.line().view()).slice.bytes;
+  const Bytes home = SoloNode::home({hello.begin(), hello.end()}, wire::kFbcMax);
+  node.receive({wire::SliceKind::whole, {home.data(), home.size()}}, Time{});
+  ASSERT_EQ(node.membership().state(), NodeState::up);
+  const Bytes packet = Foreign{0, 1}.with(text("x"));
+  node.receive({wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+  EXPECT_EQ(node.counters().refused_cpu_absent, 1u);
+}
 
 }  // namespace
 }  // namespace limb_ring::core

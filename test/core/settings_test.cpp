@@ -55,6 +55,8 @@ TEST(Settings, AreOfALineThatTakesNoTimeUnlessARateIsGiven) {
   EXPECT_EQ(settings.byte_time_in, Duration{0});
   EXPECT_EQ(settings.byte_time_out, Duration{0});
   EXPECT_EQ(settings.worst_lap(), Duration{0});
+  EXPECT_EQ(settings.relay_delay, Duration{0});
+  EXPECT_EQ(settings.all_delays, Duration{0});
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include "core/ring_fixture.h"
 #include "support/node_literal.h"
-#include "wire/interrupt_packet.h"
+#include "support/packets.h"
 
 namespace limb_ring::core {
 
@@ -152,8 +152,7 @@ struct Foreign {
   }
 
   Bytes with(const Bytes& data) const {
-    Bytes out(data.size() + wire::kOverhead);
-    wire::DataPacket packet;
+    test::DataPacket packet;
     packet.code = {false, attempt, wire::Sequence{sequence}, incarnation};
     packet.hop = hop;
     packet.source = NodeId{source};
@@ -161,21 +160,19 @@ struct Foreign {
     packet.destination = NodeId{destination};
     packet.pri = pri;
     packet.data = {data.data(), data.size()};
-    wire::encode(packet, out.data());
-    return out;
+    return encoded(packet);
   }
 };
 
 inline Bytes foreign_interrupt(std::uint8_t source, std::uint8_t destination, std::uint8_t factor,
                                std::uint8_t sequence = 0, std::uint8_t attempt = 0,
                                wire::Incarnation incarnation = {}) {
-  wire::InterruptPacket packet;
+  test::InterruptPacket packet;
   packet.code = {true, attempt, wire::Sequence{sequence}, incarnation};
   packet.source = NodeId{source};
   packet.destination = NodeId{destination};
   packet.factor = wire::Factor{factor};
-  const auto bytes = wire::encode(packet);
-  return {bytes.begin(), bytes.end()};
+  return encoded(packet);
 }
 
 /// The header and all whole words of the payload; the rest, trailer and CRC.

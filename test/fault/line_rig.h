@@ -8,8 +8,7 @@
 #include "fault/line_faults.h"
 #include "fault/parse.h"
 #include "support/node_literal.h"
-#include "wire/data_packet.h"
-#include "wire/interrupt_packet.h"
+#include "support/packets.h"
 
 namespace limb_ring::fault {
 
@@ -38,9 +37,9 @@ class LineRig {
   void more() { put({SliceKind::more, {image_.data() + 8, 8}}); }
   void end() { put({SliceKind::end, {image_.data() + 16, image_.size() - 16}}); }
   void interrupt(std::uint8_t factor) {
-    wire::InterruptPacket intp;
+    test::InterruptPacket intp;
     intp.factor = wire::Factor{factor};
-    const wire::InterruptBytes bytes = wire::encode(intp);
+    const std::vector<std::uint8_t> bytes = encoded(intp);
     put({SliceKind::interrupt, {bytes.data(), bytes.size()}});
   }
   void put(const wire::Slice& slice) {
@@ -67,14 +66,12 @@ class LineRig {
  private:
   static std::vector<std::uint8_t> packet(unsigned number, std::uint8_t source, std::uint8_t channel) {
     const std::vector<std::uint8_t> data(16, static_cast<std::uint8_t>(number));
-    wire::DataPacket datp;
+    test::DataPacket datp;
     datp.source = NodeId{source};
     datp.destination = 1_id;
     datp.pri = wire::pri_byte(wire::Priority{0}, wire::ChannelId{channel});
     datp.data = {data.data(), data.size()};
-    std::vector<std::uint8_t> bytes(wire::kMaxDataPacketSize);
-    bytes.resize(wire::encode(datp, bytes.data()));
-    return bytes;
+    return encoded(datp);
   }
 
   void poll() {

@@ -5,6 +5,7 @@
 
 #include "recorder/recorded_lives.h"
 #include "study/soak/random_faults.h"
+#include "support/packets.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -42,17 +43,16 @@ core::Settings three() {
 TEST(Replay, whatPassedBeforeAStateIsNotInALaterOne) {
   const core::Time before{std::chrono::milliseconds(1)}, later{std::chrono::milliseconds(2)};
   const wire::SliceKind start = wire::SliceKind::start;
-  std::uint8_t bytes[wire::kMinDataPacketSize];
   const std::uint8_t data = 7;
-  wire::DataPacket packet;
+  test::DataPacket packet;
   packet.destination = wire::NodeId{2};
   packet.data = {&data, 1};
-  wire::encode(packet, bytes);
+  const std::vector<std::uint8_t> bytes = encoded(packet);
   core::NetworkController node(three(), core::Time{});
   node.input_up(core::Line::first, wire::NodeId{0}, before);
   node.output_up(core::Line::first, wire::NodeId{2}, before);
   node.set_output_ready(core::Line::first, false);
-  node.receive(core::Line::first, {wire::SliceKind::whole, {bytes, sizeof bytes}}, before);
+  node.receive(core::Line::first, {wire::SliceKind::whole, {bytes.data(), bytes.size()}}, before);
   node.set_output_ready(core::Line::first, true);
   node.run(before);
   node.output(core::Line::first).clear();
@@ -62,8 +62,8 @@ TEST(Replay, whatPassedBeforeAStateIsNotInALaterOne) {
   core::StateReader reader({state.data(), state.size()});
   other.archive(reader);
   ASSERT_TRUE(reader.complete());
-  node.receive(core::Line::first, {start, {bytes, wire::kHeaderSize}}, later);
-  other.receive(core::Line::first, {start, {bytes, wire::kHeaderSize}}, later);
+  node.receive(core::Line::first, {start, {bytes.data(), wire::kHeaderSize}}, later);
+  other.receive(core::Line::first, {start, {bytes.data(), wire::kHeaderSize}}, later);
   EXPECT_EQ(bytes_of(node), bytes_of(other));
 }
 

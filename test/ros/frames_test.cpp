@@ -6,7 +6,7 @@
 #include "ros_bridge/frame_conversion.h"
 #include "ros_bridge/frame_filter.h"
 #include "support/node_literal.h"
-#include "wire/data_packet.h"
+#include "support/packets.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -27,7 +27,7 @@ CapturedPacket seen(std::vector<std::uint8_t> bytes) {
 
 std::vector<std::uint8_t> data_packet(wire::Channel channel) {
   const std::uint8_t data[]{10, 20, 30};
-  wire::DataPacket packet;
+  test::DataPacket packet;
   packet.code = {false, 1, wire::Sequence{5}, {}};
   packet.hop = 2;
   packet.source = 3_id;
@@ -35,9 +35,7 @@ std::vector<std::uint8_t> data_packet(wire::Channel channel) {
   packet.destination = 7_id;
   packet.pri = wire::pri_byte(wire::Priority{1}, wire::id_of(channel));
   packet.data = {data, sizeof data};
-  std::vector<std::uint8_t> bytes(sizeof data + wire::kOverhead);
-  wire::encode(packet, bytes.data());
-  return bytes;
+  return encoded(packet);
 }
 
 class Frames : public ::testing::Test {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "core/transmit/flight.h"
 #include "link/endpoint.h"
 #include "link/link_header.h"
 #include "support/node_literal.h"
 #include "wire/control_message.h"
-#include "wire/data_packet.h"
 #include "wire/fold_word.h"
 #include "wire/interrupt_packet.h"
 #include "wire/slice.h"
@@ -52,29 +52,22 @@ Bytes bytes_of(const Array& array) {
   return {array.begin(), array.end()};
 }
 
+/// What a node puts onto the line.
+Bytes sent(wire::Code code, wire::NodeId destination, std::uint8_t last, const Bytes& data) {
+  core::Flight flight;
+  std::copy(data.begin(), data.end(), flight.load(code, kSource, destination, last, data.size()));
+  return bytes_of(flight.launch({}, {}));
+}
+
 Bytes datp(wire::NodeId destination, std::uint8_t sequence, std::uint8_t pri, const Bytes& data) {
-  Bytes out(data.size() + wire::kOverhead);
-  wire::DataPacket packet;
-  packet.code = {false, 0, wire::Sequence{sequence}, wire::incarnation_of(kBoot)};
-  packet.source = kSource;
-  packet.destination = destination;
-  packet.pri = pri;
-  packet.data = view(data);
-  wire::encode(packet, out.data());
-  return out;
+  return sent({false, 0, wire::Sequence{sequence}, wire::incarnation_of(kBoot)}, destination, pri, data);
 }
 
 Bytes knee() {
   return datp(kDestination, 2, wire::pri_byte(wire::Priority{1}, wire::ChannelId{0}), {'k', 'n', 'e', 'e', '!'});
 }
 
-Bytes intp() {
-  wire::InterruptPacket packet;
-  packet.code.incarnation = wire::incarnation_of(kBoot);
-  packet.source = kSource;
-  packet.destination = kDestination;
-  return bytes_of(wire::encode(packet));
-}
+Bytes intp() { return sent({true, 0, {}, wire::incarnation_of(kBoot)}, kDestination, wire::Factor{0}, {}); }
 
 Bytes control(std::uint8_t sequence, const Bytes& message) {
   return datp(wire::kBroadcast, sequence, wire::pri_byte(wire::Priority{0}, wire::id_of(wire::Channel::control)),

@@ -100,12 +100,11 @@ TEST(PacketLine, PutsABeaconInWordsOnlyWhereAsked) {
   beacon.break_behind = 2_id;
   test::Bytes data(wire::kBeaconSize);
   encode(beacon, data.data());
-  wire::DataPacket packet;
+  test::DataPacket packet;
   packet.pri = wire::pri_byte(wire::Priority{0}, wire::ChannelId{1});
   packet.destination = wire::kBroadcast;
   packet.data = test::view(data);
-  test::Bytes bytes(data.size() + wire::kOverhead);
-  encode(packet, bytes.data());
+  const test::Bytes bytes = test::encoded(packet);
   PacketTextOptions options;
   EXPECT_THAT(line_of(captured(bytes), options), Not(HasSubstr("beacon")));
   options.decode = true;
