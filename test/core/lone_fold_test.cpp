@@ -82,6 +82,8 @@ struct FoldedAtNodeOne : LoneFold {
     node.input_up(Line::first, 3_id, Time{});
     second().clear();
   }
+  /// For the end of the packet on the second line.
+  Duration longest_wait() const { return std::min(node.settings().stall, node.settings().send_timeout() / 8); }
 };
 
 TEST_F(FoldedAtNodeOne, TheSecondLineIsTakenUntilTheFirstHasSpoken) {
@@ -142,15 +144,29 @@ TEST_F(FoldedAtNodeOne, WhatWasLeftOpenOnTheSecondLineHoldsNobodyUpTheNextTime) 
   node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
   receive_interrupt(Line::first, 1, 2);
   ASSERT_EQ(node.input_line(), Line::second) << "it waits for the packet's end";
-  const Time later = Time{} + node.settings().stall;
+  const Time later = Time{} + longest_wait();
   node.handle_timeout(later);
   ASSERT_EQ(node.input_line(), Line::first);
+  EXPECT_EQ(node.counters().broken_off_packets, 1u);
   node.input_lost(Line::first, later);
   hear(wire::FoldWordKind::begin, 1_id, later);
   node.input_up(Line::first, 3_id, later);
   ASSERT_EQ(node.input_line(), Line::second);
   receive_interrupt(Line::first, 2, 2);
   EXPECT_EQ(node.input_line(), Line::first);
+}
+
+TEST_F(FoldedAtNodeOne, WaitsForThePacketsEndAsLongThoughTheFirstLineWasLostMeanwhile) {
+  const Bytes packet = Foreign{7, 2}.with(pattern(64));
+  node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
+  receive_interrupt(Line::first, 1, 2);
+  const Time later = Time{} + longest_wait();
+  node.input_lost(Line::first, later - Duration{1});
+  node.input_up(Line::first, 3_id, later - Duration{1});
+  const Bytes interrupt = foreign_interrupt(1, wire::kBroadcast, 0, 2);
+  node.receive(Line::first, {wire::SliceKind::interrupt, {interrupt.data(), interrupt.size()}}, later - Duration{1});
+  node.handle_timeout(later);
+  EXPECT_EQ(node.input_line(), Line::second);
 }
 
 // Its `last` was lost: what comes on the first line waits no longer than the table of timers says.

@@ -280,6 +280,13 @@ TEST_F(LoneMember, SaysThatItsIdIsDuplicateAtTheThirdSign) {
   EXPECT_EQ(solo.counters().duplicate_id_signs, 3u);
 }
 
+TEST_F(LoneMember, KnowsItsOwnFirstHelloHoweverLateItComesHome) {
+  solo.join();
+  solo.be_bypassed();
+  for (int i = 0; i < 3; ++i) own_id_says_hello(solo.node().settings().boot);
+  EXPECT_EQ(solo.counters().duplicate_id_signs, 0u);
+}
+
 TEST_F(LoneMember, TakesAReplacedOutputForOneThatWasLost) {
   solo.join();
   solo.node().output_up(3_id, solo.now());
