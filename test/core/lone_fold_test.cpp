@@ -121,6 +121,20 @@ TEST_F(FoldedAtNodeOne, ANodeThatGoesOnFromAStateWaitsForTheEndOfWhatComesInOnTh
   EXPECT_EQ(other.input_line(), Line::second);
 }
 
+TEST_F(FoldedAtNodeOne, HoldsSixtyFourKibibytesOfTheFirstLineAndDropsThemWhereMoreCome) {
+  const Bytes packet = Foreign{7, 2}.with(pattern(512));
+  node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
+  const auto hold = [&](std::size_t bytes) {
+    node.receive(Line::first, {wire::SliceKind::more, {packet.data(), bytes}}, Time{});
+  };
+  for (int i = 0; i < 128; ++i) hold(512);
+  hold(4);
+  EXPECT_EQ(node.counters().fold_held_dropped, 0u);
+  hold(4);
+  EXPECT_EQ(node.counters().fold_held_dropped, 129u);
+  EXPECT_EQ(node.counters().broken_off_packets, 1u);
+}
+
 TEST_F(FoldedAtNodeOne, WhatItHoldsIsDroppedWithTheLineItCameFrom) {
   const Bytes packet = Foreign{7, 2}.with(pattern(64));
   node.receive(Line::second, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});

@@ -128,5 +128,26 @@ TEST(Fairness, WhatMovesUpInItsQueueGoesBehindWhatHasComeInBefore) {
   EXPECT_EQ(out[1].bytes[wire::field::kSource], 1);
 }
 
+TEST(Fairness, SoDoesWhatMovesUpBehindASendThatIsOverdue) {
+  SoloNode solo;
+  solo.join();
+  solo.line();
+  const Bytes data = text("own"), foreign = Foreign{0, 2}.with(text("foreign"));
+  solo.node().set_output_ready(false);
+  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  solo.run_for(1us);
+  solo.node().send(send_of(1, 2, 2_id, data), solo.now());
+  solo.run_for(1us);
+  solo.receive(wire::SliceKind::whole, foreign);
+  solo.run_for(solo.node().settings().queue_timeout - 2us);
+  ASSERT_EQ(solo.ends().size(), 1u);
+  solo.node().set_output_ready(true);
+  solo.run();
+  const auto out = solo.line();
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].bytes[wire::field::kSource], 0);
+  EXPECT_EQ(out[1].bytes[wire::field::kSource], 1);
+}
+
 }  // namespace
 }  // namespace limb_ring::core
