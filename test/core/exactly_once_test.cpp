@@ -202,6 +202,14 @@ TEST_F(Incarnations, APacketOfTheFourthAfterOneThatABeaconToldOfIsNew) {
   EXPECT_THAT(solo.packets(), ElementsAre(text("first"), text("another")));
 }
 
+TEST_F(Incarnations, NorIsAPacketKnownOfTheFourthAfterOneThatAHelloToldOf) {
+  hello(1000);
+  data(1000, "first");
+  beacon(1004, 1);
+  data(1004, "another");
+  EXPECT_THAT(solo.packets(), ElementsAre(text("first"), text("another")));
+}
+
 // Four incarnations of the source were missed, so that its packet seemed to be of the one that was known.
 TEST_F(Incarnations, OneInterruptPullsOnceThoughFourIncarnationsWereMissed) {
   beacon(1000, 3);

@@ -44,10 +44,14 @@ TEST(Settings, AreWholeInARecording) {
   before.break_grace = 1ms;
   before.fold_permission = 2ms;
   before.unconfirmed_pace = 3ms;
+  before.inputs[4] = InterruptInput{NodeId{7}, wire::Factor{2}};
   read_state(bytes_of(before), after);
   EXPECT_EQ(after.break_grace, Duration{1ms});
   EXPECT_EQ(after.fold_permission, Duration{2ms});
   EXPECT_EQ(after.unconfirmed_pace, Duration{3ms});
+  ASSERT_TRUE(after.inputs[4]);
+  EXPECT_EQ(after.inputs[4]->destination, 7);
+  EXPECT_EQ(after.inputs[4]->factor, 2);
 }
 
 TEST(Settings, AreOfALineThatTakesNoTimeUnlessARateIsGiven) {
