@@ -331,6 +331,23 @@ TEST_F(LoneMember, SendsItsBeaconWithAnothersWhereItIsDueWithinHalfAPeriod) {
   EXPECT_EQ(beacons_sent(), 2u);
 }
 
+TEST(FoldedOutput, IsSaidInTheNextBeacon) {
+  SoloNode solo(Duration{0}, [](Settings& s) {
+    s.beacon = 100ms;
+    s.fold_back = true;
+  });
+  solo.join();
+  solo.receive(wire::SliceKind::whole, SoloNode::home(solo.line().back().bytes, wire::kFbcMax));
+  solo.node().output_lost(solo.now());
+  solo.node().output_up(0_id, solo.now(), /*folded=*/true);
+  solo.run();  // the one that says that it was lost
+  solo.receive(wire::SliceKind::whole, SoloNode::home(solo.line().back().bytes, wire::kFbcMax));
+  const Bytes next = solo.line().back().bytes;
+  const auto said = wire::decode_beacon(wire::PacketFields{{next.data(), next.size()}}.data());
+  ASSERT_TRUE(said);
+  EXPECT_EQ(said->output, wire::LinkState::folded);
+}
+
 TEST(Hello, ThatCannotGetOntoTheLineIsGivenUpInTime) {
   SoloNode solo;
   solo.node().set_output_ready(false);
