@@ -67,7 +67,7 @@ int main(int argc, char** argv) try {
       if (interrupt && interrupt->action == Interrupt::Action::stop) joint.stopped_ns = port.stamp().count();
     }
     if (port.now() < due) continue;
-    due += kPeriod;
+    due = std::max(due + kPeriod, port.now());  // what was missed, as in a hang, is not made up for
     if (const auto bytes = joint.next_state(port.stamp().count())) port.send(0, *bytes, 0, payload::kJointChannel);
   }
 } catch (const HostPortError& problem) {

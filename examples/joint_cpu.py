@@ -52,7 +52,7 @@ def main():
             elif isinstance(message, Interrupt) and message.action == 'stop':
                 joint.stopped_ns = port.stamp_ns()
             if port.now() >= due:
-                due += PERIOD
+                due = max(due + PERIOD, port.now())   # what was missed, as in a hang, is not made up for
                 port.send(0, joint.next_state(port.stamp_ns()), priority=0)
 
 
