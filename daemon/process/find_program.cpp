@@ -26,6 +26,11 @@ std::string find_on_path(const std::string& name) {
   return {};
 }
 
+std::string working_folder() {
+  char path[PATH_MAX];
+  return ::getcwd(path, sizeof path) != nullptr ? path : "a folder that is gone";
+}
+
 }  // namespace
 
 std::string own_folder() {
@@ -42,6 +47,13 @@ std::string find_program(const std::string& name, const std::string& folder) {
   const std::string beside = folder + "/" + name;
   if (!folder.empty() && executable_file(beside)) return beside;
   return find_on_path(name);
+}
+
+std::string no_program(const std::string& name, const std::string& folder) {
+  const std::string what = "no program '" + name + "' that can be executed";
+  if (name.find('/') == std::string::npos) return what + " (looked in " + folder + " and on PATH)";
+  if (name.front() == '/') return what;
+  return what + " (seen from " + working_folder() + ")";
 }
 
 }  // namespace limb_ring::process

@@ -12,4 +12,7 @@ std::string own_folder();
 /// @return empty where there is none.
 std::string find_program(const std::string& name, const std::string& folder = own_folder());
 
+/// What is to be said where find_program() finds none: the name, and where it was looked for.
+std::string no_program(const std::string& name, const std::string& folder = own_folder());
+
 }  // namespace limb_ring::process

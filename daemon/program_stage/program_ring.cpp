@@ -22,8 +22,7 @@ std::vector<std::string> missing_programs(const config::RingConfig& ring) {
   std::vector<std::string> missing;
   for (const config::NodeConfig& node : ring.nodes)
     if (const std::string& name = node.cpu.command.front(); process::find_program(name).empty())
-      missing.push_back(node.name + ": no program '" + name + "' that can be executed (looked in " +
-                        process::own_folder() + " and on PATH)");
+      missing.push_back(node.name + ": " + process::no_program(name));
   return missing;
 }
 

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <filesystem>
+
 #include "process/back_off.h"
 #include "process/child.h"
 #include "process/exit_status.h"
@@ -126,6 +128,13 @@ TEST(FindProgram, LooksInItsFolderBeforePath) {
   EXPECT_EQ(find_program("no_such_program", "/bin"), "");
   EXPECT_EQ(find_program("/bin/sh"), "/bin/sh");
   EXPECT_EQ(find_program("/bin"), "") << "a folder is no program";
+}
+
+TEST(FindProgram, SaysWhereItHasLooked) {
+  EXPECT_EQ(no_program("own_cpu", "/bin"), "no program 'own_cpu' that can be executed (looked in /bin and on PATH)");
+  EXPECT_EQ(no_program("/opt/cpu", "/bin"), "no program '/opt/cpu' that can be executed");
+  EXPECT_EQ(no_program("build/own_cpu", "/bin"), "no program 'build/own_cpu' that can be executed (seen from " +
+                                                     std::filesystem::current_path().string() + ")");
 }
 
 }  // namespace limb_ring::process

@@ -71,8 +71,7 @@ void CpuProcess::start_child() {
   const std::string name = command.empty() ? "" : command.front();
   const std::string path = process::find_program(name, options_.program_folder);
   if (!path.empty()) return start_found(path);
-  could_not_start(process::not_started("no program '" + name + "' that can be executed (looked in " +
-                                       options_.program_folder + " and on PATH)"));
+  could_not_start(process::not_started(process::no_program(name, options_.program_folder)));
 }
 
 void CpuProcess::start_found(const std::string& path) {

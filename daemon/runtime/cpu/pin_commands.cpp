@@ -20,7 +20,7 @@ std::string PinCommands::run(const std::vector<std::string>& command, process::S
   Slot* slot = free_slot();
   if (slot == nullptr) return refuse(std::to_string(kAtOnce) + " commands of pins are running already");
   request.path = process::find_program(command.front());
-  if (request.path.empty()) return refuse("no program '" + command.front() + "'");
+  if (request.path.empty()) return refuse(process::no_program(command.front()));
   request.arguments = command;
   request.output = STDERR_FILENO;
   start(*slot, request);
