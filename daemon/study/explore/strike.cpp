@@ -56,7 +56,12 @@ std::string to_text(const std::vector<Choice>& choices) {
 std::vector<Choice> choices_from(const std::string& text) {
   std::vector<Choice> choices;
   std::istringstream in(text);
-  for (std::string part; std::getline(in, part, ',');) choices.push_back(choice_from(part));
+  for (std::string part; std::getline(in, part, ',');) {
+    const Choice choice = choice_from(part);
+    if (!choices.empty() && choice.place <= choices.back().place)  // its place would be over
+      throw std::invalid_argument("'" + part + "': its place is not behind that of the one before it");
+    choices.push_back(choice);
+  }
   return choices;
 }
 

@@ -169,6 +169,8 @@ TEST(Choices, ThatAreWrongAreNamed) {
   EXPECT_THAT(problem("1:restart"), HasSubstr("restart needs a node"));
   EXPECT_THAT(problem("1:lost:2"), HasSubstr("lost is of no node"));
   EXPECT_THAT(problem("99999999:lost"), HasSubstr("is no number"));
+  EXPECT_THAT(problem("5:lost,3:late"), HasSubstr("'3:late': its place is not behind"));
+  EXPECT_THAT(problem("5:lost,5:late"), HasSubstr("'5:late': its place is not behind"));
 }
 
 }  // namespace
