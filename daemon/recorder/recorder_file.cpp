@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <system_error>
 
@@ -58,6 +57,26 @@ std::uint8_t* map_new(const std::string& path, std::size_t size) {
   return memory;
 }
 
+bool write_all(int fd, const std::vector<std::uint8_t>& data) {
+  for (std::size_t written = 0; written < data.size();) {
+    const ssize_t more = ::write(fd, data.data() + written, data.size() - written);
+    if (more < 0 && errno != EINTR) return false;
+    if (more > 0) written += static_cast<std::size_t>(more);
+  }
+  return true;
+}
+
+// A part of a recording cannot be replayed; it would only be in the way of the next save.
+void write_whole(const std::vector<std::uint8_t>& data, const std::string& path) {
+  const File file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (file.fd < 0) fail("cannot write " + path);
+  if (write_all(file.fd, data)) return;
+  const int error = errno;
+  ::unlink(path.c_str());
+  errno = error;
+  fail("cannot write " + path);
+}
+
 }  // namespace
 
 void Unmap::operator()(std::uint8_t* memory) const { ::munmap(memory, size); }
@@ -93,10 +112,7 @@ std::size_t save_file(const std::string& recording, const std::string& to) {
   if (size == 0) throw std::runtime_error(recording + " is empty");
   const Mapping mapped(map(file, size, PROT_READ, recording), {size});
   const std::vector<std::uint8_t> saved = save({mapped.get(), size});
-  std::ofstream out(to, std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(saved.data()), static_cast<std::streamsize>(saved.size()));
-  out.close();
-  if (!out) throw std::runtime_error("cannot write " + to);
+  write_whole(saved, to);
   return saved.size();
 }
 

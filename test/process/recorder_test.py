@@ -1,7 +1,9 @@
 """Flight recorders of a live ring: saved while it goes on, also of dead nodes, and replayed."""
 
 import os
+import resource
 import shutil
+import signal
 
 import ring_process
 from ring_process import RingTest, plain_nodes
@@ -41,6 +43,17 @@ class Recorder(RingTest):
         self.assertIn('5 lives of nodes', said)
         self.assertIn('all identical', said)
         self.assertIn('node 3 (node3, the life before)', said)
+
+    def test_that_a_full_disk_cannot_take_leave_no_part_behind(self):
+        def full_disk():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+
+        self.start_ring(plain_nodes(2), recorder={'enabled': True, 'size': 1048576})
+        full = self.ctl('record', 'save', self.saved, preexec_fn=full_disk)
+        self.assertEqual(full.returncode, 1, full.stderr)
+        self.assertIn('saved/0.record: File too large', full.stderr)
+        self.assertIn('2 recordings', self.save())
 
     def test_keep_says_at_once_that_it_cannot_save(self):
         self.start_ring(plain_nodes(2))
