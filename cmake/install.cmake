@@ -18,7 +18,7 @@ install(DIRECTORY include/limb_ring/ DESTINATION ${LIMB_RING_INCLUDE})
 install(PROGRAMS examples/walk_controller.py DESTINATION ${LIMB_RING_BIN})
 install(DIRECTORY config examples urdf wireshark DESTINATION ${LIMB_RING_SHARE})
 # Scenarios name their rings' files from where they are, which is one folder less here.
-file(GLOB scenarios CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/test test/scenarios/*.yaml)
+file(GLOB_RECURSE scenarios CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/test test/scenarios/*.yaml)
 foreach(scenario ${scenarios})
   file(READ test/${scenario} text)
   string(REPLACE "../../config/" "../config/" text "${text}")

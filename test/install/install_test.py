@@ -81,6 +81,7 @@ class Install(unittest.TestCase):
         scenario, = [name for name in os.listdir(folder) if name.startswith('07-')]
         ringctl = os.path.join(self.prefix, 'bin', 'ringctl')
         self.assertIn('all as expected', run(ringctl, 'scenario', 'run', os.path.join(folder, scenario)))
+        self.assertNotIn('not a scenario', run(ringctl, 'scenario', 'list', folder))
 
     def test_a_moved_prefix_works(self):
         moved = os.path.join(self.folder, 'moved')
