@@ -1,4 +1,8 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -197,14 +201,22 @@ void add_shrink(CLI::App& command, SoakOptions& options) {
       ->default_str(".");
 }
 
+/// Now, since a broken seed may come after hours. @throw UsageError
+void require_writable(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw UsageError("--shrink: cannot make the folder " + folder + ": " + error.message());
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw UsageError("--shrink: cannot write into the folder " + folder + ": " + std::strerror(errno));
+}
+
 /// Refuses options that contradict each other. @throw UsageError
 void check(const SoakOptions& options) {
-  if (options.shrink_into && !std::filesystem::is_directory(*options.shrink_into))
-    throw UsageError("--shrink: '" + *options.shrink_into + "' is no folder");
   if (options.shrink_into && options.wide)
     throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
   if (options.hashes && options.format != app::Format::text)
     throw UsageError("--hashes prints lines of text: leave --json and --csv out");
+  if (options.shrink_into) require_writable(*options.shrink_into);
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 #include <gmock/gmock.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
+#include "support/temporary_folder.h"
 
 namespace limb_ring::ring_sim {
 namespace {
@@ -84,6 +86,16 @@ TEST(Soak, PrintsHashesAsTextAlone) {
   const CliRun said = ring_sim({"soak", "--seeds", "1", "--first", "100", "--hashes", "--json"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("--hashes"));
+}
+
+TEST(Soak, MakesTheFolderForWhatItShrinks) {
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(ring_sim({"soak", "--seeds", "1", "--first", "100", "--shrink", folder.path() + "/new/failures"}).code,
+            kDone);
+  EXPECT_TRUE(std::filesystem::is_directory(folder.path() + "/new/failures"));
+  const CliRun said = ring_sim({"soak", "--seeds", "1", "--first", "100", "--shrink", "/dev/null/failures"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("--shrink: cannot make the folder /dev/null/failures: Not a directory"));
 }
 
 TEST(Explore, NamesAPlaceThatTheRunDoesNotHave) {
