@@ -1,12 +1,11 @@
 #include "ros_bridge/diagnostics_out.h"
 
-#include <algorithm>
+#include "ros_bridge/ring_health.h"
 
 namespace limb_ring::bridge {
 namespace {
 
 using diagnostic_updater::DiagnosticStatusWrapper;
-using Level = diagnostic_msgs::DiagnosticStatus;
 using Clock = std::chrono::steady_clock;
 
 std::string prefix_in(const ros::NodeHandle& nodes) { return nodes.resolveName("limb_ring"); }
@@ -38,18 +37,7 @@ void DiagnosticsOut::take(const RingStatus& status) {
 }
 
 void DiagnosticsOut::tell_bridge(DiagnosticStatusWrapper& out) const {
-  const auto up = std::count_if(status_.nodes.begin(), status_.nodes.end(),
-                                [](const NodeStatus& node) { return node.state == "up"; });
-  const std::string counted = std::to_string(up) + " of " + std::to_string(status_.nodes.size()) + " nodes up";
-  if (!status_.connected)
-    out.summary(Level::ERROR, status_.message);
-  else if (up != static_cast<long>(status_.nodes.size()))
-    out.summary(Level::WARN, counted);
-  else
-    out.summary(Level::OK, counted);
-  const auto stopped =
-      std::count_if(status_.nodes.begin(), status_.nodes.end(), [](const NodeStatus& node) { return node.stopped; });
-  if (stopped > 0) out.mergeSummary(Level::WARN, std::to_string(stopped) + " stopped until `resume`");
+  tell_ring(status_, out);
   out.add("ring", status_.ring);
   out.add("bridge at node", status_.node);
   out.add("ring size", status_.ring_size);

@@ -79,6 +79,7 @@ class Diagnostics(unittest.TestCase):
         self.assertTrue(fault.success, fault.message)
         self.wait_for('line left_hip -> left_hip_yaw', ERROR, 'broken')
         self.wait_for('head', WARN, 'open_chain')
+        self.wait_for('ring', WARN, '16 of 16 nodes work, open chain: line left_hip -> left_hip_yaw broken')
         self.assertTrue(service('clear_faults', ClearFaults)(id='').success)
         self.wait_for('line left_hip -> left_hip_yaw', WARN, 'lately')
         self.wait_until_well()

@@ -3,6 +3,7 @@
 #include "ros/small_robot.h"
 #include "ros_bridge/line_health.h"
 #include "ros_bridge/node_health.h"
+#include "ros_bridge/ring_health.h"
 #include "ros_bridge/status_conversion.h"
 
 namespace limb_ring::bridge {
@@ -21,6 +22,7 @@ class Health : public ::testing::Test {
     for (const auto& config : ring.nodes) {
       NodeStatus one;
       one.id = config.id;
+      one.name = config.name;
       one.state = "up";
       one.pid = 100 + config.id;
       one.cpu_state = "running";
@@ -48,6 +50,11 @@ class Health : public ::testing::Test {
     node.tell(out, now);
     return out;
   }
+  Status of_ring() const {
+    Status out;
+    tell_ring(status, out);
+    return out;
+  }
   Status of_line() {
     Status out;
     line.tell(out, now);
@@ -65,6 +72,35 @@ TEST_F(Health, IsOkWhereNothingIsWrongWhateverWasCountedBefore) {
   take();
   EXPECT_EQ(of_node().level, Level::OK);
   EXPECT_EQ(of_line().level, Level::OK);
+}
+
+TEST_F(Health, OfTheRingIsSaidAsRingctlStatusSaysIt) {
+  EXPECT_EQ(of_ring().level, Level::OK);
+  EXPECT_EQ(of_ring().message, "3 of 3 nodes up");
+  for (NodeStatus& one : status.nodes) one.state = "open_chain";
+  hip().broken_before = 7;
+  hip().broken_behind = 3;
+  EXPECT_EQ(of_ring().level, Level::WARN);
+  EXPECT_EQ(of_ring().message, "3 of 3 nodes work, open chain: line knee -> hip broken");
+  for (NodeStatus& one : status.nodes) {
+    one.state = "folded";
+    one.ring_size = 3;
+  }
+  EXPECT_EQ(of_ring().level, Level::WARN);
+  EXPECT_EQ(of_ring().message, "3 of 3 nodes up, folded back around a break");
+  hip().ring_size = 1;
+  EXPECT_EQ(of_ring().message, "3 of 3 nodes up, folded back in parts");
+}
+
+TEST_F(Health, OfTheRingWarnsOfANodeThatIsDownAndOfAStop) {
+  knee() = unheard();
+  EXPECT_EQ(of_ring().level, Level::WARN);
+  EXPECT_EQ(of_ring().message, "2 of 3 nodes up");
+  hip().stopped = true;
+  EXPECT_EQ(of_ring().message, "2 of 3 nodes up; 1 stopped until `resume`");
+  status.connected = false;
+  status.message = "the daemon is gone";
+  EXPECT_EQ(of_ring().level, Level::ERROR);
 }
 
 TEST_F(Health, IsStaleForANodeNobodyHasHeardAndAnErrorForOneThatWent) {
