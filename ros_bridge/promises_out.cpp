@@ -36,7 +36,7 @@ void PromisesOut::run() {
     std::string problem;
     try {
       watch_.poll();
-    } catch (const HostPortError& error) {
+    } catch (const std::exception& error) {
       problem = error.what();
     }
     lock.lock();

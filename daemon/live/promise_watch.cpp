@@ -5,6 +5,8 @@
 #include <thread>
 #include <utility>
 
+#include "live/not_done.h"
+
 namespace limb_ring::live {
 
 using promises::Observation;
@@ -57,7 +59,7 @@ void PromiseWatch::hear(Node& node) {
 void PromiseWatch::begin(Node& node, const std::string& message) {
   const auto told = nlohmann::json::parse(message, nullptr, /*allow_exceptions=*/false);
   if (told.is_object() && told.contains("error"))
-    throw HostPortError("node " + std::to_string(node.id) + ": " + told["error"].get<std::string>());
+    throw NotDone("node " + std::to_string(node.id) + ": " + told["error"].get<std::string>());
   if (!told.is_object() || told.value("kind", "") != "promises") return;
   try {
     node.reader = std::make_unique<promises::ObservationReader>(told.at("path").get<std::string>(),

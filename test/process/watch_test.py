@@ -67,6 +67,13 @@ class Watching(WatchingTest):
     def test_without_a_ring_it_says_so(self):
         self.assertEqual(self.ctl('watch', 'no_such_ring').returncode, 3)
 
+    def test_a_node_that_cannot_be_watched_is_named_and_no_ring_that_is_missing(self):
+        self.start_ring(plain_nodes(2))
+        os.mkdir(os.path.join(self.ring_folder(), '1.watch'))   # where its file would be
+        done = self.ctl('watch', '--for', '30')
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn('node 1: cannot make', done.stderr)
+
     def test_recordings_are_judged_as_well(self):
         self.start_ring(plain_nodes(3), recorder={'enabled': True, 'size': 1048576})
         self.send_delivered(0, 2)
@@ -180,6 +187,15 @@ class SavedByThemselves(WatchingTest):
         os.kill(self.row(2)['pid'], signal.SIGKILL)
         self.wait('saved again', lambda: self.read(log).count('recordings are saved in') == 2)
         self.assertEqual([name.rsplit('-', 1)[1] for name in self.saved()], ['break', 'crash'])
+
+    def test_also_where_a_node_cannot_be_watched(self):
+        daemons = self.start_ring(plain_nodes(3), recorder={'enabled': True, 'size': 1048576})
+        os.mkdir(os.path.join(self.ring_folder(), '1.watch'))   # where its file would be
+        self.saves = os.path.join(self.folder, 'saves')
+        keeper = self.start('keep', [program('ringctl'), '--ring', self.ring, 'record', 'keep', self.saves])
+        self.wait('it says so', lambda: 'not all promises are judged: node 1' in self.log_of(keeper))
+        daemons[2].kill()
+        self.wait('a save', lambda: len(self.saved()) == 1)
 
     def test_its_keeper_ends_with_the_ring_though_another_of_its_name_follows(self):
         self.up(['crash'])

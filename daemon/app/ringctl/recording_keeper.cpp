@@ -10,6 +10,7 @@
 #include "app/ringctl/node_name.h"
 #include "live/lock_files.h"
 #include "live/node_notes.h"
+#include "live/not_done.h"
 #include "recorder/save_ring.h"
 
 namespace limb_ring::ringctl {
@@ -55,12 +56,21 @@ RecordingKeeper::RecordingKeeper(const RingAccess& ring, Options options)
 }
 
 void RecordingKeeper::poll() {
-  if (watch_) watch_->poll();
+  if (watch_) judge();
   for (Node& node : nodes_) {
     if (options_.when.count("crash") != 0) look_for_crash(node);
     if (options_.when.count("break") != 0) look_for_breaks(node);
   }
   if (!wanted_.empty() && Clock::now() >= due_) save();
+}
+
+// A node that cannot be watched, as where its disk is full, may crash all the same.
+void RecordingKeeper::judge() {
+  try {
+    watch_->poll();
+  } catch (const live::NotDone& problem) {
+    tell_user(std::string("not all promises are judged: ") + problem.what());
+  }
 }
 
 // A crash leaves the socket ID.host behind: a daemon that ends cleanly removes it. Daemons killed on purpose are noted

@@ -41,6 +41,7 @@ class RecordingKeeper {
     live::ObservedDaemon states;
   };
 
+  void judge();
   void look_for_crash(Node& node);
   void look_for_breaks(Node& node);
   void hear(const std::string& text);
