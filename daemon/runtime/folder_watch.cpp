@@ -5,11 +5,13 @@
 #include <spdlog/spdlog.h>
 
 #include "host/node_lock.h"
+#include "process/own_log.h"
 
 namespace limb_ring::runtime {
 namespace {
 
 constexpr std::chrono::seconds kPeriod{1};
+constexpr off_t kMostLog = 4 * 1024 * 1024;  // bytes of a daemon's log, with what its CPU writes
 
 }  // namespace
 
@@ -30,6 +32,8 @@ void FolderWatch::stop() {
 }
 
 void FolderWatch::check() {
+  if (process::empty_long_log(folder_.path, kMostLog))
+    spdlog::warn("this log had more than {} MiB, and begins anew", kMostLog >> 20);
   if (folder_.is_in_place()) return;
   try {
     folder_.make_again();

@@ -4,14 +4,17 @@
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
 #include <memory>
+#include <string>
 
 namespace limb_ring::runtime {
 
 /// Keeps a node reachable whose runtime folder is removed under it (the end of a login, a cleaner of temporary
-/// files): checks once a second, and has what is missing made again. Connections that stand do not notice. (ours)
+/// files): checks once a second, and has what is missing made again. Connections that stand do not notice. Nor does
+/// the folder, which is mostly in memory, fill up with the log of a CPU that writes all the time. (ours)
 class FolderWatch {
  public:
   struct Folder {
+    std::string path;
     std::function<bool()> is_in_place;
     /// @throw host::NodeHeld where another daemon has taken the node meanwhile, std::exception where it cannot be
     /// made (yet)

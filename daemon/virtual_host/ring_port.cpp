@@ -22,7 +22,7 @@ RingPort::RingPort(boost::asio::io_context& io, host::HostOptions options, fault
     : nodes_(std::move(nodes)),
       requests_(std::move(requests)),
       host_(io, options, *this),
-      watch_(io, {[this] { return host_.is_in_place(); },
+      watch_(io, {ring_directory(options.ring), [this] { return host_.is_in_place(); },
                   [this, ring = options.ring] {
                     make_ring_directory(ring);
                     host_.listen_again();

@@ -10,6 +10,11 @@ from ring_process import RingTest, plain_nodes, program
 
 
 class Folder(RingTest):
+    @staticmethod
+    def read(path):
+        with open(path) as file:
+            return file.read()
+
     def make_ring_folder(self):
         for folder in (os.path.dirname(self.ring_folder()), self.ring_folder()):
             os.makedirs(folder, 0o700, exist_ok=True)
@@ -63,6 +68,20 @@ class Folder(RingTest):
                     file.write('precious')
                 self.assert_cannot_run(self.socket_of(0, kind))
                 self.assertTrue(os.path.isfile(self.socket_of(0, kind)))
+
+    def test_is_not_filled_by_a_cpu_that_writes_all_the_time(self):
+        script = self.script('talks', 'head -c 6000000 /dev/zero | tr "\\0" x\nexec %s\n' % program('limb_firmware'))
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = {'command': [script]}
+        for clock in 'machine', 'virtual':
+            with self.subTest(clock=clock):
+                self.ring += 's'
+                done = self.ctl('up', self.write_ring(nodes), '--clock', clock, '--detach', '--timeout', 60)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                log = os.path.join(self.ring_folder(), '1.log' if clock == 'machine' else 'ring.log')
+                self.wait('a new beginning', lambda: 'more than 4 MiB, and begins anew' in self.read(log))
+                self.assertLess(os.path.getsize(log), 10000)
+                self.assertEqual(self.ctl('down', self.ring).returncode, 0)
 
     def test_without_runtime_folder_one_of_ones_own_below_the_temporary_one(self):
         del self.environment['XDG_RUNTIME_DIR']
