@@ -32,7 +32,6 @@ PacketManager::Place PacketManager::relay_whole(std::size_t size, Time now) {
   RelayedPacket& packet = buffer_.push(now);
   buffer_.grow(size);
   packet.state = RelayedPacket::State::complete;
-  packet.tail_at = now;
   return {packet.bytes.data(), false};
 }
 

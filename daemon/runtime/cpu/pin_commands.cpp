@@ -65,9 +65,4 @@ PinCommands::Slot* PinCommands::free_slot() {
   return slot == slots_.end() ? nullptr : &*slot;
 }
 
-std::size_t PinCommands::running() const {
-  return static_cast<std::size_t>(
-      std::count_if(slots_.begin(), slots_.end(), [](const Slot& each) { return each.child.running(); }));
-}
-
 }  // namespace limb_ring::runtime

@@ -31,7 +31,6 @@ class PinCommands {
   std::string run(const std::vector<std::string>& command, process::SpawnRequest request);
   /// Kills what is running.
   void stop();
-  std::size_t running() const;
   const Counters& counters() const { return counters_; }
 
  private:
