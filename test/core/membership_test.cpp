@@ -283,6 +283,7 @@ TEST_F(LoneMember, SaysThatItsIdIsDuplicateAtTheThirdSign) {
 TEST_F(LoneMember, KnowsItsOwnFirstHelloHoweverLateItComesHome) {
   solo.join();
   solo.be_bypassed();
+  EXPECT_EQ(membership().ring_size(), 0u);
   for (int i = 0; i < 3; ++i) own_id_says_hello(solo.node().settings().boot);
   EXPECT_EQ(solo.counters().duplicate_id_signs, 0u);
 }
