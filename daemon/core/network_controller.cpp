@@ -56,17 +56,8 @@ void NetworkController::receive(Line line, const wire::Slice& slice, Time now) {
 }
 
 void NetworkController::enter(const wire::Slice& slice, Time now) {
-  if (tap_ == nullptr)
-    Blocks::receive(slice, now);
-  else
-    enter_tapped(slice, now);
-}
-
-void NetworkController::enter_tapped(const wire::Slice& slice, Time now) {
-  const Line line = input_line();
-  tap_->arrives(slice, line, now);
+  if (tap_ != nullptr) tap_->arrives(slice, input_line(), now);
   Blocks::receive(slice, now);
-  tap_->has_arrived(slice, line, now);
 }
 
 // ---- the CPU and its helpers --------------------------------------------------------------

@@ -28,9 +28,8 @@ class NetworkController final : private Blocks {
   class Tap {
    public:
     virtual ~Tap() = default;
-    /// Before the blocks take a slice, and after they have taken it.
+    /// Before the blocks take a slice.
     virtual void arrives(const wire::Slice&, Line, Time) {}
-    virtual void has_arrived(const wire::Slice&, Line, Time) {}
     /// What the blocks have given out, framed.
     virtual void leaves(wire::ByteView framed_slices, Line, Time) = 0;
   };
@@ -120,7 +119,6 @@ class NetworkController final : private Blocks {
   }
   static std::size_t index(Line line) { return static_cast<std::size_t>(line); }
   void enter(const wire::Slice& slice, Time now) override;
-  void enter_tapped(const wire::Slice& slice, Time now);
   bool has_given_out() const { return Blocks::has_given_out() || !outputs_[0].empty() || !outputs_[1].empty(); }
   void update_ready() { Blocks::set_output_ready(ready_[index(output_line())]); }
 

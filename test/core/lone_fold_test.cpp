@@ -141,6 +141,9 @@ TEST_F(FoldedAtNodeOne, WhatItHoldsIsDroppedWithTheLineItCameFrom) {
   receive_interrupt(Line::first, 1, 2);
   node.input_lost(Line::first, Time{});
   EXPECT_EQ(node.counters().fold_held_dropped, 1u);
+  node.input_up(Line::first, 3_id, Time{});
+  node.input_lost(Line::first, Time{});
+  EXPECT_EQ(node.counters().fold_held_dropped, 1u) << "nothing is held any more";
 }
 
 TEST_F(FoldedAtNodeOne, ANodeThatTakesTheFirstLineAgainTellsOfTheFoldThatIsLeft) {

@@ -181,5 +181,14 @@ TEST(LateTurn, LeavesAPacketAtTheInstantItWasAskedFor) {
   EXPECT_EQ(solo.node().next_deadline(asked + 1us), asked + words);
 }
 
+TEST(LateTurn, LeavesTheHelloWhereTheLinesCameUp) {
+  SoloNode solo(1us);
+  const Duration words = 1us * (4 + wire::kHelloSize / 4 * 4);
+  solo.node().run(solo.now() + 3us);
+  for (Event event; solo.node().take_event(solo.now() + 3us, event);) {
+  }
+  EXPECT_EQ(solo.node().next_deadline(solo.now() + 3us), solo.now() + words);
+}
+
 }  // namespace
 }  // namespace limb_ring::core

@@ -27,6 +27,7 @@ TEST(Settings, HaveTheBuffersAndQueuesOfTheSpecificationUnlessOthersAreGiven) {
   EXPECT_EQ(settings.interrupt_buffer, 64u);
   EXPECT_EQ(settings.send_queue, 64u);
   EXPECT_EQ(settings.receive_buffers, 32u);
+  EXPECT_EQ(settings.boot, 1u);
 }
 
 // Two INTPs at each node, which is as long as one may take.
