@@ -108,9 +108,24 @@ TEST(ControlMessage, WrongSizesTypesAndValuesAreNoMessage) {
   encode(Beacon{}, bytes.data());
   EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size() - 1}));
   EXPECT_FALSE(decode_hello({bytes.data(), bytes.size()}));
-  bytes[13] = 99;
-  EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()}));
   EXPECT_FALSE(decode_hello({}));
+}
+
+TEST(ControlMessage, ABeaconWithAValueBeyondTheLastIsNone) {
+  std::array<std::uint8_t, kBeaconSize> good;
+  encode(Beacon{}, good.data());
+  ASSERT_TRUE(decode_beacon({good.data(), good.size()}));
+  const auto after_last = [](auto last) { return static_cast<std::uint8_t>(static_cast<unsigned>(last) + 1); };
+  const std::pair<std::size_t, std::uint8_t> wrong[] = {{13, after_last(CpuState::failed)},  // offsets as above
+                                                        {18, after_last(LinkState::folded)},
+                                                        {20, after_last(LinkState::folded)},
+                                                        {22, after_last(true)},
+                                                        {25, after_last(true)}};
+  for (const auto& [at, value] : wrong) {
+    auto bytes = good;
+    bytes[at] = value;
+    EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()})) << at;
+  }
 }
 
 }  // namespace
