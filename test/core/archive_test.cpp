@@ -117,6 +117,20 @@ TEST(State, HasThePacketThatIsComingIn) {
   EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
 }
 
+TEST(State, HasThePacketThatIsComingInAlsoWhereItGoesNowhereAnyMore) {
+  SoloNode before;
+  const Bytes packet = Foreign{0, 1}.with(pattern(22));
+  before.join();
+  before.receive(wire::SliceKind::start, {packet.begin(), packet.begin() + 24});
+  before.node().output_lost(before.now());
+  Blocks after{before.node().settings()};
+  read_state(bytes_of(before.node()), after);
+  after.receive({wire::SliceKind::end, {packet.data() + 24, packet.size() - 24}}, before.now());
+  ReceivedPacket taken;
+  ASSERT_TRUE(after.take(before.now(), taken));
+  EXPECT_EQ(Bytes(taken.bytes().begin(), taken.bytes().end()), pattern(22));
+}
+
 TEST(State, HasThePacketThatTheCpuHasNotTaken) {
   SoloNode before;
   before.join();

@@ -101,14 +101,27 @@ TEST_F(FoldedAtNodeOne, IsFoldedUntilItTakesTheFirstLineAgain) {
   EXPECT_FALSE(NetworkController(SoloNode::settings({}, [](Settings&) {}), Time{}).input_folded()) << "it cannot fold";
 }
 
-TEST_F(FoldedAtNodeOne, APacketInPiecesFromTheFirstLineWaitsForRoom) {
-  node.set_output_ready(Line::first, false);
+/// Packets on the second line have left no room; then the first one speaks.
+struct FoldedWithoutRoom : FoldedAtNodeOne {
   const Bytes packet = Foreign{7, 2}.with(pattern(512));
-  for (unsigned i = 0; i < node.settings().insertion_buffer; ++i)
-    node.receive(Line::second, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+  void SetUp() override {
+    FoldedAtNodeOne::SetUp();
+    node.set_output_ready(Line::first, false);
+    for (unsigned i = 0; i < node.settings().insertion_buffer; ++i)
+      node.receive(Line::second, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+  }
+  void TearDown() override {
+    EXPECT_EQ(node.input_line(), Line::first);
+    EXPECT_EQ(node.counters().insertion_buffer_full, 0u);
+  }
+};
+
+TEST_F(FoldedWithoutRoom, APacketFromTheFirstLineWaits) {
+  node.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+}
+
+TEST_F(FoldedWithoutRoom, APacketInPiecesWaitsToo) {
   node.receive(Line::first, {wire::SliceKind::start, {packet.data(), wire::kHeaderSize}}, Time{});
-  EXPECT_EQ(node.input_line(), Line::first);
-  EXPECT_EQ(node.counters().insertion_buffer_full, 0u);
 }
 
 TEST_F(FoldedAtNodeOne, ANodeThatGoesOnFromAStateWaitsForTheEndOfWhatComesInOnTheSecondLine) {
