@@ -242,6 +242,25 @@ TEST_F(LoneFold, ALineThatIsUpAgainIsReadyThoughItWasNotWhenItWasLost) {
   EXPECT_FALSE(node.output(Line::first).empty());
 }
 
+// It turns forward as the packet that is on the second line ends.
+TEST_F(LoneFold, AFirstLineThatTakesNothingIsGivenNothingOnceItIsTheOutputAgain) {
+  const Bytes packet = Foreign{1, 2}.with(pattern(8));
+  const auto receive = [&](wire::SliceKind kind, const Bytes& bytes) {
+    node.receive(Line::first, {kind, {bytes.data(), bytes.size()}}, Time{});
+    node.run(Time{});
+  };
+  hear(wire::FoldWordKind::deaf, 5_id);
+  node.set_output_ready(Line::first, false);
+  receive(wire::SliceKind::start, head_of(packet));
+  hear(wire::FoldWordKind::hears, 5_id);
+  ASSERT_EQ(node.output_line(), Line::second);
+  receive(wire::SliceKind::end, tail_of(packet));
+  ASSERT_EQ(node.output_line(), Line::first);
+  node.output(Line::first).clear();
+  receive(wire::SliceKind::whole, packet);
+  EXPECT_TRUE(node.output(Line::first).empty());
+}
+
 TEST_F(LoneFold, TheSecondOutputsLossIsTheOutputsWhileItIsFolded) {
   node.output_lost(Line::first, Time{});
   ASSERT_EQ(node.output_line(), Line::second);
