@@ -124,6 +124,7 @@ TEST_F(Sending, ThatCannotGetOntoTheLineIsRejectedInTime) {
   ring.node(0_id).set_output_ready(Line::first, false);
   EXPECT_THAT(send(0_id, 1_id, text("a")), rejected(Reject::no_way_out));
   EXPECT_THAT(outcome_of(ring, 0_id, ring.interrupt(0_id, 1_id, 1)), rejected(Reject::no_way_out));
+  EXPECT_EQ(ring.counters(0_id).ended_rejected, 2u);
   ring.node(0_id).set_output_ready(Line::first, true);
   EXPECT_EQ(send(0_id, 1_id, text("b")).outcome, Outcome::delivered);
   EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("b")));
