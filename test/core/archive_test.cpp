@@ -45,11 +45,21 @@ TEST(State, HasBits) {
   Member<std::bitset<3>> before{"bits", 5}, after{"bits", 0};
   read_state(bytes_of(before), after);
   EXPECT_EQ(after.value, 5);
+  EXPECT_EQ(bytes_of(before).size(), 3u) << "a byte each";
 }
 
 TEST(State, ThatEndsInsideAByteViewIsRefused) {
   const Bytes data = pattern(4);
   Member<wire::ByteView> before{"data", {data.data(), data.size()}}, after{"data", {}};
+  const Bytes whole = bytes_of(before);
+  StateReader reader({whole.data(), whole.size() - 1});
+  after.archive(reader);
+  EXPECT_TRUE(reader.failed());
+  EXPECT_TRUE(after.value.empty());
+}
+
+TEST(State, ThatSaysOfMoreThanItHasIsRefusedBeforeThereIsRoomForIt) {
+  Member<std::vector<std::uint8_t>> before{"many", {1, 2, 3}}, after{"many", {}};
   const Bytes whole = bytes_of(before);
   StateReader reader({whole.data(), whole.size() - 1});
   after.archive(reader);

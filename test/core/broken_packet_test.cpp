@@ -24,6 +24,7 @@ TEST_F(BrokenPacket, WholeInPiecesPassesAndIsTaken) {
   for (const auto& slice : out) passed.insert(passed.end(), slice.bytes.begin(), slice.bytes.end());
   EXPECT_EQ(out.front().kind, SliceKind::start) << "cut-through: passed on before its end was in";
   EXPECT_EQ(passed, SoloNode::home(packet, 32, 1));
+  EXPECT_EQ(solo.counters().relayed_data, 1u);
   EXPECT_THAT(solo.packets(), ElementsAre(pattern(22)));
 }
 

@@ -95,10 +95,10 @@ TEST_F(ExactlyOnce, AFirstTryIsNewWhereItsNumberWasDecidedLongerAgoThanATimeOut)
 struct Incarnations : ExactlyOnce {
   using ExactlyOnce::ExactlyOnce;
   static wire::Incarnation of(std::uint64_t boot) { return wire::incarnation_of(boot); }
-  void hello(std::uint64_t boot, std::uint8_t sequence = 0) {
+  std::uint8_t hello(std::uint64_t boot, std::uint8_t sequence = 0) {
     Bytes bytes(wire::kHelloSize);
     wire::encode(wire::Hello{boot}, bytes.data());
-    control(boot, sequence, bytes);
+    return control(boot, sequence, bytes);
   }
   void beacon(std::uint64_t boot, std::uint8_t sequence) {
     Bytes bytes(wire::kBeaconSize);
@@ -115,8 +115,8 @@ struct Incarnations : ExactlyOnce {
   }
 
  private:
-  void control(std::uint64_t boot, std::uint8_t sequence, const Bytes& bytes) {
-    pass({0, wire::kBroadcast, sequence, 0, 0, kControlPri, wire::kFbcUntaken, of(boot)}, bytes);
+  std::uint8_t control(std::uint64_t boot, std::uint8_t sequence, const Bytes& bytes) {
+    return pass({0, wire::kBroadcast, sequence, 0, 0, kControlPri, wire::kFbcUntaken, of(boot)}, bytes);
   }
 };
 
@@ -175,7 +175,7 @@ TEST_F(Incarnations, APacketOfAnEarlierOneIsRefused) {
 TEST_F(Incarnations, AHelloOrBeaconOfAnEarlierOneSaysNothing) {
   hello(8);
   data(8, "eight");
-  hello(7);
+  EXPECT_EQ(hello(7), 0);
   beacon(6, 0);
   EXPECT_EQ(solo.counters().earlier_incarnation, 2u);
   EXPECT_EQ(solo.node().membership().peers()[0_id].boot, 8u);

@@ -280,6 +280,15 @@ TEST_F(LoneMember, SaysThatItsIdIsDuplicateAtTheThirdSign) {
   EXPECT_EQ(solo.counters().duplicate_id_signs, 3u);
 }
 
+TEST_F(LoneMember, CountsTheSignsSinceAPacketOfItsOwnWasHome) {
+  solo.join();
+  own_id_says_hello(7);
+  own_id_says_hello(7);
+  lap(3);
+  own_id_says_hello(7);
+  EXPECT_EQ(state(), NodeState::up);
+}
+
 TEST_F(LoneMember, KnowsItsOwnFirstHelloHoweverLateItComesHome) {
   solo.join();
   solo.be_bypassed();

@@ -73,6 +73,7 @@ TEST_F(OpenChain, SendsArriveWhereAWayIsLeftAndAllEndUnconfirmed) {
   EXPECT_EQ(outcome_of(ring, 4_id, ring.send(4_id, 1_id, text("down the chain"))).outcome, Outcome::unconfirmed);
   EXPECT_EQ(outcome_of(ring, 1_id, ring.send(1_id, 4_id, text("no way"))).outcome, Outcome::unconfirmed);
   EXPECT_EQ(outcome_of(ring, 4_id, ring.interrupt(4_id, 1_id, 2)).outcome, Outcome::unconfirmed);
+  EXPECT_EQ(ring.counters(4_id).ended_unconfirmed, 2u);
   ring.run_for(10ms);
   EXPECT_THAT(payloads(ring.log(1_id)), ElementsAre(text("down the chain")));
   EXPECT_THAT(pins(ring.log(1_id)), ElementsAre(2));
