@@ -91,6 +91,11 @@ TEST(ControlMessage, BeaconWithAStopOrALatchIsLongerAndComesBack) {
   EXPECT_EQ(back->latch.clock_ns, 0x0102030405060708u);
   bytes[26] = 2;
   EXPECT_FALSE(decode_beacon({bytes.data(), bytes.size()}));
+  beacon.stop_latched = false;
+  encode(beacon, bytes.data());
+  const auto latched = decode_beacon({bytes.data(), bytes.size()});
+  ASSERT_TRUE(latched);
+  EXPECT_FALSE(latched->stop_latched);
 }
 
 TEST(ControlMessage, LongBeaconThatSaysNothingMoreIsNone) {
