@@ -101,8 +101,9 @@ void DatagramInput::on_connect(const LinkHeader& header, wire::ByteView datagram
     return session_nonce(session.number) == session_nonce(header.session) && session.asker == asker;
   };
   if (from_ == header.sender && is_its(session_)) return accept(session_, header.sender);
+  const auto found = offers_.find(header.sender);
+  if (found == offers_.end() || !is_its(found->second)) offers_[header.sender] = new_session(header, asker);
   Session& offer = offers_[header.sender];
-  if (!is_its(offer)) offer = new_session(header, asker);
   offer.address = sender;
   offer.since = now;
   accept(offer, header.sender);

@@ -79,6 +79,12 @@ struct DatagramInputFromHand : testing::Test, InputLine {
   }
 };
 
+TEST_F(DatagramInputFromHand, GivesASessionANumberOfItsOwnWhateverTheAskersIs) {
+  const std::uint64_t given = ask_for_session(0);
+  EXPECT_EQ(session_nonce(given), 0u);
+  EXPECT_NE(given, 0u) << "anybody could guess it, and on a keyed line it has no keys";
+}
+
 TEST_F(DatagramInputFromHand, HandsADoubledDatagramOnOnce) {
   for (const std::uint32_t i : {2u, 2u, 3u, 3u, 2u}) datagram(i, static_cast<std::uint8_t>(i));
   EXPECT_THAT(values(), ElementsAre(2, 3));
