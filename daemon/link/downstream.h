@@ -12,6 +12,9 @@ namespace limb_ring::link {
 /// its owner from the event loop only, never from within a call, and not after close().
 class Downstream {
  public:
+  /// Headers of the other end that are read in a row, before others get their turn; a node sends a few in a second.
+  static constexpr int kMostHeaders = 64;
+
   /// `candidate` is its index in OutputSettings::candidates.
   struct Owner {
     virtual void on_accepted(std::size_t candidate) = 0;

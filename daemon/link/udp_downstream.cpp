@@ -42,14 +42,15 @@ bool UdpDownstream::start() {
 
 void UdpDownstream::on_ready(std::uint32_t events) {
   const auto self = shared_from_this();  // the owner may let go of us in its call
-  if ((events & ~static_cast<std::uint32_t>(EPOLLOUT)) != 0) read();
+  if (events != EPOLLOUT) read();
   if (open() && !failed_ && !backlog_.empty()) send_backlog();
 }
 
 void UdpDownstream::read() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
   std::array<std::uint8_t, kLongestAnswer> bytes;
-  while (open() && !failed_) {
+  for (int reads = 0; open() && !failed_; ++reads) {
+    if (reads == kMostHeaders) return watch_.call_again();
     const auto got = receive_now(socket_.native_handle(), bytes.data(), bytes.size());
     if (got < 0 && would_block(errno)) return;
     if (got < 0 && sealer_) return;  // "port unreachable" proves nothing: the silence will tell

@@ -41,13 +41,14 @@ bool UnixDownstream::greet(const LinkHeader& connect) {
 
 void UnixDownstream::on_ready(std::uint32_t events) {
   const auto self = shared_from_this();  // the owner may let go of us in its call
-  if ((events & ~static_cast<std::uint32_t>(EPOLLOUT)) != 0) read();
+  if (events != EPOLLOUT) read();
   if (open() && !failed_ && !backlog_.empty()) send_backlog();
 }
 
 void UnixDownstream::read() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
-  while (open() && !failed_) {
+  for (int reads = 0; open() && !failed_; ++reads) {
+    if (reads == kMostHeaders) return watch_.call_again();
     const auto got = receive_now(socket_.get(), header_.data() + header_size_, kLinkHeaderSize - header_size_);
     if (got < 0 && would_block(errno)) return;
     if (got <= 0) {
