@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <boost/asio/post.hpp>
+#include <system_error>
 #include <utility>
 
 namespace limb_ring::host {
@@ -66,8 +67,11 @@ void HostServer::admit(process::UniqueFd socket) {
   ClientInfo info;
   info.id = ++last_id_;
   info.pid = peer.pid;
-  SessionOwner& owner = *this;
-  const auto session = std::make_shared<Session>(io_, std::move(socket), info, owner);
+  const SessionPtr session = make_session(std::move(socket), info);
+  if (!session) {
+    ++counters_.refused_unwatched;
+    return;
+  }
   if (peer.uid != geteuid()) {
     ++counters_.refused_foreign;
     return session->end("this ring belongs to user " + std::to_string(geteuid()) + ", not to " +
@@ -79,6 +83,14 @@ void HostServer::admit(process::UniqueFd socket) {
   }
   sessions_.emplace(info.id, session);
   session->start();
+}
+
+/// @return null where the kernel watches no more descriptors for us; the client finds its connection closed
+HostServer::SessionPtr HostServer::make_session(process::UniqueFd socket, const ClientInfo& info) try {
+  SessionOwner& owner = *this;
+  return std::make_shared<Session>(io_, std::move(socket), info, owner);
+} catch (const std::system_error&) {
+  return nullptr;
 }
 
 /// "node 3 (left_knee)"

@@ -15,16 +15,17 @@ namespace limb_ring::host {
 
 /// What happened at a host port; every loss has its counter.
 struct HostCounters {
-  std::uint64_t refused = 0;          ///< by the handler, a wrong ring or version, a second CPU
-  std::uint64_t refused_foreign = 0;  ///< another user's process
-  std::uint64_t refused_full = 0;     ///< more clients than limits.clients
-  std::uint64_t garbage = 0;          ///< closed for bytes that are no message
-  std::uint64_t never_greeted = 0;    ///< closed for not greeting in time
-  std::uint64_t slow_clients = 0;     ///< closed for not reading what was for them
-  std::uint64_t observed_lost = 0;    ///< Observed left out for observers that read too slowly
-  std::uint64_t captured_lost = 0;    ///< captured packets left out for observers that read too slowly
-  std::uint64_t rejected = 0;         ///< calls with bad arguments
-  std::uint64_t interrupts_lost = 0;  ///< interrupts for a CPU that was not attached
+  std::uint64_t refused = 0;            ///< by the handler, a wrong ring or version, a second CPU
+  std::uint64_t refused_foreign = 0;    ///< another user's process
+  std::uint64_t refused_full = 0;       ///< more clients than limits.clients
+  std::uint64_t refused_unwatched = 0;  ///< the kernel watches no more descriptors for us
+  std::uint64_t garbage = 0;            ///< closed for bytes that are no message
+  std::uint64_t never_greeted = 0;      ///< closed for not greeting in time
+  std::uint64_t slow_clients = 0;       ///< closed for not reading what was for them
+  std::uint64_t observed_lost = 0;      ///< Observed left out for observers that read too slowly
+  std::uint64_t captured_lost = 0;      ///< captured packets left out for observers that read too slowly
+  std::uint64_t rejected = 0;           ///< calls with bad arguments
+  std::uint64_t interrupts_lost = 0;    ///< interrupts for a CPU that was not attached
 };
 
 /// Where a host port listens, and for which node.
@@ -90,6 +91,7 @@ class HostServer final : private SessionOwner {
   void accept();
   void accept_again_later();
   void admit(process::UniqueFd socket);
+  SessionPtr make_session(process::UniqueFd socket, const ClientInfo& info);
   void on_message(Session& session, const client::ToDaemon& message) override;
   void on_end(Session& session, End end) override;
   void count(End end);

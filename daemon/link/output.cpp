@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "link/memory_downstream.h"
 #include "link/udp_downstream.h"
@@ -92,12 +93,14 @@ void Output::advance(Time now) {
   }
 }
 
-bool Output::attempt(std::size_t candidate, Time now) {
+bool Output::attempt(std::size_t candidate, Time now) try {
   ++counters_.attempts;
   auto line = make_line(candidate);
   if (!line->start()) return false;
   attempts_[candidate] = {std::move(line), now};
   return true;
+} catch (const std::system_error&) {
+  return false;  // the kernel watches no more descriptors for us: later, perhaps
 }
 
 std::shared_ptr<Downstream> Output::make_line(std::size_t candidate) {
