@@ -115,8 +115,10 @@ void Session::on_ready(std::uint32_t events) {
   if ((events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0) ending_ = true;
   if (frozen_) return;
   if ((events & EPOLLOUT) != 0) flush();
-  if (open() && !(has_turn_ && waited_for_)) read();
+  if (open() && !(has_turn_ && waited_for_) && !has_said_enough()) read();
 }
+
+bool Session::has_said_enough() const { return greeted_ && !attached_ && in_.view().size >= client::kMaxSizeToDaemon; }
 
 void Session::read() { take(::recv(socket_.get(), in_.space(kReadSize), kReadSize, MSG_DONTWAIT)); }
 

@@ -105,6 +105,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void read();
   void take(ssize_t got);
   void take_frames();
+  /// It has greeted and is not attached: what it says beyond a limit waits in its socket until it is.
+  bool has_said_enough() const;
   std::uint32_t input_events() const;
   /// @return false where there is no session any more
   template <typename Kind>
