@@ -1,5 +1,7 @@
 #include "link/input.h"
 
+#include <algorithm>
+
 #include "link/udp_input.h"
 #include "link/unix_input.h"
 
@@ -31,6 +33,10 @@ void Input::open(boost::asio::io_context& io, InputSettings settings, const Endp
   const bool udp = endpoint.transport == Endpoint::Transport::udp;
   lines_.push_back(udp ? opened<UdpInput>(io, settings, handler, report_, upstream_)
                        : opened<UnixInput>(io, settings, handler, report_, upstream_));
+}
+
+bool Input::is_in_place() const {
+  return std::all_of(lines_.begin(), lines_.end(), [](const auto& line) { return line->is_in_place(); });
 }
 
 void Input::close() {

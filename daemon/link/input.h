@@ -25,6 +25,8 @@ class Input {
   /// Hangs up and stops listening. No call of the handler afterwards.
   void close();
 
+  /// As InputLine's.
+  bool is_in_place() const;
   /// As InputLine's. @throw std::runtime_error
   void listen_again() {
     for (const auto& line : lines_) line->listen_again();

@@ -43,6 +43,8 @@ class InputLine {
  public:
   virtual ~InputLine() = default;
   virtual void close() = 0;
+  /// Its socket's file is where it was made; also where it has none.
+  virtual bool is_in_place() const { return true; }
   /// Makes its socket's file again, where it has one and that was removed. What is connected stays so.
   /// @throw std::runtime_error
   virtual void listen_again() {}

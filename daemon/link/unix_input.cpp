@@ -1,6 +1,7 @@
 #include "link/unix_input.h"
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -36,6 +37,11 @@ void UnixInput::close() {
   pending_.clear();
   if (stream_) stream_->close();
   stream_.reset();
+}
+
+bool UnixInput::is_in_place() const {
+  struct stat found {};
+  return ::lstat(settings_.endpoint.path.c_str(), &found) == 0 && S_ISSOCK(found.st_mode);
 }
 
 /// The accept under way ends with the old socket; the next tick begins another.

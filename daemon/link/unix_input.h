@@ -25,6 +25,7 @@ class UnixInput final : public InputLine,
             Upstream& upstream);
   void start() { accept(); }
   void close() override;
+  bool is_in_place() const override;
   void listen_again() override;
   std::optional<std::uint8_t> from() const override;
   void replace(std::uint8_t by) override;

@@ -1,5 +1,6 @@
 #include "runtime/engine.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -30,6 +31,10 @@ void Engine::close() {
   closed_ = true;
   for (NodeLine& line : lines_) line.close();
   timer_.cancel();
+}
+
+bool Engine::is_in_place() const {
+  return std::all_of(lines_.begin(), lines_.end(), [](const NodeLine& line) { return line.input().is_in_place(); });
 }
 
 void Engine::listen_again() {

@@ -41,6 +41,7 @@ class Engine final : public NodeDriver, private LineHandler, private core::Netwo
   void pump() override;
   void pump_soon() override;
   void close() override;
+  bool is_in_place() const override;
   void listen_again() override;
   void set_tap(LineTap* tap) override;
   void set_journal(core::Journal* journal) override;

@@ -74,6 +74,8 @@ class NodeDriver {
   /// come with every packet.
   virtual void pump_soon() = 0;
   virtual void close() = 0;
+  /// The links' listening sockets are where they were made.
+  virtual bool is_in_place() const = 0;
   /// Makes the links' listening sockets again, after the runtime folder was removed. @throw std::runtime_error
   virtual void listen_again() = 0;
   /// From now on `tap`, which may be null, sees the lines; it must outlive that.

@@ -54,6 +54,7 @@ class VirtualNode final : public runtime::NodeDriver {
   void pump() override { world_.ring.node(id_); }
   void pump_soon() override { pump(); }
   void close() override { closed_ = true; }
+  bool is_in_place() const override { return true; }
   void listen_again() override {}
   void set_tap(runtime::LineTap* tap) override { tap_ = tap; }
 

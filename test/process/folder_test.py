@@ -127,6 +127,15 @@ class Folder(RingTest):
         self.wait('the name made again', lambda: os.path.exists(self.socket_of('node1')))
         self.wait('the node found by it', lambda: self.row('node1'))
 
+    def test_a_lines_socket_that_is_removed_is_made_again(self):
+        self.start_ring(plain_nodes(2), redundancy='foldback')
+        for kind in 'link', 'link2':
+            os.unlink(self.socket_of(1, kind))
+            self.wait('the socket made again', lambda: os.path.exists(self.socket_of(1, kind)))
+        # A neighbour that is started anew finds it.
+        self.assertEqual(self.ctl('--ring', self.ring, 'fault', 'power_cycle', 'node0').returncode, 0)
+        self.wait_closed(range(2))
+
     def test_removed_and_taken_by_another_daemon_ends_the_first_which_leaves_its_files_alone(self):
         config = self.write_ring(plain_nodes(2))
         first = self.ringd(config, 0)
