@@ -53,6 +53,7 @@ MappedRing make_ring(const std::string& path) {
   const int error = ::posix_fallocate(fd, 0, sizeof(ObservationRing));
   if (error != 0) {
     ::close(fd);
+    ::unlink(path.c_str());
     fail_with(error, "no room for " + path);
   }
   return map_ring(fd, PROT_READ | PROT_WRITE, path);

@@ -1,9 +1,12 @@
 // Observations in mapped memory: all of them, or so many lost.
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
+#include <system_error>
 
 #include "promises/observation_file.h"
 
@@ -45,6 +48,19 @@ TEST_F(ObservationFileTest, whoIsTooSlowIsToldHowManyAreLost) {
   EXPECT_EQ(lost + seen.size(), 100000u);
   EXPECT_EQ(seen.back().token, 99999u);
   EXPECT_EQ(seen.front().token, lost);
+}
+
+TEST_F(ObservationFileTest, thatFindsNoRoomLeavesNothing) {
+  const std::string full = path + "full";
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit little{1000, before.rlim_max};
+  const auto usual = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
+  EXPECT_THROW(ObservationFile{full}, std::system_error);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, usual);
+  EXPECT_FALSE(std::filesystem::exists(full));
 }
 
 TEST_F(ObservationFileTest, anotherFileIsRefused) {
