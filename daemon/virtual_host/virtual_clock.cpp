@@ -63,8 +63,11 @@ void VirtualClock::due(const std::function<void()>& call) {
 
 void VirtualClock::thaw() {
   frozen_ = false;
-  const auto self = self_;  // a call may destroy this
-  for (const auto& call : std::exchange(missed_, {})) due(call);
+  const std::weak_ptr<VirtualClock*> alive = self_;  // a call may destroy this
+  for (const auto& call : std::exchange(missed_, {})) {
+    if (alive.expired()) return;
+    due(call);
+  }
 }
 
 }  // namespace limb_ring::virtual_host

@@ -55,6 +55,19 @@ TEST_F(Clock, WhatRunsOutWhileANodeStandsStillIsCalledWhenItGoesOn) {
   EXPECT_EQ(calls, (std::vector<NodeTime>{NodeTime(5ms), NodeTime(9ms)}));
 }
 
+TEST_F(Clock, WhatIsCalledWhenANodeGoesOnMayEndItAndThenNothingElseIs) {
+  auto ending = std::make_unique<VirtualClock>(ring);
+  ending->call_at(core::Time{} + 3ms, [&] {
+    calls.push_back(NodeTime(3ms));
+    ending.reset();
+  });
+  ending->call_at(core::Time{} + 4ms, [this] { calls.push_back(NodeTime(4ms)); });
+  ending->freeze();
+  ring.run_until(core::Time{} + 5ms);
+  ending->thaw();
+  EXPECT_EQ(calls, std::vector<NodeTime>{NodeTime(3ms)});
+}
+
 TEST_F(Clock, NothingIsCalledOnceItIsGone) {
   auto gone = std::make_unique<VirtualClock>(ring);
   gone->call_at(core::Time{} + 3ms, [this] { calls.push_back(NodeTime{}); });
