@@ -44,6 +44,12 @@ class Virtual(VirtualTest):
         self.ring_ctl('fault', 'clear')
         self.wait_closed(range(4))
 
+    def test_a_ring_whose_time_is_over_leaves_no_folder(self):
+        config = self.write_ring(plain_nodes(2))
+        done = self.ctl('up', config, '--clock', 'virtual', '--pace', 'max', '--for', '1')
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertFalse(os.path.exists(self.ring_folder()))
+
     def test_a_hung_cpu_is_found_and_reset(self):
         self.up(self.limbs(), supervisor={'policy': 'auto', 'grace': '1s', 'backoff': '100ms'})
         before = self.wait_cpu(1, 'running')

@@ -120,7 +120,9 @@ void end_all(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalW
 }
 
 /// Until a signal, or until all daemons have ended by themselves (ringctl down).
-int stay(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals) {
+/// @param has_end the ring ends when its time is over; its folder goes then, unless 'ringctl down' has removed it
+int stay(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, bool has_end) {
+  const RingFolder folder(plan.ring);
   while (daemons.any_running()) {
     if (signals.asked_to_end(milliseconds(1000))) {
       end_all(plan, daemons, signals);
@@ -131,6 +133,7 @@ int stay(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait&
   end_restarted(plan.ring);
   const bool clean = std::all_of(daemons.all().begin(), daemons.all().end(),
                                  [](const live::LaunchedDaemon& daemon) { return daemon.ended()->clean; });
+  if (clean && has_end && !folder.is_gone()) tidy_folder(plan.ring);
   return clean ? kDone : kNotDone;
 }
 
@@ -232,7 +235,7 @@ int run(const RingPlan& plan, const UpOptions& options) {
     std::cout << "ring " << plan.ring << " has ended: its time was over" << std::endl;
   const auto keeper = start_keeper(plan, options.detach);
   if (options.detach) return kDone;
-  return stay(plan, daemons, signals);
+  return stay(plan, daemons, signals, options.lasts_s > 0);
 }
 
 void read_clock(UpOptions& options) {
