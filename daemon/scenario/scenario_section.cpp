@@ -123,6 +123,8 @@ const Section<Scenario>& scenario_section() {
          scenario.absent = read_nodes(entry);  // the others are counted by it
          if (std::set<NodeId>(scenario.absent.begin(), scenario.absent.end()).size() != scenario.absent.size())
            entry.refuse("a node is there twice", "each node once");
+         if (scenario.absent.size() == scenario.ring.nodes.size())
+           entry.refuse("no node would be there", "all nodes but one, at most");
        }},
       {"steps", config::kRequired, "a list of steps", "What happens and what is seen, in this order.",
        [](const Entry& entry, Scenario& scenario) {

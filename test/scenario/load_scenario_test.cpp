@@ -67,6 +67,12 @@ TEST(LoadScenario, RefusesAnAbsentNodeThatIsThereTwice) {
               HasSubstr("entry 'absent': a node is there twice; allowed: each node once"));
 }
 
+TEST(LoadScenario, RefusesARingWithoutANode) {
+  for (const char* all : {"all", "[0, 1, 2, 3]"})
+    EXPECT_THAT(refusal_of(four_nodes(std::string("absent: ") + all + "\nsteps: []\n")),
+                HasSubstr("entry 'absent': no node would be there; allowed: all nodes but one, at most"));
+}
+
 TEST(LoadScenario, RefusesAWaitWithoutALimit) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{when: {node: all, is: up}}]\n")), HasSubstr("'within' is missing"));
   EXPECT_THAT(refusal_of(four_nodes("steps: [{within: 1s}]\n")), HasSubstr("there is no when"));
