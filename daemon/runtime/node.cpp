@@ -99,8 +99,7 @@ void Node::power_cycle() {
 }
 
 FolderWatch::Folder Node::folder_to_watch() {
-  return {folder_->path(),
-          [this] { return folder_->is_in_place() && driver_->is_in_place() && host_.is_in_place(); },
+  return {folder_->path(), [this] { return folder_->is_in_place() && driver_->is_in_place() && host_.is_in_place(); },
           [this] {
             folder_->make_again();
             driver_->listen_again();

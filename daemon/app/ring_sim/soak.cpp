@@ -166,12 +166,13 @@ class Soak {
 };
 
 constexpr std::int64_t kMostSeeds = 100'000'000;
+constexpr std::uint64_t kLastSeed = std::numeric_limits<std::int64_t>::max();  ///< that a scenario takes
 
 void add_seeds(CLI::App& command, SoakOptions& options) {
   command.add_option("--seeds", options.seeds, "How many, 1 to 100000000; default 1000")
       ->transform(cli::whole(1, kMostSeeds));
   command.add_option("--first", options.first, "The first of them, above 0; drawn and printed where it is not given")
-      ->transform(cli::whole(1, std::numeric_limits<std::int64_t>::max()));
+      ->transform(cli::whole(1, static_cast<std::int64_t>(kLastSeed)));
   command.add_option("--failures", options.failures, "Stop after so many broken seeds; default 1")
       ->transform(cli::whole(1, kMostSeeds));
 }
@@ -212,6 +213,10 @@ void require_writable(const std::string& folder) {
 
 /// Refuses options that contradict each other. @throw UsageError
 void check(const SoakOptions& options) {
+  if (options.first > kLastSeed - (options.seeds - 1))
+    throw UsageError("--first: the last of " + std::to_string(options.seeds) + " seeds from " +
+                     std::to_string(options.first) + " on would be beyond it; " + std::to_string(kLastSeed) +
+                     " is the last one that --first and a scenario take");
   if (options.shrink_into && options.wide)
     throw UsageError("--shrink: of the usual world alone; a scenario has no lines that differ, nor sparse ids");
   if (options.hashes && options.format != app::Format::text)

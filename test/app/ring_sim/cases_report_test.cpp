@@ -82,6 +82,13 @@ TEST(Soak, SaysHowManySeedsAndThatNothingBroke) {
   EXPECT_GT(row.at("packet_hops").get<std::uint64_t>(), 1000u);
 }
 
+TEST(Soak, RefusesSeedsThatNeitherFirstNorAScenarioCouldTake) {
+  const CliRun said = ring_sim({"soak", "--seeds", "2", "--first", "9223372036854775807"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("--first: the last of 2 seeds from 9223372036854775807 on would be beyond it"));
+  EXPECT_EQ(ring_sim({"soak", "--seeds", "1", "--first", "9223372036854775807"}).code, kDone);
+}
+
 TEST(Soak, PrintsHashesAsTextAlone) {
   const CliRun said = ring_sim({"soak", "--seeds", "1", "--first", "100", "--hashes", "--json"});
   EXPECT_EQ(said.code, kUsage);
