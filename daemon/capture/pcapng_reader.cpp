@@ -161,6 +161,9 @@ std::optional<PcapngReader::Record> PcapngReader::packet() {
   if ((bytes[1] & kEventFlag) != 0)
     return CapturedEvent{packet.time_ns, wire::NodeId{packet.info.from}, printable(comment)};
   if (size < kPseudoHeaderSize + wire::kHeaderSize) fail("a packet without a header");
+  if (size - kPseudoHeaderSize > wire::kMaxDataPacketSize)
+    fail("a packet of " + std::to_string(size - kPseudoHeaderSize) + " bytes; " +
+         std::to_string(wire::kMaxDataPacketSize) + " at most are possible");
   packet.bytes.assign(bytes.begin() + kPseudoHeaderSize, bytes.end());
   check_crc(packet);
   return packet;

@@ -135,6 +135,14 @@ TEST(Pcapng, APacketThatWasChangedInTheFileIsBrokenAndTold) {
   }
 }
 
+TEST(Pcapng, APacketThatIsLongerThanAnyOnALineIsRefused) {
+  for (const std::size_t size : {525u, 65544u}) {  // of the second 16 bits say 8: shorter than a packet
+    std::ostringstream out;
+    PcapngWriter(out, kNames).packet(0, {}, test::view(Bytes(size, 0)));
+    EXPECT_THAT(problem_with(out.str()), HasSubstr("a packet of " + std::to_string(size) + " bytes; 524 at most"));
+  }
+}
+
 TEST(Pcapng, AnotherFileIsRefusedWithItsName) {
   EXPECT_THAT(problem_with("no capture at all"), StartsWith("file: at byte 0: no pcapng file"));
   EXPECT_THAT(problem_with(""), HasSubstr("no pcapng file"));
