@@ -1,17 +1,8 @@
-#include <arpa/inet.h>
-
+#include "config/address.h"
 #include "config/check_ring.h"
 
 namespace limb_ring::config {
 namespace {
-
-/// 127.0.0.0/8 and ::1: reached from the same machine alone.
-bool is_loopback(const std::string& address) {
-  in_addr four{};
-  in6_addr six{};
-  if (inet_pton(AF_INET, address.c_str(), &four) == 1) return ntohl(four.s_addr) >> 24 == 127;
-  return inet_pton(AF_INET6, address.c_str(), &six) == 1 && IN6_IS_ADDR_LOOPBACK(&six);
-}
 
 /// Loopback addresses are for trying out several hosts on one machine.
 void check_reachable(const Entry& file, const RingConfig& ring) {

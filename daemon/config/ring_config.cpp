@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "config/address.h"
+
 namespace limb_ring::config {
 
 std::array<PinConfig, 8> default_pins() {
@@ -62,7 +64,7 @@ const char* words_of(LinkConfig::Transport transport) {
 }
 
 bool hears_other_hosts(const RingConfig& ring, const NodeConfig& node) {
-  if (node.link.address.rfind("127.", 0) == 0 || node.link.address == "::1") return false;
+  if (is_loopback(node.link.address)) return false;
   if (node.link.transport == LinkConfig::Transport::udp) return true;
   return std::any_of(ring.nodes.begin(), ring.nodes.end(),
                      [&](const NodeConfig& other) { return other.host != node.host; });

@@ -1,7 +1,6 @@
 #include "config/value_readers.h"
 
-#include <arpa/inet.h>
-
+#include "config/address.h"
 #include "config/names.h"
 #include "config/quantity.h"
 
@@ -85,10 +84,8 @@ std::vector<std::string> read_command(const Entry& entry) {
 std::string read_address(const Entry& entry) {
   const char* rule = "the address of one interface, such as 127.0.0.1, 192.168.0.2 or ::1";
   const std::string text = entry.text(rule);
-  unsigned char bytes[sizeof(in6_addr)];
-  const bool known = inet_pton(AF_INET, text.c_str(), bytes) == 1 || inet_pton(AF_INET6, text.c_str(), bytes) == 1;
-  if (!known) entry.refuse_value("is not an address in numbers", rule);
-  if (text == "0.0.0.0" || text == "::") entry.refuse_value("is not one interface", rule);
+  if (!is_address(text)) entry.refuse_value("is not an address in numbers", rule);
+  if (is_any_interface(text)) entry.refuse_value("is not one interface", rule);
   return text;
 }
 

@@ -33,6 +33,7 @@ TEST(LineKeys, UdpBeyondThisHostNeedsAKeyOrTheWordInsecure) {
   EXPECT_EQ(problem(ring("transport: udp, address: 192.168.0.2, insecure: true")), "");
   EXPECT_EQ(problem(ring("transport: udp")), "");
   EXPECT_EQ(problem(ring("transport: udp, address: ::1")), "");
+  EXPECT_EQ(problem(ring("transport: udp, address: '0:0:0:0:0:0:0:1'")), "") << "the same address";
   EXPECT_EQ(problem(ring("address: 192.168.0.2")), "");
   EXPECT_THAT(problem(ring("key: ring.key, insecure: true")), HasSubstr("one of the two"));
 }

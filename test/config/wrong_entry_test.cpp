@@ -99,7 +99,8 @@ TEST(WrongEntry, RateTransportAddressAndPort) {
               HasSubstr("'tcp' is unknown; allowed: unix, shm, udp"));
   EXPECT_THAT(refusal_of(two_nodes("links: {address: localhost}\n")),
               HasSubstr("'localhost' is not an address in numbers"));
-  EXPECT_THAT(refusal_of(two_nodes("links: {address: 0.0.0.0}\n")), HasSubstr("'0.0.0.0' is not one interface"));
+  for (const std::string any : {"0.0.0.0", "'::'", "'::0'", "'0:0:0:0:0:0:0:0'", "'::ffff:0.0.0.0'"})
+    EXPECT_THAT(refusal_of(two_nodes("links: {address: " + any + "}\n")), HasSubstr("is not one interface")) << any;
   EXPECT_THAT(refusal_of(two_nodes("links: {port: 65500}\n")),
               HasSubstr("'65500' is out of range; allowed: a whole number, 1024 to 65281"));
 }
