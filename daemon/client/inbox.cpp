@@ -102,6 +102,7 @@ std::optional<Reply> Inbox::take_reply(std::uint32_t token) { return take_with_t
 
 bool Inbox::empty() const { return interrupts_.empty() && packet_turns_.empty() && others_.empty(); }
 
-bool Inbox::full() const { return others_.size() + interrupts_.size() >= kMaxOthers; }
+// Packets too: they are few, but for a daemon that gives more than it was granted.
+bool Inbox::full() const { return others_.size() + interrupts_.size() + packet_turns_.size() >= kMaxOthers; }
 
 }  // namespace limb_ring::client

@@ -13,8 +13,8 @@ namespace limb_ring::client {
 ///
 /// Interrupts are handed out first. Everything else keeps its order of arrival, except that a
 /// packet's place in that order is given to the packet of the highest priority that is here.
-/// Limits: packets by the credit granted to the daemon; Observed and CapturedPacket to 4096 each,
-/// those beyond are counted; the rest to 65536, see full().
+/// Limits: Observed and CapturedPacket to 4096 each, those beyond are counted; all together to 65536, see full(), of
+/// which packets are few by the credit granted to the daemon.
 class Inbox {
  public:
   void put(Packet packet);
@@ -31,7 +31,7 @@ class Inbox {
   std::optional<Result> take_result(std::uint32_t token);
   std::optional<Reply> take_reply(std::uint32_t token);
   bool empty() const;
-  /// The application has left so many results and interrupts untaken that no more are accepted.
+  /// The application has left so many messages untaken that no more are accepted.
   bool full() const;
 
  private:

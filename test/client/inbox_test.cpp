@@ -37,6 +37,12 @@ std::string drain(Inbox& inbox) {
   return names;
 }
 
+TEST(Inbox, IsFullOfPacketsTooWhereADaemonGivesMoreThanItWasAskedFor) {
+  Inbox inbox;
+  for (int i = 0; i < 65536 && !inbox.full(); ++i) inbox.put(packet(0, 1));
+  EXPECT_TRUE(inbox.full());
+}
+
 TEST(Inbox, HandsOutPacketsByPriority) {
   Inbox inbox;
   inbox.put(packet(3, 1));
