@@ -14,14 +14,10 @@ namespace {
 constexpr milliseconds kAnswers{200};  // a daemon that lives
 constexpr milliseconds kTriesAgain{250};
 
-std::string folder_of(const std::string& ring, const std::string& runtime) {
-  return runtime.empty() ? ring_directory(ring) : runtime + "/limb_ring/" + ring;
-}
-
 }  // namespace
 
 ObservedDaemon::ObservedDaemon(const std::string& ring, std::uint8_t node, std::string what, const std::string& runtime)
-    : folder_(folder_of(ring, runtime)), node_(node), what_(std::move(what)) {
+    : folder_(ring_directory(ring, runtime)), node_(node), what_(std::move(what)) {
   daemon_.ring = ring;
   daemon_.node = std::to_string(node);
   daemon_.runtime = runtime;
