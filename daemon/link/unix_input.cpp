@@ -68,8 +68,10 @@ void UnixInput::welcome(UnixSocket socket) {
     return report_.unknown_peer("a process of another user was turned away");
   }
   enlarge_buffers(socket.native_handle());
-  if (pending_.size() == kMaxPending)
-    on_unknown_peer(pending_.front(), "too many pending connections; this was the oldest");
+  if (pending_.size() == kMaxPending) {
+    const auto oldest = pending_.front();  // the list lets go of it on the way
+    on_unknown_peer(oldest, "too many pending connections; this was the oldest");
+  }
   PendingConnection::Owner& owner = *this;
   pending_.push_back(std::make_shared<PendingConnection>(std::move(socket), owner, Clock::now()));
   pending_.back()->start();
