@@ -169,6 +169,16 @@ TEST(State, HasTheEventsThatNobodyHasTaken) {
   EXPECT_EQ(std::get<BeaconHome>(event.what).round_trip, Duration{5us});
 }
 
+TEST(State, HasThePinOfWhichNobodyHasBeenTold) {
+  EventQueue before, after;
+  before.put(Time{}, PinPulled{wire::Factor{3}, 7_id});
+  read_state(bytes_of(before), after);
+  Event event;
+  ASSERT_TRUE(after.take(Time{}, event));
+  EXPECT_EQ(std::get<PinPulled>(event.what).factor, 3);
+  EXPECT_EQ(std::get<PinPulled>(event.what).source, 7);
+}
+
 TEST(State, HasTheNodeOfWhichABeaconSaysSomethingNew) {
   EventQueue before, after;
   before.put(Time{}, PeerChanged{7_id});
