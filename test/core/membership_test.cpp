@@ -313,8 +313,11 @@ TEST_F(LoneMember, TakesAReplacedInputForOneThatWasLost) {
 
 TEST_F(LoneMember, CountsWhatIsNeitherHelloNorBeacon) {
   solo.join();
+  solo.line();
   solo.receive(wire::SliceKind::whole, Foreign{0, 0xFF}.with_pri(kControlPri).with(text("?")));
   EXPECT_EQ(solo.counters().control_malformed, 1u);
+  const Bytes passed = solo.line().at(0).bytes;
+  EXPECT_EQ((wire::PacketFields{{passed.data(), passed.size()}}.fbc()), wire::kFbcMax) << "it is taken all the same";
 }
 
 TEST_F(LoneMember, SendsItsBeaconWithAnothersWhereItIsDueWithinHalfAPeriod) {
