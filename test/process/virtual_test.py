@@ -18,6 +18,7 @@ class Virtual(VirtualTest):
         self.assertEqual([row['state'] for row in rows], ['up'] * 4)
         self.assertIn('delivered', self.ring_ctl('send', '--from', '0', '--to', '2', '--data', 'hello'))
         self.ring_ctl('sync', '--from', '0')
+        self.ring_ctl('wait', 'up', '--timeout', 60)  # a stop reaches the CPUs that have booted
         self.ring_ctl('stop')
         self.assertRegex(self.ring_ctl('status'), r'(?m)^ *1 .* latched ')
         self.ring_ctl('resume')
