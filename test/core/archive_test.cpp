@@ -35,6 +35,35 @@ TEST(StateLayout, DiffersWithASize) {
   EXPECT_NE(layout_of(Member<>{"hop", 1}), layout_of(Member<std::uint16_t>{"hop", 1}));
 }
 
+TEST(State, NeedsNoMoreRoomThanItTakes) {
+  Member<std::uint32_t> member{"number", 7};
+  std::array<std::uint8_t, 4> room{};
+  StateWriter enough(room.data(), 4), too_little(room.data(), 3);
+  member.archive(enough);
+  member.archive(too_little);
+  EXPECT_FALSE(enough.failed());
+  EXPECT_TRUE(too_little.failed());
+}
+
+/// A line with what is to be written.
+struct FilledLine {
+  wire::SliceWriter line;
+  template <class Archive>
+  void archive(Archive& a) {
+    a("line", line);
+  }
+};
+
+TEST(State, HasTheSlicesThatNobodyHasWritten) {
+  FilledLine before, after;
+  const Bytes data = pattern(8);
+  before.line.put(wire::SliceKind::more, {data.data(), data.size()});
+  read_state(bytes_of(before), after);
+  const wire::ByteView was = before.line.view(), is = after.line.view();
+  EXPECT_EQ(Bytes(is.begin(), is.end()), Bytes(was.begin(), was.end()));
+  EXPECT_FALSE(is.empty());
+}
+
 TEST(State, HasText) {
   Member<std::string> before{"name", "left_knee"}, after{"name", ""};
   read_state(bytes_of(before), after);

@@ -73,6 +73,12 @@ TEST_F(LoneFold, AWordOfABypassedNodeHasComeRoundAndEndsHere) {
   EXPECT_FALSE(second().empty());
 }
 
+TEST_F(LoneFold, SoHasAWordOfTheNextNodeWhereThatIsBypassed) {
+  node.input_up(Line::second, 6_id, Time{});
+  hear(wire::FoldWordKind::begin, 5_id);
+  EXPECT_TRUE(second().empty());
+}
+
 // The nodes behind node 3 are dead, so what comes on the second line was turned back at node 1.
 struct FoldedAtNodeOne : LoneFold {
   void SetUp() override {

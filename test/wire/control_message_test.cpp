@@ -116,6 +116,14 @@ TEST(ControlMessage, WrongSizesTypesAndValuesAreNoMessage) {
   EXPECT_FALSE(decode_hello({}));
 }
 
+TEST(ControlMessage, AHelloThatRemembersAndDoesNotIsNone) {
+  std::array<std::uint8_t, kHelloSize> bytes;
+  encode(Hello{7, true}, bytes.data());
+  ASSERT_TRUE(decode_hello({bytes.data(), bytes.size()}));
+  bytes[9] = 2;
+  EXPECT_FALSE(decode_hello({bytes.data(), bytes.size()}));
+}
+
 TEST(ControlMessage, ABeaconWithAValueBeyondTheLastIsNone) {
   std::array<std::uint8_t, kBeaconSize> good;
   encode(Beacon{}, good.data());

@@ -29,6 +29,13 @@ TEST(FoldWord, ComesBackAsItWasSaid) {
   }
 }
 
+TEST(FoldWord, IsASliceOfItsKindAndSize) {
+  std::vector<std::uint8_t> bytes = bytes_of({FoldWordKind::begin, 7_id});
+  EXPECT_FALSE(fold_word({SliceKind::more, {bytes.data(), bytes.size()}}));
+  bytes.push_back(0);
+  EXPECT_FALSE(read(bytes));
+}
+
 TEST(FoldWord, WithAnyByteWrongIsNone) {
   const auto good = bytes_of({FoldWordKind::hears, 7_id});
   for (std::size_t at = 0; at < good.size(); ++at)
