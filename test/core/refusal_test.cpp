@@ -177,6 +177,26 @@ TEST_F(FreeBuffers, BroadcastCarriesTheMinimumOfAllReceivers) { EXPECT_EQ(fbc_af
 TEST_F(FreeBuffers, AtMost254IsWritten) { EXPECT_EQ(fbc_after(3_id), 254); }
 TEST_F(FreeBuffers, NobodyWritesWhereNobodyIsAddressed) { EXPECT_EQ(fbc_after(0_id), wire::kFbcUntaken); }
 
+TEST(RefusalAlone, AtItsDeadlineIsTheEnd) {
+  SoloNode solo;
+  solo.join();
+  const Bytes data = text("x");
+  const auto refused = [&solo] { solo.receive(wire::SliceKind::whole, SoloNode::home(solo.line().back().bytes, 0)); };
+  solo.line();
+  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  solo.run();
+  refused();
+  const Time deadline = solo.now() + solo.node().settings().refused_for;
+  while (solo.node().next_deadline(solo.now()) < deadline) {
+    solo.run_for(solo.node().next_deadline(solo.now()) - solo.now());
+    refused();
+  }
+  solo.run_for(deadline - solo.now());
+  EXPECT_TRUE(solo.ends().empty());
+  refused();
+  EXPECT_THAT(solo.ends(), ElementsAre(testing::Field(&SendEnded::outcome, Outcome::refused)));
+}
+
 TEST(RefusalAlone, IsOfANodeWhoseCpuWasNeverThere) {
   Blocks node(SoloNode::settings({}, [](Settings&) {}));
   node.input_up(0_id, Time{});
