@@ -10,6 +10,7 @@
 namespace limb_ring::app {
 
 std::string open_for_writing(std::ofstream& file, const std::string& path) {
+  if (path == kStandardOutput) return path + ": names no file here: standard output has the report; ./- is a file";
   file.open(path, std::ios::binary);
   return file ? "" : path + ": cannot be written: " + std::strerror(errno);
 }

@@ -5,7 +5,11 @@
 
 namespace limb_ring::app {
 
-/// @return what is wrong: the file and the system's reason; empty where it can be written now
+/// For `-`, standard output where that is free for it.
+inline constexpr const char* kStandardOutput = "-";
+
+/// @return what is wrong: the file and the system's reason; empty where it can be written now. kStandardOutput is
+/// refused: callers whose report goes elsewhere then take it before.
 std::string open_for_writing(std::ofstream& file, const std::string& path);
 
 /// Whether both are there and are one file: what is to be read from the one would be lost where the other is written.

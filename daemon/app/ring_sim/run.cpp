@@ -32,14 +32,18 @@ std::string in_lines(const app::Row& row) {
   return app::format_rows(lines, app::Format::text);
 }
 
-void open(std::ofstream& file, const std::string& option, const std::string& path) {
-  if (path.empty()) return;
+/// @return where to write; none where it is not asked for
+std::ostream* open(std::ofstream& file, const std::string& option, const std::string& path) {
+  if (path.empty()) return nullptr;
+  if (path == app::kStandardOutput) return &std::cout;
   const std::string problem = app::open_for_writing(file, path);
   if (!problem.empty()) throw UsageError(option + problem);
+  return &file;
 }
 
+/// Of standard output the end of the program tells.
 void finish(std::ofstream& file, const std::string& path) {
-  const std::string problem = path.empty() ? "" : cli::finish_writing(file, path);
+  const std::string problem = file.is_open() ? cli::finish_writing(file, path) : "";
   if (!problem.empty()) throw std::runtime_error(problem);
 }
 
@@ -47,19 +51,18 @@ int run(const RunOptions& options) {
   if (app::is_same_output(options.trace, options.capture))
     throw UsageError("--trace and --capture both name " + options.capture + "; each needs a file of its own");
   std::ofstream trace, capture;
-  open(trace, "--trace ", options.trace);
-  open(capture, "--capture ", options.capture);
   study::CaseRecords records;
-  if (trace.is_open()) records.trace = &trace;
-  if (capture.is_open()) records.capture = &capture;
+  records.trace = open(trace, "--trace ", options.trace);
+  records.capture = open(capture, "--capture ", options.capture);
   if (options.outputs) records.capture_at = sim::CaptureAt::inputs_and_outputs;
   const study::CaseResult result = run_case(options.which, options.medium, options.seed, records);
   finish(trace, options.trace);
   finish(capture, options.capture);
   const app::Row row = run_row(options.which, options.medium, result, options.seed);
-  if (options.format == app::Format::text) std::cout << in_lines(row);
-  if (options.format == app::Format::json) std::cout << row.dump(2) << '\n';
-  if (options.format == app::Format::csv) std::cout << app::format_rows({row}, options.format);
+  std::ostream& out = records.trace == &std::cout || records.capture == &std::cout ? std::cerr : std::cout;
+  if (options.format == app::Format::text) out << in_lines(row);
+  if (options.format == app::Format::json) out << row.dump(2) << '\n';
+  if (options.format == app::Format::csv) out << app::format_rows({row}, options.format);
   return kDone;
 }
 
@@ -77,10 +80,12 @@ void add_run(CLI::App& app, Context& context) {
       ->transform(cli::word_of(cases));
   add_medium(*command, options->medium);
   add_seed(*command, options->seed);
-  command->add_option("--trace", options->trace,
-                      "Write everything that happened here: time in ps, node, what, and three figures of it");
-  CLI::Option* capture = command->add_option("--capture", options->capture,
-                                             "Write the packets on all lines there, as pcapng for Wireshark");
+  command->add_option(
+      "--trace", options->trace,
+      "Write everything that happened here: time in ps, node, what, and three figures of it; - is standard "
+      "output, and what else it says goes to standard error");
+  CLI::Option* capture = command->add_option(
+      "--capture", options->capture, "Write the packets on all lines there, as pcapng for Wireshark; - as of --trace");
   command->add_flag("--outputs", options->outputs, "Also as they leave each node: 'ringctl trace' needs that")
       ->needs(capture);
   add_format(*command, options->format);

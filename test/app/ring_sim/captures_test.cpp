@@ -1,10 +1,12 @@
 // Captures of `ring_sim run`, and what `compare-traces` says of those that are not whole.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 
+#include "app/common/out_file.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
 #include "support/own_folder.h"
@@ -15,6 +17,12 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
+std::string bytes_of(const std::string& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
 class CompareTraces : public test::OwnFolder {
  protected:
   std::string captured(const std::string& name, const std::string& payload = "512") {
@@ -24,9 +32,8 @@ class CompareTraces : public test::OwnFolder {
   }
   /// A copy of its first bytes.
   std::string cut(const std::string& path, std::size_t missing) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(path, std::ios::binary).rdbuf();
-    return write("cut.pcapng", bytes.str().substr(0, bytes.str().size() - missing));
+    const std::string bytes = bytes_of(path);
+    return write("cut.pcapng", bytes.substr(0, bytes.size() - missing));
   }
   static void is_told(const CliRun& said) {
     EXPECT_EQ(said.code, kUsage) << said.out;
@@ -61,6 +68,24 @@ TEST_F(RingSimRun, WritesTraceAndCaptureIntoFilesOfTheirOwn) {
   const CliRun said = ring_sim({"run", "--trace", folder + "/x", "--capture", folder + "/x"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("--trace and --capture both name " + folder + "/x; each needs a file of its own"));
+}
+
+TEST_F(RingSimRun, ADashIsStandardOutputAndTheFiguresGoElsewhere) {
+  const CliRun file = ring_sim({"run", "--trace", folder + "/x", "--capture", folder + "/y"});
+  for (const auto& [option, written] : {std::pair{"--trace", "/x"}, {"--capture", "/y"}}) {
+    const CliRun said = ring_sim({"run", option, "-"});
+    EXPECT_EQ(said.code, kDone);
+    EXPECT_EQ(said.out, bytes_of(folder + written)) << option;
+    EXPECT_EQ(said.errors, file.out);
+  }
+  EXPECT_FALSE(std::filesystem::exists("-"));
+  EXPECT_EQ(ring_sim({"run", "--trace", "-", "--capture", "-"}).code, kUsage);
+}
+
+TEST_F(RingSimRun, ADashIsRefusedWhereStandardOutputHasTheReport) {
+  std::ofstream file;
+  EXPECT_THAT(app::open_for_writing(file, "-"), HasSubstr("standard output has the report"));
+  EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
 }  // namespace
