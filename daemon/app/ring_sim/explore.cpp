@@ -187,7 +187,9 @@ void add_explore(CLI::App& app, Context& context) {
   add_size(*command, options->world);
   add_bounds(*command, *options);
   add_line_options(*command, options->world);
-  command->add_option("--only", options->only, "One run alone, with these strikes: 12:lost,20:restart:1; or none");
+  CLI::Option* only =
+      command->add_option("--only", options->only, "One run alone, with these strikes: 12:lost,20:restart:1; or none");
+  for (const char* of_many : {"--faults", "--places", "--threads", "--all-runs"}) only->excludes(of_many);
   add_format(*command, options->format);
   command->callback([&context, options] { context.action = [options] { return run(*options); }; });
 }

@@ -15,7 +15,8 @@ constexpr std::array<const char*, 10> kWords{"lost", "header-damaged", "data-dam
 unsigned number_from(const std::string& text, const std::string& part) {
   const bool digits = !text.empty() && text.size() <= 6 && text.find_first_not_of("0123456789") == std::string::npos;
   if (digits) return static_cast<unsigned>(std::stoul(text));
-  throw std::invalid_argument("'" + part + "': '" + text + "' is no number, as in 12:lost or 20:restart:1");
+  throw std::invalid_argument("'" + part + "': '" + text +
+                              "' is no whole number from 0 to 999999, as in 12:lost or 20:restart:1");
 }
 
 Choice choice_from(const std::string& part) {

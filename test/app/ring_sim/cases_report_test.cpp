@@ -112,6 +112,17 @@ TEST(Explore, NamesAPlaceThatTheRunDoesNotHave) {
   EXPECT_EQ(ring_sim({"explore", "--only", "0:lost"}).code, kDone);
 }
 
+TEST(Explore, OneRunAloneTakesNothingThatBoundsMany) {
+  for (const std::vector<std::string>& bound :
+       {std::vector<std::string>{"--faults", "2"}, {"--places", "5"}, {"--threads", "1"}, {"--all-runs"}}) {
+    std::vector<std::string> arguments{"explore", "--only", "none"};
+    arguments.insert(arguments.end(), bound.begin(), bound.end());
+    const CliRun said = ring_sim(arguments);
+    EXPECT_EQ(said.code, kUsage) << bound.front();
+    EXPECT_THAT(said.errors, AllOf(HasSubstr("--only"), HasSubstr(bound.front())));
+  }
+}
+
 TEST(Commands, ExplainThemselvesAndTheirExitCodes) {
   for (const char* command : {"table", "run", "compare", "plan", "soak"}) {
     const CliRun said = ring_sim({command, "--help"});
