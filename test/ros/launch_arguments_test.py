@@ -157,6 +157,16 @@ class LaunchArguments(unittest.TestCase):
         self.assertTrue({'/rviz', '/ring_view', '/robot_state_publisher'} <= set(launched_nodes('view:=true')))
         self.assertFalse({'/rviz', '/ring_view'} & set(launched_nodes()))
 
+    def test_what_is_neither_true_nor_false_is_an_error(self):
+        for argument in ('view:=foo', 'bridge:=foo'):
+            with self.subTest(argument):
+                self.assertIn("foo is not a 'bool' type", roslaunch('--nodes', argument))
+
+    def test_a_description_that_cannot_be_read_is_an_error_naming_it(self):
+        output = roslaunch('--nodes', 'view:=true', 'description:=nofile')
+        self.assertIn('nofile: No such file or directory', output)
+        self.assertNotIn('Traceback', output)
+
     def test_without_arguments_it_is_the_humanoid_with_its_bridge(self):
         self.assertEqual(set(launched_nodes()), {'/ring', '/ring_bridge'})
 
