@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "config/names.h"
+#include "ros_bridge/parameters.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -24,7 +25,7 @@ const std::vector<std::string> kNames{"nodes",    "at",      "kinds",  "source",
 std::string text_of(const std::string& name, XmlRpcValue& value) {
   if (value.getType() == XmlRpcValue::TypeString) return static_cast<std::string&>(value);
   if (value.getType() == XmlRpcValue::TypeInt) return std::to_string(static_cast<int&>(value));
-  refuse(name, value.toXml(), "a word or a number, or a list of them");
+  refuse(name, as_written(value), "a word or a number, or a list of them");
 }
 
 class Reader {

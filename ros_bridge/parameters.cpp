@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "config/load_ring.h"
@@ -18,10 +19,31 @@ constexpr auto kAlivePeriod = std::chrono::seconds(1);
 constexpr double kMaxRate = 1000.0;
 
 [[noreturn]] void refuse_type(const std::string& name, const std::string& right, const XmlRpc::XmlRpcValue& given) {
-  throw std::invalid_argument("parameter ~" + name + " must be " + right + ", and is " + given.toXml());
+  throw std::invalid_argument("parameter ~" + name + " must be " + right + ", and is '" + as_written(given) + "'");
 }
 
 }  // namespace
+
+std::string as_written(XmlRpc::XmlRpcValue value) {
+  using XmlRpc::XmlRpcValue;
+  std::ostringstream text;
+  const char* between = "";
+  switch (value.getType()) {
+    case XmlRpcValue::TypeBoolean:
+      text << (static_cast<bool&>(value) ? "true" : "false");
+      break;
+    case XmlRpcValue::TypeArray:
+      for (int i = 0; i < value.size(); ++i, between = ", ") text << between << as_written(value[i]);
+      return "[" + text.str() + "]";
+    case XmlRpcValue::TypeStruct:
+      for (auto entry = value.begin(); entry != value.end(); ++entry, between = ", ")
+        text << between << entry->first << ": " << as_written(entry->second);
+      return "{" + text.str() + "}";
+    default:
+      value.write(text);
+  }
+  return text.str();
+}
 
 XmlRpc::XmlRpcValue given_parameter(const ros::NodeHandle& own, const std::string& name) {
   XmlRpc::XmlRpcValue value;

@@ -32,6 +32,9 @@ std::string text_parameter(const std::string& name, XmlRpc::XmlRpcValue given);
 double number_parameter(const std::string& name, XmlRpc::XmlRpcValue given, double usual);
 bool flag_parameter(const std::string& name, XmlRpc::XmlRpcValue given, bool usual);
 
+/// A value as one writes it: `fast`, `true`, `[1, 2]`, `{at: in}`.
+std::string as_written(XmlRpc::XmlRpcValue value);
+
 /// What the parameter server has of a private parameter.
 XmlRpc::XmlRpcValue given_parameter(const ros::NodeHandle& own, const std::string& name);
 

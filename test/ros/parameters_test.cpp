@@ -63,11 +63,20 @@ TEST(Parameter, OfAnotherTypeIsRefusedByName) {
     }
     return "not refused";
   };
-  EXPECT_THAT(refused([] { text_parameter("config", XmlRpcValue(5.5)); }), HasSubstr("~config must be a text"));
-  EXPECT_THAT(refused([] { text_parameter("node", XmlRpcValue(true)); }), HasSubstr("~node must be a text"));
-  EXPECT_THAT(refused([] { number_parameter("rate", XmlRpcValue("fast"), 0); }), HasSubstr("~rate must be a number"));
+  EXPECT_THAT(refused([] { text_parameter("config", XmlRpcValue(5.5)); }),
+              HasSubstr("~config must be a text, and is '5.5'"));
+  EXPECT_THAT(refused([] { text_parameter("node", XmlRpcValue(true)); }),
+              HasSubstr("~node must be a text, and is 'true'"));
+  EXPECT_THAT(refused([] { number_parameter("rate", XmlRpcValue("fast"), 0); }),
+              HasSubstr("~rate must be a number, and is 'fast'"));
+  XmlRpcValue list, map;
+  list[0] = 1;
+  list[1] = false;
+  map["at"] = list;
+  map["kinds"] = "data";
+  EXPECT_THAT(refused([&] { text_parameter("clock", map); }), HasSubstr("is '{at: [1, false], kinds: data}'"));
   EXPECT_THAT(refused([] { flag_parameter("promises", XmlRpcValue("yes"), false); }),
-              HasSubstr("~promises must be true or false, and is <value>yes</value>"));
+              HasSubstr("~promises must be true or false, and is 'yes'"));
 }
 
 TEST(BridgeNode, IsTheFirstNodeWhereNoneHasAnAttachedCpu) {
