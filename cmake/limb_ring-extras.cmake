@@ -9,3 +9,10 @@ if(NOT TARGET limb_ring::limb_ring)
     INTERFACE_LINK_LIBRARIES "${limb_ring_own_libraries}"
     INTERFACE_COMPILE_FEATURES cxx_std_17)
 endif()
+# There are no components: where one is required, limb_ring is not found.
+foreach(limb_ring_component IN LISTS limb_ring_FIND_COMPONENTS)
+  if(limb_ring_FIND_REQUIRED_${limb_ring_component})
+    set(limb_ring_FOUND FALSE)
+    set(limb_ring_NOT_FOUND_MESSAGE "limb_ring has no components, so there is no '${limb_ring_component}' of it.")
+  endif()
+endforeach()

@@ -28,6 +28,18 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/project -B ${SCRATCH}/build
   -DCMAKE_CXX_FLAGS=${flags} -DPYTHON_EXECUTABLE=${PYTHON} -DECHO_CPU=${PROJECT_SOURCE}/examples/echo_cpu.cpp)
 run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
 
+# There are no components: one that is required is not found, and named.
+file(WRITE ${SCRATCH}/components/CMakeLists.txt
+  "cmake_minimum_required(VERSION 3.16)\nproject(components LANGUAGES CXX)\n"
+  "find_package(limb_ring REQUIRED OPTIONAL_COMPONENTS any COMPONENTS nonsense)\n")
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -S ${SCRATCH}/components -B ${SCRATCH}/components/build "-DCMAKE_PREFIX_PATH=${prefix};${SEARCH}"
+          -DCMAKE_CXX_COMPILER=${COMPILER} -DPYTHON_EXECUTABLE=${PYTHON}
+  RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE said)
+if(result EQUAL 0 OR NOT said MATCHES "there is no 'nonsense' of it")
+  fail("a component that does not exist: ended with ${result} and said: ${said}")
+endif()
+
 # Without a ring the example has to say so.
 execute_process(
   COMMAND ${CMAKE_COMMAND} -E env XDG_RUNTIME_DIR=${SCRATCH}/runtime
