@@ -149,6 +149,12 @@ class LaunchArguments(unittest.TestCase):
                     ended = subprocess.run(['rosrun', 'limb_ring', program, '--help'], stdout=full, timeout=60)
                 self.assertNotEqual(ended.returncode, 0, 'it could not be printed')
 
+    def test_the_virtual_demo_has_help_and_says_nothing_else(self):
+        ended = subprocess.run([os.path.join(HERE, 'scripts', 'virtual_demo'), '--help'], text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+        self.assertEqual((ended.returncode, ended.stderr), (0, ''))
+        self.assertIn('usage: virtual_demo', ended.stdout)
+
     def test_a_bag_is_played_where_one_is_given(self):
         self.assertIn('/play', launched_nodes('bag:=any.bag'))
         self.assertNotIn('/play', launched_nodes())
