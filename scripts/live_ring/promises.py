@@ -1,6 +1,6 @@
 """What the ring promises its users, checked on every packet: one result for each send, and a true one; nothing
 damaged, nothing twice, nothing out of order, no interrupt more often than it was sent."""
-from collections import Counter
+from collections import Counter, defaultdict
 
 from live_ring import built, payload  # noqa: F401
 from limb_ring import BROADCAST
@@ -18,6 +18,7 @@ class Promises:
         self.owed = {node: set() for node in nodes}      # delivered, and not seen yet
         self.last = {}                                   # (node, source, priority, broadcast): number
         self.pulled, self.may_pull = Counter(), Counter()   # (source, destination)
+        self.interrupts = defaultdict(Counter)              # (source, destination): how they ended
         self.problems = []
 
     def broken(self, text, *values):
@@ -51,6 +52,7 @@ class Promises:
     def ended(self, send, outcome, can_be_owed):
         """`can_be_owed`: the destination's program has been connected for all the time of the send."""
         if send.interrupt:
+            self.interrupts[(send.source, send.to)][outcome] += 1
             if outcome in MAY_HAVE_PULLED:
                 self.may_pull[(send.source, send.to)] += 1
             return
@@ -78,5 +80,6 @@ class Promises:
                 self.broken('packet %d of node %d was delivered to node %d and never came', number, source, node)
         for (source, node), count in self.pulled.items():
             if count > self.may_pull[(source, node)]:
-                self.broken('node %d pulled the pin of node %d %d times, with %d interrupts that may have arrived',
-                            source, node, count, self.may_pull[(source, node)])
+                ended = ', '.join('%d %s' % (n, outcome) for outcome, n in self.interrupts[(source, node)].items())
+                self.broken('node %d pulled the pin of node %d %d times, with %d interrupts that may have arrived (%s)',
+                            source, node, count, self.may_pull[(source, node)], ended)
