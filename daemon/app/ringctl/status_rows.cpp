@@ -4,6 +4,7 @@
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/supervision.h"
+#include "ask/ring_words.h"
 #include "fault/name.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
@@ -21,11 +22,11 @@ bool latched(const json& row) {
   return row.contains(place) && row.at(place) == true;
 }
 
-/// ": line A -> B broken"; every node in the chain knows it.
+/// "A -> B"; every node in the chain knows it.
 std::string broken_line(const std::vector<json>& rows) {
   for (const json& row : rows) {
     const json line = row.value("broken_line", json());
-    if (line.is_object()) return ": line " + line_name(rows, line.at("before"), line.at("behind")) + " broken";
+    if (line.is_object()) return line_name(rows, line.at("before"), line.at("behind"));
   }
   return "";
 }
@@ -151,20 +152,12 @@ std::uint64_t errors_of(const json& row) {
 }
 
 std::string headline(const std::string& ring, const std::vector<json>& rows) {
-  std::size_t up = 0, folded = 0, open = 0, part = rows.size();
+  std::vector<ask::NodeInRing> nodes;
   for (const json& row : rows) {
-    open += row.value("state", "") == "open_chain" ? 1 : 0;
-    if (row.value("state", "") == "folded") {
-      ++folded;
-      const json size = row.value("ring_size", json());  // of a node on another host nobody here knows it
-      if (size.is_number()) part = std::min(part, size.get<std::size_t>());
-    }
-    up += is_up(row) ? 1 : 0;
+    const json size = row.value("ring_size", json());  // of a node on another host nobody here knows it
+    nodes.push_back({row.value("state", ""), size.is_number() ? size.get<std::size_t>() : 0});
   }
-  const char* fold = folded == 0 ? "" : part < up ? ", folded back in parts" : ", folded back around a break";
-  const std::string working = std::to_string(up + open) + " of " + std::to_string(rows.size()) + " nodes ";
-  return "ring " + ring + ": " + working +
-         (open != 0 ? "work, open chain" + broken_line(rows) : "up" + std::string(fold));
+  return "ring " + ring + ": " + ask::ring_in_words(nodes, broken_line(rows));
 }
 
 std::string stop_report(const std::vector<json>& rows) {
