@@ -8,8 +8,8 @@ namespace limb_ring::config {
 
 bool is_address(const std::string& text);
 /// 127.0.0.0/8 and ::1: reached from the same machine alone.
-bool is_loopback(const std::string& address);
+bool is_loopback(const std::string& text);
 /// 0.0.0.0 and ::, which stand for every interface.
-bool is_any_interface(const std::string& address);
+bool is_any_interface(const std::string& text);
 
 }  // namespace limb_ring::config
