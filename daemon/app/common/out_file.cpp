@@ -15,6 +15,14 @@ std::string open_for_writing(std::ofstream& file, const std::string& path) {
   return file ? "" : path + ": cannot be written: " + std::strerror(errno);
 }
 
+std::string make_output_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return "cannot make the folder " + folder + ": " + error.message();
+  if (::access(folder.c_str(), W_OK | X_OK) == 0) return "";
+  return "cannot write into the folder " + folder + ": " + std::strerror(errno);
+}
+
 bool is_same_file(const std::string& one, const std::string& other) {
   std::error_code missing;
   return std::filesystem::equivalent(one, other, missing);

@@ -12,6 +12,10 @@ inline constexpr const char* kStandardOutput = "-";
 /// refused: callers whose report goes elsewhere then take it before.
 std::string open_for_writing(std::ofstream& file, const std::string& path);
 
+/// Makes the folder, with those above it, where it is not there.
+/// @return what is wrong: the folder and the system's reason; empty where files can be made in it now
+std::string make_output_folder(const std::string& folder);
+
 /// Whether both are there and are one file: what is to be read from the one would be lost where the other is written.
 bool is_same_file(const std::string& one, const std::string& other);
 

@@ -1,8 +1,4 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -204,11 +200,8 @@ void add_shrink(CLI::App& command, SoakOptions& options) {
 
 /// Now, since a broken seed may come after hours. @throw UsageError
 void require_writable(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw UsageError("--shrink: cannot make the folder " + folder + ": " + error.message());
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    throw UsageError("--shrink: cannot write into the folder " + folder + ": " + std::strerror(errno));
+  const std::string problem = app::make_output_folder(folder);
+  if (!problem.empty()) throw UsageError("--shrink: " + problem);
 }
 
 /// Refuses options that contradict each other. @throw UsageError

@@ -13,14 +13,14 @@ namespace limb_ring::ringctl {
 
 namespace {
 
-constexpr const char* kStandardOutput = "standard output";
+constexpr const char* kNameOfOutput = "standard output";
 
 class TextSink final : public CaptureSink {
  public:
   TextSink(const capture::RingNames& names, const app::PacketTextOptions& options) : text_(names, options) {}
   void packet(const CapturedPacket& packet) override { std::cout << text_.line(packet) << '\n'; }
   void event(const capture::CapturedEvent& event) override { std::cout << text_.line(event) << '\n'; }
-  bool flush() override { return flush_to(std::cout, kStandardOutput); }
+  bool flush() override { return flush_to(std::cout, kNameOfOutput); }
 
  private:
   app::PacketText text_;
@@ -31,7 +31,7 @@ class JsonSink final : public CaptureSink {
   explicit JsonSink(capture::RingNames names) : names_(std::move(names)) {}
   void packet(const CapturedPacket& packet) override { std::cout << app::packet_json(packet, names_) << '\n'; }
   void event(const capture::CapturedEvent& event) override { std::cout << app::event_json(event, names_) << '\n'; }
-  bool flush() override { return flush_to(std::cout, kStandardOutput); }
+  bool flush() override { return flush_to(std::cout, kNameOfOutput); }
 
  private:
   capture::RingNames names_;
@@ -40,7 +40,9 @@ class JsonSink final : public CaptureSink {
 class FileSink final : public CaptureSink {
  public:
   FileSink(const capture::RingNames& names, const std::string& path)
-      : path_(path == "-" ? kStandardOutput : path), out_(open(path) ? file_ : std::cout), writer_(out_, names) {}
+      : path_(path == app::kStandardOutput ? kNameOfOutput : path),
+        out_(open(path) ? file_ : std::cout),
+        writer_(out_, names) {}
   void packet(const CapturedPacket& packet) override {
     writer_.packet(packet.time_ns, packet.info, app::bytes_of(packet), packet.lost_before);
   }
@@ -50,7 +52,7 @@ class FileSink final : public CaptureSink {
  private:
   /// @return false where standard output is meant
   bool open(const std::string& path) {
-    if (path == "-") return false;
+    if (path == app::kStandardOutput) return false;
     const std::string problem = app::open_for_writing(file_, path);
     if (!problem.empty()) throw UsageError(problem);
     return true;

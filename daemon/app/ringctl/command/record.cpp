@@ -1,12 +1,9 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 
+#include "app/common/out_file.h"
 #include "app/common/text_table.h"
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
@@ -56,11 +53,8 @@ void require_recordings(const std::string& ring) {
 
 /// Now, since nobody looks when something goes wrong later.
 void require_writable(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw UsageError("cannot make the folder " + folder.string() + ": " + error.message());
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    throw UsageError("cannot write into the folder " + folder.string() + ": " + std::strerror(errno));
+  const std::string problem = app::make_output_folder(folder.string());
+  if (!problem.empty()) throw UsageError(problem);
 }
 
 void require_empty(const fs::path& folder) {
