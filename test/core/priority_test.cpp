@@ -94,59 +94,59 @@ TEST(Fairness, OwnPacketsAreNotStarvedByAStreamFromUpstream) {
   }
 }
 
-TEST(Fairness, WhatANodeIsAskedToSendGoesBeforeWhatComesInThen) {
+/// Own packets and one from upstream compete for the line.
+struct OwnAndForeign : testing::Test {
   SoloNode solo;
-  solo.join();
-  solo.line();
-  const Bytes data = text("own"), foreign = Foreign{0, 2}.with(text("foreign"));
-  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
-  solo.receive(wire::SliceKind::whole, foreign);
-  const auto out = solo.line();
-  ASSERT_EQ(out.size(), 2u);
-  EXPECT_EQ(out[0].bytes[wire::field::kSource], 1);
-  EXPECT_EQ(out[1].bytes[wire::field::kSource], 0);
+  const Bytes data = text("own");
+  void SetUp() override {
+    solo.join();
+    solo.line();
+  }
+  void send(Owner owner) { solo.node().send(send_of(owner, ++token_, 2_id, data), solo.now()); }
+  void foreign_comes() { solo.receive(wire::SliceKind::whole, Foreign{0, 2}.with(text("foreign"))); }
+  /// Who has sent what has gone out, in order.
+  std::vector<unsigned> sources() {
+    std::vector<unsigned> all;
+    for (const SoloNode::Out& slice : solo.line()) all.push_back(slice.bytes[wire::field::kSource]);
+    return all;
+  }
+
+ private:
+  std::uint32_t token_ = 0;
+};
+
+TEST_F(OwnAndForeign, WhatANodeIsAskedToSendGoesBeforeWhatComesInThen) {
+  send(1);
+  foreign_comes();
+  EXPECT_THAT(sources(), ElementsAre(1, 0));
 }
 
 // Behind a send that is given up, the next one waits only from then on.
-TEST(Fairness, WhatMovesUpInItsQueueGoesBehindWhatHasComeInBefore) {
-  SoloNode solo;
-  solo.join();
-  solo.line();
-  const Bytes data = text("own"), foreign = Foreign{0, 2}.with(text("foreign"));
+TEST_F(OwnAndForeign, WhatMovesUpInItsQueueGoesBehindWhatHasComeInBefore) {
   solo.node().set_output_ready(false);
-  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
-  solo.node().send(send_of(2, 1, 2_id, data), solo.now());
+  send(1);
+  send(2);
   solo.run_for(1us);
-  solo.receive(wire::SliceKind::whole, foreign);
+  foreign_comes();
   solo.run_for(1us);
   solo.node().cancel(1, solo.now());
   solo.node().set_output_ready(true);
   solo.run();
-  const auto out = solo.line();
-  ASSERT_EQ(out.size(), 2u);
-  EXPECT_EQ(out[0].bytes[wire::field::kSource], 0);
-  EXPECT_EQ(out[1].bytes[wire::field::kSource], 1);
+  EXPECT_THAT(sources(), ElementsAre(0, 1));
 }
 
-TEST(Fairness, SoDoesWhatMovesUpBehindASendThatIsOverdue) {
-  SoloNode solo;
-  solo.join();
-  solo.line();
-  const Bytes data = text("own"), foreign = Foreign{0, 2}.with(text("foreign"));
+TEST_F(OwnAndForeign, SoDoesWhatMovesUpBehindASendThatIsOverdue) {
   solo.node().set_output_ready(false);
-  solo.node().send(send_of(1, 1, 2_id, data), solo.now());
+  send(1);
   solo.run_for(1us);
-  solo.node().send(send_of(1, 2, 2_id, data), solo.now());
+  send(1);
   solo.run_for(1us);
-  solo.receive(wire::SliceKind::whole, foreign);
+  foreign_comes();
   solo.run_for(solo.node().settings().queue_timeout - 2us);
   ASSERT_EQ(solo.ends().size(), 1u);
   solo.node().set_output_ready(true);
   solo.run();
-  const auto out = solo.line();
-  ASSERT_EQ(out.size(), 2u);
-  EXPECT_EQ(out[0].bytes[wire::field::kSource], 0);
-  EXPECT_EQ(out[1].bytes[wire::field::kSource], 1);
+  EXPECT_THAT(sources(), ElementsAre(0, 1));
 }
 
 }  // namespace
