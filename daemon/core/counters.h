@@ -51,7 +51,7 @@ namespace limb_ring::core {
   X(control_malformed, "channel 1 packet that is neither hello nor beacon")                                     \
   X(flushed_on_reset, "received packet thrown away because the CPU was reset")                                  \
   X(retries_of_unheard_nodes, "retry not taken: its source has not been heard since the own start (fold-back)") \
-  X(retries_of_unaware_nodes, "retry not taken: its source may not know of the own start (open chain)")         \
+  X(retries_of_unaware_nodes, "retry not taken: its source may not know of the own start")                      \
   X(doubtful_retries, "retry not taken: its number was decided too long ago to be surely its own (fold-back)")  \
   X(folds, "input or output taken over by the second line")                                                     \
   X(fold_discarded, "slice on the second line that nobody was to have")                                         \

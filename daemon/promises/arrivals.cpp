@@ -16,7 +16,7 @@ void Arrivals::taken(std::uint8_t id, const Observation& seen) {
   if (seen.destination != id && seen.destination != wire::kBroadcast)
     return report_.break_promise(Promise::undamaged, id, seen.source, seen.at_ns,
                                  name_of(seen, seen.source) + ", was given to the CPU of node " + std::to_string(id));
-  const Pending came{seen, ring_.round, node.life_of(seen.queue), node.empty_at};
+  const Pending came{seen, ring_.round, node.life, node.empty_at};
   // While one waits for its send to be seen, later ones have to wait as well, because their order is judged.
   if (!node.pending.empty() || !match(id, came, false)) node.pending.push_back(came);
 }

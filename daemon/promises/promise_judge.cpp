@@ -6,13 +6,6 @@ namespace limb_ring::promises {
 
 using Kind = Observation::Kind;
 
-namespace {
-
-/// core::NodeState::starting.
-constexpr std::uint8_t kStarting = 0;
-
-}  // namespace
-
 void PromiseJudge::begins(std::uint8_t id, std::uint8_t state, std::chrono::nanoseconds longest_send,
                           std::int64_t at_ns) {
   ends(id);  // a former life of which nobody has said so
@@ -34,7 +27,7 @@ void PromiseJudge::looks_at(std::uint8_t id, std::uint8_t state, std::chrono::na
   node.empty_at = 0;
   node.longest_send = longest_send.count();
   node.state = state;
-  node.life = node.pins_life = node.next_life();
+  ++node.life;
   node.proven_at.fill(0);
   node.newest.clear();
   for (const Pending& pending : node.pending)
@@ -98,14 +91,10 @@ void PromiseJudge::see(std::uint8_t id, const Observation& seen) {
   }
 }
 
-// A node that has started over has forgotten its verdicts on INTPs, so it may pull a pin a second time.
 void PromiseJudge::changed_state(std::uint8_t id, std::uint8_t after) {
   SeenNode& node = ring_.at(id);
   node.state = after;
   node.state_round = ring_.round;
-  if (after != kStarting) return;
-  node.pins_life = node.next_life();
-  node.pins_round = ring_.round;
 }
 
 void PromiseJudge::round_is_over() {

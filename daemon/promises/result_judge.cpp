@@ -94,7 +94,7 @@ bool ResultJudge::judge_open(Flow& flow, Sent& sent) {
 }
 
 bool ResultJudge::judge_unicast(Flow& flow, Sent& sent) {
-  if (sent.taken_life == ring_.at(flow.destination).life_of(flow.queue)) return judge_taken(flow, sent);
+  if (sent.taken_life == ring_.at(flow.destination).life) return judge_taken(flow, sent);
   if (sent.taken_life != 0) return true;
   return judge_missing(flow, sent, flow.destination);
 }
@@ -102,14 +102,11 @@ bool ResultJudge::judge_unicast(Flow& flow, Sent& sent) {
 /// Corrects a wrong match: the receiver took this send, but that was credited to another one of the same content,
 /// which need not have been delivered. @return false if there is no such send
 bool ResultJudge::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver) {
-  // The pin may have been pulled for it before the receiver started over.
-  const SeenNode& to = ring_.at(receiver);
-  const bool any_life = flow.queue == Observation::kInterrupt && to.pins_round + 1 >= sent.asked_round;
   return any_alike(flow, sent, receiver, kWhenever, [&](Sent& other) {
     const bool must = !other.by_node || other.by_node->passed[receiver];
     const bool sure = other.ended && other.outcome == Outcome::delivered && must;
     const std::uint16_t taken = other.taken_in(receiver);
-    if (sure || taken == 0 || (!any_life && taken != to.life_of(flow.queue))) return false;
+    if (sure || taken != ring_.at(receiver).life) return false;
     std::swap(other.taken_in(receiver), sent.taken_in(receiver));
     return true;
   });
@@ -119,7 +116,7 @@ bool ResultJudge::taken_for_other(Flow& flow, Sent& sent, std::uint8_t receiver)
 /// @return false if there is no such send
 bool ResultJudge::other_was_meant(Flow& flow, Sent& sent, std::uint8_t receiver) {
   return any_alike(flow, sent, receiver, kWhenever, [&](Sent& other) {
-    const bool untaken = other.taken_in(receiver) != ring_.at(receiver).life_of(flow.queue);
+    const bool untaken = other.taken_in(receiver) != ring_.at(receiver).life;
     if (!untaken || (other.ended && says_untaken(other.outcome) && !other.by_node)) return false;
     std::swap(other.taken_in(receiver), sent.taken_in(receiver));
     return true;
@@ -175,8 +172,7 @@ bool ResultJudge::judge_broadcast(Flow& flow, Sent& sent) {
 /// All that took it have given it to their CPUs by now.
 bool ResultJudge::is_over_everywhere(const Flow& flow, const Sent& sent) const {
   return std::all_of(ring_.known.begin(), ring_.known.end(), [&](std::uint8_t id) {
-    return id == flow.source || sent.by_node->taken_in[id] == ring_.at(id).life_of(flow.queue) ||
-           is_over_at(id, flow, sent);
+    return id == flow.source || sent.by_node->taken_in[id] == ring_.at(id).life || is_over_at(id, flow, sent);
   });
 }
 

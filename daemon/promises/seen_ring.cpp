@@ -12,8 +12,6 @@ bool says_untaken(wire::Outcome outcome) {
   return outcome == Outcome::refused || outcome == Outcome::no_such_node || outcome == Outcome::rejected;
 }
 
-std::uint16_t SeenNode::next_life() const { return static_cast<std::uint16_t>(std::max(life, pins_life) + 1); }
-
 bool SeenNode::has_pending(const Flow& flow) const {
   return std::any_of(pending.begin(), pending.end(), [&](const Pending& one) {
     return one.seen.kind != Observation::Kind::passed && one.seen.source == flow.source && one.seen.queue == flow.queue;

@@ -89,20 +89,17 @@ struct SeenNode {
   bool seen_before = false;                      ///< it has begun once at least
   Unjudged before = Unjudged::receiver_unknown;  ///< why what was at it before `known_at` is not judged
   Round known_round = 0, flushed_round = 0, state_round = 0, empty_round = 0, seen_round = 0;
-  Round pins_round = 0;  ///< in which `pins_life` began
   std::int64_t known_at = 0, at = 0, empty_at = 0;
   std::int64_t alive = 0;  ///< for so long it was seen to go on, ns
   std::int64_t longest_send = 0;
   std::uint8_t state = 0;
-  std::uint16_t life = 1, pins_life = 1;
+  std::uint16_t life = 1;
   std::vector<std::unique_ptr<Flow>> flows;  ///< by queue and destination
   std::array<std::uint64_t, kQueues> asked{};
   std::array<std::int64_t, kQueues> proven_at{};  ///< since then nothing is under way that was not seen; 0: never
   std::vector<std::uint64_t> newest;              ///< index of what it took last, by source and queue
   std::deque<Pending> pending;
 
-  std::uint16_t life_of(std::uint8_t queue) const { return queue == Observation::kInterrupt ? pins_life : life; }
-  std::uint16_t next_life() const;
   /// Something of that flow was taken, and it is not known yet which send it was.
   bool has_pending(const Flow& flow) const;
 };

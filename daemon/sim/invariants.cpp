@@ -57,13 +57,13 @@ void Invariants::packet(NodeId node, const core::ReceivedPacket& packet) {
 // ---- what a node says of itself -------------------------------------------------------------
 
 void Invariants::event(NodeId node, const core::Event& event) {
-  if (const auto* state = std::get_if<core::StateChanged>(&event.what)) state_changes(node, state->after, event.at);
+  if (const auto* state = std::get_if<core::StateChanged>(&event.what)) state_changes(node, state->after);
   if (const auto* pin = std::get_if<core::PinPulled>(&event.what)) record_.at(node).pins.pulled(*pin, event.at);
   if (const auto* end = std::get_if<core::SendEnded>(&event.what)) results_.ends(node, *end, event.at);
 }
 
 // A hello that has begun to leave counts as home in an open chain. (protocol.md section 4.8)
-void Invariants::state_changes(NodeId node, NodeState state, Time now) {
+void Invariants::state_changes(NodeId node, NodeState state) {
   NodeRecord& n = record_.at(node);
   const NodeState before = n.history.state;
   if (before == NodeState::open_chain) n.history.open_chain_until = record_.ring.now();
@@ -73,7 +73,6 @@ void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   if (state == NodeState::open_chain && n.hello_leaves() && n.receiver.joined() != Tristate::yes)
     n.receiver.set_joined(Tristate::unknown);
   if (state != NodeState::starting && state != NodeState::duplicate_id) return;
-  if (state == NodeState::starting) record_.ledger.forgets_interrupts(node);
   // A hello may leave in the same instant; the observer is told of it before it is told of the state.
   n.began = record_.ring.now();
   n.hello_left = n.control.hello && n.control.left == n.began;
@@ -82,7 +81,7 @@ void Invariants::state_changes(NodeId node, NodeState state, Time now) {
   if (state == NodeState::starting && before == NodeState::joining)
     n.receiver.may_start_over();
   else
-    n.receiver.start_over(state == NodeState::starting, now);
+    n.receiver.start_over(state == NodeState::starting);
   record_.ledger.waits_for_nothing(node);
 }
 

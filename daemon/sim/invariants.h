@@ -40,7 +40,7 @@ class Invariants : public Observer {
   void incident(NodeId node, Incident incident, Time now, Line line) override;
 
  private:
-  void state_changes(NodeId node, core::NodeState state, Time now);
+  void state_changes(NodeId node, core::NodeState state);
   void starts(NodeId node, Time now);
 
   RingRecord record_;

@@ -28,8 +28,7 @@ Ledger::Ledger(unsigned nodes, Complain complain)
     : complain_(std::move(complain)),
       sources_(nodes),
       passed_over_(*this, complain_),
-      newest_(std::size_t{nodes} * nodes * 5),
-      interrupt_incarnations_(nodes) {}
+      newest_(std::size_t{nodes} * nodes * 5) {}
 
 // ---- asked ----------------------------------------------------------------------------------
 
@@ -252,7 +251,8 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
   }
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
     complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
-  const std::uint32_t incarnation = sources_[node].incarnation + (queue == 4 ? interrupt_incarnations_[node] : 0);
+  // A pin is pulled once, also where its node restarts. (protocol.md section 4.10)
+  const std::uint32_t incarnation = queue == 4 ? 0 : sources_[node].incarnation;
   for (const Sent::Decision& decision : sent->decisions)
     if (decision.taken && decision.node == node && decision.incarnation == incarnation)
       complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));

@@ -149,8 +149,6 @@ class Ledger {
   const Sent* end(NodeId source, const core::SendEnded& end, Time at);
   /// `node` has restarted, with an empty memory.
   void start(NodeId node);
-  /// The frozen node goes on, and may pull a pin for an INTP that was under way before.
-  void forgets_interrupts(NodeId node) { ++interrupt_incarnations_[node]; }
   /// A line has released what it held back: of earlier sends a second copy may be under way.
   void line_released(Time now) { released_ = now; }
   /// Judges what could not be judged in its own instant.
@@ -166,7 +164,7 @@ class Ledger {
   template <class Archive>
   void archive(Archive& a) {
     a("sources", sources_)("passed_over", passed_over_)("newest", newest_);
-    a("interrupt_incarnations", interrupt_incarnations_)("released", released_);
+    a("released", released_);
   }
 
  private:
@@ -244,7 +242,6 @@ class Ledger {
   std::vector<Source> sources_;
   PassedOver passed_over_;
   std::vector<std::uint32_t> newest_;  ///< token, by node, source, queue
-  std::vector<std::uint32_t> interrupt_incarnations_;
   Time released_{core::Duration{-1}};  ///< when a line last did
 };
 

@@ -99,9 +99,8 @@ Tristate ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const
 }
 
 Tristate ReceiverModel::is_unaware_peers_retry(const PacketFields& packet) const {
-  if (packet.code().attempt == 0 || packet.source() == id_ || joined_ == Tristate::no || announced_ == Tristate::yes)
-    return Tristate::no;
-  return joined_ == Tristate::yes && announced_ == Tristate::no ? Tristate::yes : Tristate::unknown;
+  if (packet.code().attempt == 0 || packet.source() == id_ || announced_ == Tristate::yes) return Tristate::no;
+  return announced_ == Tristate::no ? Tristate::yes : Tristate::unknown;
 }
 
 // Nobody outside knows whether `packet` was received.
@@ -179,7 +178,12 @@ ReceiverModel::Answer ReceiverModel::interrupt(const PacketFields& packet, Trist
   const std::optional<Answer> known = of_known(e, packet, at);
   if (known && *known != Answer::unknown) return *known;
   Answer answer = Answer::unknown;
-  if (!known) answer = wired_[wire::factor_of(packet.last())] ? Answer::takes : Answer::refuses;
+  if (!known) {
+    const Tristate unaware_peers_retry = is_unaware_peers_retry(packet);
+    if (unaware_peers_retry == Tristate::yes) return Answer::none;
+    if (unaware_peers_retry == Tristate::unknown) return doubt(packet), Answer::unknown;
+    answer = wired_[wire::factor_of(packet.last())] ? Answer::takes : Answer::refuses;
+  }
   decide(e, packet, answer, at);
   return answer;
 }
@@ -190,32 +194,10 @@ void ReceiverModel::says_hello(std::uint64_t boot) {
   hear_boot(id_, boot, [](Page& page) { page = {}; });
 }
 
-// What it had decided of INTPs before it started over holds until all know of the start.
-void ReceiverModel::forget_aged() {
-  for (Page& page : pages_)
-    for (Entry& e : page.entries)
-      if (e.aged && !e.any_sequence) e = {};
-}
-
-void ReceiverModel::join() {
-  joined_ = Tristate::yes;
-  if (announced_ == Tristate::yes) forget_aged();
-}
-
-void ReceiverModel::set_announced(Tristate announced) {
-  announced_ = announced;
-  if (announced == Tristate::yes && joined_ == Tristate::yes) forget_aged();
-  if (announced != Tristate::unknown) return;
-  for (Page& page : pages_)
-    for (Entry& e : page.entries)
-      if (e.aged && e.decision != Decision::none) e.decision = Decision::unknown;
-}
-
-void ReceiverModel::start_over(bool forgets_peers, Time now) {
+void ReceiverModel::start_over(bool forgets_peers) {
   joined_ = announced_ = Tristate::no;
   for (Page& page : pages_) {
-    page.entries[0] = page.entries[1] = {};
-    age(page, now);
+    page.entries = {};
     if (forgets_peers) page.peer_known = Tristate::no;
   }
 }

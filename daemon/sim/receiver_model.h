@@ -41,14 +41,14 @@ class ReceiverModel {
   /// The node says hello with that boot number, and begins a new page for packets to itself.
   void says_hello(std::uint64_t boot);
   /// Its hello is home, or has left into an open chain: users' DATPs are taken.
-  void join();
+  void join() { joined_ = Tristate::yes; }
   void set_joined(Tristate joined) { joined_ = joined; }
   Tristate joined() const { return joined_; }
   /// Its hello, or a beacon with its boot number, has come home since it started: all know of the start.
-  void set_announced(Tristate announced);
+  void set_announced(Tristate announced) { announced_ = announced; }
   Tristate announced() const { return announced_; }
   /// The node begins a new incarnation; with `forgets_peers` it starts all over, since it was bypassed.
-  void start_over(bool forgets_peers, Time now);
+  void start_over(bool forgets_peers);
   /// Perhaps it starts over: it was bypassed, or only its hello was lost and a line is down.
   void may_start_over();
   void set_cpu_present(bool present) { cpu_present_ = present; }
@@ -101,7 +101,6 @@ class ReceiverModel {
   void doubt(const wire::PacketFields& packet);
   bool is_old(const Entry& entry, Time now) const;
   void age(Page& page, Time now) const;
-  void forget_aged();
 
   NodeId id_;
   bool fold_back_;

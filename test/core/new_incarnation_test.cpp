@@ -119,7 +119,7 @@ struct BypassedAndInAnOpenChain : testing::Test {
 };
 
 // The source may not know yet that the node has started over.
-TEST_F(BypassedAndInAnOpenChain, ARepeatedInterruptIsKnownUntilTheNodesOwnBeaconHasComeHome) {
+TEST_F(BypassedAndInAnOpenChain, ARepeatedInterruptIsNotTakenUntilTheNodesOwnBeaconHasComeHome) {
   solo.run();
   const auto out = solo.line();
   ASSERT_FALSE(out.empty());

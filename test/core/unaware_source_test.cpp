@@ -1,4 +1,4 @@
-// A node that starts over says its hello into an open chain: who does not hear it may repeat what the node took before.
+// A node has started, or started over, and not all know it yet: they may repeat what it took before.
 #include "core/solo_node.h"
 #include "support/node_literal.h"
 
@@ -59,15 +59,35 @@ TEST_F(UnawareSource, AFirstTryOfItIsTakenAndItsRetryIsKnown) {
 TEST_F(UnawareSource, APinIsNotPulledAgainByItsRetry) {
   solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 5, 1));
   EXPECT_EQ(solo.counters().pins_pulled, 1u);
-  EXPECT_EQ(solo.counters().duplicates, 1u);
-  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 6, 1));
-  EXPECT_EQ(solo.counters().pins_pulled, 2u) << "a retry of another one is new";
+  EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 1u);
 }
 
-// A daemon that was started anew remembers nothing of what its last one took.
-TEST(UnawareSourceOfANewProcess, ARetryOfItIsNotAnswered) {
+TEST_F(UnawareSource, APinIsPulledByAFirstTryAndNotAgainByItsRetry) {
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 6, 0));
+  EXPECT_EQ(solo.counters().pins_pulled, 2u);
+  solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, 6, 1));
+  EXPECT_EQ(solo.counters().pins_pulled, 2u);
+  EXPECT_EQ(solo.counters().duplicates, 1u);
+}
+
+/// A daemon that was started anew remembers nothing of what its last one took. Its hello is out.
+struct UnawareSourceOfANewProcess : testing::Test {
   SoloNode solo;
-  solo.run();
+  Bytes hello;
+  /// @return FBC that the INTP went on with
+  std::uint8_t pulls(std::uint8_t sequence, std::uint8_t attempt) {
+    solo.receive(SliceKind::interrupt, foreign_interrupt(0, 1, 1, sequence, attempt));
+    const Bytes out = solo.line().at(0).bytes;
+    return wire::PacketFields{{out.data(), out.size()}}.fbc();
+  }
+  void SetUp() override {
+    solo.run();
+    hello = solo.line().at(0).bytes;
+    ASSERT_EQ(solo.node().membership().state(), NodeState::joining);
+  }
+};
+
+TEST_F(UnawareSourceOfANewProcess, ARetryOfItIsNotAnsweredInAnOpenChain) {
   hear_of_break(solo);
   solo.run_for(1ms);
   ASSERT_EQ(solo.node().membership().state(), NodeState::open_chain);
@@ -75,6 +95,23 @@ TEST(UnawareSourceOfANewProcess, ARetryOfItIsNotAnswered) {
   solo.receive(SliceKind::whole, Foreign{0, 1}.with_attempt(1).with(text("x")));
   EXPECT_THAT(solo.packets(), IsEmpty());
   EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 1u);
+}
+
+TEST_F(UnawareSourceOfANewProcess, ARetryOfItPullsNoPinUntilTheHelloHasComeHome) {
+  EXPECT_EQ(pulls(5, 1), wire::kFbcUntaken);
+  EXPECT_EQ(solo.counters().pins_pulled, 0u);
+  EXPECT_EQ(solo.counters().retries_of_unaware_nodes, 1u);
+  solo.receive(SliceKind::whole, SoloNode::home(hello, wire::kFbcMax));
+  solo.line();
+  EXPECT_EQ(pulls(5, 2), 1) << "its source has heard of the start, and would not repeat the former's";
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+}
+
+TEST_F(UnawareSourceOfANewProcess, AFirstTryOfItPullsAPinAtOnceAndItsRetryIsKnown) {
+  EXPECT_EQ(pulls(5, 0), 1);
+  EXPECT_EQ(pulls(5, 1), 1);
+  EXPECT_EQ(solo.counters().pins_pulled, 1u);
+  EXPECT_EQ(solo.counters().duplicates, 1u);
 }
 
 // All know of the start then, and repeat nothing that was under way before.

@@ -56,13 +56,7 @@ void Node::start_over(Time now) {
   break_is_own_ = false;
   break_at_ = drained_at_ = beacon_at_ = kNever;
   beacon_wanted_ = false;
-  for (auto& [source, page] : pages_) {
-    for (auto entry = page.decided.begin(); entry != page.decided.end();) {
-      const bool kept = entry->first.first && now - entry->second.when <= 4 * try_timeout();
-      entry->second.retries_only = true;
-      entry = kept ? std::next(entry) : page.decided.erase(entry);
-    }
-  }
+  for (auto& [source, page] : pages_) page.decided.clear();
   set_state(NodeState::starting, now);
 }
 

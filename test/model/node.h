@@ -209,6 +209,7 @@ class Node : private BehindFold {
   int answer_interrupt(const Packet& packet, Time at, Time now);
   Page* page_for(const Packet& packet, std::uint64_t boot_if_own);
   bool is_unheard_nodes_retry(const Packet& packet) const;
+  bool is_unaware_nodes_retry(const Packet& packet) const;
   Decided* known(Page& page, const Packet& packet, Time now);
   bool is_doubtful(const Decided& decided, Time now) const;
   unsigned free_buffers(int priority) const;

@@ -17,6 +17,18 @@ TEST_F(JudgeTest, aPinThatIsPulledTwiceIsNamed) {
   EXPECT_EQ(breaches[0].node, 3);
 }
 
+TEST_F(JudgeTest, aPinThatIsPulledTwiceIsNamedAlsoWhereItsNodeStartsOverInBetween) {
+  interrupt(1, 3, 7, 4);
+  pin(3, 1, 4);
+  state(3, kStarting);
+  rounds(2);
+  pin(3, 1, 4);
+  end_interrupt(1, 3, 7, Outcome::lost);
+  state(3, kStateUp);
+  rounds(10);
+  ASSERT_THAT(broken(), ElementsAre(Promise::exactly_once));
+}
+
 TEST_F(JudgeTest, anInterruptThatIsDeliveredAndPullsNoPinIsNamed) {
   interrupt(1, 3, 7, 4);
   end_interrupt(1, 3, 7, Outcome::delivered);

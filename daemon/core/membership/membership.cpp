@@ -144,7 +144,7 @@ void Membership::begin_incarnation(Time now) {
   transmit_.set_open_chain(false, now);
   transmit_.restart(now);
   transmit_.set_gate(Gate::closed, now);
-  memory_.start_over(now);
+  memory_.forget_verdicts();
   joined_ = announced_ = hello_out_ = renumbering_ = merged_ = false;
   beacon_.out = false;
   beacon_.due = break_due_ = drained_at_ = kNever;
@@ -187,7 +187,6 @@ void Membership::hello_ended(const SendEnded& ended, Time now) {
 void Membership::join(Time now) {
   renumbering_ = false;
   joined_ = true;
-  if (announced_) memory_.forget_aged();
   transmit_.set_gate(Gate::open, now);
 }
 
@@ -240,15 +239,9 @@ void Membership::own_seen(const wire::PacketFields& packet, bool matched, Time n
   if (const auto beacon = wire::decode_beacon(packet.data())) own_control_seen(beacon->boot, packet.hop(), now);
 }
 
-// All know of this node's start: they repeat nothing that it may have taken before.
-void Membership::announce() {
-  if (joined_ && !announced_) memory_.forget_aged();
-  announced_ = true;
-}
-
 void Membership::own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now) {
   if (boot == boot_) {
-    announce();
+    announced_ = true;
     if (state_ == NodeState::open_chain) {
       forget_lost_lines();
       ring_size_ = hop + 1u;

@@ -47,8 +47,6 @@ class Membership {
   std::optional<BrokenLine> broken_line() const { return break_.line(); }
   /// The own hello has come home since the node started, or started over: packets of users are taken.
   bool joined() const { return joined_; }
-  /// The own hello, or a beacon with the present boot number, has come home since then: all know of the start.
-  bool announced() const { return announced_; }
   /// Users may send.
   bool accepts_sends() const { return state_ == NodeState::open_chain || closed(); }
 
@@ -80,6 +78,13 @@ class Membership {
   bool is_unheard_nodes_retry(const wire::PacketFields& packet) {
     if (packet.code().attempt == 0 || !settings_.fold_back || peers_[packet.source()].known) return false;
     return counted(counters_.retries_of_unheard_nodes, true);
+  }
+  /// True for a retry while other nodes may not know of this node's start: until its hello, or a beacon with the
+  /// present boot number, is home. This node may have taken the first try before that start. (ours, protocol.md section
+  /// 4.10)
+  bool is_unaware_nodes_retry(const wire::PacketFields& packet) {
+    if (packet.code().attempt == 0 || announced_ || packet.source() == settings_.id) return false;
+    return counted(counters_.retries_of_unaware_nodes, true);
   }
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
   void came_home(std::uint8_t hop, Time now);
@@ -174,7 +179,6 @@ class Membership {
 
   bool heard_hello(const wire::PacketFields& packet, const wire::Hello& hello, Time now);
   bool heard_beacon(const wire::PacketFields& packet, const wire::Beacon& beacon, Time now);
-  void announce();
   void own_control_seen(std::uint64_t boot, std::uint8_t hop, Time now);
 
   void send_beacon_along(Time now);

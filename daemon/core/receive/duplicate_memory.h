@@ -76,19 +76,9 @@ class DuplicateMemory {
     sources_[source].entries[place(code, broadcast)] = {now, code.sequence, verdict, false};
   }
 
-  /// For a node that was bypassed. Numbers of DATPs may have wrapped meanwhile, and are forgotten. INTPs are taken even
-  /// while the own hello is out, and until all know of the start a source may repeat one that was taken before: from
-  /// now on a first try of an INTP is new, a retry is still known.
-  void start_over(Time now) {
-    for (Source& source : sources_) {
-      source.entries[0] = source.entries[1] = {};
-      age(source, now);
-    }
-  }
-  void forget_aged() {
-    each([](Entry& e) {
-      if (e.aged) e = {};
-    });
+  /// For a node that was bypassed: numbers may have wrapped meanwhile. Which incarnations it has met stays known.
+  void forget_verdicts() {
+    for (Source& source : sources_) source.entries = {};
   }
 
   /// archive.h
@@ -144,11 +134,6 @@ class DuplicateMemory {
       if (is_old(e, now)) e = {};
       e.aged = true;
     }
-  }
-  template <class Visit>
-  void each(Visit visit) {
-    for (Source& source : sources_)
-      for (Entry& e : source.entries) visit(e);
   }
   static std::size_t place(wire::Code code, bool broadcast) {
     return (code.interrupt ? 2u : 0u) + (broadcast ? 1u : 0u);

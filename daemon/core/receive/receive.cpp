@@ -21,13 +21,6 @@ bool Receive::accepts(const PacketFields& packet) {
   return true;
 }
 
-// A node that says its hello into an open chain reaches those behind it alone. One before it that does not know of the
-// break yet repeats what this node may have taken before it started over. (ours, protocol.md section 4.10)
-bool Receive::is_unaware_nodes_retry(const PacketFields& packet) const {
-  return packet.code().attempt != 0 && packet.source() != settings_.id && membership_.joined() &&
-         !membership_.announced();
-}
-
 std::uint8_t Receive::take_in(const PacketFields& packet, Time at) {
   if (wire::is_control(packet) && !membership_.heard(packet, at)) return 0;
   if (membership_.is_unheard_nodes_retry(packet)) return packet.fbc();
@@ -60,7 +53,7 @@ std::uint8_t Receive::offer(const PacketFields& packet, Time at) {
     case Verdict::none:
       break;
   }
-  if (is_unaware_nodes_retry(packet)) return counted(counters_.retries_of_unaware_nodes, packet.fbc());
+  if (membership_.is_unaware_nodes_retry(packet)) return packet.fbc();
   const bool taken = accepts(packet);
   memory_.remember(packet.source(), packet.code(), broadcast, taken ? Verdict::taken : Verdict::refused, at);
   if (!taken) return 0;

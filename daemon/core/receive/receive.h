@@ -80,7 +80,6 @@ class Receive {
   Time earliest() const;
   std::size_t free_buffers(const wire::PacketFields& packet) const;
   bool accepts(const wire::PacketFields& packet);
-  bool is_unaware_nodes_retry(const wire::PacketFields& packet) const;
   void store(const wire::PacketFields& packet, Time at);
 
   const Settings& settings_;
