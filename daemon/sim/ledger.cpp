@@ -242,7 +242,7 @@ void Ledger::come_home(Sent* sent, int fbc, Time at) {
   sent->home_fbc = fbc;
 }
 
-void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
+void Ledger::take(Sent* sent, NodeId source, NodeId node) {
   if (!sent) {
     if (!sources_[source].others_send)
       complain_(Promise::undamaged, "node " + std::to_string(node) + " took a packet that node " +
@@ -251,12 +251,10 @@ void Ledger::take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue) {
   }
   if (sent->destination != node && (sent->destination != wire::kBroadcast || sent->source == node))
     complain_(Promise::undamaged, sent->name() + " was taken by node " + std::to_string(node));
-  // A pin is pulled once, also where its node restarts. (protocol.md section 4.10)
-  const std::uint32_t incarnation = queue == 4 ? 0 : sources_[node].incarnation;
   for (const Sent::Decision& decision : sent->decisions)
-    if (decision.taken && decision.node == node && decision.incarnation == incarnation)
+    if (decision.taken && decision.node == node)
       complain_(Promise::exactly_once, sent->name() + " was taken twice by node " + std::to_string(node));
-  sent->decisions.push_back({node, incarnation, true});
+  sent->decisions.push_back({node, true});
   check_order(*sent, node);
 }
 
@@ -345,8 +343,6 @@ void Ledger::check_measures(const Sent& sent) {
 
 void Ledger::start(NodeId node) {
   ++sources_[node].incarnation;
-  const auto row = newest_.begin() + static_cast<std::ptrdiff_t>(std::size_t{node} * sources_.size() * 5);
-  std::fill(row, row + static_cast<std::ptrdiff_t>(sources_.size() * 5), 0u);
   for (auto& waiting : sources_[node].waiting) waiting.clear();
   sources_[node].outstanding = {};
 }

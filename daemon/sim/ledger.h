@@ -19,12 +19,11 @@ struct Sent {
   /// What a node it was sent to has decided.
   struct Decision {
     NodeId node;
-    std::uint32_t incarnation;
     bool taken;  ///< or refused
 
     template <class Archive>
     void archive(Archive& a) {
-      a("node", node)("incarnation", incarnation)("taken", taken);
+      a("node", node)("taken", taken);
     }
   };
   std::uint32_t token = 0;
@@ -138,9 +137,9 @@ class Ledger {
   Sent* find(NodeId source, std::uint32_t token);
   /// Node `node` has refused it; take(): has taken it, or pulled its pin.
   void refuse(Sent* sent, NodeId node) {
-    if (sent) sent->decisions.push_back({node, 0, false});
+    if (sent) sent->decisions.push_back({node, false});
   }
-  void take(Sent* sent, NodeId source, NodeId node, std::uint8_t queue);
+  void take(Sent* sent, NodeId source, NodeId node);
   /// `node` has taken a packet that looks like this one.
   bool has_taken(const core::ReceivedPacket& packet, NodeId node) const;
   /// What `source` was asked for until now and has not begun to send is cancelled.
