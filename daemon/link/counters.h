@@ -14,6 +14,7 @@ struct InputCounters {
   std::uint64_t connects = 0;         ///< upstream neighbours that came
   std::uint64_t losses = 0;           ///< upstream neighbours that went, for whatever reason
   std::uint64_t silences = 0;         ///< of those: silent for too long
+  std::uint64_t given_up = 0;         ///< of those: by the neighbour, while this process stood still
   std::uint64_t replaced = 0;         ///< of those: a nearer or newer one came
   std::uint64_t refused = 0;          ///< connects of our ring that we refused
   std::uint64_t unknown_peers = 0;    ///< garbage, other rings, other users, half-open connections
@@ -82,6 +83,7 @@ void for_each_counter(const InputCounters& c, Visit&& visit) {
   visit("connects", c.connects);
   visit("losses", c.losses);
   visit("silences", c.silences);
+  visit("given_up", c.given_up);
   visit("replaced", c.replaced);
   visit("refused", c.refused);
   visit("unknown_peers", c.unknown_peers);

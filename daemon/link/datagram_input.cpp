@@ -272,6 +272,17 @@ void DatagramInput::lose_if_silent() {
   lose(kSilent);
 }
 
+bool DatagramInput::is_bye(wire::ByteView datagram) {
+  const auto header = parse_header(datagram);
+  if (!header || header->type != LinkHeaderType::bye || !present(*header)) return false;
+  return !self_.key || is_unsealed(*header, datagram);
+}
+
+void DatagramInput::given_up() {
+  ++report_.counters.given_up;
+  lose(kGivenUp);
+}
+
 void DatagramInput::drop_old_offers(Time now) {
   for (auto i = offers_.begin(); i != offers_.end();) {
     i = now - i->second.since > timing_.handshake() ? offers_.erase(i) : std::next(i);

@@ -34,6 +34,12 @@ class DatagramInput {
   /// then call lose_if_silent()
   bool tick(Time now);
   void lose_if_silent();
+  /// Silence::stood_still(), where somebody is upstream.
+  bool stood_still(Time now) const { return from_ && silence_.stood_still(now); }
+  /// The neighbour ends its session by it; on a keyed line it has to be authentic, and is not taken twice.
+  bool is_bye(wire::ByteView datagram);
+  /// The neighbour has given this end up while it stood still: the session is over, and what waited is stale.
+  void given_up();
 
   std::optional<std::uint8_t> from() const { return from_; }
   /// As InputLine's.

@@ -9,6 +9,8 @@ namespace limb_ring::link {
 
 /// The reason of an input that was lost because nothing came for `silence`.
 constexpr std::string_view kSilent = "silent";
+/// That of one whose other end had given this one up, since this process stood still.
+constexpr std::string_view kGivenUp = "given up: this process stood still";
 
 /// What comes out of an Input. Calls come from the event loop, never from inside a call into the
 /// Input. A handler may close() the Input; nothing is called after that.

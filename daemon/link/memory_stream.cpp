@@ -23,6 +23,7 @@ MemoryStream::MemoryStream(boost::asio::io_context& io, process::UniqueFd socket
 
 void MemoryStream::read() {
   const auto self = shared_from_this();  // the handler may close the input
+  if (ended_if_given_up()) return;
   int reads = 0;
   do {
     while (read_once())

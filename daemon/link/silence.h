@@ -15,6 +15,8 @@ class Silence {
   void heard() { heard_ = true; }
   /// Call at every tick. @return true: nothing came for `timing.silence`.
   bool tick(Time now);
+  /// This end has had no tick for `timing.silence`: the process stood still, and the other end may have given it up.
+  bool stood_still(Time now) const { return now - last_tick_ >= timing_.silence; }
   /// To be called after tick() has said true and one more read: true if that read brought nothing either.
   bool still() const { return !heard_; }
 

@@ -24,11 +24,12 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
 
  private:
   void read();
+  void read_after_standstill(Time now);
   /// Reads until nothing is left.
   void drain();
   /// @return false: nothing was there
   bool read_run(Time now);
-  void take_run(std::size_t size, std::size_t segment, const UdpAddress& sender, Time now);
+  void take_run(wire::ByteView run, std::size_t segment, const UdpAddress& sender, Time now);
   void tick(Time now);
   void send(wire::ByteView datagram, const UdpAddress& to);
 
@@ -38,6 +39,7 @@ class UdpInput : public InputLine, public std::enable_shared_from_this<UdpInput>
   DatagramInput datagrams_;
   std::vector<std::uint8_t> buffer_;
   ReadAgain read_again_;
+  std::uint32_t dropped_ = 0;  ///< dropped_datagrams(), when that was last asked
   event_loop::Ticker ticker_;
   event_loop::Watch watch_;
 };

@@ -1,9 +1,11 @@
 #include "link/udp_socket.h"
 
+#include <linux/sock_diag.h>
 #include <netinet/in.h>
 #include <netinet/udp.h>
 #include <sys/socket.h>
 
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <cstring>
 #include <stdexcept>
@@ -93,6 +95,13 @@ UdpRead receive_run(int socket, std::uint8_t* space, std::size_t size, UdpAddres
   if (got < 0) return {got, 0};
   from.resize(message.msg_namelen);
   return {got, segment_of(message, static_cast<std::size_t>(got))};
+}
+
+std::uint32_t dropped_datagrams(int socket) {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof memory;
+  ::getsockopt(socket, SOL_SOCKET, SO_MEMINFO, memory.data(), &size);
+  return memory[SK_MEMINFO_DROPS];
 }
 
 ssize_t send_run(int socket, wire::ByteView bytes, std::size_t segment) {

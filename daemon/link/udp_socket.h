@@ -32,6 +32,9 @@ struct UdpRead {
 };
 UdpRead receive_run(int socket, std::uint8_t* space, std::size_t size, UdpAddress& from);
 
+/// How many datagrams the socket had no room for, since it was made; modulo 2^32.
+std::uint32_t dropped_datagrams(int socket);
+
 /// One write of a run of datagrams of `segment` bytes each (UDP_SEGMENT), the last one possibly
 /// shorter; to the connected end. @return as send()
 ssize_t send_run(int socket, wire::ByteView bytes, std::size_t segment);

@@ -166,6 +166,7 @@ void UnixInput::let_go(const std::shared_ptr<PendingConnection>& connection) {
 void UnixInput::tick(Time now) {
   tick_pending(now);
   if (!closed_ && !accepting_) accept();
+  if (stream_ && silence_.stood_still(now)) stream_->read();
   if (!stream_) return;
   stream_->tick();
   if (!silence_.tick(now)) return;

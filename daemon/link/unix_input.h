@@ -37,6 +37,7 @@ class UnixInput final : public InputLine,
                   const Agreement& theirs) override;
   void on_unknown_peer(const std::shared_ptr<PendingConnection>& connection, std::string_view why) override;
   void on_heard() override { silence_.heard(); }
+  bool stood_still() const override { return silence_.stood_still(Clock::now()); }
   void on_ended(std::string_view reason) override { lose(reason); }
 
   void turn_away(PendingConnection& connection, const LinkHeader& connect, const LinkHeader& refuse);

@@ -1,5 +1,6 @@
 #include "link/unix_socket.h"
 
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -74,6 +75,11 @@ void enlarge_buffers(int socket) {
   // The kernel cuts it down to its limit; what we get then is enough on every stock system.
   ::setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kSocketBuffer, sizeof kSocketBuffer);
   ::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &kSocketBuffer, sizeof kSocketBuffer);
+}
+
+bool has_hung_up(int socket) {
+  pollfd asked{socket, POLLRDHUP, 0};
+  return ::poll(&asked, 1, 0) == 1;
 }
 
 ssize_t send_now(int socket, wire::ByteView bytes) {

@@ -35,6 +35,8 @@ process::UniqueFd connect_unix(const std::string& path);
 bool same_user(int socket);
 
 void enlarge_buffers(int socket);
+/// The other end is closed; what it sent before may still wait.
+bool has_hung_up(int socket);
 
 /// As send() and recv(), but they never wait and raise no signal. @return bytes, or -1 with errno
 ssize_t send_now(int socket, wire::ByteView bytes);

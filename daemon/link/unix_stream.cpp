@@ -24,6 +24,7 @@ UnixStream::UnixStream(boost::asio::io_context& io, process::UniqueFd socket, co
 // epoll tells of the end only once, but what came before it may take more than one read.
 void UnixStream::read() {
   const auto self = shared_from_this();  // the handler may close the input
+  if (ended_if_given_up()) return;
   const std::size_t space = feed_.space_size();
   const auto got = receive_now(socket_.get(), feed_.space(), space);
   if (got > 0) {
@@ -34,6 +35,14 @@ void UnixStream::read() {
   if (got == 0 || (got < 0 && errno == ECONNRESET)) return owner_->on_ended("its end was closed");
   if (would_block(errno)) return;
   owner_->on_ended("reading failed: " + std::generic_category().message(errno));
+}
+
+// What waits is old then: packets have taken the way past this node since, and their copies would come behind them.
+bool UnixStream::ended_if_given_up() {
+  if (!owner_->stood_still() || !has_hung_up(socket_.get())) return false;
+  ++counters_.given_up;
+  owner_->on_ended(kGivenUp);
+  return true;
 }
 
 void UnixStream::take(std::size_t size) {

@@ -15,6 +15,8 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
  public:
   struct Owner {
     virtual void on_heard() = 0;
+    /// Silence::stood_still(), now.
+    virtual bool stood_still() const = 0;
     virtual void on_ended(std::string_view reason) = 0;
 
    protected:
@@ -37,6 +39,9 @@ class UnixStream : public std::enable_shared_from_this<UnixStream> {
 
  protected:
   bool open() const { return owner_ != nullptr; }
+  /// This end stood still and the other one has given it up meanwhile: ends the line with all that waits. @return false
+  /// where that is not so
+  bool ended_if_given_up();
   void say_alive() { tell(alive_); }
   SliceFeed& feed() { return feed_; }
   Owner& owner() { return *owner_; }

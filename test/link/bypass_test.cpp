@@ -13,6 +13,7 @@ namespace {
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 struct Bypass : OnEveryTransport {
   LinkRig rig{4, GetParam()};
@@ -20,6 +21,11 @@ struct Bypass : OnEveryTransport {
   void close_ring() {
     rig.start_all();
     ASSERT_TRUE(rig.until([&] { return rig.whole(); }));
+  }
+  void write_one(std::size_t node) {
+    wire::SliceWriter writer;
+    put_whole(writer, 20, 1);
+    rig.node(node).output->write(writer.view());
   }
 };
 LIMB_RING_ON_EVERY_TRANSPORT(Bypass);
@@ -60,6 +66,31 @@ TEST_P(Bypass, GoesAroundAFrozenNodeAndTheRingIsWholeAfterTheThaw) {
   ASSERT_TRUE(rig.until([&] { return rig.whole(); }));
   rig.run_for(milliseconds(300));
   EXPECT_TRUE(rig.whole()) << "it stays whole";
+}
+
+// It is old: what was sent once more has gone round without that node. (protocol.md section 6.10)
+TEST_P(Bypass, AThawedNodeTakesNothingOfWhatWaitedForItWhenItWasGivenUp) {
+  close_ring();
+  rig.node(1).frozen = true;
+  rig.node(1).heard.slices.clear();
+  write_one(0);
+  ASSERT_TRUE(rig.until([&] { return rig.linked(0, 2); }));
+  rig.node(1).frozen = false;
+  ASSERT_TRUE(rig.until([&] { return rig.whole(); }));
+  EXPECT_THAT(rig.node(1).heard.slices, IsEmpty());
+  EXPECT_EQ(rig.node(1).input->counters().given_up, 1u);
+}
+
+TEST_P(Bypass, ANodeThatStoodStillTakesWhatWaitedForItWhenItWasNotGivenUp) {
+  close_ring();
+  rig.node(1).heard.slices.clear();
+  for (std::size_t i = 0; i < rig.size(); ++i) rig.node(i).frozen = true;
+  write_one(0);
+  rig.run_for(LinkRig::kQuick.silence);
+  for (std::size_t i = 0; i < rig.size(); ++i) rig.node(i).frozen = false;
+  ASSERT_TRUE(rig.until([&] { return !rig.node(1).heard.slices.empty(); }));
+  EXPECT_EQ(rig.node(1).input->counters().given_up, 0u);
+  EXPECT_TRUE(rig.whole());
 }
 
 TEST_P(Bypass, DoesNotFlapWhenALongFrozenNodeThaws) {

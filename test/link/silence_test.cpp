@@ -32,6 +32,14 @@ TEST_F(SilenceAt20And60, IsNotBlamedOnOthersByWhoWasAsleepItself) {
   EXPECT_FALSE(tick(seconds(5)));
 }
 
+TEST_F(SilenceAt20And60, KnowsThatThisEndStoodStillUntilItsNextTick) {
+  tick(milliseconds(20));
+  EXPECT_FALSE(silence.stood_still(now + milliseconds(59)));
+  EXPECT_TRUE(silence.stood_still(now + milliseconds(60)));
+  tick(milliseconds(60));
+  EXPECT_FALSE(silence.stood_still(now));
+}
+
 TEST_F(SilenceAt20And60, IsOverWhereALastReadBringsSomething) {
   for (int i = 0; i < 3; ++i) tick(milliseconds(20));
   ASSERT_TRUE(tick(milliseconds(20)));

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <stdexcept>
+#include <thread>
 
 #include "link/hand_made_datagram.h"
 #include "link/link_header.h"
@@ -72,6 +73,17 @@ struct UdpInputFromHand : testing::Test {
     return all;
   }
 };
+
+// A bye would have found no room either.
+TEST_F(UdpInputFromHand, CountsAsGivenUpWhereItStoodStillAndItsSocketOverflowed) {
+  const auto began = Clock::now();
+  for (std::uint32_t i = 0; i < 5000; ++i) datagram(2 + i, std::uint8_t{1});
+  std::this_thread::sleep_until(began + LinkRig::kQuick.silence);
+  ASSERT_TRUE(rig.until([&] { return !rig.node(1).input->up(); }));
+  EXPECT_EQ(counters().given_up, 1u);
+  EXPECT_GT(counters().datagrams_stale, 0u);
+  EXPECT_THAT(heard.slices, testing::IsEmpty());
+}
 
 TEST_F(UdpInputFromHand, TakesRunsOfDatagramsInFewerReadsWhereTheKernelCan) {
   OutputCounters sent;
