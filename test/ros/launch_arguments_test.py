@@ -173,6 +173,13 @@ class LaunchArguments(unittest.TestCase):
         self.assertIn('nofile: No such file or directory', output)
         self.assertNotIn('Traceback', output)
 
+    def test_the_name_of_a_description_may_have_quotes(self):
+        folder = tempfile.mkdtemp(prefix='ada\'s "robot" ')
+        self.addCleanup(shutil.rmtree, folder)
+        description = os.path.join(folder, "ada's robot.urdf")
+        shutil.copy(os.path.join(HERE, 'urdf', 'humanoid16.urdf'), description)
+        self.assertIn('/robot_state_publisher', launched_nodes('view:=true', 'description:=' + description))
+
     def test_without_arguments_it_is_the_humanoid_with_its_bridge(self):
         self.assertEqual(set(launched_nodes()), {'/ring', '/ring_bridge'})
 
