@@ -1,10 +1,10 @@
-"""Options that scripts/chaos and scripts/fault_table have in common."""
+"""Options that scripts have in common: where the programs are, and what chaos and fault_table are asked for."""
 import argparse
 import os
 import secrets
 import signal
 
-from live_ring.ring import BUILT
+from live_ring import built
 
 SEEDS = 1000000   # small enough to be typed in again
 
@@ -20,13 +20,28 @@ def at_least(least, kind):
     return read
 
 
+def add_programs(parser, what):
+    """@param what is there, in words"""
+    parser.add_argument('--programs', default=built.PROGRAMS, metavar='FOLDER',
+                        help='where %s; default: the build beside this script' % what)
+
+
+def folder_of_programs(parser, options, *names):
+    """@return what --programs names, as an absolute path; ends the script where one of the programs is not there"""
+    folder = os.path.abspath(options.programs)
+    for name in names:
+        program = os.path.join(folder, name)
+        if not os.access(program, os.X_OK):
+            parser.error('no program %s; run `make build` first, or say where it is by --programs' % program)
+    return folder
+
+
 def new_parser(description):
     result = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     result.add_argument('--seed', type=at_least(0, int), default=secrets.randbelow(SEEDS), help='default: drawn')
     result.add_argument('--transport', choices=('unix', 'shm', 'udp'), help='default: shm')
     result.add_argument('--redundancy', choices=('none', 'foldback'), default='none', help='default: none')
-    result.add_argument('--programs', default=os.environ.get('RING_TEST_PROGRAMS') or BUILT, metavar='FOLDER',
-                        help='where ringd is; default: the build beside this script')
+    add_programs(result, 'ringd is')
     return result
 
 
@@ -42,8 +57,5 @@ def parse(parser):
     options = parser.parse_args()
     options.transport_given = options.transport is not None
     options.transport = options.transport or 'shm'
-    options.programs = os.path.abspath(options.programs)
-    ringd = os.path.join(options.programs, 'ringd')
-    if not os.access(ringd, os.X_OK):
-        parser.error('no program %s; run `make build` first, or say where it is by --programs' % ringd)
+    options.programs = folder_of_programs(parser, options, 'ringd')
     return options

@@ -5,10 +5,9 @@ import resource
 import signal
 import subprocess
 
-from live_ring import built
+from live_ring import built  # noqa: F401
 from limb_ring.launcher import Launcher, free_udp_ports, plain_nodes
 
-BUILT = built.PROGRAMS
 NODES = 16
 SUPERVISOR = 0
 SUPERVISION = {'node': SUPERVISOR, 'policy': 'auto', 'grace': '1s', 'tries': 10, 'backoff': '100ms'}

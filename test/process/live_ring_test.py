@@ -235,6 +235,17 @@ class Program(unittest.TestCase):
             self.assertEqual(done.returncode, 2, said)
             self.assertIn(words, said)
 
+    def test_wrong_arguments_of_other_scripts_are_named_before_anything_is_started(self):
+        for script, *arguments, words in (('demo_hosts', '--programs', '/nowhere', 'no program /nowhere/ringd;'),
+                                          ('virtual_demo', '--programs', '/nowhere', 'no program /nowhere/ring_sim;'),
+                                          ('virtual_demo', '--loop-at', '0', '--loop-at 0: it has to be 1 s after the start'),
+                                          ('traces', '--programs', '/nowhere', 'no program /nowhere/ring_sim;')):
+            with self.subTest(script, words=words):
+                done = subprocess.run([sys.executable, os.path.join(SCRIPTS, script), *arguments], capture_output=True,
+                                      text=True, timeout=GUARD, env={**os.environ, 'LIMB_RING_DEMO_ENTERED': '1'})
+                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                self.assertIn(words, done.stderr)
+
     def test_where_nothing_is_built_it_says_what_to_do(self):
         # Not even the library that is to be found with a set-up shell.
         unset = {name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}
