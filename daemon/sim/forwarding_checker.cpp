@@ -64,8 +64,9 @@ void ForwardingChecker::own_interrupt_went(Time since, Time now) { check_wait(si
 void ForwardingChecker::check_wait(Time since, Time now, const std::string& which) const {
   since = std::max(since, released_);
   const Duration interrupt = byte_time_ * static_cast<std::int64_t>(wire::kInterruptPacketSize);
-  const auto ahead = std::count_if(interrupts_gone_.begin(), interrupts_gone_.end(),
-                                   [&](Time gone) { return gone + interrupt > since; });
+  const auto first_ahead = std::partition_point(interrupts_gone_.begin(), interrupts_gone_.end(),
+                                                [&](Time gone) { return gone + interrupt <= since; });
+  const auto ahead = interrupts_gone_.end() - first_ahead;
   constexpr auto kLongestTail = static_cast<std::int64_t>(wire::tail_size(wire::kOverhead + wire::kWord - 1));
   const Duration most = interrupt * ahead + byte_time_ * kLongestTail;
   if (now - since > most)

@@ -116,7 +116,7 @@ class ForwardingChecker {
   std::deque<Coming> data_, interrupts_;
   std::size_t bytes_ = 0;  ///< of data_
   Time released_{};
-  std::deque<Time> interrupts_gone_;  ///< when the last ones left
+  std::deque<Time> interrupts_gone_;  ///< when the last ones left, in order of time
 };
 
 }  // namespace limb_ring::sim
