@@ -1,5 +1,6 @@
 #include "app/ring_sim/case_rows.h"
 
+#include "app/common/text_table.h"
 #include "core/time.h"
 #include "sim/trace.h"
 
@@ -17,6 +18,11 @@ double exact_percent(double share) {
 }
 
 }  // namespace
+
+std::string case_words(study::Case which, const study::Medium& medium) {
+  return std::string(to_string(which)) + ", " + app::counted(medium.nodes, "node") + ", " +
+         app::counted(medium.payload, "byte");
+}
 
 app::Row case_row(study::Case which, const study::Medium& medium, const study::CaseResult& result) {
   app::Row row{{"case", to_string(which)},

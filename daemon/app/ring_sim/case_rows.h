@@ -5,6 +5,9 @@
 
 namespace limb_ring::ring_sim {
 
+/// "saturated, 16 nodes, 512 bytes"
+std::string case_words(study::Case which, const study::Medium& medium);
+
 /// One case as `table` prints it: case, nodes, payload, rate_bps, relay_delay_ns, formula in words,
 /// formula_us and measured_us (the worst; null for shares), their difference, and the same of
 /// shares in percent (null for times).

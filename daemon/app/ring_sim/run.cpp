@@ -6,6 +6,7 @@
 #include "app/ring_sim/case_rows.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
+#include "app/ring_sim/progress.h"
 #include "cli/output.h"
 #include "cli/values.h"
 
@@ -54,6 +55,9 @@ int run(const RunOptions& options) {
   study::CaseRecords records;
   records.trace = open(trace, "--trace ", options.trace);
   records.capture = open(capture, "--capture ", options.capture);
+  records.goes_on = [&options, progress = Progress()]() mutable {
+    progress.tell(case_words(options.which, options.medium));
+  };
   if (options.outputs) records.capture_at = sim::CaptureAt::inputs_and_outputs;
   const study::CaseResult result = run_case(options.which, options.medium, options.seed, records);
   finish(trace, options.trace);

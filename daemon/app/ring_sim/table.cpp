@@ -25,8 +25,9 @@ class Table {
   explicit Table(const TableOptions& options) : options_(options) {}
 
   void add(Case which, const study::Medium& medium) {
-    progress_.tell(std::string(to_string(which)) + ", " + std::to_string(medium.nodes) + " nodes");
-    rows_.push_back(case_row(which, medium, run_case(which, medium, options_.seed)));
+    study::CaseRecords records;
+    records.goes_on = [&] { progress_.tell(case_words(which, medium)); };
+    rows_.push_back(case_row(which, medium, run_case(which, medium, options_.seed, records)));
   }
   void add_nodes() {
     for (const unsigned nodes : {2u, 4u, 8u, 16u, 32u, 64u, 128u, 254u})

@@ -47,6 +47,19 @@ struct Run {
   unsigned ended = 0;
 };
 
+/// Tells now and then that a case goes on.
+class Pulse : public sim::Observer {
+ public:
+  Pulse(sim::VirtualRing& ring, const std::function<void()>& goes_on) : goes_on_(goes_on) { ring.add_observer(*this); }
+  void leaves(NodeId, const wire::Slice&, Time) override {
+    if (++slices_ % 4096 == 0) goes_on_();
+  }
+
+ private:
+  const std::function<void()>& goes_on_;
+  std::uint64_t slices_ = 0;
+};
+
 Duration simultaneous_time(const Run& run) {
   return run.T() >= run.d() ? run.T() * run.n() + run.d() : run.T() + run.d() * run.n();
 }
@@ -281,6 +294,7 @@ CaseResult run_case(Case which, const Medium& medium, std::uint64_t seed, const 
   std::optional<sim::RingCapture> captured;
   if (records.capture != nullptr)
     captured.emplace(ring, *records.capture, sim::plain_names(medium.nodes), records.capture_at);
+  Pulse pulse(ring, records.goes_on);
   const std::uint64_t bytes = ring.line_use().bytes();
   Run run{medium, ring, result, std::mt19937_64(seed)};
   dispatch(which, run);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <ostream>
 #include <string>
 
@@ -38,11 +39,13 @@ struct CaseResult {
   std::uint64_t trace_hash = 0;
 };
 
-/// Where a case writes what happens on its lines. Streams are null where nobody wants to read that.
+/// Who hears of a case: where it writes what happens on its lines, and whom it tells that it goes on. Streams are null
+/// where nobody wants to read that.
 struct CaseRecords {
   std::ostream* trace = nullptr;    ///< lines of text (sim/trace.h)
   std::ostream* capture = nullptr;  ///< packets, as pcapng
   sim::CaptureAt capture_at = sim::CaptureAt::inputs;
+  std::function<void()> goes_on = [] {};  ///< called every 4096 slices
 };
 
 /// Runs one case. The seed matters where something is random (interrupt_bound, random).

@@ -36,6 +36,14 @@ TEST(Cases, GiveThePapersFigures) {
   EXPECT_NEAR(run_case(Case::payload, of(16), 1).measured_share, 512.0 / 524, 1e-12);
 }
 
+TEST(Cases, TellThatTheyGoOn) {
+  unsigned told = 0;
+  CaseRecords records;
+  records.goes_on = [&told] { ++told; };
+  run_case(Case::saturated, of(16), 1, records);
+  EXPECT_GT(told, 1u);
+}
+
 // With long packets beside the delay, INTPs hold DATPs up for longer than two worst laps, which have one INTP a node.
 TEST(Cases, RepeatNothingHoweverLongInterruptsHoldItUp) {
   Medium medium = of(16);
