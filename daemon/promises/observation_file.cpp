@@ -82,6 +82,16 @@ ObservationFile::ObservationFile(std::string path) : path_(std::move(path)), rin
 
 ObservationFile::~ObservationFile() { ::unlink(path_.c_str()); }
 
+bool ObservationFile::is_there() const { return ::access(path_.c_str(), F_OK) == 0; }
+
+void ObservationFile::make_again() {
+  MappedRing again = make_ring(path_);
+  again->all = ring_->all;
+  again->count.store(count_, std::memory_order_release);
+  again->magic = kRingMagic;
+  ring_ = std::move(again);
+}
+
 void ObservationFile::put(const Observation& seen) {
   ring_->all[count_ % kCapacity] = seen;
   ring_->count.store(++count_, std::memory_order_release);
@@ -89,6 +99,8 @@ void ObservationFile::put(const Observation& seen) {
 
 ObservationReader::ObservationReader(const std::string& path, std::uint64_t from)
     : ring_(open_ring(path)), next_(from) {}
+
+void ObservationReader::follow(const std::string& path) { ring_ = open_ring(path); }
 
 std::uint64_t ObservationReader::read(std::vector<Observation>& seen) {
   seen.clear();

@@ -25,6 +25,11 @@ class ObservationFile final : public ObservationSink {
 
   void put(const Observation& seen) override;
   const std::string& path() const { return path_; }
+  /// False where it was removed from its folder; who has it open sees no difference.
+  bool is_there() const;
+  /// Makes it anew with all that it holds. Who has the old one open sees nothing more, and has to follow().
+  /// @throw std::system_error
+  void make_again();
   /// Written so far.
   std::uint64_t count() const { return count_; }
 
@@ -43,6 +48,9 @@ class ObservationReader {
 
   /// All that has come since, into `seen`, which is emptied before. @return so many were lost before these
   std::uint64_t read(std::vector<Observation>& seen);
+
+  /// Goes on where it is in a file that was made again. @throw std::runtime_error where it is no such file
+  void follow(const std::string& path);
 
  private:
   MappedRing ring_;

@@ -10,7 +10,10 @@ PromiseObservers::PromiseObservers(wire::NodeId self, std::string folder, NodeDr
 
 void PromiseObservers::set(host::ClientId client, bool wanted) {
   if (!wanted) return remove(client);
-  if (!file_) start();
+  if (!file_)
+    start();
+  else if (!file_->is_there())
+    put_back();
   clients_.insert(client);
   tell(client);
 }
@@ -28,6 +31,11 @@ void PromiseObservers::start() {
   observer_ = std::make_unique<promises::NodeObserver>(
       controller.settings(), zero, [this] { return driver_.controller().received_waiting(); }, *file_);
   driver_.set_journal(observer_.get());
+}
+
+void PromiseObservers::put_back() {
+  file_->make_again();
+  for (const host::ClientId client : clients_) tell(client);
 }
 
 void PromiseObservers::stop() {

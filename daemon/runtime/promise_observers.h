@@ -13,7 +13,8 @@ namespace limb_ring::runtime {
 
 /// Clients that judge the ring's promises. While there are any, what enters and leaves the node's network controller
 /// is written into a file, ID.watch in the ring's folder. Each client is told the path of the file and the position
-/// at which to begin. While there are none, this costs nothing. (ours)
+/// at which to begin. A file that was removed is made again for the next client, and all are told. While there are
+/// none, this costs nothing. (ours)
 class PromiseObservers {
  public:
   /// @param folder the ring's
@@ -28,6 +29,7 @@ class PromiseObservers {
 
  private:
   void start();
+  void put_back();
   void stop();
   void tell(host::ClientId client);
 

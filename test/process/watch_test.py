@@ -5,12 +5,14 @@ import json
 import mmap
 import os
 import re
+import shutil
 import signal
 import struct
 import zlib
 
 import ring_process
 from ring_process import RingTest, plain_nodes, program
+from limb_ring import Observed
 
 TAKEN = 2   # Observation::Kind
 
@@ -73,6 +75,20 @@ class Watching(WatchingTest):
         done = self.ctl('watch', '--for', '30')
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn('node 1: cannot make', done.stderr)
+
+    def test_who_comes_after_the_runtime_folder_was_removed_sees_what_others_see(self):
+        self.start_ring(plain_nodes(2))
+        others = [self.port(node) for node in range(2)]
+        for other in others:
+            other.observe_text('{"promises": true}')
+            other.next_of(Observed)
+        shutil.rmtree(self.ring_folder())
+        self.wait('the folder is made again', lambda: self.is_closed(range(2)))
+        watch = self.watch()
+        for other in others:
+            self.assertTrue(os.path.exists(other.next_of(Observed).content['path']))
+        self.send_delivered(0, 1)
+        self.assertIn('50 sends', self.end(watch))
 
     def test_recordings_are_judged_as_well(self):
         self.start_ring(plain_nodes(3), recorder={'enabled': True, 'size': 1048576})

@@ -50,6 +50,21 @@ TEST_F(ObservationFileTest, whoIsTooSlowIsToldHowManyAreLost) {
   EXPECT_EQ(seen.front().token, lost);
 }
 
+TEST_F(ObservationFileTest, thatWasRemovedIsMadeAgainWithAllThatItHad) {
+  ObservationReader before(path, file.count());
+  write(10);
+  ASSERT_TRUE(std::filesystem::remove(path));
+  EXPECT_FALSE(file.is_there());
+  file.make_again();
+  EXPECT_TRUE(file.is_there());
+  write(3);
+  before.follow(path);
+  EXPECT_EQ(before.read(seen), 0u);
+  ASSERT_EQ(seen.size(), 13u);
+  EXPECT_EQ(seen.front().token, 0u);
+  EXPECT_EQ(seen.back().token, 12u);
+}
+
 TEST_F(ObservationFileTest, thatFindsNoRoomLeavesNothing) {
   const std::string full = path + "full";
   rlimit before{};
