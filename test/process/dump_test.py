@@ -221,6 +221,21 @@ class Top(Looking):
             os.close(terminal)
             os.close(inside)
 
+    def test_the_first_picture_has_no_rates_since_nothing_was_read_before(self):
+        self.start_ring(plain_nodes(2))
+        terminal, inside = pty.openpty()
+        top = subprocess.Popen([program('ringctl'), 'top', '--interval', '3600'], stdin=inside, stdout=inside,
+                               stderr=inside, env=dict(self.environment, NO_COLOR='1'))
+        self.processes.append(('top', top))
+        top.log = os.devnull
+        seen = self.read_until(terminal, lambda text: 'q ends' in text)
+        os.write(terminal, b'q')
+        self.assertEqual(self.wait_exit(top), 0)
+        for node in 0, 1:
+            self.assertRegex(seen, r'node%d +up +none +%d +- +- +- ' % (node, 1 - node))
+        os.close(terminal)
+        os.close(inside)
+
     def read_until(self, terminal, enough):
         text, deadline = '', time.monotonic() + GUARD
         while not enough(text):

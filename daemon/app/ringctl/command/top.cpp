@@ -5,6 +5,7 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "app/common/colour.h"
 #include "app/ringctl/answers.h"
@@ -133,15 +134,14 @@ int redraw(const RingAccess& ring, const TopOptions& options) {
   process::SignalWait signals;
   const Screen screen;
   StatusPoll poll(ring);
-  StatusSample before = poll.sample();
-  do {
-    StatusSample now = poll.sample();
+  StatusSample now = poll.sample(), before = now;  // no time between them: the first picture has no rates
+  for (;;) {
     TopStyle fits = style();
     fits.lines = Screen::size().lines - 1;
     screen.draw(shown(ring, now, top_rows(before, now), fits) + "q ends");
-    before = std::move(now);
-  } while (wait(options, &screen, signals));
-  return kDone;
+    if (!wait(options, &screen, signals)) return kDone;
+    before = std::exchange(now, poll.sample());
+  }
 }
 
 int run(const Context& context, const TopOptions& options) {
