@@ -9,8 +9,13 @@
 
 namespace limb_ring::app {
 
+std::string why_no_file(const std::string& path) {
+  if (path != kStandardOutput) return "";
+  return path + ": names no file here: standard output has the report; ./- is a file";
+}
+
 std::string open_for_writing(std::ofstream& file, const std::string& path) {
-  if (path == kStandardOutput) return path + ": names no file here: standard output has the report; ./- is a file";
+  if (const std::string problem = why_no_file(path); !problem.empty()) return problem;
   file.open(path, std::ios::binary);
   return file ? "" : path + ": cannot be written: " + std::strerror(errno);
 }

@@ -8,6 +8,10 @@ namespace limb_ring::app {
 /// For `-`, standard output where that is free for it.
 inline constexpr const char* kStandardOutput = "-";
 
+/// For those that write their report to standard output. @return what is wrong where `path` is kStandardOutput, else
+/// empty
+std::string why_no_file(const std::string& path);
+
 /// @return what is wrong: the file and the system's reason; empty where it can be written now. kStandardOutput is
 /// refused: callers whose report goes elsewhere then take it before.
 std::string open_for_writing(std::ofstream& file, const std::string& path);

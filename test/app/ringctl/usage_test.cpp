@@ -135,6 +135,19 @@ TEST_F(Usage, UpNeedsAFileOrANumberOfNodes) {
   EXPECT_EQ(ringctl({"up", "--nodes", "4", "--transport", "smoke"}).code, kUsage);
 }
 
+TEST_F(Usage, AFileIsNeverStandardOutputWhereThatHasTheReport) {
+  const std::vector<std::vector<std::string>> all{
+      {"up", "--nodes", "2", "--clock", "virtual", "--for", "0.001", "--capture", "-"},
+      {"scenario", "run", "walk.yaml", "--virtual", "--log", "-"},
+      {"keygen", "-"}};
+  for (const auto& arguments : all) {
+    const CliRun said = ringctl(arguments);
+    EXPECT_EQ(said.code, kUsage) << arguments.front();
+    EXPECT_THAT(said.errors, HasSubstr("-: names no file here")) << arguments.front();
+    EXPECT_FALSE(std::filesystem::remove("-")) << arguments.front();
+  }
+}
+
 TEST_F(Usage, TraceSaysWhatIsWrongWithItsArguments) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
       {{"trace"}, "either FILE, a capture, or --live"},

@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "app/common/out_file.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "config/config_error.h"
@@ -12,6 +13,7 @@ namespace limb_ring::ringctl {
 namespace {
 
 int make_key(const std::string& file) {
+  if (const std::string problem = app::why_no_file(file); !problem.empty()) throw UsageError(problem);
   try {
     config::make_key_file(file);
   } catch (const config::ConfigError& problem) {

@@ -149,6 +149,7 @@ ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::
 }
 
 int run(const ScenarioOptions& options) {
+  if (const std::string problem = app::why_no_file(options.log); !problem.empty()) throw UsageError("--log " + problem);
   require_none_of(options.files, options.log);
   require_files_of_their_own(options);
   const std::vector<Scenario> scenarios = load(options);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/common/out_file.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
@@ -250,6 +251,8 @@ void read_clock(UpOptions& options) {
   if (!options.request.transport.empty()) throw UsageError("--clock virtual has no links: leave --transport out");
   if (options.request.record)
     throw UsageError("--clock virtual repeats exactly by itself: leave --record out, or --capture it");
+  if (const std::string problem = app::why_no_file(options.capture); !problem.empty())
+    throw UsageError("--capture " + problem);
   const bool follows = options.clock == "follow";
   const double usual = follows ? std::numeric_limits<double>::infinity() : 1;
   options.request.clock = VirtualClock{options.pace.value_or(usual), options.lasts_s, options.capture, follows};
