@@ -35,7 +35,8 @@ std::vector<const CLI::Option*> own_options_of(const CLI::App& app) {
 
 std::vector<const CLI::Option*> options_of(const CLI::App& app) {
   std::vector<const CLI::Option*> all;
-  for (const CLI::App* at = &app; at != nullptr; at = at->get_parent()) add_options(*at, all);
+  for (const CLI::App* at = &app; at != nullptr; at = at->get_fallthrough() ? at->get_parent() : nullptr)
+    add_options(*at, all);
   return all;
 }
 

@@ -13,9 +13,9 @@ std::vector<std::string> subcommands_of(const CLI::App& app);
 std::vector<const CLI::App*> subcommand_apps_of(const CLI::App& app);
 /// Its own options and arguments, also those of its groups.
 std::vector<const CLI::Option*> own_options_of(const CLI::App& app);
-/// Of a subcommand and of those above it, options and arguments.
+/// What it takes, options and arguments: its own, and of those above it what may stand behind it as well.
 std::vector<const CLI::Option*> options_of(const CLI::App& app);
-/// "--ring", "-n": of its options and of those above it.
+/// "--ring", "-n": of options_of().
 std::vector<std::string> option_names(const CLI::App& app);
 ///@}
 

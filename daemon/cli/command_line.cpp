@@ -140,12 +140,12 @@ void label(CLI::App& app) {
 const char* version() { return LIMB_RING_VERSION; }
 
 std::optional<std::string> read(CLI::App& app, Words arguments, const NamesOf& names) {
+  if (app.get_option_no_throw("--version") == nullptr) app.add_flag("--version", "Print the version and end");
   if (!arguments.empty() && arguments[0] == "complete")
     return lines(completions(app, {arguments.begin() + 1, arguments.end()}, names));
   if (!arguments.empty() && (arguments[0] == "--version" || arguments[0] == "version"))
     return app.get_name() + ' ' + version() + '\n';
   take_help_for_a_word(arguments);
-  if (app.get_option_no_throw("--version") == nullptr) app.add_flag("--version", "Print the version and end");
   label(app);
   if (!arguments.empty() && arguments[0] == "man-page") return man_page(app);
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the end

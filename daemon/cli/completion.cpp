@@ -43,8 +43,10 @@ Words names_of_arguments(const CLI::App& app, const NamesOf& names) {
 Words candidates(const CLI::App& app, const Words& words, const NamesOf& names) {
   if (const CLI::Option* option = waiting_option(app, words)) return names(option->get_name());
   if (is_option(words.back())) return option_names(app);
-  const Words subcommands = subcommands_of(app);
-  return subcommands.empty() ? names_of_arguments(app, names) : subcommands;
+  Words subcommands = subcommands_of(app);
+  if (subcommands.empty()) return names_of_arguments(app, names);
+  if (words.size() == 1) subcommands.push_back("help");
+  return subcommands;
 }
 
 }  // namespace

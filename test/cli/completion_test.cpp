@@ -17,6 +17,7 @@ class Completion : public testing::Test {
   Completion() {
     app.add_option("--ring", ring, "Name of the ring");
     CLI::App* send = app.add_subcommand("send", "Send packets");
+    send->fallthrough();
     send->add_option("TO,--to", to, "Node to send to");
     send->add_option("--from", from, "Node that sends");
     send->add_flag("--loud", loud, "Say so");
@@ -41,7 +42,7 @@ class Completion : public testing::Test {
 };
 
 TEST_F(Completion, SubcommandsByTheirBeginning) {
-  EXPECT_THAT(next({""}), ElementsAre("fault", "send", "status"));
+  EXPECT_THAT(next({""}), ElementsAre("fault", "help", "send", "status"));
   EXPECT_THAT(next({"s"}), ElementsAre("send", "status"));
   EXPECT_THAT(next({"fault", "k"}), ElementsAre("keep", "kill"));
   EXPECT_THAT(next({"x"}), IsEmpty());
@@ -50,6 +51,13 @@ TEST_F(Completion, SubcommandsByTheirBeginning) {
 TEST_F(Completion, OptionsOfASubcommandAndOfThoseAbove) {
   EXPECT_THAT(next({"send", "--"}), ElementsAre("--from", "--help", "--loud", "--ring", "--to"));
   EXPECT_THAT(next({"send", "--l"}), ElementsAre("--loud"));
+}
+
+TEST_F(Completion, OnlyOptionsThatMayStandThere) { EXPECT_THAT(next({"status", "--"}), ElementsAre("--help")); }
+
+TEST_F(Completion, BehindHelpAsWithoutIt) {
+  EXPECT_THAT(next({"help", "s"}), ElementsAre("send", "status"));
+  EXPECT_THAT(next({"help", "fault", "k"}), ElementsAre("keep", "kill"));
 }
 
 TEST_F(Completion, NamesWhereTheyAreWanted) {
@@ -70,6 +78,7 @@ TEST_F(Completion, AFlagWantsNoValue) { EXPECT_THAT(next({"send", "--loud", "k"}
 TEST_F(Completion, EveryProgramAnswersComplete) {
   EXPECT_EQ(read(app, {"complete", "s"}), "send\nstatus\n");
   EXPECT_EQ(read(app, {"complete", "--ring", "r"}, names), "robot\n");
+  EXPECT_EQ(read(app, {"complete", "--v"}), "--version\n");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/completed_help.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/run_ring_sim.h"
 #include "support/temporary_folder.h"
@@ -130,6 +131,8 @@ TEST(Commands, ExplainThemselvesAndTheirExitCodes) {
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done"))) << command;
   }
 }
+
+TEST(Commands, AllThatHelpNamesIsCompleted) { expect_help_completed(ring_sim); }
 
 }  // namespace
 }  // namespace limb_ring::ring_sim

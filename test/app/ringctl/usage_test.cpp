@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/completed_help.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/run_ringctl.h"
 #include "support/own_folder.h"
@@ -25,6 +26,8 @@ TEST_F(Usage, EverySubcommandExplainsItselfAndItsExitCodes) {
     EXPECT_THAT(said.out, AllOf(HasSubstr(command), HasSubstr("Exit code: 0 done")));
   }
 }
+
+TEST_F(Usage, AllThatHelpNamesIsCompleted) { expect_help_completed(ringctl); }
 
 TEST_F(Usage, NoSubcommandIsRefused) { EXPECT_EQ(ringctl({}).code, kUsage); }
 

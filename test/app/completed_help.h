@@ -1,0 +1,66 @@
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "app/run_cli.h"
+
+namespace limb_ring {
+
+/// What a --help names: "-n" and "--count" of "  -n,--count N  At most so many", "up" of "  up  Start a ring".
+struct NamedByHelp {
+  explicit NamedByHelp(const std::string& help) {
+    std::istringstream lines(help);
+    bool behind_subcommands = false;
+    for (std::string line; std::getline(lines, line);) {
+      if (line == "Subcommands:") behind_subcommands = true;
+      std::smatch entry;
+      if (!std::regex_search(line, entry, std::regex("^  ([^ ]+)"))) continue;
+      const std::string name = entry[1];
+      if (name.front() == '-')
+        add_options(name);
+      else if (behind_subcommands)
+        subcommands.push_back(name);
+    }
+  }
+
+  std::vector<std::string> options, subcommands;
+
+ private:
+  void add_options(const std::string& names) {
+    std::istringstream parts(names);
+    for (std::string name; std::getline(parts, name, ',');) options.push_back(name);
+  }
+};
+
+/// What a program answers to a shell that has these words.
+template <typename Run>
+std::vector<std::string> completed(const Run& run, std::vector<std::string> words) {
+  words.insert(words.begin(), "complete");
+  std::istringstream answer(run(words).out);
+  std::vector<std::string> all;
+  for (std::string word; std::getline(answer, word);) all.push_back(word);
+  return all;
+}
+
+/// All that --help names is completed, of the program (no words), a subcommand, and all theirs.
+template <typename Run>
+void expect_help_completed(const Run& run, const std::vector<std::string>& words = {}) {
+  using ::testing::IsSupersetOf;
+  const auto with = [&words](const std::string& word) {
+    std::vector<std::string> all = words;
+    all.push_back(word);
+    return all;
+  };
+  const NamedByHelp named(run(with("--help")).out);
+  ASSERT_FALSE(named.options.empty());
+  EXPECT_THAT(completed(run, with("-")), IsSupersetOf(named.options)) << ::testing::PrintToString(words);
+  EXPECT_THAT(completed(run, with("")), IsSupersetOf(named.subcommands)) << ::testing::PrintToString(words);
+  for (const std::string& subcommand : named.subcommands) expect_help_completed(run, with(subcommand));
+}
+
+}  // namespace limb_ring
