@@ -22,7 +22,9 @@ struct CompareOptions {
 int run(CompareOptions& options) {
   study::ComparisonOptions& comparison = options.comparison;
   if (!comparable(comparison.medium))
-    throw UsageError("--relay-delay is more than 100 times as long as the payload takes on the line");
+    throw UsageError(
+        "a full load of messages does not fit into memory: fewer --nodes, more --payload or a shorter "
+        "--relay-delay (at --rate, and at 1000 Mbit/s, the ring's own rate) is needed");
   std::optional<PlotFolder> plots;  // made first: a folder that cannot be written ends this before anything is measured
   if (options.plots) plots.emplace(*options.plots);
   comparison.tell = [progress = Progress()](const study::Subject& subject) mutable {

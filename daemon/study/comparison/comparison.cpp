@@ -1,5 +1,6 @@
 #include "study/comparison/comparison.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "study/baselines/arcnet.h"
@@ -14,7 +15,7 @@ namespace limb_ring::study {
 namespace {
 
 constexpr std::uint64_t kMega = 1'000'000;
-constexpr int kMostDelay = 100;  // more, and a full load of messages no longer fits into memory
+constexpr std::uint64_t kMostMessages = 4'000'000;  // some 650 MB
 
 struct Method {
   std::string name;
@@ -50,7 +51,9 @@ void add(const ComparisonOptions& options, const Subject& subject, const Network
 }  // namespace
 
 bool comparable(const Medium& medium) {
-  return medium.relay_delay <= kMostDelay * (medium.payload * medium.byte_time());
+  Medium fastest = medium;
+  for (const Method& method : methods()) fastest.rate = std::max(fastest.rate, method.own_rate);
+  return full_load(fastest) <= kMostMessages;
 }
 
 Comparison compare(const ComparisonOptions& options) {

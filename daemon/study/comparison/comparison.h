@@ -53,8 +53,8 @@ struct Comparison {
   std::vector<NodesPoint> against_nodes;
 };
 
-/// Whether a medium can be compared in reasonable time: the relay delay is at most 100 times as long as
-/// a message's payload takes on the line.
+/// Whether a full load of messages fits into memory, also at the fastest of the methods' own rates: there are not too
+/// many nodes, and the relay delay is not too long beside the time that the payload takes on the line.
 bool comparable(const Medium& medium);
 
 /// Our ring and the systems that the paper compares it with, each on its own virtual clock.

@@ -76,13 +76,20 @@ double share_of_rate(const Medium& medium, std::size_t messages, std::chrono::du
   return 8.0 * medium.payload * static_cast<double>(messages) / (time.count() * static_cast<double>(medium.rate));
 }
 
+Duration between_interrupts(const Medium& medium) { return lap(medium) / kInterruptsPerLap; }
+
 /// The network stays full for twice the time in which the interrupts are asked for: no method that
 /// shares one line of rate R can carry more payload than that.
+std::uint64_t full_load_each(const Medium& medium) {
+  const Duration span = kInterrupts * between_interrupts(medium);
+  return static_cast<std::uint64_t>(2 * span / (medium.nodes * medium.payload * medium.byte_time())) + 1;
+}
+
 Spread measure_interrupt(const Network& network, const Medium& medium, std::uint64_t seed) {
   Random random(seed);
-  const Duration gap = lap(medium) / kInterruptsPerLap;
+  const Duration gap = between_interrupts(medium);
   const Duration span = kInterrupts * gap;
-  const auto each = static_cast<unsigned>(2 * span / (medium.nodes * medium.payload * medium.byte_time())) + 1;
+  const auto each = static_cast<unsigned>(full_load_each(medium));
   const auto full = all_at_once(medium, Time{}, each, Destination::random, random);
   const auto messages = with_interrupts(full, medium, kInterrupts, gap, random);
   return spread(latencies(network, medium, messages, Time{} + 2 * span, [](const Message& m) { return m.interrupt; }));
@@ -120,6 +127,8 @@ double measure_efficiency(const Network& network, const Medium& medium, double l
   const auto delivered = std::count_if(at.begin(), at.end(), [from](Time t) { return t != core::kNever && t > from; });
   return share_of_rate(medium, static_cast<std::size_t>(delivered), span);
 }
+
+std::uint64_t full_load(const Medium& medium) { return medium.nodes * full_load_each(medium); }
 
 Figures measure(const Network& network, const Medium& medium, std::uint64_t seed) {
   Figures figures;

@@ -33,6 +33,9 @@ constexpr double kRandomLoad = 0.3;
 // alone, is drawn many times over some of its cycles, so that a method with a cycle or token meets its
 // bad moments as well as its good ones.
 
+/// How many messages measure() has at once, the longest of its lists.
+std::uint64_t full_load(const Medium& medium);
+
 /// @throw std::runtime_error where a method does not deliver what it was given: the model is wrong
 Figures measure(const Network& network, const Medium& medium, std::uint64_t seed);
 

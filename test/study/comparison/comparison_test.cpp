@@ -97,11 +97,18 @@ TEST(Comparison, RandomLoadBeyondWhatAMethodCarriesIsNotAskedFor) {
   EXPECT_FALSE(compare(options).methods[0].figures.random_load.has_value());
 }
 
-TEST(Comparison, RefusesRelayDelaysFarBeyondAPacket) {
+TEST(Comparison, RefusesRelayDelaysFarBeyondAPacketAtAnyRateThatIsCompared) {
   Medium medium = gigabit(4);
   EXPECT_TRUE(comparable(medium));
-  medium.relay_delay = 1ms;
+  medium.relay_delay = 10ms;
   EXPECT_FALSE(comparable(medium));
+  medium.rate = 1'000'000;  // a packet takes 4 ms, but 4 us at the ring's own rate
+  EXPECT_FALSE(comparable(medium));
+}
+
+TEST(Comparison, RefusesMoreSmallMessagesThanFitIntoMemory) {
+  EXPECT_TRUE(comparable(gigabit(16, 1)));
+  EXPECT_FALSE(comparable(gigabit(254, 1)));
 }
 
 }  // namespace
