@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "study/baselines/arcnet.h"
 #include "study/baselines/can_bus.h"
@@ -34,8 +35,27 @@ std::vector<Method> methods() {
   return all;
 }
 
-void add(const ComparisonOptions& options, const Subject& subject, const Network& network, Comparison& out) {
-  options.tell(subject);
+/// Tells whenever it is given something to carry.
+class TellingNetwork final : public Network {
+ public:
+  TellingNetwork(const Network& network, std::function<void()> tell) : network_(network), tell_(std::move(tell)) {}
+
+  std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override {
+    tell_();
+    return network_.carry(medium, messages, until);
+  }
+  Duration time_to_join(const Medium& medium) const override {
+    tell_();
+    return network_.time_to_join(medium);
+  }
+
+ private:
+  const Network& network_;
+  std::function<void()> tell_;
+};
+
+void add(const ComparisonOptions& options, const Subject& subject, const Network& quiet, Comparison& out) {
+  const TellingNetwork network(quiet, [&] { options.tell(subject); });
   Medium medium = options.medium;
   medium.rate = subject.rate;
   out.methods.push_back({subject, measure(network, medium, options.seed)});

@@ -42,7 +42,7 @@ struct ComparisonOptions {
   std::uint64_t seed = 1;
   std::vector<double> loads{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
   std::vector<unsigned> nodes{2, 4, 8, 16, 32, 64};
-  std::function<void(const Subject&)> tell = [](const Subject&) {};  ///< called before each begins
+  std::function<void(const Subject&)> tell = [](const Subject&) {};  ///< called again and again
 };
 
 /// The subjects in the same order everywhere: all at the medium's rate, then all at their own; the
