@@ -1,6 +1,5 @@
 #include "app/ring_sim/plots/plots.h"
 
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 
@@ -43,10 +42,7 @@ std::string script_of(const Picture& picture) {
 }  // namespace
 
 PlotFolder::PlotFolder(const std::string& path) : path_(path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error || !std::filesystem::is_directory(path))
-    throw UsageError("cannot make the folder " + path + (error ? ": " + error.message() : ""));
+  if (const std::string problem = app::make_output_folder(path); !problem.empty()) throw UsageError(problem);
   gnuplot_ = find_gnuplot();
 }
 

@@ -10,7 +10,7 @@ namespace limb_ring::ring_sim {
 class PlotFolder {
  public:
   /// Makes the folder, and those above it, where they are missing.
-  /// @throw UsageError where it cannot be made; std::runtime_error where gnuplot is missing
+  /// @throw UsageError where it cannot be made, or written into; std::runtime_error where gnuplot is missing
   explicit PlotFolder(const std::string& path);
 
   /// Writes <name>.csv and <name>.gp, and lets gnuplot draw <name>.png and <name>.svg.
