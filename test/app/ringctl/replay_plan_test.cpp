@@ -1,10 +1,14 @@
 #include "app/ringctl/replay_plan.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <fstream>
 #include <sstream>
 
+#include "app/ringctl/problems.h"
+#include "app/ringctl/run_ringctl.h"
 #include "capture/packets.h"
+#include "support/own_folder.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -69,6 +73,31 @@ TEST_F(Plan, LeavesControlBrokenAndRepeatedPacketsOut) {
   EXPECT_EQ(made.control, 1u);
   EXPECT_EQ(made.repeated, 1u);
   EXPECT_EQ(made.broken, 1u);
+}
+
+/// `ringctl replay` of a capture whose two packets are a year apart, where no ring runs.
+class ReplayOfAYear : public test::OwnFolder {
+ protected:
+  ReplayOfAYear() {
+    std::ofstream file(path, std::ios::binary);
+    capture::PcapngWriter writer{file, {"robot", {}}};
+    CaptureInfo info;
+    info.from = wire::NodeId{0};
+    info.to = wire::NodeId{1};
+    const std::chrono::nanoseconds year = std::chrono::hours(24 * 365);
+    for (const std::chrono::nanoseconds at : {std::chrono::nanoseconds(0), year})
+      writer.packet(at.count(), info, test::view(test::data_packet(0, 1)));
+  }
+
+  const std::string path = folder + "/year.pcapng";
+};
+
+TEST_F(ReplayOfAYear, IsRefusedWhereItWouldLastLonger) {
+  const CliRun said = ringctl({"replay", path, "--speed", "0.001"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, testing::HasSubstr(path + ": "));
+  EXPECT_THAT(said.errors, testing::HasSubstr("--speed"));
+  EXPECT_EQ(ringctl({"replay", path, "--speed", "2"}).code, kNoRing);
 }
 
 }  // namespace

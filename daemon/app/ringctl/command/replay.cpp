@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/connect_node.h"
@@ -18,6 +19,7 @@
 #include "app/ringctl/seen_packets.h"
 #include "capture/capture_file.h"
 #include "cli/values.h"
+#include "config/quantity.h"
 #include "process/signal_wait.h"
 #include "wire/data_packet.h"
 
@@ -31,6 +33,8 @@ namespace {
 constexpr milliseconds kReplayTick{20};
 /// Above all time-outs a send may have by default.
 constexpr milliseconds kLastResults{30'000};
+/// Far below what the clocks can hold, and more than anybody waits.
+constexpr std::chrono::hours kLongestReplay{24 * 365};
 
 struct ReplayOptions {
   std::string file;
@@ -53,7 +57,8 @@ class Replay {
   bool run(double speed, process::SignalWait& signals) {
     const auto begin = steady_clock::now();
     for (const ReplaySend& send : plan_.sends) {
-      const std::chrono::nanoseconds after(static_cast<std::int64_t>(static_cast<double>(send.after_ns) / speed));
+      const auto after_ns = static_cast<double>(std::max<std::int64_t>(0, send.after_ns));  // its line was read earlier
+      const std::chrono::nanoseconds after(static_cast<std::int64_t>(after_ns / speed));
       if (!wait_until(begin + after, signals)) return false;
       put(send);
     }
@@ -115,6 +120,17 @@ class Replay {
   std::uint64_t sent_ = 0, ended_ = 0;
 };
 
+/// @throw UsageError where the last of a round would be sent more than kLongestReplay after the first
+void require_an_end(const ReplayPlan& plan, const ReplayOptions& options) {
+  using Days = std::chrono::duration<double, std::ratio<86400>>;
+  const auto later = [](const ReplaySend& one, const ReplaySend& other) { return one.after_ns < other.after_ns; };
+  const auto last = std::max_element(plan.sends.begin(), plan.sends.end(), later);
+  const Days apart = std::chrono::nanoseconds(last->after_ns);
+  if (apart / options.speed <= Days(kLongestReplay)) return;
+  throw UsageError(options.file + ": its packets are " + app::number(apart.count()) + " days apart, which at --speed " +
+                   config::format_real(options.speed) + " takes more than a year; a larger --speed is needed");
+}
+
 ReplayPlan read_plan(const ReplayOptions& options) {
   capture::CaptureFile file(options.file);
   ReplayPlan plan = plan_replay(file.reader());
@@ -122,6 +138,7 @@ ReplayPlan read_plan(const ReplayOptions& options) {
   const auto unwanted = [&](const ReplaySend& send) { return options.no_interrupts && send.interrupt; };
   plan.sends.erase(std::remove_if(plan.sends.begin(), plan.sends.end(), unwanted), plan.sends.end());
   if (plan.sends.empty()) throw NotDone(options.file + ": holds nothing that can be sent again");
+  require_an_end(plan, options);
   return plan;
 }
 
