@@ -59,6 +59,16 @@ class Ping(RingTest):
         self.start_ring(plain_nodes(2))
         self.assertEqual(self.ctl('ping', 'node1', '-q', '-w', '50ms', '-i', '1ms').returncode, 0)
 
+    def test_ends_after_its_time_also_where_its_daemon_is_frozen(self):
+        daemons = self.start_ring(plain_nodes(2))
+        ping = self.start('ping', [program('ringctl'), 'ping', 'node1', '--from', 'node0', '-q', '-w', '5s', '-i', '1ms'])
+        before = self.counters(0)['sent_data']
+        self.wait('some packets', lambda: self.counters(0)['sent_data'] > before + 100)
+        daemons[0].send_signal(signal.SIGSTOP)
+        self.assertEqual(self.wait_exit(ping), 3, self.log_of(ping))
+        self.assertRegex(self.log_of(ping), r'sent, \d+ delivered, 1 not ended')
+        self.assertIn('node 0 (node0) of ring %s: no result of the last packet' % self.ring, self.log_of(ping))
+
 
 class Send(RingTest):
     def test_at_an_interval_until_all_are_sent_or_ctrl_c(self):

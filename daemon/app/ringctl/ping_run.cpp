@@ -18,6 +18,8 @@ using std::chrono::steady_clock;
 
 namespace {
 
+/// The last packet may take so long beyond the end of all: it is not to be counted as lost.
+constexpr std::chrono::seconds kLastResult{1};
 constexpr auto kOutcomes = {Outcome::refused,     Outcome::no_such_node, Outcome::lost,
                             Outcome::unconfirmed, Outcome::rejected,     Outcome::cancelled};
 
@@ -78,6 +80,8 @@ void PingRun::wait_for_result(std::uint32_t token) {
       if (const auto* end = std::get_if<Disconnected>(&*message)) throw gone(port_, end->reason);
     }
     asked_to_end_ = process::SignalWait::asks_to_end(signals_.next(milliseconds(0)));
+    if (order_.deadline && steady_clock::now() - begun_ >= *order_.deadline + kLastResult)
+      throw gone(port_, "no result of the last packet; is its daemon frozen?");
   }
 }
 
