@@ -97,6 +97,7 @@ class Recorder(RingTest):
         shutil.rmtree(self.saved)
         self.assertIn('no recordings are there', self.replay(self.saved, code=2))
         self.assertIn('--print goes with --node', self.replay(self.saved, '--print', code=2))
+        self.assertIn('--node goes with --until', self.replay(self.saved, '--node', '2', code=2))
 
     def test_wrong_use_is_told(self):
         self.start_ring(plain_nodes(2))

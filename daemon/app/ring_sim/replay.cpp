@@ -110,6 +110,8 @@ void require_no_recording(ReplayedRing& ring, const std::string& capture) {
 
 int run(const ReplayOptions& options) {
   if (options.print && options.node.empty()) throw UsageError("--print goes with --node: all records of one node");
+  if (!options.node.empty() && !options.print && !options.until_s)
+    throw UsageError("--node goes with --until, for its state, or with --print, for its records");
   std::unique_ptr<ReplayedRing> ring;
   try {
     ring = std::make_unique<ReplayedRing>(options.folder);
