@@ -62,7 +62,7 @@ class Install(unittest.TestCase):
     def test_a_man_pages_name_every_subcommand(self):
         for program in ('ringctl', 'ring_sim'):
             path, page = os.path.join(self.prefix, 'bin', program), self.man(program).replace('\\-', '-')
-            subcommands = [word for word in run(path, 'complete', '').split() if word]
+            subcommands = [word for word in run(path, 'complete', '').split() if word not in ('', 'help')]
             self.assertGreater(len(subcommands), 5)
             for subcommand in subcommands:
                 self.assertIn('\n.SS %s %s ' % (program, subcommand), page)
