@@ -99,7 +99,7 @@ Tristate ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const
 }
 
 Tristate ReceiverModel::is_unaware_peers_retry(const PacketFields& packet) const {
-  if (packet.code().attempt == 0 || packet.source() == id_ || announced_ == Tristate::yes) return Tristate::no;
+  if (packet.code().attempt == 0 || announced_ == Tristate::yes) return Tristate::no;
   return announced_ == Tristate::no ? Tristate::yes : Tristate::unknown;
 }
 

@@ -67,9 +67,7 @@ bool Node::is_unheard_nodes_retry(const Packet& packet) const {
 }
 
 /// protocol.md section 4.10: its source may not know of the own start.
-bool Node::is_unaware_nodes_retry(const Packet& packet) const {
-  return !announced_ && packet.attempt() > 0 && packet.source() != id();
-}
+bool Node::is_unaware_nodes_retry(const Packet& packet) const { return !announced_ && packet.attempt() > 0; }
 
 /// What was decided of this packet before; null: it is new.
 Decided* Node::known(Page& page, const Packet& packet, Time now) {

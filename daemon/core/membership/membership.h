@@ -83,7 +83,7 @@ class Membership {
   /// present boot number, is home. This node may have taken the first try before that start. (ours, protocol.md section
   /// 4.10)
   bool is_unaware_nodes_retry(const wire::PacketFields& packet) {
-    if (packet.code().attempt == 0 || announced_ || packet.source() == settings_.id) return false;
+    if (packet.code().attempt == 0 || announced_) return false;
     return counted(counters_.retries_of_unaware_nodes, true);
   }
   /// An own packet came home as sent: the ring is closed and has hop + 1 nodes.
