@@ -98,11 +98,6 @@ Tristate ReceiverModel::is_unknown_peers_retry(const PacketFields& packet) const
   return pages_[packet.source()].peer_known == Tristate::no ? Tristate::yes : Tristate::unknown;
 }
 
-Tristate ReceiverModel::is_unaware_peers_retry(const PacketFields& packet) const {
-  if (packet.code().attempt == 0 || announced_ == Tristate::yes) return Tristate::no;
-  return announced_ == Tristate::no ? Tristate::yes : Tristate::unknown;
-}
-
 // Nobody outside knows whether `packet` was received.
 void ReceiverModel::doubt(const PacketFields& packet) {
   Page& page = pages_[packet.source()];
@@ -114,6 +109,13 @@ void ReceiverModel::doubt(const PacketFields& packet) {
     if (!page.known || page.incarnation != packet.code().incarnation) page.any_incarnation = true;
     entry(packet).any_sequence = true;
   }
+}
+
+// Nothing: it is none.
+std::optional<ReceiverModel::Answer> ReceiverModel::of_unaware_peers_retry(const PacketFields& packet) {
+  if (packet.code().attempt == 0 || announced_ == Tristate::yes) return std::nullopt;
+  if (announced_ == Tristate::no) return Answer::none;
+  return doubt(packet), Answer::unknown;
 }
 
 // Nothing: its number is new.
@@ -156,9 +158,7 @@ ReceiverModel::Answer ReceiverModel::data(const PacketFields& packet, Tristate r
   if (known && *known != Answer::unknown) return *known;
   Answer answer = Answer::unknown;
   if (!known) {
-    const Tristate unaware_peers_retry = is_unaware_peers_retry(packet);
-    if (unaware_peers_retry == Tristate::yes) return Answer::none;
-    if (unaware_peers_retry == Tristate::unknown) return doubt(packet), Answer::unknown;
+    if (const auto unaware = of_unaware_peers_retry(packet)) return *unaware;
     const bool refuses = joined_ == Tristate::no || !cpu_present_ || has_buffer == Tristate::no;
     const bool takes = joined_ == Tristate::yes && has_buffer == Tristate::yes;
     answer = refuses ? Answer::refuses : takes ? Answer::takes : Answer::unknown;
@@ -179,9 +179,7 @@ ReceiverModel::Answer ReceiverModel::interrupt(const PacketFields& packet, Trist
   if (known && *known != Answer::unknown) return *known;
   Answer answer = Answer::unknown;
   if (!known) {
-    const Tristate unaware_peers_retry = is_unaware_peers_retry(packet);
-    if (unaware_peers_retry == Tristate::yes) return Answer::none;
-    if (unaware_peers_retry == Tristate::unknown) return doubt(packet), Answer::unknown;
+    if (const auto unaware = of_unaware_peers_retry(packet)) return *unaware;
     answer = wired_[wire::factor_of(packet.last())] ? Answer::takes : Answer::refuses;
   }
   decide(e, packet, answer, at);

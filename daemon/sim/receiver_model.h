@@ -91,7 +91,7 @@ class ReceiverModel {
   Entry& entry(const wire::PacketFields& packet);
   bool addressed(const wire::PacketFields& packet) const;
   Tristate is_unknown_peers_retry(const wire::PacketFields& packet) const;
-  Tristate is_unaware_peers_retry(const wire::PacketFields& packet) const;
+  std::optional<Answer> of_unaware_peers_retry(const wire::PacketFields& packet);
   bool hear(const wire::PacketFields& packet, Time at);
   template <class Forget>
   bool hear_boot(NodeId source, std::uint64_t boot, Forget forget);
