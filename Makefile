@@ -114,11 +114,12 @@ traces: build ## What the virtual ring does, as hashes
 MINUTES ?= 1
 SEED ?=
 TRANSPORT ?=
+KEYED ?=
 CLOCK ?=
 REDUNDANCY ?= none
-LIVE_ARGS = $(if $(SEED),--seed $(SEED)) $(if $(TRANSPORT),--transport $(TRANSPORT)) --redundancy $(REDUNDANCY) \
+LIVE_ARGS = $(if $(SEED),--seed $(SEED)) $(if $(TRANSPORT),--transport $(TRANSPORT)) $(if $(KEYED),--keyed) --redundancy $(REDUNDANCY) \
             --programs $(BUILD)/devel/lib/limb_ring
-chaos: build ## Random faults on a live ring of 16 (MINUTES=10 SEED=7 TRANSPORT=udp REDUNDANCY=foldback CLOCK=virtual)
+chaos: build ## Random faults on a live ring of 16 (MINUTES=10 SEED=7 TRANSPORT=mixed KEYED=1 REDUNDANCY=foldback CLOCK=virtual)
 	$(PYTHON) scripts/chaos --minutes $(MINUTES) $(if $(CLOCK),--clock $(CLOCK)) $(LIVE_ARGS)
 
 # What the ring does about each fault, in figures: COUNT times each.

@@ -39,7 +39,9 @@ def folder_of_programs(parser, options, *names):
 def new_parser(description):
     result = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     result.add_argument('--seed', type=at_least(0, int), default=secrets.randbelow(SEEDS), help='default: drawn')
-    result.add_argument('--transport', choices=('unix', 'shm', 'udp'), help='default: shm')
+    result.add_argument('--transport', choices=('unix', 'shm', 'udp', 'mixed'),
+                        help='mixed: lines of all three in turn; default: shm')
+    result.add_argument('--keyed', action='store_true', help='UDP lines, with a key (links.key)')
     result.add_argument('--redundancy', choices=('none', 'foldback'), default='none', help='default: none')
     add_programs(result, 'ringd is')
     return result
@@ -51,11 +53,22 @@ def interrupt_no_more():
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
 
 
+def lines_in_words(options):
+    return options.transport.upper() + (', keyed' if options.keyed else '')
+
+
+def of_lines(options):
+    """The options that say so again."""
+    return '--transport ' + options.transport + (' --keyed' if options.keyed else '')
+
+
 def parse(parser):
     """The options given; from now on SIGTERM ends the program as Ctrl-C does."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     options = parser.parse_args()
     options.transport_given = options.transport is not None
-    options.transport = options.transport or 'shm'
+    options.transport = options.transport or ('udp' if options.keyed else 'shm')
+    if options.keyed and options.transport not in ('udp', 'mixed'):
+        parser.error('--keyed: %s lines have no key; leave it out, or --transport' % options.transport)
     options.programs = folder_of_programs(parser, options, 'ringd')
     return options

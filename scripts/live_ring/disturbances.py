@@ -46,7 +46,7 @@ class PowerCycle(Fault):
 
 
 def line(live, node, chance):
-    kinds = dict(OF_LINES, **(OF_UDP_LINES if live.ring.transport == 'udp' else {}))
+    kinds = dict(OF_LINES, **(OF_UDP_LINES if live.ring.transport_into(node + 1) == 'udp' else {}))
     kind = chance.choice(sorted(kinds))
     seed = ' seed=%d' % (1 + chance.randrange(10 ** 6)) if kind in SEEDED else ''
     return LineDisturbance(live, node, kind, kinds[kind] + seed)

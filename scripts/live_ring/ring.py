@@ -16,6 +16,8 @@ SILENCE_MS = 250  # as config/humanoid16.yaml: a desktop that compiles lets a pr
 END_TIMEOUT = 10  # s
 PROGRAM_TIMEOUT = 300   # s; a replay of all nodes takes a few
 RECORDER_BYTES = 4 << 20  # of each node: some seconds
+KEY = 'ring.key'
+MIXED = ('udp', 'shm', 'unix')   # the lines of --transport mixed, in turn
 
 
 class RingFailed(Exception):
@@ -33,28 +35,39 @@ class LiveRing:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))   # CPUs are crashed on purpose
         self.launcher = Launcher(options.programs)
         self.launcher.environment['PYTHONDONTWRITEBYTECODE'] = '1'
-        self.folder, self.transport, self.redundancy = self.launcher.folder, options.transport, options.redundancy
+        self.folder, self.redundancy = self.launcher.folder, options.redundancy
+        self.transports = MIXED if options.transport == 'mixed' else (options.transport,)
         self.nodes, self.child_nodes = list(range(NODES)), list(child_nodes)
         self.name = 'live%d_%d' % (options.seed, os.getpid())
+        self.links = {'key': self._key()} if options.keyed else {}
         self.config = self._write(child_command)
         self.daemons, self.killed, self.frozen = {}, set(), set()
         self.starts = {node: 0 for node in self.nodes}
 
     def _write(self, child_command):
         nodes = plain_nodes(NODES)
-        first = free_udp_ports(NODES) if self.transport == 'udp' else 0
+        first = free_udp_ports(NODES) if 'udp' in self.transports else 0
         for node in nodes:
             child = node['id'] in self.child_nodes
             node['cpu'] = {'command': child_command(self.folder), 'alive_period': '200ms'} if child else 'attached'
             node['pins'] = {str(NOTIFY): 'notify'}
-            node['link'] = {'transport': self.transport}
-            if first:
+            node['link'] = {'transport': self.transport_into(node['id'])}
+            if node['link']['transport'] == 'udp':
                 node['link']['port'] = first + node['id']
         ring = {'ring': self.name, 'redundancy': self.redundancy, 'nodes': nodes,
                 'timeouts': {'silence': '%dms' % SILENCE_MS, 'cpu_boot': '30s'},
                 'recorder': {'enabled': self.records, 'size': RECORDER_BYTES},
-                'supervisor': SUPERVISION}
+                'supervisor': SUPERVISION, 'links': self.links}
         return self.launcher.write('ring.yaml', json.dumps(ring))   # which is YAML too
+
+    def _key(self):
+        """Makes one. @return its file, beside the ring's"""
+        self._program('ringctl', 'keygen', os.path.join(self.folder, KEY))
+        return KEY
+
+    def transport_into(self, node):
+        """Of the line into that node."""
+        return self.transports[node % NODES % len(self.transports)]
 
     def name_of(self, node):
         return 'node%d' % (node % NODES)

@@ -229,6 +229,8 @@ class Program(unittest.TestCase):
 
     def test_wrong_arguments_are_named(self):
         for arguments, words in ((('--minutes', '0'), 'more than 0'), (('--seed', '-1'), '0 or more'),
+                                 (('--keyed', '--transport', 'shm'), 'shm lines have no key'),
+                                 (('--keyed', '--clock', 'virtual'), 'lines of a virtual ring are simulated'),
                                  (('--programs', '/nowhere'), 'no program /nowhere/ringd')):
             done = self.start(*arguments)
             said = done.communicate(timeout=GUARD)[0]
