@@ -97,7 +97,7 @@ std::uint32_t PcapngWriter::interface_of(const Line& line, const std::string& na
 }
 
 void PcapngWriter::packet(std::int64_t time_ns, const CaptureInfo& info, wire::ByteView bytes,
-                          std::uint32_t lost_before) {
+                          std::uint32_t lost_before, const std::string& comment) {
   const std::uint32_t interface =
       interface_of({false, wire::NodeId{info.from}, wire::NodeId{info.to}}, names_.line(info.from, info.to));
   BlockWriter block(out_, pcapng::kEnhancedPacket);
@@ -105,6 +105,7 @@ void PcapngWriter::packet(std::int64_t time_ns, const CaptureInfo& info, wire::B
   const std::uint32_t direction = info.input ? pcapng::kInbound : pcapng::kOutbound;
   block.option_u32(pcapng::kPacketFlags, direction | (info.crc_bad ? pcapng::kCrcError : 0));
   if (lost_before > 0) block.option_u64(pcapng::kDropCount, lost_before);
+  if (!comment.empty()) block.option(pcapng::kComment, comment);
   block.end_of_options();
 }
 

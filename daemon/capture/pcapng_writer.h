@@ -28,7 +28,9 @@ class PcapngWriter {
 
   /// @param time_ns since 1970, or of a virtual clock since its start
   /// @param lost_before packets that are missing before this one
-  void packet(std::int64_t time_ns, const CaptureInfo& info, wire::ByteView bytes, std::uint32_t lost_before = 0);
+  /// @param comment that Wireshark shows with it
+  void packet(std::int64_t time_ns, const CaptureInfo& info, wire::ByteView bytes, std::uint32_t lost_before = 0,
+              const std::string& comment = {});
   /// Something that happened at a node and is no packet: a fault, a reset, a change of state.
   void event(std::int64_t time_ns, wire::NodeId node, const std::string& what);
 

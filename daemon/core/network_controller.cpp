@@ -50,7 +50,14 @@ void NetworkController::set_output_ready(Line line, bool ready) {
 }
 
 void NetworkController::receive(Line line, const wire::Slice& slice, Time now) {
-  note(input::Receive{line, slice}, now);
+  if (journal_ == nullptr) return take_in(line, slice, now);
+  wire::Slice checked = slice;  // once for both, journal and relay
+  if (slice.kind == wire::SliceKind::whole) checked.crc_checked = slice.crc_good();
+  note(input::Receive{line, checked}, now);
+  take_in(line, checked, now);
+}
+
+void NetworkController::take_in(Line line, const wire::Slice& slice, Time now) {
   if (fold_) return fold_->tell<&FoldBack::receive>(now, line, slice);
   if (line == Line::first) enter(slice, now);
 }

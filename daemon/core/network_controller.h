@@ -97,6 +97,11 @@ class NetworkController final : private Blocks {
   /// From now on `journal` sees what goes in and out; null: nobody does. It must live as long as it is set.
   void set_journal(Journal* journal) { journal_ = journal; }
 
+  /// A packet or a part of one has come in, and did not go out yet.
+  bool holds_packets() const {
+    return has_given_out() || !insertion_buffer().empty() || (fold_ && fold_->holds_slices());
+  }
+
   using Blocks::counters;
   using Blocks::insertion_buffer;
   using Blocks::membership;
@@ -118,6 +123,7 @@ class NetworkController final : private Blocks {
     if (journal_ != nullptr) journal_->goes_in(what, now);
   }
   static std::size_t index(Line line) { return static_cast<std::size_t>(line); }
+  void take_in(Line line, const wire::Slice& slice, Time now);
   void enter(const wire::Slice& slice, Time now) override;
   bool has_given_out() const { return Blocks::has_given_out() || !outputs_[0].empty() || !outputs_[1].empty(); }
   void update_ready() { Blocks::set_output_ready(ready_[index(output_line())]); }

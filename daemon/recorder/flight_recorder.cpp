@@ -23,7 +23,7 @@ FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t
       halves_(memory + kTitleSize),
       half_((size - kTitleSize) / 2 & ~std::size_t{7}),
       head_(reinterpret_cast<HalfHead*>(halves_)),
-      records_(core::StateWriter(halves_, 0), now),
+      records_(core::StateWriter(halves_, 0), controller.settings().id, now),
       ahead_(halves_),
       on_too_small_(std::move(on_too_small)) {
   title.layout = state_layout();
@@ -36,10 +36,17 @@ FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t
   begin_half();
 }
 
+bool FlightRecorder::half_is_over() const {
+  if (records_.failed() || records_.left() < kMargin) return true;
+  return records_.left() < kSoon && !controller_.holds_packets();
+}
+
 // The half has generation 0 until its state is written, so a process that is killed meanwhile leaves the other half
-// valid. If the previous half ended early, the generation skips one number: the halves do not follow each other.
+// valid. If the previous half ended early, the generation skips one number: the halves do not follow each other. So it
+// does if the state holds packets, and data was left out: a replay of the previous half does not come to that state.
 void FlightRecorder::begin_half() {
-  generation_ += records_.failed() ? 2 : 1;
+  const bool follows = !records_.failed() && !(records_.left_out() && controller_.holds_packets());
+  generation_ += follows ? 1 : 2;
   const bool in_first = reinterpret_cast<std::uint8_t*>(head_) == halves_;
   std::uint8_t* const half = halves_ + (in_first ? half_ : 0);
   head_ = new (half) HalfHead{};
@@ -49,7 +56,7 @@ void FlightRecorder::begin_half() {
   room("time", last);
   controller_.archive(room);
   if (room.failed() || room.left() < kMargin) return stop();
-  records_ = RecordWriter(room, last);
+  records_ = RecordWriter(room, controller_.settings().id, last);
   ahead_ = LinesAhead(room.next());
   head_->used.store(room.size(), std::memory_order_release);
   head_->generation.store(generation_, std::memory_order_release);
@@ -61,9 +68,7 @@ void FlightRecorder::stop() {
   on_too_small_();
 }
 
-template <class What>
-void FlightRecorder::put(const What& what, core::Time at) {
-  records_.put(at, what);
+void FlightRecorder::show() {
   if (records_.failed()) return;
   head_->used.store(records_.size(), std::memory_order_release);
   ahead_.fetch(records_.next(), records_.left());
@@ -72,23 +77,29 @@ void FlightRecorder::put(const What& what, core::Time at) {
 // Only an input may begin a half: before it, the state is exactly the result of all records so far. Between the
 // outputs of one input it is not.
 void FlightRecorder::goes_in(const core::Input& input, core::Time now) {
-  if (records_.failed() || records_.left() < kMargin) begin_half();
-  if (!stopped_) put(input, now == core::kNever ? records_.last() : now);
+  if (half_is_over()) begin_half();
+  if (!stopped_) {
+    records_.put(now == core::kNever ? records_.last() : now, input);
+    show();
+  }
   if (next_ != nullptr) next_->goes_in(input, now);
 }
 
 void FlightRecorder::goes_out(core::Line line, wire::ByteView framed_slices) {
-  put(Written{line, framed_slices}, records_.last());
+  records_.put_written(records_.last(), line, framed_slices);
+  show();
   if (next_ != nullptr) next_->goes_out(line, framed_slices);
 }
 
 void FlightRecorder::taken(const core::Event& event, core::Time now) {
-  put(event, now);
+  records_.put(now, event);
+  show();
   if (next_ != nullptr) next_->taken(event, now);
 }
 
 void FlightRecorder::taken(const core::ReceivedPacket& packet, core::Time now) {
-  put(packet, now);
+  records_.put(now, Taken(packet));
+  show();
   if (next_ != nullptr) next_->taken(packet, now);
 }
 

@@ -11,7 +11,7 @@
 namespace limb_ring::recorder {
 
 /// Writes down all that goes into a network controller and comes out of it, into memory of a fixed size: the newest
-/// stays. It is one copy of what comes in, and no system call. (ours)
+/// stays. No system call, and of packets that only pass no copy of their data. (ours)
 class FlightRecorder final : public core::Journal {
  public:
   /// Least size of its memory, bytes.
@@ -41,11 +41,14 @@ class FlightRecorder final : public core::Journal {
  private:
   /// Bytes. Enough for all that follows from one input: the outputs of a turn are at most a few largest packets.
   static constexpr std::size_t kMargin = 1u << 15;
+  /// Bytes. From here on the next half begins as soon as no packet of others is under way in the core.
+  static constexpr std::size_t kSoon = 2 * kMargin;
 
+  bool half_is_over() const;
   void begin_half();
   void stop();
-  template <class What>
-  void put(const What& what, core::Time at);
+  /// What was written counts from now on.
+  void show();
 
   core::NetworkController& controller_;
   std::uint8_t* halves_;

@@ -7,13 +7,13 @@
 ///
 ///     | tag 8 | time since the record before 64; 128 or none where the tag says so | what it is of |
 ///
-/// The slices that were written to a line:
+/// A slice that came in, and one of which the data is left out (abridged.h):
 ///
-///     | line 8 | bytes in all 32 | slices: | kind 8 | back 32 | size 16 | differing 8 | words: 64 |
-///                                          | kind 8 | 0 32    | size 32 | bytes |
+///     | line 8 | kind 8 | size 32 | bytes |        | line 8 | kind 8 + kAbridged | size 32 | header, trailer, CRC 96 |
 ///
-/// `back` bytes before its record lies the slice that was taken in, and passed on but for some words at its ends
-/// (Differences in slices_taken_in.h).
+/// The slices that were written to a line, each as put_abridged() writes it:
+///
+///     | line 8 | bytes in all 32 | slices |
 namespace limb_ring::recorder {
 
 /// @name Tags of records. An input's tag is its index in core::Input
@@ -24,8 +24,5 @@ constexpr std::uint8_t kWrittenTag = kInputTags, kEventTag = kInputTags + 1, kPa
 constexpr std::uint8_t kSameTime = 0x80, kMuchLater = 0x40;
 static_assert(kPacketTag < kMuchLater);
 ///@}
-
-/// Bytes that may be written to a line at once.
-constexpr std::size_t kMostWritten = 1u << 22;
 
 }  // namespace limb_ring::recorder

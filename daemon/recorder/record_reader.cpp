@@ -1,10 +1,10 @@
 #include "recorder/record_reader.h"
 
-#include <cstring>
+#include <algorithm>
 #include <utility>
 
+#include "recorder/abridged.h"
 #include "recorder/record_format.h"
-#include "recorder/slices_taken_in.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -34,8 +34,6 @@ bool legal(const None&...) {
 bool legal(const Record& record) {
   if (const auto* input = std::get_if<core::Input>(&record.what))
     return std::visit([](const auto& call) { return legal(call); }, *input);
-  const auto* packet = std::get_if<core::ReceivedPacket>(&record.what);
-  if (packet != nullptr) return packet->size <= packet->data.size();
   const auto* written = std::get_if<Written>(&record.what);
   return written == nullptr || exists(written->line);
 }
@@ -50,14 +48,13 @@ bool follows(core::Time last, core::Duration step) {
 }  // namespace
 
 std::optional<Record> RecordReader::next() {
-  const wire::ByteView before = records_.first(records_.size - rest_.rest().size);
   std::uint8_t tag = 0xFF;
   rest_("tag", tag);
   if (rest_.failed()) return std::nullopt;
   const core::Duration step = read_step(tag);
   if (!follows(last_, step)) return std::nullopt;
   last_ += step;
-  const auto record = read(tag & ~(kSameTime | kMuchLater), before);
+  const auto record = read(tag & ~(kSameTime | kMuchLater));
   if (rest_.failed() || !record || !legal(*record)) return std::nullopt;
   return record;
 }
@@ -74,61 +71,50 @@ core::Duration RecordReader::read_step(std::uint8_t tag) {
   return core::Duration{long_step};
 }
 
-std::optional<Record> RecordReader::read(std::uint8_t tag, wire::ByteView before) {
+std::optional<Record> RecordReader::read(std::uint8_t tag) {
   Record record;
   record.at = last_;
   if (tag < kInputTags) {
     auto& input = record.what.emplace<core::Input>(input_of(tag, std::make_index_sequence<kInputTags>()));
-    std::visit([this](auto& call) { call.archive(rest_); }, input);
+    if (auto* const call = std::get_if<core::input::Receive>(&input)) {
+      if (!read(*call, record.data_left_out)) return std::nullopt;
+    } else {
+      std::visit([this](auto& other) { other.archive(rest_); }, input);
+    }
   } else if (tag == kWrittenTag) {
-    if (!read(record.what.emplace<Written>(), before)) return std::nullopt;
+    record.what.emplace<Written>().archive(rest_);
   } else if (tag == kEventTag) {
     record.what.emplace<core::Event>().archive(rest_);
   } else if (tag == kPacketTag) {
-    record.what.emplace<core::ReceivedPacket>().archive(rest_);
+    record.what.emplace<Taken>().archive(rest_);
   } else {
     return std::nullopt;
   }
   return record;
 }
 
-bool RecordReader::read(Written& written, wire::ByteView before) {
-  std::uint32_t size = 0;
-  rest_("line", written.line)("size", size);
-  std::swap(written_[0], written_[1]);
-  wire::SliceWriter& slices = written_[0];
-  slices.clear();
-  if (size > kMostWritten) return false;
-  while (slices.view().size < size)
-    if (!read_slice(slices, before)) return false;
-  written.slices = slices.view();
-  return slices.view().size == size;
-}
-
-bool RecordReader::read_slice(wire::SliceWriter& slices, wire::ByteView before) {
-  wire::SliceKind kind{};
-  std::uint32_t back = 0;
-  rest_("kind", kind)("back", back);
-  if (back == 0) {
-    wire::ByteView bytes;
-    rest_("bytes", bytes);
-    if (rest_.failed() || !wire::slice_size_fits(kind, bytes.size)) return false;
-    slices.put(kind, bytes);
+bool RecordReader::read(core::input::Receive& call, bool& data_left_out) {
+  std::uint8_t kind = 0;
+  rest_("line", call.line)("kind", kind);
+  data_left_out = (kind & kAbridged) != 0;
+  call.slice.kind = wire::SliceKind(kind & ~kAbridged);
+  if (!data_left_out) {
+    rest_("bytes", call.slice.bytes);
     return true;
   }
-  std::uint16_t size = 0;
-  std::uint8_t differing = 0;
-  rest_("size", size)("differing", differing);
-  if (rest_.failed() || !wire::slice_size_fits(kind, size) || size < 2 * Differences::kEnd) return false;
-  if (back > before.size || back < size || differing >> Differences::kWords != 0) return false;
-  std::uint8_t* const bytes = slices.put_space(kind, size);
-  std::memcpy(bytes, before.end() - back, size);
-  for (std::size_t i = 0; i < Differences::kWords; ++i) {
-    if ((differing >> i & 1) == 0) continue;
-    std::uint64_t word = 0;
-    rest_("word", word);
-    std::memcpy(bytes + Differences::place(i, size), &word, sizeof word);
-  }
+  std::uint32_t size = 0;
+  rest_("size", size);
+  return read_abridged(call.slice, size);
+}
+
+bool RecordReader::read_abridged(wire::Slice& slice, std::uint32_t size) {
+  if (slice.kind != wire::SliceKind::whole || size < kLeastAbridged || size > wire::kMaxDataPacketSize) return false;
+  std::array<std::uint8_t, kAbridgedSize> left{};
+  rest_("left", left, left.size());
+  packet_.fill(0);
+  std::copy_n(left.begin(), wire::kHeaderSize, packet_.begin());
+  std::copy_n(left.begin() + wire::kHeaderSize, kTail, packet_.begin() + size - kTail);
+  slice.bytes = {packet_.data(), size};
   return true;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "recorder/record.h"
-#include "recorder/slices_taken_in.h"
 
 namespace limb_ring::recorder {
 
@@ -9,16 +8,19 @@ namespace limb_ring::recorder {
 class RecordWriter {
  public:
   /// @param room where they are written; must outlive this
+  /// @param self the node: of packets that only pass it, the data is left out
   /// @param last time of the record before the first
-  RecordWriter(core::StateWriter room, core::Time last) : room_(room), last_(last) {}
+  RecordWriter(core::StateWriter room, wire::NodeId self, core::Time last) : room_(room), self_(self), last_(last) {}
 
   /// @name Write one record
   /// @param at not before last()
   ///@{
   void put(core::Time at, const core::Input& input);
   void put(core::Time at, const Written& written);
+  /// As a Written has them.
+  void put_written(core::Time at, core::Line line, wire::ByteView framed_slices);
   void put(core::Time at, const core::Event& event);
-  void put(core::Time at, const core::ReceivedPacket& packet);
+  void put(core::Time at, const Taken& packet);
   ///@}
 
   /// A record had no room: it is not whole, and nothing was written since.
@@ -28,18 +30,21 @@ class RecordWriter {
   std::size_t left() const { return room_.left(); }
   /// Where the next record goes.
   const std::uint8_t* next() const { return room_.next(); }
+  /// Data was left out of one of the records.
+  bool left_out() const { return left_out_; }
   /// Time of the last record.
   core::Time last() const { return last_; }
 
  private:
-  void begin(std::uint8_t tag, core::Time at);
-  void put_receive(const core::input::Receive& call);
-  void put_slice(const wire::Slice& slice);
+  /// Begins a record. @return where its next `size` bytes go; null where there is no room
+  std::uint8_t* begin(std::uint8_t tag, core::Time at, std::size_t size = 0);
+  void put_receive(std::uint8_t tag, core::Time at, const core::input::Receive& call);
+  bool only_passes(const wire::Slice& slice) const;
 
   core::StateWriter room_;
+  wire::NodeId self_;
   core::Time last_;
-  SlicesTakenIn taken_in_;
-  const std::uint8_t* begun_ = nullptr;  ///< the record that is being written
+  bool left_out_ = false;
 };
 
 }  // namespace limb_ring::recorder

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "recorder/abridged.h"
 #include "recorder/text_archive.h"
 
 namespace limb_ring::recorder {
@@ -48,8 +49,6 @@ std::string in_words(T what, TextArchive::Form form = TextArchive::Form::one_lin
   return text.text();
 }
 
-std::string hex(wire::ByteView bytes) { return in_words(Written{core::Line::first, bytes}); }
-
 std::string lines_of(NetworkController& controller) {
   TextArchive text(TextArchive::Form::lines);
   controller.archive(text);
@@ -71,7 +70,7 @@ std::pair<std::string, std::string> first_difference(const std::string& a, const
 
 }  // namespace
 
-Replay::Replay(const Recording& recording) : recording_(recording), reader_({}, {}) {
+Replay::Replay(const Recording& recording, PacketData& data) : recording_(recording), reader_({}, {}), data_(data) {
   if (recording.title.layout != state_layout())
     throw std::runtime_error("the recorded core is not this program's: recorded by limb_ring " +
                              recording.title.program + ", or by one built from other sources");
@@ -90,6 +89,7 @@ void Replay::begin_half(std::size_t half) {
   reader_ = RecordReader(bytes.rest(), begun);
   controller->set_tap(tap_);
   std::swap(controller, controller_);
+  holds_unseen_ = controller_->holds_packets();
   if (controller == nullptr) return;  // the first half
   if (bytes_of(*controller) == bytes_of(*controller_)) return;
   const auto lines = first_difference(lines_of(*controller_), lines_of(*controller));
@@ -110,7 +110,8 @@ bool Replay::step() {
   if (!next_ || difference_) return false;
   last_ = *next_;
   ++records_;
-  if (const auto* input = std::get_if<core::Input>(&last_.what)) {
+  if (auto* input = std::get_if<core::Input>(&last_.what)) {
+    if (auto* call = std::get_if<input::Receive>(input)) look_at_data(*call);
     std::visit(Doing{*controller_, last_.at}, *input);
   } else if (const auto* written = std::get_if<Written>(&last_.what)) {
     compare(*written);
@@ -119,23 +120,53 @@ bool Replay::step() {
     const bool taken = controller_->take_event(last_.at, replayed);
     compare(*event, "an event", taken, replayed);
   } else {
-    core::ReceivedPacket replayed;
-    const bool taken = controller_->take(last_.at, replayed);
-    compare(std::get<core::ReceivedPacket>(last_.what), "a packet for the CPU", taken, replayed);
+    const bool taken = controller_->take(last_.at, taken_);
+    compare(std::get<Taken>(last_.what), "a packet for the CPU", taken, taken ? Taken(taken_) : Taken());
   }
   read_next();
   return !difference_;
 }
 
+void Replay::look_at_data(input::Receive& taken_in) {
+  wire::ByteView& bytes = taken_in.slice.bytes;
+  if (last_.data_left_out) {
+    std::copy(bytes.begin(), bytes.end(), packet_.begin());  // they lie in the reader, which reads on
+    bytes.data = packet_.data();
+    last_.data_left_out = !data_.fill_in(packet_.data(), bytes.size);
+  } else if (can_be_abridged(taken_in.slice)) {
+    if (taken_in.slice.crc_good())
+      data_.keep(bytes);
+    else
+      damaged_.insert(key_of({bytes}));
+  } else if (taken_in.slice.kind == wire::SliceKind::end) {
+    holds_unseen_ = true;
+  }
+}
+
 void Replay::compare(const Written& written) {
   wire::SliceWriter& output = controller_->output(written.line);
-  const wire::ByteView replayed = output.view();
-  const bool same =
-      replayed.size == written.slices.size && std::equal(replayed.begin(), replayed.end(), written.slices.begin());
-  if (!same)
-    differ(written.line == core::Line::first ? "bytes for the line" : "bytes for the second line", hex(written.slices),
-           hex(replayed));
+  std::vector<std::uint8_t> room(output.view().size);  // abridged it is shorter
+  core::StateWriter replayed(room.data(), room.size());
+  put_abridged(replayed, output.view());
+  const wire::ByteView bytes{room.data(), replayed.size()};
+  if (bytes.size != written.slices.size || !std::equal(bytes.begin(), bytes.end(), written.slices.begin()))
+    differ(written.line == core::Line::first ? "bytes for the line" : "bytes for the second line", in_words(written),
+           in_words(Written{written.line, bytes}));
+  wire::each_slice(output.view(), [this](const wire::Slice& slice) { look_at_data(slice); });
   output.clear();
+  holds_unseen_ = holds_unseen_ && controller_->holds_packets();
+}
+
+// Of a packet the CRC was compared, but not its data, which has to fit. What has come in damaged goes on damaged.
+void Replay::look_at_data(const wire::Slice& given_out) {
+  if (!can_be_abridged(given_out)) return;
+  const wire::PacketFields packet{given_out.bytes};
+  const bool own = packet.source() == controller_->settings().id;
+  if (given_out.crc_good()) {
+    if (own) data_.keep(given_out.bytes);
+  } else if ((own || data_.knows(given_out.bytes)) && !holds_unseen_ && damaged_.count(key_of(packet)) == 0) {
+    differ("the data of a packet", "that of its CRC", "other data");
+  }
 }
 
 template <class T>
@@ -162,11 +193,12 @@ std::string describe_state(core::NetworkController& controller) {
 std::string describe(const Record& record) {
   if (const auto* call = std::get_if<core::Input>(&record.what)) {
     const std::string words = std::visit([](const auto& what) { return in_words(what); }, *call);
-    return std::string(kInputNames[call->index()]) + (words.empty() ? "" : " " + words);
+    return std::string(kInputNames[call->index()]) + (words.empty() ? "" : " " + words) +
+           (record.data_left_out ? ", whose data was not recorded" : "");
   }
   if (const auto* written = std::get_if<Written>(&record.what)) return "written " + in_words(*written);
   if (const auto* event = std::get_if<core::Event>(&record.what)) return "event " + in_words(*event);
-  return "taken " + in_words(std::get<core::ReceivedPacket>(record.what));
+  return "taken " + in_words(std::get<Taken>(record.what));
 }
 
 }  // namespace limb_ring::recorder

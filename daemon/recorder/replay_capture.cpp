@@ -2,6 +2,7 @@
 
 #include "capture/packet_assembler.h"
 #include "core/ring_order.h"
+#include "recorder/abridged.h"
 
 namespace limb_ring::recorder {
 namespace {
@@ -14,12 +15,17 @@ capture::RingNames names_of(ReplayedRing& ring) {
   return names;
 }
 
+std::string comment_on(wire::ByteView packet, const PacketData& data) {
+  if (packet.size < kLeastAbridged || !data.is_made_up(packet)) return {};
+  return "not its data: that was not recorded";
+}
+
 }  // namespace
 
 class ReplayCapture::NodeTap : public core::NetworkController::Tap {
  public:
-  NodeTap(ReplayedLife& life, std::chrono::nanoseconds date, capture::PcapngWriter& writer)
-      : life_(life), date_(date), in_(to(writer)), out_(to(writer)) {}
+  NodeTap(ReplayedLife& life, std::chrono::nanoseconds date, capture::PcapngWriter& writer, const PacketData& data)
+      : life_(life), date_(date), in_(to(writer, data)), out_(to(writer, data)) {}
   ~NodeTap() override { life_.replay().set_tap(nullptr); }
 
   void arrives(const wire::Slice& slice, Line line, core::Time now) override {
@@ -32,9 +38,10 @@ class ReplayCapture::NodeTap : public core::NetworkController::Tap {
   }
 
  private:
-  static capture::PacketAssembler::Sink to(capture::PcapngWriter& writer) {
-    return
-        [&writer](const capture::PacketView& packet) { writer.packet(packet.at.count(), packet.info, packet.bytes); };
+  static capture::PacketAssembler::Sink to(capture::PcapngWriter& writer, const PacketData& data) {
+    return [&writer, &data](const capture::PacketView& packet) {
+      writer.packet(packet.at.count(), packet.info, packet.bytes, 0, comment_on(packet.bytes, data));
+    };
   }
   const core::Settings& settings() const { return life_.title().settings; }
   std::size_t size() const { return settings().order.size(); }
@@ -52,7 +59,7 @@ ReplayCapture::ReplayCapture(ReplayedRing& ring, std::ostream& out) : writer_(ou
   const Title& first = ring.lives().front()->title();
   const std::chrono::nanoseconds date(first.date - first.zero);
   for (const auto& life : ring.lives()) {
-    taps_.push_back(std::make_unique<NodeTap>(*life, date, writer_));
+    taps_.push_back(std::make_unique<NodeTap>(*life, date, writer_, ring.data()));
     life->replay().set_tap(taps_.back().get());
   }
 }

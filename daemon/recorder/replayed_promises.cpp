@@ -27,10 +27,11 @@ class ReplayedPromises::NodeHistory final : promises::ObservationSink {
             life.title().settings, nanoseconds(life.title().zero),
             [&life] { return life.replay().controller().received_waiting(); }, *this, goes_on) {}
 
-  void see(const Record& record) {
+  void see(const Replay& replay) {
+    const Record& record = replay.last();
     if (const auto* input = std::get_if<core::Input>(&record.what)) observer_.goes_in(*input, record.at);
     if (const auto* event = std::get_if<core::Event>(&record.what)) observer_.taken(*event, record.at);
-    if (const auto* packet = std::get_if<core::ReceivedPacket>(&record.what)) observer_.taken(*packet, record.at);
+    if (std::holds_alternative<Taken>(record.what)) observer_.taken(replay.taken(), record.at);
   }
 
  private:
@@ -74,7 +75,7 @@ void ReplayedPromises::has_done(ReplayedLife& life) {
   for (const nanoseconds now = life.machine_time(record.at); now >= round_ends_; round_ends_ += round_)
     judge_.round_is_over();
   if (histories_.count(&life) == 0) begin(life);
-  if (!life.replay().difference()) histories_[&life]->see(record);
+  if (!life.replay().difference()) histories_[&life]->see(life.replay());
   if (life.replay().difference() || life.replay().next() == core::kNever) end(life);
 }
 

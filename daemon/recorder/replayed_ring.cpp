@@ -21,11 +21,11 @@ std::vector<std::uint8_t> bytes_of_file(const std::string& path) {
 
 }  // namespace
 
-ReplayedLife::ReplayedLife(std::string file, std::vector<std::uint8_t> saved)
+ReplayedLife::ReplayedLife(std::string file, std::vector<std::uint8_t> saved, PacketData& data)
     : file_(std::move(file)),
       saved_(std::move(saved)),
       recording_(read_saved({saved_.data(), saved_.size()})),
-      replay_(recording_),
+      replay_(recording_, data),
       began_(machine_time(replay_.next())) {}
 
 nanoseconds ReplayedLife::machine_time(core::Time at) const {
@@ -35,7 +35,7 @@ nanoseconds ReplayedLife::machine_time(core::Time at) const {
 ReplayedRing::ReplayedRing(const std::string& folder) {
   for (const std::string& path : recordings_in(folder)) {
     try {
-      lives_.push_back(std::make_unique<ReplayedLife>(path, bytes_of_file(path)));
+      lives_.push_back(std::make_unique<ReplayedLife>(path, bytes_of_file(path), data_));
     } catch (const std::exception& problem) {
       throw std::runtime_error(path + ": " + problem.what());
     }

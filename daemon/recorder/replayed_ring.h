@@ -13,7 +13,8 @@ namespace limb_ring::recorder {
 class ReplayedLife {
  public:
   /// @throw std::runtime_error says what is wrong with it
-  ReplayedLife(std::string file, std::vector<std::uint8_t> saved);
+  /// @param data see Replay
+  ReplayedLife(std::string file, std::vector<std::uint8_t> saved, PacketData& data);
 
   const std::string& file() const { return file_; }
   const Title& title() const { return recording_.title; }
@@ -48,8 +49,11 @@ class ReplayedRing {
   /// difference.
   /// @return whose it was; null where nothing is left
   ReplayedLife* step(std::chrono::nanoseconds until);
+  /// Of the packets that were replayed last.
+  const PacketData& data() const { return data_; }
 
  private:
+  PacketData data_;
   std::vector<std::unique_ptr<ReplayedLife>> lives_;
   std::chrono::nanoseconds began_{0};
 };

@@ -23,8 +23,15 @@ constexpr std::size_t kMaxBytesAfter = 520;
 /// change[n][b]: what bit b of a byte that n bytes follow does to the CRC.
 using ChangeTable = std::array<std::array<std::uint32_t, 8>, kMaxBytesAfter + 1>;
 
+constexpr std::uint32_t kPolynomial = 0xEDB88320u;
+
 std::uint32_t shift_bits(std::uint32_t crc, int bits) {
-  for (int i = 0; i < bits; ++i) crc = crc >> 1 ^ (crc & 1 ? 0xEDB88320u : 0u);
+  for (int i = 0; i < bits; ++i) crc = crc >> 1 ^ (crc & 1 ? kPolynomial : 0u);
+  return crc;
+}
+
+std::uint32_t shift_bits_back(std::uint32_t crc, std::size_t bits) {
+  for (std::size_t i = 0; i < bits; ++i) crc = crc >> 31 != 0 ? (crc ^ kPolynomial) << 1 | 1 : crc << 1;
   return crc;
 }
 
@@ -55,6 +62,10 @@ std::uint32_t crc32_change(std::uint8_t delta, std::size_t bytes_after) {
   std::uint32_t change = 0;
   for (unsigned bits = delta; bits != 0; bits &= bits - 1) change ^= row[__builtin_ctz(bits)];
   return change;
+}
+
+std::uint32_t crc32_cause(std::uint32_t change, std::size_t bytes_after) {
+  return shift_bits_back(change, 8 * (sizeof change + bytes_after));
 }
 
 }  // namespace limb_ring::wire

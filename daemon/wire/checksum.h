@@ -17,4 +17,9 @@ std::uint32_t crc32(ByteView bytes);
 /// @pre bytes_after <= 520
 std::uint32_t crc32_change(std::uint8_t delta, std::size_t bytes_after);
 
+/// The other way round, for four bytes: what to XOR into them, the first in the lowest byte, so that the CRC of the run
+/// is XORed with `change`. (ours)
+/// @param bytes_after how many bytes of the run follow them
+std::uint32_t crc32_cause(std::uint32_t change, std::size_t bytes_after);
+
 }  // namespace limb_ring::wire

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,10 @@ constexpr std::size_t kFoldWordSize = 3;
 struct Slice {
   SliceKind kind;
   ByteView bytes;
+  std::optional<bool> crc_checked{};  ///< of a whole DATP: it is right or wrong, where somebody has looked already
+
+  /// @pre a whole DATP
+  bool crc_good() const { return crc_checked ? *crc_checked : PacketFields{bytes}.crc_good(); }
 };
 
 constexpr std::size_t kSliceHeaderSize = 4;

@@ -77,7 +77,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Bytes saved = changed((how & 1) != 0 ? folding : usual, input);
   try {
     const recorder::Recording recording = recorder::read_saved({saved.data(), saved.size()});
-    recorder::Replay replay(recording);
+    recorder::PacketData packets;
+    recorder::Replay replay(recording, packets);
     // Takes long; the first input of a process is always put into words, so what crashed does again.
     static unsigned runs = 0;
     const bool in_words = runs++ % 256 == 0;

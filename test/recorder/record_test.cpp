@@ -20,7 +20,7 @@ constexpr Time kNow{1s};
 template <class What>
 std::optional<Record> again(const What& what, Time at = kNow, Time last = kNow) {
   static std::uint8_t room[2048];  // the record points into it
-  RecordWriter writer(core::StateWriter(room, sizeof room), last);
+  RecordWriter writer(core::StateWriter(room, sizeof room), wire::NodeId{1}, last);
   writer.put(at, what);
   EXPECT_FALSE(writer.failed());
   RecordReader reader({room, writer.size()}, last);
@@ -84,13 +84,17 @@ TEST(Record, ofASliceThatNoLineCarriesIsNone) {
   EXPECT_FALSE(again(core::Input{input::Receive{Line::first, {wire::SliceKind{99}, {}}}}));
 }
 
-TEST(Record, ofAPacketLongerThanAnyIsNone) {
+TEST(Record, ofAPacketForTheCpuHasTheCrcOfItsData) {
   core::ReceivedPacket packet;
-  packet.data.fill(1);
-  packet.size = wire::kMaxPayload;
-  EXPECT_TRUE(again(packet));
-  packet.size = wire::kMaxPayload + 1;
-  EXPECT_FALSE(again(packet));
+  packet.source = wire::NodeId{3};
+  packet.size = 2;
+  packet.data[0] = 1, packet.data[1] = 2;
+  const auto record = again(Taken(packet));
+  ASSERT_TRUE(record);
+  const auto& taken = std::get<Taken>(record->what);
+  EXPECT_EQ(taken.source, 3);
+  EXPECT_EQ(taken.size, 2u);
+  EXPECT_EQ(taken.crc, wire::crc32(packet.bytes()));
 }
 
 TEST(Record, thatIsEarlierThanTheOneBeforeIsNone) {
@@ -100,7 +104,7 @@ TEST(Record, thatIsEarlierThanTheOneBeforeIsNone) {
 
 TEST(Record, atTheTimeOfTheOneBeforeSaysSoInItsTagAlone) {
   std::uint8_t room[16];
-  RecordWriter writer(core::StateWriter(room, sizeof room), kNow);
+  RecordWriter writer(core::StateWriter(room, sizeof room), wire::NodeId{1}, kNow);
   writer.put(kNow, core::Input{input::Run{}});
   EXPECT_EQ(writer.size(), 1u);
   writer.put(kNow + 1us, core::Input{input::Run{}});

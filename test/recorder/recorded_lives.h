@@ -61,7 +61,8 @@ class RecordedLives : public sim::Observer {
 /// Replays all of it. @return the first difference
 inline std::optional<Difference> replayed(const std::vector<std::uint8_t>& saved) {
   const Recording recording = read_saved({saved.data(), saved.size()});
-  Replay replay(recording);
+  PacketData data;
+  Replay replay(recording, data);
   while (replay.step()) {
   }
   return replay.difference();

@@ -27,6 +27,20 @@ TEST(Checksum, ChangeOfAnyByteAtAnyPlaceIsWhatRecomputingGives) {
   }
 }
 
+TEST(Checksum, FourBytesGiveAnyChange) {
+  std::vector<std::uint8_t> bytes(100, 0x33);
+  const std::uint32_t before = crc32({bytes.data(), bytes.size()});
+  for (const std::size_t after : {std::size_t{0}, std::size_t{4}, std::size_t{96}}) {
+    for (const std::uint32_t change : {1u, 0x80000000u, 0x12345678u}) {
+      std::vector<std::uint8_t> changed = bytes;
+      const std::uint32_t cause = crc32_cause(change, after);
+      for (std::size_t i = 0; i < 4; ++i)
+        changed[bytes.size() - after - 4 + i] ^= static_cast<std::uint8_t>(cause >> 8 * i);
+      EXPECT_EQ(before ^ change, crc32({changed.data(), changed.size()}));
+    }
+  }
+}
+
 TEST(Checksum, NoChangeChangesNothing) { EXPECT_EQ(crc32_change(0, 17), 0u); }
 
 }  // namespace

@@ -80,6 +80,9 @@ class FoldBack {
   /// What comes in on the second line is for the NC, also while no fold node is known.
   bool hears_second() const { return in_ != In::first; }
 
+  /// What came in on the first line waits until the second has drained.
+  bool holds_slices() const { return !held_.empty(); }
+
   Time deadline() const {
     return std::min(std::min(may_fold_at_, repeat_words_at_), std::min(drain_due_, fold_node_due_));
   }

@@ -11,7 +11,7 @@ using wire::SliceKind;
 Relay::Effect Relay::receive(const wire::Slice& slice, Time now) {
   switch (slice.kind) {
     case SliceKind::whole:
-      return on_whole(slice.bytes, now);
+      return on_whole(slice, now);
     case SliceKind::start:
       return on_start(slice.bytes, now);
     case SliceKind::more:
@@ -53,8 +53,8 @@ Relay::Fate Relay::judge_data(ByteView header) {
   return Fate::discard;
 }
 
-bool Relay::check(const PacketFields& packet) {
-  if (!packet.crc_good()) return counted(counters_.crc_errors, false);
+bool Relay::check(const PacketFields& packet, bool crc_good) {
+  if (!crc_good) return counted(counters_.crc_errors, false);
   if (!wire::trailer_valid(packet.bytes)) return counted(counters_.malformed_packets, false);
   return true;
 }
@@ -74,12 +74,13 @@ std::bitset<256> Relay::between(NodeId before, NodeId behind) const {
 
 // ---- DATP -----------------------------------------------------------------------------------
 
-Relay::Effect Relay::on_whole(ByteView bytes, Time now) {
+Relay::Effect Relay::on_whole(const wire::Slice& slice, Time now) {
+  const ByteView bytes = slice.bytes;
   const bool broke_off_own = break_off(counters_.broken_off_packets, now);
   const PacketFields packet{bytes};
   const Fate fate = judge_data(bytes);
   if (fate == Fate::discard) return {broke_off_own};
-  const bool good = check(packet);
+  const bool good = check(packet, slice.crc_good());
   if (fate == Fate::strip) {
     returns_.data(packet, good, now);
     return {};
@@ -131,7 +132,7 @@ Relay::Effect Relay::on_end(ByteView bytes, Time now) {
   if (fate_ == Fate::discard) return {false};
   const auto tail = static_cast<std::int64_t>(wire::tail_size(packet.bytes.size));
   const Time at = now + settings_.byte_time_in * tail;
-  const bool good = check(packet);
+  const bool good = check(packet, packet.crc_good());
   if (fate_ == Fate::strip) {
     returns_.data(packet, good, at);
     return {};
@@ -161,7 +162,7 @@ void Relay::on_interrupt(ByteView bytes, Time now) {
   const Fate fate = judge(bytes, true);
   if (fate == Fate::discard) return;
   const Time at = now + settings_.byte_time_in * static_cast<std::int64_t>(wire::kInterruptPacketSize);
-  const bool good = check(packet);
+  const bool good = check(packet, packet.crc_good());
   if (fate == Fate::strip) return returns_.interrupt(packet, good, at);
   const std::uint8_t fbc = good ? pins_.pass(packet, at) : packet.fbc();
   if (fate != Fate::pass_on) return;

@@ -78,10 +78,10 @@ class Relay {
 
   Fate judge(wire::ByteView header, bool interrupt);
   Fate judge_data(wire::ByteView header);
-  bool check(const wire::PacketFields& packet);
+  bool check(const wire::PacketFields& packet, bool crc_good);
 
   void on_interrupt(wire::ByteView bytes, Time now);
-  Effect on_whole(wire::ByteView bytes, Time now);
+  Effect on_whole(const wire::Slice& slice, Time now);
   Effect on_start(wire::ByteView bytes, Time now);
   Effect on_more(wire::ByteView bytes, Time now);
   Effect on_end(wire::ByteView bytes, Time now);
