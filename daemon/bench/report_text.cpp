@@ -120,6 +120,7 @@ void print_virtual_rates(std::ostream& out, const Report& report) {
 
 json to_json(const Report& report) {
   json all = {{"nodes", report.nodes}, {"payload", report.payload}, {"seconds_per_case", report.seconds}};
+  all["failed"] = report.failed();
   for (const Row& row : report.rows) {
     all[row.what][key_of(row.pinning)][key_of(row.sending)] = row_json(row);
     if (row.what == "unix" && row.pinning == Pinning::one_core) all[key_of(row.sending)] = row_json(row);

@@ -7,7 +7,7 @@
 
 namespace limb_ring::bench {
 
-/// {"nodes","payload","one_sender","all_sending","reference","udp",...}: `one_sender` and
+/// {"nodes","payload","failed","one_sender","all_sending","reference","udp",...}: `one_sender` and
 /// `all_sending` are the ring over UNIX stream sockets on one core. Times in microseconds.
 nlohmann::json to_json(const Report& report);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include "bench/cores.h"
@@ -218,6 +219,11 @@ const Row* Report::find(const std::string& what, Pinning pinning, Sending sendin
     return row.what == what && row.pinning == pinning && row.sending == sending;
   });
   return found == rows.end() ? nullptr : &*found;
+}
+
+std::uint64_t Report::failed() const {
+  return std::accumulate(rows.begin(), rows.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const Row& row) { return sum + row.measured.failed; });
 }
 
 Report run_suite(const Setup& setup, const live::PrivateFolder& folder) {

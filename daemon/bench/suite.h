@@ -40,6 +40,7 @@ struct Report {
   SystemCosts costs;
 
   const Row* find(const std::string& what, Pinning pinning, Sending sending) const;
+  std::uint64_t failed() const;  ///< packets of all rows together
 };
 
 /// Runs everything, or what Setup::only says. Takes about 20 times Setup::seconds. @throw std::runtime_error

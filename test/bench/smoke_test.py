@@ -17,20 +17,25 @@ def bench(folder, *arguments):
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
 
 
+def check_exit_code(test, run, report):
+    """On a machine that is busy enough packets do fail, and then it says so."""
+    test.assertEqual(run.returncode, 1 if report.get("failed") else 0, run.stderr)
+
+
 class SmallBenchmark(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory(prefix="bench_")
         cls.run_ = bench(cls.folder.name, "--nodes", "4", "--seconds", "0.2", "--rounds", "1",
                          "--payload", "100", "--no-ros", "--json")
-        cls.report = json.loads(cls.run_.stdout) if cls.run_.returncode == 0 else {}
+        cls.report = json.loads(cls.run_.stdout) if cls.run_.stdout else {}
 
     @classmethod
     def tearDownClass(cls):
         cls.folder.cleanup()
 
     def setUp(self):
-        self.assertEqual(self.run_.returncode, 0, self.run_.stderr)
+        check_exit_code(self, self.run_, self.report)
 
     def check_case(self, case):
         self.assertGreater(case["packets"], 0)
@@ -43,6 +48,7 @@ class SmallBenchmark(unittest.TestCase):
     def test_says_what_was_measured(self):
         self.assertEqual(self.report["nodes"], 4)
         self.assertEqual(self.report["payload"], 100)
+        self.assertIn("failed", self.report)
 
     def test_one_sender_and_all_sending_are_the_ring_over_unix_on_one_core(self):
         for sending in ("one_sender", "all_sending"):
@@ -113,8 +119,8 @@ class APart(unittest.TestCase):
     def test_is_measured_alone_beside_its_reference(self):
         with tempfile.TemporaryDirectory(prefix="bench_") as folder:
             run = bench(folder, "--nodes", "4", "--seconds", "0.1", "--rounds", "1", "--only", "shm", "--json")
-        self.assertEqual(run.returncode, 0, run.stderr)
         report = json.loads(run.stdout)
+        check_exit_code(self, run, report)
         self.assertGreater(report["shm"]["one_core"]["all_sending"]["packets"], 0)
         self.assertEqual([name for name in ("unix", "udp", "judged", "recorded", "cpu_to_cpu", "spin", "relay_chain")
                           if name in report], [])

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 
+#include "app/common/text_table.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "bench/report_text.h"
@@ -43,6 +44,7 @@ int run(BenchOptions& options) {
     std::cout << bench::to_json(report).dump(2) << '\n';
   else
     std::cout << bench::to_text(report);
+  if (report.failed() != 0) throw NotDone(app::counted(report.failed(), "packet") + " failed: see the rows");
   return kDone;
 }
 
@@ -51,8 +53,10 @@ int run(BenchOptions& options) {
 void add_bench(CLI::App& app, Context& context) {
   auto options = std::make_shared<BenchOptions>();
   bench::Setup& setup = options->setup;
-  CLI::App* command =
-      add_command(app, "bench", "Measure rings of our own beside a bare reference ring; takes about two minutes");
+  CLI::App* command = add_command(
+      app, "bench",
+      "Measure rings of our own beside a bare reference ring; takes about two minutes; exit code 1: packets "
+      "failed");
   command->add_option("--nodes", setup.nodes, "Nodes in each ring, 2 to 64; default 16")->transform(cli::whole(2, 64));
   command->add_option("--payload", setup.payload, "Bytes of data in a packet, 4 to 512; default 512")
       ->transform(cli::whole(4, kMaxPayload));
