@@ -9,15 +9,33 @@
 
 namespace limb_ring::app {
 
+namespace {
+
+std::string cannot_be_written(const std::string& path, int error) {
+  return path + ": cannot be written: " + std::strerror(error);
+}
+
+}  // namespace
+
 std::string why_no_file(const std::string& path) {
   if (path != kStandardOutput) return "";
   return path + ": names no file here: standard output has the report; ./- is a file";
 }
 
+std::string why_not_writable(const std::string& path) {
+  namespace fs = std::filesystem;
+  if (const std::string problem = why_no_file(path); !problem.empty()) return problem;
+  std::error_code error;
+  if (fs::is_directory(path, error)) return cannot_be_written(path, EISDIR);
+  const bool there = fs::exists(path, error);
+  const std::string place = there ? path : fs::absolute(path, error).parent_path().string();
+  return ::access(place.c_str(), there ? W_OK : W_OK | X_OK) == 0 ? "" : cannot_be_written(path, errno);
+}
+
 std::string open_for_writing(std::ofstream& file, const std::string& path) {
   if (const std::string problem = why_no_file(path); !problem.empty()) return problem;
   file.open(path, std::ios::binary);
-  return file ? "" : path + ": cannot be written: " + std::strerror(errno);
+  return file ? "" : cannot_be_written(path, errno);
 }
 
 std::string make_output_folder(const std::string& folder) {

@@ -16,6 +16,9 @@ std::string why_no_file(const std::string& path);
 /// refused: callers whose report goes elsewhere then take it before.
 std::string open_for_writing(std::ofstream& file, const std::string& path);
 
+/// The same without touching the file: for what is written only at the end, and perhaps not at all.
+std::string why_not_writable(const std::string& path);
+
 /// Makes the folder, with those above it, where it is not there.
 /// @return what is wrong: the folder and the system's reason; empty where files can be made in it now
 std::string make_output_folder(const std::string& folder);

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -144,6 +145,24 @@ TEST_F(ScenarioCommand, IsNotMadeSmallInItsOwnPlace) {
   const CliRun said = ringctl({"scenario", "shrink", path, "-o", path});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, HasSubstr("--out names the scenario itself: " + path + " would be lost"));
+}
+
+TEST_F(ScenarioCommand, IsNotMadeSmallForAFileThatCannotBeWritten) {
+  const std::string path = write("good.yaml", kGood);
+  const CliRun missing = ringctl({"scenario", "shrink", path, "-o", folder + "/none/x.yaml"});
+  EXPECT_EQ(missing.code, kUsage);
+  EXPECT_THAT(missing.errors, HasSubstr("--out " + folder + "/none/x.yaml: cannot be written: No such file or"));
+  const CliRun is_folder = ringctl({"scenario", "shrink", path, "-o", folder});
+  EXPECT_EQ(is_folder.code, kUsage);
+  EXPECT_THAT(is_folder.errors, HasSubstr("--out " + folder + ": cannot be written: Is a directory"));
+}
+
+TEST_F(ScenarioCommand, LeavesTheFileForASmallOneWhereNothingIsFound) {
+  const std::string path = write("good.yaml", kGood), out = write("out.yaml", "as it was");
+  EXPECT_EQ(ringctl({"scenario", "shrink", path, "-o", out}).code, kNotDone);
+  EXPECT_EQ(std::filesystem::file_size(out), 9u);
+  EXPECT_EQ(ringctl({"scenario", "shrink", path, "-o", folder + "/new.yaml"}).code, kNotDone);
+  EXPECT_FALSE(std::filesystem::exists(folder + "/new.yaml"));
 }
 
 TEST_F(ScenarioCommand, ItsJsonIsUtf8AlsoWhereAFilesNameIsNot) {

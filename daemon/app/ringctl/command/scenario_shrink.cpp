@@ -39,9 +39,16 @@ void write(const std::string& text, const std::string& path) {
   if (!problem.empty()) throw NotDone(problem);
 }
 
+/// Now, since the small scenario may come after minutes. @throw UsageError
+void require_writable(const std::string& path) {
+  const std::string problem = path.empty() ? "" : app::why_not_writable(path);
+  if (!problem.empty()) throw UsageError("--out " + problem);
+}
+
 int run(ShrinkOptions& options) {
   if (app::is_same_file(options.request.path, options.out))
     throw UsageError("--out names the scenario itself: " + options.out + " would be lost; write to another file");
+  require_writable(options.out);
   if (!options.out.empty()) options.request.beside = std::filesystem::absolute(options.out).parent_path().string();
   Progress progress;
   options.request.tell = [&progress](std::size_t runs) {
