@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
+
 namespace limb_ring::bridge {
 namespace {
 
@@ -49,6 +52,8 @@ void RingListener::run() {
 void RingListener::connect(Source& source) {
   if (Clock::now() < source.next_try) return;
   source.next_try = Clock::now() + kListenRetry;
+  if (live::holder_of(ring_directory(daemon_.ring, daemon_.runtime), source.node->id).frozen)
+    return;  // it would let all others wait, and who wants an end
   try {
     daemon_.node = source.node->name;
     source.port.emplace(HostPort::connect(daemon_));

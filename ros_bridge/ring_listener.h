@@ -15,7 +15,7 @@
 namespace limb_ring::bridge {
 
 /// Observes daemons on this host, as any tool may, in a thread of its own until it is destroyed. A daemon
-/// that is gone, or not there yet, is tried ten times a second; one on another host is never found.
+/// that is gone, frozen, or not there yet, is tried ten times a second; one on another host is never found.
 class RingListener {
  public:
   /// What came of a node, Disconnected included; called from the listening thread.

@@ -62,6 +62,11 @@ class FakeDaemon {
     }
     return heard;
   }
+  /// Somebody waits to be accepted.
+  bool is_tried() const {
+    pollfd waiting{listening_, POLLIN, 0};
+    return ::poll(&waiting, 1, 0) > 0;
+  }
   void hang_up() {
     if (client_ >= 0) ::close(client_);
     client_ = -1;

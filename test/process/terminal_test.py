@@ -67,7 +67,22 @@ class Ping(RingTest):
         daemons[0].send_signal(signal.SIGSTOP)
         self.assertEqual(self.wait_exit(ping), 3, self.log_of(ping))
         self.assertRegex(self.log_of(ping), r'sent, \d+ delivered, 1 not ended')
-        self.assertIn('node 0 (node0) of ring %s: no result of the last packet' % self.ring, self.log_of(ping))
+        self.assertIn('node 0 (node0) of ring %s: no result' % self.ring, self.log_of(ping))
+
+    def test_ends_where_its_daemon_is_frozen(self):
+        daemons = self.start_ring(plain_nodes(2))
+        for command in (['ping', 'node1', '--from', 'node0', '-q', '-i', '1ms'],
+                        ['send', '--from', 'node0', '--to', 'node1', '--data', 'x', '-c', '100000', '-i', '1ms']):
+            with self.subTest(command=command[0]):
+                sender = self.start(command[0], [program('ringctl')] + command)
+                before = self.counters(0)['sent_data']
+                self.wait('some packets', lambda: self.counters(0)['sent_data'] > before + 100)
+                daemons[0].send_signal(signal.SIGSTOP)
+                self.assertEqual(self.wait_exit(sender), 3, self.log_of(sender))
+                self.assertIn('node 0 (node0) of ring %s: no result within 2 s: its daemon is frozen' % self.ring,
+                              self.log_of(sender))
+                daemons[0].send_signal(signal.SIGCONT)
+                self.wait_closed([0, 1])
 
 
 class Send(RingTest):
@@ -263,6 +278,15 @@ class EightyColumns(RingTest):
         for text in (status, top):
             self.assertRegex(text[3], 'node1 .* stopped')
             self.assertRegex(text[4], 'node2 .*frozen')
+
+    def test_top_waits_for_no_daemon_that_is_frozen(self):
+        nodes = plain_nodes(20)
+        daemons = self.start_ring(nodes)
+        for node in range(2, 20):
+            daemons[node].send_signal(signal.SIGSTOP)
+        top = self.ctl('top', '--once', '--interval', '0.1')  # two seconds for each of them, twice, would be too long
+        self.assertEqual(top.returncode, 0, top.stderr)
+        self.assertEqual(top.stdout.count('frozen'), 18)
 
 
 if __name__ == '__main__':

@@ -6,6 +6,7 @@
 #include "app/ringctl/connect_node.h"
 #include "app/ringctl/node_name.h"
 #include "app/ringctl/progress.h"
+#include "app/ringctl/result_wait.h"
 #include "app/ringctl/results.h"
 #include "core/time.h"
 #include "statistics/percentiles.h"
@@ -69,6 +70,7 @@ void PingRun::send_one() {
 
 void PingRun::wait_for_result(std::uint32_t token) {
   Progress progress(port_.ring());
+  const ResultWait wait(port_);
   while (!asked_to_end_) {
     progress.tell();
     const auto message = port_.receive(process::SignalWait::kTick);
@@ -80,8 +82,9 @@ void PingRun::wait_for_result(std::uint32_t token) {
       if (const auto* end = std::get_if<Disconnected>(&*message)) throw gone(port_, end->reason);
     }
     asked_to_end_ = process::SignalWait::asks_to_end(signals_.next(milliseconds(0)));
+    wait.check();
     if (order_.deadline && steady_clock::now() - begun_ >= *order_.deadline + kLastResult)
-      throw gone(port_, "no result of the last packet; is its daemon frozen?");
+      throw gone(port_, "no result of the last packet within " + std::to_string(kLastResult.count()) + " s");
   }
 }
 

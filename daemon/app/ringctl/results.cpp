@@ -9,6 +9,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/refusal_counters.h"
+#include "app/ringctl/result_wait.h"
 #include "app/ringctl/ring_access.h"
 #include "process/signal_wait.h"
 
@@ -18,7 +19,6 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr std::chrono::seconds kGuard{120};
 constexpr std::chrono::milliseconds kRowTime{300};  // a destination that is busy is not waited for
 constexpr unsigned kOutstanding = 16;               // well below a node's send queue
 
@@ -54,7 +54,7 @@ namespace {
 void send_into(Sends& sends, HostPort& port, unsigned count, const std::function<std::uint32_t()>& send,
                std::chrono::nanoseconds interval) {
   const auto begun = steady_clock::now();
-  auto deadline = begun + kGuard;
+  ResultWait wait(port);
   process::SignalWait signals;
   Progress progress(port.ring());
   std::vector<Result>& results = sends.results;
@@ -65,10 +65,9 @@ void send_into(Sends& sends, HostPort& port, unsigned count, const std::function
     const bool waits_for_turn = sent < count && turn() > steady_clock::now();
     if (take_one(port, results, waits_for_turn ? turn() - steady_clock::now() : process::SignalWait::kTick) ||
         sent == results.size())
-      deadline = steady_clock::now() + kGuard;
+      wait.restart();
     if (process::SignalWait::asks_to_end(signals.next(std::chrono::milliseconds(0)))) break;
-    if (steady_clock::now() > deadline)
-      throw HostPortError("no result within " + std::to_string(kGuard.count()) + " s");
+    wait.check();
     progress.tell(std::to_string(results.size()) + " of " + std::to_string(count) + " ended");
   }
 }

@@ -20,8 +20,7 @@ struct Sends {
 };
 
 /// Makes `count` sends, a few of them outstanding at a time, and waits for their results, with
-/// progress on standard error. Every send ends by itself within the configured time-outs; the
-/// guard is above all of them.
+/// progress on standard error (ResultWait).
 /// @param send makes one and returns its token
 /// @param interval from one to the next; 0: as fast as they end
 /// @return as many results, or those there are when somebody asks for an end (Ctrl-C) or the daemon has gone

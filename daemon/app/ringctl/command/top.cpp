@@ -19,6 +19,8 @@
 #include "app/ringctl/supervision.h"
 #include "app/ringctl/top_table.h"
 #include "cli/values.h"
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
 #include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
@@ -43,26 +45,30 @@ class StatusPoll {
   explicit StatusPoll(const RingAccess& ring) : ring_(ring), ports_(ring.nodes().size()) {}
 
   StatusSample sample() {
-    std::vector<std::uint32_t> tokens;
+    std::vector<std::optional<std::uint32_t>> tokens;
     for (std::size_t i = 0; i < ports_.size(); ++i) tokens.push_back(ask(i));
     StatusSample sample;
     sample.at_s = duration<double>(steady_clock::now().time_since_epoch()).count();
     const auto deadline = steady_clock::now() + kAnswerWait;
     std::vector<std::optional<nlohmann::json>> answers;
-    for (std::size_t i = 0; i < ports_.size(); ++i) answers.push_back(answer(i, tokens[i], deadline));
+    for (std::size_t i = 0; i < ports_.size(); ++i)
+      answers.push_back(tokens[i] ? answer(i, *tokens[i], deadline) : std::nullopt);
     sample.rows = complete_rows(ring_, answers);
     sample.clock = ring_clock(ring_.ring());
     return sample;
   }
 
  private:
-  std::uint32_t ask(std::size_t index) {
-    if (ring_.is_elsewhere(ring_.nodes()[index])) return 0;  // its beacons are heard here
+  /// @return token of the answer; nothing where none is to be waited for
+  std::optional<std::uint32_t> ask(std::size_t index) {
+    const NodeName& node = ring_.nodes()[index];
+    if (ring_.is_elsewhere(node)) return std::nullopt;  // its beacons are heard here
+    if (live::holder_of(ring_directory(ring_.ring()), node.id).frozen) return std::nullopt;  // it would let us wait
     try {
-      if (!ports_[index]) ports_[index] = ring_.connect(ring_.nodes()[index]);
+      if (!ports_[index]) ports_[index] = ring_.connect(node);
       return ports_[index]->request(R"({"do": "status"})");
     } catch (const HostPortError&) {
-      return 0;  // it is down, and asked again next time
+      return std::nullopt;  // it is down, and asked again next time
     }
   }
 

@@ -1,0 +1,30 @@
+#include "app/ringctl/result_wait.h"
+
+#include "app/ringctl/answers.h"
+#include "app/ringctl/connect_node.h"
+#include "app/ringctl/ring_clock.h"
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+constexpr std::chrono::seconds kGuard{120};  // well above the default time-outs of a send
+
+std::string seconds(std::chrono::nanoseconds time) {
+  return std::to_string(std::chrono::floor<std::chrono::seconds>(time).count()) + " s";
+}
+
+}  // namespace
+
+void ResultWait::check() const {
+  const auto waited = std::chrono::steady_clock::now() - begun_;
+  if (waited >= kAnswerTime && live::holder_of(ring_directory(port_.ring()), port_.id()).frozen)
+    throw gone(port_, "no result within " + seconds(kAnswerTime) + ": its daemon is frozen");
+  if (waited < kGuard) return;
+  const std::string standing = standing_clock(port_.ring());
+  throw gone(port_, "no result within " + seconds(kGuard) + (standing.empty() ? "" : ": " + standing));
+}
+
+}  // namespace limb_ring::ringctl
