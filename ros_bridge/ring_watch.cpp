@@ -1,6 +1,9 @@
 #include "ros_bridge/ring_watch.h"
 
+#include <ros/console.h>
+
 #include <initializer_list>
+#include <utility>
 
 #include "ros_bridge/status_conversion.h"
 #include "wire/control_message.h"
@@ -19,6 +22,16 @@ const json& heard_in(const json& row) {
   static const json nobody = json::array();
   const auto found = row.find("heard");
   return found != row.end() && found->is_array() ? *found : nobody;
+}
+
+/// What is not as daemon/host/requests.md has it, and would be taken for a node's; empty: nothing.
+std::string wrong_in(const json& row) {
+  if (!row.is_object()) return "it is no JSON object";
+  if (row.contains("heard") && !row["heard"].is_array()) return "'heard' is no list";
+  for (const json& heard : heard_in(row))
+    if (!heard.is_object() || !heard.value("id", json()).is_number_integer())
+      return "in 'heard' is what has no whole number 'id'";
+  return "";
 }
 
 json essence(const json& object, std::initializer_list<const char*> members) {
@@ -45,13 +58,24 @@ std::optional<json> RingWatch::ask(const std::string& node) {
       daemon.node = node;
       peer.port.emplace(HostPort::connect(daemon));
     }
-    return json::parse(peer.port->ask(R"({"do":"status"})", kStatusAnswer));
+    json row = json::parse(peer.port->ask(R"({"do":"status"})", kStatusAnswer), nullptr, /*allow_exceptions=*/false);
+    if (!is_right(row, node, peer)) return std::nullopt;
+    return row;
   } catch (const std::exception&) {
     // A node that does not answer shows as such in the status; there is no one to tell.
     peer.port.reset();
     peer.next_try = Clock::now() + kStatusRetry;
     return std::nullopt;
   }
+}
+
+bool RingWatch::is_right(const json& row, const std::string& node, Peer& peer) {
+  const std::string wrong = wrong_in(row);
+  const bool is_news = std::exchange(peer.told, wrong) != wrong;
+  if (is_news && !wrong.empty())
+    ROS_WARN("the daemon of node '%s' answers no status that can be read, and counts as silent: %s", node.c_str(),
+             wrong.c_str());
+  return wrong.empty();
 }
 
 std::string RingWatch::digest() {
@@ -74,7 +98,7 @@ std::vector<NodeStatus> RingWatch::poll() {
     if (row) merge_status_row(*row, status);
     if (own)
       for (const auto& heard : heard_in(*own))
-        if (heard.is_object() && heard.value("id", -1) == node.id) merge_beacon(heard, fresh, status);
+        if (heard["id"] == node.id) merge_beacon(heard, fresh, status);
     all.push_back(std::move(status));
   }
   return all;

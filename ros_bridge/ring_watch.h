@@ -32,8 +32,11 @@ class RingWatch {
   struct Peer {
     std::optional<HostPort> port;
     Clock::time_point next_try{};
+    std::string told;  ///< what was wrong with its last answer; empty: nothing
   };
   std::optional<nlohmann::json> ask(const std::string& node);
+  /// Says once what is wrong with the answer.
+  static bool is_right(const nlohmann::json& row, const std::string& node, Peer& peer);
 
   const config::RingConfig& ring_;
   ConnectOptions daemon_;
