@@ -175,7 +175,8 @@ void LiveFaults::wait_until_thawed(wire::NodeId node, const Wait& wait) const {
 
 Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {
   const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
-  const json answer = daemons_.ask(node, {{"do", "fault"}, {"fault", words}});
+  const json request{{"do", "fault"}, {"fault", words}};
+  const json answer = fault.name == Name::reset ? daemons_.ask_for_boot(node, request) : daemons_.ask(node, request);
   const auto id = answer.at("id").get<std::uint32_t>();
   const std::string name = id == 0 ? std::string{} : daemons_.node(node).name + '.' + std::to_string(id);
   return {name, answer.at("fault").get<std::string>()};

@@ -25,8 +25,10 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kStep{5};
 constexpr milliseconds kSignalled{5'000};  ///< for a signal to take effect
-/// A fault may wait for a CPU to boot.
+/// A fault may wait for a process to stop, and for lines.
 constexpr milliseconds kAnswer{15'000};
+/// The same beside the time in which a CPU has to boot.
+constexpr milliseconds kReset{10'000};
 
 bool wait_for(const std::function<bool()>& condition, milliseconds patience) {
   const auto deadline = steady_clock::now() + patience;
@@ -74,7 +76,14 @@ HostPort RunningDaemons::connect(wire::NodeId id) const {
 
 json RunningDaemons::ask(wire::NodeId id, const json& request) const {
   HostPort port = connect(id);
-  return ask_through(port, request);
+  return ask_through(port, request, kAnswer);
+}
+
+json RunningDaemons::ask_for_boot(wire::NodeId id, const json& request) const {
+  HostPort port = connect(id);
+  const json config = ask_through(port, {{"do", "config"}}, kAnswer);
+  const milliseconds cpu_boot(config.value("cpu_boot_ms", (kAnswer - kReset).count()));  // none: an older daemon's
+  return ask_through(port, request, cpu_boot + kReset);
 }
 
 json RunningDaemons::ask_ring(const json& request) const {
@@ -83,12 +92,12 @@ json RunningDaemons::ask_ring(const json& request) const {
   options.node = std::to_string(wire::kBroadcast);
   options.timeout = milliseconds(0);
   HostPort port = HostPort::connect(options);
-  return ask_through(port, request);
+  return ask_through(port, request, kAnswer);
 }
 
-json RunningDaemons::ask_through(HostPort& port, const json& request) const {
+json RunningDaemons::ask_through(HostPort& port, const json& request, milliseconds timeout) const {
   try {
-    return json::parse(port.ask(request.dump(), kAnswer));
+    return json::parse(port.ask(request.dump(), timeout));
   } catch (const HostPortError& error) {
     if (!port.connected()) throw HostPortError("node " + port.name() + " of ring " + ring_ + ": " + error.what());
     throw NotDone(error.what());  // the daemon's own word

@@ -32,6 +32,8 @@ class RunningDaemons {
 
   HostPort connect(wire::NodeId node) const;
   nlohmann::json ask(wire::NodeId node, const nlohmann::json& request) const;
+  /// The same where the answer comes once the node's CPU has booted: it may take as long as the ring's file says.
+  nlohmann::json ask_for_boot(wire::NodeId node, const nlohmann::json& request) const;
 
   /// One process has all nodes, on a virtual clock.
   bool is_virtual() const { return holder(nodes_.front().id).on_virtual_ring; }
@@ -55,7 +57,7 @@ class RunningDaemons {
  private:
   std::uint64_t boot_of(wire::NodeId node) const;
   bool has_joined(wire::NodeId node) const;
-  nlohmann::json ask_through(HostPort& port, const nlohmann::json& request) const;
+  nlohmann::json ask_through(HostPort& port, const nlohmann::json& request, std::chrono::milliseconds timeout) const;
   bool done_in_virtual_ring(fault::Name what, wire::NodeId node) const;
   void signal(wire::NodeId node, int number) const;
   void keep(process::Child daemon) const;

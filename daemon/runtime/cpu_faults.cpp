@@ -9,8 +9,10 @@ namespace limb_ring::runtime {
 
 namespace {
 
-/// Signals take effect in an instant; a CPU may need long to boot.
+/// Signals take effect in an instant.
 constexpr std::chrono::milliseconds kPatience{10'000};
+/// What a reset may take beside the boot: the old process has to go, and an owner to start the new one.
+constexpr std::chrono::milliseconds kUntilStarted{5'000};
 
 }  // namespace
 
@@ -40,11 +42,20 @@ void CpuFaults::crash(const Done& done) {
 }
 
 void CpuFaults::reset(const Done& done) {
-  const std::uint32_t boots = cpu_.status().boots;
+  const CpuStatus before = cpu_.status();
   const CpuActionResult report = cpu_.reset("fault");
   if (!report.done) return done(report.message);
   if (!report.comes_back) return done("");
-  wait([this, boots] { return cpu_.status().boots > boots; }, "the CPU has not booted again", done);
+  const auto has_booted = [this, before] { return cpu_.status().boots > before.boots; };
+  const auto is_over = [this, has_booted, before] {
+    return has_booted() || cpu_.status().failed_boots > before.failed_boots;
+  };
+  const auto patience = cpu_boot_ + kUntilStarted;
+  wait_until(io_, alive_, is_over, patience, [this, has_booted, patience, done](bool in_time) {
+    if (has_booted()) return done("");
+    done("the CPU has not booted again" +
+         (in_time ? ": " + cpu_.status().last_exit : " within " + std::to_string(patience.count()) + " ms"));
+  });
 }
 
 void CpuFaults::wake(const Done& done) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -16,14 +17,15 @@ class CpuFaults {
   /// Called once: with an empty text when the action has taken effect, else with the reason why it has not.
   using Done = std::function<void(const std::string& problem)>;
 
-  CpuFaults(boost::asio::io_context& io, NodeDriver& driver, CpuSocket& cpu)
-      : io_(io), driver_(driver), cpu_(cpu), babbling_(driver) {}
+  /// @param cpu_boot how long a CPU may take to boot (timeouts.cpu_boot)
+  CpuFaults(boost::asio::io_context& io, NodeDriver& driver, CpuSocket& cpu, std::chrono::milliseconds cpu_boot)
+      : io_(io), driver_(driver), cpu_(cpu), cpu_boot_(cpu_boot), babbling_(driver) {}
 
   /// Stops its process.
   void hang(const Done& done);
   /// Ends its process by SIGSEGV, as a wild pointer would.
   void crash(const Done& done);
-  /// Done when it has booted again.
+  /// Done when it has booted again, or could not.
   void reset(const Done& done);
   void slow(core::Duration per_packet) { cpu_.read_throttle().one_per(per_packet); }
   void not_reading() { cpu_.read_throttle().not_at_all(); }
@@ -45,6 +47,7 @@ class CpuFaults {
   boost::asio::io_context& io_;
   NodeDriver& driver_;
   CpuSocket& cpu_;
+  std::chrono::milliseconds cpu_boot_;
   BabblingCpu babbling_;
   pid_t stopping_ = -1;                                     ///< it was sent SIGSTOP, which has not taken effect yet
   std::shared_ptr<void> alive_ = std::make_shared<int>(0);  ///< outlived by waits

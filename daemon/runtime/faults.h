@@ -20,8 +20,10 @@ class Faults {
   using Done = std::function<void(const std::string& problem)>;
   using Begun = std::function<void(Id id, const std::string& problem)>;
 
-  Faults(boost::asio::io_context& io, fault::RingNodes nodes, NodeDriver& driver, CpuSocket& cpu)
-      : io_(io), nodes_(std::move(nodes)), driver_(driver), cpu_(io, driver, cpu) {}
+  /// @param cpu_boot as of CpuFaults
+  Faults(boost::asio::io_context& io, fault::RingNodes nodes, NodeDriver& driver, CpuSocket& cpu,
+         std::chrono::milliseconds cpu_boot)
+      : io_(io), nodes_(std::move(nodes)), driver_(driver), cpu_(io, driver, cpu, cpu_boot) {}
 
   const fault::RingNodes& nodes() const { return nodes_; }
   /// @pre a fault of the line out of this node, or of its CPU; where it takes a seed, it has one

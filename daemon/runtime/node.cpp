@@ -50,7 +50,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
       sightings_(ring, config, *driver_, cpu_),
       reasons_(ring, config, cpu_, *driver_),
       interrupts_(*driver_, sightings_),
-      faults_(io, fault::nodes_by_id(ring), *driver_, cpu_),
+      faults_(io, fault::nodes_by_id(ring), *driver_, cpu_, ring.timeouts.cpu_boot),
       requests_(
           {ring,
            config,

@@ -91,6 +91,7 @@ void Requests::config(const Json&, const Answer& answer) {
           {"hosts", hosts_json(to_.ring)},
           {"folds_back", to_.ring.folds_back()},
           {"beacon_ms", to_.ring.timeouts.beacon.count()},
+          {"cpu_boot_ms", to_.ring.timeouts.cpu_boot.count()},
           {"supervisor", config::supervisor_of(to_.ring).id}});
 }
 

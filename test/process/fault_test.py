@@ -152,6 +152,14 @@ class Cpus(FaultTest):
         self.assertEqual(self.wait_cpu(1, 'running')['boots'], cpu['boots'] + 1)
         self.assertEqual(self.listed(), {})
 
+    def test_a_cpu_that_does_not_boot_after_a_reset_is_told_as_soon_as_it_should_have(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = {'command': ['/bin/sleep', '1000']}
+        self.start_ring(nodes, timeouts={'cpu_boot': '150ms'})
+        self.assertEqual(self.port(1).ask({'do': 'config'})['cpu_boot_ms'], 150)
+        self.assertIn('the CPU has not booted again: did not attach to the host port within 150 ms',
+                      self.fault('reset', 'node1', code=1))
+
     def test_a_crashed_cpu_is_gone_even_where_it_hung(self):
         pid = self.start_limb()['pid']
         self.begin('hang', 'node1')
