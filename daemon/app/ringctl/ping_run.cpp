@@ -9,7 +9,6 @@
 #include "app/ringctl/result_wait.h"
 #include "app/ringctl/results.h"
 #include "core/time.h"
-#include "statistics/percentiles.h"
 
 namespace limb_ring::ringctl {
 
@@ -24,20 +23,40 @@ constexpr std::chrono::seconds kLastResult{1};
 constexpr auto kOutcomes = {Outcome::refused,     Outcome::no_such_node, Outcome::lost,
                             Outcome::unconfirmed, Outcome::rejected,     Outcome::cancelled};
 
-statistics::Percentiles round_trips(const PingTotals& totals) {
-  std::vector<core::Duration> samples;
-  for (const Result& result : totals.results)
-    if (result.outcome == Outcome::delivered) samples.push_back(result.round_trip);
-  return statistics::percentiles(samples);
-}
-
 double in_seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 }  // namespace
 
+void PingTotals::add(const Result& result) {
+  const std::uint64_t before = ended_[result.outcome]++;
+  if (result.outcome != Outcome::delivered) return;
+  least_ = std::min(least_, result.round_trip);
+  most_ = std::max(most_, result.round_trip);
+  if (kept_.size() < kKept)
+    kept_.push_back(result.round_trip);
+  else
+    kept_[before % kKept] = result.round_trip;  // the oldest one's place
+}
+
 std::uint64_t PingTotals::with(Outcome outcome) const {
-  return static_cast<std::uint64_t>(std::count_if(
-      results.begin(), results.end(), [outcome](const Result& result) { return result.outcome == outcome; }));
+  const auto found = ended_.find(outcome);
+  return found == ended_.end() ? 0 : found->second;
+}
+
+std::uint64_t PingTotals::ended() const {
+  std::uint64_t all = 0;
+  for (const auto& [outcome, count] : ended_) all += count;
+  return all;
+}
+
+statistics::Percentiles PingTotals::round_trips() const {
+  std::vector<core::Duration> samples(kept_.begin(), kept_.end());
+  statistics::Percentiles trips = statistics::percentiles(samples);
+  if (kept_.empty()) return trips;
+  trips.min = statistics::microseconds(least_);
+  trips.max = statistics::microseconds(most_);
+  trips.samples = with(Outcome::delivered);
+  return trips;
 }
 
 PingTotals PingRun::run() {
@@ -76,7 +95,7 @@ void PingRun::wait_for_result(std::uint32_t token) {
     const auto message = port_.receive(process::SignalWait::kTick);
     if (message) {
       if (const auto* result = std::get_if<Result>(&*message); result != nullptr && result->token == token) {
-        totals_.results.push_back(*result);
+        totals_.add(*result);
         return each_(totals_.sent, *result);
       }
       if (const auto* end = std::get_if<Disconnected>(&*message)) throw gone(port_, end->reason);
@@ -114,13 +133,13 @@ std::string ping_text(const PingOrder& order, const PingTotals& totals) {
   for (const Outcome outcome : kOutcomes)
     if (const auto count = totals.with(outcome); count != 0)
       text += ", " + std::to_string(count) + ' ' + to_string(outcome);
-  if (totals.sent > totals.results.size())
-    text += ", " + std::to_string(totals.sent - totals.results.size()) + " not ended";
+  if (totals.sent > totals.ended()) text += ", " + std::to_string(totals.sent - totals.ended()) + " not ended";
   text += ", " + app::number(in_seconds(totals.took), 3) + " s\n";
-  const auto trips = round_trips(totals);
+  const auto trips = totals.round_trips();
   if (trips.samples == 0) return text;
   return text + "round trip min/p50/p99/max = " + app::number(trips.min) + '/' + app::number(trips.p50) + '/' +
-         app::number(trips.p99) + '/' + app::number(trips.max) + " us\n";
+         app::number(trips.p99) + '/' + app::number(trips.max) + " us" +
+         (totals.all_are_kept() ? "" : "; p50 and p99 of the last " + std::to_string(PingTotals::kKept)) + '\n';
 }
 
 json ping_json(const PingOrder& order, const PingTotals& totals) {
@@ -136,7 +155,7 @@ json ping_json(const PingOrder& order, const PingTotals& totals) {
           {"delivered", delivered},
           {"lost", totals.with(Outcome::lost)},
           {"other", other},
-          {"round_trip_us", statistics::to_json(round_trips(totals))},
+          {"round_trip_us", statistics::to_json(totals.round_trips())},
           {"seconds", seconds},
           {"packets_per_second", seconds > 0 ? static_cast<double>(delivered) / seconds : 0.0}};
 }

@@ -28,8 +28,9 @@ PingTotals totals() {
   PingTotals totals;
   totals.sent = 4;
   totals.took = std::chrono::milliseconds(1500);
-  totals.results = {ended(Outcome::delivered, microseconds(60)), ended(Outcome::delivered, microseconds(80)),
-                    ended(Outcome::no_such_node, microseconds(70))};
+  totals.add(ended(Outcome::delivered, microseconds(60)));
+  totals.add(ended(Outcome::delivered, microseconds(80)));
+  totals.add(ended(Outcome::no_such_node, microseconds(70)));
   return totals;
 }
 
@@ -53,6 +54,16 @@ TEST(PingStatistics, CountEveryEndAndWhatHasNotEnded) {
 
 TEST(PingStatistics, HaveNoRoundTripsWhereNothingCameBack) {
   EXPECT_EQ(ping_text(order(), {}), "--- left_knee ping statistics ---\n0 sent, 0 delivered, 0.000 s\n");
+}
+
+TEST(PingStatistics, OfAVeryLongPingHavePercentilesOfItsLastPackets) {
+  PingTotals totals;
+  for (const int trip : {5, 900}) totals.add(ended(Outcome::delivered, microseconds(trip)));
+  for (std::size_t i = 2; i < PingTotals::kKept; ++i) totals.add(ended(Outcome::delivered, microseconds(10)));
+  EXPECT_THAT(ping_text(order(), totals), HasSubstr("min/p50/p99/max = 5.0/10.0/10.0/900.0 us\n"));
+  for (std::size_t i = 0; i < PingTotals::kKept; ++i) totals.add(ended(Outcome::delivered, microseconds(20)));
+  EXPECT_THAT(ping_text(order(), totals), HasSubstr("2000000 delivered"));
+  EXPECT_THAT(ping_text(order(), totals), HasSubstr("= 5.0/20.0/20.0/900.0 us; p50 and p99 of the last 1000000\n"));
 }
 
 TEST(PingStatistics, AreTheSameForPrograms) {

@@ -59,7 +59,8 @@ int run(const Context& context, const PingOptions& options) {
     std::cout << (lines ? "\n" : "") << ping_text(order, totals);
   if (!totals.problem.empty()) throw HostPortError(totals.problem);
   const bool all = order.count == 0 || totals.sent == order.count;
-  return all && totals.with(Outcome::delivered) == totals.results.size() && !totals.results.empty() ? kDone : kNotDone;
+  const std::uint64_t ended = totals.ended();
+  return all && totals.with(Outcome::delivered) == ended && ended != 0 ? kDone : kNotDone;
 }
 
 void add_options(CLI::App& command, PingOptions& options) {
