@@ -13,14 +13,15 @@ GUARD = 60.0  # s; generous, since a ring shares few cores with other tests
 
 
 def wait_for(condition, what, guard=GUARD):
-    """The first true value of condition(); fails after `guard` seconds of the wall clock."""
+    """The first true value of condition(); fails after `guard` seconds of the wall clock. `what`: words, or what makes
+    them then."""
     deadline = time.monotonic() + guard
     while True:
         value = condition()
         if value:
             return value
         if time.monotonic() > deadline:
-            raise AssertionError('waited %g s in vain for %s' % (guard, what))
+            raise AssertionError('waited %g s in vain for %s' % (guard, what() if callable(what) else what))
         time.sleep(0.02)
 
 
