@@ -24,6 +24,10 @@ std::string time_text(double seconds) {
   return config::format_time(std::chrono::nanoseconds(std::llround(seconds * 1e9)));
 }
 
+std::string time_range(const std::string& least, const std::string& most) {
+  return "a time, " + range(least, most) + ": 500ms, 2s, or a number of seconds";
+}
+
 /// As CLI11 reads it back, to the nanosecond.
 std::string digits(double value) {
   char text[64];
@@ -68,13 +72,24 @@ CLI::Validator pace() {
 }
 
 CLI::Validator seconds(double least, double most) {
-  const std::string allowed =
-      "a time, " + range(time_text(least), time_text(most)) + ": 500ms, 2s, or a number of seconds";
+  const std::string allowed = time_range(time_text(least), time_text(most));
   return CLI::Validator(
       [=](std::string& text) -> std::string {
         const auto value = seconds_in(text);
         if (!value || *value < least || *value > most) return in_quotes(text) + " is not " + allowed;
         text = digits(*value);
+        return {};
+      },
+      "");
+}
+
+CLI::Validator nanoseconds(std::chrono::nanoseconds least, std::chrono::nanoseconds most) {
+  const std::string allowed = time_range(config::format_time(least), config::format_time(most));
+  return CLI::Validator(
+      [=](std::string& text) -> std::string {
+        const auto value = config::parse_time(config::parse_real(text) ? text + "s" : text);
+        if (!value || *value < least || *value > most) return in_quotes(text) + " is not " + allowed;
+        text = std::to_string(value->count());
         return {};
       },
       "");

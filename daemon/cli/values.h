@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -17,6 +18,8 @@ CLI::Validator whole(std::int64_t least, std::int64_t most);
 CLI::Validator real(double least, double most);
 /// A time for an option that holds seconds: 5ms, 2s; a plain number is seconds. In seconds.
 CLI::Validator seconds(double least, double most);
+/// The same to the nanosecond, for an option that holds nanoseconds.
+CLI::Validator nanoseconds(std::chrono::nanoseconds least, std::chrono::nanoseconds most);
 /// Time of a virtual clock per real time: a number, or max, which is infinite.
 CLI::Validator pace();
 /// One of these words.

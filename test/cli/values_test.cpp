@@ -31,6 +31,18 @@ TEST(Seconds, MayHaveAUnit) {
   EXPECT_THAT(taken(seconds(1e-9, 1e6), "0"), testing::HasSubstr("1ns to 1000000s"));
 }
 
+TEST(Nanoseconds, AreKeptExactly) {
+  const auto time = nanoseconds(std::chrono::nanoseconds(0), std::chrono::seconds(1000000));
+  EXPECT_EQ(taken(time, "0.29"), "290000000");
+  EXPECT_EQ(taken(time, "1234.567890123"), "1234567890123");
+  EXPECT_EQ(taken(time, "999999.999999999"), "999999999999999");
+  EXPECT_EQ(taken(time, "1.25s"), "1250000000");
+  EXPECT_EQ(taken(time, "1e3"), "1000000000000");
+  for (const char* text : {"-1", "1000000.000000001", "soon"})
+    EXPECT_EQ(taken(time, text),
+              "'" + std::string(text) + "' is not a time, 0s to 1000000s: 500ms, 2s, or a number of seconds");
+}
+
 TEST(Word, IsRefusedWithAGuess) {
   EXPECT_EQ(taken(one_of({"unix", "udp"}), "udp"), "udp");
   EXPECT_EQ(taken(one_of({"unix", "udp"}), "uinx"), "'uinx' is unknown, did you mean 'unix'? allowed: unix, udp");

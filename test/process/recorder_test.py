@@ -1,6 +1,7 @@
 """Flight recorders of a live ring: saved while it goes on, also of dead nodes, and replayed."""
 
 import os
+import re
 import resource
 import shutil
 import signal
@@ -81,6 +82,18 @@ class Recorder(RingTest):
         trace = self.run_program('ringctl', 'trace', capture, '-n', '1')
         self.assertEqual(trace.returncode, 0, trace.stderr)
         self.assertIn('came home', trace.stdout)
+
+    def test_are_replayed_until_exactly_the_time_that_is_given(self):
+        self.start_ring(plain_nodes(2), recorder={'enabled': True})
+        self.send_delivered(0, 1, 300)  # of a fiftieth of the times a double, times 1e9, is too small
+        self.save()
+
+        def times(*until):
+            return re.findall(r'(?m)^(\d+\.\d{9}) s  ', self.replay(self.saved, '--node', '1', '--print', *until))
+        recorded = times()
+        rounded_down = [at for at in recorded if int(float(at) * 1e9) != int(at.replace('.', ''))]
+        for at in rounded_down[:5] + recorded[-1:]:
+            self.assertEqual(times('--until', at)[-1], at)
 
     def test_that_were_changed_or_are_none_are_refused(self):
         self.start_ring(plain_nodes(2), recorder={'enabled': True})

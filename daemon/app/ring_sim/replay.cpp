@@ -26,7 +26,7 @@ using std::chrono::nanoseconds;
 
 struct ReplayOptions {
   std::string folder;
-  std::optional<double> until_s;
+  std::optional<std::int64_t> until_ns;
   std::string node;
   bool print = false;
   std::string capture;
@@ -110,7 +110,7 @@ void require_no_recording(ReplayedRing& ring, const std::string& capture) {
 
 int run(const ReplayOptions& options) {
   if (options.print && options.node.empty()) throw UsageError("--print goes with --node: all records of one node");
-  if (!options.node.empty() && !options.print && !options.until_s)
+  if (!options.node.empty() && !options.print && !options.until_ns)
     throw UsageError("--node goes with --until, for its state, or with --print, for its records");
   std::unique_ptr<ReplayedRing> ring;
   try {
@@ -127,8 +127,7 @@ int run(const ReplayOptions& options) {
     if (!problem.empty()) throw UsageError("--capture " + problem);
     capture.emplace(*ring, file);
   }
-  const nanoseconds until = options.until_s ? nanoseconds(static_cast<std::int64_t>(*options.until_s * 1e9))
-                                            : nanoseconds(std::numeric_limits<std::int64_t>::max() / 2);
+  const nanoseconds until(options.until_ns.value_or(std::numeric_limits<std::int64_t>::max() / 2));
   recorder::ReplayedPromises promises(*ring);
   Progress progress;
   std::uint64_t done = 0;
@@ -139,7 +138,7 @@ int run(const ReplayOptions& options) {
     const recorder::Record& record = life->replay().last();
     std::cout << seconds(ring->after(life->machine_time(record.at))) << "  " << recorder::describe(record) << '\n';
   }
-  if (options.until_s)
+  if (options.until_ns)
     for (const auto& life : ring->lives())
       if (options.node.empty() || is_of(*life, options.node)) print_state(*life);
   promises.finish();
@@ -162,8 +161,8 @@ void add_replay(CLI::App& app, Context& context) {
                   "event, and judge the ring's promises over all nodes together; exit code 1 where this "
                   "program does something else, or a promise was broken");
   command->add_option("DIR", options->folder, "Folder of 'ringctl record save'")->required();
-  command->add_option("--until", options->until_s, "Stop so many seconds after the first record, and print the state")
-      ->transform(cli::seconds(0.0, 1e9));
+  command->add_option("--until", options->until_ns, "Stop so many seconds after the first record, and print the state")
+      ->transform(cli::nanoseconds(nanoseconds(0), std::chrono::seconds(1'000'000'000)));
   command->add_option("--node", options->node, "Print the state, or --print, of this node alone: id or name");
   command->add_flag("--print", options->print, "Each record of --node in a line");
   command->add_option("--capture", options->capture,
