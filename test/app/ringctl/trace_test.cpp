@@ -123,6 +123,15 @@ TEST_F(Trace, RefusesWrongTimesAndNodesWithWhatIsRight) {
   }
 }
 
+TEST_F(Trace, RefusesAnInstantThatIsNone) {
+  const std::string path = captured(Case::alone);
+  for (const char* time : {"-0.5", "-1", "-5ms", "0.+5", "1k.5", "0.1e1"}) {
+    const CliRun said = trace({path, "--at", time});
+    EXPECT_EQ(said.code, kUsage) << time;
+    EXPECT_THAT(said.errors, HasSubstr(std::string("--at ") + time + ": not a time")) << time;
+  }
+}
+
 TEST_F(Trace, WithJsonPrintsALineAPacket) {
   const CliRun said = trace({captured(Case::adversarial), "--json", "-n", "0"});
   EXPECT_EQ(std::count(said.out.begin(), said.out.end(), '\n'), 4);

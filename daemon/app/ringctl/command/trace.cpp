@@ -50,7 +50,8 @@ nanoseconds instant_of(const std::string& text, nanoseconds first) {
   decimals.resize(std::max(decimals.size(), kDecimals), '0');
   const auto whole = config::parse_integer(text.substr(0, point));
   const auto parts = config::parse_integer(decimals);
-  if (!whole || !parts || *whole < 0 || *whole > kLatest || *parts < 0 || decimals.size() != kDecimals)
+  const bool plain = text.find_first_not_of("0123456789.") == std::string::npos;  // -0.5 has a whole part of 0, too
+  if (!plain || !whole || !parts || *whole > kLatest || decimals.size() != kDecimals)
     throw UsageError("--at " + text +
                      ": not a time; one is 12.5ms since the first packet, or 1763757352.123456789 as "
                      "'ringctl dump' prints it");
