@@ -119,7 +119,13 @@ void add_plan(CLI::App& app, Context& context) {
       ->check(CLI::Validator(check_duration, ""));
   add_seed(*command, options->seed);
   add_format(*command, options->format);
-  command->callback([&context, options] { context.action = [options] { return run(*options); }; });
+  command->callback([&context, command, options] {
+    context.action = [command, options] {
+      if (command->count("--seed") != 0 && !options->simulate)
+        throw UsageError("--seed goes with --simulate: a plan alone draws nothing at random");
+      return run(*options);
+    };
+  });
 }
 
 }  // namespace limb_ring::ring_sim

@@ -56,6 +56,14 @@ TEST_F(PlanCommand, SetsWhatWasMeasuredBesideTheBounds) {
   EXPECT_THAT(plan({file, "--simulate"}).out, HasSubstr("Simulated 1s with seed 1"));
 }
 
+TEST_F(PlanCommand, RefusesASeedWhereNothingIsDrawn) {
+  const std::string file = two_nodes("size: 61440, rate: 30");
+  const CliRun said = plan({file, "--seed", "7"});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_EQ(said.out, "");
+  EXPECT_THAT(said.errors, HasSubstr("--seed goes with --simulate"));
+}
+
 TEST_F(PlanCommand, PrintsJsonAndCsvForPrograms) {
   const std::string file = two_nodes("size: 500, rate: 30, phase: 1ms");
   const auto json = nlohmann::json::parse(plan({file, "--json", "--simulate", "100ms"}).out);
