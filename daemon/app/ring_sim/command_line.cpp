@@ -3,6 +3,7 @@
 #include <iostream>
 #include <limits>
 
+#include "app/common/shell_word.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "capture/pcapng_reader.h"
@@ -86,7 +87,7 @@ std::string again(int argc, char** argv) {
   std::string text = "again with: ring_sim";
   bool seed = false;
   for (int i = 1; i < argc; ++i) {
-    text += std::string(" ") + argv[i];
+    text += ' ' + app::shell_word(argv[i]);
     seed = seed || std::string(argv[i]).rfind("--seed", 0) == 0;
   }
   return text + (seed ? "" : " --seed 1");

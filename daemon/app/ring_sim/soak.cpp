@@ -8,6 +8,7 @@
 #include <random>
 
 #include "app/common/out_file.h"
+#include "app/common/shell_word.h"
 #include "app/ring_sim/commands.h"
 #include "app/ring_sim/problems.h"
 #include "app/ring_sim/progress.h"
@@ -80,7 +81,7 @@ bool write_shrunk(const study::RandomFaults& run, std::uint64_t seed, const std:
   if (!problem.empty()) throw UsageError("--shrink: " + problem);
   std::cerr << words_of(shrunk->before) << " before, " << words_of(shrunk->after) << " now; " << shrunk->runs
             << " tried" << (shrunk->stopped ? ", and no more: it may not be the smallest" : "")
-            << "\nthe smallest scenario: ringctl scenario run " << path << "\n";
+            << "\nthe smallest scenario: ringctl scenario run " << app::shell_word(path) << "\n";
   return study::is_small(shrunk->after);
 }
 

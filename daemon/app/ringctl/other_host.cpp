@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "app/common/shell_word.h"
 #include "process/execute.h"
 #include "process/find_program.h"
 
@@ -11,13 +12,6 @@ namespace limb_ring::ringctl {
 namespace {
 
 constexpr int kSecondsToConnect = 10;
-
-/// The word as a shell reads it back, whatever is in it.
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
 
 /// ssh says 255 where it does not get there; that is none of our exit codes.
 std::string with_our_codes() {
@@ -28,9 +22,9 @@ std::string with_our_codes() {
 
 std::string command_there(const std::string& program, const std::string& folder,
                           const std::vector<std::string>& arguments) {
-  std::string command =
-      "cd " + quoted(folder) + " 2>/dev/null; p=" + quoted(program) + "; [ -x \"$p\" ] || p=ringctl; exec \"$p\"";
-  for (const std::string& argument : arguments) command += ' ' + quoted(argument);
+  std::string command = "cd " + app::shell_word(folder) + " 2>/dev/null; p=" + app::shell_word(program) +
+                        "; [ -x \"$p\" ] || p=ringctl; exec \"$p\"";
+  for (const std::string& argument : arguments) command += ' ' + app::shell_word(argument);
   return command;
 }
 
