@@ -5,6 +5,7 @@
 #include <random>
 
 #include "study/analysis/case_ring.h"
+#include "study/analysis/pulse.h"
 
 namespace limb_ring::study {
 namespace {
@@ -45,19 +46,6 @@ struct Run {
     if (ended < count) throw std::runtime_error("a packet did not come home");
   }
   unsigned ended = 0;
-};
-
-/// Tells now and then that a case goes on.
-class Pulse : public sim::Observer {
- public:
-  Pulse(sim::VirtualRing& ring, const std::function<void()>& goes_on) : goes_on_(goes_on) { ring.add_observer(*this); }
-  void leaves(NodeId, const wire::Slice&, Time) override {
-    if (++slices_ % 4096 == 0) goes_on_();
-  }
-
- private:
-  const std::function<void()>& goes_on_;
-  std::uint64_t slices_ = 0;
 };
 
 Duration simultaneous_time(const Run& run) {

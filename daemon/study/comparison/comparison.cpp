@@ -24,9 +24,9 @@ struct Method {
   std::unique_ptr<Network> network;
 };
 
-std::vector<Method> methods() {
+std::vector<Method> methods(std::function<void()> goes_on = [] {}) {
   std::vector<Method> all;
-  all.push_back({"limb_ring", 1000 * kMega, std::make_unique<RingNetwork>()});
+  all.push_back({"limb_ring", 1000 * kMega, std::make_unique<RingNetwork>(std::move(goes_on))});
   all.push_back({"ARCNET", 5 * kMega, std::make_unique<Arcnet>()});
   all.push_back({"EtherCAT", 100 * kMega, std::make_unique<EtherCat>()});
   all.push_back({"SERCOS II", 16 * kMega, std::make_unique<Sercos>()});
@@ -78,9 +78,14 @@ bool comparable(const Medium& medium) {
 
 Comparison compare(const ComparisonOptions& options) {
   Comparison out;
-  const std::vector<Method> all = methods();
-  for (const Method& method : all) add(options, {method.name, false, options.medium.rate}, *method.network, out);
-  for (const Method& method : all) add(options, {method.name, true, method.own_rate}, *method.network, out);
+  Subject now;
+  const std::vector<Method> all = methods([&] { options.tell(now); });
+  const auto go_through = [&](const Method& method, bool own_rate, std::uint64_t rate) {
+    now = {method.name, own_rate, rate};
+    add(options, now, *method.network, out);
+  };
+  for (const Method& method : all) go_through(method, false, options.medium.rate);
+  for (const Method& method : all) go_through(method, true, method.own_rate);
   return out;
 }
 

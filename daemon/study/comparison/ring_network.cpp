@@ -4,6 +4,7 @@
 
 #include "sim/watched_ring.h"
 #include "study/analysis/model_ring.h"
+#include "study/analysis/pulse.h"
 #include "study/analysis/ring_bounds.h"
 #include "study/comparison/ring_feed.h"
 
@@ -23,13 +24,27 @@ void load_fully(sim::VirtualRing& ring, const Medium& medium) {
   for (unsigned id = 0; id < nodes; ++id) send(static_cast<NodeId>(id));
 }
 
-/// @param wait in full load, before the newcomer is switched on
-Duration time_to_join_after(const Medium& medium, Duration wait) {
+}  // namespace
+
+std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Message>& messages, Time until) const {
+  sim::WatchedRing ring(ring_options(medium));
+  const Pulse pulse(ring, goes_on_);
+  join_and_settle(ring, medium);
+  RingFeed feed(ring, messages);
+  // `until` counts from now, so kNever would overflow the ring's own clock: hence the limit.
+  const Duration left = core::kNever - ring.now();
+  ring.run_until([&feed] { return feed.done(); }, std::min(until - Time{}, left));
+  ring.check();
+  return feed.delivered(until);
+}
+
+Duration RingNetwork::time_to_join_after(const Medium& medium, Duration wait) const {
   Medium grown = medium;
   ++grown.nodes;
   sim::VirtualRingOptions options = ring_options(grown);
   options.start = false;
   sim::WatchedRing ring(options);
+  const Pulse pulse(ring, goes_on_);
   for (unsigned id = 0; id < medium.nodes; ++id) ring.start(static_cast<NodeId>(id));
   join(ring);
   load_fully(ring, medium);
@@ -40,19 +55,6 @@ Duration time_to_join_after(const Medium& medium, Duration wait) {
   join(ring);
   ring.check();
   return ring.now() - on;
-}
-
-}  // namespace
-
-std::vector<Time> RingNetwork::carry(const Medium& medium, const std::vector<Message>& messages, Time until) const {
-  sim::WatchedRing ring(ring_options(medium));
-  join_and_settle(ring, medium);
-  RingFeed feed(ring, messages);
-  // `until` counts from now, so kNever would overflow the ring's own clock: hence the limit.
-  const Duration left = core::kNever - ring.now();
-  ring.run_until([&feed] { return feed.done(); }, std::min(until - Time{}, left));
-  ring.check();
-  return feed.delivered(until);
 }
 
 Duration RingNetwork::time_to_join(const Medium& medium) const {

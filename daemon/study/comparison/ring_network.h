@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <utility>
+
 #include "study/comparison/network.h"
 
 namespace limb_ring::study {
@@ -11,12 +14,21 @@ namespace limb_ring::study {
 /// interrupt-like message is an INTP, delivered when the pin is pulled.
 class RingNetwork : public Network {
  public:
+  /// @param goes_on called now and then while it is at work: large rings take long
+  explicit RingNetwork(std::function<void()> goes_on = [] {}) : goes_on_(std::move(goes_on)) {}
+
   /// @throw std::runtime_error where the ring does not close: the settings are wrong
   std::vector<Time> carry(const Medium& medium, const std::vector<Message>& messages, Time until) const override;
   /// Until the hello is home: the longest time for several moments spread over a lap. The links are moved,
   /// and packets that are on them at that moment are lost and sent again by their sources.
   /// @throw std::runtime_error as above
   Duration time_to_join(const Medium& medium) const override;
+
+ private:
+  /// @param wait in full load, before the newcomer is switched on
+  Duration time_to_join_after(const Medium& medium, Duration wait) const;
+
+  std::function<void()> goes_on_;
 };
 
 }  // namespace limb_ring::study

@@ -55,6 +55,15 @@ TEST(RingNetwork, WhatComesTooLateIsNotDelivered) {
               testing::ElementsAre(Time{} + T + d, core::kNever));
 }
 
+TEST(RingNetwork, TellsThatItGoesOnWhileItCarries) {
+  unsigned told = 0;
+  const RingNetwork network([&told] { ++told; });
+  std::vector<Message> messages;
+  for (unsigned i = 0; i < 1000; ++i) messages.push_back(data(0ns, 0, 1, 512));
+  deliveries(network, kOurRing, messages);
+  EXPECT_GT(told, 1u);
+}
+
 // At least the hello's way round; at most a time-out of two worst laps, where it is lost, and a lap.
 TEST(RingNetwork, NewNodeMaySendOnceItsHelloIsHome) {
   const Duration join = RingNetwork().time_to_join(kOurRing);
