@@ -96,10 +96,10 @@ class LaunchArguments(unittest.TestCase):
                              env=dict(os.environ, PWD=HERE))
         launch.wait_for('is closed: 4 nodes up')
 
-    def test_names_of_files_may_have_spaces(self):
-        folder = tempfile.mkdtemp(prefix='my robot é ')
+    def test_names_of_files_may_have_spaces_and_quotes(self):
+        folder = tempfile.mkdtemp(prefix='ada\'s "robot" \\ é ')
         self.addCleanup(shutil.rmtree, folder)
-        config, bag = os.path.join(folder, 'my ring.yaml'), os.path.join(folder, 'no such.bag')
+        config, bag = os.path.join(folder, 'my "ring".yaml'), os.path.join(folder, "no 'such.bag")
         shutil.copy(os.path.join(HERE, 'config', 'plain4.yaml'), config)
         launch = self.launch('config:=' + config, 'bridge:=false', 'ring:=' + own_ring())
         launch.wait_for('is closed: 4 nodes up')
