@@ -28,8 +28,19 @@ struct DelayedInput::Line : std::enable_shared_from_this<Line> {
       const Event event = std::move(events.front());
       events.pop_front();
       size -= event.size;
-      event.deliver(*next);
+      if (event.kind == Event::Kind::gap)
+        next->on_input_gap(event.lost);
+      else
+        event.deliver(*next);
     }
+  }
+
+  bool ends_with_batch() const { return !events.empty() && events.back().kind == Event::Kind::batch_end; }
+
+  /// The gap behind which no slice follows; null: there is none.
+  Event* open_gap() {
+    const auto last = events.rbegin() + (ends_with_batch() ? 1 : 0);
+    return last != events.rend() && last->kind == Event::Kind::gap ? &*last : nullptr;
   }
 
   event_loop::PacketTimer timer;
@@ -54,34 +65,41 @@ void DelayedInput::on_slice(const wire::Slice& slice) {
     return on_input_gap(1);
   }
   std::vector<std::uint8_t> bytes(slice.bytes.begin(), slice.bytes.end());
-  add(size, [kind = slice.kind, bytes = std::move(bytes)](InputHandler& next) {
-    next.on_slice({kind, {bytes.data(), bytes.size()}});
-  });
+  add({Event::Kind::other, size, 0, [kind = slice.kind, bytes = std::move(bytes)](InputHandler& next) {
+         next.on_slice({kind, {bytes.data(), bytes.size()}});
+       }});
 }
 
 void DelayedInput::on_batch_end() {
-  add(0, [](InputHandler& next) { next.on_batch_end(); });
+  if (line_->ends_with_batch()) return;
+  add({Event::Kind::batch_end, 0, 0, [](InputHandler& next) { next.on_batch_end(); }});
 }
 
+// One for all that is lost before the next slice: a line that is full would else hold ever more of them.
 void DelayedInput::on_input_gap(std::uint32_t lost) {
-  add(0, [lost](InputHandler& next) { next.on_input_gap(lost); });
+  if (Event* gap = line_->open_gap()) {
+    gap->lost += lost;
+    return;
+  }
+  add({Event::Kind::gap, 0, lost, {}});
 }
 
 void DelayedInput::on_input_up(std::uint8_t from) {
-  add(0, [from](InputHandler& next) { next.on_input_up(from); });
+  add({Event::Kind::other, 0, 0, [from](InputHandler& next) { next.on_input_up(from); }});
 }
 
 void DelayedInput::on_input_lost(std::string_view reason) {
-  add(0, [reason = std::string(reason)](InputHandler& next) { next.on_input_lost(reason); });
+  add({Event::Kind::other, 0, 0, [reason = std::string(reason)](InputHandler& next) { next.on_input_lost(reason); }});
 }
 
 void DelayedInput::on_unknown_peer(std::string_view reason) {
-  add(0, [reason = std::string(reason)](InputHandler& next) { next.on_unknown_peer(reason); });
+  add({Event::Kind::other, 0, 0, [reason = std::string(reason)](InputHandler& next) { next.on_unknown_peer(reason); }});
 }
 
-void DelayedInput::add(std::size_t size, std::function<void(InputHandler&)> deliver) {
-  line_->events.push_back({Clock::now() + delay_, size, std::move(deliver)});
-  line_->size += size;
+void DelayedInput::add(Event event) {
+  event.due = Clock::now() + delay_;
+  line_->size += event.size;
+  line_->events.push_back(std::move(event));
   if (!line_->waiting) line_->wait();
 }
 

@@ -11,7 +11,7 @@
 namespace limb_ring::link {
 
 /// A long line: hands everything on to another handler `delay` later, in order. (ours)
-/// Holds up to kLimit bytes; a slice beyond that is dropped and becomes a gap.
+/// Holds up to kLimit bytes; slices beyond that are dropped and become one gap.
 class DelayedInput : public InputHandler {
  public:
   static constexpr std::size_t kLimit = 4 << 20;
@@ -30,13 +30,16 @@ class DelayedInput : public InputHandler {
 
  private:
   struct Event {
-    Time due;
-    std::size_t size;
-    std::function<void(InputHandler&)> deliver;
+    enum class Kind : std::uint8_t { gap, batch_end, other } kind;
+    std::size_t
+        size;  ///< of the slices alone: of what has none there are at most two in a row, but for links that flap
+    std::uint32_t lost;                          ///< gap
+    std::function<void(InputHandler&)> deliver;  ///< not of a gap
+    Time due{};
   };
   struct Line;
 
-  void add(std::size_t size, std::function<void(InputHandler&)> deliver);
+  void add(Event event);
 
   nanoseconds delay_;
   InputCounters& counters_;

@@ -53,8 +53,20 @@ TEST_F(LongLine, DropsWhatDoesNotFitAndSaysSo) {
   const std::size_t fit = DelayedInput::kLimit / wire::kMaxSliceSize;
   for (std::size_t i = 0; i < fit + 3; ++i) give(1);
   EXPECT_EQ(counters.delay_dropped, 3u);
-  ASSERT_TRUE(until([&] { return !far_end.log.empty() && far_end.log.back() == "gap 1"; }));
+  ASSERT_TRUE(until([&] { return !far_end.log.empty() && far_end.log.back() == "gap 3"; }));
   EXPECT_EQ(far_end.slices.size(), fit);
+}
+
+TEST_F(LongLine, HoldsOneGapForAllThatDoesNotFit) {
+  const std::size_t fit = DelayedInput::kLimit / wire::kMaxSliceSize;
+  for (std::size_t i = 0; i < fit; ++i) give(1);
+  for (int i = 0; i < 1000; ++i) {
+    give(2);
+    line.on_batch_end();
+  }
+  ASSERT_TRUE(until([&] { return !far_end.log.empty() && far_end.log.back() == "batch end"; }));
+  ASSERT_EQ(far_end.log.size(), fit + 2);
+  EXPECT_EQ(far_end.log[fit], "gap 1000");
 }
 
 TEST_F(LongLine, SaysNothingAfterClosing) {
