@@ -8,6 +8,7 @@
 
 #include "host/throw_errno.h"
 #include "limb_ring/ring_directory.h"
+#include "process/is_socket.h"
 
 namespace limb_ring::host {
 
@@ -52,8 +53,8 @@ void Listener::listen() {
 }
 
 bool Listener::is_in_place() const {
+  if (!process::is_socket(path_)) return false;
   struct stat status {};
-  if (lstat(path_.c_str(), &status) != 0 || !S_ISSOCK(status.st_mode)) return false;
   return link_.empty() || (lstat(link_.c_str(), &status) == 0 && S_ISLNK(status.st_mode));
 }
 

@@ -1,11 +1,12 @@
 #include "link/unix_input.h"
 
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <system_error>
+
+#include "process/is_socket.h"
 
 namespace limb_ring::link {
 namespace {
@@ -39,10 +40,7 @@ void UnixInput::close() {
   stream_.reset();
 }
 
-bool UnixInput::is_in_place() const {
-  struct stat found {};
-  return ::lstat(settings_.endpoint.path.c_str(), &found) == 0 && S_ISSOCK(found.st_mode);
-}
+bool UnixInput::is_in_place() const { return process::is_socket(settings_.endpoint.path); }
 
 /// The accept under way ends with the old socket; the next tick begins another.
 void UnixInput::listen_again() { acceptor_ = listen_unix(io_, settings_.endpoint.path); }
