@@ -1,6 +1,7 @@
 #include "runtime/faults.h"
 
 #include <algorithm>
+#include <set>
 
 #include "runtime/wait_until.h"
 
@@ -179,30 +180,36 @@ void Faults::wait_for(const LineBreaker& line, const Done& done) {
 
 /// Those that have ended by themselves, and a hang that somebody else has ended.
 void Faults::drop_ended(core::Time now) {
+  const OfLines there = of_lines(now);
   for (auto it = active_.begin(); it != active_.end();) {
     const Active& active = it->second;
-    const bool ended =
-        active.on != nullptr ? !listed(active, now).has_value() : active.fault.name == Name::hang && !cpu_.hangs();
+    const bool ended = active.on != nullptr ? there.count({active.on, active.line}) == 0
+                                            : active.fault.name == Name::hang && !cpu_.hangs();
     it = ended ? active_.erase(it) : std::next(it);
   }
 }
 
 // ---- what there is --------------------------------------------------------------------------
 
-std::optional<LineFaults::Listed> Faults::listed(const Active& active, core::Time now) const {
-  if (active.on == nullptr) return std::nullopt;
-  for (const LineFaults::Listed& one : active.on->list(now))
-    if (one.id == active.line) return one;
-  return std::nullopt;
+Faults::OfLines Faults::of_lines(core::Time now) const {
+  std::set<LineBreaker*> lines;
+  for (const auto& [id, active] : active_)
+    if (active.on != nullptr) lines.insert(active.on);
+  OfLines all;
+  for (LineBreaker* line : lines)
+    for (const LineFaults::Listed& one : line->list(now)) all.emplace(std::pair(line, one.id), one);
+  return all;
 }
 
 json Faults::list() {
   const core::Time now = driver_.now();  // of all that follows: none may end in between
   drop_ended(now);
+  const OfLines there = of_lines(now);
   json all = json::array();
   for (const auto& [id, active] : active_) {
     const Fault& fault = active.fault;
-    const auto of_line = listed(active, now);
+    const auto found = there.find({active.on, active.line});
+    const LineFaults::Listed* of_line = found == there.end() ? nullptr : &found->second;
     const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(now - active.since);
     json row{{"id", id},
              {"name", fault::word_of(fault.name).word},

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "fault/parse.h"
 #include "runtime/cpu_faults.h"
@@ -63,8 +64,9 @@ class Faults {
   LineBreaker& breaker_of(const fault::Fault& fault);
   void wait_for(const LineBreaker& line, const Done& done);
   void drop_ended(core::Time now);
-  /// Of a fault of a line, what the line says of it; nothing where it has ended by then.
-  std::optional<fault::LineFaults::Listed> listed(const Active& active, core::Time now) const;
+  /// What the lines say of their faults that have not ended by then, by line and id there.
+  using OfLines = std::map<std::pair<const LineBreaker*, fault::LineFaults::Id>, fault::LineFaults::Listed>;
+  OfLines of_lines(core::Time now) const;
   std::uint64_t cpu_hits(fault::Name fault) const;
 
   boost::asio::io_context& io_;
