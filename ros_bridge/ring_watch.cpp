@@ -5,6 +5,8 @@
 #include <initializer_list>
 #include <utility>
 
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
 #include "ros_bridge/status_conversion.h"
 #include "wire/control_message.h"
 
@@ -49,7 +51,14 @@ RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& daemo
   daemon_.timeout = kStatusConnect;
 }
 
+bool RingWatch::is_frozen(const std::string& node) const {
+  const auto* configured = ring_.find(node);
+  const std::string folder = ring_directory(daemon_.ring, daemon_.runtime);
+  return configured != nullptr && live::holder_of(folder, configured->id).frozen;
+}
+
 std::optional<json> RingWatch::ask(const std::string& node) {
+  if (is_frozen(node)) return std::nullopt;  // it would let all others wait
   Peer& peer = peers_[node];
   if (!peer.port && Clock::now() < peer.next_try) return std::nullopt;
   try {

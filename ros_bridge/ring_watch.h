@@ -34,6 +34,7 @@ class RingWatch {
     Clock::time_point next_try{};
     std::string told;  ///< what was wrong with its last answer; empty: nothing
   };
+  bool is_frozen(const std::string& node) const;
   std::optional<nlohmann::json> ask(const std::string& node);
   /// Says once what is wrong with the answer.
   static bool is_right(const nlohmann::json& row, const std::string& node, Peer& peer);

@@ -7,6 +7,7 @@
 
 #include "client/fake_daemon.h"
 #include "ros/small_robot.h"
+#include "ros/stopped_holder.h"
 #include "support/own_folder.h"
 
 namespace limb_ring::bridge {
@@ -32,9 +33,15 @@ class Watching : public test::OwnFolder {
     return RingWatch(ring_, own).poll();
   }
 
- private:
   const config::RingConfig ring_ = small_robot();
 };
+
+TEST_F(Watching, AFrozenDaemonIsNotAsked) {
+  const StoppedHolder holder(ring_.nodes[1]);
+  const test::FakeDaemon frozen("small", ring_.nodes[1].name);
+  EXPECT_EQ(poll(R"({"state": "up", "heard": []})")[1].state, "down");
+  EXPECT_FALSE(frozen.is_tried());
+}
 
 TEST_F(Watching, AStatusIsTakenAsItIsDocumented) {
   const auto nodes = poll(R"({"state": "up", "pid": 4711, "heard": [{"id": 7, "age_ms": 1}]})");
