@@ -136,8 +136,7 @@ forge: build ## Forged, replayed and damaged datagrams against a keyed ring (COU
 	  RING_TEST_PROGRAMS=$(BUILD)/devel/lib/limb_ring $(PYTHON) test/process/forge_test.py
 
 bench: build ## Live and virtual benchmarks (BENCH_ARGS=...)
-	$(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)
-	@$(MAKE) bench-sim
+	@code=0; (set -x; $(BUILD)/devel/lib/limb_ring/ringctl bench $(BENCH_ARGS)) || code=$$?; $(MAKE) bench-sim && exit $$code
 
 # In a build of its own, for speed whatever the other is built for.
 bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
