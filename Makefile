@@ -141,8 +141,9 @@ bench: build ## Live and virtual benchmarks (BENCH_ARGS=...)
 # In a build of its own, for speed whatever the other is built for.
 bench-sim: deps ## The virtual ring alone (BENCH_SIM_ARGS=...)
 	cmake -S . -B $(BUILD)-bench -DLIMB_RING_ROS=OFF -DCMAKE_BUILD_TYPE=Release -DPYTHON_EXECUTABLE=$(PYTHON)
-	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops
+	cmake --build $(BUILD)-bench -j$(JOBS) --target bench_sim_hops bench_core_hop
 	$(BUILD)-bench/devel/lib/limb_ring/bench_sim_hops $(BENCH_SIM_ARGS)
+	$(BUILD)-bench/devel/lib/limb_ring/bench_core_hop
 
 deb: ## The Debian packages, into build-deb/ (installs by apt what building needs)
 	@JOBS=$(JOBS) scripts/make_deb build-deb

@@ -38,7 +38,7 @@ FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t
 
 bool FlightRecorder::half_is_over() const {
   if (records_.failed() || records_.left() < kMargin) return true;
-  return records_.left() < kSoon && !controller_.holds_packets();
+  return records_.left_out() && records_.left() < kSoon && !controller_.holds_packets();
 }
 
 // The half has generation 0 until its state is written, so a process that is killed meanwhile leaves the other half

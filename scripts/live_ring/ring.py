@@ -15,7 +15,7 @@ NOTIFY = 3        # the factor that interrupts of the traffic have
 SILENCE_MS = 250  # as config/humanoid16.yaml: a desktop that compiles lets a process wait for 100 ms
 END_TIMEOUT = 10  # s
 PROGRAM_TIMEOUT = 300   # s; a replay of all nodes takes a few
-RECORDER_BYTES = 4 << 20  # of each node: some seconds
+RECORDER_BYTES = 4 << 20  # of each node: a minute
 KEY = 'ring.key'
 MIXED = ('udp', 'shm', 'unix')   # the lines of --transport mixed, in turn
 
