@@ -33,9 +33,11 @@ class SavedFile : public testing::Test {
  protected:
   SavedFile() { fs::create_directory(folder_ / "saved"); }
 
-  /// A ring of four whose nodes record into the folder.
-  void record(sim::VirtualRing& ring) {
+  /// A ring of four whose nodes record into the folder. It lasts until the next one.
+  sim::VirtualRing& recorded_ring() {
     files_.clear();
+    ring_ = std::make_unique<sim::VirtualRing>(sim::VirtualRingOptions());
+    sim::VirtualRing& ring = *ring_;
     for (const NodeId id : ring.order()) {
       Title title;
       title.ring = "four";
@@ -44,6 +46,7 @@ class SavedFile : public testing::Test {
       files_.push_back(std::make_unique<RecorderFile>(recording_of(folder_, id), FlightRecorder::kLeast,
                                                       ring.controller(id), title, ring.now(), [] {}));
     }
+    return ring;
   }
   static void exchange(sim::VirtualRing& ring) {
     for (std::uint8_t i = 0; i < 40; ++i) {
@@ -67,6 +70,7 @@ class SavedFile : public testing::Test {
 
   test::TemporaryFolder temporary_;
   const fs::path folder_ = temporary_.path();
+  std::unique_ptr<sim::VirtualRing> ring_;  ///< goes after its recorders
   std::vector<std::unique_ptr<RecorderFile>> files_;
 };
 
@@ -79,8 +83,7 @@ unsigned differences(ReplayedRing& ring) {
 }
 
 TEST_F(SavedFile, isReplayedInTheOrderOfTime) {
-  sim::VirtualRing ring({});
-  record(ring);
+  sim::VirtualRing& ring = recorded_ring();
   ring.join();
   exchange(ring);
   save_all();
@@ -100,8 +103,7 @@ TEST_F(SavedFile, isReplayedInTheOrderOfTime) {
 }
 
 TEST_F(SavedFile, stopsAtAnInstantAndTellsTheState) {
-  sim::VirtualRing ring({});
-  record(ring);
+  sim::VirtualRing& ring = recorded_ring();
   ring.join();
   exchange(ring);
   save_all();
@@ -120,8 +122,7 @@ TEST_F(SavedFile, isThereAfterItsProcessWasKilled) {
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
-    sim::VirtualRing ring({});
-    record(ring);
+    sim::VirtualRing& ring = recorded_ring();
     ring.join();
     exchange(ring);
     ::kill(::getpid(), SIGKILL);
@@ -137,10 +138,8 @@ TEST_F(SavedFile, isThereAfterItsProcessWasKilled) {
 
 TEST_F(SavedFile, keepsTheLifeBefore) {
   for (int life = 0; life < 3; ++life) {
-    sim::VirtualRing ring({});
-    record(ring);
+    sim::VirtualRing& ring = recorded_ring();
     ring.join();
-    files_.clear();
   }
   EXPECT_EQ(recordings_in(folder_).size(), 8u);
   save_all();
@@ -150,8 +149,7 @@ TEST_F(SavedFile, keepsTheLifeBefore) {
 }
 
 TEST_F(SavedFile, withAnyByteChangedIsRefused) {
-  sim::VirtualRing ring({});
-  record(ring);
+  sim::VirtualRing& ring = recorded_ring();
   ring.join();
   save_file(recording_of(folder_, 1), saved("1.record"));
   std::ifstream in(saved("1.record"), std::ios::binary);
@@ -171,8 +169,7 @@ TEST_F(SavedFile, withAnyByteChangedIsRefused) {
 }
 
 TEST_F(SavedFile, ofAnotherFormSaysThatItIs) {
-  sim::VirtualRing ring({});
-  record(ring);
+  recorded_ring();
   const std::string path = recording_of(folder_, 1);
   std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).write("limbrec2", kMagic.size());
   EXPECT_THAT([&] { save_file(path, saved("1.record")); },
@@ -180,8 +177,7 @@ TEST_F(SavedFile, ofAnotherFormSaysThatItIs) {
 }
 
 TEST_F(SavedFile, becomesACaptureOfAllLines) {
-  sim::VirtualRing ring({});
-  record(ring);
+  sim::VirtualRing& ring = recorded_ring();
   ring.join();
   ring.send(NodeId{0}, NodeId{2}, {7, 8, 9});
   ring.run_for(core::Duration{5ms});
