@@ -1,7 +1,11 @@
 #include "ask/known_stops.h"
 
 #include <algorithm>
+#include <optional>
 #include <thread>
+
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
 
 namespace limb_ring::ask {
 namespace {
@@ -14,13 +18,16 @@ constexpr milliseconds kStopsPollPeriod{20};
 constexpr milliseconds kToSaySo{1000};
 constexpr milliseconds kUnderWay{200};
 
+json stop_in(const json& row) { return row.value("cpu", json::object()).value("stop", json::object()); }
+
+/// How long ago its stop pin was pulled; null: never.
+json pulled_ms(const json& row) { return stop_in(row).value("pulled_ms", json()); }
+
 StopState state_in(const json& row, milliseconds age) {
-  const json cpu = row.value("cpu", json::object());
-  const json stop = cpu.value("stop", json::object());
-  if (stop.value("latched", false)) return StopState::stopped;
-  const std::string state = cpu.value("state", "");
+  if (stop_in(row).value("latched", false)) return StopState::stopped;
+  const std::string state = row.value("cpu", json::object()).value("state", "");
   if (state == "absent" || state == "failed" || state == "none") return StopState::no_cpu;
-  const json pulled = stop.value("pulled_ms", json());  // ms ago
+  const json pulled = pulled_ms(row);
   return pulled.is_number() && pulled <= age.count() ? StopState::told : StopState::not_reached;
 }
 
@@ -30,6 +37,10 @@ StopState state_in_beacon(const json& heard, bool delivered) {
   const std::string cpu = heard.value("cpu_state", "");
   if (cpu == "absent" || cpu == "failed" || cpu == "none") return StopState::no_cpu;
   return delivered ? StopState::told : StopState::unknown;
+}
+
+bool is_on_virtual_ring(const std::string& ring, const std::vector<Node>& nodes) {
+  return !nodes.empty() && live::holder_of(ring_directory(ring), nodes.front().id).on_virtual_ring;
 }
 
 std::string names_in(const std::vector<KnownStop>& stops, StopState state) {
@@ -72,12 +83,25 @@ std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& r
   return stops;
 }
 
+milliseconds age_on_virtual_ring(const Rows& rows, milliseconds age) {
+  std::optional<milliseconds> last;
+  for (const auto& [id, row] : rows) {
+    const json pulled = pulled_ms(row);
+    if (!pulled.is_number()) continue;
+    const milliseconds ago(pulled.get<std::int64_t>());
+    last = std::min(last.value_or(ago), ago);
+  }
+  return age + last.value_or(milliseconds(0));
+}
+
 std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
                                       steady_clock::time_point sent, bool delivered) {
   const auto begun = steady_clock::now();
+  const bool by_ring_clock = delivered && is_on_virtual_ring(ring, nodes);
   for (;;) {
     const Rows rows = status_rows_here(ring, kRowTimeout);
-    const auto age = std::chrono::ceil<milliseconds>(steady_clock::now() - sent);
+    auto age = std::chrono::ceil<milliseconds>(steady_clock::now() - sent);
+    if (by_ring_clock) age = age_on_virtual_ring(rows, age);
     const std::vector<KnownStop> stops = known_stops(nodes, rows, age, delivered);
     const auto waited = steady_clock::now() - begun;
     const auto pending = [&](const KnownStop& stop) {

@@ -27,6 +27,11 @@ struct KnownStop {
 std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& rows, std::chrono::milliseconds age,
                                    bool delivered = false);
 
+/// The age, by the ring's clock, of a stop that was delivered: that of the pin that was pulled last, and what has
+/// passed since. A virtual ring that catches up is ahead of our clock.
+/// @param age by our clock
+std::chrono::milliseconds age_on_virtual_ring(const Rows& rows, std::chrono::milliseconds age);
+
 /// Polls for 1 s at most, until every CPU that was told says that it has stopped. Waits at most 200 ms for a node that
 /// was not reached: in an open chain a stop may still be under way.
 /// @param sent when the stop was asked for

@@ -60,5 +60,17 @@ TEST(KnownStops, OfAPinThatWasNeverPulledNothingWasReached) {
   EXPECT_EQ(known_stops({{0, "body"}}, rows, 20ms)[0].state, StopState::not_reached);
 }
 
+// It has gone on for 300 ms while our clock went on for 20 ms.
+TEST(KnownStops, OnAVirtualRingThatCatchesUpAreThoseOfTheNewestPull) {
+  const Rows rows{{0, row("running", false, 310)}, {1, row("silent", false, 300)}, {2, row("running", false, 900)}};
+  const auto age = age_on_virtual_ring(rows, 20ms);
+  EXPECT_EQ(age, 320ms);
+  const auto stops = known_stops({{0, "body"}, {1, "head"}, {2, "knee"}}, rows, age);
+  EXPECT_EQ(stops[0].state, StopState::told);
+  EXPECT_EQ(stops[1].state, StopState::told);
+  EXPECT_EQ(stops[2].state, StopState::not_reached);
+  EXPECT_EQ(age_on_virtual_ring({}, 20ms), 20ms);
+}
+
 }  // namespace
 }  // namespace limb_ring::ask
