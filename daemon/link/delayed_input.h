@@ -31,8 +31,7 @@ class DelayedInput : public InputHandler {
  private:
   struct Event {
     enum class Kind : std::uint8_t { gap, batch_end, other } kind;
-    std::size_t
-        size;  ///< of the slices alone: of what has none there are at most two in a row, but for links that flap
+    std::size_t size;                            ///< bytes of its slice; 0 where it is none
     std::uint32_t lost;                          ///< gap
     std::function<void(InputHandler&)> deliver;  ///< not of a gap
     Time due{};

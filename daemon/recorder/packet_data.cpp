@@ -1,7 +1,6 @@
 #include "recorder/packet_data.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace limb_ring::recorder {
 namespace {
