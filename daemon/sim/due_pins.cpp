@@ -12,7 +12,10 @@ void DuePins::pulled(const core::PinPulled& pin, core::Time at) {
   const auto is_it = [&](const Due& due) {
     return due.source == pin.source && due.factor == pin.factor && due.at == at;
   };
-  const auto it = std::find_if(due_.begin(), due_.end(), is_it);
+  // Two may be due in one instant. The pull is that of the one which must be there.
+  const auto is_surely_it = [&](const Due& due) { return due.sure && is_it(due); };
+  auto it = std::find_if(due_.begin(), due_.end(), is_surely_it);
+  if (it == due_.end()) it = std::find_if(due_.begin(), due_.end(), is_it);
   if (it != due_.end()) return static_cast<void>(due_.erase(it));
   complain_(Promise::exactly_once, "node " + std::to_string(node_) + " pulled pin " + std::to_string(pin.factor) +
                                        " for node " + std::to_string(pin.source) +
