@@ -153,12 +153,17 @@ bool VirtualRing::run_until(const std::function<bool()>& done, Duration limit) {
   return true;
 }
 
-bool VirtualRing::join() {
-  const auto joined = [&] {
-    return std::all_of(nodes_.begin(), nodes_.end(),
-                       [](const Node& n) { return !n.alive || n.controller->membership().accepts_sends(); });
-  };
-  return run_until(joined, std::chrono::seconds(10));
+bool VirtualRing::join(const std::function<bool()>& asked_to_stop) {
+  constexpr Duration kStep = std::chrono::milliseconds(1), kLongest = std::chrono::seconds(10);
+  const Time began = now_;
+  for (Duration waited = kStep; waited <= kLongest && !asked_to_stop(); waited += kStep)
+    if (run_until([this] { return joined(); }, began + waited - now_)) return true;
+  return false;
+}
+
+bool VirtualRing::joined() const {
+  return std::all_of(nodes_.begin(), nodes_.end(),
+                     [](const Node& n) { return !n.alive || n.controller->membership().accepts_sends(); });
 }
 
 // One instant: everything that arrives at it, then every node it touched decides.

@@ -104,8 +104,10 @@ class VirtualRing {
   void run_for(Duration duration) { run_until(now_ + duration); }
   /// Runs until `done`, checked after every instant. @return false where `limit` was reached first
   bool run_until(const std::function<bool()>& done, Duration limit);
-  /// Runs until every living node has joined. @return false where 10 s were not enough
-  bool join();
+  /// Runs until every living node has joined.
+  /// @param asked_to_stop asked once in each millisecond of the ring's time; true: it runs no longer
+  /// @return false where 10 s were not enough, or it was asked to stop
+  bool join(const std::function<bool()>& asked_to_stop = [] { return false; });
 
   /// The node's process ends; its neighbours bypass it, or the line is left open.
   void kill(NodeId id);
@@ -234,6 +236,7 @@ class VirtualRing {
   void step();
   void act();
   void deliver(const DelayLine::Arrival& arrival);
+  bool joined() const;
   void settle_touched();
   void settle(NodeId id, Node& node);
   void put_on_line(NodeId id, Line line, const Wire& out, wire::SliceWriter& slices);

@@ -28,12 +28,13 @@ bool is_traffic(const wire::Slice& slice) {
   return !control && slice.kind != wire::SliceKind::start;
 }
 
-void run_until_calm(VirtualRing& ring, const Invariants& invariants, const std::uint64_t& traffic) {
+void run_until_calm(VirtualRing& ring, const Invariants& invariants, const std::uint64_t& traffic,
+                    const std::function<bool()>& asked_to_stop) {
   constexpr Duration kStep = 1ms, kLongest = 400ms;
   const core::Settings& settings = ring.settings(ring.order().front());
   const Duration pause = std::max(10 * settings.beacon, 5 * settings.send_timeout());
   Duration quiet{0};
-  for (Duration waited{0}; waited < kLongest && quiet < pause; waited += kStep) {
+  for (Duration waited{0}; waited < kLongest && quiet < pause && !asked_to_stop(); waited += kStep) {
     const std::uint64_t before = traffic;
     ring.run_for(kStep);
     const bool calm = traffic == before && invariants.all_ended() && !not_whole(ring);

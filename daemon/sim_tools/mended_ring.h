@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "sim/invariants.h"
@@ -20,7 +21,10 @@ bool is_traffic(const wire::Slice& slice);
 /// send has its result, and nothing but beacons has passed for ten of their periods, and for longer than the tries of a
 /// send take. What does not end is for not_whole(), not_silent() and Invariants::finish() to tell.
 /// @param traffic slices of it that were seen so far
-void run_until_calm(VirtualRing& ring, const Invariants& invariants, const std::uint64_t& traffic);
+/// @param asked_to_stop asked once in each millisecond of the ring's time; true: it runs no longer
+void run_until_calm(
+    VirtualRing& ring, const Invariants& invariants, const std::uint64_t& traffic,
+    const std::function<bool()>& asked_to_stop = [] { return false; });
 
 /// All was mended some time ago: nothing where all nodes are up in a ring of them all.
 std::optional<Violation> not_whole(VirtualRing& ring);

@@ -29,6 +29,15 @@ TEST(VirtualRing, ACpuThatReadsAgainTakesWhatHasWaitedAtOnce) {
   EXPECT_EQ(ring.log(1_id).packets.size(), 1u);
 }
 
+TEST(VirtualRing, JoinsNoLongerWhenItIsAskedToStop) {
+  VirtualRing ring(gigabit(3));
+  ring.tap(1_id, [](const wire::Slice&, core::Time, wire::SliceWriter&) {});  // nothing comes round
+  unsigned asked = 0;
+  EXPECT_FALSE(ring.join([&] { return ++asked == 5; }));
+  EXPECT_EQ(asked, 5u);
+  EXPECT_LE(ring.now(), core::Time{5ms});
+}
+
 // Its packets tell one life from the next by the boot number's two low bits (docs/protocol.md, 4.8).
 TEST(VirtualRing, ANodeThatStartsAgainHasAnotherIncarnation) {
   VirtualRing ring(gigabit(3));

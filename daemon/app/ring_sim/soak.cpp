@@ -101,10 +101,9 @@ class Soak {
 
   int run() {
     std::cerr << "Seeds " << options_.first << " to " << options_.first + options_.seeds - 1 << ".\n";
-    while (tally_.seeds < options_.seeds) {
-      if (signals_->asked_to_end(std::chrono::milliseconds(0))) return interrupted();
+    while (tally_.seeds < options_.seeds && !interrupted_)
       if (!run_seed(options_.first + tally_.seeds)) return kBroken;
-    }
+    if (interrupted_) return say_interrupted();
     if (broken_ != 0) return kBroken;
     print();
     if (options_.format == app::Format::text) std::cout << "No promise was broken.\n";
@@ -121,7 +120,8 @@ class Soak {
     std::optional<sim::Trace> trace;
     if (options_.hashes) trace.emplace(faults.ring());
     if (options_.shrink_into) faults.keep_history();
-    faults.run();
+    interrupted_ = !faults.run([this] { return signals_->asked_to_end(std::chrono::milliseconds(0)); });
+    if (interrupted_) return true;
     tally_.add(faults);
     if (trace) std::cout << "seed " << seed << " trace " << sim::hash_text(trace->hash()) << '\n';
     if (faults.violation()) return may_go_on_after(faults, seed);
@@ -140,7 +140,7 @@ class Soak {
     return ++broken_ < options_.failures + (small_ || !options_.shrink_into ? 0 : kMoreToShrink);
   }
 
-  int interrupted() const {
+  int say_interrupted() const {
     print();
     std::cerr << "ring_sim: interrupted: " << tally_.seeds << " of " << options_.seeds << " seeds were run, " << broken_
               << " of them broke a promise\n";
@@ -159,6 +159,7 @@ class Soak {
   Progress progress_;
   Tally tally_;
   std::uint64_t broken_ = 0;
+  bool interrupted_ = false;
   bool small_ = false;  ///< a scenario that was made of one of them
 };
 

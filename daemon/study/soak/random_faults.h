@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <random>
@@ -28,7 +29,9 @@ class RandomFaults {
   explicit RandomFaults(std::uint64_t seed, FoldBack fold_back = FoldBack::some, World world = World::usual);
 
   /// Runs it all, or until a promise is broken.
-  void run();
+  /// @param asked_to_stop asked many times, whatever the ring is at
+  /// @return false where it said so: then the run has not ended, and nothing was judged at its end
+  bool run(std::function<bool()> asked_to_stop = [] { return false; });
   /// The ring, for further observers before it runs.
   sim::VirtualRing& ring() { return *ring_; }
   const std::optional<sim::Violation>& violation() const { return violation_; }
@@ -57,6 +60,7 @@ class RandomFaults {
   unsigned wide(unsigned below) { return static_cast<unsigned>(wide_() % below); }
   void choose_mix(FoldBack fold_back);
   void choose_world();
+  void grow();
   void differ(core::Settings& settings) const;
   void stand_still(wire::NodeId node);
   void hold_output(wire::NodeId node);
@@ -78,6 +82,9 @@ class RandomFaults {
   void calm_down();
   void check_silence();
   void note_violation();
+  bool must_stop() { return stopped_ = stopped_ || asked_to_stop_(); }
+  bool goes_on() { return !violation_ && !must_stop(); }
+  void run_until_calm();
 
   /// A node of a CPU that can ask for sends.
   bool can_ask(wire::NodeId node) const { return ring_->alive(node) && !ring_->paused(node); }
@@ -104,6 +111,8 @@ class RandomFaults {
   unsigned drop_ = 0, damage_ = 0, trouble_ = 0;  ///< once in so many slices, slices, steps; 0: never
   bool doubles_ = false;                          ///< lines duplicate packets, and hold back only briefly
   bool quiet_ = false;
+  std::function<bool()> asked_to_stop_;
+  bool stopped_ = false;
   std::uint64_t slices_when_quiet_ = 0;
   std::vector<bool> killed_;  ///< if not alive: killed (true) or frozen
   std::array<unsigned, wire::kOutcomes> ended_{};
