@@ -50,6 +50,8 @@ class Blocks {
   virtual void enter(const wire::Slice& slice, Time now) { receive(slice, now); }
   /// One slice from upstream.
   void receive(const wire::Slice& slice, Time now);
+  /// The node takes nothing from that packet, which has a good CRC, and does not look at its data.
+  bool only_passes(const wire::PacketFields& packet) const { return !receive_.heeds(packet); }
   /// Slices for downstream; whoever writes them clears it.
   wire::SliceWriter& line() { return line_; }
   ///@}

@@ -61,6 +61,7 @@ struct OutputReady {
 struct Receive {
   Line line;
   wire::Slice slice;
+  bool only_passes = false;  ///< a whole packet with a good CRC whose data the node does not look at
   template <class Archive>
   void archive(Archive& a) {
     a("line", line)("kind", slice.kind)("bytes", slice.bytes);

@@ -52,8 +52,9 @@ void NetworkController::set_output_ready(Line line, bool ready) {
 void NetworkController::receive(Line line, const wire::Slice& slice, Time now) {
   if (journal_ == nullptr) return take_in(line, slice, now);
   wire::Slice checked = slice;  // once for both, journal and relay
-  if (slice.kind == wire::SliceKind::whole) checked.crc_checked = slice.crc_good();
-  note(input::Receive{line, checked}, now);
+  const bool good = slice.kind == wire::SliceKind::whole && slice.crc_good();
+  if (slice.kind == wire::SliceKind::whole) checked.crc_checked = good;
+  note(input::Receive{line, checked, good && only_passes(wire::PacketFields{slice.bytes})}, now);
   take_in(line, checked, now);
 }
 

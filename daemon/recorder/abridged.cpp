@@ -1,7 +1,5 @@
 #include "recorder/abridged.h"
 
-#include "recorder/packed.h"
-
 namespace limb_ring::recorder {
 namespace {
 
@@ -12,8 +10,7 @@ void put(core::StateWriter& room, const wire::Slice& slice) {
   if (can_be_abridged(slice)) {
     std::uint8_t* const to = room.space(sizeof kind + sizeof size + kAbridgedSize);
     if (to == nullptr) return;
-    Packed(to) << static_cast<std::uint8_t>(kind | kAbridged) << size << bytes.first(wire::kHeaderSize)
-               << bytes.from(size - kTail);
+    put_abridged(Packed(to) << static_cast<std::uint8_t>(kind | kAbridged) << size, bytes);
   } else if (std::uint8_t* const to = room.space(sizeof kind + sizeof size + size)) {
     Packed(to) << kind << size << bytes;
   }
@@ -21,7 +18,11 @@ void put(core::StateWriter& room, const wire::Slice& slice) {
 
 }  // namespace
 
-void put_abridged(core::StateWriter& room, wire::ByteView framed_slices) {
+void put_abridged(Packed to, wire::ByteView packet) {
+  to << packet.first(wire::kHeaderSize) << packet.from(packet.size - kTail);
+}
+
+void put_slices(core::StateWriter& room, wire::ByteView framed_slices) {
   wire::each_slice(framed_slices, [&room](const wire::Slice& slice) { put(room, slice); });
 }
 

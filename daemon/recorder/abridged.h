@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/archive.h"
+#include "recorder/packed.h"
 #include "wire/slice.h"
 
 /// How packets are recorded whose data the core does not look at: header, trailer and CRC stand for the whole. (ours)
@@ -21,9 +22,12 @@ inline bool can_be_abridged(const wire::Slice& slice) {
   return slice.kind == wire::SliceKind::whole && slice.bytes.size >= kLeastAbridged;
 }
 
+/// Writes what is left of a packet: kAbridgedSize bytes.
+void put_abridged(Packed to, wire::ByteView packet);
+
 /// Writes framed slices, abridged where that can be:
 ///
 ///     | kind 8 | size 16 | bytes |        or        | kind 8 + kAbridged | size 16 | header 32 | trailer 32 | CRC 32 |
-void put_abridged(core::StateWriter& room, wire::ByteView framed_slices);
+void put_slices(core::StateWriter& room, wire::ByteView framed_slices);
 
 }  // namespace limb_ring::recorder

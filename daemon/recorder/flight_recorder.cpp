@@ -23,7 +23,7 @@ FlightRecorder::FlightRecorder(core::NetworkController& controller, std::uint8_t
       halves_(memory + kTitleSize),
       half_((size - kTitleSize) / 2 & ~std::size_t{7}),
       head_(reinterpret_cast<HalfHead*>(halves_)),
-      records_(core::StateWriter(halves_, 0), controller.settings().id, now),
+      records_(core::StateWriter(halves_, 0), now),
       ahead_(halves_),
       on_too_small_(std::move(on_too_small)) {
   title.layout = state_layout();
@@ -56,7 +56,7 @@ void FlightRecorder::begin_half() {
   room("time", last);
   controller_.archive(room);
   if (room.failed() || room.left() < kMargin) return stop();
-  records_ = RecordWriter(room, controller_.settings().id, last);
+  records_ = RecordWriter(room, last);
   ahead_ = LinesAhead(room.next());
   head_->used.store(room.size(), std::memory_order_release);
   head_->generation.store(generation_, std::memory_order_release);

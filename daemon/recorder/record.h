@@ -11,7 +11,7 @@ namespace limb_ring::recorder {
 /// Slices that the driver took for that line.
 struct Written {
   core::Line line;
-  wire::ByteView slices;  ///< as put_abridged() writes them
+  wire::ByteView slices;  ///< as put_slices() writes them
 
   template <class Archive>
   void archive(Archive& a) {

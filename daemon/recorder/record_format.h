@@ -11,7 +11,7 @@
 ///
 ///     | line 8 | kind 8 | size 32 | bytes |        | line 8 | kind 8 + kAbridged | size 32 | header, trailer, CRC 96 |
 ///
-/// The slices that were written to a line, each as put_abridged() writes it:
+/// The slices that were written to a line, each as put_slices() writes it:
 ///
 ///     | line 8 | bytes in all 32 | slices |
 namespace limb_ring::recorder {

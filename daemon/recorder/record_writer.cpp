@@ -44,23 +44,16 @@ void RecordWriter::put_receive(std::uint8_t tag, core::Time at, const core::inpu
   const wire::ByteView bytes = call.slice.bytes;
   const auto kind = static_cast<std::uint8_t>(call.slice.kind);
   const auto size = static_cast<std::uint32_t>(bytes.size);
-  const bool abridged = can_be_abridged(call.slice) && only_passes(call.slice);
+  const bool abridged = call.only_passes && can_be_abridged(call.slice);
   std::uint8_t* const to =
       begin(tag, at, sizeof call.line + sizeof kind + sizeof size + (abridged ? kAbridgedSize : bytes.size));
   if (to == nullptr) return;
   Packed packed = Packed(to) << call.line << static_cast<std::uint8_t>(kind | (abridged ? kAbridged : 0)) << size;
   left_out_ = left_out_ || abridged;
   if (abridged)
-    packed << bytes.first(wire::kHeaderSize) << bytes.from(size - kTail);
+    put_abridged(packed, bytes);
   else
     packed << bytes;
-}
-
-/// The node takes nothing from it (core/receive/receive.h), and its CRC says what its data was.
-bool RecordWriter::only_passes(const wire::Slice& slice) const {
-  const wire::PacketFields packet{slice.bytes};
-  const bool for_all = packet.destination() == wire::kBroadcast && packet.source() != self_;
-  return packet.destination() != self_ && !for_all && !wire::is_control(packet) && slice.crc_good();
 }
 
 void RecordWriter::put(core::Time at, const Written& written) {
@@ -73,7 +66,7 @@ void RecordWriter::put_written(core::Time at, core::Line line, wire::ByteView fr
   std::uint8_t* const to = begin(kWrittenTag, at, sizeof line + sizeof size);
   if (to == nullptr) return;
   const std::size_t before = room_.size();
-  put_abridged(room_, framed_slices);
+  put_slices(room_, framed_slices);
   size = static_cast<std::uint32_t>(room_.size() - before);
   Packed(to) << line << size;
 }

@@ -8,11 +8,10 @@ namespace limb_ring::recorder {
 class RecordWriter {
  public:
   /// @param room where they are written; must outlive this
-  /// @param self the node: of packets that only pass it, the data is left out
   /// @param last time of the record before the first
-  RecordWriter(core::StateWriter room, wire::NodeId self, core::Time last) : room_(room), self_(self), last_(last) {}
+  RecordWriter(core::StateWriter room, core::Time last) : room_(room), last_(last) {}
 
-  /// @name Write one record
+  /// @name Write one record. Of packets that only pass the node, the data is left out.
   /// @param at not before last()
   ///@{
   void put(core::Time at, const core::Input& input);
@@ -39,10 +38,8 @@ class RecordWriter {
   /// Begins a record. @return where its next `size` bytes go; null where there is no room
   std::uint8_t* begin(std::uint8_t tag, core::Time at, std::size_t size = 0);
   void put_receive(std::uint8_t tag, core::Time at, const core::input::Receive& call);
-  bool only_passes(const wire::Slice& slice) const;
 
   core::StateWriter room_;
-  wire::NodeId self_;
   core::Time last_;
   bool left_out_ = false;
 };

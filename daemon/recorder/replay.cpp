@@ -147,7 +147,7 @@ void Replay::compare(const Written& written) {
   wire::SliceWriter& output = controller_->output(written.line);
   std::vector<std::uint8_t> room(output.view().size);  // abridged it is shorter
   core::StateWriter replayed(room.data(), room.size());
-  put_abridged(replayed, output.view());
+  put_slices(replayed, output.view());
   const wire::ByteView bytes{room.data(), replayed.size()};
   if (bytes.size != written.slices.size || !std::equal(bytes.begin(), bytes.end(), written.slices.begin()))
     differ(written.line == core::Line::first ? "bytes for the line" : "bytes for the second line", in_words(written),

@@ -3,6 +3,7 @@
 
 #include "core/network_controller.h"
 #include "core/ring_fixture.h"
+#include "core/solo_node.h"
 #include "support/node_literal.h"
 
 namespace limb_ring::core {
@@ -10,22 +11,32 @@ namespace {
 
 using testing::ElementsAre;
 
-/// What went in, by its place in Input.
+/// What went in, by its place in Input, and which packets were said to pass only.
 struct InputsSeen final : Journal {
   std::vector<std::size_t> seen;
-  void goes_in(const Input& input, Time) override { seen.push_back(input.index()); }
+  std::vector<bool> only_pass;
+  void goes_in(const Input& input, Time) override {
+    seen.push_back(input.index());
+    if (const auto* call = std::get_if<input::Receive>(&input)) only_pass.push_back(call->only_passes);
+  }
   void goes_out(Line, wire::ByteView) override {}
   void taken(const Event&, Time) override {}
   void taken(const ReceivedPacket&, Time) override {}
 };
 
-TEST(Journal, IsToldOfEveryCall) {
-  Settings settings;
-  settings.id = 1_id;
-  settings.order = {0_id, 1_id};
-  NetworkController node{settings, Time{}};
+/// Node 1 of a ring of 4, with a journal.
+struct JournalOfNode : testing::Test {
+  JournalOfNode() { node.set_journal(&journal); }
+  /// Whether the node says that it only passes.
+  bool only_passes(const Bytes& bytes, wire::SliceKind kind = wire::SliceKind::whole) {
+    node.receive(Line::first, {kind, {bytes.data(), bytes.size()}}, Time{});
+    return journal.only_pass.back();
+  }
+  NetworkController node{SoloNode::settings(Duration{0}, [](Settings&) {}), Time{}};
   InputsSeen journal;
-  node.set_journal(&journal);
+};
+
+TEST_F(JournalOfNode, IsToldOfEveryCall) {
   const Bytes data = pattern(4);
   node.input_up(Line::first, 0_id, Time{});
   node.output_up(Line::first, 0_id, Time{});
@@ -49,6 +60,22 @@ TEST(Journal, IsToldOfEveryCall) {
                           of(input::Send{}), of(input::Interrupt{}), of(input::Pull{}), of(input::Cancel{}),
                           of(input::CpuReset{}), of(input::Cpu{}), of(input::CpuPresent{}), of(input::Timeout{}),
                           of(input::Run{}), of(input::InputGap{}), of(input::InputLost{}), of(input::OutputLost{})));
+}
+
+TEST_F(JournalOfNode, IsToldWhichPacketsOnlyPass) {
+  const Bytes data = pattern(40);
+  const auto packet = [&](std::uint8_t from, std::uint8_t to) { return Foreign{from, to}.with(data); };
+  EXPECT_TRUE(only_passes(packet(0, 2)));
+  EXPECT_TRUE(only_passes(packet(1, 2))) << "its own, come home";
+  EXPECT_TRUE(only_passes(packet(1, wire::kBroadcast))) << "its own, come home";
+  EXPECT_FALSE(only_passes(packet(0, 1)));
+  EXPECT_FALSE(only_passes(packet(1, 1)));
+  EXPECT_FALSE(only_passes(packet(0, wire::kBroadcast)));
+  EXPECT_FALSE(only_passes(Foreign{0, 2}.with_pri(kControlPri).with(data)));
+  Bytes damaged = packet(0, 2);
+  damaged[20] ^= 1;
+  EXPECT_FALSE(only_passes(damaged));
+  EXPECT_FALSE(only_passes(head_of(packet(0, 2)), wire::SliceKind::start));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ std::vector<std::uint8_t> bytes_of(const Record& record) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static std::vector<std::uint8_t> space(1u << 23);
   recorder::RecordReader reader({data, size}, core::Time{});
-  recorder::RecordWriter writer(core::StateWriter(space.data(), space.size()), wire::NodeId{1}, core::Time{});
+  recorder::RecordWriter writer(core::StateWriter(space.data(), space.size()), core::Time{});
   core::Time last{};
   std::vector<std::vector<std::uint8_t>> expected;
   while (!reader.complete() && writer.left() > space.size() / 2) {

@@ -20,7 +20,7 @@ constexpr Time kNow{1s};
 template <class What>
 std::optional<Record> again(const What& what, Time at = kNow, Time last = kNow) {
   static std::uint8_t room[2048];  // the record points into it
-  RecordWriter writer(core::StateWriter(room, sizeof room), wire::NodeId{1}, last);
+  RecordWriter writer(core::StateWriter(room, sizeof room), last);
   writer.put(at, what);
   EXPECT_FALSE(writer.failed());
   RecordReader reader({room, writer.size()}, last);
@@ -104,7 +104,7 @@ TEST(Record, thatIsEarlierThanTheOneBeforeIsNone) {
 
 TEST(Record, atTheTimeOfTheOneBeforeSaysSoInItsTagAlone) {
   std::uint8_t room[16];
-  RecordWriter writer(core::StateWriter(room, sizeof room), wire::NodeId{1}, kNow);
+  RecordWriter writer(core::StateWriter(room, sizeof room), kNow);
   writer.put(kNow, core::Input{input::Run{}});
   EXPECT_EQ(writer.size(), 1u);
   writer.put(kNow + 1us, core::Input{input::Run{}});
