@@ -52,7 +52,7 @@ void RingListener::run() {
 void RingListener::connect(Source& source) {
   if (Clock::now() < source.next_try) return;
   source.next_try = Clock::now() + kListenRetry;
-  if (live::holder_of(ring_directory(daemon_.ring, daemon_.runtime), source.node->id).frozen)
+  if (live::is_frozen(ring_directory(daemon_.ring, daemon_.runtime), source.node->id))
     return;  // it would let all others wait, and who wants an end
   try {
     daemon_.node = source.node->name;

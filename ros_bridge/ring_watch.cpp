@@ -54,7 +54,7 @@ RingWatch::RingWatch(const config::RingConfig& ring, const ConnectOptions& daemo
 bool RingWatch::is_frozen(const std::string& node) const {
   const auto* configured = ring_.find(node);
   const std::string folder = ring_directory(daemon_.ring, daemon_.runtime);
-  return configured != nullptr && live::holder_of(folder, configured->id).frozen;
+  return configured != nullptr && live::is_frozen(folder, configured->id);
 }
 
 std::optional<json> RingWatch::ask(const std::string& node) {

@@ -24,6 +24,8 @@ struct Holder {
 /// Reads the lock file of one node in a ring's folder, and on a virtual ring its note (node_notes.h). All fields are
 /// empty where there never was a daemon.
 Holder holder_of(const std::string& folder, std::uint8_t node);
+/// Its daemon is stopped: who asks it something waits.
+inline bool is_frozen(const std::string& folder, std::uint8_t node) { return holder_of(folder, node).frozen; }
 
 /// A node held by a daemon that lives, as its lock file says.
 struct HeldNode {

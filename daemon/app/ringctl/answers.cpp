@@ -35,7 +35,7 @@ nlohmann::json checked(const HostPort& port, const std::string& text) {
 }
 
 std::optional<nlohmann::json> ask_one(const std::string& ring, const NodeName& node, const nlohmann::json& request) {
-  if (live::holder_of(ring_directory(ring), node.id).frozen) return std::nullopt;  // it would let us wait
+  if (live::is_frozen(ring_directory(ring), node.id)) return std::nullopt;  // it would let us wait
   try {
     HostPort port = connect_node(ring, std::to_string(node.id));
     return checked(port, port.ask(request.dump(), kAnswerTime));

@@ -17,9 +17,8 @@ namespace {
 std::vector<std::string> node_names(const std::string& ring) {
   const std::string folder = ring_directory(ring);
   const auto held = live::held_nodes(folder);
-  const bool answers = std::any_of(held.begin(), held.end(), [&folder](const live::HeldNode& node) {
-    return !live::holder_of(folder, node.node).frozen;
-  });
+  const bool answers = std::any_of(
+      held.begin(), held.end(), [&folder](const live::HeldNode& node) { return !live::is_frozen(folder, node.node); });
   std::vector<std::string> names;
   if (!answers) {
     for (const live::KnownNode& node : live::known_nodes(folder)) names.push_back(node.name);

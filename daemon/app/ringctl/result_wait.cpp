@@ -20,7 +20,7 @@ std::string seconds(std::chrono::nanoseconds time) {
 
 void ResultWait::check() const {
   const auto waited = std::chrono::steady_clock::now() - begun_;
-  if (waited >= kAnswerTime && live::holder_of(ring_directory(port_.ring()), port_.id()).frozen)
+  if (waited >= kAnswerTime && live::is_frozen(ring_directory(port_.ring()), port_.id()))
     throw gone(port_, "no result within " + seconds(kAnswerTime) + ": its daemon is frozen");
   if (waited < kGuard) return;
   const std::string standing = standing_clock(port_.ring());

@@ -56,7 +56,7 @@ std::vector<std::string> whom_to_ask(const std::string& ring, const std::string&
   std::vector<std::string> nodes, frozen;
   if (!first.empty() && first != "all") nodes.push_back(first);
   for (const std::uint8_t id : node_sockets(ring)) {
-    const bool waits = live::holder_of(ring_directory(ring), id).frozen;
+    const bool waits = live::is_frozen(ring_directory(ring), id);
     (waits ? frozen : nodes).push_back(std::to_string(id));
   }
   nodes.insert(nodes.end(), frozen.begin(), frozen.end());

@@ -62,8 +62,8 @@ class StatusPoll {
   /// @return token of the answer; nothing where none is to be waited for
   std::optional<std::uint32_t> ask(std::size_t index) {
     const NodeName& node = ring_.nodes()[index];
-    if (ring_.is_elsewhere(node)) return std::nullopt;  // its beacons are heard here
-    if (live::holder_of(ring_directory(ring_.ring()), node.id).frozen) return std::nullopt;  // it would let us wait
+    if (ring_.is_elsewhere(node)) return std::nullopt;                                // its beacons are heard here
+    if (live::is_frozen(ring_directory(ring_.ring()), node.id)) return std::nullopt;  // it would let us wait
     try {
       if (!ports_[index]) ports_[index] = ring_.connect(node);
       return ports_[index]->request(R"({"do": "status"})");
