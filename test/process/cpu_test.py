@@ -86,8 +86,11 @@ class Reset(RingTest):
         self.start_ring(limb_at(1), limits={'receive_buffers': 4})
         self.hang(1)
         port = self.port(0)
-        taken = [port.wait(port.send(1, b'stale')).outcome for _ in range(12)]
-        self.assertEqual(taken, ['delivered'] * 12)  # 8 in the CPU's socket, 4 in the buffers
+        taken = 0
+        while port.wait(port.send(1, b'stale')).outcome == 'delivered':
+            taken += 1
+        self.assertIn(taken, range(4, 13))  # 4 in the buffers, and what the CPU had asked for before, at most 8
+        self.assertEqual(self.row(1)['waiting'], 4)
         self.assertTrue(self.ctl_json('reset', 1, '--from', 0, '--timeout', 30)['success'])
         row = self.row(1)
         self.assertEqual(row['counters']['flushed_on_reset'], 4)

@@ -1,11 +1,13 @@
 """UNIX links, shared memory and UDP, in any mix, and a line slow enough to see who overtakes whom."""
 
+import contextlib
 import json
 import os
 import re
+import signal
 
 import ring_process
-from ring_process import RingTest, free_udp_ports, plain_nodes
+from ring_process import RingTest, free_udp_ports, plain_nodes, process_state
 from limb_ring import Result
 
 SEEN_SOON = {'silence': '500ms'}  # UDP tells of no end
@@ -128,19 +130,29 @@ def patient(text):
 
 
 class SlowLine(RingTest):
+    @contextlib.contextmanager
+    def stopped(self, node):
+        daemon = self.daemons[node]
+        daemon.send_signal(signal.SIGSTOP)
+        self.wait('daemon stopped', lambda: process_state(daemon.pid) == 'T')
+        try:
+            yield
+        finally:
+            daemon.send_signal(signal.SIGCONT)
+
     def setUp(self):
         super().setUp()
         with open(os.path.join(ring_process.CONFIG, 'slow_line.yaml')) as shipped:
             config = self.write('slow.yaml', patient(shipped.read()))
-        for node in range(4):
-            self.ringd(config, node, '--ring', self.ring)
+        self.daemons = [self.ringd(config, node, '--ring', self.ring) for node in range(4)]
         self.wait_closed(range(4))
 
     def test_interrupt_sent_after_a_large_packet_ends_before_it(self):
         port = self.port(0)
         for _ in range(10):
-            data = port.send(2, bytes(512))
-            interrupt = port.interrupt(2, 2)
+            with self.stopped(0):   # so it finds both, whatever this process has to wait for
+                data = port.send(2, bytes(512))
+                interrupt = port.interrupt(2, 2)
             self.assertEqual([port.next_of(Result).token, port.next_of(Result).token], [interrupt, data])
         self.assertGreater(self.counters(0)['embedded_interrupts'], 0)
 

@@ -31,7 +31,7 @@ class UpDown(RingTest):
         ups = [self.start('up', command) for _ in range(4)]
         self.wait('all but one have ended', lambda: sum(up.poll() is None for up in ups) == 1)
         winner = next(up for up in ups if up.poll() is None)
-        self.wait('said so', lambda: 'closed' in self.log_of(winner))
+        self.wait('said so', lambda: ' is closed: ' in self.log_of(winner))
         for up in ups:
             if up is not winner:
                 self.assertEqual(up.returncode, 1)
@@ -67,7 +67,7 @@ class UpDown(RingTest):
     def test_in_the_foreground_until_a_signal(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
-            self.wait('said so', lambda: 'closed' in self.log_of(up))
+            self.wait('said so', lambda: ' is closed: ' in self.log_of(up))
             pids = [self.row(node)['pid'] for node in range(3)]
             up.send_signal(number)
             self.assertEqual(self.wait_exit(up), 0)
@@ -76,14 +76,14 @@ class UpDown(RingTest):
 
     def test_recordings_stay_where_a_ring_in_the_foreground_is_ended(self):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '2', '--record'])
-        self.wait('said so', lambda: 'closed' in self.log_of(up))
+        self.wait('said so', lambda: ' is closed: ' in self.log_of(up))
         up.send_signal(signal.SIGINT)
         self.assertEqual(self.wait_exit(up), 0)
         self.assertIn('1.record', os.listdir(self.ring_folder()))
 
     def test_daemons_die_with_a_foreground_up_that_is_killed(self):
         up = self.start('up', [ring_process.program('ringctl'), '--ring', self.ring, 'up', '--nodes', '3'])
-        self.wait('said so', lambda: 'closed' in self.log_of(up))
+        self.wait('said so', lambda: ' is closed: ' in self.log_of(up))
         pids = [self.row(node)['pid'] for node in range(3)]
         up.kill()
         self.wait('daemons gone', lambda: all(ring_process.is_gone(pid) for pid in pids))
