@@ -15,7 +15,9 @@ using testing::IsEmpty;
 
 /// Node 1 with node 0 upstream; whatever an unknown peer does, that stays so.
 struct UnknownPeer : testing::Test {
-  LinkRig rig{2, Endpoint::Transport::unix_stream};
+  /// The line is to stay up also where this process has to wait for its turn.
+  static constexpr Timing kPatient{std::chrono::milliseconds(20), std::chrono::milliseconds(500)};
+  LinkRig rig{2, Endpoint::Transport::unix_stream, kPatient};
   boost::asio::io_context io;
 
   void SetUp() override {

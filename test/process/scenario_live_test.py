@@ -12,13 +12,13 @@ nodes: 4
 steps:
   - do: {send: {name: before, from: node0, to: node3, size: 64, count: 5}}
   - when: {taken: before, at_least: 5, at_most: 5}
-    within: 1s
+    within: 20s
   - do: {kill: node3}
   - when: {node: living, is: up, ring_size: 3}
-    within: 1s
+    within: 20s
   - do: {send: {name: late, from: node0, to: node3, size: 64}}
   - when: {results: late, are: no such node, at_least: 1}
-    within: 1s
+    within: 20s
 '''
 SURPRISE = '''scenario: a surprise
 nodes: 4

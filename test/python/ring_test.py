@@ -19,7 +19,8 @@ BOTH_CLOCKS = pytest.mark.parametrize('clock', ['machine', 'virtual'])
 
 
 def plain(name, **knee):
-    return {'ring': name, 'nodes': [{'id': 0, 'name': 'body'}, dict({'id': 1, 'name': 'knee'}, **knee)]}
+    return {'ring': name, 'timeouts': {'send': '1s'},
+            'nodes': [{'id': 0, 'name': 'body'}, dict({'id': 1, 'name': 'knee'}, **knee)]}
 
 
 @BOTH_CLOCKS
