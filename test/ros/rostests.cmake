@@ -5,19 +5,25 @@ endif()
 find_package(rostest REQUIRED)
 find_package(roslaunch REQUIRED)
 
-# ring_rostest(NAME SECONDS): test/ros/NAME.test, ended by ctest after so many seconds.
+# ring_rostest(NAME SECONDS [HUMANOID]): test/ros/NAME.test, ended by ctest after so many seconds. Those of a humanoid come
+# one after the other: each is some 40 processes at 100 Hz, half a core.
 function(ring_rostest name seconds)
+  cmake_parse_arguments(arg "HUMANOID" "" "" ${ARGN})
   add_rostest(${name}.test)
   set_tests_properties(_ctest_${PROJECT_NAME}_rostest_test_ros_${name}.test PROPERTIES
     TIMEOUT ${seconds}
-    PROCESSORS 2 RESOURCE_LOCK humanoid16  # the ring's name; each is some 40 processes at 100 Hz, half a core
-    COST 100  # one after the other they take longest, so they begin first
-    ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home;LIMB_RING_DATA=${recordings};LIMB_RING_TEST_FILES=${CMAKE_CURRENT_BINARY_DIR}")
+    PROCESSORS 2
+    COST 90  # they take long, so they begin first
+    ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home/${name};LIMB_RING_DATA=${recordings};LIMB_RING_TEST_FILES=${CMAKE_CURRENT_BINARY_DIR}")
+  if(arg_HUMANOID)
+    set_tests_properties(_ctest_${PROJECT_NAME}_rostest_test_ros_${name}.test PROPERTIES RESOURCE_LOCK humanoid COST 100)
+  endif()
 endfunction()
 
-# The same, shown as skipped by ctest where the recordings are missing.
+# recording_rostest(NAME SECONDS [HUMANOID] RECORDING...): shown as skipped by ctest where the recordings are missing.
 function(recording_rostest name seconds)
-  foreach(recording ${ARGN})
+  cmake_parse_arguments(arg "HUMANOID" "" "" ${ARGN})
+  foreach(recording ${arg_UNPARSED_ARGUMENTS})
     if(NOT EXISTS ${recordings}/${recording})
       add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} -E echo
         "skipped: ${recordings}/${recording} is missing (set LIMB_RING_DATA and configure again)")
@@ -25,7 +31,7 @@ function(recording_rostest name seconds)
       return()
     endif()
   endforeach()
-  ring_rostest(${name} ${seconds})
+  ring_rostest(${name} ${seconds} ${ARGN})
 endfunction()
 
 # The humanoid with every CPU an outside process: the tests play the joints.
@@ -40,21 +46,21 @@ add_dependencies(tests walking_recording_test)
 target_include_directories(walking_recording_test PRIVATE ${PROJECT_SOURCE_DIR}/test)
 target_link_libraries(walking_recording_test PRIVATE limb_ring_bridge gmock gtest)
 
-ring_rostest(launch_arguments 300)
+ring_rostest(launch_arguments 660)
 ring_rostest(own_firmware 180)
 ring_rostest(own_rings 300)
 ring_rostest(two_robots 300)
 ring_rostest(play_bag 180)
-ring_rostest(bringup 300)
-ring_rostest(recovery 360)
-ring_rostest(fault 300)
-ring_rostest(diagnostics 360)
-ring_rostest(events 300)
-ring_rostest(view 300)
-ring_rostest(frames 300)
-ring_rostest(simulated_time 240)
+ring_rostest(bringup 300 HUMANOID)
+ring_rostest(recovery 360 HUMANOID)
+ring_rostest(fault 300 HUMANOID)
+ring_rostest(diagnostics 360 HUMANOID)
+ring_rostest(events 300 HUMANOID)
+ring_rostest(view 300 HUMANOID)
+ring_rostest(frames 300 HUMANOID)
+ring_rostest(simulated_time 240 HUMANOID)
 ring_rostest(virtual_clock 180)
-ring_rostest(virtual_fault 300)
+ring_rostest(virtual_fault 300 HUMANOID)
 ring_rostest(controllers 240)
 ring_rostest(follow_clock 240)
 ring_rostest(topics 300)
@@ -69,9 +75,9 @@ set_tests_properties(machines PROPERTIES TIMEOUT 180 RUN_SERIAL TRUE SKIP_REGULA
 # Eight seconds of the ring's time, twice.
 add_test(NAME virtual_demo COMMAND ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/virtual_demo --duration 8
          --programs $<TARGET_FILE_DIR:ringd>)
-set_tests_properties(virtual_demo PROPERTIES TIMEOUT 300 PROCESSORS 2 RESOURCE_LOCK humanoid16 COST 100
+set_tests_properties(virtual_demo PROPERTIES TIMEOUT 300 PROCESSORS 2 RESOURCE_LOCK humanoid COST 100
   ENVIRONMENT "ROS_HOME=${PROJECT_BINARY_DIR}/ros_home;PYTHONDONTWRITEBYTECODE=1;LIMB_RING_DEMO_ENTERED=1")
 ring_rostest(scenario 300)
 ring_rostest(side_by_side 300)
-recording_rostest(walking_recording 300 icub_walking/walking.csv)
+recording_rostest(walking_recording 300 HUMANOID icub_walking/walking.csv)
 recording_rostest(recorded_topics 300 realsense_frames/frames jsk_force_torque)
