@@ -90,6 +90,13 @@ class Cut(LineFault):
     def began(self):
         return self.link('output lost', [self.node])
 
+    def recovered(self):
+        # The node before the break stays so where it has lost its input as well, perhaps for a moment, as it does if this
+        # machine lets it stand still: without its output it cannot join again (protocol.md section 8.3).
+        if not self.folds and self.live.watch.nodes[self.node].state == 'starting':
+            return self.live.watch.all_are('open_chain', self.others())
+        return super().recovered()
+
 
 class Stall(LineFault):
     kind = 'silent line'
