@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "ask/resume_cpu.h"
 #include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/outcome_word.h"
 
@@ -106,6 +107,7 @@ bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {
     payload::JointCommand command;
     command.resume = true;
     stamp(command, came);
+    command.valid_for_us = static_cast<std::uint32_t>(ask::kResumeValidFor.count());
     send(node, command, [this, node, done](const Result& result) {
       on_result(node, result);
       done(result);

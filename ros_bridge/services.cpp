@@ -183,13 +183,20 @@ bool Services::resume(Resume::Request& request, Resume::Response& response) {
     const auto ids = nodes_to_resume(request.node.empty() ? kBroadcast : destination(request.node));
     if (ids.empty())
       throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");
+    const auto add = [&response](const std::string& problem) {
+      response.success = false;
+      response.message += problem + "; ";
+    };
+    std::vector<ask::Node> taken;
     for (const auto id : ids) {
       const auto result = resume_one(id, deadline);
-      if (result.outcome == Outcome::delivered) continue;
-      response.success = false;
-      response.message += "node " + std::to_string(id) + ": the resume ended '" + to_string(result.outcome) + "'" +
-                          (result.reason.empty() ? "" : ", " + result.reason) + "; ";
+      if (result.outcome == Outcome::delivered)
+        taken.push_back({id, ring_.find(id)->name});
+      else
+        add("node " + std::to_string(id) + ": the resume ended '" + to_string(result.outcome) + "'" +
+            (result.reason.empty() ? "" : ", " + result.reason));
     }
+    for (const ask::Node& node : ask::wait_for_resumes(ring_.ring, taken)) add(ask::sentence_of_latched(node));
   });
 }
 

@@ -121,6 +121,21 @@ std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::ve
   return latched;
 }
 
+std::vector<Node> wait_for_resumes(const std::string& ring, const std::vector<Node>& nodes) {
+  const auto begun = steady_clock::now();
+  for (;;) {
+    std::vector<Node> latched = nodes_with_latched_stop(ring, nodes);
+    if (latched.empty() || steady_clock::now() - begun >= kToSaySo) return latched;
+    std::this_thread::sleep_for(kStopsPollPeriod);
+  }
+}
+
+std::string sentence_of_latched(const Node& node) {
+  return node.name +
+         ": a stop is still latched there, though its node has taken the resume: the CPU read it too late, " +
+         "or there was another stop";
+}
+
 bool all_told(const std::vector<KnownStop>& stops) {
   return std::none_of(stops.begin(), stops.end(), [](const KnownStop& stop) {
     return stop.state == StopState::not_reached || stop.state == StopState::unknown;

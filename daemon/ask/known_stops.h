@@ -42,6 +42,13 @@ std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector
 /// Those whose CPU says that a stop is latched, as far as daemons on this host answer or have heard.
 std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::vector<Node>& nodes);
 
+/// Polls for 1 s at most, until none of these says any more that a stop is latched.
+/// @param nodes have taken the command that ends it
+/// @return those that still do, as after a command that came too late for the CPU
+std::vector<Node> wait_for_resumes(const std::string& ring, const std::vector<Node>& nodes);
+/// "knee: a stop is still latched there; ..."
+std::string sentence_of_latched(const Node& node);
+
 /// Every node was reached, and where there is a CPU it has stopped or was told.
 bool all_told(const std::vector<KnownStop>& stops);
 

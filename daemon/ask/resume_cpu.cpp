@@ -6,7 +6,6 @@
 namespace limb_ring::ask {
 namespace {
 
-constexpr std::chrono::microseconds kValidFor = std::chrono::seconds(1);
 constexpr std::uint8_t kPriority = 0;
 
 }  // namespace
@@ -15,7 +14,7 @@ Result resume_cpu(HostPort& port, std::uint8_t node, std::chrono::milliseconds t
   payload::JointCommand command;
   command.resume = true;
   command.stamp_ns = port.stamp().count();
-  command.valid_for_us = static_cast<std::uint32_t>(kValidFor.count());
+  command.valid_for_us = static_cast<std::uint32_t>(kResumeValidFor.count());
   const auto bytes = payload::encode(command);  // cannot fail: it names no joints
   return port.wait(port.send(node, *bytes, kPriority, payload::kJointChannel), timeout);
 }

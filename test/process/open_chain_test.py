@@ -1,7 +1,11 @@
 """What is known of a reset, a stop and a send where the ring is open and nothing returns; stops latch and are shown."""
 
+import os
+import signal
+import time
+
 import ring_process
-from ring_process import RingTest, plain_nodes
+from ring_process import RingTest, plain_nodes, process_state
 
 
 def limbs(count):
@@ -82,6 +86,23 @@ class Stop(LimbRing):
         self.assertIn('stop latched at node0, node1, node2;', self.ctl('status').stdout)
         self.assertEqual(self.ctl('resume').stdout, 'resumed 4 nodes\n')
         self.wait('all have resumed', lambda: self.latched() == [False] * 4)
+
+    def test_a_resume_that_a_hung_cpu_reads_too_late_is_told(self):
+        self.start_limbs()
+        self.ctl('stop')
+        pid = self.row(3)['cpu']['pid']
+        os.kill(pid, signal.SIGSTOP)
+        self.wait('CPU stopped', lambda: process_state(pid) == 'T')
+        late = self.ctl('resume', 'node3')
+        self.assertEqual(late.returncode, 1, late.stdout)
+        self.assertIn('node3: a stop is still latched there', late.stdout)
+        rows = self.ctl_json('resume', code=1)['nodes']
+        self.assertEqual([(row['name'], row['outcome'], row['stop_latched']) for row in rows],
+                         [('node%d' % node, 'delivered', node == 3) for node in range(4)])
+        time.sleep(1)   # as long as a resume is valid
+        os.kill(pid, signal.SIGCONT)
+        self.assertEqual(self.ctl('resume', 'node3').stdout, 'resumed node3\n')
+        self.assertEqual(self.latched(), [False] * 4)
 
     def test_a_cpu_without_joints_is_resumed_too(self):
         nodes = limbs(4)

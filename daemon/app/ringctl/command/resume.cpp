@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <set>
@@ -39,10 +40,15 @@ std::vector<NodeName> meant(const RingAccess& ring, HostPort& port, const std::s
   return nodes;
 }
 
+bool is_among(const std::vector<ask::Node>& nodes, std::uint8_t id) {
+  return std::any_of(nodes.begin(), nodes.end(), [id](const ask::Node& node) { return node.id == id; });
+}
+
 int run(const Context& context, const ResumeOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   HostPort port = ring.connect(ring.source(options.from));
   std::vector<Result> results;
+  std::vector<ask::Node> taken;
   nlohmann::json list = nlohmann::json::array();
   for (const NodeName& node : meant(ring, port, options.node)) {
     while_telling(ring.ring(), [&] { results.push_back(ask::resume_cpu(port, node.id, kAnswer)); });
@@ -50,10 +56,15 @@ int run(const Context& context, const ResumeOptions& options) {
     row["id"] = node.id;
     row["name"] = node.name;
     list.push_back(row);
+    if (results.back().outcome == Outcome::delivered) taken.push_back({node.id, node.name});
     if (!options.json && results.back().outcome != Outcome::delivered)
       std::cout << node.name << ": the resume " << ended_text(results.back()) << '\n';
   }
-  const int code = exit_code(results);
+  const std::vector<ask::Node> latched = ask::wait_for_resumes(ring.ring(), taken);
+  for (nlohmann::json& row : list) row["stop_latched"] = is_among(latched, row["id"]);
+  for (const ask::Node& node : latched)
+    if (!options.json) std::cout << ask::sentence_of_latched(node) << '\n';
+  const int code = latched.empty() ? exit_code(results) : kNotDone;
   if (options.json)
     std::cout << nlohmann::json{{"nodes", list}}.dump(2) << '\n';
   else if (code == kDone)
