@@ -104,11 +104,7 @@ void CommandIn::on_result(std::uint8_t node, const Result& result) {
 
 bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {
   return port_.post([this, node, done = std::move(done), came = Throttle::Clock::now()] {
-    payload::JointCommand command;
-    command.resume = true;
-    stamp(command, came);
-    command.valid_for_us = static_cast<std::uint32_t>(ask::kResumeValidFor.count());
-    send(node, command, [this, node, done](const Result& result) {
+    send(node, ask::resume_command(port_.stamp_of(came)), [this, node, done](const Result& result) {
       on_result(node, result);
       done(result);
     });

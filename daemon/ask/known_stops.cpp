@@ -122,6 +122,7 @@ std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::ve
 }
 
 std::vector<Node> wait_for_resumes(const std::string& ring, const std::vector<Node>& nodes) {
+  if (nodes.empty()) return {};
   const auto begun = steady_clock::now();
   for (;;) {
     std::vector<Node> latched = nodes_with_latched_stop(ring, nodes);

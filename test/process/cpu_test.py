@@ -1,10 +1,9 @@
 """A node's CPU: reset whatever state it is in, restarted, never left behind."""
 
-import os
 import signal
 
 import ring_process
-from ring_process import RingTest, is_gone, plain_nodes, process_state
+from ring_process import RingTest, is_gone, plain_nodes
 from limb_ring import HostPortError, Packet
 
 
@@ -26,8 +25,7 @@ class Log(RingTest):
 class Reset(RingTest):
     def hang(self, node):
         pid = self.wait_cpu(node, 'running')['pid']
-        os.kill(pid, signal.SIGSTOP)
-        self.wait('CPU stopped', lambda: process_state(pid) == 'T')
+        self.stop_process(pid)
         return pid
 
     def test_hung_cpu_is_reset_while_others_lose_nothing(self):
@@ -123,16 +121,14 @@ class Children(RingTest):
                 daemons = self.start_ring(limb_at(1))
                 pid = self.wait_cpu(1, 'running')['pid']
                 if stopped:
-                    os.kill(pid, signal.SIGSTOP)
-                    self.wait('CPU stopped', lambda: process_state(pid) == 'T')
+                    self.stop_process(pid)
                 daemons[1].kill()
                 self.wait('CPU gone', lambda: is_gone(pid))
 
     def test_children_die_with_a_daemon_that_is_ended(self):
         daemons = self.start_ring(limb_at(1))
         pid = self.wait_cpu(1, 'running')['pid']
-        os.kill(pid, signal.SIGSTOP)
-        self.wait('CPU stopped', lambda: process_state(pid) == 'T')
+        self.stop_process(pid)
         daemons[1].terminate()
         self.assertEqual(self.wait_exit(daemons[1]), 0)
         self.assertTrue(is_gone(pid))

@@ -5,7 +5,7 @@ import signal
 import time
 
 import ring_process
-from ring_process import RingTest, plain_nodes, process_state
+from ring_process import RingTest, plain_nodes
 
 
 def limbs(count):
@@ -91,8 +91,7 @@ class Stop(LimbRing):
         self.start_limbs()
         self.ctl('stop')
         pid = self.row(3)['cpu']['pid']
-        os.kill(pid, signal.SIGSTOP)
-        self.wait('CPU stopped', lambda: process_state(pid) == 'T')
+        self.stop_process(pid)
         late = self.ctl('resume', 'node3')
         self.assertEqual(late.returncode, 1, late.stdout)
         self.assertIn('node3: a stop is still latched there', late.stdout)

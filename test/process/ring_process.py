@@ -4,6 +4,7 @@ own, so that tests can run side by side. Conditions are waited for; nothing is t
 import json
 import os
 import random
+import signal
 import subprocess
 import sys
 import time
@@ -154,6 +155,11 @@ class RingTest(unittest.TestCase):
                 return value
             time.sleep(STEP)
         self.fail('not within %g s: %s' % (GUARD, what))
+
+    def stop_process(self, pid):
+        """By SIGSTOP; it has stopped when this returns."""
+        os.kill(pid, signal.SIGSTOP)
+        self.wait('process %d stopped' % pid, lambda: process_state(pid) == 'T')
 
     def is_closed(self, nodes):
         rows = [self.row(node) for node in nodes]

@@ -7,7 +7,7 @@ import time
 import unittest
 
 from firmware_page_test import PAGE, program_of
-from ring_process import GUARD, RingTest, plain_nodes, process_state, program
+from ring_process import GUARD, RingTest, plain_nodes, program
 from limb_ring import JointState, Packet
 
 EXAMPLES = os.path.join(os.path.dirname(PAGE), '..', 'examples')
@@ -40,8 +40,7 @@ class StoppedFirmware(RingTest):
 
     def stands_still(self, cpu):
         """For at least so long, ns."""
-        cpu.send_signal(signal.SIGSTOP)
-        self.wait('stopped', lambda: process_state(cpu.pid) == 'T')
+        self.stop_process(cpu.pid)
         since = time.time_ns()
         time.sleep(STANDS)
         stood = time.time_ns() - since

@@ -7,7 +7,7 @@ import re
 import signal
 
 import ring_process
-from ring_process import RingTest, free_udp_ports, plain_nodes, process_state
+from ring_process import RingTest, free_udp_ports, plain_nodes
 from limb_ring import Result
 
 SEEN_SOON = {'silence': '500ms'}  # UDP tells of no end
@@ -133,8 +133,7 @@ class SlowLine(RingTest):
     @contextlib.contextmanager
     def stopped(self, node):
         daemon = self.daemons[node]
-        daemon.send_signal(signal.SIGSTOP)
-        self.wait('daemon stopped', lambda: process_state(daemon.pid) == 'T')
+        self.stop_process(daemon.pid)
         try:
             yield
         finally:
