@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using std::chrono::milliseconds;
 
-constexpr int kThreads = 3;
+constexpr int kStopThreads = 2, kThreads = 3;
 constexpr auto kServiceConnect = 1s;
 constexpr auto kServiceAnswer = 10s;  // a send ends after timeouts.queue and its tries
 constexpr auto kReset = 3s;
@@ -63,11 +63,6 @@ void fill(Response& response, const std::string& outcome, double round_trip, con
   response.message = message;
 }
 
-const ros::NodeHandle& on_queue(ros::NodeHandle& nodes, ros::CallbackQueue& queue) {
-  nodes.setCallbackQueue(&queue);
-  return nodes;
-}
-
 }  // namespace
 
 Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon, RingPort& port,
@@ -76,24 +71,23 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
       daemon_(std::move(daemon)),
       port_(port),
       commands_(commands),
-      nodes_(nodes),
-      threads_(kThreads, &queue_),
-      names_(on_queue(nodes_, queue_)) {
+      stop_calls_(nodes, kStopThreads),
+      other_calls_(nodes, kThreads) {
   daemon_.role = Role::tool;
   daemon_.alive_period = 0ms;
   daemon_.timeout = kServiceConnect;
-  names_.advertise("reset_node", &Services::reset_node, this);
-  names_.advertise("send_interrupt", &Services::send_interrupt, this);
-  names_.advertise("stop", &Services::stop, this);
-  names_.advertise("resume", &Services::resume, this);
-  faults_.emplace(names_, ring_, daemon_.node, port_);
-  threads_.start();
+  stop_calls_.names().advertise("stop", &Services::stop, this);
+  other_calls_.names().advertise("reset_node", &Services::reset_node, this);
+  other_calls_.names().advertise("send_interrupt", &Services::send_interrupt, this);
+  other_calls_.names().advertise("resume", &Services::resume, this);
+  faults_.emplace(other_calls_.names(), ring_, daemon_.node, port_);
+  stop_calls_.start();
+  other_calls_.start();
 }
 
 Services::~Services() {
-  names_.shutdown();
-  faults_.reset();
-  threads_.stop();
+  stop_calls_.stop();
+  other_calls_.stop();
 }
 
 std::uint8_t Services::one_node(const std::string& node) const {

@@ -4,7 +4,6 @@
 #include <limb_ring/Resume.h>
 #include <limb_ring/SendInterrupt.h>
 #include <limb_ring/Stop.h>
-#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include <optional>
@@ -12,17 +11,17 @@
 
 #include "ask/status_rows.h"
 #include "config/ring_config.h"
+#include "ros_bridge/call_threads.h"
 #include "ros_bridge/command_in.h"
 #include "ros_bridge/fault_services.h"
-#include "ros_bridge/two_names.h"
 
 namespace limb_ring::bridge {
 
 /// `reset_node`, `send_interrupt`, `stop`, `resume`, and those of FaultServices, each also under the bridge's own name.
 ///
-/// A call may take seconds, so calls have a queue and threads of their own, and each opens a
-/// connection of its own to the daemon, as any tool may: joint data does not wait for them.
-/// Every call ends by a deadline; what went wrong is in its message.
+/// A call may take seconds, so calls have queues and threads of their own, and each opens a connection of its own to the
+/// daemon, as any tool may: joint data does not wait for them, and a stop waits for none of the others. Every call ends
+/// by a deadline, `inject_fault` of a freeze for a time when that is over; what went wrong is in its message.
 class Services {
  public:
   /// `daemon` says how to reach the daemon of this bridge's node; its role is ignored.
@@ -50,10 +49,7 @@ class Services {
   ConnectOptions daemon_;
   RingPort& port_;  ///< its time goes on during a call
   CommandIn& commands_;
-  ros::CallbackQueue queue_;
-  ros::NodeHandle nodes_;
-  ros::AsyncSpinner threads_;
-  TwoNames names_;
+  CallThreads stop_calls_, other_calls_;
   std::optional<FaultServices> faults_;
 };
 
