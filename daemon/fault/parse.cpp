@@ -204,7 +204,12 @@ void set_nodes(Fault& fault, const std::vector<std::string>& names, const RingNo
     for (const NamedNode& node : nodes) fault.nodes.push_back(node.id);
     return;
   }
-  for (const std::string& name : names) fault.nodes.push_back(nodes[place_of(name, nodes)].id);
+  for (const std::string& name : names) {
+    const NamedNode& node = nodes[place_of(name, nodes)];
+    if (std::find(fault.nodes.begin(), fault.nodes.end(), node.id) != fault.nodes.end())
+      throw ParseError(quoted(node.name, "is named twice"), "each node once");
+    fault.nodes.push_back(node.id);
+  }
 }
 
 void set_line(Fault& fault, const std::string& before, const std::string& behind, const RingNodes& nodes) {

@@ -81,8 +81,10 @@ std::vector<NodeId> read_nodes(const Entry& entry) {
     return nodes;
   }
   if (entry.is_scalar()) return {read_place(entry, ", a list of them, or all")};
-  for (const Entry& item : entry.items("a node, a list of nodes, or all", config::kMostNodes))
+  for (const Entry& item : entry.items("a node, a list of nodes, or all", config::kMostNodes)) {
     nodes.push_back(read_place(item));
+    if (std::count(nodes.begin(), nodes.end(), nodes.back()) > 1) item.refuse_value("is named twice", "each node once");
+  }
   return nodes;
 }
 
@@ -121,8 +123,6 @@ const Section<Scenario>& scenario_section() {
       {"absent", "[]", "a node or a list of nodes", "Not there at the start.",
        [](const Entry& entry, Scenario& scenario) {
          scenario.absent = read_nodes(entry);  // the others are counted by it
-         if (std::set<NodeId>(scenario.absent.begin(), scenario.absent.end()).size() != scenario.absent.size())
-           entry.refuse("a node is there twice", "each node once");
          if (scenario.absent.size() == scenario.ring.nodes.size())
            entry.refuse("no node would be there", "all nodes but one, at most");
        }},

@@ -79,6 +79,8 @@ TEST(FaultWords, NameTheWrongWordAndWhatWouldBeRight) {
               StartsWith("'0' is not allowed for 'packets'; allowed: a whole number"));
   EXPECT_THAT(refusal_of("stall hip -> knee for=2"),
               StartsWith("'2' is not allowed for 'for'; allowed: a time such as 5ms"));
+  EXPECT_EQ(refusal_of("kill knee 12 knee"), "'knee' is named twice; allowed: each node once");
+  EXPECT_EQ(refusal_of("power_cycle knee hip knee"), "'knee' is named twice; allowed: each node once");
   EXPECT_EQ(refusal_of("stall hip -> knee for=2s for=3s"), "'for' is given twice; allowed: once");
   EXPECT_THAT(refusal_of("rate hip -> knee rate=unlimited"), HasSubstr("allowed: a rate such as"));
 }

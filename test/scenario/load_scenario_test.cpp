@@ -62,9 +62,11 @@ TEST(LoadScenario, RefusesALineThatTheRingDoesNotHave) {
   EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {cut: node1 -> node0}}]\n")), HasSubstr("a ring that folds back"));
 }
 
-TEST(LoadScenario, RefusesAnAbsentNodeThatIsThereTwice) {
+TEST(LoadScenario, RefusesANodeThatIsNamedTwice) {
   EXPECT_THAT(refusal_of(four_nodes("absent: [node1, 1]\nsteps: []\n")),
-              HasSubstr("entry 'absent': a node is there twice; allowed: each node once"));
+              HasSubstr("entry 'absent[1]': '1' is named twice; allowed: each node once"));
+  EXPECT_THAT(refusal_of(four_nodes("steps: [{do: {kill: [node1, node2, node1]}}]\n")),
+              HasSubstr("'node1' is named twice; allowed: each node once"));
 }
 
 TEST(LoadScenario, RefusesARingWithoutANode) {
