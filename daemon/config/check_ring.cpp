@@ -75,6 +75,29 @@ void check_ports(const Entry& file, const RingConfig& ring) {
   }
 }
 
+/// Who stops all sends one broadcast, of the pin that stops it: that has to stop the others too, and must reset nobody.
+/// The same holds for latching all clocks.
+void check_common_pin(const Entry& file, const RingConfig& ring, PinConfig::Action action, const std::string& what) {
+  const NodeConfig* first = nullptr;
+  for (const NodeConfig& node : ring.nodes)
+    if (first == nullptr && first_pin(node, action)) first = &node;
+  if (first == nullptr) return;
+  const std::uint8_t common = *first_pin(*first, action);
+  for (std::size_t n = 0; n < ring.nodes.size(); ++n) {
+    const NodeConfig& node = ring.nodes[n];
+    const auto own = first_pin(node, action);
+    const bool resets = node.pins[common].action == PinConfig::Action::reset;
+    if (own ? *own == common : !resets) continue;
+    const std::string pin = "pin " + std::to_string(common);
+    element(file, "nodes", n)
+        .refuse((own ? "its first pin wired to " + what + " is " + std::to_string(*own)
+                     : "its " + pin + " is wired to reset") +
+                    ", and " + pin + " is node '" + first->name + "'s for " + what +
+                    ": a broadcast to all would not " + what + " it",
+                pin + " wired to " + what + " at every node that has such a pin, and to reset at none");
+  }
+}
+
 void check_inputs(const Entry& file, const RingConfig& ring) {
   for (std::size_t n = 0; n < ring.nodes.size(); ++n)
     for (std::size_t i = 0; i < ring.nodes[n].inputs.size(); ++i) {
@@ -132,7 +155,7 @@ void check_traffic(const Entry& file, const RingConfig& ring) {
 void check_supervisor(const Entry& file, const RingConfig& ring) {
   if (ring.supervisor.policy != SupervisorConfig::Policy::automatic) return;
   for (std::size_t n = 0; n < ring.nodes.size(); ++n)
-    if (ring.nodes[n].cpu.alive_period.count() != 0 && !reset_pin(ring.nodes[n]))
+    if (ring.nodes[n].cpu.alive_period.count() != 0 && !first_pin(ring.nodes[n], PinConfig::Action::reset))
       element(file, "nodes", n)
           .refuse("its cpu has an alive_period, but no pin of it is wired to reset",
                   "a pin wired to reset, or a supervisor with policy report or off");
@@ -188,6 +211,8 @@ void check_ring(const Entry& file, const RingConfig& ring) {
   check_keys(file, ring);
   check_expected(file, ring);
   check_ports(file, ring);
+  check_common_pin(file, ring, PinConfig::Action::stop, "stop");
+  check_common_pin(file, ring, PinConfig::Action::sync, "sync");
   check_inputs(file, ring);
   check_supervisor(file, ring);
   check_topics(file, ring);

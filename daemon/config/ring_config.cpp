@@ -80,9 +80,9 @@ const NodeConfig& supervisor_of(const RingConfig& ring) {
   return ring.supervisor.node ? *ring.find(*ring.supervisor.node) : body_of(ring);
 }
 
-std::optional<std::uint8_t> reset_pin(const NodeConfig& node) {
+std::optional<std::uint8_t> first_pin(const NodeConfig& node, PinConfig::Action action) {
   for (std::uint8_t factor = 0; factor < node.pins.size(); ++factor)
-    if (node.pins[factor].action == PinConfig::Action::reset) return factor;
+    if (node.pins[factor].action == action) return factor;
   return std::nullopt;
 }
 

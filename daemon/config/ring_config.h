@@ -265,8 +265,8 @@ const NodeConfig& body_of(const RingConfig& ring);
 /// The node that watches the CPUs of the others: the one configured, else the body.
 const NodeConfig& supervisor_of(const RingConfig& ring);
 
-/// The first of a node's pins that is wired to reset; nothing where none is.
-std::optional<std::uint8_t> reset_pin(const NodeConfig& node);
+/// The first of a node's pins that is wired to that; nothing where none is.
+std::optional<std::uint8_t> first_pin(const NodeConfig& node, PinConfig::Action action);
 
 /// True where some node has pin `factor` wired to reset: a broadcast of it needs to be forced.
 bool ring_has_reset_on(const RingConfig& ring, unsigned factor);

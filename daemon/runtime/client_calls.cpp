@@ -1,6 +1,7 @@
 #include "runtime/client_calls.h"
 
 #include "runtime/observe_filter.h"
+#include "runtime/request_fields.h"
 #include "runtime/send_owner.h"
 
 namespace limb_ring::runtime {
@@ -53,11 +54,9 @@ void ClientCalls::on_pull(host::ClientId client, const client::PullRequest& requ
 }
 
 void ClientCalls::on_request(host::ClientId client, const client::JsonRequest& request) {
-  // The path of the ring's file is any bytes; JSON is UTF-8.
-  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
   to_.requests.handle(std::string(request.json), is_cpu(client),
                       [this, client, token = request.token](const nlohmann::json& answer) {
-                        to_.host.reply(client, token, answer.dump(-1, ' ', /*ensure_ascii=*/false, kReplace));
+                        to_.host.reply(client, token, text_of(answer));
                       });
 }
 
@@ -72,7 +71,7 @@ void ClientCalls::on_observe(host::ClientId client, const client::ObserveRequest
     to_.observers.set(client, filter.kinds);
     to_.packet_observers.set(client, filter.packets);
   } catch (const std::exception& error) {
-    to_.host.observed(client, nlohmann::json{{"error", error.what()}}.dump());
+    to_.host.observed(client, text_of({{"error", error.what()}}));
   }
 }
 

@@ -27,12 +27,13 @@ void DaemonInterrupts::on_ended(const core::SendEnded& ended) {
 void DaemonInterrupts::reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout,
                              ResetDone done) {
   const std::uint32_t number = ++last_reset_;
-  Reset& reset = resets_.try_emplace(number, node, cpus_.known(node), driver_.now(), std::move(done)).first->second;
-  reset.deadline = driver_.clock().timer([this, number] {
+  auto deadline = driver_.clock().timer([this, number] {
     const auto place = resets_.find(number);
     finish(place, place->second.order.timed_out(driver_.now()));
   });
-  reset.deadline->expires_at(driver_.clock().now() + timeout);
+  deadline->expires_at(driver_.clock().now() + timeout);
+  Reset& reset = resets_.try_emplace(number, node, cpus_.known(node), driver_.now(), std::move(done)).first->second;
+  reset.deadline = std::move(deadline);
   interrupt(node, factor, [this, number](const core::SendEnded& ended) {
     const auto place = resets_.find(number);
     if (place == resets_.end()) return;

@@ -19,6 +19,9 @@ class DaemonInterrupts {
   DaemonInterrupts(NodeDriver& driver, const CpuSightings& cpus) : driver_(driver), cpus_(cpus) {}
 
   void interrupt(wire::NodeId to, std::uint8_t factor, Ended done);
+  /// So many resets for clients at a time.
+  static constexpr std::size_t kMostResets = 64;
+  bool has_room_for_reset() const { return resets_.size() < kMostResets; }
   /// Pulls the reset pin of `node`. `done` is called when the effect is known, or after `timeout`.
   void reset(wire::NodeId node, std::uint8_t factor, std::chrono::milliseconds timeout, ResetDone done);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "runtime/request_fields.h"
+
 namespace limb_ring::runtime {
 
 void Observers::set(host::ClientId client, const std::set<std::string>& kinds) {
@@ -20,7 +22,7 @@ void Observers::tell(const std::string& kind, nlohmann::json what) {
   if (!wants(kind)) return;
   what["kind"] = kind;
   what["time_ns"] = clock_.wall_ns(clock_.now());
-  const std::string line = what.dump();
+  const std::string line = text_of(what);
   for (const auto& [client, kinds] : wanted_)
     if (kinds.count(kind) != 0) host_.observed(client, line);
 }

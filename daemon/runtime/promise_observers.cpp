@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "runtime/request_fields.h"
+
 namespace limb_ring::runtime {
 
 PromiseObservers::PromiseObservers(wire::NodeId self, std::string folder, NodeDriver& driver, host::HostServer& host)
@@ -53,7 +55,7 @@ void PromiseObservers::tell(host::ClientId client) {
                              {"state", static_cast<unsigned>(controller.membership().state())},
                              {"at_ns", driver_.steady(driver_.now()).time_since_epoch().count()},
                              {"longest_send_ns", promises::longest_send(controller.settings()).count()}};
-  host_.observed(client, where.dump());
+  host_.observed(client, text_of(where));
 }
 
 }  // namespace limb_ring::runtime

@@ -16,6 +16,10 @@ std::string names_of(const config::RingConfig& ring) {
 
 }  // namespace
 
+std::string text_of(const nlohmann::json& answer) {
+  return answer.dump(-1, ' ', /*ensure_ascii=*/false, nlohmann::json::error_handler_t::replace);
+}
+
 nlohmann::json object_in(const std::string& text, const char* problem) {
   if (const auto deep = client::json_problem(text)) throw RequestError(*deep);
   nlohmann::json object = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);

@@ -14,6 +14,9 @@ struct RequestError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// JSON for a client. Bytes that are no UTF-8, as in a path, become U+FFFD.
+std::string text_of(const nlohmann::json& answer);
+
 /// What a client wrote, an object. @param problem says what it should be
 /// @throw RequestError where it is none, or nested too deep
 nlohmann::json object_in(const std::string& text, const char* problem);

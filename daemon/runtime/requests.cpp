@@ -18,8 +18,7 @@ using Action = config::PinConfig::Action;
 
 /// The first pin of a node wired to `action`. @throw RequestError where there is none
 std::uint8_t factor_of(const config::NodeConfig& node, Action action, const std::string& name) {
-  for (std::uint8_t factor = 0; factor < node.pins.size(); ++factor)
-    if (node.pins[factor].action == action) return factor;
+  if (const auto pin = config::first_pin(node, action)) return *pin;
   throw RequestError("node " + node.name + " has no pin wired to " + name);
 }
 
@@ -53,7 +52,7 @@ void Requests::handle(const std::string& text, bool of_cpu, const Answer& answer
     if (!request.contains("do") || !request["do"].is_string()) throw RequestError(kRule);
     const auto fault_handler = fault_handlers.find(request["do"].get<std::string>());
     if (fault_handler != fault_handlers.end()) return fault_handler->second(to_.faults, request, answer);
-    if (request["do"] == "stop_latched" && of_cpu) return stop_latched(request, answer);
+    if (request["do"] == "stop_latched") return stop_latched(request, of_cpu, answer);
     const Answer while_here = [answer, here = std::weak_ptr<void>(here_)](const Json& reply) {
       if (!here.expired()) answer(reply);
     };
@@ -102,7 +101,8 @@ void Requests::status(const Json&, const Answer& answer) {
 }
 
 // Only the CPU knows: a command that resumes may come too late, or from before the stop.
-void Requests::stop_latched(const Json& request, const Answer& answer) {
+void Requests::stop_latched(const Json& request, bool of_cpu, const Answer& answer) {
+  if (!of_cpu) throw RequestError("stop_latched is for the node's CPU alone");
   if (!request.contains("latched") || !request["latched"].is_boolean())
     throw RequestError("'latched' is missing or no truth value; allowed: true, false");
   to_.cpu.stop_latched(request["latched"].get<bool>());
@@ -133,6 +133,8 @@ void Requests::reset(const Json& request, const Answer& answer) {
   const config::NodeConfig* target = &node_in(to_.ring, request, "node");
   const std::chrono::milliseconds timeout(number_in(request, "timeout_ms", 3000, 1, 600'000));
   const std::uint8_t factor = factor_of(*target, Action::reset, "reset");
+  if (!to_.interrupts.has_room_for_reset())
+    throw RequestError("this node waits for " + std::to_string(DaemonInterrupts::kMostResets) + " resets already");
   to_.interrupts.reset(wire::NodeId{target->id}, factor, timeout, [this, answer](const watchdog::ResetReport& report) {
     const SendReason reason = to_.reasons.of(report.ended);
     const bool explained = report.ended.outcome != core::Outcome::delivered && !report.success();

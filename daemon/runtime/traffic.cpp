@@ -18,7 +18,6 @@ bool Traffic::start(const TrafficRequest& request, Done done) {
   run.next = driver_.clock().timer([this, id] { send_next(id); });
   run.deadline = driver_.clock().timer([this, id] { overdue(id); });
   run.begun = run.last_end = driver_.now();
-  run.round_trips.reserve(request.count);
   run.deadline->expires_at(driver_.clock().now() + request.deadline);
   send(id, run);
   driver_.pump();

@@ -61,14 +61,14 @@ void RingPort::on_interrupt(host::ClientId client, const client::InterruptReques
 void RingPort::on_pull(host::ClientId client, const client::PullRequest& request) { reject(client, request.token); }
 
 void RingPort::on_observe(host::ClientId client, const client::ObserveRequest&) {
-  host_.observed(client, json{{"error", std::string(kWhoseThisIs) + ": it sees no packets"}}.dump());
+  host_.observed(client, runtime::text_of({{"error", std::string(kWhoseThisIs) + ": it sees no packets"}}));
 }
 
 // ---- requests -------------------------------------------------------------------------------
 
 void RingPort::on_request(host::ClientId client, const client::JsonRequest& request) {
   const auto answer = [this, client, token = request.token](const json& reply) {
-    host_.reply(client, token, reply.dump());
+    host_.reply(client, token, runtime::text_of(reply));
   };
   try {
     const json what =

@@ -81,17 +81,17 @@ TEST(NodeFile, SensorsHaveKindRateAndPriority) {
 
 TEST(NodeFile, PinsDriveWhatTheySay) {
   const NodeConfig node = node_of(
-      "    pins: {0: none, 1: reset, 2: stop, 3: notify, 4: {signal: USR1},\n"
-      "           5: {exec: [logger, hit]}, 6: sync}\n");
+      "    pins: {0: none, 1: stop, 2: sync, 3: notify, 4: {signal: USR1},\n"
+      "           5: {exec: [logger, hit]}, 6: reset}\n");
   EXPECT_EQ(node.pins[0].action, Action::none);
-  EXPECT_EQ(node.pins[1].action, Action::reset);
-  EXPECT_EQ(node.pins[2].action, Action::stop);
+  EXPECT_EQ(node.pins[1].action, Action::stop);
+  EXPECT_EQ(node.pins[2].action, Action::sync);
   EXPECT_EQ(node.pins[3].action, Action::notify);
   EXPECT_EQ(node.pins[4].action, Action::signal);
   EXPECT_EQ(node.pins[4].signal, SIGUSR1);
   EXPECT_EQ(node.pins[5].action, Action::exec);
   EXPECT_THAT(node.pins[5].command, ElementsAre("logger", "hit"));
-  EXPECT_EQ(node.pins[6].action, Action::sync);
+  EXPECT_EQ(node.pins[6].action, Action::reset);
   EXPECT_EQ(node.pins[7].action, Action::none);
 }
 

@@ -144,6 +144,17 @@ TEST(WrongNodes, AnInputThatWouldResetAll) {
                     HasSubstr("allowed: one node, or a factor that no node has wired to reset")));
 }
 
+TEST(WrongNodes, AStopOfAllThatWouldNotStopThemOrResetThem) {
+  const auto pins_of_knee = [](const std::string& pins) { return refusal_of(node_with("    pins: " + pins + "\n")); };
+  EXPECT_THAT(pins_of_knee("{1: reset, 2: stop}"),
+              AllOf(HasSubstr("'nodes[1]': its first pin wired to stop is 2, and pin 1 is node 'knee's for stop: a "
+                              "broadcast to all would not stop it"),
+                    HasSubstr("allowed: pin 1 wired to stop at every node that has such a pin, and to reset at none")));
+  EXPECT_THAT(pins_of_knee("{1: reset}"), HasSubstr("'nodes[1]': its pin 1 is wired to reset, and pin 1 is node"));
+  EXPECT_THAT(pins_of_knee("{2: none, 3: sync}"), HasSubstr("its first pin wired to sync is 3"));
+  EXPECT_EQ(pins_of_knee("{1: none}"), "");  // nothing to stop there
+}
+
 TEST(WrongNodes, TwoLinksAtOnePort) {
   EXPECT_THAT(refusal_of("ring: r\nnodes:\n  - {id: 0, name: a, link: {port: 5000}}\n"
                          "  - {id: 1, name: b, link: {port: 5000}}\n"),
