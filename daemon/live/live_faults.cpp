@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <thread>
 
-#include "live/node_notes.h"
 #include "process/in_parallel.h"
 
 namespace limb_ring::live {
@@ -116,55 +115,56 @@ std::vector<Begun> LiveFaults::begin_on_virtual_ring(const Fault& fault, const W
 Begun LiveFaults::begin_at(const Fault& fault, wire::NodeId node, const Wait& wait) const {
   if (fault::word_of(fault.name).of != Of::node) return begin_at_daemon(fault, node);
   const std::string words = fault::to_words(for_one(fault, node), daemons_.nodes());
-  if (fault.name == Name::kill)
-    kill(node, words);
-  else
-    begin_at_node(fault, node);
-  const bool lasts = fault.name == Name::kill || fault.name == Name::freeze;
-  if (!lasts) return {"", words};
-  note(node, words);
-  if (fault.lasts.count() != 0) {
-    wait_and_thaw(fault.lasts, node, wait);
-    return {"", words};
-  }
-  return {daemons_.node(node).name + '.' + fault::word_of(fault.name).word, words};
+  if (fault.name != Name::kill && fault.name != Name::freeze) return begin_at_node(fault, node), Begun{"", words};
+  const NodeNote note = begin_noted(fault.name, node, words);
+  if (fault.lasts.count() == 0) return {daemons_.node(node).name + '.' + fault::word_of(fault.name).word, words};
+  wait_and_thaw(fault.lasts, node, note, wait);
+  return {"", words};
 }
 
-void LiveFaults::note(wire::NodeId node, const std::string& words) const {
+NodeNote LiveFaults::note(wire::NodeId node, const std::string& words) const {
   const std::string problem = write_note(daemons_.folder(), node, words);
   if (!problem.empty()) throw NotDone("node " + daemons_.node(node).name + ": " + problem);
+  return note_of(daemons_.folder(), node).value_or(NodeNote{});
 }
 
-// The note is written before the kill, so that 'ringctl up --respawn' finds it however soon it looks. The caller writes
-// it again, because listing the faults while the node is still alive removes the note.
-void LiveFaults::kill(wire::NodeId node, const std::string& words) const {
-  const bool first = !is_killed(daemons_.folder(), node);
-  if (first) note(node, words);
+// The note is written before, so that 'ringctl up --respawn' finds a kill however soon it looks, and nothing lasts that
+// nobody can list. It is written again after, because listing the faults meanwhile removes one that does not hold yet.
+NodeNote LiveFaults::begin_noted(Name what, wire::NodeId node, const std::string& words) const {
+  const auto former = note_of(daemons_.folder(), node);
+  note(node, words);
   try {
-    daemons_.kill(node);
+    what == Name::kill ? daemons_.kill(node) : daemons_.freeze(node);
   } catch (const std::exception&) {
-    if (first) remove_note(daemons_.folder(), node);
+    remove_note(daemons_.folder(), node);
+    if (former) note(node, former->words);
     throw;
   }
+  return note(node, words);
 }
 
 void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
-  if (fault.name == Name::freeze) return daemons_.freeze(node);
   if (fault.name == Name::thaw) daemons_.thaw(node);
   if (fault.name == Name::start) daemons_.start(node);
   if (fault.name == Name::power_cycle) daemons_.power_cycle(node);
   remove_note(daemons_.folder(), node);  // last: without it 'ringctl up --respawn' would start a second daemon
 }
 
-// A frozen daemon cannot thaw itself, so the caller waits. The fault stays in the list meanwhile.
-void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const Wait& wait) const {
+// A frozen daemon cannot thaw itself, so the caller waits. The fault stays in the list meanwhile; where another one has
+// taken its place, that one is not ours to end.
+void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const NodeNote& ours,
+                               const Wait& wait) const {
+  const auto lasts_still = [&] {
+    const auto note = note_of(daemons_.folder(), node);
+    return note && note->words == ours.words && note->since == ours.since;
+  };
   const auto end = std::chrono::steady_clock::now() + lasts;
   bool asked_to_end = false;
-  while (!asked_to_end && std::chrono::steady_clock::now() < end) {
+  while (!asked_to_end && lasts_still() && std::chrono::steady_clock::now() < end) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
     asked_to_end = wait(std::min(left, kEndTick));
   }
-  if (node_fault(node)) revive(node);
+  if (lasts_still() && node_fault(node)) revive(node);
 }
 
 // Polled without a deadline: the ring's time may be slow or paused.

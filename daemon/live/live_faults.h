@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 
+#include "live/node_notes.h"
 #include "live/running_daemons.h"
 
 namespace limb_ring::live {
@@ -27,7 +28,8 @@ struct Begun {
 
 /// Breaks a living ring on purpose, and mends it. Faults of lines and CPUs are kept by the daemon at the node
 /// where they are, faults of whole nodes by notes in the ring's folder. Every call returns when it has taken
-/// effect, and ends by a deadline. (ours)
+/// effect, by a deadline; one that freezes for a time when that is over, on a virtual ring by its clock, which may stand.
+/// (ours)
 class LiveFaults {
  public:
   LiveFaults(const std::string& ring, const fault::RingNodes& nodes) : daemons_(ring, nodes) {}
@@ -51,12 +53,12 @@ class LiveFaults {
  private:
   std::vector<Begun> begin_on_virtual_ring(const fault::Fault& fault, const Wait& wait) const;
   Begun begin_at(const fault::Fault& fault, wire::NodeId node, const Wait& wait) const;
-  void note(wire::NodeId node, const std::string& words) const;
-  void kill(wire::NodeId node, const std::string& words) const;
+  NodeNote note(wire::NodeId node, const std::string& words) const;
+  NodeNote begin_noted(fault::Name what, wire::NodeId node, const std::string& words) const;
   void begin_at_node(const fault::Fault& fault, wire::NodeId node) const;
   Begun begin_at_daemon(const fault::Fault& fault, wire::NodeId node) const;
   void wait_until_thawed(wire::NodeId node, const Wait& wait) const;
-  void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const Wait& wait) const;
+  void wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node, const NodeNote& ours, const Wait& wait) const;
   void revive(wire::NodeId node, std::chrono::milliseconds patience = RunningDaemons::kComesUp) const;
   void clear_at(wire::NodeId node, std::chrono::milliseconds patience) const;
   std::optional<LiveFault> node_fault(wire::NodeId node) const;

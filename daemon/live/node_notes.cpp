@@ -1,10 +1,15 @@
 #include "live/node_notes.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+
+#include "process/unique_fd.h"
 
 namespace limb_ring::live {
 namespace {
@@ -19,10 +24,15 @@ std::string file_of(const std::string& folder, wire::NodeId node, const char* ex
 std::string fault_file(const std::string& folder, wire::NodeId node) { return file_of(folder, node, ".fault"); }
 std::string killed_file(const std::string& folder, wire::NodeId node) { return file_of(folder, node, ".killed"); }
 
+/// Who reads it meanwhile finds the former one, or the new one. @return why it could not be written
 std::string write_line(const std::string& path, const std::string& line) {
-  std::ofstream file(path);
-  file << line << '\n' << std::flush;
-  return file ? "" : "cannot write " + path + ": " + std::strerror(errno);
+  const std::string text = line + '\n', made = path + '.' + std::to_string(::getpid());
+  const process::UniqueFd file(::open(made.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const bool written = file.valid() && ::write(file.get(), text.data(), text.size()) == ssize_t(text.size());
+  if (written && ::rename(made.c_str(), path.c_str()) == 0) return "";
+  const std::string problem = "cannot write " + path + ": " + std::strerror(errno);
+  ::unlink(made.c_str());
+  return problem;
 }
 
 }  // namespace

@@ -92,6 +92,14 @@ class Nodes(FaultTest):
         self.assertEqual(self.listed(), {})
         self.wait_closed(range(4))
 
+    def test_a_node_that_is_killed_while_it_is_frozen_for_a_time_stays_down(self):
+        daemons = self.start_ring(plain_nodes(3), timeouts=QUICK)
+        freeze = self.start('freeze', [ring_process.program('ringctl'), 'fault', 'freeze', 'node1', '--for', '300s'])
+        self.wait('stopped', lambda: process_state(daemons[1].pid) == 'T')
+        self.begin('kill', 'node1')
+        self.assertEqual(self.wait_exit(freeze), 0)   # it waits no longer, and has not started the node
+        self.assertEqual(list(self.listed()), ['node1.kill'])
+
     def test_a_power_cycle_gives_a_new_boot_number_a_new_cpu_and_the_same_pid(self):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = {'command': ['limb_firmware']}
