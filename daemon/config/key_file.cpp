@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "config/config_error.h"
+#include "process/unique_fd.h"
 
 namespace limb_ring::config {
 namespace {
@@ -16,16 +17,9 @@ namespace {
 constexpr const char* kHex = "0123456789abcdef";
 constexpr std::size_t kTextSize = 2 * sizeof(KeyBytes) + 1;
 
-/// Closed with the object.
-struct OpenFile {
-  OpenFile(const std::string& path, int flags) : fd(::open(path.c_str(), flags | O_CLOEXEC, S_IRUSR | S_IWUSR)) {}
-  ~OpenFile() {
-    if (fd >= 0) ::close(fd);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  int fd;
-};
+process::UniqueFd open_file(const std::string& path, int flags) {
+  return process::UniqueFd(::open(path.c_str(), flags | O_CLOEXEC, S_IRUSR | S_IWUSR));
+}
 
 ConfigError failure(const std::string& path, const std::string& what) {
   return ConfigError("links.key: " + path + ": " + what);
@@ -34,9 +28,9 @@ ConfigError failure(const std::string& path, const std::string& what) {
 std::string why() { return std::generic_category().message(errno); }
 
 /// A key that others can read or write keeps nobody out.
-void check_owner(const OpenFile& file, const std::string& path) {
+void check_owner(int fd, const std::string& path) {
   struct stat found {};
-  if (::fstat(file.fd, &found) != 0) throw failure(path, why());
+  if (::fstat(fd, &found) != 0) throw failure(path, why());
   if (!S_ISREG(found.st_mode)) throw failure(path, "is no file");
   if (found.st_uid != ::geteuid())
     throw failure(path, "belongs to user " + std::to_string(found.st_uid) + ", and this is user " +
@@ -54,11 +48,11 @@ int digit(char c) {
 }  // namespace
 
 KeyBytes read_key_file(const std::string& path) {
-  const OpenFile file(path, O_RDONLY | O_NONBLOCK);
-  if (file.fd < 0) throw failure(path, why() + "; 'ringctl keygen " + path + "' makes one, to be copied to all hosts");
-  check_owner(file, path);
+  const process::UniqueFd file = open_file(path, O_RDONLY | O_NONBLOCK);
+  if (!file.valid()) throw failure(path, why() + "; 'ringctl keygen " + path + "' makes one, to be copied to all hosts");
+  check_owner(file.get(), path);
   std::array<char, kTextSize + 1> text{};
-  const ssize_t got = ::read(file.fd, text.data(), text.size());
+  const ssize_t got = ::read(file.get(), text.data(), text.size());
   KeyBytes key;
   bool good = got == kTextSize && text[kTextSize - 1] == '\n';
   for (std::size_t i = 0; good && i < key.size(); ++i) {
@@ -77,9 +71,9 @@ void make_key_file(const std::string& path) {
   std::string text;
   for (const std::uint8_t byte : key) text += {kHex[byte >> 4], kHex[byte & 15]};
   text += '\n';
-  const OpenFile file(path, O_WRONLY | O_CREAT | O_EXCL);
-  if (file.fd < 0) throw ConfigError(path + ": " + why() + (errno == EEXIST ? "; it is left as it is" : ""));
-  if (::write(file.fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(file.fd) == 0) return;
+  const process::UniqueFd file = open_file(path, O_WRONLY | O_CREAT | O_EXCL);
+  if (!file.valid()) throw ConfigError(path + ": " + why() + (errno == EEXIST ? "; it is left as it is" : ""));
+  if (::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(file.get()) == 0) return;
   const std::string reason = why();
   ::unlink(path.c_str());  // part of a key is useless, and the file would stop the next try
   throw ConfigError(path + ": " + reason);

@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "process/unique_fd.h"
+
 namespace limb_ring::promises {
 
 namespace {
@@ -39,35 +41,30 @@ namespace {
 
 MappedRing map_ring(int fd, int protection, const std::string& path) {
   void* memory = ::mmap(nullptr, sizeof(ObservationRing), protection, MAP_SHARED | MAP_POPULATE, fd, 0);
-  const int error = errno;
-  ::close(fd);
-  if (memory == MAP_FAILED) fail_with(error, "cannot map " + path);
+  if (memory == MAP_FAILED) fail_with(errno, "cannot map " + path);
   return MappedRing(static_cast<ObservationRing*>(memory));
 }
 
 // Disk space is allocated now: if the disk filled up later, a write to the mapping would end the daemon by SIGBUS.
 MappedRing make_ring(const std::string& path) {
   ::unlink(path.c_str());
-  const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (fd < 0) fail_with(errno, "cannot make " + path);
-  const int error = ::posix_fallocate(fd, 0, sizeof(ObservationRing));
+  const process::UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.valid()) fail_with(errno, "cannot make " + path);
+  const int error = ::posix_fallocate(file.get(), 0, sizeof(ObservationRing));
   if (error != 0) {
-    ::close(fd);
     ::unlink(path.c_str());
     fail_with(error, "no room for " + path);
   }
-  return map_ring(fd, PROT_READ | PROT_WRITE, path);
+  return map_ring(file.get(), PROT_READ | PROT_WRITE, path);
 }
 
 MappedRing open_ring(const std::string& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (fd < 0) fail_with(errno, "cannot read " + path);
+  const process::UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!file.valid()) fail_with(errno, "cannot read " + path);
   struct stat status {};
-  if (::fstat(fd, &status) != 0 || status.st_size != static_cast<off_t>(sizeof(ObservationRing))) {
-    ::close(fd);
+  if (::fstat(file.get(), &status) != 0 || status.st_size != static_cast<off_t>(sizeof(ObservationRing)))
     throw std::runtime_error(path + " holds no observations of this version");
-  }
-  MappedRing ring = map_ring(fd, PROT_READ, path);
+  MappedRing ring = map_ring(file.get(), PROT_READ, path);
   if (ring->magic != kRingMagic) throw std::runtime_error(path + " holds no observations");
   return ring;
 }

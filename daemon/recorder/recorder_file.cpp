@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "process/unique_fd.h"
 #include "recorder/recording.h"
 
 namespace limb_ring::recorder {
@@ -19,22 +20,12 @@ namespace {
 
 constexpr const char* kExtension = ".record";
 constexpr const char* kFormer = ".former";
+constexpr const char* kNew = ".new";
 
 [[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
 
-/// Open until it is mapped; the mapping keeps the file.
-struct File {
-  explicit File(int descriptor) : fd(descriptor) {}
-  ~File() {
-    if (fd >= 0) ::close(fd);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  const int fd;
-};
-
-std::uint8_t* map(const File& file, std::size_t size, int protection, const std::string& path) {
-  void* memory = ::mmap(nullptr, size, protection, MAP_SHARED, file.fd, 0);
+std::uint8_t* map(int fd, std::size_t size, int protection, const std::string& path) {
+  void* memory = ::mmap(nullptr, size, protection, MAP_SHARED, fd, 0);
   if (memory == MAP_FAILED) fail("cannot map " + path);
   return static_cast<std::uint8_t*>(memory);
 }
@@ -47,12 +38,15 @@ void touch(std::uint8_t* memory, std::size_t size) {
 
 // Disk space is allocated now: if the disk filled up later, a write to the mapping would end the daemon by SIGBUS.
 std::uint8_t* map_new(const std::string& path, std::size_t size) {
-  std::rename(path.c_str(), (path + kFormer).c_str());  // fails where there is none
-  const File file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (file.fd < 0) fail("cannot make " + path);
-  const int error = ::posix_fallocate(file.fd, 0, static_cast<off_t>(size));
-  if (error != 0) throw std::system_error(error, std::generic_category(), "no room for " + path);
-  std::uint8_t* memory = map(file, size, PROT_READ | PROT_WRITE, path);
+  ::unlink(path.c_str());
+  const process::UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.valid()) fail("cannot make " + path);
+  const int error = ::posix_fallocate(file.get(), 0, static_cast<off_t>(size));
+  if (error != 0) {
+    ::unlink(path.c_str());
+    throw std::system_error(error, std::generic_category(), "no room for " + path);
+  }
+  std::uint8_t* memory = map(file.get(), size, PROT_READ | PROT_WRITE, path);
   touch(memory, size);
   return memory;
 }
@@ -68,9 +62,9 @@ bool write_all(int fd, const std::vector<std::uint8_t>& data) {
 
 // A part of a recording cannot be replayed; it would only be in the way of the next save.
 void write_whole(const std::vector<std::uint8_t>& data, const std::string& path) {
-  const File file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (file.fd < 0) fail("cannot write " + path);
-  if (write_all(file.fd, data)) return;
+  const process::UniqueFd file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (!file.valid()) fail("cannot write " + path);
+  if (write_all(file.get(), data)) return;
   const int error = errno;
   ::unlink(path.c_str());
   errno = error;
@@ -83,8 +77,12 @@ void Unmap::operator()(std::uint8_t* memory) const { ::munmap(memory, size); }
 
 RecorderFile::RecorderFile(const std::string& path, std::size_t size, core::NetworkController& controller,
                            const Title& title, core::Time now, std::function<void()> on_too_small)
-    : memory_(map_new(path, size), {size}),
-      recorder_(controller, memory_.get(), size, title, now, std::move(on_too_small)) {}
+    : memory_(map_new(path + kNew, size), {size}),
+      recorder_(controller, memory_.get(), size, title, now, std::move(on_too_small)) {
+  // Only now: a start that fails, as where the disk is full, leaves the recordings of both lives as they are.
+  ::rename(path.c_str(), (path + kFormer).c_str());  // fails where there is none
+  if (::rename((path + kNew).c_str(), path.c_str()) != 0) fail("cannot make " + path);
+}
 
 std::string recording_of(const std::string& folder, unsigned id) {
   return folder + '/' + std::to_string(id) + kExtension;
@@ -105,12 +103,12 @@ std::vector<std::string> recordings_in(const std::string& folder) {
 bool is_of_former_life(const std::string& recording) { return std::filesystem::path(recording).extension() == kFormer; }
 
 std::size_t save_file(const std::string& recording, const std::string& to) {
-  const File file(::open(recording.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const process::UniqueFd file(::open(recording.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   struct stat status {};
-  if (file.fd < 0 || ::fstat(file.fd, &status) != 0) fail("cannot read " + recording);
+  if (!file.valid() || ::fstat(file.get(), &status) != 0) fail("cannot read " + recording);
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) throw std::runtime_error(recording + " is empty");
-  const Mapping mapped(map(file, size, PROT_READ, recording), {size});
+  const Mapping mapped(map(file.get(), size, PROT_READ, recording), {size});
   const std::vector<std::uint8_t> saved = save({mapped.get(), size});
   write_whole(saved, to);
   return saved.size();

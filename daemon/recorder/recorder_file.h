@@ -17,7 +17,7 @@ using Mapping = std::unique_ptr<std::uint8_t, Unmap>;
 /// A flight recorder whose memory is a file: what it has written is there after the process was killed. (ours)
 class RecorderFile {
  public:
-  /// An existing file, of the node's previous life, is renamed to `path` + ".former".
+  /// An existing file, of the node's previous life, is renamed to `path` + ".former"; where this throws, it stays.
   /// @param size bytes of the file, at least FlightRecorder::kLeast
   /// @param on_too_small see FlightRecorder
   /// @throw std::system_error where it cannot be made

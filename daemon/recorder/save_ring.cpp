@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <stdexcept>
-#include <vector>
 
 #include "recorder/recorder_file.h"
 
@@ -26,13 +24,13 @@ bool is_save(const std::string& name, const std::string& prefix) {
 SavedRing save_ring(const std::string& ring_folder, const std::string& to) {
   SavedRing saved;
   for (const std::string& recording : recordings_in(ring_folder)) {
+    fs::create_directories(to);
     try {
-      fs::create_directories(to);
       saved.bytes += save_file(recording, (fs::path(to) / fs::path(recording).filename()).string());
+      ++saved.recordings;
     } catch (const std::exception& problem) {
-      throw std::runtime_error(recording + ": " + problem.what());
+      saved.problems.push_back(recording + ": " + problem.what());
     }
-    ++saved.recordings;
   }
   return saved;
 }

@@ -2,19 +2,21 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace limb_ring::recorder {
 
 /// What save_ring() has copied.
 struct SavedRing {
   std::size_t recordings = 0, bytes = 0;
+  std::vector<std::string> problems;  ///< of those that could not be saved: which, and what is wrong
 };
 
 /// Copies the recordings of all nodes of a ring, also of dead ones and of the lives before, while the ring goes on.
 /// @param ring_folder its runtime folder
 /// @param to a folder, which is made where it is not there
 /// @return 0 recordings where there are none
-/// @throw std::exception says what is wrong, and with which file
+/// @throw std::exception where the folder cannot be made
 SavedRing save_ring(const std::string& ring_folder, const std::string& to);
 
 /// Folders in `folder` named `prefix` and a date (2026-11-23_...), all but the `keep` newest by name, are removed.

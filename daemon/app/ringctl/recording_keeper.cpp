@@ -79,8 +79,8 @@ void RecordingKeeper::look_for_crash(Node& node) {
   const live::Holder holder = live::holder_of(folder_.path(), node.name.id);
   const pid_t before = std::exchange(node.pid, holder.held || holder.on_virtual_ring ? holder.pid : -1);
   if (before <= 0 || holder.pid < 0 || node.pid == before) return;
-  const bool left_its_door = node.pid > 0 || fs::exists(folder_.path() + '/' + std::to_string(node.name.id) + ".host");
-  if (left_its_door && !live::was_killed(folder_.path(), wire::NodeId{node.name.id}, before))
+  const bool left_its_socket = node.pid > 0 || fs::exists(folder_.path() + '/' + std::to_string(node.name.id) + ".host");
+  if (left_its_socket && !live::was_killed(folder_.path(), wire::NodeId{node.name.id}, before))
     want("crash", "node " + label(node.name) + " has crashed");
 }
 
@@ -115,9 +115,9 @@ void RecordingKeeper::save() {
   last_ = Clock::now();
   try {
     const recorder::SavedRing saved = recorder::save_ring(folder_.path(), to);
-    if (saved.recordings == 0) return tell_user(words_ + "; there are no recordings to be saved");
+    for (const std::string& problem : saved.problems) tell_user("not saved: " + problem);
     recorder::remove_old_saves(options_.folder, prefix, options_.keep);
-    tell_user(words_ + "; recordings are saved in " + to);
+    tell_user(words_ + (saved.recordings != 0 ? "; recordings are saved in " + to : "; no recordings could be saved"));
   } catch (const std::exception& problem) {
     tell_user(words_ + "; recordings cannot be saved: " + problem.what());
   }

@@ -11,6 +11,7 @@
 #include "app/ringctl/recording_keeper.h"
 #include "app/ringctl/ring_access.h"
 #include "cli/values.h"
+#include "config/names.h"
 #include "limb_ring/ring_directory.h"
 #include "process/signal_wait.h"
 #include "recorder/recorder_file.h"
@@ -69,14 +70,11 @@ int save(const RecordOptions& options, const Context& context) {
   const std::string ring = recorded_ring(context.ring);
   require_recordings(ring);
   require_empty(options.folder);
-  recorder::SavedRing saved;
-  try {
-    saved = recorder::save_ring(ring_directory(ring), options.folder);
-  } catch (const std::exception& problem) {
-    throw NotDone(problem.what());
-  }
-  std::cout << "saved " << app::counted(saved.recordings, "recording") << " of ring " << ring << ", "
+  const recorder::SavedRing saved = recorder::save_ring(ring_directory(ring), options.folder);
+  if (saved.recordings != 0)
+    std::cout << "saved " << app::counted(saved.recordings, "recording") << " of ring " << ring << ", "
             << saved.bytes / 1000 << " kB; 'ring_sim replay " << options.folder << "' does it all again" << std::endl;
+  if (!saved.problems.empty()) throw NotDone("not saved: " + config::join(saved.problems, "; "));
   return kDone;
 }
 
