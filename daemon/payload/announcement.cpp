@@ -55,6 +55,9 @@ Decoded<Announcement> decode_announcement(ByteView message) {
   announcement.md5sum = reader.text(reader.u16());
   announcement.definition = reader.text(reader.u32());
   if (const auto wrong = reader.finish()) return *wrong;
+  // What ROS takes for any type, or for none, cannot be published.
+  for (const std::string& text : {announcement.datatype, announcement.md5sum})
+    if (text.empty() || text == "*") return DecodeError::bad_field;
   return announcement;
 }
 

@@ -89,16 +89,25 @@ TEST(FragmentFormat, SurvivesTruncationAndRandomBytes) {
 }
 
 TEST(AnnouncementFormat, HasTheseBytesAndReadsBack) {
-  const Announcement announcement{"a", "b/C", "", "x", true};
+  const Announcement announcement{"a", "b/C", "5", "x", true};
   const auto bytes = encode(announcement);
   ASSERT_TRUE(bytes);
   EXPECT_THAT(*bytes, testing::ElementsAreArray(Bytes{1, 1,                 // version, latching
                                                       0, 1, 'a',            //
                                                       0, 3, 'b', '/', 'C',  //
-                                                      0, 0,                 //
+                                                      0, 1, '5',            //
                                                       0, 0, 0, 1, 'x'}));
   EXPECT_TRUE(*decode_announcement(view(*bytes)) == announcement);
   expect_every_truncation_is_refused(*bytes, decode_announcement);
+}
+
+TEST(AnnouncementFormat, RefusesATypeThatIsNoneOrAny) {
+  for (const Announcement& announcement : {Announcement{"a", "", "md5", "x"}, Announcement{"a", "*", "md5", "x"},
+                                           Announcement{"a", "b/C", "", "x"}, Announcement{"a", "b/C", "*", "x"}}) {
+    const auto decoded = decode_announcement(view(*encode(announcement)));
+    ASSERT_FALSE(decoded);
+    EXPECT_EQ(decoded.error(), DecodeError::bad_field);
+  }
 }
 
 TEST(AnnouncementFormat, RefusesATextLongerThanItsLengthField) {

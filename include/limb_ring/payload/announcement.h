@@ -12,7 +12,7 @@ namespace limb_ring::payload {
 ///
 ///   | version 8 | flags 8 | name | datatype | md5sum | definition |
 ///     name, datatype, md5sum: length u16 and so many bytes; definition: length u32 and bytes
-///     flags: bit 0 latching
+///     flags: bit 0 latching; neither datatype nor md5sum is empty or "*"
 struct Announcement {
   std::string name;        ///< of the topic where it comes out
   std::string datatype;    ///< "sensor_msgs/Image"
