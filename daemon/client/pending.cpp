@@ -1,6 +1,9 @@
 #include "client/pending.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 
 namespace limb_ring::client {
 
@@ -14,6 +17,21 @@ std::string escaped(char c) {
   char code[8];
   std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(c));
   return code;
+}
+
+/// What stands at `at`, which is behind it then. Beyond ASCII, daemons write UTF-8 as it is.
+char unescaped(const std::string& json, std::size_t& at) {
+  const char c = json[at++];
+  if (c != '\\' || at == json.size()) return c;
+  constexpr const char *kLetters = "bfnrt", *kMeant = "\b\f\n\r\t";
+  const char letter = json[at++];
+  if (letter == 'u') {
+    const std::string digits = json.substr(at, 4);
+    at = std::min(at + 4, json.size());
+    return static_cast<char>(std::strtoul(digits.c_str(), nullptr, 16));
+  }
+  const char* const known = std::strchr(kLetters, letter);
+  return known != nullptr ? kMeant[known - kLetters] : letter;
 }
 
 /// True where `json` goes on with `expected` at `at`, spaces before it left out; then `at` is
@@ -65,10 +83,7 @@ std::string error_of(const std::string& json) {
   if (!failed) return {};
   if (!skip(json, at, "\"")) return json.substr(at);
   std::string text;
-  for (; at < json.size() && json[at] != '"'; ++at) {
-    if (json[at] == '\\' && at + 1 < json.size()) ++at;
-    text += json[at];
-  }
+  while (at < json.size() && json[at] != '"') text += unescaped(json, at);
   return text;
 }
 

@@ -8,6 +8,7 @@ SignalWait::SignalWait() {
   ::sigemptyset(&ours_);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) ::sigaddset(&ours_, signal);
   ::sigprocmask(SIG_BLOCK, &ours_, &before_);
+  ::signal(SIGCHLD, SIG_DFL);  // where our parent ignores it, nobody would be told of a child's end, nor how it ended
 }
 
 void SignalWait::release() const { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }

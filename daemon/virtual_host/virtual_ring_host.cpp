@@ -91,7 +91,9 @@ runtime::NodeBase VirtualRingHost::base_of(const config::NodeConfig& node) {
     fault::Fault fault;
     fault.name = fault::Name::power_cycle;
     fault.nodes = {wire::NodeId{node.id}};
-    begin_at_nodes(fault, [](const std::string&) {});
+    begin_at_nodes(fault, [](const std::string& problem) {
+      if (!problem.empty()) spdlog::error("power_cycle: {}", problem);
+    });
   };
   base.make_driver = [this, &node](const runtime::NodeFolder&, runtime::DriverListener& listener) {
     const VirtualWorld world{ring_, faults_, [this] { lockstep_.has_news(); }};

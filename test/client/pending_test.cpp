@@ -39,9 +39,11 @@ TEST(ErrorReply, IsKnownByItsFirstMember) {
 }
 
 TEST(ErrorReply, CarriesAnyTextThereAndBack) {
-  const std::string text = "a \"quoted\" \\ back";
+  const std::string text = "a \"quoted\" \\ back, a line\nand a bell \a";
   EXPECT_EQ(error_of(error_json(text)), text);
   EXPECT_EQ(error_json("line\nend"), "{\"error\": \"line\\u000aend\"}");
+  EXPECT_EQ(error_of("{\"error\": \"a\\nb\\tc\\/d\\u0041\"}"), "a\nb\tc/dA");
+  EXPECT_EQ(error_of("{\"error\": \"cut off\\u00"), std::string("cut off") + '\0');
 }
 
 }  // namespace
