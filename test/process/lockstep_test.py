@@ -127,6 +127,16 @@ class Lockstep(RingTest):
         self.assertEqual(len({self.trace_of(log) for log in logs}), 1)
         self.assertIn('ended by itself: exit 3', logs[0])
 
+    def test_a_cpu_that_sends_and_ends_leaves_one_trace_whichever_of_its_ends_is_seen_first(self):
+        nodes = plain_nodes(3)
+        traces = []
+        for first in 'process', 'connection', 'either':
+            nodes[1]['cpu'] = {'command': [os.path.join(CPUS, 'short_lived_cpu'), first]}
+            log = self.run_for(0.6, self.write_ring(nodes))
+            self.assertIn('ended by itself: exit 3', log)
+            traces.append(self.trace_of(log))
+        self.assertEqual(len(set(traces)), 1, traces)
+
     def test_what_others_do_to_a_cpu_makes_a_run_not_repeatable_and_looking_does_not(self):
         nodes = plain_nodes(3)
         nodes[1]['cpu'] = {'command': ['limb_firmware']}

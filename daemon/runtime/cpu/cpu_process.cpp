@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <csignal>
 #include <cstring>
@@ -107,11 +108,14 @@ void CpuProcess::child_ended(const process::ExitStatus& status) {
   if (stopping_) return stopped();
   if (child_killed_) return start_child();
   end_ = status;
-  if (was_cpu && on_virtual_ring()) return;  // detached() is to come
-  const Time seen = has_booted_ ? Time::min() : started_at_ + options_.boots_for;
-  if (clock_.now() < seen) return end_timer_->expires_at(seen);
-  see_end();
+  if (!on_virtual_ring()) return see_end();
+  if (was_cpu) return;  // detached() is to come
+  see_end_at(has_booted_ ? clock_.now() : std::max(clock_.now(), started_at_ + options_.boots_for));
 }
+
+// On a virtual ring by its clock: what the end of the connection has changed, as sends that are cancelled, comes before
+// it on the ring, also where the process has ended first.
+void CpuProcess::see_end_at(Time when) { end_timer_->expires_at(when); }
 
 void CpuProcess::see_end() {
   if (!end_ || stopping_) return;
@@ -172,7 +176,7 @@ void CpuProcess::detached(pid_t pid) {
   if (!attached_ || attached_->pid() != pid) return;
   attached_.reset();
   silence_timer_->cancel();
-  if (end_) return see_end();
+  if (end_) return see_end_at(clock_.now());
   if (child_.running() && !stopping_) watch_boot();
   changed();
 }
@@ -326,7 +330,8 @@ CpuStatus CpuProcess::status() const {
   status.kind = kind();
   status.state = state();
   status.pid = pid();
-  status.unsettled = on_virtual_ring() && child_.running() && has_booted_ && !child_killed_ && !attached_;
+  status.unsettled =
+      on_virtual_ring() && (child_.running() || end_) && has_booted_ && !child_killed_ && !attached_;
   status.ending = child_.running() && (child_killed_ || boot_failed_);
   if (!attached_) return status;
   status.silent = attached_->silent_for(clock_.now());

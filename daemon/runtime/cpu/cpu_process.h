@@ -119,6 +119,7 @@ class CpuProcess {
   void boot_timed_out();
   void child_ended(const process::ExitStatus& status);
   void see_end();
+  void see_end_at(Time when);
   bool on_virtual_ring() const { return options_.boots_for.count() != 0; }
   void ended_by_itself(const process::ExitStatus& status);
   void did_not_boot(const std::string& why);
