@@ -1,5 +1,7 @@
 #include "runtime/cpu_socket.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 
 namespace limb_ring::runtime {
@@ -11,6 +13,7 @@ CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver
       driver_(driver),
       host_(host),
       changed_(std::move(changed)),
+      log_prefix_(options.log_prefix),
       process_(io, driver.clock(), std::move(options), *this),
       next_read_(driver.clock().timer([this] {
         hand_over();
@@ -38,9 +41,7 @@ std::optional<std::string> CpuSocket::attach(const host::ClientInfo& client) {
 void CpuSocket::detach(const host::ClientInfo& client) {
   process_.detached(client.pid);
   if (host_.cpu() != nullptr && host_.cpu()->id != client.id) return;
-  stop_latched(false);
-  driver_.set_cpu_present(false);
-  driver_.cpu_reset(client.id);
+  forget(client);
 }
 
 void CpuSocket::spoke() {
@@ -77,10 +78,15 @@ CpuActionResult CpuSocket::reset(const std::string& reason) {
 void CpuSocket::drop_client() {
   if (host_.cpu() == nullptr) return;
   const host::ClientInfo client = *host_.cpu();
+  forget(client);
+  host_.disconnect(client.id, "the CPU was reset");
+}
+
+void CpuSocket::forget(const host::ClientInfo& client) {
+  if (stop_.latched) spdlog::warn("{}the stop that was latched here ends with its CPU", log_prefix_);
   stop_latched(false);
   driver_.set_cpu_present(false);
   driver_.cpu_reset(client.id);
-  host_.disconnect(client.id, "the CPU was reset");
 }
 
 void CpuSocket::interrupt(limb_ring::Interrupt::Action action, std::uint8_t source, std::uint8_t factor) {

@@ -62,12 +62,15 @@ class CpuSocket final : private CpuEvents {
   void on_cpu_changed() override;
   void report();
   void drop_client();
+  /// What was latched, waits or is under way ends with that CPU.
+  void forget(const host::ClientInfo& client);
 
   config::CpuConfig::Kind kind_;
   std::chrono::milliseconds alive_period_;
   NodeDriver& driver_;
   host::HostServer& host_;
   std::function<void()> changed_;
+  std::string log_prefix_;
   CpuProcess process_;
   ReadThrottle read_throttle_;
   std::unique_ptr<event_loop::Timer> next_read_;
