@@ -1,8 +1,9 @@
 // What HostServer does with each message of a client.
+#include <algorithm>
+
 #include "client/arguments.h"
 #include "host/host_server.h"
-
-#include <algorithm>
+#include "process/process_state.h"
 
 namespace limb_ring::host {
 
@@ -30,9 +31,10 @@ void HostServer::on_message(Session& session, const client::ToDaemon& message) {
   std::visit([&](const auto& kind) { on(session, kind); }, message);
 }
 
-/// If both are pending, the kernel may report a new CPU's greeting before the end of the old CPU's connection.
+/// If both are pending, the kernel may report a new CPU's greeting before the end of the old CPU's connection. And a
+/// process that the old one has forked may have kept that open.
 void HostServer::free_cpu_slot_of_the_dead() {
-  if (cpu_ && cpu_->hung_up()) {
+  if (cpu_ && (cpu_->hung_up() || process::is_gone(cpu_->info().pid))) {
     const SessionPtr dead = cpu_;
     dead->end("");
     retire(*dead);

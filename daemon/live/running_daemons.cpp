@@ -128,7 +128,8 @@ void RunningDaemons::kill(wire::NodeId id) const {
   const std::string problem = write_killed(folder_, id, pid);
   if (!problem.empty()) throw NotDone("node " + node(id).name + ": " + problem);
   signal(id, SIGKILL);
-  // A supervisor of the process may have started the next daemon, which then holds the lock.
+  // Whatever restarts the process (systemd, 'ringctl up --respawn') may have started the next daemon, which then holds
+  // the lock.
   const auto gone = [&] { return process::is_gone(pid) || holder(id).pid != pid; };
   if (!wait_for(gone, kSignalled)) throw NotDone("node " + node(id).name + " does not die");
 }

@@ -16,7 +16,7 @@ namespace limb_ring::recorder {
 /// Where a replayed core does not do what the recorded one did.
 struct Difference {
   core::Time at{};
-  std::string what;                ///< "on the first line", "an event" ...
+  std::string what;                ///< "bytes for the line", "the state", "an event" ...
   std::string recorded, replayed;  ///< both versions, in words or as bytes
 };
 

@@ -1,5 +1,6 @@
 """A node's CPU: reset whatever state it is in, restarted, never left behind."""
 
+import os
 import signal
 
 import ring_process
@@ -20,6 +21,27 @@ class Log(RingTest):
         self.wait('said so', lambda: 'CPU running' in self.log_of(daemons[1]))
         told = [line.split('] ')[1] for line in self.log_of(daemons[1]).splitlines() if '] CPU ' in line]
         self.assertEqual([line.split()[1] for line in told], ['booting', 'running'], told)
+
+
+class Attached(RingTest):
+    def test_a_cpu_that_has_ended_makes_room_also_where_a_process_it_has_forked_lives_on(self):
+        nodes = plain_nodes(2)
+        nodes[1]['cpu'] = 'attached'
+        self.start_ring(nodes)
+        holds, told = os.pipe()
+        first = os.fork()
+        if first == 0:
+            try:
+                port = self.port(1, role='cpu')   # named: it stays open
+                if os.fork() == 0:
+                    os.close(told)
+                    os.read(holds, 1)   # until the test is over
+                os._exit(0 if port.connected else 1)
+            finally:
+                os._exit(1)
+        self.addCleanup(os.close, told)
+        self.assertEqual(os.waitpid(first, 0)[1], 0)
+        self.assertTrue(self.port(1, role='cpu').connected)
 
 
 class Reset(RingTest):
