@@ -92,8 +92,8 @@ void check_common_pin(const Entry& file, const RingConfig& ring, PinConfig::Acti
     element(file, "nodes", n)
         .refuse((own ? "its first pin wired to " + what + " is " + std::to_string(*own)
                      : "its " + pin + " is wired to reset") +
-                    ", and " + pin + " is node '" + first->name + "'s for " + what +
-                    ": a broadcast to all would not " + what + " it",
+                    ", and " + pin + " is node '" + first->name + "'s for " + what + ": a broadcast to all would not " +
+                    what + " it",
                 pin + " wired to " + what + " at every node that has such a pin, and to reset at none");
   }
 }

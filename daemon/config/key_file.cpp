@@ -49,7 +49,8 @@ int digit(char c) {
 
 KeyBytes read_key_file(const std::string& path) {
   const process::UniqueFd file = open_file(path, O_RDONLY | O_NONBLOCK);
-  if (!file.valid()) throw failure(path, why() + "; 'ringctl keygen " + path + "' makes one, to be copied to all hosts");
+  if (!file.valid())
+    throw failure(path, why() + "; 'ringctl keygen " + path + "' makes one, to be copied to all hosts");
   check_owner(file.get(), path);
   std::array<char, kTextSize + 1> text{};
   const ssize_t got = ::read(file.get(), text.data(), text.size());
@@ -73,7 +74,8 @@ void make_key_file(const std::string& path) {
   text += '\n';
   const process::UniqueFd file = open_file(path, O_WRONLY | O_CREAT | O_EXCL);
   if (!file.valid()) throw ConfigError(path + ": " + why() + (errno == EEXIST ? "; it is left as it is" : ""));
-  if (::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(file.get()) == 0) return;
+  if (::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(file.get()) == 0)
+    return;
   const std::string reason = why();
   ::unlink(path.c_str());  // part of a key is useless, and the file would stop the next try
   throw ConfigError(path + ": " + reason);

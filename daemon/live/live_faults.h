@@ -28,8 +28,8 @@ struct Begun {
 
 /// Breaks a living ring on purpose, and mends it. Faults of lines and CPUs are kept by the daemon at the node
 /// where they are, faults of whole nodes by notes in the ring's folder. Every call returns when it has taken
-/// effect, by a deadline; one that freezes for a time when that is over, on a virtual ring by its clock, which may stand.
-/// (ours)
+/// effect, by a deadline; one that freezes for a time when that is over, on a virtual ring by its clock, which may
+/// stand. (ours)
 class LiveFaults {
  public:
   LiveFaults(const std::string& ring, const fault::RingNodes& nodes) : daemons_(ring, nodes) {}

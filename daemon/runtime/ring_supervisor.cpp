@@ -34,7 +34,8 @@ void RingSupervisor::poll() {
 }
 
 void RingSupervisor::reset(wire::NodeId node) {
-  const std::uint8_t factor = *config::first_pin(*ring_.find(node), config::PinConfig::Action::reset);  // check_ring() has seen to it
+  const std::uint8_t factor =
+      *config::first_pin(*ring_.find(node), config::PinConfig::Action::reset);  // check_ring() has seen to it
   interrupts_.reset(node, factor, watchdog_.confirm_within(), [this, node](const watchdog::ResetReport& report) {
     const auto failure = watchdog_.reset_ended(node, report.success(), report.message, driver_.now());
     if (failure) tell(*failure);

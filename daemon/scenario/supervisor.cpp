@@ -27,7 +27,8 @@ Supervisor::Supervisor(const config::RingConfig& config, sim::VirtualRing& ring,
 watchdog::Watchdog Supervisor::fresh() const {
   std::vector<wire::NodeId> watched;
   for (std::size_t place = 0; place < config_.nodes.size(); ++place)
-    if (config::first_pin(config_.nodes[place], config::PinConfig::Action::reset)) watched.push_back(static_cast<NodeId>(place));
+    if (config::first_pin(config_.nodes[place], config::PinConfig::Action::reset))
+      watched.push_back(static_cast<NodeId>(place));
   return {config_.supervisor, wire::kMissedBeacons * beacon_, watched};
 }
 
@@ -56,7 +57,8 @@ void Supervisor::evaluate() {
 }
 
 void Supervisor::reset(NodeId id) {
-  const std::uint32_t token = ring_.interrupt(node_, id, *config::first_pin(config_.nodes[id], config::PinConfig::Action::reset));
+  const std::uint32_t token =
+      ring_.interrupt(node_, id, *config::first_pin(config_.nodes[id], config::PinConfig::Action::reset));
   resets_.push_back({id, token, watchdog::ResetOrder(cpu_of(id), ring_.now())});
   ring_.at(ring_.now() + core::Duration(watchdog_.confirm_within()), [this, token] {
     const auto late =

@@ -24,7 +24,8 @@ TEST(ScenarioAliases, AnActionOfMoreValuesThanAMachineHoldsIsRefused) {
 TEST(ScenarioAliases, TheWordsOfALongActionAreCutShort) {
   std::string nodes = "0";
   for (int i = 1; i < 200; ++i) nodes += ", " + std::to_string(i);
-  const Scenario scenario = parse_scenario("scenario: a test\nnodes: 200\nsteps:\n  - do: {kill: [" + nodes + "]}\n", "test.yaml");
+  const Scenario scenario =
+      parse_scenario("scenario: a test\nnodes: 200\nsteps:\n  - do: {kill: [" + nodes + "]}\n", "test.yaml");
   EXPECT_LT(scenario.steps[0].words.size(), 300u);
   EXPECT_THAT(scenario.steps[0].words, HasSubstr(", ...]}"));
 }

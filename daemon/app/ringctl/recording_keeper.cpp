@@ -79,7 +79,8 @@ void RecordingKeeper::look_for_crash(Node& node) {
   const live::Holder holder = live::holder_of(folder_.path(), node.name.id);
   const pid_t before = std::exchange(node.pid, holder.held || holder.on_virtual_ring ? holder.pid : -1);
   if (before <= 0 || holder.pid < 0 || node.pid == before) return;
-  const bool left_its_socket = node.pid > 0 || fs::exists(folder_.path() + '/' + std::to_string(node.name.id) + ".host");
+  const bool left_its_socket =
+      node.pid > 0 || fs::exists(folder_.path() + '/' + std::to_string(node.name.id) + ".host");
   if (left_its_socket && !live::was_killed(folder_.path(), wire::NodeId{node.name.id}, before))
     want("crash", "node " + label(node.name) + " has crashed");
 }

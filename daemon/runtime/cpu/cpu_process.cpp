@@ -330,8 +330,7 @@ CpuStatus CpuProcess::status() const {
   status.kind = kind();
   status.state = state();
   status.pid = pid();
-  status.unsettled =
-      on_virtual_ring() && (child_.running() || end_) && has_booted_ && !child_killed_ && !attached_;
+  status.unsettled = on_virtual_ring() && (child_.running() || end_) && has_booted_ && !child_killed_ && !attached_;
   status.ending = child_.running() && (child_killed_ || boot_failed_);
   if (!attached_) return status;
   status.silent = attached_->silent_for(clock_.now());

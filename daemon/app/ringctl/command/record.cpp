@@ -73,7 +73,7 @@ int save(const RecordOptions& options, const Context& context) {
   const recorder::SavedRing saved = recorder::save_ring(ring_directory(ring), options.folder);
   if (saved.recordings != 0)
     std::cout << "saved " << app::counted(saved.recordings, "recording") << " of ring " << ring << ", "
-            << saved.bytes / 1000 << " kB; 'ring_sim replay " << options.folder << "' does it all again" << std::endl;
+              << saved.bytes / 1000 << " kB; 'ring_sim replay " << options.folder << "' does it all again" << std::endl;
   if (!saved.problems.empty()) throw NotDone("not saved: " + config::join(saved.problems, "; "));
   return kDone;
 }
