@@ -3,6 +3,7 @@
 #include <topic_tools/shape_shifter.h>
 
 #include "limb_ring/payload/packet_type.h"
+#include "ros_bridge/topic_sender.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -34,7 +35,7 @@ void TopicOut::on_packet(const Packet& packet) {
 }
 
 void TopicOut::on_announced(Output& output, const payload::Announcement& type) {
-  if (output.publisher && output.type == type) return;
+  if (output.publisher && is_same_type(output.type, type) && output.type.latching == type.latching) return;
   if (type.name != output.topic.output)
     ROS_WARN("topic '%s' is announced as '%s': the two bridges read different configurations",
              output.topic.output.c_str(), type.name.c_str());

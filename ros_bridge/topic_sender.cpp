@@ -54,13 +54,22 @@ void TopicSender::pump() {
 // that went before it is answered for: it starts the topic afresh at the far side.
 bool TopicSender::has_fragment() {
   if (!fragmenter_.done() && !given_up_) return true;
-  const bool changed = !waiting_.empty() && !(type_ && *type_ == waiting_.front().type);
-  if (changed) type_ = waiting_.front().type;
-  if (announce_due_ || changed) {
-    announce_due_ = true;
-    return under_way_ == 0 && start_announcement();
-  }
+  if (takes_new_type()) announce_due_ = true;
+  if (announce_due_) return under_way_ == 0 && start_announcement();
   return start_message();
+}
+
+/// Whether the next message is of another type than was announced, or makes it a latched one.
+bool TopicSender::takes_new_type() {
+  if (waiting_.empty()) return false;
+  const payload::Announcement& next = waiting_.front().type;
+  if (!type_ || !is_same_type(*type_, next)) {
+    type_ = next;
+    return true;
+  }
+  const bool latches = next.latching && !type_->latching;
+  type_->latching |= latches;
+  return latches;
 }
 
 bool TopicSender::start_announcement() {
@@ -82,7 +91,7 @@ bool TopicSender::start_message() {
     waiting_.pop_front();
     latched_.reset();
     latched_missing_ = false;
-    if (message.type.latching) latched_ = message;
+    if (type_->latching) latched_ = message;
     if (fragmenter_.start(Fragment::Kind::data, std::move(message.bytes))) {
       begin_flight(false);
       return true;

@@ -21,6 +21,11 @@ struct TopicMessage {
   std::vector<std::uint8_t> bytes;
 };
 
+/// Two publishers of one type may word its definition differently, as roscpp and rospy do. (ours)
+inline bool is_same_type(const payload::Announcement& one, const payload::Announcement& other) {
+  return one.datatype == other.datatype && one.md5sum == other.md5sum;
+}
+
 /// Sends the messages of one topic to one node, in fragments, on channel 3. No ROS, no threads.
 ///
 /// At most `kWindow` fragments are under way, so that a large message never fills the
@@ -28,6 +33,9 @@ struct TopicMessage {
 /// changes, and once a second (announce()), because the far side may have restarted. After a
 /// fragment that was not delivered the rest of its message is not sent. A latched topic's last
 /// message is sent again, with the next announce(), until it has arrived.
+///
+/// Of several publishers of one type, the definition is the first one's, and the topic is latched from the first one on
+/// that latches: far away there is one publisher for all of them. (ours)
 class TopicSender {
  public:
   static constexpr unsigned kWindow = 4;
@@ -53,6 +61,7 @@ class TopicSender {
   };
   void pump();
   bool has_fragment();
+  bool takes_new_type();
   bool start_announcement();
   bool start_message();
   void begin_flight(bool announcement);

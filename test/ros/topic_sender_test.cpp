@@ -47,6 +47,11 @@ class Topic : public ::testing::Test {
     const auto whole = far_side.take(kSource, {packet.data.data(), packet.data.size()});
     if (whole && whole->kind == payload::Fragment::Kind::data) received.push_back(whole->bytes);
   }
+  static bool is_announcement(const Outgoing& packet) {
+    payload::Reassembler fresh;
+    const auto whole = fresh.take(kSource, {packet.data.data(), packet.data.size()});
+    return whole && whole->kind == payload::Fragment::Kind::announcement;
+  }
   std::uint64_t counted(const std::string& what) { return counters.all()["topic_frames_" + what]; }
   std::vector<std::uint8_t> first_bytes() const {
     std::vector<std::uint8_t> bytes;
@@ -157,6 +162,37 @@ TEST_F(Topic, AnnouncesANewTypeBeforeItsFirstMessage) {
   answer_all();
   EXPECT_EQ(far_side.announcement(kSource, kNumber)->datatype, "std_msgs/Empty");
   EXPECT_THAT(first_bytes(), ElementsAre('a', 'b'));
+}
+
+TEST_F(Topic, OfTwoPublishersThatWordOneTypeDifferentlyIsAnnouncedOnce) {
+  auto other = message(1, 'b');
+  other.type.definition += '\n';
+  unsigned announced = 0;
+  const auto offer = [&](const TopicMessage& next) {
+    sender.offer(next);
+    for (; !under_way.empty(); answer(Outcome::delivered)) announced += is_announcement(under_way.front().first);
+  };
+  for (int i = 0; i < 3; ++i) {
+    offer(message(1, 'a'));
+    offer(other);
+  }
+  EXPECT_EQ(announced, 1u);
+  EXPECT_EQ(far_side.announcement(kSource, kNumber)->definition, "string data");
+  EXPECT_THAT(first_bytes(), ElementsAre('a', 'b', 'a', 'b', 'a', 'b'));
+}
+
+TEST_F(Topic, IsLatchedFromTheFirstPublisherOnThatLatches) {
+  sender.offer(message(1, 'a'));
+  answer_all();
+  EXPECT_FALSE(far_side.announcement(kSource, kNumber)->latching);
+  sender.offer(message(1, 'b', /*latching=*/true));
+  answer_all();
+  sender.offer(message(1, 'c'));
+  answer_all();
+  EXPECT_TRUE(far_side.announcement(kSource, kNumber)->latching);
+  sender.far_side_restarted();
+  answer_all();
+  EXPECT_THAT(first_bytes(), ElementsAre('a', 'b', 'c', 'c'));
 }
 
 TEST_F(Topic, RepeatsALatchedMessageForAFarSideThatHasRestarted) {
