@@ -74,8 +74,7 @@ void CommandIn::offer(const CommandSplit::Part& part) {
   if (!speaks_(part.node)) return counters_.add("commands_withheld_silent");
   auto done = [this, node = part.node](const Result& result) { on_result(node, result); };
   if (commands.under_way < kUnderWay) return send(part.node, part.command, done);
-  if (commands.waiting) counters_.add("commands_superseded");
-  commands.waiting = part.command;
+  if (const unsigned replaced = commands.waiting.put(part.command)) counters_.add("commands_superseded", replaced);
 }
 
 void CommandIn::send(std::uint8_t node, payload::JointCommand command, RingPort::OnResult done) {
@@ -95,11 +94,12 @@ void CommandIn::on_result(std::uint8_t node, const Result& result) {
   counters_.add("commands_" + outcome_word(result.outcome));
   NodeCommands& commands = by_node_[node];
   --commands.under_way;
-  if (!commands.waiting) return;
-  auto next = std::move(*commands.waiting);
-  commands.waiting.reset();
-  if (!port_.connected()) return counters_.add("commands_dropped_disconnected");
-  send(node, std::move(next), [this, node](const Result& r) { on_result(node, r); });
+  if (commands.waiting.size() == 0) return;
+  if (!port_.connected()) {
+    counters_.add("commands_dropped_disconnected", commands.waiting.size());
+    return commands.waiting.clear();
+  }
+  send(node, *commands.waiting.take(), [this, node](const Result& r) { on_result(node, r); });
 }
 
 bool CommandIn::resume(std::uint8_t node, RingPort::OnResult done) {

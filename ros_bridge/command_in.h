@@ -6,13 +6,13 @@
 #include <chrono>
 #include <functional>
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 
 #include "ros_bridge/conversions.h"
 #include "ros_bridge/counters.h"
 #include "ros_bridge/ring_port.h"
+#include "ros_bridge/waiting_commands.h"
 
 namespace limb_ring::bridge {
 
@@ -38,8 +38,8 @@ class Throttle {
 /// one packet per node, channel 2, priority 0, stamped with the wall clock (a virtual ring's, where it is one) and
 /// expiring after `timeouts.command`.
 ///
-/// At most two commands to a node are under way. A newer one replaces the one that waits: an old
-/// command is worth nothing. A node whose joints are silent gets none: its controller would refuse
+/// At most two commands to a node are under way. A newer one replaces, joint by joint, what waits: the counter
+/// commands_superseded is of joints. A node whose joints are silent gets none: its controller would refuse
 /// each, and while that is tried again, for a second, it would hold up the commands to all others.
 class CommandIn {
  public:
@@ -68,7 +68,7 @@ class CommandIn {
   /// What has been sent to one node and not yet come back, and what waits for that.
   struct NodeCommands {
     unsigned under_way = 0;
-    std::optional<payload::JointCommand> waiting;
+    WaitingCommands waiting;
     std::uint16_t sequence = 0;
   };
   using Event = ros::MessageEvent<const sensor_msgs::JointState>;

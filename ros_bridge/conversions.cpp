@@ -4,6 +4,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "config/characters.h"
+
 namespace limb_ring::bridge {
 namespace {
 
@@ -15,7 +17,7 @@ void check_array(const char* name, const Values& values, const std::vector<std::
                                 std::to_string(joints.size()) + " names; it must be empty or have one for each name");
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]))
-      throw std::invalid_argument(std::string("'") + name + "' of joint '" + joints[i] + "' is " +
+      throw std::invalid_argument(std::string("'") + name + "' of joint '" + config::printable(joints[i]) + "' is " +
                                   std::to_string(values[i]) + "; it must be a finite number");
 }
 
@@ -26,7 +28,8 @@ void check(const sensor_msgs::JointState& message) {
   check_array("effort", message.effort, message.name);
   std::set<std::string> seen;
   for (const auto& name : message.name)
-    if (!seen.insert(name).second) throw std::invalid_argument("joint '" + name + "' is named twice");
+    if (!seen.insert(name).second)
+      throw std::invalid_argument("joint '" + config::printable(name) + "' is named twice");
 }
 
 payload::JointCommand::Joint joint_at(const sensor_msgs::JointState& message, std::size_t i) {
@@ -59,7 +62,7 @@ CommandSplit split_command(const sensor_msgs::JointState& message, const JointMa
   for (std::size_t i = 0; i < message.name.size(); ++i) {
     const auto place = joints.find(message.name[i]);
     if (!place) {
-      split.unknown.push_back(message.name[i]);
+      split.unknown.push_back(config::printable(message.name[i]));
       continue;
     }
     auto& list = commands[place->node].joints;

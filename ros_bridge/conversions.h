@@ -25,7 +25,7 @@ struct CommandSplit {
     payload::JointCommand command;
   };
   std::vector<Part> parts;           ///< in ring order, nodes with a commanded joint only
-  std::vector<std::string> unknown;  ///< joints that no node owns, as named in the message
+  std::vector<std::string> unknown;  ///< joints that no node owns, fit to be printed
 };
 
 /// Stamp, sequence and validity are left for the sender to set: ROS time may be simulated.

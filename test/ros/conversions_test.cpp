@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "ros/small_robot.h"
+#include "ros_bridge/waiting_commands.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -85,6 +86,48 @@ TEST_F(SplitCommand, RefusesAMessageWithoutNamesAndAJointNamedTwice) {
   message.name = {"hip_roll", "hip_roll"};
   message.position = {1, 2};
   EXPECT_THAT(refusal(), HasSubstr("'hip_roll' is named twice"));
+}
+
+TEST_F(SplitCommand, NamesJointsSoThatTheyCanBePrinted) {
+  message.name = {"tail\n[FATAL]", "hip\x1b[31m"};
+  EXPECT_THAT(split_command(message, joints).unknown, ElementsAre("tail?[FATAL]", "hip?[31m"));
+  message.name = {"tail\n", "tail\n"};
+  EXPECT_THAT(refusal(), HasSubstr("'tail?' is named twice"));
+  message.position = {std::numeric_limits<double>::infinity(), 0};
+  EXPECT_THAT(refusal(), HasSubstr("of joint 'tail?' is inf"));
+}
+
+payload::JointCommand command_of(std::int64_t stamp, std::vector<payload::JointCommand::Joint> joints) {
+  payload::JointCommand command;
+  command.stamp_ns = stamp;
+  command.joints = std::move(joints);
+  return command;
+}
+
+constexpr payload::JointCommand::Joint kNothing{};
+constexpr payload::JointCommand::Joint position(double value) { return {value, std::nullopt, std::nullopt}; }
+
+TEST(WaitingCommands, ToOtherJointsOfANodeAreKept) {
+  WaitingCommands waiting;
+  EXPECT_EQ(waiting.put(command_of(1, {position(1), kNothing})), 0u);
+  EXPECT_EQ(waiting.put(command_of(2, {kNothing, position(2)})), 0u);
+  const auto first = waiting.take(), second = waiting.take();
+  EXPECT_EQ(first->stamp_ns, 1) << "no command is obeyed longer than it was meant to be";
+  EXPECT_EQ(first->joints.at(0).position, 1);
+  EXPECT_EQ(second->stamp_ns, 2);
+  EXPECT_EQ(second->joints.at(1).position, 2);
+  EXPECT_FALSE(waiting.take());
+}
+
+TEST(WaitingCommands, AreReplacedJointByJoint) {
+  WaitingCommands waiting;
+  waiting.put(command_of(1, {position(1), position(1)}));
+  EXPECT_EQ(waiting.put(command_of(2, {kNothing, position(2)})), 1u);
+  EXPECT_EQ(waiting.size(), 2u);
+  EXPECT_EQ(waiting.put(command_of(3, {position(3)})), 1u);
+  EXPECT_EQ(waiting.size(), 2u) << "nothing is left of the first";
+  EXPECT_FALSE(waiting.take()->joints.at(0).position);
+  EXPECT_EQ(waiting.take()->joints.at(0).position, 3);
 }
 
 TEST(RosTime, KeepsEveryNanosecond) {
