@@ -36,7 +36,7 @@ class JointDataOut {
   std::vector<std::string> silent_joints() const;
   /// Any thread.
   JointStore::Received received(std::uint8_t node) const;
-  /// Any thread: the node's joints are not silent.
+  /// Ring thread only: the node's joints are not silent.
   bool speaks(std::uint8_t node) const;
 
  private:

@@ -1,7 +1,6 @@
 #include "ros_bridge/parameters.h"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -16,7 +15,7 @@ using CpuKind = config::CpuConfig::Kind;
 
 // The spinner's timer calls alive() ten times in this.
 constexpr auto kAlivePeriod = std::chrono::seconds(1);
-constexpr double kMaxRate = 1000.0;
+constexpr double kMinRate = 0.01, kMaxRate = 1000.0;  // Hz
 
 [[noreturn]] void refuse_type(const std::string& name, const std::string& right, const XmlRpc::XmlRpcValue& given) {
   throw std::invalid_argument("parameter ~" + name + " must be " + right + ", and is '" + as_written(given) + "'");
@@ -66,6 +65,15 @@ double number_parameter(const std::string& name, XmlRpc::XmlRpcValue given, doub
   return static_cast<double&>(given);
 }
 
+double rate_parameter(XmlRpc::XmlRpcValue given, double configured) {
+  const double rate = number_parameter("rate", given, 0.0);
+  if (rate == 0.0) return configured;
+  if (!(rate >= kMinRate && rate <= kMaxRate))  // nor what is no number
+    throw std::invalid_argument("parameter ~rate is " + as_written(given) +
+                                "; it must be 0 (as configured) or 0.01 to 1000 Hz");
+  return rate;
+}
+
 bool flag_parameter(const std::string& name, XmlRpc::XmlRpcValue given, bool usual) {
   if (!given.valid()) return usual;
   if (given.getType() != XmlRpc::XmlRpcValue::TypeBoolean) refuse_type(name, "true or false", given);
@@ -97,15 +105,6 @@ std::string word_parameter(const ros::NodeHandle& own, const std::string& name, 
   return given;
 }
 
-double rate_parameter(const ros::NodeHandle& own, double configured) {
-  const double rate = number_parameter("rate", given_parameter(own, "rate"), 0.0);
-  if (rate == 0.0) return configured;
-  if (!std::isfinite(rate) || rate < 0 || rate > kMaxRate)
-    throw std::invalid_argument("parameter ~rate is " + std::to_string(rate) +
-                                "; it must be 0 (as configured) to 1000 Hz");
-  return rate;
-}
-
 }  // namespace
 
 const config::NodeConfig& bridge_node(const config::RingConfig& ring, const std::string& named) {
@@ -134,7 +133,7 @@ Parameters read_parameters(const ros::NodeHandle& own) {
   parameters.ring = config::load_ring(config_parameter(own));
   const auto ring = given_text(own, "ring");
   if (!ring.empty()) config::rename_ring(parameters.ring, ring);
-  parameters.rate = rate_parameter(own, parameters.ring.bridge.rate);
+  parameters.rate = rate_parameter(given_parameter(own, "rate"), parameters.ring.bridge.rate);
   parameters.promises = given_flag(own, "promises");
   parameters.frames = given_parameter(own, "frames");
   const std::string clock = word_parameter(own, "clock", {"none", "tell", "follow"});

@@ -30,6 +30,8 @@ Parameters read_parameters(const ros::NodeHandle& own);
 /// @throw std::invalid_argument where it is of another type, which getParam(name, value) takes for not given, or rounds
 std::string text_parameter(const std::string& name, XmlRpc::XmlRpcValue given);
 double number_parameter(const std::string& name, XmlRpc::XmlRpcValue given, double usual);
+/// Hz of joint_states; where 0 or nothing is given, as configured.
+double rate_parameter(XmlRpc::XmlRpcValue given, double configured);
 bool flag_parameter(const std::string& name, XmlRpc::XmlRpcValue given, bool usual);
 
 /// A value as one writes it: `fast`, `true`, `[1, 2]`, `{at: in}`.

@@ -13,7 +13,8 @@ constexpr const char* kHelp =
     "  roslaunch --ros-args limb_ring bridge.launch\n"
     "Usage: ring_bridge [--respawn] _PARAMETER:=VALUE ...\n"
     "  --respawn  start it again whenever it ends, but for wrong parameters: a reset of its node kills it\n"
-    "Parameters: ~config, ~ring, ~node, ~rate, ~frames, ~clock, ~sample_log: as the arguments of bridge.launch;\n"
+    "Parameters: ~config, ~ring, ~node, ~rate, ~frames, ~clock, ~promises, ~sample_log: as the arguments of\n"
+    "  bridge.launch;\n"
     "  ~respawn: true where --respawn or roslaunch starts it again; else the answer to a reset of its node warns\n"
     "  that nobody does\n";
 

@@ -109,7 +109,7 @@ class LaunchArguments(unittest.TestCase):
     def test_what_keeps_the_bridge_from_starting_is_said_and_ends_the_launch(self):
         for argument, said in (('bridge_node:=nobody', "no node 'nobody'"),
                                ('bridge_node:=neck', "node 'neck' has 'cpu: none'"),
-                               ('rate:=-3', 'it must be 0 (as configured) to 1000 Hz'),
+                               ('rate:=-3', 'it must be 0 (as configured) or 0.01 to 1000 Hz'),
                                ('frames:={kinds: [datta]}', 'parameter ~frames/kinds: datta; it must be data')):
             with self.subTest(argument):
                 output = roslaunch('config:=' + TWO_BRIDGES, 'ring:=' + own_ring(), argument)

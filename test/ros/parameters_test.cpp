@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "config/load_ring.h"
 #include "ros/small_robot.h"
 
@@ -50,6 +52,16 @@ TEST(Parameter, IsWhatWasGivenElseTheUsual) {
   EXPECT_EQ(number_parameter("rate", {}, 50), 50);
   EXPECT_TRUE(flag_parameter("promises", XmlRpcValue(true), false));
   EXPECT_TRUE(flag_parameter("promises", {}, true));
+}
+
+TEST(Rate, IsAsConfiguredOrOneThatTheBridgeCanKeep) {
+  using XmlRpc::XmlRpcValue;
+  EXPECT_EQ(rate_parameter({}, 50), 50);
+  EXPECT_EQ(rate_parameter(XmlRpcValue(0.0), 50), 50);
+  EXPECT_EQ(rate_parameter(XmlRpcValue(0.01), 50), 0.01);
+  EXPECT_EQ(rate_parameter(XmlRpcValue(1000), 50), 1000);
+  for (const double wrong : {1e-12, 0.009, -1.0, 1001.0, std::nan(""), HUGE_VAL})
+    EXPECT_THROW(rate_parameter(XmlRpcValue(wrong), 50), std::invalid_argument) << wrong;
 }
 
 /// What getParam() would take for not given, or round.
