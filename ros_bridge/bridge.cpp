@@ -76,6 +76,7 @@ void Bridge::make_topics() {
     if (topics[i].from == own)
       topics_in_.push_back(
           std::make_unique<TopicIn>(nodes_, static_cast<std::uint8_t>(i), topics[i], port_, counters_));
+  publishers_.emplace(nodes_, topics_in_);
 }
 
 void Bridge::tell_time(std::chrono::nanoseconds now) {

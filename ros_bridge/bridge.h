@@ -15,6 +15,7 @@
 #include "ros_bridge/frames_out.h"
 #include "ros_bridge/joint_data_out.h"
 #include "ros_bridge/parameters.h"
+#include "ros_bridge/publisher_look.h"
 #include "ros_bridge/ring_port.h"
 #include "ros_bridge/services.h"
 #include "ros_bridge/status_out.h"
@@ -46,6 +47,7 @@ class Bridge {
   CommandIn commands_;
   Controllers controllers_;
   std::vector<std::unique_ptr<TopicIn>> topics_in_;
+  std::optional<PublisherLook> publishers_;
   std::optional<PromisesOut> promises_;
   DiagnosticsOut diagnostics_;
   EventsOut events_;

@@ -1,15 +1,12 @@
 #include "ros_bridge/topic_in.h"
 
-#include <ros/master.h>
-
-#include <algorithm>
 #include <utility>
 
 namespace limb_ring::bridge {
 namespace {
 
 constexpr auto kAnnouncePeriod = std::chrono::seconds(1);
-const ros::WallDuration kPublisherLook{1.0};
+constexpr unsigned kLooks = 2;  // a publisher that has just come is not yet connected
 
 TopicMessage to_message(const ros::MessageEvent<topic_tools::ShapeShifter const>& event) {
   const auto& shape = *event.getConstMessage();
@@ -24,12 +21,6 @@ TopicMessage to_message(const ros::MessageEvent<topic_tools::ShapeShifter const>
   ros::serialization::OStream stream(message.bytes.data(), shape.size());
   shape.write(stream);
   return message;
-}
-
-bool is_published(const std::string& name) {
-  ros::master::V_TopicInfo topics;
-  return ros::master::getTopics(topics) &&
-         std::any_of(topics.begin(), topics.end(), [&](const auto& topic) { return topic.name == name; });
 }
 
 }  // namespace
@@ -48,18 +39,27 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
                                                 [this](const Event& event) { on_message(event); });
   options_.transport_hints = ros::TransportHints().tcpNoDelay();
   subscriber_ = nodes_.subscribe(options_);
-  look_ = nodes_.createWallTimer(kPublisherLook, [this](const ros::WallTimerEvent&) { renew_where_refused(); });
+  full_name_ = subscriber_.getTopic();
 }
 
 // roscpp takes type and definition of the first publisher for those of the subscription, and publishers with others
-// refuse it. The master does not know definitions, so where one is there and not connected for two looks, the
-// subscription is made anew. The master is asked only where nobody is connected, and not waited for: this thread is the
-// CPU's.
-void TopicIn::renew_where_refused() {
-  const bool refused = subscriber_.getNumPublishers() == 0 && is_published(subscriber_.getTopic());
-  refused_ = refused ? refused_ + 1 : 0;
-  if (refused_ < 2) return;
-  refused_ = 0;
+// refuse it. The master does not know definitions, so where none of those that it knows is connected for two looks, the
+// subscription is made anew. One that died without telling the master counts as connected: then a person has to.
+void TopicIn::look(unsigned published) {
+  const unsigned connected = subscriber_.getNumPublishers();
+  missing_ = published > connected ? missing_ + 1 : 0;
+  if (missing_ == 0) warned_ = false;
+  if (missing_ < kLooks) return;
+  if (connected == 0) return renew();
+  if (std::exchange(warned_, true)) return;
+  ROS_WARN(
+      "topic '%s': %u of its %u publishers are not connected: of another type than the others, or dead. Where one "
+      "has died without a word, the next one of another type is heard after 'rosnode cleanup'",
+      topic_.input.c_str(), published - connected, published);
+}
+
+void TopicIn::renew() {
+  missing_ = 0;
   subscriber_.shutdown();
   subscriber_ = nodes_.subscribe(options_);
 }

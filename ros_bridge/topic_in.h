@@ -22,12 +22,16 @@ class TopicIn {
   /// Any thread: the CPU of the node this topic goes to has restarted.
   void far_side_restarted();
   const config::TopicConfig& topic() const { return topic_; }
+  /// The input's, as the master has it.
+  const std::string& full_name() const { return full_name_; }
+  /// Once a second, one thread: so many nodes publish it, as far as the master knows. (PublisherLook)
+  void look(unsigned published);
 
  private:
   using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
   void on_message(const Event& event);
   void take_type(const payload::Announcement& type);
-  void renew_where_refused();
+  void renew();
   void hand_over();
 
   config::TopicConfig topic_;
@@ -38,9 +42,10 @@ class TopicIn {
   std::deque<TopicMessage> handed_in_;  // at most topic_.queue
   ros::NodeHandle nodes_;
   ros::SubscribeOptions options_;
-  ros::Subscriber subscriber_;
-  ros::WallTimer look_;
-  unsigned refused_ = 0;           ///< looks in a row at which a publisher was there, and not connected
+  ros::Subscriber subscriber_;  ///< after the constructor look()'s thread alone
+  std::string full_name_;
+  unsigned missing_ = 0;           ///< looks in a row at which a publisher was there, and not connected
+  bool warned_ = false;            ///< of those
   std::string datatype_, md5sum_;  ///< of the last message
 };
 
