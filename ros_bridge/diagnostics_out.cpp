@@ -8,13 +8,12 @@ namespace {
 using diagnostic_updater::DiagnosticStatusWrapper;
 using Clock = std::chrono::steady_clock;
 
-std::string prefix_in(const ros::NodeHandle& nodes) { return nodes.resolveName("limb_ring"); }
+std::string prefix_in(const ros::NodeHandle& nodes) { return nodes.resolveName("limb_ring").substr(1); }
 
 }  // namespace
 
-DiagnosticsOut::DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring)
-    : updater_(nodes, ros::NodeHandle("~"), prefix_in(nodes)) {
-  updater_.setHardwareID(ring.ring);
+DiagnosticsOut::DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const RosClock& clock)
+    : updater_(nodes, prefix_in(nodes), ring.ring, clock) {
   updater_.add("ring", [this](DiagnosticStatusWrapper& out) { tell_bridge(out); });
   for (std::size_t i = 0; i < ring.nodes.size(); ++i) {
     NodeHealth& node = nodes_.emplace_back(ring.nodes[i], ring.timeouts.beacon);
@@ -32,8 +31,7 @@ void DiagnosticsOut::take(const RingStatus& status) {
   status_ = status;
   for (NodeHealth& node : nodes_) node.take(status, Clock::now());
   for (LineHealth& line : lines_) line.take(status, Clock::now());
-  // Not update(): its period is by ROS time, which may stand still while the ring does not.
-  updater_.force_update();
+  updater_.update();
 }
 
 void DiagnosticsOut::tell_bridge(DiagnosticStatusWrapper& out) const {

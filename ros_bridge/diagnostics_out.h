@@ -1,12 +1,11 @@
 #pragma once
 
-#include <diagnostic_updater/diagnostic_updater.h>
-
 #include <deque>
 
 #include "ros_bridge/line_health.h"
 #include "ros_bridge/node_health.h"
 #include "ros_bridge/promises_out.h"
+#include "ros_bridge/stamped_updater.h"
 
 namespace limb_ring::bridge {
 
@@ -14,7 +13,7 @@ namespace limb_ring::bridge {
 /// namespace, where there is one); hardware id: the ring's name. One thread.
 class DiagnosticsOut {
  public:
-  DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring);
+  DiagnosticsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const RosClock& clock);
 
   /// From now on "promises" is told as well; they must outlive this. Before the first take().
   void add(const PromisesOut& promises);
@@ -27,7 +26,7 @@ class DiagnosticsOut {
   RingStatus status_;
   std::deque<NodeHealth> nodes_;  // a deque: the updater's tasks hold on to them
   std::deque<LineHealth> lines_;
-  diagnostic_updater::Updater updater_;
+  StampedUpdater updater_;
 };
 
 }  // namespace limb_ring::bridge

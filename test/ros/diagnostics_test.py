@@ -36,9 +36,7 @@ class Diagnostics(unittest.TestCase):
         self.wait_until_well()
 
     def take(self, message):
-        # An updater publishes each task once by itself as it is added: not the whole.
-        if len(message.status) > 1:
-            self.told.append({status.name[len(PREFIX):]: status for status in message.status})
+        self.told.append({status.name[len(PREFIX):]: status for status in message.status})
 
     def from_now_on(self):
         """What was told before does not count any more."""

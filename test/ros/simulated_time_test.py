@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""Under use_sim_time, with a silent /clock, joint data goes on by the wall clock."""
+"""Under use_sim_time, with a silent /clock, joint data and diagnostics go on by the wall clock."""
 import time
 import unittest
 
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from limb_ring.srv import ResetNode
 from sensor_msgs.msg import JointState
 
@@ -12,13 +13,16 @@ from ring_testing import Newest, Ring, wait_for
 
 
 class SimulatedTime(unittest.TestCase):
-    def test_joint_data_and_services_go_by_the_wall_clock(self):
+    def test_joint_data_diagnostics_and_services_go_by_the_wall_clock(self):
         self.assertEqual(rospy.get_time(), 0, 'ROS time stands still here')
         ring, states = Ring(), Newest('joint_states', JointState)
         commands = rospy.Publisher('joint_commands', JointState, queue_size=1)
         ring.wait_until_up()
         states.wait_for_more(20, 'joint states')
         self.assertLess(abs(time.time() - states.get().header.stamp.to_sec()), 60)
+
+        told = Newest('/diagnostics', DiagnosticArray).wait(lambda _: True, 'diagnostics')
+        self.assertLess(abs(time.time() - told.header.stamp.to_sec()), 60)
 
         command = JointState(name=['l_elbow'], position=[1.3])
 
