@@ -20,8 +20,10 @@ EventsOut::EventsOut(ros::NodeHandle& nodes, const config::RingConfig& ring, con
       clock_(clock),
       conversion_(ring),
       publisher_(nodes.advertise<RingEvent>("ring_events", kEventsQueue)),
-      listener_(all_nodes(ring), daemon, kOrder,
-                [this](const config::NodeConfig& node, const Message& message) { take(node, message); }) {}
+      listener_(
+          all_nodes(ring), daemon, kOrder,
+          [this](const config::NodeConfig& node, const Message& message) { take(node, message); },
+          [this](const config::NodeConfig& node) { return conversion_.is_open(node); }) {}
 
 void EventsOut::take(const config::NodeConfig& node, const Message& message) {
   if (const auto* seen = std::get_if<Observed>(&message)) {
@@ -32,8 +34,15 @@ void EventsOut::take(const config::NodeConfig& node, const Message& message) {
   } else if (const auto* lost = std::get_if<ObservedLost>(&message)) {
     counters_.add("events_lost", lost->count);
   } else if (std::holds_alternative<Disconnected>(message)) {
-    conversion_.forget(node);
+    publish_now(conversion_.gone(node));
+  } else if (const auto* reply = std::get_if<Reply>(&message)) {
+    for (const RingEvent& event : conversion_.events_of_row(node, reply->json)) publish_now(event);
   }
+}
+
+void EventsOut::publish_now(RingEvent event) {
+  event.header.stamp = clock_.now();
+  publisher_.publish(event);
 }
 
 }  // namespace limb_ring::bridge

@@ -20,6 +20,7 @@ class EventsOut {
 
  private:
   void take(const config::NodeConfig& node, const Message& message);
+  void publish_now(RingEvent event);
 
   Counters& counters_;
   const RosClock& clock_;

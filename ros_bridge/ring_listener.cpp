@@ -12,15 +12,19 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kListenRetry = 100ms;   // a daemon that starts is heard before much happens there
+constexpr auto kListenRetry = 100ms;  // a daemon that starts is heard before much happens there
+constexpr auto kAskPeriod = 500ms;
 constexpr int kTickMs = 50;            // how soon the end is seen
 constexpr int kMessagesOfANode = 256;  // then the other nodes have their turn
 
 }  // namespace
 
 RingListener::RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions daemon,
-                           std::string order, OnMessage on_message)
-    : daemon_(std::move(daemon)), order_(std::move(order)), on_message_(std::move(on_message)) {
+                           std::string order, OnMessage on_message, AsksAgain asks_again)
+    : daemon_(std::move(daemon)),
+      order_(std::move(order)),
+      on_message_(std::move(on_message)),
+      asks_again_(std::move(asks_again)) {
   daemon_.role = Role::tool;
   daemon_.alive_period = 0ms;
   daemon_.timeout = 0ms;
@@ -43,6 +47,7 @@ void RingListener::run() {
     bool more = false;
     for (Source& source : sources_) {
       if (!source.port) connect(source);
+      if (source.port && asks_again_ && asks_again_(*source.node)) ask(source);
       if (source.port) more |= drain(source);
     }
     if (!more) wait();
@@ -58,11 +63,21 @@ void RingListener::connect(Source& source) {
     daemon_.node = source.node->name;
     source.port.emplace(HostPort::connect(daemon_));
     source.port->observe(order_);
+    source.asked = false;
+    source.next_ask = {};
+    if (asks_again_) ask(source);
     source.is_open = true;
   } catch (const HostPortError&) {
     // Not there: `ring_status` says so, and this is tried again.
     source.port.reset();
   }
+}
+
+void RingListener::ask(Source& source) {
+  if (source.asked || Clock::now() < source.next_ask) return;
+  source.asked = true;
+  source.next_ask = Clock::now() + kAskPeriod;
+  source.port->request(R"({"do":"status"})");
 }
 
 void RingListener::wait() const {
@@ -77,6 +92,7 @@ bool RingListener::drain(Source& source) {
   for (int i = 0; i < kMessagesOfANode; ++i) {
     const auto message = source.port->receive(0ms);
     if (!message) return false;
+    if (std::holds_alternative<Reply>(*message)) source.asked = false;
     on_message_(*source.node, *message);
     if (std::holds_alternative<Disconnected>(*message)) {
       source.is_open = false;

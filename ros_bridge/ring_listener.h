@@ -20,10 +20,14 @@ class RingListener {
  public:
   /// What came of a node, Disconnected included; called from the listening thread.
   using OnMessage = std::function<void(const config::NodeConfig& node, const Message& message)>;
+  /// Whether a daemon is to tell its status row again; called from the listening thread.
+  using AsksAgain = std::function<bool(const config::NodeConfig& node)>;
 
   /// `order`: as HostPort::observe() takes it. `daemon`: how to reach one; node and role are ignored.
+  /// @param asks_again where given, each daemon is asked for its status row when it is connected to, and twice a second
+  /// where this says so. The row comes as a Reply, in its place among what is observed.
   RingListener(const std::vector<const config::NodeConfig*>& nodes, ConnectOptions daemon, std::string order,
-               OnMessage on_message);
+               OnMessage on_message, AsksAgain asks_again = nullptr);
   RingListener(const RingListener&) = delete;
   RingListener& operator=(const RingListener&) = delete;
   /// Nothing is called any more after it.
@@ -39,9 +43,12 @@ class RingListener {
     std::optional<HostPort> port;
     std::atomic<bool> is_open{false};  // for other threads, which may not look at `port`
     Clock::time_point next_try{};
+    bool asked = false;  ///< for its row, which has not yet come
+    Clock::time_point next_ask{};
   };
   void run();
   void connect(Source& source);
+  void ask(Source& source);
   void wait() const;
   /// @return true where there may be more
   bool drain(Source& source);
@@ -50,6 +57,7 @@ class RingListener {
   ConnectOptions daemon_;
   std::string order_;
   OnMessage on_message_;
+  AsksAgain asks_again_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -7,6 +7,7 @@
 namespace limb_ring::bridge {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -20,6 +21,11 @@ class Events : public ::testing::Test {
     const auto all = conversion.events_of(node, line);
     EXPECT_THAT(all, SizeIs(1));
     return all.empty() ? RingEvent() : all.front();
+  }
+  static std::vector<int> kinds_of(const std::vector<RingEvent>& events) {
+    std::vector<int> kinds;
+    for (const RingEvent& event : events) kinds.push_back(event.kind);
+    return kinds;
   }
   static std::string state(const std::string& before, const std::string& after, const std::string& line) {
     return R"({"kind":"state","before":")" + before + R"(","after":")" + after + R"(","ring_size":3,"broken_line":)" +
@@ -76,8 +82,53 @@ TEST_F(Events, OfANodeThatIsGoneDoNotHoldUpTheCure) {
   const std::string line = R"({"before":7,"behind":3})";
   conversion.events_of(hip, state("up", "open_chain", line));
   conversion.events_of(body, state("up", "open_chain", line));
-  conversion.forget(hip);
+  conversion.gone(hip);
   EXPECT_THAT(conversion.events_of(body, state("open_chain", "up", "null")), SizeIs(2));
+}
+
+TEST_F(Events, OfASecondBreakAreFoundInTheRowsAndCuredWithTheFirst) {
+  conversion.events_of(hip, state("up", "open_chain", R"({"before":7,"behind":3})"));
+  EXPECT_TRUE(conversion.is_open(hip));
+  EXPECT_FALSE(conversion.is_open(body));
+  const std::string second = R"({"state":"open_chain","broken_line":{"before":0,"behind":7}})";
+  const auto all = conversion.events_of_row(hip, second);
+  ASSERT_THAT(all, SizeIs(1));
+  EXPECT_EQ(all[0].kind, RingEvent::LOCATED_FAULT);
+  EXPECT_EQ(all[0].node, "body");
+  EXPECT_EQ(all[0].other_node, "knee");
+  EXPECT_THAT(conversion.events_of_row(hip, second), IsEmpty());
+  EXPECT_THAT(kinds_of(conversion.events_of(hip, state("open_chain", "up", "null"))),
+              ElementsAre(RingEvent::NODE_STATE, RingEvent::HEALED, RingEvent::HEALED));
+}
+
+TEST_F(Events, OfARingThatWasOpenBeforeItWasObservedAreItsFaultAndItsCure) {
+  const auto all = conversion.events_of_row(hip, R"({"state":"open_chain","broken_line":{"before":7,"behind":3}})");
+  ASSERT_THAT(kinds_of(all), ElementsAre(RingEvent::NODE_STATE, RingEvent::LOCATED_FAULT));
+  EXPECT_EQ(all[0].text, "unknown -> open_chain");
+  EXPECT_THAT(kinds_of(conversion.events_of(hip, state("open_chain", "up", "null"))),
+              ElementsAre(RingEvent::NODE_STATE, RingEvent::HEALED));
+}
+
+TEST_F(Events, OfANodeThatIsRestartedTellThatItIsGoneAndHowItIsNow) {
+  const std::string row = R"({"state":"up","ring_size":3,"cpu":{"state":"running","boots":1}})";
+  conversion.events_of_row(knee, row);
+  EXPECT_THAT(conversion.events_of_row(knee, row), IsEmpty()) << "all of it was told";
+  const auto gone = conversion.gone(knee);
+  EXPECT_EQ(gone.kind, RingEvent::NODE_STATE);
+  EXPECT_EQ(gone.node, "knee");
+  EXPECT_EQ(gone.text, "up -> down");
+  const auto back = conversion.events_of_row(knee, row);
+  ASSERT_THAT(kinds_of(back), ElementsAre(RingEvent::NODE_STATE, RingEvent::CPU_STATE));
+  EXPECT_EQ(back[0].text, "down -> up");
+  EXPECT_EQ(back[0].value, 3);
+  EXPECT_EQ(back[1].text, "running");
+  EXPECT_EQ(back[1].value, 1);
+}
+
+TEST_F(Events, ThatWereToldAreNotFoundInTheRowsAgain) {
+  conversion.events_of(knee, state("joining", "up", "null"));
+  conversion.events_of(knee, R"({"kind":"cpu","state":"running","boots":2})");
+  EXPECT_THAT(conversion.events_of_row(knee, R"({"state":"up","cpu":{"state":"running","boots":2}})"), IsEmpty());
 }
 
 TEST_F(Events, AreNotMadeOfOtherMessages) {
@@ -85,6 +136,8 @@ TEST_F(Events, AreNotMadeOfOtherMessages) {
   EXPECT_THAT(conversion.events_of(knee, "[1]"), IsEmpty());
   EXPECT_THAT(conversion.events_of(knee, R"({"error":"no kind"})"), IsEmpty());
   EXPECT_THAT(conversion.events_of(knee, R"({"kind":"pin","factor":"x","source":null})"), SizeIs(1));
+  for (const char* row : {"no json", "[1]", R"({"error":"no"})", R"({"state":1})"})
+    EXPECT_THAT(conversion.events_of_row(knee, row), IsEmpty());
 }
 
 }  // namespace

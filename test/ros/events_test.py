@@ -9,7 +9,7 @@ import rostest
 from limb_ring.msg import RingEvent
 from limb_ring.srv import ClearFaults, InjectFault, ResetNode, SendInterrupt
 
-from ring_testing import Ring, wait_for
+from ring_testing import Ring, kill_process, wait_for
 
 
 def service(name, kind):
@@ -61,6 +61,26 @@ class Events(unittest.TestCase):
         self.ring.wait_until_up()
         self.assertEqual(len(self.all(RingEvent.LOCATED_FAULT, 'left_hip')), 1)
         self.assertEqual(len(self.all(RingEvent.HEALED, 'left_hip')), 1)
+
+    def test_a_second_break_is_located_too(self):
+        for line in ('left_hip -> left_hip_yaw', 'right_hip -> right_hip_yaw'):
+            fault = service('inject_fault', InjectFault)(fault='cut ' + line)
+            self.assertTrue(fault.success, fault.message)
+            self.wait_for(RingEvent.LOCATED_FAULT, line.split()[0])
+        self.assertTrue(service('clear_faults', ClearFaults)(id='').success)
+        for node in ('left_hip', 'right_hip'):
+            self.wait_for(RingEvent.HEALED, node)
+        self.ring.wait_until_up()
+
+    def test_a_node_that_dies_and_comes_back_is_told(self):
+        before = self.ring.node('right_elbow')
+        kill_process(before.pid)
+        self.wait_for(RingEvent.NODE_STATE, 'right_elbow', lambda e: e.text == 'up -> down')
+        back = self.wait_for(RingEvent.NODE_STATE, 'right_elbow', lambda e: e.text.startswith('down -> '))
+        self.assertLess(abs(back.header.stamp.to_sec() - time.time()), 60)
+        self.wait_for(RingEvent.NODE_STATE, 'right_elbow', lambda e: e.text.endswith('-> up'))
+        self.wait_for(RingEvent.CPU_STATE, 'right_elbow', lambda e: e.text == 'running')
+        self.ring.wait_until_up()
 
     def test_a_reset_tells_who_ordered_it_and_what_the_cpu_did(self):
         answer = service('reset_node', ResetNode)(node='left_elbow', timeout=rospy.Duration(10))
