@@ -53,6 +53,20 @@ class PlayBag(unittest.TestCase):
         self.assertEqual(wrench.wait(lambda _: True, 'a wrench').data, 'from the bag')
         self.assertEqual(self.played(), {'/joint_commands', '/wrench'})
 
+    def test_plays_the_commands_of_a_ring_with_several_controllers(self):
+        config = self.bag + '.yaml'
+        with open(config, 'w') as file:
+            file.write('bridge: {lockstep: [arm_commands, leg/commands]}')
+        with rosbag.Bag(self.bag, 'w') as bag:
+            bag.write('/arm_commands', String('no command'), rospy.Time(1))
+        self.assert_refused('/arm_commands is std_msgs/String, which the ring does not take as arm_commands', 2,
+                            '--config', config, self.bag)
+        with rosbag.Bag(self.bag, 'w') as bag:
+            bag.write('/leg/commands', JointState(name=['b']), rospy.Time(1))
+        commands = Newest('leg/commands', JointState)
+        self.play('--config', config, self.bag, '--loop')
+        self.assertEqual(commands.wait(lambda _: True, 'a command').name, ['b'])
+
     def test_plays_topics_of_ones_choice(self):
         states = Newest('joint_states', JointState)
         self.play(self.bag, '--loop', '--topics', '/joint_states')
