@@ -1,7 +1,7 @@
 #include "ros_bridge/services.h"
 
+#include <algorithm>
 #include <cmath>
-#include <future>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -9,6 +9,7 @@
 #include "ask/known_stops.h"
 #include "ask/reset_node.h"
 #include "config/characters.h"
+#include "config/names.h"
 #include "config/quantity.h"
 #include "ros_bridge/answered.h"
 #include "ros_bridge/outcome_word.h"
@@ -20,7 +21,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using std::chrono::milliseconds;
 
-constexpr int kStopThreads = 2, kThreads = 3;
+constexpr int kStopThreads = 2, kCommandThreads = 2, kLongThreads = 3;
 constexpr auto kServiceConnect = 1s;
 constexpr auto kServiceAnswer = 10s;  // a send ends after timeouts.queue and its tries
 constexpr auto kReset = 3s;
@@ -55,6 +56,23 @@ std::invalid_argument would_reset_bridge(const std::string& node, const std::str
                                "' is this bridge's own: it would be killed before it could answer; use " + instead);
 }
 
+/// Why a resume is not known to have come to its node; empty: it has.
+std::string problem_of(std::future<Result>& result, std::chrono::steady_clock::time_point deadline) {
+  if (result.wait_until(deadline) != std::future_status::ready) return "no result of the resume in time";
+  const Result ended = result.get();
+  if (ended.outcome == Outcome::delivered) return "";
+  return std::string("the resume ended '") + to_string(ended.outcome) + "'" +
+         (ended.reason.empty() ? "" : ", " + ended.reason);
+}
+
+std::string names_without(const std::vector<ask::Node>& nodes, const std::vector<ask::Node>& left_out) {
+  std::vector<std::string> names;
+  for (const ask::Node& node : nodes)
+    if (std::none_of(left_out.begin(), left_out.end(), [&](const ask::Node& other) { return other.id == node.id; }))
+      names.push_back(node.name);
+  return config::join(names, ", ");
+}
+
 template <typename Response>
 void fill(Response& response, const std::string& outcome, double round_trip, const std::string& message) {
   response.outcome = outcome_word(outcome);
@@ -72,22 +90,21 @@ Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring,
       port_(port),
       commands_(commands),
       stop_calls_(nodes, kStopThreads),
-      other_calls_(nodes, kThreads) {
+      command_calls_(nodes, kCommandThreads),
+      long_calls_(nodes, kLongThreads) {
   daemon_.role = Role::tool;
   daemon_.alive_period = 0ms;
   daemon_.timeout = kServiceConnect;
   stop_calls_.names().advertise("stop", &Services::stop, this);
-  other_calls_.names().advertise("reset_node", &Services::reset_node, this);
-  other_calls_.names().advertise("send_interrupt", &Services::send_interrupt, this);
-  other_calls_.names().advertise("resume", &Services::resume, this);
-  faults_.emplace(other_calls_.names(), ring_, daemon_.node, port_);
-  stop_calls_.start();
-  other_calls_.start();
+  command_calls_.names().advertise("send_interrupt", &Services::send_interrupt, this);
+  command_calls_.names().advertise("resume", &Services::resume, this);
+  long_calls_.names().advertise("reset_node", &Services::reset_node, this);
+  faults_.emplace(long_calls_.names(), ring_, daemon_.node, port_);
+  for (CallThreads* calls : {&stop_calls_, &command_calls_, &long_calls_}) calls->start();
 }
 
 Services::~Services() {
-  stop_calls_.stop();
-  other_calls_.stop();
+  for (CallThreads* calls : {&stop_calls_, &command_calls_, &long_calls_}) calls->stop();
 }
 
 std::uint8_t Services::one_node(const std::string& node) const {
@@ -162,35 +179,41 @@ std::vector<std::uint8_t> Services::nodes_to_resume(std::uint8_t destination) co
   return ids;
 }
 
-Result Services::resume_one(std::uint8_t node, std::chrono::steady_clock::time_point deadline) {
+std::future<Result> Services::ask_to_resume(std::uint8_t node) {
   const auto done = std::make_shared<std::promise<Result>>();
   auto result = done->get_future();
-  const bool asked = commands_.resume(node, [done](const Result& r) { done->set_value(r); });
-  if (!asked || result.wait_until(deadline) != std::future_status::ready)
-    throw std::runtime_error("node " + std::to_string(node) + ": no result in time");
-  return result.get();
+  if (commands_.resume(node, [done](const Result& ended) { done->set_value(ended); })) return result;
+  Result busy;
+  busy.outcome = Outcome::cancelled;
+  busy.reason = "the bridge has too much to do";
+  done->set_value(busy);
+  return result;
 }
 
+// All are asked before the first one is waited for: the others do not pay for one that does not answer.
 bool Services::resume(Resume::Request& request, Resume::Response& response) {
   return answered(port_, response, [&] {
     const auto deadline = std::chrono::steady_clock::now() + timeout_of(request.timeout, kServiceAnswer);
     const auto ids = nodes_to_resume(request.node.empty() ? kBroadcast : destination(request.node));
     if (ids.empty())
       throw std::invalid_argument("node '" + request.node + "' has no joints, and no stop is latched there");
-    const auto add = [&response](const std::string& problem) {
-      response.success = false;
-      response.message += problem + "; ";
-    };
+    std::vector<std::pair<ask::Node, std::future<Result>>> asked;
+    for (const auto id : ids) asked.emplace_back(ask::Node{id, ring_.find(id)->name}, ask_to_resume(id));
+    std::vector<std::string> problems;
     std::vector<ask::Node> taken;
-    for (const auto id : ids) {
-      const auto result = resume_one(id, deadline);
-      if (result.outcome == Outcome::delivered)
-        taken.push_back({id, ring_.find(id)->name});
+    for (auto& [node, result] : asked) {
+      const std::string problem = problem_of(result, deadline);
+      if (problem.empty())
+        taken.push_back(node);
       else
-        add("node " + std::to_string(id) + ": the resume ended '" + to_string(result.outcome) + "'" +
-            (result.reason.empty() ? "" : ", " + result.reason));
+        problems.push_back(node.name + ": " + problem);
     }
-    for (const ask::Node& node : ask::wait_for_resumes(ring_.ring, taken)) add(ask::sentence_of_latched(node));
+    const auto latched = ask::wait_for_resumes(ring_.ring, taken);
+    for (const ask::Node& node : latched) problems.push_back(ask::sentence_of_latched(node));
+    response.success = problems.empty();
+    const std::string resumed = names_without(taken, latched);
+    if (!resumed.empty()) problems.push_back("resumed: " + resumed);
+    response.message = config::join(problems, "; ");
   });
 }
 

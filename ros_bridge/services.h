@@ -6,6 +6,7 @@
 #include <limb_ring/Stop.h>
 #include <ros/ros.h>
 
+#include <future>
 #include <optional>
 #include <string>
 
@@ -19,9 +20,10 @@ namespace limb_ring::bridge {
 
 /// `reset_node`, `send_interrupt`, `stop`, `resume`, and those of FaultServices, each also under the bridge's own name.
 ///
-/// A call may take seconds, so calls have queues and threads of their own, and each opens a connection of its own to the
-/// daemon, as any tool may: joint data does not wait for them, and a stop waits for none of the others. Every call ends
-/// by a deadline, `inject_fault` of a freeze for a time when that is over; what went wrong is in its message.
+/// A call may take seconds, so calls have queues and threads of their own, and each opens a connection of its own to
+/// the daemon, as any tool may: joint data does not wait for them. A stop waits for none of the others,
+/// `send_interrupt` and `resume` for none of those that may take long. Every call ends by a deadline, `inject_fault` of
+/// a freeze for a time when that is over; what went wrong is in its message.
 class Services {
  public:
   /// `daemon` says how to reach the daemon of this bridge's node; its role is ignored.
@@ -34,7 +36,7 @@ class Services {
   bool send_interrupt(SendInterrupt::Request& request, SendInterrupt::Response& response);
   bool stop(Stop::Request& request, Stop::Response& response);
   bool resume(Resume::Request& request, Resume::Response& response);
-  Result resume_one(std::uint8_t node, std::chrono::steady_clock::time_point deadline);
+  std::future<Result> ask_to_resume(std::uint8_t node);
 
   /// Id of a node by id or name, kBroadcast for "all".
   /// @throw std::invalid_argument naming the nodes there are
@@ -49,7 +51,7 @@ class Services {
   ConnectOptions daemon_;
   RingPort& port_;  ///< its time goes on during a call
   CommandIn& commands_;
-  CallThreads stop_calls_, other_calls_;
+  CallThreads stop_calls_, command_calls_, long_calls_;
   std::optional<FaultServices> faults_;
 };
 

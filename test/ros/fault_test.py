@@ -9,7 +9,7 @@ import xmlrpc.client
 import rospy
 import rostest
 from limb_ring.processes import parent_of
-from limb_ring.srv import ClearFaults, InjectFault, ListFaults, ResetNode, Resume, Stop
+from limb_ring.srv import ClearFaults, InjectFault, ListFaults, ResetNode, Resume, SendInterrupt, Stop
 
 from ring_testing import Ring, is_alive, process_state, wait_for
 
@@ -75,19 +75,19 @@ class Faults(unittest.TestCase):
         self.assertEqual(self.list().ids, [])
         self.ring.wait_until_up()
 
-    def test_a_stop_does_not_wait_for_nodes_that_are_frozen_for_a_time(self):
+    def test_what_commands_the_robot_does_not_wait_for_nodes_that_are_frozen_for_a_time(self):
         nodes = ['right_elbow', 'left_ankle', 'left_elbow', 'right_ankle']   # more than calls are served at a time
         freezes = [threading.Thread(target=self.inject, kwargs={'fault': 'freeze %s for=300s' % node}) for node in nodes]
         for freeze in freezes:
             freeze.start()
         wait_for(lambda: sum(self.ring.node(node).state == 'down' for node in nodes) == 3, 'three nodes not to be heard')
-        answer = service('stop', Stop)(node='left_knee')
-        self.assertTrue(answer.success, answer.message)
+        for answer in [service('stop', Stop)(node='left_knee'), service('resume', Resume)(node='left_knee'),
+                       service('send_interrupt', SendInterrupt)(node='left_knee', factor=2)]:
+            self.assertTrue(answer.success, answer.message)
         self.assertTrue(all(freeze.is_alive() for freeze in freezes))
         ring = rospy.get_param('ring_bridge/ring')
         while any(freeze.is_alive() for freeze in freezes):   # the fourth begins when the first has ended
             subprocess.call(['rosrun', 'limb_ring', 'ringctl', '--ring', ring, 'fault', 'clear'])
-        self.assertTrue(service('resume', Resume)(node='left_knee').success)
         self.ring.wait_until_up()
 
     def test_daemons_that_the_bridge_has_started_do_not_stay_when_they_have_ended(self):

@@ -96,6 +96,16 @@ class Recovery(unittest.TestCase):
         self.assertFalse(answer.success)
         self.assertIn('no stop is latched', answer.message)
 
+    def test_all_are_resumed_even_where_the_time_is_up_at_the_first(self):
+        self.assertTrue(service('stop', Stop)(node='', timeout=rospy.Duration(20)).success)
+        limbs = [n.name for n in self.ring.status.get().nodes if n.states_received]
+        for name in limbs:
+            self.ring.wait_for_node(name, lambda n: n.stopped, 'stopped')
+        answer = service('resume', Resume)(node='all', timeout=rospy.Duration(0.001))
+        for name in limbs:
+            self.assertIn(name, answer.message)
+            self.ring.wait_for_node(name, lambda n: not n.stopped, 'resumed')
+
     def test_a_killed_daemon_comes_back_with_its_cpu(self):
         before = self.ring.node('right_elbow')
         kill_process(before.pid)
