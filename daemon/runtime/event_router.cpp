@@ -56,11 +56,13 @@ void EventRouter::tell_client(host::ClientId client, const core::SendEnded& ende
 }
 
 void EventRouter::handle(const core::PinPulled& pin) {
-  const event_loop::NodeClock::Time latched = to_.driver.clock().now();
-  const std::string done = to_.pins.pull(pin.factor, pin.source, latched.time_since_epoch().count());
+  pull(pin.factor, pin.source, to_.driver.clock().now().time_since_epoch().count());
+}
+
+void EventRouter::pull(std::uint8_t factor, std::uint8_t source, std::int64_t clock_ns) {
+  const std::string done = to_.pins.pull(factor, source, clock_ns);
   spdlog::info("{}{}", to_.log_prefix, done);
-  to_.observers.tell("pin",
-                     {{"factor", std::uint8_t{pin.factor}}, {"source", std::uint8_t{pin.source}}, {"what", done}});
+  to_.observers.tell("pin", {{"factor", factor}, {"source", source}, {"what", done}});
 }
 
 void EventRouter::handle(const core::StateChanged& change) {
@@ -80,7 +82,7 @@ void EventRouter::handle(const core::StateChanged& change) {
 
 void EventRouter::on_cpu_changed() {
   const CpuStatus status = to_.cpu.status();
-  if (status.pid > 0)
+  if (status.pid > 0 && !status.ending)
     spdlog::info("{}CPU {} (pid {}, boot {})", to_.log_prefix, to_string(status.state), status.pid, status.boots);
   else
     spdlog::info("{}CPU {}", to_.log_prefix, to_string(status.state));

@@ -43,6 +43,8 @@ class EventRouter final : public DriverListener {
 
   /// Something that status shows of the own CPU has changed.
   void on_cpu_changed();
+  /// Pin `factor` of this node was pulled, by an INTP, or here for what is asked of all nodes; `clock_ns`: when.
+  void pull(std::uint8_t factor, std::uint8_t source, std::int64_t clock_ns);
   void on_finding(const watchdog::Watchdog::Finding& finding);
 
  private:

@@ -56,6 +56,7 @@ Node::Node(boost::asio::io_context& io, const config::RingConfig& ring, const co
            config,
            *driver_,
            cpu_,
+           router_,
            pins_,
            traffic_,
            interrupts_,

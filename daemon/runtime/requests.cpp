@@ -155,7 +155,7 @@ void Requests::stop(const Json& request, const Answer& answer) {
   const std::uint8_t to = nodes_in(to_.ring, request, "node");
   const config::NodeConfig& target = to == wire::kBroadcast ? to_.node : *to_.ring.find(to);
   const std::uint8_t factor = factor_of(target, Action::stop, "stop");
-  if (to == wire::kBroadcast) to_.pins.pull(factor, to_.node.id, 0);
+  if (to == wire::kBroadcast) to_.events.pull(factor, to_.node.id, to_.driver.clock().now().time_since_epoch().count());
   to_.interrupts.interrupt(wire::NodeId{to}, factor,
                            [this, answer](const core::SendEnded& ended) { answer(end_of(ended)); });
 }
@@ -163,7 +163,7 @@ void Requests::stop(const Json& request, const Answer& answer) {
 void Requests::sync(const Json&, const Answer& answer) {
   const std::uint8_t factor = factor_of(to_.node, Action::sync, "sync");
   const std::int64_t clock = to_.driver.clock().now().time_since_epoch().count();
-  to_.pins.latch(to_.node.id, clock);
+  to_.events.pull(factor, to_.node.id, clock);
   to_.interrupts.interrupt(wire::kBroadcast, factor, [this, answer, clock](const core::SendEnded& ended) {
     Json end = end_of(ended);
     end["ring_size"] = to_.driver.controller().membership().ring_size();

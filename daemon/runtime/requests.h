@@ -8,6 +8,7 @@
 #include "runtime/clock_control.h"
 #include "runtime/cpu_socket.h"
 #include "runtime/daemon_interrupts.h"
+#include "runtime/event_router.h"
 #include "runtime/fault_requests.h"
 #include "runtime/node_driver.h"
 #include "runtime/pin_board.h"
@@ -26,7 +27,8 @@ class Requests {
     const config::NodeConfig& node;
     NodeDriver& driver;
     CpuSocket& cpu;
-    PinBoard& pins;
+    EventRouter& events;
+    const PinBoard& pins;
     Traffic& traffic;
     DaemonInterrupts& interrupts;
     const SendReasons& reasons;

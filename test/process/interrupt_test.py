@@ -5,7 +5,7 @@ import signal
 
 import ring_process
 from ring_process import RingTest, plain_nodes
-from limb_ring import Interrupt
+from limb_ring import Interrupt, Observed
 
 
 def fields(interrupt):
@@ -31,7 +31,13 @@ class Pins(RingTest):
             node['cpu'] = 'attached'
         self.start_ring(nodes)
         cpus = [self.port(node, role='cpu') for node in range(3)]
+        observers = [self.port(node) for node in range(3)]
+        for observer in observers:
+            observer.observe('pin')
         self.assertEqual(self.ctl_json('stop', '--from', 1)['outcome'], 'delivered')
+        for observer in observers:
+            seen = observer.next_of(Observed).content
+            self.assertEqual((seen['kind'], seen['factor'], seen['source']), ('pin', 1, 1))
         for cpu in cpus:  # the sender's too
             self.assertEqual(fields(cpu.next_of(Interrupt)), ('stop', 1, 1))
         self.ctl_json('stop', 'node2', '--from', 0)
