@@ -24,6 +24,7 @@ Connection::Connection(UnixSocket socket, const ConnectOptions& options)
       results_may_wait_(options.results_may_wait),
       lockstep_(options.lockstep && options.role == Role::cpu),
       alive_period_(std::clamp(options.alive_period, Milliseconds{0}, kMaxAlivePeriod)),
+      meanwhile_(options.meanwhile),
       last_written_(now()) {}
 
 Connection::Handshake Connection::greet(const std::string& wanted_ring, Clock::time_point deadline) {
@@ -36,7 +37,10 @@ Connection::Handshake Connection::greet(const std::string& wanted_ring, Clock::t
   greeting.alive_period = alive_period_;
   greeting.ring = wanted_ring;
   send(greeting);
-  for (read(); connected_ && !welcome_ && Clock::now() < deadline; read()) socket_.wait(POLLIN, deadline);
+  for (read(); connected_ && !welcome_ && Clock::now() < deadline; read()) {
+    look();
+    socket_.wait(POLLIN, meanwhile_.until(deadline));
+  }
   if (!connected_) return reason_ == kDaemonGone ? Handshake::closed : Handshake::refused;
   if (!welcome_) return Handshake::timed_out;
   if (role_ == Role::cpu) send(Credit{kPacketWindow});
@@ -46,6 +50,7 @@ Connection::Handshake Connection::greet(const std::string& wanted_ring, Clock::t
 }
 
 std::uint32_t Connection::begin(Pending::Ends ends) {
+  await_turn();
   if (inbox_.full()) lose(kUnreceived);
   const std::uint32_t token = pending_.add(ends);
   if (!connected_) pending_.cancel_all(reason_, inbox_);
@@ -99,7 +104,8 @@ void Connection::sleep_until(std::chrono::nanoseconds time) {
 // Without a time-out: another program of the ring may be stopped in a debugger.
 void Connection::await_turn() {
   while (connected_ && !my_turn_) {
-    socket_.wait(POLLIN, Clock::time_point::max());
+    look();
+    socket_.wait(POLLIN, meanwhile_.until(Clock::time_point::max()));
     read();
   }
 }
@@ -176,6 +182,7 @@ std::optional<Message> Connection::take() {
 }
 
 void Connection::stay_alive() {
+  await_turn();
   if (!connected_ || alive_period_.count() == 0) return;
   if (now() - last_written_ >= alive_period_ / 4) send(Alive{});
 }

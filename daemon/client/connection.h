@@ -5,6 +5,7 @@
 
 #include "client/host_message.h"
 #include "client/inbox.h"
+#include "client/meanwhile.h"
 #include "client/pending.h"
 #include "client/unix_socket.h"
 
@@ -36,6 +37,8 @@ class Connection {
     if (credit_owed_ > 0) append(out_, Credit{std::exchange(credit_owed_, std::uint16_t{0})});
     flush();
   }
+  /// In lockstep every call is made in a turn: where `meanwhile` has ended a wait, the turn is still to come.
+  void await_turn();
   /// Registers a call and returns its token. If the connection has ended, the call's end is in the inbox at once.
   std::uint32_t begin(Pending::Ends ends);
   /// Ends a call without asking the daemon: a Result `rejected`, or a Reply holding the error.
@@ -50,11 +53,13 @@ class Connection {
   bool wait_until(std::chrono::nanoseconds until);
   /// Reads until now() reaches `time`.
   void sleep_until(std::chrono::nanoseconds time);
+  /// Lets the program do what it has to do meanwhile, where it is time for that.
+  void look() { meanwhile_.look(); }
   /// The clock by which this connection waits: the ring's in lockstep, else the machine's.
   std::chrono::nanoseconds now() const;
   ClockKind clock() const { return clock_; }
   std::optional<Message> take();
-  /// Says that the CPU is alive where it has said nothing for a while.
+  /// Begins a wait: says that the CPU is alive where it has said nothing for a while.
   void stay_alive();
 
   bool connected() const { return connected_; }
@@ -69,7 +74,6 @@ class Connection {
   std::string ring;
 
  private:
-  void await_turn();
   void flush();
   void wait_to_write(Clock::time_point deadline);
   void take_frames();
@@ -92,6 +96,7 @@ class Connection {
   bool results_may_wait_;
   bool lockstep_;
   std::chrono::milliseconds alive_period_;
+  Meanwhile meanwhile_;
   StreamBuffer in_;
   Bytes out_;
   Inbox inbox_;

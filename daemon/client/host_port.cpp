@@ -129,10 +129,14 @@ void HostPort::observe(const std::string& json_filter) {
     throw HostPortError("observe: a filter of " + std::to_string(json_filter.size()) + " bytes, at most " +
                         std::to_string(client::kMaxRequest) + " are possible");
   }
+  impl_->connection.await_turn();
   impl_->connection.send(client::ObserveRequest{json_filter});
 }
 
-void HostPort::alive() { impl_->connection.send(client::Alive{}); }
+void HostPort::alive() {
+  impl_->connection.await_turn();
+  impl_->connection.send(client::Alive{});
+}
 
 std::chrono::nanoseconds HostPort::now() const { return impl_->now(); }
 
@@ -146,7 +150,7 @@ bool HostPort::in_lockstep() const { return impl_->connection.clock() == client:
 void HostPort::sleep_until(std::chrono::nanoseconds time) {
   impl_->connection.stay_alive();
   if (impl_->connection.clock() != client::ClockKind::ring) return impl_->connection.sleep_until(time);
-  while (connected() && impl_->now() < time) std::this_thread::sleep_for(kPoll);
+  for (; connected() && impl_->now() < time; impl_->connection.look()) std::this_thread::sleep_for(kPoll);
 }
 
 std::optional<Message> HostPort::receive_within(std::chrono::nanoseconds timeout) {

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <thread>
 
+#include "client/meanwhile.h"
 #include "limb_ring/ring_directory.h"
 
 namespace limb_ring::client {
@@ -36,9 +37,10 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string only_running_ring(const std::string& runtime, Clock::time_point deadline) {
+std::string only_running_ring(const std::string& runtime, Clock::time_point deadline, Meanwhile& meanwhile) {
   std::vector<std::string> rings = running_rings(runtime);
   while (rings.empty() && Clock::now() < deadline) {
+    meanwhile.look();
     std::this_thread::sleep_for(kBetweenTries);
     rings = running_rings(runtime);
   }
@@ -49,10 +51,10 @@ std::string only_running_ring(const std::string& runtime, Clock::time_point dead
   throw HostPortError("several rings are running: " + joined(rings) + "; name one (option ring, or LIMB_RING_RING)");
 }
 
-std::string ring_of(const ConnectOptions& options, Clock::time_point deadline) {
+std::string ring_of(const ConnectOptions& options, Clock::time_point deadline, Meanwhile& meanwhile) {
   if (!options.ring.empty()) return options.ring;
   const std::string given = environment("LIMB_RING_RING");
-  return given.empty() ? only_running_ring(options.runtime, deadline) : given;
+  return given.empty() ? only_running_ring(options.runtime, deadline, meanwhile) : given;
 }
 
 std::string node_of(const ConnectOptions& options) {
@@ -61,9 +63,9 @@ std::string node_of(const ConnectOptions& options) {
   throw HostPortError("no node given: name one (option node, or LIMB_RING_NODE), by id or name");
 }
 
-Target find_target(const ConnectOptions& options, Clock::time_point deadline) {
+Target find_target(const ConnectOptions& options, Clock::time_point deadline, Meanwhile& meanwhile) {
   const std::string node = node_of(options);
-  const std::string ring = ring_of(options, deadline);
+  const std::string ring = ring_of(options, deadline, meanwhile);
   try {
     const std::string directory = ring_directory(ring, options.runtime);
     return {ring, rings_directory(options.runtime), directory, socket_path(directory, node, "host")};
@@ -126,12 +128,14 @@ std::optional<Connection> try_once(const Target& target, const ConnectOptions& o
 }  // namespace
 
 Connection open_connection(const ConnectOptions& options, Clock::time_point deadline) {
-  const Target target = find_target(options, deadline);
+  Meanwhile meanwhile(options.meanwhile);
+  const Target target = find_target(options, deadline, meanwhile);
   for (;;) {
     std::string problem;
     std::optional<Connection> connection = try_once(target, options, deadline, problem);
     if (connection) return std::move(*connection);
     if (Clock::now() >= deadline) throw HostPortTimeout(problem);
+    meanwhile.look();
     std::this_thread::sleep_for(kBetweenTries);
   }
 }

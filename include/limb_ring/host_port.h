@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -118,6 +119,10 @@ struct ConnectOptions {
   std::chrono::milliseconds timeout{2000};
   /// Folder in the place of $XDG_RUNTIME_DIR, for rings that keep apart; empty: the environment's.
   std::string runtime;
+  /// Called about every 50 ms while connect() waits, a CPU in lockstep waits for its turn, or another program sleeps on
+  /// a virtual ring: these may last for as long as that ring is paused. What it throws ends the wait. A turn that was
+  /// waited for is still to come, so the next call waits for it first. Empty: nothing.
+  std::function<void()> meanwhile;
 };
 
 /// A program's connection to a node's network controller (ringd).
@@ -133,6 +138,7 @@ class HostPort {
   static HostPort connect(const ConnectOptions& options);
   HostPort(HostPort&&) noexcept;
   HostPort& operator=(HostPort&&) noexcept;
+  /// Sends that have not left the node by then are dropped, as where the program ends: wait() for their results first.
   ~HostPort();
 
   std::uint8_t id() const;          ///< of the node this port belongs to

@@ -29,18 +29,34 @@ void look_for_signals() {
 /// Calls `step(slice)` without the GIL until it says true or the time is over. The time is that of its waits, so that
 /// it is the ring's where the ring has a clock of its own.
 template <typename Step>
-bool in_slices(nanoseconds left, Step step) {
-  for (;;) {
+void in_slices(nanoseconds left, Step step) {
+  for (bool done = false; !done;) {
     const nanoseconds slice = std::min<nanoseconds>(left, kSlice);
-    bool done = false;
     {
       py::gil_scoped_release others_may_run;
       done = step(slice);
     }
-    look_for_signals();
     left -= slice;
-    if (done || left <= nanoseconds{0}) return done;
+    if (left <= nanoseconds{0}) done = true;
+    if (!done) look_for_signals();
   }
+}
+
+/// The last look before `message` goes to Python. Where a signal's handler raises now, nobody gets what is returned: it
+/// goes to `keep`, for whoever asks next.
+void look_for_signals_before(const std::optional<Message>& message, const py::object& keep) {
+  try {
+    look_for_signals();
+  } catch (py::error_already_set&) {
+    if (message) keep(*message);
+    throw;
+  }
+}
+
+/// For waits of the library's that may be longer than a slice, or have no end.
+void look_for_signals_meanwhile() {
+  const py::gil_scoped_acquire look;
+  look_for_signals();
 }
 
 HostPort connect(const std::string& ring, const std::string& node, const std::string& role, double timeout,
@@ -56,27 +72,19 @@ HostPort connect(const std::string& ring, const std::string& node, const std::st
   options.results_may_wait = results_may_wait;
   options.lockstep = lockstep;
   options.runtime = runtime;
-  std::optional<HostPort> port;
-  std::string problem;
-  in_slices(wanted(timeout), [&](nanoseconds slice) {
-    options.timeout = whole(slice);
-    try {
-      port = HostPort::connect(options);
-    } catch (const HostPortTimeout& late) {
-      problem = late.what();
-    }
-    return port.has_value();
-  });
-  if (!port) throw HostPortTimeout(problem);
-  return std::move(*port);
+  options.timeout = whole(wanted(timeout));
+  options.meanwhile = look_for_signals_meanwhile;
+  py::gil_scoped_release others_may_run;
+  return HostPort::connect(options);
 }
 
-std::optional<Message> receive(HostPort& port, double timeout) {
+std::optional<Message> receive(HostPort& port, double timeout, const py::object& keep) {
   std::optional<Message> message;
   in_slices(wanted(timeout), [&](nanoseconds slice) {
     message = port.receive(slice);
     return message || !port.connected();
   });
+  look_for_signals_before(message, keep);
   return message;
 }
 
@@ -94,9 +102,10 @@ std::optional<Answer> answer_in_slices(double timeout, Ask ask) {
   return answer;
 }
 
-Result wait(HostPort& port, std::uint32_t token, double timeout) {
+Result wait(HostPort& port, std::uint32_t token, double timeout, const py::object& keep) {
   const auto result =
       answer_in_slices<Result>(timeout, [&](std::chrono::milliseconds slice) { return port.wait(token, slice); });
+  look_for_signals_before(result, keep);
   if (result) return *result;
   throw HostPortTimeout("token " + std::to_string(token) + ": no result within " + std::to_string(timeout) + " s");
 }
@@ -113,9 +122,10 @@ void sleep_until(HostPort& port, std::int64_t until_ns) {
   }
 }
 
-std::string reply_to(HostPort& port, std::uint32_t token, double timeout) {
+std::string reply_to(HostPort& port, std::uint32_t token, double timeout, const py::object& keep) {
   const auto reply =
       answer_in_slices<std::string>(timeout, [&](std::chrono::milliseconds slice) { return port.reply(token, slice); });
+  look_for_signals_before(reply ? std::optional<Message>(Reply{token, *reply}) : std::nullopt, keep);
   if (reply) return *reply;
   throw HostPortTimeout("node " + port.name() + " of ring " + port.ring() + " did not answer within " +
                         std::to_string(timeout) + " s");
@@ -205,9 +215,12 @@ void bind_port(py::module& module) {
       .def(
           "alive", [](Port& p) { Use(p)->alive(); }, LetOthersRun())
       .def("sleep_until", [](Port& p, std::int64_t until_ns) { sleep_until(*Use(p), until_ns); })
-      .def("receive", [](Port& p, double timeout) { return receive(*Use(p), timeout); })
-      .def("wait", [](Port& p, std::uint32_t token, double timeout) { return wait(*Use(p), token, timeout); })
-      .def("reply", [](Port& p, std::uint32_t token, double timeout) { return reply_to(*Use(p), token, timeout); });
+      .def("receive", [](Port& p, double timeout, const py::object& keep) { return receive(*Use(p), timeout, keep); })
+      .def("wait", [](Port& p, std::uint32_t token, double timeout,
+                      const py::object& keep) { return wait(*Use(p), token, timeout, keep); })
+      .def("reply", [](Port& p, std::uint32_t token, double timeout, const py::object& keep) {
+        return reply_to(*Use(p), token, timeout, keep);
+      });
 }
 
 }  // namespace limb_ring::python

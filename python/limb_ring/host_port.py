@@ -4,8 +4,10 @@ import operator
 import time
 
 from . import _client
-from ._client import (JOINT_CHANNEL, Disconnected, HostPortError, HostPortTimeout, JointCommand, JointState, Reply,
-                      Result, SensorReading)
+from ._client import (JOINT_CHANNEL, Disconnected, HostPortError, HostPortTimeout, Interrupt, JointCommand, JointState,
+                      Reply, Result, SensorReading)
+
+MOST_KEPT = 65536   # as many as the library keeps for who does not receive() them
 
 _FORMATS = {1: JointState, 2: JointCommand, 3: SensorReading, 4: SensorReading}   # by a packet's first byte
 
@@ -39,11 +41,13 @@ def _id(value):
 
 class HostPort:
     """A tool or CPU at a node: `with HostPort.connect(ring='robot', node='knee') as port:`. For one thread. Times are in
-    seconds. Every wait has a deadline, lets other threads run, and ends by Ctrl-C."""
+    seconds. Every wait has a deadline, lets other threads run, and ends by Ctrl-C, also where a virtual ring is paused;
+    what has come meanwhile stays for the next call. A program in lockstep that goes on after that still has to wait for
+    its turn, which the next call does first."""
 
     def __init__(self, port):
         self._port = port
-        self._kept = []   # what next_of() has passed over
+        self._kept = []   # what next_of() has passed over, interrupts first
 
     @classmethod
     def connect(cls, ring='', node='', role='tool', timeout=2.0, alive_period=0.0, restarted_by_owner=False,
@@ -158,13 +162,19 @@ class HostPort:
 
     def receive(self, timeout):
         """The next message: Packet, Interrupt, Result, Reply, Observed, ObservedLost, CapturedPacket, CaptureCounts or
-        Disconnected; None where none came, or after Disconnected."""
-        return self._kept.pop(0) if self._kept else self._port.receive(timeout)
+        Disconnected; None where none came, or after Disconnected. Interrupts come first."""
+        if not self._kept:
+            return self._port.receive(timeout, self._keep)
+        if self.connected and not isinstance(self._kept[0], Interrupt):
+            newer = self._port.receive(0, self._keep)   # it may be an interrupt
+            if newer is not None:
+                self._keep(newer)
+        return self._kept.pop(0)
 
     def wait(self, token, timeout=30.0):
         """The Result of a token; other messages stay for receive(). @raise HostPortTimeout, HostPortError"""
         kept = self._take(lambda message: isinstance(message, Result) and message.token == token)
-        return kept or self._port.wait(token, timeout)
+        return kept or self._port.wait(token, timeout, self._keep)
 
     def ask(self, order, timeout=30.0):
         """Asks the daemon and waits: a dict. @raise HostPortError with the daemon's words; HostPortTimeout"""
@@ -173,13 +183,14 @@ class HostPort:
     def answer(self, token, timeout=30.0):
         """The answer to a request(): a dict. @raise as ask()"""
         kept = self._take(lambda message: isinstance(message, Reply) and message.token == token)
-        answer = kept.content if kept else json.loads(self._port.reply(token, timeout))
+        answer = kept.content if kept else json.loads(self._port.reply(token, timeout, self._keep))
         if 'error' in answer:
             raise HostPortError(answer['error'])
         return answer
 
     def next_of(self, kind, timeout=30.0):
-        """The next message of a class; others stay for receive(). @raise HostPortTimeout, HostPortError at the end"""
+        """The next message of a class; others stay for receive(). @raise HostPortTimeout; HostPortError at the end, or
+        where 65536 messages have stayed"""
         return self.find(lambda message: isinstance(message, kind), timeout, 'no %s came' % kind.__name__)
 
     def find(self, wanted, timeout=30.0, missing='it did not come'):
@@ -190,11 +201,13 @@ class HostPort:
         clock = self.now if self._port.in_lockstep else time.monotonic   # that of receive()
         deadline = clock() + timeout
         while kept is None:
-            message = self._port.receive(max(0.0, deadline - clock()))
-            if message is not None and wanted(message):
-                return message
+            self._refuse_more()
+            message = self._port.receive(max(0.0, deadline - clock()), self._keep)
             if message is not None:
-                self._kept.append(message)
+                self._keep(message)   # first of all: wanted() may raise
+                if wanted(message):
+                    self._kept.remove(message)
+                    return message
             if isinstance(message, Disconnected) or message is None and not self.connected:
                 raise HostPortError('%s; the connection has ended' % missing)
             if message is None and clock() >= deadline:
@@ -202,15 +215,27 @@ class HostPort:
         return kept
 
     def received(self, kind):
-        """All messages of a class that are here by now; others stay for receive()."""
-        while True:
-            message = self._port.receive(0)
+        """All messages of a class that are here by now; others stay for receive(). @raise HostPortError as next_of()"""
+        while len(self._kept) < MOST_KEPT:
+            message = self._port.receive(0, self._keep)
             if message is None:
                 break
-            self._kept.append(message)
+            self._keep(message)
         found = [message for message in self._kept if isinstance(message, kind)]
+        if not found:
+            self._refuse_more()
         self._kept = [message for message in self._kept if not isinstance(message, kind)]
         return found
+
+    def _keep(self, message):
+        place = len(self._kept)
+        if isinstance(message, Interrupt):
+            place = next((index for index, kept in enumerate(self._kept) if not isinstance(kept, Interrupt)), place)
+        self._kept.insert(place, message)
+
+    def _refuse_more(self):
+        if len(self._kept) >= MOST_KEPT:
+            raise HostPortError('%d messages were left without receive()' % len(self._kept))
 
     def _take(self, wanted):
         for index, message in enumerate(self._kept):
