@@ -155,8 +155,8 @@ bool Services::stop(Stop::Request& request, Stop::Response& response) {
     const auto reply = answer_to(port, ask_stop, timeout);
     fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,
          reply.value("reason", ""));
-    const auto stops = ask::wait_for_stops(ring_.ring, nodes_to_ask(request.node), sent,
-                                           reply.value("outcome", "") == to_string(Outcome::delivered));
+    const auto stops = ask::wait_for_stops(
+        {ring_.ring, nodes_to_ask(request.node), sent, reply.value("outcome", "") == to_string(Outcome::delivered)});
     response.message += (response.message.empty() ? "" : "; ") + sentence_of(stops);
   });
 }

@@ -1,6 +1,7 @@
 #include "ask/known_stops.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <thread>
 
@@ -23,20 +24,30 @@ json stop_in(const json& row) { return row.value("cpu", json::object()).value("s
 /// How long ago its stop pin was pulled; null: never.
 json pulled_ms(const json& row) { return stop_in(row).value("pulled_ms", json()); }
 
+/// A CPU that is not there now. ringd starts its own children again; who else comes back, nobody knows.
+bool comes_back(const std::string& state, const std::string& kind) {
+  return state == "booting" || state == "failed" || (state == "absent" && kind == "child");
+}
+
 StopState state_in(const json& row, milliseconds age) {
   if (stop_in(row).value("latched", false)) return StopState::stopped;
-  const std::string state = row.value("cpu", json::object()).value("state", "");
-  if (state == "absent" || state == "failed" || state == "none") return StopState::no_cpu;
+  const json cpu = row.value("cpu", json::object());
+  const std::string state = cpu.value("state", ""), kind = cpu.value("kind", "");
+  if (state == "none" || (state == "absent" && !comes_back(state, kind))) return StopState::no_cpu;
   const json pulled = pulled_ms(row);
-  return pulled.is_number() && pulled <= age.count() ? StopState::told : StopState::not_reached;
+  if (!pulled.is_number() || pulled > age.count()) return StopState::not_reached;
+  if (comes_back(state, kind)) return StopState::booting;
+  return state == "silent" || cpu.value("stopped", false) ? StopState::silent : StopState::told;
 }
 
 StopState state_in_beacon(const json& heard, bool delivered) {
   if (heard.is_null()) return StopState::unknown;
   if (heard.value("stop_latched", false)) return StopState::stopped;
   const std::string cpu = heard.value("cpu_state", "");
-  if (cpu == "absent" || cpu == "failed" || cpu == "none") return StopState::no_cpu;
-  return delivered ? StopState::told : StopState::unknown;
+  if (cpu == "absent" || cpu == "none") return StopState::no_cpu;
+  if (!delivered) return StopState::unknown;
+  if (comes_back(cpu, "")) return StopState::booting;
+  return cpu == "silent" ? StopState::silent : StopState::told;
 }
 
 bool is_on_virtual_ring(const std::string& ring, const std::vector<Node>& nodes) {
@@ -63,6 +74,10 @@ const char* to_string(StopState state) {
       return "stopped";
     case StopState::told:
       return "told";
+    case StopState::silent:
+      return "silent";
+    case StopState::booting:
+      return "booting";
     case StopState::no_cpu:
       return "no_cpu";
     case StopState::not_reached:
@@ -94,29 +109,95 @@ milliseconds age_on_virtual_ring(const Rows& rows, milliseconds age) {
   return age + last.value_or(milliseconds(0));
 }
 
-std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
-                                      steady_clock::time_point sent, bool delivered) {
+namespace {
+
+/// Polls the states of a stop. A CPU that boots does not know of an earlier stop, however soon it runs.
+class StopPoll {
+ public:
+  explicit StopPoll(const SentStop& stop)
+      : stop_(stop), by_ring_clock_(stop.delivered && is_on_virtual_ring(stop.ring, stop.nodes)) {}
+
+  std::vector<KnownStop> poll() {
+    rows_ = status_rows_here(stop_.ring, kRowTimeout);
+    auto age = std::chrono::ceil<milliseconds>(steady_clock::now() - stop_.sent);
+    if (by_ring_clock_) age = age_on_virtual_ring(rows_, age);
+    std::vector<KnownStop> stops = known_stops(stop_.nodes, rows_, age, stop_.delivered);
+    for (KnownStop& stop : stops) {
+      if (stop.state == StopState::booting || has_booted_again(stop.node.id)) booted_.insert(stop.node.id);
+      const bool runs = stop.state == StopState::told || stop.state == StopState::silent;
+      if (runs && booted_.count(stop.node.id) != 0) stop.state = StopState::booting;
+    }
+    return stops;
+  }
+
+  /// Nothing is known yet that a beacon could not still tell.
+  bool may_say_so(const KnownStop& stop) const {
+    if (stop.state == StopState::unknown) return !lately_heard(rows_, stop.node.id).is_null();
+    return stop.state == StopState::told || stop.state == StopState::silent;
+  }
+
+ private:
+  bool has_booted_again(std::uint8_t node) {
+    const auto row = rows_.find(node);
+    if (row == rows_.end()) return false;
+    const auto boots = row->second.value("cpu", json::object()).value("boots", 0u);
+    return boots > boots_.emplace(node, boots).first->second;
+  }
+
+  const SentStop& stop_;
+  bool by_ring_clock_;
+  Rows rows_;
+  std::map<std::uint8_t, unsigned> boots_;  ///< when they were first asked
+  std::set<std::uint8_t> booted_;
+};
+
+template <class Pending>
+std::vector<KnownStop> polled(const SentStop& stop, Pending pending) {
   const auto begun = steady_clock::now();
-  const bool by_ring_clock = delivered && is_on_virtual_ring(ring, nodes);
-  for (;;) {
-    const Rows rows = status_rows_here(ring, kRowTimeout);
-    auto age = std::chrono::ceil<milliseconds>(steady_clock::now() - sent);
-    if (by_ring_clock) age = age_on_virtual_ring(rows, age);
-    const std::vector<KnownStop> stops = known_stops(nodes, rows, age, delivered);
+  for (StopPoll poll(stop);;) {
+    const std::vector<KnownStop> stops = poll.poll();
     const auto waited = steady_clock::now() - begun;
-    const auto pending = [&](const KnownStop& stop) {
-      const bool may_say_so = stop.state == StopState::told ||
-                              (stop.state == StopState::unknown && !lately_heard(rows, stop.node.id).is_null());
-      return (may_say_so && waited < kToSaySo) || (stop.state == StopState::not_reached && waited < kUnderWay);
-    };
-    if (std::none_of(stops.begin(), stops.end(), pending)) return stops;
+    if (std::none_of(stops.begin(), stops.end(), [&](const KnownStop& one) { return pending(poll, one, waited); }))
+      return stops;
     std::this_thread::sleep_for(kStopsPollPeriod);
   }
 }
 
+bool is_under_way(const KnownStop& stop, steady_clock::duration waited) {
+  return stop.state == StopState::not_reached && waited < kUnderWay;
+}
+
+}  // namespace
+
+std::vector<KnownStop> wait_until_reached(const SentStop& stop) {
+  return polled(stop, [](const StopPoll&, const KnownStop& one, auto waited) { return is_under_way(one, waited); });
+}
+
+std::vector<KnownStop> wait_for_stops(const SentStop& stop) {
+  return polled(stop, [](const StopPoll& poll, const KnownStop& one, auto waited) {
+    return (poll.may_say_so(one) && waited < kToSaySo) || is_under_way(one, waited);
+  });
+}
+
+std::optional<Node> next_to_ask(const std::vector<KnownStop>& stops, const std::set<std::uint8_t>& asked) {
+  std::optional<Node> next;
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    if (stops[i].state != StopState::not_reached || asked.count(stops[i].node.id) != 0) continue;
+    // Behind a node that was reached begins a part of the ring that was not.
+    const bool begins = stops[(i + stops.size() - 1) % stops.size()].state != StopState::not_reached;
+    if (begins) return stops[i].node;
+    if (!next) next = stops[i].node;
+  }
+  return next;
+}
+
+std::vector<KnownStop> stops_now(const std::string& ring, const std::vector<Node>& nodes) {
+  return known_stops(nodes, status_rows_here(ring, kRowTimeout), milliseconds(0), /*delivered=*/true);
+}
+
 std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::vector<Node>& nodes) {
   std::vector<Node> latched;
-  for (const KnownStop& stop : known_stops(nodes, status_rows_here(ring, kRowTimeout), milliseconds(0)))
+  for (const KnownStop& stop : stops_now(ring, nodes))
     if (stop.state == StopState::stopped) latched.push_back(stop.node);
   return latched;
 }
@@ -137,9 +218,13 @@ std::string sentence_of_latched(const Node& node) {
          "or there was another stop";
 }
 
+bool any_is(const std::vector<KnownStop>& stops, StopState state) {
+  return std::any_of(stops.begin(), stops.end(), [state](const KnownStop& stop) { return stop.state == state; });
+}
+
 bool all_told(const std::vector<KnownStop>& stops) {
-  return std::none_of(stops.begin(), stops.end(), [](const KnownStop& stop) {
-    return stop.state == StopState::not_reached || stop.state == StopState::unknown;
+  return std::all_of(stops.begin(), stops.end(), [](const KnownStop& stop) {
+    return stop.state == StopState::stopped || stop.state == StopState::told || stop.state == StopState::no_cpu;
   });
 }
 
@@ -148,6 +233,8 @@ std::string sentence_of(const std::vector<KnownStop>& stops) {
       std::count_if(stops.begin(), stops.end(), [](const KnownStop& stop) { return stop.state == StopState::stopped; });
   return std::to_string(stopped) + " of " + std::to_string(stops.size()) + " stopped" +
          group(stops, StopState::told, "told, but the CPU does not say whether it has stopped") +
+         group(stops, StopState::silent, "told, but the CPU is silent and may not have stopped") +
+         group(stops, StopState::booting, "the CPU did not run, and comes up without the stop") +
          group(stops, StopState::no_cpu, "no CPU to stop") + group(stops, StopState::not_reached, "not reached") +
          group(stops, StopState::unknown, "not known, the daemon does not answer");
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <set>
+
 #include "ask/status_rows.h"
 
 namespace limb_ring::ask {
@@ -7,7 +10,9 @@ namespace limb_ring::ask {
 /// What is known of one node after a stop was sent.
 enum class StopState : std::uint8_t {
   stopped,      ///< its CPU says that a stop is latched
-  told,         ///< its stop pin was pulled; its CPU does not say what it made of it
+  told,         ///< its stop pin was pulled; its CPU runs, and does not say what it made of it
+  silent,       ///< its stop pin was pulled; its CPU is silent, or its process is stopped
+  booting,      ///< its stop pin was pulled while its CPU did not run; it comes up, or has come up, without the stop
   no_cpu,       ///< there is none that could stop
   not_reached,  ///< its stop pin was not pulled
   unknown       ///< its daemon does not answer, and no beacon of it says
@@ -32,13 +37,28 @@ std::vector<KnownStop> known_stops(const std::vector<Node>& nodes, const Rows& r
 /// @param age by our clock
 std::chrono::milliseconds age_on_virtual_ring(const Rows& rows, std::chrono::milliseconds age);
 
-/// Polls for 1 s at most, until every CPU that was told says that it has stopped. Waits at most 200 ms for a node that
-/// was not reached: in an open chain a stop may still be under way.
-/// @param sent when the stop was asked for
-/// @param delivered the INTP came home
-std::vector<KnownStop> wait_for_stops(const std::string& ring, const std::vector<Node>& nodes,
-                                      std::chrono::steady_clock::time_point sent, bool delivered);
+/// A stop whose effect is waited for.
+struct SentStop {
+  std::string ring;
+  std::vector<Node> nodes;                     ///< to be stopped, in ring order
+  std::chrono::steady_clock::time_point sent;  ///< when it was asked for
+  bool delivered = false;                      ///< the INTP came home
+};
 
+/// Polls for 200 ms at most, until no node counts as not reached: in an open chain a stop may still be under way.
+std::vector<KnownStop> wait_until_reached(const SentStop& stop);
+/// Polls for 1 s at most, until every CPU that was told says that it has stopped. Waits for a node that was not reached
+/// no longer than wait_until_reached() does.
+std::vector<KnownStop> wait_for_stops(const SentStop& stop);
+
+/// Who should stop all next, where parts of the ring were not reached: a node from where a stop goes down as much of an
+/// open chain as possible. Nothing where all were reached, or all that were not have been asked.
+/// @param stops of all nodes, in ring order
+/// @param asked ids of those that have sent a stop already
+std::optional<Node> next_to_ask(const std::vector<KnownStop>& stops, const std::set<std::uint8_t>& asked);
+
+/// What is known now, whenever a stop was sent: of those that are not stopped only whether that can be known at all.
+std::vector<KnownStop> stops_now(const std::string& ring, const std::vector<Node>& nodes);
 /// Those whose CPU says that a stop is latched, as far as daemons on this host answer or have heard.
 std::vector<Node> nodes_with_latched_stop(const std::string& ring, const std::vector<Node>& nodes);
 
@@ -49,10 +69,11 @@ std::vector<Node> wait_for_resumes(const std::string& ring, const std::vector<No
 /// "knee: a stop is still latched there; ..."
 std::string sentence_of_latched(const Node& node);
 
-/// Every node was reached, and where there is a CPU it has stopped or was told.
+bool any_is(const std::vector<KnownStop>& stops, StopState state);
+/// Every node was reached, and its CPU, where it has one, has stopped or was told while it ran.
 bool all_told(const std::vector<KnownStop>& stops);
 
-/// "14 of 16 stopped; no CPU: waist; not reached: head"
+/// "14 of 16 stopped; no CPU to stop: waist; not reached: head"
 std::string sentence_of(const std::vector<KnownStop>& stops);
 
 }  // namespace limb_ring::ask

@@ -67,6 +67,21 @@ json lately_heard(const Rows& rows, std::uint8_t node) {
   return newest;
 }
 
+std::optional<std::uint8_t> who_reaches(const Rows& rows, std::uint8_t target) {
+  const auto row = rows.find(target);
+  if (row == rows.end()) return std::nullopt;
+  // The newest beacon: others may be from before the ring broke.
+  std::optional<std::uint8_t> newest;
+  int age = kLately;
+  for (const auto& [id, unused] : rows) {
+    const json heard = id == target ? json() : lately_heard_in(row->second, id);
+    if (heard.is_null() || age_of(heard) >= age) continue;
+    newest = id;
+    age = age_of(heard);
+  }
+  return newest;
+}
+
 std::string name_of(const std::vector<Node>& nodes, std::uint8_t id) {
   const auto found = std::find_if(nodes.begin(), nodes.end(), [id](const Node& node) { return node.id == id; });
   return found == nodes.end() ? "node " + std::to_string(id) : found->name;

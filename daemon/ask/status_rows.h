@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,10 @@ Rows status_rows_here(const std::string& ring, std::chrono::milliseconds timeout
 nlohmann::json lately_heard_in(const nlohmann::json& row, std::uint8_t node);
 /// The newest of those that the daemons of this host have lately heard; null if none has.
 nlohmann::json lately_heard(const Rows& rows, std::uint8_t node);
+
+/// A node with a daemon on this host whose packets arrive at `target`, as its beacons do: in an open chain one before
+/// it, round a fold one of its part. Nothing where the target's daemon does not answer here, or hears no such node.
+std::optional<std::uint8_t> who_reaches(const Rows& rows, std::uint8_t target);
 
 /// The name of a node, or its id where it is none of these.
 std::string name_of(const std::vector<Node>& nodes, std::uint8_t id);

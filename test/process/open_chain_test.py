@@ -65,11 +65,47 @@ class OpenChain(LimbRing):
 
     def test_an_unconfirmed_stop_says_of_each_node_what_is_known(self):
         part = self.ctl('stop', '--from', 'node0')
-        self.assertEqual(part.returncode, 4, part.stdout)
+        self.assertEqual(part.returncode, 1, part.stdout)
         self.assertIn("the stop ended 'unconfirmed': the ring is open", part.stdout)
         self.assertIn('2 of 4 stopped; not reached: node2, node3', part.stdout)
         whole = self.ctl_json('stop', '--from', 'node2')  # it is the first of the chain
         self.assertEqual([node['stop'] for node in whole['nodes']], ['stopped'] * 4)
+
+    def test_a_stop_from_anywhere_reaches_all(self):
+        stop = self.ctl_json('stop')
+        self.assertEqual([node['stop'] for node in stop['nodes']], ['stopped'] * 4)
+        self.assertEqual(stop['sent_from'], ['node0', 'node2'])
+        self.assertEqual(self.latched(), [True] * 4)
+
+    def test_a_stop_of_one_node_is_sent_from_where_it_arrives(self):
+        stop = self.ctl('stop', 'node3')
+        self.assertEqual(stop.returncode, 0, stop.stdout)
+        self.assertIn('sent from node0, then node2\n1 of 1 stopped', stop.stdout)
+        self.assertEqual(self.latched(), [False, False, False, True])
+
+    def test_a_resume_is_sent_from_where_it_arrives_and_says_where_it_cannot(self):
+        self.ctl_json('stop')
+        resume = self.ctl('resume')
+        self.assertEqual(resume.returncode, 1, resume.stdout)
+        self.assertEqual(self.latched(), [False, False, True, False])  # no way leads to the first of the chain
+        self.assertRegex(resume.stdout, "^node2: the resume ended 'unconfirmed': .* it was not reached .*\n$")
+        self.assertEqual(self.ctl('stop', 'node3').returncode, 0)
+        self.assertEqual(self.ctl('resume', 'node3').stdout, 'resumed node3\n')
+
+
+class TwoParts(LimbRing):
+    def test_stop_and_resume_reach_both_parts_of_a_folded_ring(self):
+        self.start_ring(limbs(4), redundancy='foldback')
+        for node in range(4):
+            self.wait_cpu(node, 'running')
+        for line in ('node0:node1', 'node1:node0', 'node2:node3', 'node3:node2'):
+            self.assertEqual(self.ctl('fault', 'cut', line).returncode, 0)
+        self.wait('two parts', lambda: all((self.row(node)['state'], self.row(node)['ring_size']) == ('folded', 2)
+                                           for node in range(4)))
+        stop = self.ctl_json('stop')
+        self.assertEqual([node['stop'] for node in stop['nodes']], ['stopped'] * 4)
+        self.assertEqual(self.ctl('resume').stdout, 'resumed 4 nodes\n')
+        self.assertEqual(self.latched(), [False] * 4)
 
 
 class Stop(LimbRing):
@@ -123,6 +159,23 @@ class Stop(LimbRing):
         self.assertIn('3 of 4 stopped; not known, the daemon does not answer: node2', stop.stdout)
         self.ctl('fault', 'thaw', 'node2')
 
+    def test_a_cpu_that_hangs_is_not_known_to_be_stopped(self):
+        self.start_limbs()
+        self.stop_process(self.row(3)['cpu']['pid'])
+        stop = self.ctl('stop')
+        self.assertEqual(stop.returncode, 4, stop.stdout)
+        self.assertIn('3 of 4 stopped; told, but the CPU is silent and may not have stopped: node3', stop.stdout)
+
+    def test_a_cpu_that_boots_is_not_known_to_be_stopped(self):
+        nodes = limbs(4)
+        nodes[3]['cpu'] = {'command': ['sleep', '1000']}  # it never says that it has booted
+        self.start_ring(nodes)
+        for node in range(3):
+            self.wait_cpu(node, 'running')
+        stop = self.ctl('stop')
+        self.assertEqual(stop.returncode, 4, stop.stdout)
+        self.assertIn('3 of 4 stopped; the CPU did not run, and comes up without the stop: node3', stop.stdout)
+
     def test_a_cpu_that_is_reset_has_nothing_latched(self):
         self.start_limbs()
         self.assertEqual(self.ctl('stop', 'node1').returncode, 0)
@@ -132,7 +185,7 @@ class Stop(LimbRing):
 
     def test_only_the_cpu_itself_says_that_it_has_stopped(self):
         self.start_limbs()
-        self.assert_refused('no request', self.port(0), {'do': 'stop_latched', 'latched': True})
+        self.assert_refused("for the node's CPU alone|no request", self.port(0), {'do': 'stop_latched', 'latched': True})
 
 
 class Reasons(RingTest):

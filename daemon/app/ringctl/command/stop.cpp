@@ -1,6 +1,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <set>
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/choose_ring.h"
@@ -8,6 +10,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
 #include "ask/known_stops.h"
+#include "config/names.h"
 
 namespace limb_ring::ringctl {
 
@@ -17,6 +20,12 @@ struct StopOptions {
   std::string node = "all", from;
   bool json = false;
 };
+
+constexpr const char* kStopHelp =
+    "Without --from, what was not reached is asked to send the stop as well: in an open chain, or in a ring that has "
+    "folded into parts, it reaches all whose daemon is on this host.\n"
+    "0: each CPU says that it has stopped, or runs, was told and never says so; 1: a node was not reached; 4: nobody "
+    "knows of some node, or its CPU was told and is silent, or did not run and comes up without the stop.\n";
 
 nlohmann::json to_json(const std::vector<ask::KnownStop>& stops) {
   nlohmann::json list = nlohmann::json::array();
@@ -28,30 +37,85 @@ nlohmann::json to_json(const std::vector<ask::KnownStop>& stops) {
 std::string text_of(const nlohmann::json& answer, const std::vector<ask::KnownStop>& stops) {
   const std::string ended = ended_text(answer.at("outcome").get<std::string>(), answer.value("round_trip_us", 0.0),
                                        answer.value("tries", 0u), answer.value("reason", ""));
-  return "the stop " + ended + '\n' + sentence_of(stops) + '\n';
+  const auto senders = answer.at("sent_from").get<std::vector<std::string>>();
+  const std::string from = senders.size() > 1 ? "; sent from " + config::join(senders, ", then ") : "";
+  return "the stop " + ended + from + '\n' + sentence_of(stops) + '\n';
 }
 
 // `delivered` says no more than that it went round: a node in another part of the ring, frozen or bypassed was not
 // reached.
 int code_of(const std::string& outcome, const std::vector<ask::KnownStop>& stops) {
   if (all_told(stops)) return kDone;
+  if (any_is(stops, ask::StopState::not_reached)) return kNotDone;
   const bool may_be = outcome == to_string(Outcome::delivered) || outcome == to_string(Outcome::unconfirmed) ||
                       outcome == to_string(Outcome::lost);
-  return may_be ? kUnknown : kNotDone;
+  return may_be || !any_is(stops, ask::StopState::unknown) ? kUnknown : kNotDone;
 }
+
+/// A stop of one node or of all, from one node or from as many as it takes to reach them.
+class Stop {
+ public:
+  Stop(const RingAccess& ring, const StopOptions& options) : ring_(ring), all_(options.node == "all") {
+    stop_.ring = ring.ring();
+    stop_.nodes = ring.ask_nodes();
+    if (!all_) stop_.nodes = {{ring.node(options.node).id, ring.node(options.node).name}};
+    stop_.sent = std::chrono::steady_clock::now();
+  }
+
+  void send_from(const NodeName& node) {
+    senders_.insert(node.id);
+    HostPort port = ring_.connect(node);
+    const nlohmann::json to = all_ ? nlohmann::json("all") : nlohmann::json(stop_.nodes[0].id);
+    const nlohmann::json answer = ask(port, {{"do", "stop"}, {"node", to}}, kInterruptTime);
+    const bool delivered = answer.at("outcome") == to_string(Outcome::delivered);
+    stop_.delivered = delivered && (!all_ || answer_.is_null() || stop_.delivered);
+    const nlohmann::json senders = answer_.is_null() ? nlohmann::json::array() : answer_["sent_from"];
+    if (answer_.is_null() || !all_) answer_ = answer;
+    answer_["sent_from"] = senders;
+    answer_["sent_from"].push_back(node.name);
+  }
+
+  void send_from_others() {
+    for (;;) {
+      const auto next = next_sender(ask::wait_until_reached(stop_));
+      if (!next) return;
+      try {
+        send_from(ring_.node(std::to_string(*next)));
+      } catch (const std::runtime_error&) {  // it has gone meanwhile: of its node nothing is known then
+      }
+    }
+  }
+
+  /// What the daemon has said, and what is known of each node.
+  nlohmann::json& answer() { return answer_; }
+  std::vector<ask::KnownStop> wait() const { return ask::wait_for_stops(stop_); }
+
+ private:
+  std::optional<std::uint8_t> next_sender(const std::vector<ask::KnownStop>& stops) const {
+    if (all_) {
+      const auto next = ask::next_to_ask(stops, senders_);
+      return next ? std::optional(next->id) : std::nullopt;
+    }
+    if (stops[0].state != ask::StopState::not_reached) return std::nullopt;
+    const auto next = ask::who_reaches(ask::status_rows_here(stop_.ring, ask::kRowTimeout), stops[0].node.id);
+    return next && senders_.count(*next) == 0 ? next : std::nullopt;
+  }
+
+  const RingAccess& ring_;
+  const bool all_;
+  ask::SentStop stop_;
+  std::set<std::uint8_t> senders_;
+  nlohmann::json answer_;
+};
 
 // The stop goes first; what is known of it is asked for afterwards.
 int run(const Context& context, const StopOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
-  const bool all = options.node == "all";
-  std::vector<ask::Node> nodes = ring.ask_nodes();
-  if (!all) nodes = {{ring.node(options.node).id, ring.node(options.node).name}};
-  const nlohmann::json request{{"do", "stop"}, {"node", all ? nlohmann::json("all") : nlohmann::json(nodes[0].id)}};
-  HostPort port = ring.connect(ring.source(options.from));
-  const auto sent = std::chrono::steady_clock::now();
-  nlohmann::json answer = ask(port, request, kInterruptTime);
-  const bool delivered = answer.at("outcome") == to_string(Outcome::delivered);
-  const auto stops = ask::wait_for_stops(ring.ring(), nodes, sent, delivered);
+  Stop stop(ring, options);
+  stop.send_from(ring.source(options.from));
+  if (options.from.empty()) stop.send_from_others();
+  const auto stops = stop.wait();
+  nlohmann::json& answer = stop.answer();
   answer["nodes"] = to_json(stops);
   if (options.json)
     std::cout << answer.dump(2) << '\n';
@@ -67,7 +131,9 @@ void add_stop(CLI::App& app, Context& context) {
   CLI::App* command = add_command(
       app, "stop", "Stop joints: an interrupt that sends CPUs into their safe state, until 'ringctl resume'");
   command->add_option("NODE", options->node, "Node, id or name, or all (default)");
-  command->add_option("--from", options->from, "Node that sends; default: the first that answers");
+  command->add_option("--from", options->from,
+                      "The one node that sends; default: the first that answers, and who else it takes");
+  command->footer(kStopHelp + std::string(kExitCodesHelp));
   add_json(*command, options->json);
   command->callback([&context, options] { context.action = [&context, options] { return run(context, *options); }; });
 }
