@@ -2,8 +2,10 @@
 """Wrong arguments of ring.launch end the launch with what is wrong."""
 import os
 import random
+import re
 import shutil
 import signal
+import socket
 import subprocess
 import tempfile
 import unittest
@@ -115,6 +117,17 @@ class LaunchArguments(unittest.TestCase):
                 output = roslaunch('config:=' + TWO_BRIDGES, 'ring:=' + own_ring(), argument)
                 self.assertIn(said, output)
 
+    def test_a_wrong_value_leaves_no_master_behind(self):
+        with socket.socket() as free:
+            free.bind(('localhost', 0))
+            uri = 'http://localhost:%d' % free.getsockname()[1]
+        output = roslaunch('clock:=virtual', 'pace:=-1', 'ring:=' + own_ring(), env=dict(os.environ, ROS_MASTER_URI=uri))
+        self.assertIn('--pace', output)
+        master = rosgraph.Master('/test', uri)
+        if master.is_online():
+            os.kill(master.getPid(), signal.SIGTERM)
+            self.fail('the master is still there: ' + output)
+
     def test_a_pace_or_an_end_without_a_clock_of_its_own_is_an_error(self):
         for argument, option in (('pace:=2', '--pace'), ('lasts:=3', '--for')):
             with self.subTest(argument):
@@ -148,6 +161,14 @@ class LaunchArguments(unittest.TestCase):
                 with open('/dev/full', 'w') as full:
                     ended = subprocess.run(['rosrun', 'limb_ring', program, '--help'], stdout=full, timeout=60)
                 self.assertNotEqual(ended.returncode, 0, 'it could not be printed')
+
+    def test_the_help_of_the_bridge_names_its_parameters(self):
+        with open(os.path.join(HERE, 'launch', 'bridge.launch')) as file:
+            parameters = re.findall(r'param (?:name|param)="(\w+)"', file.read())
+        said = subprocess.run(['rosrun', 'limb_ring', 'ring_bridge', '--help'], text=True, stdout=subprocess.PIPE,
+                              timeout=60).stdout
+        for parameter in parameters:
+            self.assertIn('~' + parameter, said)
 
     def test_the_virtual_demo_has_help_and_says_nothing_else(self):
         ended = subprocess.run([os.path.join(HERE, 'scripts', 'virtual_demo'), '--help'], text=True,
