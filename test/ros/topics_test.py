@@ -1,14 +1,20 @@
 #!/usr/bin/python3
 """Topics of any type cross the ring from one bridge to another, byte for byte."""
+import itertools
 import random
 import unittest
 
+import rosgraph
 import rospy
 import rostest
+from rosgraph_msgs.msg import Log
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Int32, String
 
 from ring_testing import Newest, Ring, kill_process, wait_for
 from topic_testing import Received, open_the_way, publisher_across, serialized
+
+NOBODY = 'http://127.0.0.1:1/'   # where no node answers
 
 
 class LongerString(String):
@@ -21,6 +27,20 @@ class Topics(unittest.TestCase):
     def setUp(self):
         self.ring = Ring('/body/ring_status')
         self.ring.wait_until_up()
+
+    def lines_of_the_bridge(self):
+        """What it logs from now on: it is heard once it has complained of a joint that nobody has."""
+        said, number = [], itertools.count()
+        subscriber = rospy.Subscriber('/rosout', Log, lambda line: said.append(line.msg))
+        self.addCleanup(subscriber.unregister)
+        commands = publisher_across('/body/joint_commands', JointState)
+        self.addCleanup(commands.unregister)
+
+        def is_heard():
+            commands.publish(JointState(name=['nobodys_joint_%d' % next(number)]))
+            return any('nobodys_joint' in line for line in said)
+        wait_for(is_heard, 'the log of the bridge')
+        return said
 
     def test_a_message_arrives_with_its_type_and_definition(self):
         received = Received('/head/text_there')
@@ -58,6 +78,16 @@ class Topics(unittest.TestCase):
             self.assertEqual(wait_for(is_through, message._type + ' across')[0]._buff, serialized(message))
             there.unregister()
             received.unregister()
+
+    def test_a_publisher_that_died_without_a_word_is_warned_of(self):
+        said = self.lines_of_the_bridge()
+        dead = rosgraph.Master('/dead_node')
+        dead.registerPublisher('/body/wrench', String._type, NOBODY)
+        self.addCleanup(dead.unregisterPublisher, '/body/wrench', NOBODY)
+        there = publisher_across('/body/wrench', String)
+        self.addCleanup(there.unregister)
+        warning = wait_for(lambda: [line for line in said if "'wrench': 1 of its 2 publishers" in line], 'the warning')
+        self.assertIn('rosnode cleanup', warning[0])
 
     def test_a_latched_message_stays_for_late_subscribers_and_a_new_far_bridge(self):
         latched = publisher_across('/body/map', String, latch=True)
