@@ -6,6 +6,10 @@ namespace {
 
 py::object parsed(const std::string& json) { return py::module::import("json").attr("loads")(json); }
 
+std::string action_of(const Interrupt& interrupt) {
+  return interrupt.action == Interrupt::Action::stop ? "stop" : "notify";
+}
+
 void bind_captured(py::module& module) {
   using C = CapturedPacket;
   py::class_<C>(module, "CapturedPacket", "A packet seen on a line of this node (observe with packets)")
@@ -42,12 +46,16 @@ void bind_json(py::module& module) {
   py::class_<Reply>(module, "Reply", "Answer to HostPort.request()")
       .def_readonly("token", &Reply::token)
       .def_property_readonly(
-          "content", [](const Reply& r) { return parsed(r.json); }, "a dict; {'error': ...}: no");
+          "content", [](const Reply& r) { return parsed(r.json); }, "a dict; {'error': ...}: no")
+      .def("__repr__",
+           [](const Reply& r) { return "<Reply to token " + std::to_string(r.token) + ": " + r.json + ">"; });
   py::class_<Observed>(module, "Observed", "Something that happened (HostPort.observe())")
       .def_property_readonly(
-          "content", [](const Observed& o) { return parsed(o.json); }, "a dict");
+          "content", [](const Observed& o) { return parsed(o.json); }, "a dict")
+      .def("__repr__", [](const Observed& o) { return "<Observed " + o.json + ">"; });
   py::class_<ObservedLost>(module, "ObservedLost", "So many were left out before the next: read too slowly")
-      .def_readonly("count", &ObservedLost::count);
+      .def_readonly("count", &ObservedLost::count)
+      .def("__repr__", [](const ObservedLost& lost) { return "<ObservedLost " + std::to_string(lost.count) + ">"; });
 }
 
 }  // namespace
@@ -67,11 +75,13 @@ void bind_messages(py::module& module) {
                std::to_string(p.data.size()) + " bytes>";
       });
   py::class_<Interrupt>(module, "Interrupt", "A pin of this node was pulled whose action concerns the CPU")
-      .def_property_readonly(
-          "action", [](const Interrupt& i) { return i.action == Interrupt::Action::stop ? "stop" : "notify"; },
-          "'notify' or 'stop'")
+      .def_property_readonly("action", &action_of, "'notify' or 'stop'")
       .def_readonly("source", &Interrupt::source)
-      .def_readonly("factor", &Interrupt::factor, "0 to 7");
+      .def_readonly("factor", &Interrupt::factor, "0 to 7")
+      .def("__repr__", [](const Interrupt& i) {
+        return "<Interrupt INT" + std::to_string(i.factor) + " from " + std::to_string(i.source) + ": " + action_of(i) +
+               ">";
+      });
   py::class_<Result>(module, "Result", "The end of one send, interrupt or pull")
       .def_readonly("token", &Result::token, "what the call returned")
       .def_property_readonly(
@@ -87,7 +97,8 @@ void bind_messages(py::module& module) {
         return std::string("<Result ") + to_string(r.outcome) + (r.reason.empty() ? "" : ": " + r.reason) + ">";
       });
   py::class_<Disconnected>(module, "Disconnected", "The connection has ended; nothing comes after this")
-      .def_readonly("reason", &Disconnected::reason);
+      .def_readonly("reason", &Disconnected::reason)
+      .def("__repr__", [](const Disconnected& end) { return "<Disconnected: " + end.reason + ">"; });
   bind_json(module);
   bind_captured(module);
 }

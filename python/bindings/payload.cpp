@@ -1,5 +1,8 @@
 // The formats inside packets: limb_ring/payload. What cannot be written or read is a ValueError that says why.
 #include <chrono>
+#include <cmath>
+#include <sstream>
+#include <utility>
 
 #include "bindings.h"
 #include "limb_ring/payload/announcement.h"
@@ -16,6 +19,13 @@ namespace {
 using namespace payload;
 using std::optional;
 
+/// A payload that knows whether somebody has given it a stamp. Where nobody has, HostPort.send() does: the ring's clock
+/// may be a virtual one.
+template <typename T>
+struct Stamped : T {
+  bool stamp_given = true;
+};
+
 template <typename T>
 py::bytes encoded(const T& value) {
   const auto bytes = encode(value);
@@ -29,14 +39,69 @@ T decoded(const Decoded<T>& value) {
   return *value;
 }
 
-std::int64_t stamp_or_now(optional<std::int64_t> stamp_ns) {
-  if (stamp_ns) return *stamp_ns;
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+template <typename T>
+Stamped<T> stamped(T value, optional<std::int64_t> stamp_ns) {
+  const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
+  value.stamp_ns = stamp_ns.value_or(now.count());
+  return {std::move(value), stamp_ns.has_value()};
+}
+
+/// Their stamp, and what depends on it.
+template <typename T, typename Decode>
+void bind_stamped(py::class_<Stamped<T>>& type, const char* when, Decode decode) {
+  const std::string says =
+      std::string("CLOCK_REALTIME when ") + when + "; default: when it is sent, by the ring's clock";
+  type.def_property(
+          "stamp_ns", [](const Stamped<T>& value) { return value.stamp_ns; },
+          [](Stamped<T>& value, std::int64_t stamp_ns) {
+            value.stamp_ns = stamp_ns;
+            value.stamp_given = true;
+          },
+          says.c_str())
+      .def_readonly("stamp_given", &Stamped<T>::stamp_given, "false: the default")
+      .def(
+          "encode",
+          [](const Stamped<T>& value, optional<std::int64_t> now_ns) {
+            T sent = value;
+            if (now_ns && !value.stamp_given) sent.stamp_ns = *now_ns;
+            return encoded(sent);
+          },
+          py::arg("now_ns") = py::none(), "bytes. now_ns: the stamp where none was given")
+      .def_static("decode", [decode](const std::string& bytes) {
+        return Stamped<T>{decoded(decode(view(bytes))), true};
+      });
+}
+
+std::string joints_text(std::size_t count) { return std::to_string(count) + (count == 1 ? " joint" : " joints"); }
+
+/// "0.5 rad, -1 rad/s"; what is None is left out.
+std::string joint_text(optional<double> position, optional<double> velocity, optional<double> effort) {
+  std::ostringstream text;
+  const char* between = "";
+  const auto add = [&](optional<double> value, const char* unit) {
+    if (value) text << std::exchange(between, ", ") << *value << unit;
+  };
+  add(position, " rad");
+  add(velocity, " rad/s");
+  add(effort, " N m");
+  return text.str();
+}
+
+std::string mode_text(const JointState::Mode& mode) {
+  std::string text;
+  const auto add = [&](bool is, const char* word) { text += is ? std::string(", ") + word : ""; };
+  add(mode.commanded, "commanded");
+  add(mode.safe, "safe");
+  add(mode.hold, "hold");
+  add(mode.damp, "damp");
+  add(mode.stopped, "stopped");
+  add(mode.command_refused, "command refused");
+  add(mode.saturated, "saturated");
+  return text;
 }
 
 void bind_joint_state(py::module& module) {
-  using State = JointState;
+  using State = Stamped<JointState>;
   py::class_<State> state(module, "JointState", "What a node's joints do, from its CPU to the body, on channel 2");
   py::class_<State::Mode>(state, "Mode", "What the joints of the node are about")
       .def(py::init<>())
@@ -54,27 +119,30 @@ void bind_joint_state(py::module& module) {
            py::arg("position") = 0.0, py::arg("velocity") = 0.0, py::arg("effort") = 0.0)
       .def_readwrite("position", &State::Joint::position, "rad")
       .def_readwrite("velocity", &State::Joint::velocity, "rad/s")
-      .def_readwrite("effort", &State::Joint::effort, "N m");
+      .def_readwrite("effort", &State::Joint::effort, "N m")
+      .def("__repr__",
+           [](const State::Joint& j) { return "<Joint " + joint_text(j.position, j.velocity, j.effort) + ">"; });
   state
       .def(py::init([](std::vector<State::Joint> joints, std::uint16_t sequence, optional<std::int64_t> stamp_ns) {
-             State value;
+             JointState value;
              value.joints = std::move(joints);
              value.sequence = sequence;
-             value.stamp_ns = stamp_or_now(stamp_ns);
-             return value;
+             return stamped(std::move(value), stamp_ns);
            }),
            py::arg("joints") = std::vector<State::Joint>{}, py::arg("sequence") = 0, py::arg("stamp_ns") = py::none())
       .def_readwrite("sequence", &State::sequence)
-      .def_readwrite("stamp_ns", &State::stamp_ns, "CLOCK_REALTIME when sampled; default: now")
       .def_readwrite("mode", &State::mode)
       .def_readwrite("refused", &State::refused, "commands refused since the CPU's start")
       .def_readwrite("joints", &State::joints, "in the order of the YAML; assign a list, do not append")
-      .def("encode", &encoded<State>)
-      .def_static("decode", [](const std::string& bytes) { return decoded(decode_joint_state(view(bytes))); });
+      .def("__repr__", [](const State& s) {
+        return "<JointState " + std::to_string(s.sequence) + ": " + joints_text(s.joints.size()) + mode_text(s.mode) +
+               ">";
+      });
+  bind_stamped<JointState>(state, "sampled", decode_joint_state);
 }
 
 void bind_joint_command(py::module& module) {
-  using Command = JointCommand;
+  using Command = Stamped<JointCommand>;
   py::class_<Command> command(module, "JointCommand", "What a node's joints shall do, to its CPU, on channel 2");
   py::class_<Command::Joint>(command, "Joint", "None: not commanded")
       .def(py::init([](optional<double> position, optional<double> velocity, optional<double> effort) {
@@ -83,57 +151,64 @@ void bind_joint_command(py::module& module) {
            py::arg("position") = py::none(), py::arg("velocity") = py::none(), py::arg("effort") = py::none())
       .def_readwrite("position", &Command::Joint::position, "rad")
       .def_readwrite("velocity", &Command::Joint::velocity, "rad/s")
-      .def_readwrite("effort", &Command::Joint::effort, "N m");
+      .def_readwrite("effort", &Command::Joint::effort, "N m")
+      .def("__repr__",
+           [](const Command::Joint& j) { return "<Joint " + joint_text(j.position, j.velocity, j.effort) + ">"; });
   command
       .def(py::init([](std::vector<Command::Joint> joints, double valid_for, bool resume, std::uint16_t sequence,
                        optional<std::int64_t> stamp_ns) {
              if (!(valid_for >= 0 && valid_for <= 4294)) throw py::value_error("valid_for: 0 to 4294 s are possible");
-             Command value;
+             JointCommand value;
              value.joints = std::move(joints);
-             value.valid_for_us = static_cast<std::uint32_t>(valid_for * 1e6);
+             value.valid_for_us = static_cast<std::uint32_t>(std::llround(valid_for * 1e6));
              value.resume = resume;
              value.sequence = sequence;
-             value.stamp_ns = stamp_or_now(stamp_ns);
-             return value;
+             return stamped(std::move(value), stamp_ns);
            }),
            py::arg("joints") = std::vector<Command::Joint>{}, py::arg("valid_for") = 0.1, py::arg("resume") = false,
            py::arg("sequence") = 0, py::arg("stamp_ns") = py::none())
       .def_readwrite("sequence", &Command::sequence)
-      .def_readwrite("stamp_ns", &Command::stamp_ns, "CLOCK_REALTIME when commanded; default: now")
       .def_readwrite("valid_for_us", &Command::valid_for_us)
       .def_readwrite("resume", &Command::resume, "ends a latched stop")
       .def_readonly("saturated", &Command::saturated)
       .def_readwrite("joints", &Command::joints, "in the order of the YAML; assign a list, do not append")
-      .def("encode", &encoded<Command>)
-      .def_static("decode", [](const std::string& bytes) { return decoded(decode_joint_command(view(bytes))); });
+      .def("__repr__", [](const Command& c) {
+        const double valid_for = seconds(std::chrono::microseconds(c.valid_for_us));
+        return py::str("<JointCommand {}: {}, valid for {} s{}>")
+            .format(c.sequence, joints_text(c.joints.size()), valid_for, c.resume ? ", resume" : "");
+      });
+  bind_stamped<JointCommand>(command, "commanded", decode_joint_command);
 }
 
 void bind_sensor_reading(py::module& module) {
-  using Reading = SensorReading;
-  py::class_<Reading>(module, "SensorReading", "One sample of an IMU or a force and torque sensor, on channel 2")
+  using Reading = Stamped<SensorReading>;
+  py::class_<Reading> reading(module, "SensorReading",
+                              "One sample of an IMU or a force and torque sensor, on channel 2");
+  reading
       .def(py::init([](const std::string& kind, std::array<double, 3> linear, std::array<double, 3> angular,
                        std::uint8_t sensor, std::uint16_t sequence, optional<std::int64_t> stamp_ns) {
              if (kind != "imu" && kind != "force") throw py::value_error("kind: 'imu' or 'force', not '" + kind + "'");
-             Reading value;
+             SensorReading value;
              value.kind = kind == "imu" ? Reading::Kind::imu : Reading::Kind::force;
              value.linear = linear;
              value.angular = angular;
              value.sensor = sensor;
              value.sequence = sequence;
-             value.stamp_ns = stamp_or_now(stamp_ns);
-             return value;
+             return stamped(value, stamp_ns);
            }),
            py::arg("kind"), py::arg("linear"), py::arg("angular"), py::arg("sensor") = 0, py::arg("sequence") = 0,
            py::arg("stamp_ns") = py::none())
       .def_property_readonly("kind", [](const Reading& r) { return r.kind == Reading::Kind::imu ? "imu" : "force"; })
       .def_readwrite("sequence", &Reading::sequence)
-      .def_readwrite("stamp_ns", &Reading::stamp_ns, "CLOCK_REALTIME when sampled; default: now")
       .def_readwrite("sensor", &Reading::sensor, "its place among the node's sensors, from 0")
       .def_readonly("saturated", &Reading::saturated)
       .def_readwrite("linear", &Reading::linear, "x, y, z: m/s^2 or N")
       .def_readwrite("angular", &Reading::angular, "x, y, z: rad/s or N m")
-      .def("encode", &encoded<Reading>)
-      .def_static("decode", [](const std::string& bytes) { return decoded(decode_sensor_reading(view(bytes))); });
+      .def("__repr__", [](const Reading& r) {
+        const char* kind = r.kind == Reading::Kind::imu ? "imu " : "force ";
+        return "<SensorReading " + std::to_string(r.sequence) + ": " + kind + std::to_string(r.sensor) + ">";
+      });
+  bind_stamped<SensorReading>(reading, "sampled", decode_sensor_reading);
 }
 
 void bind_topics(py::module& module) {

@@ -66,18 +66,22 @@ class HostPort:
 
     @property
     def id(self):
+        """Of the node this port belongs to."""
         return self._port.id
 
     @property
     def name(self):
+        """The node's."""
         return self._port.name
 
     @property
     def ring(self):
+        """The ring's name."""
         return self._port.ring
 
     @property
     def connected(self):
+        """False once Disconnected is to be received, or was, and after close()."""
         return self._port.connected
 
     def fileno(self):
@@ -85,6 +89,8 @@ class HostPort:
         return self._port.fileno()
 
     def close(self):
+        """Ends the connection, as the end of the program does. Sends that have not left the node by then are dropped:
+        wait() for their results first."""
         self._port.close()
 
     def __enter__(self):
@@ -117,16 +123,20 @@ class HostPort:
     def send(self, to, data, priority=2, channel=None):
         """
         @param to id of a node, or BROADCAST
-        @param data 1 to 512 bytes; or a JointState, JointCommand or SensorReading
+        @param data 1 to 512 bytes; or a JointState, JointCommand or SensorReading, which has stamp_ns() where it was
+                    given no stamp
         @param channel default: 2 for one of these, else 0"""
         typed = hasattr(data, 'encode') and not isinstance(data, str)
         if isinstance(data, int):
             raise TypeError('data: bytes are needed, not %r' % data)   # bytes(5) would be five zeros
-        content = data.encode() if typed else bytes(data)
+        content = self._encoded(data) if typed else bytes(data)
         if channel is None:
             channel = JOINT_CHANNEL if typed else 0
         return self._port.send(_id(to), content, _byte('priority', priority, '0 (highest) to 3'),
                                _byte('channel', channel, '0 to 63'))
+
+    def _encoded(self, data):
+        return data.encode() if getattr(data, 'stamp_given', True) else data.encode(self.stamp_ns())
 
     def interrupt(self, to, factor, force=False):
         """Pulls pin `factor`, 0 to 7, of a node. A broadcast that would reset all needs `force`."""

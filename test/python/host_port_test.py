@@ -313,3 +313,65 @@ def test_a_daemon_that_is_frozen_is_tried_once(tmp_path, silent_daemon, alarms):
     disturb(lambda: HostPort.connect(ring='r', node=3, timeout=600, runtime=str(tmp_path)),
             lambda: select.select([silent_daemon], [], [], 60))
     assert tries_at(silent_daemon) == 1
+
+
+# ---- what next_of() has passed over -------------------------------------------------------
+
+@needs_ring
+def test_interrupts_come_first_also_before_what_was_passed_over(ring):
+    body, knee = ring.port('body', role='cpu'), ring.port('knee')
+    for data in b'a', b'b':
+        assert knee.wait(knee.send(0, data)).outcome == 'delivered'
+    with pytest.raises(HostPortTimeout):
+        body.next_of(limb_ring.Interrupt, timeout=0.01)
+    for _ in range(2):
+        assert knee.wait(knee.interrupt(0, 3)).outcome == 'delivered'
+        assert isinstance(body.receive(60), limb_ring.Interrupt)
+        with pytest.raises(HostPortTimeout):
+            body.next_of(Result, timeout=0.01)
+    assert knee.wait(knee.interrupt(0, 3)).outcome == 'delivered'
+    with pytest.raises(HostPortTimeout):
+        body.next_of(Result, timeout=0.01)   # which passes over the interrupt
+    assert [type(body.receive(0)) for _ in range(4)] == [limb_ring.Interrupt, Packet, Packet, type(None)]
+
+
+@needs_ring
+def test_what_is_passed_over_has_a_limit(ring, monkeypatch):
+    monkeypatch.setattr('limb_ring.host_port.MOST_KEPT', 3)
+    body, knee = ring.port('body', role='cpu'), ring.port('knee')
+    for number in range(4):
+        assert knee.wait(knee.send(0, bytes([number]))).outcome == 'delivered'
+    for search in lambda: body.next_of(Result, timeout=60), lambda: body.received(Result):
+        with pytest.raises(HostPortError, match='3 messages were left without receive'):
+            search()
+    assert len(body.received(Packet)) == 3
+    assert body.next_of(Packet, timeout=60).data == b'\3'
+
+
+@pytest.mark.ring(RING, clock='virtual')
+def test_a_payload_without_a_stamp_has_the_rings_time(ring):
+    body, knee = ring.port('body'), ring.port('knee', role='cpu')
+    for command in JointCommand(valid_for=60), JointCommand(valid_for=60, stamp_ns=5):
+        sent = body.stamp_ns()
+        body.send(1, command)
+        told = knee.next_of(Packet).payload
+        assert told.stamp_ns == 5 if command.stamp_given else sent <= told.stamp_ns <= knee.stamp_ns()
+
+
+@needs_ring
+def test_messages_show_what_they_are(ring):
+    body, knee = ring.port('body', role='cpu'), ring.port('knee')
+    knee.interrupt(0, 3)
+    assert repr(body.next_of(limb_ring.Interrupt)) == '<Interrupt INT3 from 1: notify>'
+    token = knee.request({'do': 'latch'})
+    assert repr(knee.next_of(limb_ring.Reply)).startswith('<Reply to token %d: {' % token)
+    knee.observe('weather')
+    assert repr(knee.next_of(limb_ring.Observed)).startswith('<Observed {"error"')
+    ring.ctl('down')
+    end = knee.next_of(limb_ring.Disconnected)
+    assert end.reason and repr(end) == '<Disconnected: %s>' % end.reason
+
+
+def test_everything_has_a_docstring():
+    for kind in HostPort, limb_ring.Ring:
+        assert [name for name, what in vars(kind).items() if name[0] != '_' and not what.__doc__] == []

@@ -68,3 +68,28 @@ def test_a_message_goes_through_fragments():
     assert [reassembler.take(3, piece) for piece in pieces] == [None, None, (4, message)]
     assert reassembler.announcement(3, 4).datatype == 'std_msgs/String'
     assert reassembler.announcement(3, 5) is None
+
+
+def test_a_validity_is_rounded_to_microseconds():
+    assert [JointCommand(valid_for=seconds).valid_for_us for seconds in (1.001, 0.0000014)] == [1001000, 1]
+
+
+def test_a_stamp_that_was_given_stays():
+    command = JointCommand()
+    assert not command.stamp_given
+    assert JointCommand.decode(command.encode(5)).stamp_ns == 5
+    assert JointCommand.decode(command.encode()).stamp_ns == command.stamp_ns
+    command.stamp_ns = 0
+    for given in command, JointCommand(stamp_ns=0), JointCommand.decode(command.encode()):
+        assert given.stamp_given and JointCommand.decode(given.encode(5)).stamp_ns == 0
+
+
+def test_they_show_what_they_are():
+    state = JointState([JointState.Joint(0.5, -1, 2)], sequence=7)
+    state.mode.safe = state.mode.hold = True
+    assert repr(state) == '<JointState 7: 1 joint, safe, hold>'
+    assert repr(state.joints) == '[<Joint 0.5 rad, -1 rad/s, 2 N m>]'
+    command = JointCommand([JointCommand.Joint(velocity=0.5)] * 2, valid_for=0.25, sequence=7)
+    assert repr(command) == '<JointCommand 7: 2 joints, valid for 0.25 s>'
+    assert repr(command.joints[0]) == '<Joint 0.5 rad/s>'
+    assert repr(SensorReading('imu', (0, 0, 0), (0, 0, 0), sensor=1)) == '<SensorReading 0: imu 1>'
