@@ -24,7 +24,7 @@ def make_ring(request):
     rings = []
 
     def make(config, **options):
-        if isinstance(config, str):
+        if isinstance(config, (str, os.PathLike)):
             config = find_config(config, beside=os.path.dirname(str(request.fspath)))
         rings.append(Ring(config, **options))
         return rings[-1].up()

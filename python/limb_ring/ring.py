@@ -3,11 +3,13 @@ import json
 import os
 import shutil
 import subprocess
+import time
 
 from . import _client
 from .host_port import HostPort, HostPortError
 from .launcher import Launcher
 
+_TIMES = {'duration', 'after', 'delay', 'jitter', 'every'}   # options of a fault
 _PREFIX = os.path.abspath(os.path.join(os.path.dirname(__file__), *['..'] * 4))   # PREFIX/lib/python3/dist-packages/limb_ring
 
 
@@ -27,6 +29,10 @@ def programs_folder():
         if folder and os.access(os.path.join(folder, 'ringctl'), os.X_OK):
             return os.path.realpath(folder)
     raise RingError('ringctl is neither beside this package nor on PATH; set LIMB_RING_PROGRAMS to its folder')
+
+
+def _seconds(time_s):
+    return '%dns' % round(time_s * 1e9)
 
 
 def find_config(name, beside=''):
@@ -54,6 +60,7 @@ class Ring:
         self._programs = programs
         self._launcher, self._ports, self._ids = None, [], {}
         self._attached = None   # (name, runtime) of a ring that somebody else has started
+        self._name = None       # of our own
 
     @classmethod
     def attach(cls, name='', runtime=''):
@@ -70,11 +77,15 @@ class Ring:
         """@raise RingError with the words of ringctl, such as what is wrong in the file"""
         if self._attached or self._launcher:
             return self
-        self._launcher = Launcher(self._programs or programs_folder())
+        folder = self._programs or programs_folder()
+        if not os.access(os.path.join(folder, 'ringctl'), os.X_OK):
+            raise RingError('Ring(programs=%r): there is no ringctl' % (folder,))
+        self._launcher = Launcher(folder)
         try:
             self.ctl('up', *self._what(), '--detach', '--timeout', self._timeout,
                      *(self._clock_options() or ('--host', 'all')),
                      timeout=self._timeout + 30)
+            self._name, = os.listdir(self._launcher.ring_folder(''))
         except BaseException:
             self._end()
             raise
@@ -94,6 +105,7 @@ class Ring:
         return options if self._pace is None else options + ['--pace', self._pace]
 
     def down(self):
+        """Ends the ring, all that was started in it, and its ports. One that was attached to goes on."""
         for port in self._ports:
             try:
                 port.close()
@@ -111,7 +123,7 @@ class Ring:
     def _end(self):
         self._launcher.end()
         self._launcher.remove()
-        self._launcher = None
+        self._launcher = self._name = None
         self._ids.clear()
 
     def __enter__(self):
@@ -136,10 +148,16 @@ class Ring:
 
     def start(self, command, name='program'):
         """Starts a program in this ring's environment, such as own firmware; it ends with the ring. A Popen; its output
-        is in the file `.log`."""
+        is in the file `.log`.
+        @param command a list: program and arguments @raise RingError where there is no such program"""
         if not self._launcher:
             raise RingError('programs are started in a ring that is up and our own')
-        return self._launcher.start(name, [str(word) for word in command])
+        if isinstance(command, (str, bytes, os.PathLike)) or not command:
+            raise RingError("start(%r): a list is needed, such as ['./knee', '--gain', 2]" % (command,))
+        try:
+            return self._launcher.start(name, [str(word) for word in command])
+        except OSError as problem:
+            raise RingError('start(%r): %s' % (command, problem.strerror)) from None
 
     # ---- ringctl --------------------------------------------------------------------------
 
@@ -184,10 +202,12 @@ class Ring:
         self.ctl('wait', 'up', '--timeout', timeout, timeout=timeout + 10)
 
     def fault(self, kind, of, **options):
-        """As `ringctl fault`: fault('cut', 'hip:knee'), fault('hang', 'knee', duration='2s'), fault('drop', 'hip:knee',
-        once_in=10, seed=4). Returns when it has taken effect."""
+        """As `ringctl fault`: fault('cut', 'hip:knee'), fault('hang', 'knee', duration=2), fault('drop', 'hip:knee',
+        once_in=10, seed=4). Times are in seconds, or texts such as '200us'. Returns when it has taken effect."""
         words = []
         for name, value in options.items():
+            if name in _TIMES and isinstance(value, (int, float)):
+                value = _seconds(value)
             words += ['--' + {'duration': 'for'}.get(name, name.replace('_', '-')), value]
         self.ctl('fault', kind, of, *words)
 
@@ -200,9 +220,11 @@ class Ring:
         self.ctl('reset', node, '--timeout', timeout, timeout=timeout + 10)
 
     def stop(self):
+        """Emergency stop: latched at every node, until resume(). @raise RingError where it did not reach all"""
         self.ctl('stop')
 
     def resume(self):
+        """Ends a stop: the joints obey the next command again."""
         self.ctl('resume')
 
     # ---- packets --------------------------------------------------------------------------
@@ -216,27 +238,37 @@ class Ring:
 
     def _connect(self, node, **options):
         options.setdefault('lockstep', False)
-        name = self._attached[0] if self._attached else ''
+        name = self._attached[0] if self._attached else self._name
         return HostPort.connect(ring=name, node=node, runtime=self._runtime(), **options)
 
     def id_of(self, node):
+        """A node's id, by its name or id; 'all': BROADCAST. @raise RingError where no node has that name"""
         node = str(node)
         if node.isascii() and node.isdigit():   # no name begins with a digit
             return int(node)
         if node == 'all':
             return _client.BROADCAST
+        return self._known(node)
+
+    def _known(self, node):
         if node not in self._ids:
-            self._ids = {row.get('name'): row['id'] for row in self.status()['nodes']}
+            rows = self.status()['nodes']
+            self._ids = {str(name): row['id'] for row in rows for name in (row['id'], row.get('name', row['id']))}
         if node not in self._ids:
             raise RingError('no node %s in this ring' % node)
         return self._ids[node]
 
     def send(self, source, to, data, priority=2, channel=None, timeout=10.0):
         """Sends from one node to another, or to 'all': the Result. @param data bytes, or a JointCommand and the like"""
-        with self._connect(source) as port:
-            return port.wait(port.send(self.id_of(to), data, priority, channel), timeout)
+        return self._result(source, timeout, lambda port: port.send(self.id_of(to), data, priority, channel))
 
     def interrupt(self, source, to, factor, force=False, timeout=10.0):
         """Sends an interrupt packet from one node to another: the Result."""
-        with self._connect(source) as port:
-            return port.wait(port.interrupt(self.id_of(to), factor, force), timeout)
+        return self._result(source, timeout, lambda port: port.interrupt(self.id_of(to), factor, force))
+
+    def _result(self, source, timeout, call):
+        """Of a call at a node's port, which is connected to in the same time."""
+        deadline = time.monotonic() + timeout
+        with self._connect(self._known(str(source)), timeout=timeout) as port:
+            token = call(port)
+            return port.wait(token, max(0.0, deadline - time.monotonic()))

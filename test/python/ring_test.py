@@ -1,4 +1,5 @@
 """Ring and the fixtures of pytest_plugin."""
+import json
 import os
 import signal
 import subprocess
@@ -219,3 +220,67 @@ def test_the_fixture_has_the_ring_of_its_mark(ring):
 def test_the_fixture_without_a_mark_says_what_it_needs(pytester):
     pytester.makepyfile('def test_it(ring): pass')
     pytester.runpytest_subprocess('-p', 'no:cacheprovider').stdout.fnmatch_lines(['*needs a mark that says which*'])
+
+
+def test_the_environment_names_no_other_ring_to_an_own_one(monkeypatch):
+    monkeypatch.setenv('LIMB_RING_RING', 'elsewhere')
+    monkeypatch.setenv('LIMB_RING_NODE', 'hip')
+    with Ring(plain('own')) as ring:
+        assert ring.send('body', 'knee', b'x').outcome == 'delivered'
+        assert ring.port('knee').ring == 'own'
+
+
+def test_a_send_from_a_node_that_is_not_there_fails_at_once_with_its_name():
+    with Ring(plain('few')) as ring:
+        for node in 'elbow', 77, 'all', None:
+            with pytest.raises(RingError, match='no node %s in this ring' % node):
+                ring.send(node, 'body', b'x', timeout=600)
+            with pytest.raises(RingError, match='no node %s in this ring' % node):
+                ring.interrupt(node, 'body', 3, timeout=600)
+
+
+def test_the_time_of_a_send_is_for_connecting_too():
+    with Ring(plain('late')) as ring:
+        ring.fault('kill', 'knee')
+        given = []
+        connect = ring._connect
+        ring._connect = lambda node, **options: given.append(options['timeout']) or connect(node, **options)
+        with pytest.raises(limb_ring.HostPortTimeout, match='is ringd running'):
+            ring.send('knee', 'body', b'x', timeout=0.25)
+        with pytest.raises(limb_ring.HostPortTimeout, match='is ringd running'):
+            ring.interrupt('knee', 'body', 3, timeout=0)
+        assert given == [0.25, 0]
+
+
+def test_times_of_a_fault_are_in_seconds_or_texts():
+    with Ring(plain('timed')) as ring:
+        ring.fault('delay', 'body:knee', delay=0.0005, jitter='10us', duration=3600)
+        listed = ring.ctl('fault', 'list', '--json')
+        assert 'delay=500us' in listed and 'for=3600s' in listed, listed
+        for number in 1, 0.000001:
+            ring.fault('freeze', 'knee', duration=number)
+            ring.wait('knee', 'up', timeout=60)
+
+
+def test_programs_that_are_not_there_are_said_to_be_so():
+    with pytest.raises(RingError, match='/nix.*there is no ringctl'):
+        Ring(2, programs='/nix').up()
+    with Ring(plain('bare')) as ring:
+        for command, said in (([], 'a list is needed'), ('echo hello', 'a list is needed'),
+                              (['/bin/nix'], '/bin/nix.*No such file'), ([ring.environment['XDG_RUNTIME_DIR']], 'denied')):
+            with pytest.raises(RingError, match=said):
+                ring.start(command)
+        assert ring.start(['true']).wait(60) == 0
+
+
+def test_the_file_of_a_mark_may_be_a_path_beside_the_test(pytester):
+    pytester.makefile('.yaml', beside=json.dumps(plain('beside')))
+    pytester.mkdir('elsewhere')
+    pytester.makepyfile("""
+        import pathlib, pytest
+        @pytest.mark.ring(pathlib.Path('beside.yaml'))
+        def test_it(ring, monkeypatch):
+            assert ring.port('body').ring == 'beside'""")
+    test_file, = pytester.path.glob('test_*.py')
+    os.chdir(str(pytester.path / 'elsewhere'))
+    pytester.runpytest_subprocess('-p', 'no:cacheprovider', str(test_file)).assert_outcomes(passed=1)
