@@ -26,5 +26,19 @@ TEST_F(Listening, AFrozenDaemonLetsNobodyWait) {
   EXPECT_FALSE(frozen.is_tried()) << "the other one's turn came behind it";
 }
 
+TEST_F(Listening, ADaemonThatIsFoundIsAskedHowItIs) {
+  const config::RingConfig ring = small_robot();
+  test::FakeDaemon found("small", ring.nodes[1].name);
+  ConnectOptions daemon;
+  daemon.ring = "small";
+  const RingListener listener(
+      {&ring.nodes[1]}, daemon, "{}", [](const auto&, const Message&) {}, [](const auto&) { return false; });
+  found.accept();
+  found.say(client::Welcome{ring.nodes[1].id, ring.nodes[1].name, "small"});
+  std::string heard;
+  while (heard.find(R"({"do":"status"})") == std::string::npos)
+    for (const std::uint8_t byte : found.hear(1)) heard += static_cast<char>(byte);
+}
+
 }  // namespace
 }  // namespace limb_ring::bridge
