@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <optional>
 
 using namespace limb_ring;
 using namespace std::chrono;
@@ -18,26 +19,28 @@ constexpr double kStep = 2.0 * 0.01;                // rad in a period: 2 rad/s
 struct Joint {
   double position = 0, goal = 0;  // rad
   payload::JointState state;
-  std::int64_t commanded_ns = 0, stopped_ns = 0;  // stamp of the last command obeyed, when a stop came; 0: none
+  std::optional<std::int64_t> commanded_ns, stopped_ns;  // stamp of the last command obeyed; when a stop came
 
   void obey(const payload::JointCommand& command, std::int64_t now_ns) {
     const std::int64_t age = now_ns - command.stamp_ns;
-    const bool stale = std::abs(age) > command.valid_for_us * std::int64_t{1000} || command.stamp_ns <= commanded_ns;
-    const bool held = stopped_ns != 0 && (!command.resume || command.stamp_ns <= stopped_ns);
+    const bool late = std::abs(age) > command.valid_for_us * std::int64_t{1000};
+    const bool stale = late || (commanded_ns && command.stamp_ns <= *commanded_ns);
+    const bool held = stopped_ns && (!command.resume || command.stamp_ns <= *stopped_ns);
     if (stale || held || command.joints.size() > 1) {
       state.mode.command_refused = true;
       ++state.refused;
       return;
     }
     commanded_ns = command.stamp_ns;
-    stopped_ns = 0;
+    stopped_ns.reset();
     if (!command.joints.empty() && command.joints[0].position) goal = *command.joints[0].position;
   }
 
   payload::Encoded next_state(std::int64_t now_ns) {
     state.stamp_ns = now_ns;
-    state.mode.stopped = stopped_ns != 0;
-    state.mode.commanded = !state.mode.stopped && state.stamp_ns - commanded_ns < nanoseconds(kSilence).count();
+    state.mode.stopped = stopped_ns.has_value();
+    const bool heard = commanded_ns && now_ns - *commanded_ns < nanoseconds(kSilence).count();
+    state.mode.commanded = heard && !state.mode.stopped;
     state.mode.safe = state.mode.hold = !state.mode.commanded;
     const double step = state.mode.commanded ? std::clamp(goal - position, -kStep, kStep) : 0;
     position += step;

@@ -14,27 +14,29 @@ STEP = 2.0 * PERIOD    # rad in a period: 2 rad/s
 class Joint:
     def __init__(self):
         self.position = self.goal = 0.0    # rad
-        self.commanded_ns = self.stopped_ns = 0   # stamp of the last command obeyed; when a stop came, 0: none
+        self.commanded_ns = self.stopped_ns = None   # stamp of the last command obeyed; when a stop came
         self.sequence = self.refused = 0
         self.refused_one = False
 
     def obey(self, command, now):
         late = abs(now - command.stamp_ns) > command.valid_for_us * 1000
-        held = self.stopped_ns and not (command.resume and command.stamp_ns > self.stopped_ns)
-        if late or held or command.stamp_ns <= self.commanded_ns or len(command.joints) > 1:
+        stale = self.commanded_ns is not None and command.stamp_ns <= self.commanded_ns
+        held = self.stopped_ns is not None and not (command.resume and command.stamp_ns > self.stopped_ns)
+        if late or stale or held or len(command.joints) > 1:
             self.refused, self.refused_one = (self.refused + 1) & 0xFFFF, True
             return
-        self.commanded_ns, self.stopped_ns = command.stamp_ns, 0
+        self.commanded_ns, self.stopped_ns = command.stamp_ns, None
         if command.joints and command.joints[0].position is not None:
             self.goal = command.joints[0].position
 
     def next_state(self, now):
-        commanded = not self.stopped_ns and now - self.commanded_ns < SILENCE
+        stopped = self.stopped_ns is not None
+        commanded = not stopped and self.commanded_ns is not None and now - self.commanded_ns < SILENCE
         step = max(-STEP, min(STEP, self.goal - self.position)) if commanded else 0.0
         self.position += step
         state = JointState([JointState.Joint(self.position, step / PERIOD)], sequence=self.sequence, stamp_ns=now)
         state.mode.commanded, state.mode.safe, state.mode.hold = commanded, not commanded, not commanded
-        state.mode.stopped, state.mode.command_refused = bool(self.stopped_ns), self.refused_one
+        state.mode.stopped, state.mode.command_refused = stopped, self.refused_one
         state.refused, self.refused_one = self.refused, False
         self.sequence = (self.sequence + 1) & 0xFFFF
         return state

@@ -2,6 +2,7 @@
 
 usage: readme_firmware.py SOURCE PROGRAMS FOLDER     (the environment says how limb_ring is found)
 """
+import json
 import os
 import re
 import shutil
@@ -51,11 +52,34 @@ def main():
     run(commands, programs, folder)
     without_build = commands.split('\n', 1)[1]
     run(re.sub(r'build/(\w+)', r'"$PYTHON_EXECUTABLE" \1.py', without_build), programs, folder)
+    for cpu in [os.path.join(folder, 'build/joint_cpu')], [sys.executable, os.path.join(folder, 'joint_cpu.py')]:
+        expect_safe_state_without_a_command(cpu, programs, folder)
+
+
+def expect_safe_state_without_a_command(cpu, programs, folder):
+    """From the first state on, at 0.02 s of a virtual ring's time: a stamp of 0 is one like others there."""
+    with open(os.path.join(folder, 'ring.yaml')) as file:
+        ring = file.read()
+    started = ring.replace('name: knee\n    cpu: attached', 'name: knee\n    cpu: {command: %s}' % json.dumps(cpu))
+    assert started != ring
+    with open(os.path.join(folder, 'started.yaml'), 'w') as file:
+        file.write(started)
+    commands = ('ringctl up started.yaml --clock virtual --pace max --for 0.1 --capture knee.pcapng',
+                'ringctl dump -r knee.pcapng --from knee --channel joint -d')
+    outputs = [subprocess.run(command.split(), cwd=folder, env=environment_with(programs), timeout=GUARD, check=True,
+                              stdout=subprocess.PIPE, universal_newlines=True).stdout for command in commands]
+    states = re.findall(r'joint state \d+ \(([^)]*)', outputs[-1])
+    assert set(states) == {'safe, hold'}, outputs[-1]
+
+
+def environment_with(programs):
+    environment = {key: value for key, value in os.environ.items() if not key.startswith('LIMB_RING')}
+    environment['PATH'] = programs + ':' + environment['PATH']
+    return environment
 
 
 def run(commands, programs, folder):
-    environment = {key: value for key, value in os.environ.items() if not key.startswith('LIMB_RING')}
-    environment['PATH'] = programs + ':' + environment['PATH']
+    environment = environment_with(programs)
     # `wait`: the CPUs end with the ring.
     done = subprocess.run(['bash', '-e', '-c', commands + '\nwait\n'], cwd=folder, env=environment, timeout=GUARD,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
