@@ -56,11 +56,16 @@ class Clock(RingTest):
         self.up(self.write_ring(plain_nodes(4)))
         self.clock('pause')
         stands = "the virtual clock of ring %s stands; 'ringctl run' lets it go on" % self.ring
-        for waiting in [self.begin('send', '--from', '0', '--to', '2', '--data', 'x'), self.begin('stop'),
+        stop = self.begin('stop')
+        for waiting in [self.begin('send', '--from', '0', '--to', '2', '--data', 'x'), stop,
                         self.begin('ping', '2', '--from', '0', '-c', '1'), self.begin('dump', '0', '-n', '1'),
                         self.begin('fault', 'freeze', 'node3', '--for', '1s')]:
             self.wait('a hint of ' + str(waiting.args), lambda: 'waiting: ' + stands in self.log_of(waiting))
-        self.assertIn('ringctl: ' + stands, self.refused(1, '--ring', self.ring, 'resume', 'node1'))
+        self.assertIn('ringctl: ' + stands + ', and what was asked for may happen then',
+                      self.refused(4, '--ring', self.ring, 'resume', 'node1'))
+        self.assertEqual(self.wait_exit(stop), 4)
+        self.clock('run')
+        self.wait('the stop', lambda: self.row(1)['cpu']['stop']['pulled'] == 1)
 
     def test_a_step_says_until_when_it_goes(self):
         self.up(self.write_ring(plain_nodes(3)))

@@ -24,6 +24,11 @@ constexpr const char* kExitCodesHelp =
 /// Ends ringctl with kNotDone.
 using live::NotDone;
 
+/// It was asked for, and may still happen: ends ringctl with kUnknown.
+struct NotKnown : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Ends ringctl with kUsage.
 struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -21,7 +21,7 @@ class Progress {
 };
 
 /// Does `work`, which waits and tells nothing, and tells meanwhile where the ring's virtual clock stands.
-/// @throw what `work` throws; NotDone instead of HostPortTimeout where the clock stands
+/// @throw what `work` throws; NotKnown instead of HostPortTimeout where the clock stands
 void while_telling(const std::string& ring, const std::function<void()>& work);
 
 }  // namespace limb_ring::ringctl

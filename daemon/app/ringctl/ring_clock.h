@@ -14,7 +14,8 @@ std::string clock_words(const nlohmann::json& clock);
 
 /// Why nothing goes on where the virtual clock of the ring stands, and what lets it go on; empty where it goes.
 std::string standing_clock(const std::string& ring);
-/// To be called when a wait has timed out. @throw NotDone with standing_clock(), where it stands
+/// To be called when what was asked for has not been answered in time. @throw NotKnown with standing_clock(), where it
+/// stands: it may happen once it goes on
 void require_clock_goes(const std::string& ring);
 
 /// "1", "0.1", "max"

@@ -73,6 +73,8 @@ int act(const Context& context) {
     return failed(std::runtime_error(std::string(problem.what()) + ". Ask there, or with --ssh"), kNoRing);
   } catch (const NoRing& problem) {
     return failed(problem, kNoRing);
+  } catch (const NotKnown& problem) {
+    return failed(problem, kUnknown);
   } catch (const HostPortError& problem) {
     return failed(problem, kNoRing);
   } catch (const std::exception& problem) {
