@@ -148,17 +148,33 @@ bool Services::send_interrupt(SendInterrupt::Request& request, SendInterrupt::Re
 bool Services::stop(Stop::Request& request, Stop::Response& response) {
   return answered(port_, response, [&] {
     const auto timeout = timeout_of(request.timeout, kServiceAnswer);
+    const bool all = request.node.empty() || request.node == "all";
     json ask_stop = {{"do", "stop"}};
-    if (!request.node.empty() && request.node != "all") ask_stop["node"] = std::to_string(one_node(request.node));
+    if (!all) ask_stop["node"] = std::to_string(one_node(request.node));
+    ask::SentStop sent{ring_.ring, nodes_to_ask(request.node), std::chrono::steady_clock::now()};
     auto port = HostPort::connect(daemon_);
-    const auto sent = std::chrono::steady_clock::now();
     const auto reply = answer_to(port, ask_stop, timeout);
     fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,
          reply.value("reason", ""));
-    const auto stops = ask::wait_for_stops(
-        {ring_.ring, nodes_to_ask(request.node), sent, reply.value("outcome", "") == to_string(Outcome::delivered)});
-    response.message += (response.message.empty() ? "" : "; ") + sentence_of(stops);
+    sent.delivered = response.success;
+    if (all) stop_other_parts(sent, port.id(), timeout);
+    response.message += (response.message.empty() ? "" : "; ") + sentence_of(ask::wait_for_stops(sent));
   });
+}
+
+// As 'ringctl stop' does: in an open chain, or a ring that has folded into parts, one node does not reach all.
+void Services::stop_other_parts(const ask::SentStop& sent, std::uint8_t own, std::chrono::milliseconds timeout) {
+  std::set<std::uint8_t> asked{own};
+  while (const auto next = ask::next_to_ask(ask::wait_until_reached(sent), asked)) {
+    asked.insert(next->id);
+    ConnectOptions other = daemon_;
+    other.node = next->name;
+    try {
+      auto port = HostPort::connect(other);
+      answer_to(port, {{"do", "stop"}}, timeout);
+    } catch (const std::exception&) {  // it has gone meanwhile: of its node nothing is known then
+    }
+  }
 }
 
 std::vector<ask::Node> Services::nodes_to_ask(const std::string& which) const {

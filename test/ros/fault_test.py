@@ -51,8 +51,13 @@ class Faults(unittest.TestCase):
     def test_a_cut_line_opens_the_chain_until_it_is_cleared(self):
         self.begin('cut left_hip -> left_hip_yaw')
         self.ring.wait_for_node('left_hip_yaw', lambda n: n.state == 'open_chain', 'to know of the break')
+        self.ring.wait_for_node('body', lambda n: n.state == 'open_chain', 'to know of the break')
+        stopped = service('stop', Stop)(node='all').message   # reaches both sides of the break
+        self.assertNotIn('not reached', stopped)
+        self.assertNotIn('not known', stopped)
         self.assertTrue(self.clear(id='').success)
         self.ring.wait_until_up()
+        self.assertTrue(service('resume', Resume)(node='all').success)
 
     def test_a_power_cycle_brings_the_node_back_with_another_cpu(self):
         before = self.ring.node('right_elbow')
