@@ -165,7 +165,7 @@ void add_line_options(CLI::App& command, study::World& world) {
   command
       .add_option_function<std::string>(
           "--redundancy", [&world](const std::string& what) { world.fold_back = what == "foldback"; },
-          "none (default) or foldback: a second line; then a cut is of the cable, and there are 3 nodes at least")
+          "none (default) or foldback: a second line; then a cut is of the cable")
       ->transform(cli::one_of({"none", "foldback"}));
   command.add_flag("--open-chain", world.broken,
                    "The line out of the last node is cut before the sends, and mended at the end; with fold-back its "
@@ -173,8 +173,6 @@ void add_line_options(CLI::App& command, study::World& world) {
 }
 
 int run(ExploreOptions& options) {
-  if (options.world.fold_back && options.world.nodes < 3)
-    throw UsageError("--redundancy foldback: a ring of 2 has no way round a break; --nodes 3 or more");
   options.bounds.recognise = !options.all_runs;
   return options.only ? run_one(options) : run_all(options);
 }

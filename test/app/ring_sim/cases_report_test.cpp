@@ -125,6 +125,13 @@ TEST(Explore, NamesAPlaceThatTheRunDoesNotHave) {
   EXPECT_EQ(ring_sim({"explore", "--only", "0:lost"}).code, kDone);
 }
 
+// As 'ringctl up' does: round a broken cable the second line leads over the other one.
+TEST(Explore, ARingOfTwoFoldsBackToo) {
+  const CliRun said =
+      ring_sim({"explore", "--nodes", "2", "--redundancy", "foldback", "--open-chain", "--only", "none"});
+  EXPECT_EQ(said.code, kDone) << said.errors;
+}
+
 TEST(Explore, OneRunAloneTakesNothingThatBoundsMany) {
   for (const std::vector<std::string>& bound :
        {std::vector<std::string>{"--faults", "2"}, {"--places", "5"}, {"--threads", "1"}, {"--all-runs"}}) {
