@@ -165,6 +165,19 @@ class Replay(Looking):
         self.assertEqual(report['left_out']['control'], 20 - data)
         self.assertEqual(self.counters(1)['ended_delivered'] - before, 2 * data)
 
+    def test_says_why_something_was_not_delivered(self):
+        nodes = plain_nodes(3)
+        nodes[0]['cpu'] = 'attached'
+        self.start_ring(nodes, timeouts={'refused': '50ms'})
+        path = os.path.join(self.folder, 'refused.pcapng')
+        dump = self.start('dump', [program('ringctl'), 'dump', 'node0', '--kind', 'data', '-n', '1', '-w', path])
+        port = self.port(2)
+        self.wait('the end of the dump', lambda: port.wait(port.send(0, b'x'), GUARD) and dump.poll() is not None)
+        report = self.ctl_json('replay', path, code=1)
+        self.assertEqual(report['outcomes'], {'refused': 1})
+        self.assertEqual(report['reasons'], {'probably no CPU is there (by its last beacon)': 1})
+        self.assertIn('\n  1: probably no CPU is there', self.ctl('replay', path).stdout)
+
     def test_of_a_file_of_all_lines_takes_each_packet_once(self):
         self.start_ring(plain_nodes(3))
         path = self.capture('all', '--at', 'in,out', '--kind', 'data', '-n', 18)

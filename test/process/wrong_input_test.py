@@ -107,6 +107,8 @@ class WrongArguments(RingTest):
         self.assert_usage(self.ctl('ping', '--from', 0, '--to', 1, '--count', 0))
         self.assert_usage(self.ctl('reset', 'nobody'), 'nobody')
         self.assert_usage(self.ctl('--ring', '../x', 'status'), '../x')
+        self.assert_usage(self.ctl('dump', '--json', '--ascii'), '--json')
+        self.assert_usage(self.ctl('dump', '--json', '--decode'), '--json')
         self.assert_usage(self.ctl('dance'))
         self.assert_usage(self.ctl())
 

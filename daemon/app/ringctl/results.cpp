@@ -108,11 +108,20 @@ nlohmann::json to_json(const Result& result) {
           {"reason_code", to_string(result.why)}};
 }
 
+namespace {
+
+/// The round trip is that of the last try; all of them took longer.
+std::string after_text(double round_trip_us, unsigned tries, const char* word_of_one) {
+  const std::string took = round_trip_us > 0 ? app::number(round_trip_us) + " us" : "";
+  if (tries <= 1) return took.empty() ? "" : word_of_one + took;
+  return " after " + std::to_string(tries) + " tries" + (took.empty() ? "" : ", the last took " + took);
+}
+
+}  // namespace
+
 std::string ended_text(const std::string& outcome, double round_trip_us, unsigned tries, const std::string& reason) {
-  std::string after;
-  if (round_trip_us > 0) after = app::number(round_trip_us) + " us";
-  if (tries > 1) after += (after.empty() ? "" : " and ") + std::to_string(tries) + " tries";
-  return "ended '" + outcome + '\'' + (after.empty() ? "" : " after " + after) + (reason.empty() ? "" : ": " + reason);
+  return "ended '" + outcome + '\'' + after_text(round_trip_us, tries, " after ") +
+         (reason.empty() ? "" : ": " + reason);
 }
 
 std::string ended_text(const Result& result) {
@@ -121,8 +130,7 @@ std::string ended_text(const Result& result) {
 
 std::string to_text(const Result& result) {
   std::string text = to_string(result.outcome);
-  if (result.round_trip.count() > 0) text += " in " + app::number(microseconds_of(result)) + " us";
-  if (result.tries > 1) text += " after " + std::to_string(result.tries) + " tries";
+  text += after_text(microseconds_of(result), result.tries, " in ");
   if (!result.reason.empty()) text += ": " + result.reason;
   return text;
 }

@@ -129,11 +129,6 @@ std::vector<json> status_rows(const RingAccess& ring) {
   return complete_rows(ring, ask_all(ring.ring(), ring.nodes(), {{"do", "status"}}));
 }
 
-bool is_up(const json& row) {
-  const std::string state = row.value("state", "");
-  return state == "up" || state == "folded";
-}
-
 std::string cpu_word(const json& row) {
   const json cpu = row.value("cpu", json::object());
   if (cpu.value("verdict", "") == "hung") return "hung";

@@ -29,8 +29,6 @@ std::string node_name(const std::vector<nlohmann::json>& rows, const nlohmann::j
 /// "left_hip -> left_knee", by their ids.
 std::string line_name(const std::vector<nlohmann::json>& rows, const nlohmann::json& before,
                       const nlohmann::json& behind);
-/// Does the node's network controller take part in a closed ring?
-bool is_up(const nlohmann::json& row);
 /// "running", "stopped", "hung" ...; "latched" if a stop is latched. "hung" comes from the supervisor: the node's own
 /// network controller says no more than "silent", and that only of a CPU that has promised to speak.
 std::string cpu_word(const nlohmann::json& row);

@@ -248,6 +248,9 @@ Sends ended(std::vector<Result> results) {
 TEST(Results, OneIsToldInWords) {
   EXPECT_EQ(to_text(result(Outcome::delivered)), "delivered in 61.2 us");
   EXPECT_EQ(to_text(result(Outcome::rejected, "queue full")), "rejected in 61.2 us: queue full");
+  Result tried_often = result(Outcome::refused);
+  tried_often.tries = 22;
+  EXPECT_EQ(to_text(tried_often), "refused after 22 tries, the last took 61.2 us");
 }
 
 TEST(Results, HaveOneFormInASentenceForEveryOutcome) {
@@ -256,7 +259,7 @@ TEST(Results, HaveOneFormInASentenceForEveryOutcome) {
     EXPECT_EQ(ended_text(to_string(outcome), 0, 1, "so"), std::string("ended '") + to_string(outcome) + "': so");
   EXPECT_EQ(ended_text("no such node", 1154.62, 1, ""), "ended 'no such node' after 1154.6 us");
   EXPECT_EQ(ended_text("lost", 0, 4, ""), "ended 'lost' after 4 tries");
-  EXPECT_EQ(ended_text("delivered", 61.24, 2, ""), "ended 'delivered' after 61.2 us and 2 tries");
+  EXPECT_EQ(ended_text("delivered", 61.24, 2, ""), "ended 'delivered' after 2 tries, the last took 61.2 us");
 }
 
 TEST(Results, ExitCodeSaysWhetherAllWereDelivered) {

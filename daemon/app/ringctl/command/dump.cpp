@@ -132,6 +132,8 @@ std::string named_by_date() {
 int run(const Context& context, DumpOptions options) {
   if (options.log && !options.write.empty()) throw UsageError("-l and -w: choose one of them");
   if (options.log) std::cerr << "ringctl: writing " << (options.write = named_by_date()) << std::endl;
+  if (options.json && (options.text.ascii || options.text.decode))
+    throw UsageError("--json goes without -a and -d: it has all bytes of a packet, as a program wants them");
   if (options.json && !options.write.empty()) throw UsageError("--json and -w: choose one of them");
   return options.read.empty() ? dump_live(context, options) : dump_file(options);
 }

@@ -73,6 +73,8 @@ class Replay {
   std::uint64_t sent() const { return sent_; }
   std::uint64_t unanswered() const { return sent_ - ended_; }
   const std::map<Outcome, std::uint64_t>& outcomes() const { return outcomes_; }
+  /// Why the others were not delivered, in words; where nobody says, the outcome.
+  const std::map<std::string, std::uint64_t>& reasons() const { return reasons_; }
 
  private:
   static bool asked_to_end(process::SignalWait& signals) {
@@ -110,6 +112,8 @@ class Replay {
     if (result == nullptr) return;
     ++ended_;
     ++outcomes_[result->outcome];
+    if (result->outcome == Outcome::delivered) return;
+    ++reasons_[result->reason.empty() ? to_string(result->outcome) : result->reason];
   }
 
   const ReplayPlan& plan_;
@@ -117,6 +121,7 @@ class Replay {
   std::map<wire::NodeId, HostPort> ports_;
   std::vector<pollfd> waiting_;
   std::map<Outcome, std::uint64_t> outcomes_;
+  std::map<std::string, std::uint64_t> reasons_;
   std::uint64_t sent_ = 0, ended_ = 0;
 };
 
@@ -147,6 +152,7 @@ nlohmann::json report_of(const Replay& replay, const ReplayPlan& plan) {
   for (const auto& [outcome, count] : replay.outcomes()) outcomes[to_string(outcome)] = count;
   return {{"sent", replay.sent()},
           {"outcomes", outcomes},
+          {"reasons", replay.reasons()},
           {"unanswered", replay.unanswered()},
           {"left_out",
            {{"control", plan.control},
@@ -159,6 +165,8 @@ void print_text(const nlohmann::json& report) {
   std::cout << "sent " << report["sent"];
   for (const auto& [outcome, count] : report["outcomes"].items()) std::cout << ", " << outcome << ' ' << count;
   if (report["unanswered"] != 0) std::cout << ", without a result " << report["unanswered"];
+  for (const auto& [reason, count] : report["reasons"].items())
+    if (report["outcomes"].count(reason) == 0) std::cout << "\n  " << count << ": " << reason;
   const nlohmann::json& left = report["left_out"];
   std::cout << "\nleft out of the file: " << left["control"] << " hellos and beacons, " << left["broken"] << " broken, "
             << left["repeated"] << " repeated, " << left["on_other_lines"] << " seen on other lines\n";
