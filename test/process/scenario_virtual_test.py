@@ -47,6 +47,12 @@ class ScenarioVirtual(ScenarioTest):
         self.assertEqual(os.listdir(self.temporary), [], 'nothing is left')
         return json.loads(done.stdout)[0]
 
+    def test_a_log_that_cannot_be_written_is_an_error(self):
+        file = self.scenario(NOTHING.replace('one', 'node0'), ring_process.plain_nodes(2))
+        done = self.ctl('scenario', 'run', '--virtual', '--log', '/dev/full', file)
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertEqual(done.stderr, 'ringctl: /dev/full: not all could be written: No space left on device\n')
+
     def sim(self, file):
         return self.ctl_json('scenario', 'run', '--sim', file)[0]
 

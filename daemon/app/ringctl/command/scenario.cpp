@@ -140,11 +140,13 @@ std::string verdict_of(const std::vector<ScenarioRun>& runs) {
   return all + (count == 0 ? "all as expected" : std::to_string(count) + " not as expected:" + unmet);
 }
 
-ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::ostream* capture) {
+ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::ostream* capture,
+                 std::string& log_problem) {
   const std::uint64_t seed = options.seed.value_or(scenario.seed);
   const sim::CaptureAt at = options.outputs ? sim::CaptureAt::inputs_and_outputs : sim::CaptureAt::inputs;
   if (options.live) return play_live(scenario, seed, options.transport);
-  if (options.with_programs) return play_virtual(scenario, seed, {options.scenario_cpus, options.log, capture, at});
+  if (options.with_programs)
+    return play_virtual(scenario, seed, {options.scenario_cpus, options.log, capture, at, &log_problem});
   return run_scenario(scenario, seed, capture, at);
 }
 
@@ -155,12 +157,13 @@ int run(const ScenarioOptions& options) {
   const std::vector<Scenario> scenarios = load(options);
   std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
   std::vector<ScenarioRun> runs;
+  std::string log_problem;
   const auto write_junit = [&] {
     if (junit.is_open()) finish(junit << scenario::junit_of(runs), options.junit);
   };
   try {
     for (const Scenario& scenario : scenarios) {
-      runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr));
+      runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr, log_problem));
       if (!options.json) std::cout << text_of(runs.back()) << std::endl;
     }
   } catch (...) {  // interrupted, for one: what was found so far is not lost
@@ -173,6 +176,7 @@ int run(const ScenarioOptions& options) {
   for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
   if (options.json) std::cout << app::format_rows(rows, app::Format::json) << '\n';
   write_junit();
+  if (!log_problem.empty()) throw NotDone(log_problem);
   const bool unmet =
       std::any_of(runs.begin(), runs.end(), [](const ScenarioRun& each) { return each.unmet.has_value(); });
   return unmet ? kNotDone : kDone;

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <optional>
 
 #include "app/ringctl/problems.h"
@@ -31,11 +32,17 @@ process::UniqueFd open_log(const std::string& path) {
   return log;
 }
 
-void log_to(const std::string& path) {
+/// @return gets what spdlog could not write, and why
+std::shared_ptr<std::string> log_to(const std::string& path) {
   const auto sink = std::make_shared<spdlog::sinks::basic_file_sink_st>(path.empty() ? "/dev/null" : path);
   spdlog::set_default_logger(std::make_shared<spdlog::logger>("ringctl", sink));
   spdlog::set_pattern("%v");
   spdlog::flush_on(spdlog::level::info);
+  auto problem = std::make_shared<std::string>();
+  spdlog::default_logger()->set_error_handler([problem, path](const std::string& what) {
+    if (problem->empty()) *problem = path + ": not all could be written: " + what.substr(what.rfind(':') + 2);
+  });
+  return problem;
 }
 
 }  // namespace
@@ -54,12 +61,13 @@ scenario::ScenarioRun play_virtual(const scenario::Scenario& scenario, std::uint
   const live::PrivateFolder folder;
   const config::RingConfig ring = ring_of(scenario, seed, play);
   const process::UniqueFd log = open_log(play.log);
-  log_to(play.log);
+  const std::shared_ptr<std::string> log_problem = log_to(play.log);
   program_stage::ProgramStage stage(scenario, ring, seed, log.get());
   std::optional<sim::RingCapture> captured;
   if (play.capture != nullptr) captured.emplace(stage.ring(), *play.capture, sim::names_of(ring), play.at);
   scenario::ScenarioRun run = run_scenario(scenario, seed, stage);
   run.trace = stage.trace();
+  if (play.log_problem != nullptr && !log_problem->empty()) *play.log_problem = *log_problem;
   return run;
 }
 

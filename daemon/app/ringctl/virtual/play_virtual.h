@@ -13,6 +13,7 @@ struct VirtualPlay {
   std::string log;  ///< what the programs print and the nodes log is added to this file; empty: it is not kept
   std::ostream* capture = nullptr;  ///< packets as pcapng, or null; taken where `at` says
   sim::CaptureAt at = sim::CaptureAt::inputs;
+  std::string* log_problem = nullptr;  ///< gets what of the log could not be written, and why; or null
 };
 
 /// @throw UsageError where the log cannot be written, it cannot be played so, or a program of the ring's file is
