@@ -169,6 +169,15 @@ std::vector<std::string> killed_rings() {
   return rings;
 }
 
+std::string held_up_lock(const std::string& folder) {
+  for (const fs::path& file : files_in(folder)) {
+    const std::string stem = file.stem();
+    const bool of_up = file.extension() == ".lock" && (stem == "up" || stem.rfind("up-", 0) == 0);
+    if (of_up && is_held(file)) return file;
+  }
+  return "";
+}
+
 void remove_leftovers(const std::string& folder) {
   std::error_code ignored;
   for (const fs::path& file : files_in(folder))

@@ -56,8 +56,11 @@ struct KnownNode {
 /// Those that have a lock file, by id: what can be told of a ring of which no daemon answers.
 std::vector<KnownNode> known_nodes(const std::string& folder);
 
+/// Path of the lock of a `ringctl up` that is starting the ring, or a host's part of it; empty: none is.
+std::string held_up_lock(const std::string& folder);
+
 /// Removes what daemons that are gone have left in a ring's folder, and the folder.
-/// @pre no node of it is held
+/// @pre no node of it is held, and nobody is starting it
 void remove_leftovers(const std::string& folder);
 
 }  // namespace limb_ring::live

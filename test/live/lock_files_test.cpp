@@ -11,6 +11,7 @@
 #include "limb_ring/ring_directory.h"
 #include "live/node_notes.h"
 #include "live/running_daemons.h"
+#include "process/lock_file.h"
 #include "support/node_literal.h"
 #include "support/own_folder.h"
 
@@ -29,6 +30,16 @@ class RingFolder : public test::OwnFolder {
 
   const std::string ring = make_ring_directory("legs");
 };
+
+TEST_F(RingFolder, AnUpThatStartsTheRingHoldsItsLock) {
+  EXPECT_EQ(held_up_lock(ring), "");
+  std::ofstream(ring + "/up-waist.lock") << 4711 << '\n';
+  EXPECT_EQ(held_up_lock(ring), "") << "its holder is gone";
+  const auto node = lock_of(7);
+  EXPECT_EQ(held_up_lock(ring), "");
+  const auto up = process::LockFile::take(ring + "/up-waist.lock");
+  EXPECT_EQ(held_up_lock(ring), ring + "/up-waist.lock");
+}
 
 TEST_F(RingFolder, HeldNodesAreThoseWhoseHolderLives) {
   std::ofstream(ring + "/3.lock") << 4711 << '\n';

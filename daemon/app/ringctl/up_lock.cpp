@@ -19,13 +19,30 @@ bool is_there(const std::string& folder) {
   return std::filesystem::exists(folder, error);
 }
 
+/// 'ringctl down' may remove the folder at any time before the lock is had. @return nothing where another one has it
+std::optional<process::LockFile> take_in_folder(const std::string& ring, const std::string& host) {
+  for (;;) {
+    try {
+      return process::LockFile::take(up_lock(make_ring_directory(ring), host));
+    } catch (const std::system_error& problem) {
+      if (problem.code() != std::errc::no_such_file_or_directory) throw;
+    }
+  }
+}
+
 }  // namespace
 
+std::string up_lock(const std::string& folder, const std::string& host) {
+  return folder + (host.empty() ? "/up" : "/up-" + host) + ".lock";
+}
+
 UpLock::UpLock(const std::string& ring, const std::string& host)
-    : ring_(ring), folder_is_new_(!is_there(ring_directory(ring))), folder_(make_ring_directory(ring)) {
-  const std::string path = folder_ + (host.empty() ? "/up" : "/up-" + host) + ".lock";
-  file_ = process::LockFile::take(path);
-  if (!file_) throw NotDone("ring " + ring + " is being started already, by " + process::lock_holder(path));
+    : ring_(ring),
+      folder_is_new_(!is_there(ring_directory(ring))),
+      folder_(make_ring_directory(ring)),
+      file_(take_in_folder(ring, host)) {
+  if (!file_)
+    throw NotDone("ring " + ring + " is being started already, by " + process::lock_holder(up_lock(folder_, host)));
   file_->write(std::to_string(::getpid()) + '\n');
 }
 

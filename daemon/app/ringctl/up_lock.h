@@ -7,12 +7,16 @@
 
 namespace limb_ring::ringctl {
 
+/// Path of the lock in a ring's folder. @param host whose part is started; empty: all of the ring
+std::string up_lock(const std::string& folder, const std::string& host = {});
+
 /// Of two `ringctl up` of one ring, or of one host's part of it, one starts it: a lock in the ring's folder from before
 /// it looks whether the ring runs until the ring is closed.
 class UpLock {
  public:
   /// @param host whose part is started; empty: all of the ring
-  /// @throw NotDone with the pid of the other one
+  /// Where 'ringctl down' has just this lock, to tidy the folder, it comes after that. @throw NotDone with the pid of
+  /// the other one
   UpLock(const std::string& ring, const std::string& host);
   /// Where the ring has not come up, and its folder was made for it, that goes, too: a failed start leaves nothing. It
   /// stays where a daemon lives, or has recorded what may tell why.

@@ -1,9 +1,11 @@
 #include <signal.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "app/common/text_table.h"
 #include "app/ringctl/answers.h"
@@ -12,8 +14,10 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_folder.h"
+#include "app/ringctl/up_lock.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
+#include "process/lock_file.h"
 
 namespace limb_ring::ringctl {
 
@@ -48,11 +52,24 @@ int tell_down(const std::string& ring) {
   return kDone;
 }
 
+/// Tidies the folder of a ring that does not run. Who begins to start it meanwhile waits for our lock, or makes the
+/// folder again. @throw NotDone where somebody is just starting it
+void remove_what_is_left(const std::string& ring, const std::string& folder) {
+  std::optional<process::LockFile> lock;
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) return;
+  std::string starting = live::held_up_lock(folder);
+  if (starting.empty() && !(lock = process::LockFile::take(up_lock(folder)))) starting = up_lock(folder);
+  if (!starting.empty())
+    throw NotDone("ring " + ring + " is being started, by " + process::lock_holder(starting) +
+                  "; once it is up, 'ringctl down " + ring + "' ends it");
+  live::remove_leftovers(folder);
+}
+
 int run(const std::string& ring) {
   const std::string folder = ring_directory(ring);
   if (live::held_nodes(folder).empty()) {
     const auto killed = live::killed_rings();
-    live::remove_leftovers(folder);
+    remove_what_is_left(ring, folder);
     if (std::count(killed.begin(), killed.end(), ring) != 0) return tell_down(ring);
     const std::string unreadable = why_unreadable(folder);
     throw NoRing("ring " + ring + (unreadable.empty() ? " is not running" : ": " + folder + unreadable));
