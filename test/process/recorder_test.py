@@ -68,6 +68,14 @@ class Recorder(RingTest):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn('cannot make the folder', done.stderr)
 
+    def test_that_could_not_be_saved_are_named_before_anything_is_started(self):
+        place = os.path.join(self.write('a_file', ''), 'saves')
+        config = self.write_ring(plain_nodes(2), recorder={'enabled': True, 'save': ['crash'], 'folder': place})
+        up = self.ctl('up', config, '--detach')
+        self.assertEqual(up.returncode, 2, up.stderr)
+        self.assertIn("ring.yaml: entry 'recorder.folder': cannot make the folder %s: " % place, up.stderr)
+        self.assertFalse(os.path.exists(self.ring_folder()))
+
     def test_are_a_capture_and_a_state_too(self):
         self.start_ring(plain_nodes(3), recorder={'enabled': True})
         self.send_delivered(1, 2, 3)

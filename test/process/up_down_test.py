@@ -1,5 +1,6 @@
 """ringctl up and down."""
 
+import fcntl
 import os
 import signal
 import subprocess
@@ -57,6 +58,22 @@ class UpDown(RingTest):
         left = os.listdir(self.ring_folder())
         self.assertIn('1.boot', left)
         self.assertNotIn('up.lock', left)
+
+    def test_down_leaves_a_ring_alone_that_is_being_started(self):
+        os.makedirs(self.ring_folder(), 0o700)
+        with open(os.path.join(self.ring_folder(), 'up.lock'), 'w') as lock:
+            fcntl.lockf(lock, fcntl.LOCK_EX)
+            down = self.ctl('down', self.ring)
+            self.assertEqual(down.returncode, 1, down.stderr)
+            self.assertIn('ring %s is being started, by ' % self.ring, down.stderr)
+            self.assertEqual(os.listdir(self.ring_folder()), ['up.lock'])
+        self.assertEqual(self.ctl('down', self.ring).returncode, 3)
+        self.assertFalse(os.path.exists(self.ring_folder()))
+
+    def test_a_timeout_that_would_not_count_is_refused(self):
+        done = self.ctl('--ring', self.ring, 'up', '--nodes', 2, '--timeout', 5, '--respawn')
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn('--timeout does not go with --respawn', done.stderr)
 
     def test_down_ends_frozen_daemons_too(self):
         self.up('--nodes', 3)

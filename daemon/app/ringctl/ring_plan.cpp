@@ -58,8 +58,8 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   return arguments;
 }
 
-std::vector<std::string> keeper_arguments(const std::string& config, const std::string& ring, bool records) {
-  const config::RecorderSaves saves = config::load_recorder_saves(config);
+std::vector<std::string> keeper_arguments(const config::RecorderSaves& saves, const std::string& config,
+                                          const std::string& ring, bool records) {
   if (saves.when.empty()) return {};
   if (!records)
     throw config::ConfigError(config +
@@ -105,7 +105,11 @@ RingPlan plan_ring(const UpRequest& given) {
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   plan.ring_size = config.nodes.size();
   const bool records = config.recorder.enabled || request.record;
-  if (!plan.is_virtual && !request.config.empty()) plan.keeper = keeper_arguments(request.config, plan.ring, records);
+  if (!plan.is_virtual && !request.config.empty()) {
+    const config::RecorderSaves saves = config::load_recorder_saves(request.config);
+    plan.keeper = keeper_arguments(saves, request.config, plan.ring, records);
+    plan.saves = saves.folder;
+  }
   if (!plan.is_virtual) plan.host = chosen_host(config, request.host);
   if (plan.host == kAllHosts) {
     plan.host.clear();

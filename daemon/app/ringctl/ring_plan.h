@@ -45,6 +45,7 @@ struct RingPlan {
   bool is_virtual = false;             ///< one daemon for all nodes
   /// Arguments of the `ringctl` that saves recordings when something goes wrong; empty: none does.
   std::vector<std::string> keeper;
+  std::string saves;  ///< the folder it saves them in
 
   bool is_part() const { return nodes.size() < ring_size; }
   /// Command line of the daemon of one node, without the program.

@@ -59,6 +59,14 @@ void require_not_running(const RingPlan& plan) {
   throw NotDone("ring " + plan.ring + " is running already; 'ringctl down " + plan.ring + "' ends it");
 }
 
+/// What saves recordings runs beside the ring, where nobody sees it fail. @throw UsageError
+void require_place_for_saves(const RingPlan& plan, const std::string& config) {
+  if (plan.keeper.empty()) return;
+  const std::string problem = app::make_output_folder(plan.saves);
+  if (!problem.empty())
+    throw UsageError(config + ": entry 'recorder.folder': " + problem + "; allowed: a folder that can be written");
+}
+
 /// Waits until the ring, or this host's part of it, is closed. @return why it is not; empty where it is
 std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::LaunchedRing& daemons,
                               process::SignalWait& signals, double timeout_s) {
@@ -216,6 +224,7 @@ RingPlan planned(const Context& context, const UpOptions& options) try {
 int run(const RingPlan& plan, const UpOptions& options) {
   UpLock lock(plan.ring, plan.host);
   require_not_running(plan);
+  require_place_for_saves(plan, options.request.config);
   if (options.respawn) return respawn(plan, lock);
   process::SignalWait signals;
   const auto lifetime = options.detach ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
@@ -268,7 +277,8 @@ void add_clock(CLI::App& command, UpOptions& options) {
               "virtual: the whole ring in one process, on a clock of its own, with the rates and delays of "
               "CONFIG (where it gives none: 1 Gbit/s, 512 ns); CPUs and tools connect as ever. follow: the same, and "
               "its "
-              "time goes on as far as a client allows, such as ring_bridge by /clock; no --timeout. Default: machine")
+              "time goes on as far as a client allows, such as ring_bridge by /clock; no --timeout counts. Default: "
+              "machine")
           ->transform(cli::one_of({"machine", "virtual", "follow"}));
   command
       .add_option("--pace", options.pace,
@@ -331,11 +341,15 @@ void add_up(CLI::App& app, Context& context) {
   add_request(*command, options->request);
   add_stay(*command, *options);
   add_clock(*command, *options);
-  command->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
-      ->transform(cli::seconds(0.1, 600.0));
-  command->callback([&context, options] {
+  CLI::Option* timeout =
+      command
+          ->add_option("--timeout", options->timeout_s, "Seconds until the ring must be closed, 0.1 to 600; default 10")
+          ->transform(cli::seconds(0.1, 600.0));
+  command->callback([&context, options, timeout] {
     options->request.ring = context.ring;
-    context.action = [&context, options] {
+    // Launch files give it with every --clock: with `follow` it is passed over, as the help says.
+    context.action = [&context, options, useless = options->respawn && timeout->count() != 0] {
+      if (useless) throw UsageError("--timeout does not go with --respawn: the ring has all the time it needs");
       read_clock(*options);
       return run(planned(context, *options), *options);
     };
