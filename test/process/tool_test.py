@@ -88,6 +88,32 @@ class Tools(RingTest):
         self.assertLessEqual({'p50', 'p99', 'max'}, set(row['round_trip_us']))
         self.assertGreater(row['counters']['relayed_data'], 0)
 
+    def test_a_ring_that_is_frozen_as_a_whole_is_shown_and_thawed(self):
+        daemons = self.start_ring(plain_nodes(3))
+        for daemon in daemons.values():
+            self.stop_process(daemon.pid)
+        status = self.ctl('status')
+        self.assertEqual((status.returncode, status.stderr), (0, ''))  # it would say whom it waits for
+        self.assertEqual([row['state'] for row in self.ctl_json('status')['nodes']], ['frozen'] * 3)
+        stop = self.ctl('stop')
+        self.assertEqual(stop.returncode, 3, stop.stdout)
+        self.assertRegex(stop.stderr, "no daemon of ring .* answers: 3 nodes frozen; 'ringctl fault clear' thaws them")
+        self.assertEqual(self.ctl('fault', 'clear').returncode, 0)
+        self.wait_closed(range(3))
+
+    def test_a_fault_at_several_nodes_says_where_it_was_done(self):
+        nodes = plain_nodes(3)
+        for node in nodes[1:]:
+            node['cpu'] = {'command': ['echo_cpu']}
+        self.start_ring(nodes)
+        for node in (1, 2):
+            self.wait_cpu(node, 'running')
+        part = self.ctl('fault', 'hang', 'node0', 'node2')   # node0 has no CPU
+        self.assertEqual(part.returncode, 1, part.stderr)
+        self.assertEqual(part.stdout, 'node2.1: hang node2\n')
+        self.assertIn('CPU', part.stderr)
+        self.assertEqual(self.ctl('fault', 'clear').returncode, 0)
+
     def test_shutdown_ends_the_daemon_cleanly(self):
         daemons = self.start_ring(plain_nodes(2))
         self.assertEqual(self.port(1).ask({'do': 'shutdown'}), {})

@@ -51,16 +51,22 @@ RingDescription described_by(const std::string& ring, const std::string& node) {
   return described;
 }
 
-/// The order in which to ask daemons: frozen ones last, because they would keep us waiting.
-std::vector<std::string> whom_to_ask(const std::string& ring, const std::string& first) {
-  std::vector<std::string> nodes, frozen;
-  if (!first.empty() && first != "all") nodes.push_back(first);
+/// Whom to ask, and who is frozen, and would only keep us waiting.
+struct Daemons {
+  std::vector<std::string> answering;
+  std::size_t frozen = 0;
+};
+
+Daemons daemons_of(const std::string& ring, const std::string& first) {
+  Daemons daemons;
+  if (!first.empty() && first != "all") daemons.answering.push_back(first);
   for (const std::uint8_t id : node_sockets(ring)) {
-    const bool waits = live::is_frozen(ring_directory(ring), id);
-    (waits ? frozen : nodes).push_back(std::to_string(id));
+    if (live::is_frozen(ring_directory(ring), id))
+      ++daemons.frozen;
+    else
+      daemons.answering.push_back(std::to_string(id));
   }
-  nodes.insert(nodes.end(), frozen.begin(), frozen.end());
-  return nodes;
+  return daemons;
 }
 
 std::size_t killed_nodes(const std::string& folder) {
@@ -76,14 +82,18 @@ RingAccess RingAccess::open(const std::string& ring, const std::string& first) {
   if (!unreadable.empty()) throw NoRing("ring " + ring + ": " + folder + unreadable);
   std::string why = "it has no sockets in " + folder;
   Progress progress;
-  for (const std::string& node : whom_to_ask(ring, first)) {
+  const Daemons daemons = daemons_of(ring, first);
+  for (const std::string& node : daemons.answering) {
     try {
       return RingAccess(described_by(ring, node));
     } catch (const HostPortError& problem) {
       why = problem.what();
     }
-    progress.tell("node " + node + " does not answer, asking another");
+    if (&node != &daemons.answering.back()) progress.tell("node " + node + " does not answer, asking another");
   }
+  if (daemons.frozen != 0)
+    throw AllFrozen("no daemon of ring " + ring + " answers: " + app::counted(daemons.frozen, "node") +
+                    " frozen; 'ringctl fault clear' thaws them");
   const std::size_t killed = killed_nodes(folder);
   if (killed != 0)
     throw NoRing("no daemon of ring " + ring + " answers: " + app::counted(killed, "node") +
@@ -101,7 +111,7 @@ RingAccess RingAccess::open_also_dead(const std::string& ring) {
     bool noted = false;
     for (const live::KnownNode& node : live::known_nodes(folder)) {
       described.nodes.push_back({node.id, node.name});
-      noted = noted || live::note_of(folder, node.id).has_value();
+      noted = noted || live::note_of(folder, node.id).has_value() || live::is_frozen(folder, node.id);
     }
     if (!noted) throw;
     return RingAccess(described);

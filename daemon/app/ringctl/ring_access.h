@@ -17,6 +17,11 @@ struct RingHost {
   std::string ssh;  ///< where ssh finds it
 };
 
+/// All daemons of the ring that live are frozen.
+struct AllFrozen : NoRing {
+  using NoRing::NoRing;
+};
+
 /// A running ring, as one of its daemons describes it.
 struct RingDescription {
   std::string ring;
@@ -31,8 +36,8 @@ struct RingDescription {
 /// Access to a running ring: which nodes it has, and connections to those of this host.
 class RingAccess {
  public:
-  /// Asks `first` (id or name; may be empty), then one daemon after the other, how the ring is
-  /// configured. @throw NoRing where none answers
+  /// Asks `first` (id or name; may be empty), then one daemon after the other that is not frozen, how the ring is
+  /// configured. @throw NoRing where none answers, AllFrozen where none could
   static RingAccess open(const std::string& ring, const std::string& first = {});
   /// As open(). Where none answers, because nodes were killed or frozen on purpose, the nodes of this host by what
   /// their files tell, in the order of their ids.

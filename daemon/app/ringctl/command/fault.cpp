@@ -9,6 +9,7 @@
 
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
+#include "app/ringctl/fault_begin.h"
 #include "app/ringctl/fault_table.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
@@ -113,14 +114,15 @@ int begin(const Context& context, const fault::Word& word, const FaultOptions& o
   const fault::Fault fault = parsed(words_of(word, options), nodes, ring.folds_back());
   for (const wire::NodeId id : fault.nodes) ring.require_here(ring.node(std::to_string(id)));
   Interruption interruption(fault);
-  std::vector<live::Begun> faults;
-  while_telling(ring.ring(), [&] { faults = LiveFaults(ring.ring(), nodes).begin(fault, interruption.wait()); });
+  BegunFaults faults;
+  while_telling(ring.ring(), [&] { faults = begin_fault(ring.ring(), nodes, fault, interruption.wait()); });
   json all = json::array();
-  for (const live::Begun& begun : faults) {
+  for (const live::Begun& begun : faults.done) {
     all.push_back({{"id", begun.id.empty() ? json() : json(begun.id)}, {"fault", begun.words}});
     if (!options.json) std::cout << (begun.id.empty() ? "done" : begun.id) << ": " << begun.words << std::endl;
   }
-  if (options.json) std::cout << all.dump(2) << '\n';
+  if (options.json) std::cout << all.dump(2) << std::endl;
+  if (faults.problem) std::rethrow_exception(faults.problem);
   if (interruption.came()) throw NotDone("interrupted: thawed before its time");
   return kDone;
 }

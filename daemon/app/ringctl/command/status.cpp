@@ -43,8 +43,17 @@ void print_text(const RingAccess& ring, const std::vector<nlohmann::json>& rows,
             << app::wrapped(line_report(rows) + stop_report(rows) + supervision_text(rows), style.width);
 }
 
+/// Of a ring that is frozen as a whole, the nodes that its files tell of.
+RingAccess running_or_frozen(const std::string& ring) {
+  try {
+    return RingAccess::open(ring);
+  } catch (const AllFrozen&) {
+    return RingAccess::open_also_dead(ring);
+  }
+}
+
 int run(const Context& context, const StatusOptions& options) {
-  const RingAccess ring = RingAccess::open(choose_ring(context.ring));
+  const RingAccess ring = running_or_frozen(choose_ring(context.ring));
   const auto rows = status_rows(ring);
   if (options.json)
     print_json(ring, rows);

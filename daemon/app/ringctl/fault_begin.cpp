@@ -1,0 +1,70 @@
+#include "app/ringctl/fault_begin.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "app/ringctl/problems.h"
+#include "limb_ring/host_port.h"
+#include "limb_ring/ring_directory.h"
+#include "live/lock_files.h"
+#include "process/in_parallel.h"
+
+namespace limb_ring::ringctl {
+
+namespace {
+
+struct AtNode {
+  std::optional<live::Begun> begun;
+  std::exception_ptr problem;
+  std::string text;        ///< of the problem
+  bool no_daemon = false;  ///< it does not answer, or does not run
+};
+
+AtNode begin_at(const live::LiveFaults& faults, const fault::Fault& fault, const live::LiveFaults::Wait& wait) {
+  AtNode at;
+  try {
+    at.begun = faults.begin(fault, wait).front();
+  } catch (const std::exception& problem) {
+    at.problem = std::current_exception();
+    at.text = problem.what();
+    at.no_daemon = dynamic_cast<const HostPortError*>(&problem) != nullptr;
+  }
+  return at;
+}
+
+/// One that is alone as it is.
+std::exception_ptr problem_of(const std::vector<AtNode>& failed) {
+  if (failed.empty()) return nullptr;
+  if (failed.size() == 1) return failed[0].problem;
+  std::string text;
+  for (const AtNode& at : failed) text += (text.empty() ? "" : "; ") + at.text;
+  const bool no_daemons = std::all_of(failed.begin(), failed.end(), [](const AtNode& at) { return at.no_daemon; });
+  return no_daemons ? std::make_exception_ptr(HostPortError(text)) : std::make_exception_ptr(NotDone(text));
+}
+
+/// The virtual ring does it to all of its nodes at one instant, or to none.
+bool is_done_by_the_ring(const std::string& ring, const fault::Fault& fault) {
+  return fault::word_of(fault.name).of == fault::Of::node &&
+         live::holder_of(ring_directory(ring), fault.nodes.front()).on_virtual_ring;
+}
+
+}  // namespace
+
+BegunFaults begin_fault(const std::string& ring, const fault::RingNodes& nodes, const fault::Fault& fault,
+                        const live::LiveFaults::Wait& wait) {
+  const live::LiveFaults faults(ring, nodes);
+  if (fault.nodes.size() < 2 || is_done_by_the_ring(ring, fault)) return {faults.begin(fault, wait), nullptr};
+  std::vector<AtNode> all(fault.nodes.size());
+  process::in_parallel(all.size(), all.size(), [&](std::size_t i) {
+    fault::Fault one = fault;
+    one.nodes = {fault.nodes[i]};
+    all[i] = begin_at(faults, one, wait);
+  });
+  BegunFaults begun;
+  std::vector<AtNode> failed;
+  for (AtNode& at : all) at.begun ? begun.done.push_back(std::move(*at.begun)) : failed.push_back(std::move(at));
+  begun.problem = problem_of(failed);
+  return begun;
+}
+
+}  // namespace limb_ring::ringctl
