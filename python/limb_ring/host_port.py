@@ -56,7 +56,7 @@ class HostPort:
         @param ring its name; '': LIMB_RING_RING, else the only ring running
         @param node id or name; '': LIMB_RING_NODE
         @param role 'tool', or 'cpu': the node's CPU, which gets packets and interrupts
-        @param timeout how long to go on trying while the daemon is not there yet
+        @param timeout how long to go on trying while the daemon is not there yet; one that is has 2 s at least to answer
         @param alive_period role cpu: promises to call something here at least so often; 0: no promise
         @param lockstep role cpu, on a virtual ring: its time goes on only while this program waits in a call of this
         @param runtime folder in the place of XDG_RUNTIME_DIR

@@ -40,8 +40,10 @@ def test_a_joint_that_hangs_is_reset(make_ring, clock):
 def test_a_broken_wire_is_waited_for_and_mended(make_ring, clock):
     ring = make_ring(plain('wire'), clock=clock)
     ring.fault('cut', 'body:knee')
-    ring.wait('body', 'open_chain')
-    assert ring.send('knee', 'body', b'x').outcome == 'unconfirmed'
+    for node in 'body', 'knee':
+        ring.wait(node, 'open_chain')
+    sent = ring.send('knee', 'body', b'x')
+    assert sent.outcome == 'unconfirmed', sent
     ring.clear_faults()
     ring.wait_up()
     assert ring.send('body', 'knee', b'x').outcome == 'delivered'
@@ -279,7 +281,7 @@ def test_the_file_of_a_mark_may_be_a_path_beside_the_test(pytester):
     pytester.makepyfile("""
         import pathlib, pytest
         @pytest.mark.ring(pathlib.Path('beside.yaml'))
-        def test_it(ring, monkeypatch):
+        def test_it(ring):
             assert ring.port('body').ring == 'beside'""")
     test_file, = pytester.path.glob('test_*.py')
     os.chdir(str(pytester.path / 'elsewhere'))
