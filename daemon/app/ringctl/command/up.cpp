@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -11,17 +9,13 @@
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
-#include "app/ringctl/respawn.h"
-#include "app/ringctl/ring_folder.h"
 #include "app/ringctl/ring_watch.h"
+#include "app/ringctl/stay.h"
 #include "app/ringctl/up_lock.h"
 #include "cli/values.h"
 #include "config/ring_config.h"
 #include "limb_ring/ring_directory.h"
 #include "live/lock_files.h"
-#include "process/find_program.h"
-#include "process/program.h"
-#include "process/service_manager.h"
 #include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
@@ -31,7 +25,6 @@ using std::chrono::steady_clock;
 
 namespace {
 
-constexpr milliseconds kGrace{3000};
 constexpr double kForever = 1e6;  // s
 
 struct UpOptions {
@@ -85,132 +78,6 @@ std::string wait_until_closed(const RingPlan& plan, RingWatch& watch, live::Laun
     if (signals.asked_to_end(process::SignalWait::kTick)) return "interrupted";
     progress.tell("waiting for " + waiting->lack);
   }
-}
-
-void announce(const RingPlan& plan, std::size_t ring_size) {
-  const std::string here = std::to_string(plan.nodes.size());
-  std::string text = "ring " + plan.ring;
-  if (!plan.is_part())
-    text += " is closed: " + here + " nodes up";
-  else if (ring_size == plan.ring_size)
-    text += " is closed: " + std::to_string(ring_size) + " nodes up, " + here + " of them here, on host " + plan.host;
-  else
-    text += ": all nodes of host " + plan.host + " are up (" + here + "), " + std::to_string(ring_size) + " of " +
-            std::to_string(plan.ring_size) + " are in the ring; 'ringctl wait up' waits for the other hosts";
-  std::cout << text << std::endl;
-  process::tell_ready(text);
-}
-
-void tell_ended(live::LaunchedRing& daemons) {
-  for (const live::LaunchedDaemon* daemon : daemons.reap())
-    if (!daemon->ended()->clean) std::cerr << "ringctl: " << daemon->exit_reason() << std::endl;
-}
-
-/// Ends daemons that were killed on purpose and started again by 'ringctl fault start': they are not our children, but
-/// have to end with the ring.
-void end_restarted(const std::string& ring) {
-  const std::string folder = ring_directory(ring);
-  terminate_daemons(folder);
-  Progress progress;
-  wait_until_gone(folder, progress);
-}
-
-/// A second request to end kills at once.
-void end(live::LaunchedRing& daemons, process::SignalWait& signals) {
-  daemons.end([&signals](milliseconds time) { return signals.asked_to_end(time); }, kGrace);
-}
-
-/// Ends all that is left of the ring, by a signal. The folder of a part stays: the nodes of other hosts know these by
-/// their boot numbers.
-void end_all(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals) {
-  end(daemons, signals);
-  end_restarted(plan.ring);
-  if (!plan.is_part()) tidy_folder(plan.ring);
-}
-
-/// Until a signal, or until all daemons have ended by themselves (ringctl down).
-/// @param has_end the ring ends when its time is over; its folder goes then, unless 'ringctl down' has removed it
-int stay(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, bool has_end) {
-  const RingFolder folder(plan.ring);
-  while (daemons.any_running()) {
-    if (signals.asked_to_end(milliseconds(1000))) {
-      end_all(plan, daemons, signals);
-      return kDone;
-    }
-    tell_ended(daemons);
-  }
-  end_restarted(plan.ring);
-  const bool clean = std::all_of(daemons.all().begin(), daemons.all().end(),
-                                 [](const live::LaunchedDaemon& daemon) { return daemon.ended()->clean; });
-  if (clean && has_end && !folder.is_gone()) tidy_folder(plan.ring);
-  return clean ? kDone : kNotDone;
-}
-
-/// Gives up on a daemon that exits with an error before the ring was ever closed: it would fail again.
-void require_started(const live::LaunchedRing& daemons) {
-  const live::LaunchedDaemon* dead = daemons.first_ended();
-  if (dead != nullptr && !dead->ended()->clean && !dead->ended()->by_signal) throw NotDone(dead->exit_reason());
-}
-
-void tell_taken_down(const std::string& ring) {
-  std::cout << "ring " << ring << " was taken down; 'ringctl up --detach' starts it again, and Ctrl-C ends this"
-            << std::endl;
-}
-
-/// Until a signal, whatever ends the daemons; where the ring was taken down, also until whoever started us is gone,
-/// such as a roslaunch that was killed: nobody else would end us. @throw NotDone where one cannot start
-void stay_and_respawn(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, UpLock& lock) {
-  Respawn respawn(daemons);
-  std::optional<RingWatch> watch(plan);
-  Progress progress;
-  bool down = false;
-  const pid_t starter = ::getppid();
-  while (!signals.asked_to_end(Respawn::kTick)) {
-    daemons.reap();
-    if (watch) require_started(daemons);
-    respawn.poll();
-    if (!down && respawn.taken_down()) {
-      tell_taken_down(plan.ring);
-      lock.release();
-      watch.reset();
-      down = true;
-    }
-    if (down && ::getppid() != starter) return;
-    if (!watch) continue;
-    if (const auto waiting = watch->first_not_ready()) {
-      progress.tell("waiting for " + waiting->lack);
-    } else {
-      lock.release();
-      announce(plan, watch->ring_size());
-      watch.reset();
-    }
-  }
-  if (down) return;  // daemons that run now were started by somebody else
-  end_all(plan, daemons, signals);
-}
-
-/// Saves recordings when something goes wrong, where the ring's file says so; ends with the ring.
-std::optional<process::Program> start_keeper(const RingPlan& plan, bool detached) {
-  if (plan.keeper.empty()) return std::nullopt;
-  process::ProgramRequest request;
-  request.name = process::own_folder() + "/ringctl";
-  request.arguments = plan.keeper;
-  request.lifetime = detached ? process::Lifetime::its_own : process::Lifetime::asked_to_end;
-  if (detached) request.log = ring_directory(plan.ring) + "/keep.log";
-  return process::Program(request);
-}
-
-int respawn(const RingPlan& plan, UpLock& lock) {
-  process::SignalWait signals;
-  live::LaunchedRing daemons(launch_request(plan, process::Lifetime::asked_to_end, false));
-  const auto keeper = start_keeper(plan, false);
-  try {
-    stay_and_respawn(plan, daemons, signals, lock);
-  } catch (const NotDone& problem) {
-    end(daemons, signals);
-    throw NotDone("ring " + plan.ring + ": " + problem.what());
-  }
-  return kDone;
 }
 
 /// @throw UsageError where --host names another machine, unless it is to be done there

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "app/ringctl/ring_plan.h"
+#include "app/ringctl/ring_watch.h"
+#include "app/ringctl/up_lock.h"
+#include "live/launched_ring.h"
+#include "process/program.h"
+#include "process/signal_wait.h"
+
+namespace limb_ring::ringctl {
+
+/// Says that the ring, or this host's part of it, is up.
+void announce(const RingPlan& plan, std::size_t ring_size);
+
+/// A second request to end kills at once.
+void end(live::LaunchedRing& daemons, process::SignalWait& signals);
+
+/// Saves recordings when something goes wrong, where the ring's file says so; ends with the ring.
+std::optional<process::Program> start_keeper(const RingPlan& plan, bool detached);
+
+/// Until a signal, or until all daemons have ended by themselves (ringctl down).
+/// @param has_end the ring ends when its time is over; its folder goes then, unless 'ringctl down' has removed it
+/// @return an ExitCode
+int stay(const RingPlan& plan, live::LaunchedRing& daemons, process::SignalWait& signals, bool has_end);
+
+/// Starts the ring and stays until a signal, whatever ends the daemons. @return an ExitCode
+/// @throw NotDone where one cannot start
+int respawn(const RingPlan& plan, UpLock& lock);
+
+}  // namespace limb_ring::ringctl
