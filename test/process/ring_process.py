@@ -144,7 +144,8 @@ class RingTest(unittest.TestCase):
             return None
 
     def counters(self, node):
-        return self.row(node)['counters']
+        """A daemon whose clients are all it takes answers once it has seen the last one go."""
+        return self.wait('its counters', lambda: self.row(node))['counters']
 
     def wait(self, what, condition):
         """Polls until condition() is true, and returns what it returned."""
