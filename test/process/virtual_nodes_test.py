@@ -150,7 +150,7 @@ class Nodes(VirtualTest, FaultTest):
         again = self.ctl('up', config, '--clock', 'virtual', '--detach')
         self.assertIn('running already', again.stderr)
         self.assertEqual(self.ctl('--ring', self.ring, 'down').returncode, 0)
-        self.assertTrue(is_gone(pid))
+        self.wait('its end', lambda: is_gone(pid))   # it lets go of its locks a little before
         self.assertFalse(os.path.exists(self.ring_folder()))
 
     def test_a_ring_with_a_frozen_and_a_killed_node_goes_down_at_once(self):
@@ -159,7 +159,7 @@ class Nodes(VirtualTest, FaultTest):
         self.begin('freeze', 'node1')
         self.begin('kill', 'node2')
         self.assertEqual(self.ctl('--ring', self.ring, 'down').returncode, 0)
-        self.assertTrue(is_gone(pid))
+        self.wait('its end', lambda: is_gone(pid))   # as above
 
     def test_nothing_of_a_ring_that_was_killed_itself_is_left(self):
         config = self.up(plain_nodes(3))
