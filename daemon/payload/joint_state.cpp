@@ -15,6 +15,8 @@ constexpr std::size_t kJointSize = 12;
 constexpr std::uint8_t kSaturatedBit = 1 << 6;
 constexpr std::array<bool Mode::*, 7> kModeBits{
     &Mode::commanded, &Mode::safe, &Mode::hold, &Mode::damp, &Mode::stopped, &Mode::command_refused, &Mode::saturated};
+constexpr std::array<const char*, kModeBits.size()> kModeWords{"commanded",       "safe",     "hold", "damp", "stopped",
+                                                               "command refused", "saturated"};
 
 std::uint8_t to_bits(const Mode& mode) {
   unsigned bits = 0;
@@ -47,6 +49,13 @@ JointState::Joint get_joint(ByteReader& reader) {
 }
 
 }  // namespace
+
+std::string to_string(const Mode& mode) {
+  std::string text;
+  for (std::size_t i = 0; i < kModeBits.size(); ++i)
+    if (mode.*kModeBits[i]) text += (text.empty() ? "" : ", ") + std::string(kModeWords[i]);
+  return text;
+}
 
 Encoded encode(const JointState& state) {
   if (state.joints.size() > kMaxStateJoints) return EncodeFailure{EncodeError::too_many_items, kMaxStateJoints};

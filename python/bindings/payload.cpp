@@ -88,16 +88,8 @@ std::string joint_text(optional<double> position, optional<double> velocity, opt
 }
 
 std::string mode_text(const JointState::Mode& mode) {
-  std::string text;
-  const auto add = [&](bool is, const char* word) { text += is ? std::string(", ") + word : ""; };
-  add(mode.commanded, "commanded");
-  add(mode.safe, "safe");
-  add(mode.hold, "hold");
-  add(mode.damp, "damp");
-  add(mode.stopped, "stopped");
-  add(mode.command_refused, "command refused");
-  add(mode.saturated, "saturated");
-  return text;
+  const std::string words = payload::to_string(mode);
+  return words.empty() ? words : ", " + words;
 }
 
 void bind_joint_state(py::module& module) {

@@ -38,18 +38,8 @@ std::string words(const wire::Beacon& beacon, const RingNames& names) {
 }
 
 std::string modes(const payload::JointState::Mode& mode) {
-  std::string text;
-  const auto add = [&text](bool is, const char* word) {
-    if (is) text += std::string(text.empty() ? " (" : ", ") + word;
-  };
-  add(mode.commanded, "commanded");
-  add(mode.safe, "safe");
-  add(mode.hold, "hold");
-  add(mode.damp, "damp");
-  add(mode.stopped, "stopped");
-  add(mode.command_refused, "command refused");
-  add(mode.saturated, "saturated");
-  return text.empty() ? text : text + ")";
+  const std::string words = payload::to_string(mode);
+  return words.empty() ? words : " (" + words + ')';
 }
 
 std::string joint(std::size_t index) { return "; joint " + to_string(index); }

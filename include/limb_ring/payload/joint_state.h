@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "limb_ring/payload/byte_view.h"
@@ -42,6 +43,9 @@ struct JointState {
 };
 
 constexpr std::size_t kMaxStateJoints = 41;
+
+/// "safe, hold, command refused"; empty where nothing is set.
+std::string to_string(const JointState::Mode& mode);
 
 /// Sets `mode.saturated` in the bytes where a value had to be cut.
 /// @return EncodeFailure naming the joint: not_a_number, too_many_items, bad_field (stamp)
