@@ -36,6 +36,12 @@ std::string wrong_in(const json& row) {
   return "";
 }
 
+/// 0 where it is no number.
+std::uint64_t number_in(const json& object, const char* member) {
+  const json value = object.value(member, json());
+  return value.is_number_integer() ? value.get<std::uint64_t>() : 0;
+}
+
 json essence(const json& object, std::initializer_list<const char*> members) {
   json result = json::array();
   for (const char* member : members)
@@ -97,8 +103,17 @@ std::string RingWatch::digest() {
   return digest.dump();
 }
 
+void RingWatch::notice_boots(const json& own) {
+  for (const json& heard : heard_in(own)) {
+    const auto id = heard["id"].get<std::uint8_t>();
+    if (boots_.take(id, number_in(heard, "boot"), static_cast<std::uint32_t>(number_in(heard, "cpu_boots"))))
+      restarted_.push_back(id);
+  }
+}
+
 std::vector<NodeStatus> RingWatch::poll() {
   const auto own = ask(daemon_.node);
+  if (own) notice_boots(*own);
   const auto fresh = wire::kMissedBeacons * ring_.timeouts.beacon;
   std::vector<NodeStatus> all;
   for (const auto& node : ring_.nodes) {

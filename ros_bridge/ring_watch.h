@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "config/ring_config.h"
 #include "limb_ring/host_port.h"
+#include "ros_bridge/cpu_boots.h"
 
 namespace limb_ring::bridge {
 
@@ -26,6 +28,8 @@ class RingWatch {
   std::string digest();
   /// All configured nodes, in ring order.
   std::vector<NodeStatus> poll();
+  /// Nodes whose CPU was started again, by the beacons that the own node has heard: since the last call.
+  std::vector<std::uint8_t> take_restarted() { return std::exchange(restarted_, {}); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -34,6 +38,7 @@ class RingWatch {
     Clock::time_point next_try{};
     std::string told;  ///< what was wrong with its last answer; empty: nothing
   };
+  void notice_boots(const nlohmann::json& own);
   bool is_frozen(const std::string& node) const;
   std::optional<nlohmann::json> ask(const std::string& node);
   /// Says once what is wrong with the answer.
@@ -42,6 +47,8 @@ class RingWatch {
   const config::RingConfig& ring_;
   ConnectOptions daemon_;
   std::map<std::string, Peer> peers_;  // by name
+  CpuBoots boots_;
+  std::vector<std::uint8_t> restarted_;
 };
 
 }  // namespace limb_ring::bridge

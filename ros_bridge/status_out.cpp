@@ -90,7 +90,7 @@ void StatusOut::publish() {
                                 [this](const auto& node) { return node.name == own_node_; });
   if (own != status.nodes.end()) status.ring_size = own->ring_size;
   status.stopped = std::any_of(status.nodes.begin(), status.nodes.end(), [](const auto& node) { return node.stopped; });
-  notice_boots(status);
+  for (const auto node : watch_.take_restarted()) on_boot_(node);
   publisher_.publish(status);
   tell_stopped(status);
   for (const auto& handler : on_status_) handler(status);
@@ -129,14 +129,6 @@ void StatusOut::tell_stopped(const RingStatus& status) {
   std_msgs::Bool message;
   message.data = status.stopped;
   stopped_.publish(message);
-}
-
-void StatusOut::notice_boots(const RingStatus& status) {
-  for (const auto& node : status.nodes) {
-    auto [known, is_new] = boots_.emplace(node.id, node.cpu_boots);
-    if (!is_new && known->second != node.cpu_boots) on_boot_(node.id);
-    known->second = node.cpu_boots;
-  }
 }
 
 }  // namespace limb_ring::bridge

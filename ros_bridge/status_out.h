@@ -5,7 +5,6 @@
 
 #include <condition_variable>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -41,7 +40,6 @@ class StatusOut {
   void publish();
   void fill_header(RingStatus& status);
   void fill_joints(NodeStatus& node) const;
-  void notice_boots(const RingStatus& status);
   std::string problem();
 
   /// The nodes whose joint states say that a stop is latched.
@@ -59,7 +57,6 @@ class StatusOut {
   std::vector<OnStatus> on_status_;
   ros::Publisher publisher_, stopped_;
 
-  std::map<std::uint8_t, std::uint32_t> boots_;
   std::string last_digest_, last_problem_, last_stops_;
   std::optional<bool> last_stopped_;
   std::vector<std::string> last_silent_;

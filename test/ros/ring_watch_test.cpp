@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <functional>
 #include <future>
 
 #include "client/fake_daemon.h"
@@ -13,26 +14,50 @@
 namespace limb_ring::bridge {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class Watching : public test::OwnFolder {
  protected:
   /// Asks all nodes; that of the body answers this, nobody else is there.
   std::vector<NodeStatus> poll(const std::string& answer) {
-    test::FakeDaemon daemon("small", "body");
-    auto answered = std::async(std::launch::async, [&] {
-      daemon.welcome();
-      std::string heard;
-      while (heard.find("status") == std::string::npos)
-        for (const std::uint8_t byte : daemon.hear(1)) heard += static_cast<char>(byte);
-      daemon.say(Reply{1, answer});
+    RingWatch watch(ring_, own());
+    std::vector<NodeStatus> nodes;
+    answered({answer}, [&] { nodes = watch.poll(); });
+    return nodes;
+  }
+  /// Polls as often as there are answers of the body: the nodes whose CPU was started again, by then.
+  std::vector<std::uint8_t> restarted_after(const std::vector<std::string>& answers) {
+    RingWatch watch(ring_, own());
+    answered(answers, [&] {
+      for (std::size_t i = 0; i < answers.size(); ++i) watch.poll();
     });
-    ConnectOptions own;
-    own.ring = "small";
-    own.node = "body";
-    return RingWatch(ring_, own).poll();
+    return watch.take_restarted();
   }
 
+ private:
+  static void answered(const std::vector<std::string>& answers, const std::function<void()>& polls) {
+    test::FakeDaemon daemon("small", "body");
+    auto all = std::async(std::launch::async, [&] {
+      daemon.welcome();
+      std::uint32_t token = 0;
+      for (const std::string& answer : answers) {
+        std::string heard;
+        while (heard.find("status") == std::string::npos)
+          for (const std::uint8_t byte : daemon.hear(1)) heard += static_cast<char>(byte);
+        daemon.say(Reply{++token, answer});
+      }
+    });
+    polls();
+  }
+  static ConnectOptions own() {
+    ConnectOptions options;
+    options.ring = "small";
+    options.node = "body";
+    return options;
+  }
+
+ protected:
   const config::RingConfig ring_ = small_robot();
 };
 
@@ -61,6 +86,29 @@ TEST_F(Watching, AnythingElseIsNamedAndTheNodeCountsAsSilent) {
     EXPECT_EQ(nodes[0].pid, 0) << answer;
   }
 }
+
+constexpr const char* kNoAnswer = "{";
+constexpr const char* kOnce = R"({"heard": [{"id": 7, "boot": 1763715000000000000, "cpu_boots": 1}]})";
+constexpr const char* kTwice = R"({"heard": [{"id": 7, "boot": 1763715000000000000, "cpu_boots": 2}]})";
+constexpr const char* kStartedOver = R"({"heard": [{"id": 7, "boot": 1763715000000000001, "cpu_boots": 1}]})";
+constexpr const char* kNewDaemon = R"({"heard": [{"id": 7, "boot": 1763715099000000001, "cpu_boots": 1}]})";
+constexpr const char* kNewDaemonBeforeItsCpu = R"({"heard": [{"id": 7, "boot": 1763715099000000001, "cpu_boots": 0}]})";
+
+TEST_F(Watching, ACpuThatIsStartedAgainIsNoticedOnce) {
+  EXPECT_THAT(restarted_after({kOnce, kOnce}), ElementsAre());
+  EXPECT_THAT(restarted_after({kOnce, kTwice, kTwice}), ElementsAre(7));
+}
+
+TEST_F(Watching, AnOwnDaemonThatDoesNotAnswerRestartsNobody) {
+  EXPECT_THAT(restarted_after({kOnce, kNoAnswer, R"({"heard": []})", kOnce}), ElementsAre());
+}
+
+TEST_F(Watching, ACpuThatIsStartedAgainWithItsDaemonIsNoticedOnce) {
+  EXPECT_THAT(restarted_after({kOnce, kNewDaemon}), ElementsAre(7));
+  EXPECT_THAT(restarted_after({kOnce, kNewDaemonBeforeItsCpu, kNewDaemon}), ElementsAre(7));
+}
+
+TEST_F(Watching, ANodeThatStartsOverKeepsItsCpu) { EXPECT_THAT(restarted_after({kOnce, kStartedOver}), ElementsAre()); }
 
 }  // namespace
 }  // namespace limb_ring::bridge
