@@ -11,12 +11,21 @@ constexpr std::uint32_t kFramesQueue = 1000;  // a second of them, by default
 
 FramesOut::FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon,
                      FrameFilter filter, Counters& counters, const RosClock& clock)
-    : ring_(ring), daemon_(daemon), filter_(std::move(filter)), counters_(counters), clock_(clock) {
-  // Called by the spinner, as topics are: never while this is being made.
+    : ring_(ring),
+      daemon_(daemon),
+      filter_(std::move(filter)),
+      counters_(counters),
+      clock_(clock),
+      nodes_(nodes),
+      thread_(1, &queue_) {
+  nodes_.setCallbackQueue(&queue_);
   const auto changed = [this](const ros::SingleSubscriberPublisher&) { on_subscribers(); };
-  publisher_ = nodes.advertise<Frame>("ring_frames", kFramesQueue, changed, changed);
+  publisher_ = nodes_.advertise<Frame>("ring_frames", kFramesQueue, changed, changed);
   counters_.set("frames_watched_nodes", 0);
+  thread_.start();
 }
+
+FramesOut::~FramesOut() { thread_.stop(); }
 
 void FramesOut::on_subscribers() {
   const bool wanted = publisher_.getNumSubscribers() > 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include <map>
@@ -18,6 +19,9 @@ class FramesOut {
  public:
   FramesOut(ros::NodeHandle& nodes, const config::RingConfig& ring, const ConnectOptions& daemon, FrameFilter filter,
             Counters& counters, const RosClock& clock);
+  ~FramesOut();
+  FramesOut(const FramesOut&) = delete;
+  FramesOut& operator=(const FramesOut&) = delete;
 
  private:
   void on_subscribers();
@@ -29,6 +33,11 @@ class FramesOut {
   FrameFilter filter_;
   Counters& counters_;
   const RosClock& clock_;
+  // Subscribers come and go in a thread of its own: the end of a listener waits for a daemon that does not answer, and
+  // the other threads are the CPU's.
+  ros::CallbackQueue queue_;
+  ros::NodeHandle nodes_;
+  ros::AsyncSpinner thread_;
   ros::Publisher publisher_;
   std::map<std::uint8_t, CaptureCounts> counts_;  // by node; of the listening thread
   std::unique_ptr<RingListener> listener_;        // last: its thread uses the others

@@ -15,7 +15,8 @@
 namespace limb_ring::bridge {
 
 /// Observes daemons on this host, as any tool may, in a thread of its own until it is destroyed. A daemon
-/// that is gone, frozen, or not there yet, is tried ten times a second; one on another host is never found.
+/// that is gone, frozen, or not there yet, is tried ten times a second, one that accepts and says nothing less often;
+/// one on another host is never found.
 class RingListener {
  public:
   /// What came of a node, Disconnected included; called from the listening thread.
@@ -48,6 +49,7 @@ class RingListener {
   };
   void run();
   void connect(Source& source);
+  void try_to_connect(Source& source);
   void ask(Source& source);
   void wait() const;
   /// @return true where there may be more
