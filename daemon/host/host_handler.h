@@ -34,6 +34,8 @@ class HostHandler {
 
   /// A CPU in lockstep has greeted. It is attached when its boot time is over on the ring's clock.
   virtual void on_greeted(pid_t /*pid*/) {}
+  /// The same CPU is gone, or refused, and was not attached.
+  virtual void on_left(pid_t /*pid*/) {}
   /// A client has greeted. @return a reason to refuse it
   virtual std::optional<std::string> on_attach(const ClientInfo& client) = 0;
   /// A client that was attached is gone. Results for it may still be given; they go nowhere.

@@ -33,11 +33,11 @@ void HostServer::on_message(Session& session, const client::ToDaemon& message) {
 
 /// If both are pending, the kernel may report a new CPU's greeting before the end of the old CPU's connection. And a
 /// process that the old one has forked may have kept that open.
-void HostServer::free_cpu_slot_of_the_dead() {
-  if (cpu_ && (cpu_->hung_up() || process::is_gone(cpu_->info().pid))) {
-    const SessionPtr dead = cpu_;
-    dead->end("");
-    retire(*dead);
+void HostServer::free_cpu_slots_of_the_dead() {
+  for (const SessionPtr& cpu : {cpu_, booting_cpu_}) {
+    if (!cpu || !(cpu->hung_up() || process::is_gone(cpu->info().pid))) continue;
+    cpu->end("");
+    retire(*cpu);
   }
   tell_detached();
 }
@@ -51,15 +51,16 @@ std::optional<std::string> HostServer::objection(const client::Greeting& greetin
   if (!greeting.ring.empty() && greeting.ring != options_.ring) {
     return node + " belongs to ring " + options_.ring + ", not to " + std::string(greeting.ring);
   }
-  if (greeting.role == Role::cpu && cpu_) {
-    return node + " has a CPU already: pid " + std::to_string(cpu_->info().pid);
+  const SessionPtr& other = cpu_ ? cpu_ : booting_cpu_;
+  if (greeting.role == Role::cpu && other) {
+    return node + " has a CPU already: pid " + std::to_string(other->info().pid);
   }
   return handler_.on_attach(info);
 }
 
 void HostServer::on(Session& session, const client::Greeting& greeting) {
-  if (options_.turns != nullptr && greeting.lockstep && greeting.version == client::kHostPortVersion)
-    return attach_later(session, greeting);
+  const bool lockstep = options_.turns != nullptr && greeting.lockstep && greeting.role == Role::cpu;
+  if (lockstep && greeting.version == client::kHostPortVersion) return attach_later(session, greeting);
   if (attach(session, greeting)) session.put(welcome(options_.turns ? ClockKind::ring : ClockKind::machine));
 }
 
@@ -67,23 +68,32 @@ client::Welcome HostServer::welcome(ClockKind clock) const {
   return {options_.id, options_.name, options_.ring, clock};
 }
 
+// A second one that greets meanwhile is refused as after the boot: the ring waits for one CPU of a node.
 void HostServer::attach_later(Session& session, const client::Greeting& greeting) {
+  free_cpu_slots_of_the_dead();
+  if (booting_cpu_) return static_cast<void>(attach(session, greeting));
+  booting_cpu_ = session.shared_from_this();
   session.greeted();
   session.put(welcome(ClockKind::lockstep));
-  const auto attach_now = [this, alive = alive_, weak = session.weak_from_this(), greeting,
-                           ring = std::string(greeting.ring)] {
-    const SessionPtr waiting = weak.lock();
-    if (!*alive || !waiting || !waiting->open()) return;
+  const auto when_booted = [this, alive = alive_, weak = session.weak_from_this(), greeting,
+                            ring = std::string(greeting.ring)] {
+    const SessionPtr booted = weak.lock();
+    if (!*alive || !booted || !booted->open()) return;
     client::Greeting own = greeting;
     own.ring = ring;
-    attach(*waiting, own);
+    attach_now(booted, own);
   };
-  if (greeting.role == Role::cpu) handler_.on_greeted(session.info().pid);
-  options_.turns->greeted(options_.id, attach_now);
+  handler_.on_greeted(session.info().pid);
+  options_.turns->greeted(options_.id, when_booted);
+}
+
+void HostServer::attach_now(const SessionPtr& session, const client::Greeting& greeting) {
+  booting_cpu_.reset();
+  if (!attach(*session, greeting)) handler_.on_left(session->info().pid);
 }
 
 bool HostServer::attach(Session& session, const client::Greeting& greeting) {
-  free_cpu_slot_of_the_dead();
+  free_cpu_slots_of_the_dead();
   ClientInfo info = session.info();
   info.role = greeting.role;
   info.restarted_by_owner = greeting.restarted_by_owner;

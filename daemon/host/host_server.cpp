@@ -130,6 +130,7 @@ void HostServer::retire(Session& session) {
   const auto found = sessions_.find(session.info().id);
   if (found == sessions_.end()) return;
   if (cpu_ == found->second) cpu_.reset();
+  if (booting_cpu_ == found->second) left_cpu_ = std::move(booting_cpu_);
   ended_.push_back(std::move(found->second));
   sessions_.erase(found);
   boost::asio::post(io_, [this, alive = alive_] {
@@ -138,6 +139,10 @@ void HostServer::retire(Session& session) {
 }
 
 void HostServer::tell_detached() {
+  if (const SessionPtr left = std::move(left_cpu_)) {
+    options_.turns->left(options_.id);
+    handler_.on_left(left->info().pid);
+  }
   for (const SessionPtr& session : std::exchange(ended_, {})) {
     if (session->attached()) handler_.on_detach(session->info());
   }
@@ -202,6 +207,10 @@ void HostServer::disconnect(ClientId client, const std::string& reason) {
   retire(*session);
 }
 
+void HostServer::disconnect_booting_cpu(const std::string& reason) {
+  if (booting_cpu_) disconnect(booting_cpu_->info().id, reason);
+}
+
 void HostServer::freeze() {
   frozen_ = true;
   for (const auto& [id, session] : sessions_) session->freeze();
@@ -223,7 +232,7 @@ void HostServer::close(const std::string& reason) {
   for (const auto& [id, session] : sessions_) session->end(reason);
   sessions_.clear();
   ended_.clear();
-  cpu_.reset();
+  for (SessionPtr* cpu : {&cpu_, &booting_cpu_, &left_cpu_}) cpu->reset();
 }
 
 }  // namespace limb_ring::host

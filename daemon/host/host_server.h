@@ -74,6 +74,8 @@ class HostServer final : private SessionOwner {
 
   /// Ends a client's connection; on_detach() follows from the event loop.
   void disconnect(ClientId client, const std::string& reason);
+  /// The same for a CPU in lockstep that has greeted, and is not attached yet.
+  void disconnect_booting_cpu(const std::string& reason);
   /// @name As if the process stood still: nobody is heard or answered, and nobody learns of it
   ///@{
   void freeze();
@@ -97,12 +99,13 @@ class HostServer final : private SessionOwner {
   void count(End end);
   void retire(Session& session);
   void tell_detached();
-  void free_cpu_slot_of_the_dead();
+  void free_cpu_slots_of_the_dead();
   std::string whose() const;
   std::optional<std::string> objection(const client::Greeting& greeting, const ClientInfo& info);
 
   void on(Session& session, const client::Greeting& greeting);
   void attach_later(Session& session, const client::Greeting& greeting);
+  void attach_now(const SessionPtr& session, const client::Greeting& greeting);
   /// @return false where it was refused
   bool attach(Session& session, const client::Greeting& greeting);
   client::Welcome welcome(client::ClockKind clock) const;
@@ -125,6 +128,8 @@ class HostServer final : private SessionOwner {
   std::map<ClientId, SessionPtr> sessions_;
   std::vector<SessionPtr> ended_;  ///< on_detach() still to be called, where they were attached
   SessionPtr cpu_;
+  SessionPtr booting_cpu_;  ///< has greeted in lockstep, and is attached when its boot is over
+  SessionPtr left_cpu_;     ///< was that one, and on_left() is still to be called
   ClientId last_id_ = 0;
   HostCounters counters_;
   bool frozen_ = false;

@@ -17,6 +17,8 @@ class TurnKeeper {
   virtual std::chrono::nanoseconds now() const = 0;
   /// The CPU of a node has greeted. `attach` is called once, now or when its boot is over in the ring's time.
   virtual void greeted(std::uint8_t node, std::function<void()> attach) = 0;
+  /// The CPU that has greeted is gone, and was not attached.
+  virtual void left(std::uint8_t node) = 0;
   /// That CPU is attached, and waits for its first turn.
   virtual void joined(std::uint8_t node, const std::shared_ptr<Session>& session) = 0;
   /// Something is there for a client in lockstep.

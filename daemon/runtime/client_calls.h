@@ -28,6 +28,7 @@ class ClientCalls final : public host::HostHandler {
   explicit ClientCalls(const Receivers& receivers) : to_(receivers) {}
 
   void on_greeted(pid_t pid) override { to_.cpu.greeted(pid); }
+  void on_left(pid_t pid) override { to_.cpu.left(pid); }
   std::optional<std::string> on_attach(const host::ClientInfo& client) override;
   void on_detach(const host::ClientInfo& client) override;
   void on_send(host::ClientId client, const client::SendRequest& request) override;

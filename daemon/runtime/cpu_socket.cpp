@@ -6,6 +6,12 @@
 
 namespace limb_ring::runtime {
 
+namespace {
+
+constexpr const char* kReset = "the CPU was reset";
+
+}  // namespace
+
 CpuSocket::CpuSocket(boost::asio::io_context& io, CpuOptions options, NodeDriver& driver, host::HostServer& host,
                      std::function<void()> changed)
     : kind_(options.cpu.kind),
@@ -72,6 +78,7 @@ CpuActionResult CpuSocket::reset(const std::string& reason) {
   }
   const CpuActionResult done = process_.reset(reason);
   drop_client();
+  if (done.done) host_.disconnect_booting_cpu(kReset);
   return done;
 }
 
@@ -79,7 +86,7 @@ void CpuSocket::drop_client() {
   if (host_.cpu() == nullptr) return;
   const host::ClientInfo client = *host_.cpu();
   forget(client);
-  host_.disconnect(client.id, "the CPU was reset");
+  host_.disconnect(client.id, kReset);
 }
 
 void CpuSocket::forget(const host::ClientInfo& client) {

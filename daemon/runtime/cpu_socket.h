@@ -22,6 +22,7 @@ class CpuSocket final : private CpuEvents {
   /// @name From the host port
   ///@{
   void greeted(pid_t pid) { process_.greeted(pid); }
+  void left(pid_t pid) { process_.left(pid); }
   std::optional<std::string> attach(const host::ClientInfo& client);
   void detach(const host::ClientInfo& client);
   void spoke();

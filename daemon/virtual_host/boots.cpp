@@ -47,6 +47,13 @@ bool Boots::greeted(std::uint8_t node, const std::function<void()>& attach) {
   return true;
 }
 
+void Boots::left(std::uint8_t node) {
+  const auto boot = boots_.find(node);
+  if (boot == boots_.end()) return;
+  boot->second.attach = nullptr;
+  boot->second.since = steady_clock::now();
+}
+
 // A new process is booting; cpu.ending means that the previous one is ending.
 bool Boots::changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
   const bool child = cpu.kind == runtime::CpuKind::child;
@@ -55,7 +62,7 @@ bool Boots::changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
   if (cpu.ending) {
     ends(node);
   } else if (!boots) {
-    if (was_ending ? cpu.pid <= 0 : child) boots_.erase(node);
+    if (was_ending ? cpu.pid <= 0 : child) drop(node);
   } else if (std::exchange(pids_[node], cpu.pid) != cpu.pid) {
     boots_[node] = {boot_end()};
     return true;
@@ -63,6 +70,12 @@ bool Boots::changed(std::uint8_t node, const runtime::CpuStatus& cpu) {
     boots_.emplace(node, Boot{ring_.now()});
   }
   return false;
+}
+
+// Who has greeted in place of the child that is gone would wait for ever. Where it was the child, it is refused.
+void Boots::drop(std::uint8_t node) {
+  const auto dropped = boots_.extract(node);
+  if (!dropped.empty() && dropped.mapped().attach) dropped.mapped().attach();
 }
 
 void Boots::ends(std::uint8_t node) { boots_[node] = {ring_.now(), true}; }

@@ -29,6 +29,8 @@ class Boots {
   /// The CPU of a node has greeted. `attach` is called when its boot is over.
   /// @return false if it was not expected; `attach` was not called
   bool greeted(std::uint8_t node, const std::function<void()>& attach);
+  /// That CPU is gone: another one is waited for.
+  void left(std::uint8_t node);
   /// What is known of the CPU process of a node has changed. @return true where it is a new one
   bool changed(std::uint8_t node, const runtime::CpuStatus& cpu);
   /// The process of a node is ending, from this instant on.
@@ -54,6 +56,7 @@ class Boots {
   };
 
   core::Time boot_end() const;
+  void drop(std::uint8_t node);
   bool is_late(std::uint8_t node, const Boot& boot) const;
   void give_up(std::uint8_t node, const Boot& boot) const;
   void give_up_late_ones();

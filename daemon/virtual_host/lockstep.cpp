@@ -45,6 +45,11 @@ void Lockstep::greeted(std::uint8_t node, std::function<void()> attach) {
   attach();
 }
 
+void Lockstep::left(std::uint8_t node) {
+  boots_.left(node);
+  news_ = true;
+}
+
 void Lockstep::joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) {
   session->end_turn(nanoseconds{0});  // its first turn comes at once
   programs_[{node, session->info().id}] = {session, {}};

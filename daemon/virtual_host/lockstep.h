@@ -27,6 +27,7 @@ class Lockstep final : public host::TurnKeeper {
   // From the host ports.
   std::chrono::nanoseconds now() const override;
   void greeted(std::uint8_t node, std::function<void()> attach) override;
+  void left(std::uint8_t node) override;
   void joined(std::uint8_t node, const std::shared_ptr<host::Session>& session) override;
   void has_news() override { news_ = true; }
   void disturbed() override { disturbed_ = true; }

@@ -20,6 +20,7 @@ class Turnaround final : public host::HostHandler {
       : calls_(calls), ring_(ring), clock_(clock), cpu_(cpu), random_(seed) {}
 
   void on_greeted(pid_t pid) override { calls_.on_greeted(pid); }
+  void on_left(pid_t pid) override { calls_.on_left(pid); }
   std::optional<std::string> on_attach(const host::ClientInfo& client) override;
   void on_detach(const host::ClientInfo& client) override;
   void on_send(host::ClientId client, const client::SendRequest& request) override;

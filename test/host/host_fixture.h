@@ -28,6 +28,7 @@ struct FakeHandler : host::HostHandler {
     std::string data;
   };
 
+  void on_left(pid_t pid) override { left.push_back(pid); }
   std::optional<std::string> on_attach(const host::ClientInfo& client) override {
     attached.push_back(client);
     return objection;
@@ -58,6 +59,7 @@ struct FakeHandler : host::HostHandler {
   }
 
   std::optional<std::string> objection;
+  std::vector<pid_t> left;
   std::vector<host::ClientInfo> attached, detached;
   std::vector<Call> sends, interrupts, pulls, requests, observers;
   unsigned alive = 0, credits = 0;

@@ -1,4 +1,9 @@
 // A client of a virtual ring that has greeted, and whose boot in the ring's time is not over.
+#include <unistd.h>
+
+#include <optional>
+#include <utility>
+
 #include "host/host_fixture.h"
 #include "host/raw_client.h"
 
@@ -12,11 +17,13 @@ using test::RawClient;
 struct SlowTurns final : host::TurnKeeper {
   std::chrono::nanoseconds now() const override { return {}; }
   void greeted(std::uint8_t, std::function<void()> attach) override { let_in = std::move(attach); }
+  void left(std::uint8_t) override { ++left_ones; }
   void joined(std::uint8_t, const std::shared_ptr<host::Session>& session) override { joined_session = session; }
   void has_news() override {}
   void disturbed() override {}
 
   std::function<void()> let_in;
+  int left_ones = 0;
   std::shared_ptr<host::Session> joined_session;
 };
 
@@ -31,18 +38,62 @@ struct UnattachedClient : HostTest {
     options.turns = &turns;
     server = std::make_unique<host::HostServer>(io, options, handler);
   }
+  static client::Greeting cpu_greeting() {
+    client::Greeting greeting;
+    greeting.role = Role::cpu;
+    greeting.lockstep = true;
+    return greeting;
+  }
   SlowTurns turns;
 };
+
+TEST_F(UnattachedClient, IsTheOneCpuOfItsNodeFromItsGreetingOn) {
+  RawClient first("r", "3");
+  first.say(cpu_greeting());
+  until([&] { return turns.let_in != nullptr; });
+  const auto let_first_in = std::exchange(turns.let_in, nullptr);
+  RawClient second("r", "3");
+  second.say(cpu_greeting());
+  until([&] { return second.hung_up(); });
+  EXPECT_THAT(second.last_words(), testing::HasSubstr("has a CPU already: pid " + std::to_string(getpid())));
+  EXPECT_EQ(turns.let_in, nullptr);
+  let_first_in();
+  EXPECT_NE(turns.joined_session, nullptr);
+  EXPECT_FALSE(first.hung_up());
+}
+
+TEST_F(UnattachedClient, MakesRoomWhenItLeaves) {
+  std::optional<RawClient> first(std::in_place, "r", "3");
+  first->say(cpu_greeting());
+  until([&] { return turns.let_in != nullptr; });
+  turns.let_in = nullptr;
+  first.reset();
+  until([&] { return turns.left_ones == 1; });
+  EXPECT_THAT(handler.left, testing::ElementsAre(getpid()));
+  RawClient second("r", "3");
+  second.say(cpu_greeting());
+  until([&] { return turns.let_in != nullptr; });
+  turns.let_in();
+  EXPECT_NE(turns.joined_session, nullptr);
+  EXPECT_EQ(handler.detached.size(), 0u);
+}
+
+TEST_F(UnattachedClient, ThatIsRefusedAfterItsBootIsGone) {
+  handler.objection = "not now";
+  RawClient client("r", "3");
+  client.say(cpu_greeting());
+  until([&] { return turns.let_in != nullptr; });
+  turns.let_in();
+  EXPECT_TRUE(client.hung_up());
+  EXPECT_THAT(handler.left, testing::ElementsAre(getpid()));
+}
 
 TEST_F(UnattachedClient, IsReadUpToALimitAndTheRestOnceItIsIn) {
   constexpr std::size_t kFarTooMuch = 16 << 20, kLot = 1000;
   client::Bytes lot;
   for (std::size_t i = 0; i < kLot; ++i) client::append(lot, client::Alive{});
   RawClient client("r", "3");
-  client::Greeting greeting;
-  greeting.role = Role::cpu;
-  greeting.lockstep = true;
-  client.say(greeting);
+  client.say(cpu_greeting());
   until([&] { return turns.let_in != nullptr; });
   std::size_t lots = 0;
   for (int in_vain = 0; in_vain < 100 && lots * lot.size() < kFarTooMuch; turn()) {

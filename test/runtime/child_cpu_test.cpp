@@ -24,6 +24,15 @@ TEST_F(CpuProcessTest, ChildIsBootingUntilItAttaches) {
   EXPECT_EQ(status().kind, CpuKind::child);
 }
 
+TEST_F(CpuProcessTest, ChildThatGreetsAndLeavesDoesNotBoot) {
+  CpuOptions options = child(kSleeper);
+  options.boot_timeout = 1ms;
+  start(options);
+  cpu->greeted(status().pid);
+  cpu->left(status().pid);
+  EXPECT_TRUE(until([&] { return status().failed_boots == 1; }));
+}
+
 TEST_F(CpuProcessTest, ChangesAreToldFromTheEventLoopOnly) {
   start(child(kSleeper));
   cpu->attached(status().pid, false, 0ms);

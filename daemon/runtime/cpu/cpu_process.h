@@ -85,6 +85,10 @@ class CpuProcess {
   void greeted(pid_t pid) {
     if (child_.owns(pid)) boot_timer_.cancel();
   }
+  /// The same process is no longer connected, and was not attached. If it is the child, its boot is timed again.
+  void left(pid_t pid) {
+    if (child_.owns(pid) && !stopping_) watch_boot();
+  }
   /// A process took the CPU's place on the host port. `pid` by SO_PEERCRED.
   /// @return false where that process has ended or is being killed: close its connection.
   bool attached(pid_t pid, bool restarted_by_owner, std::chrono::milliseconds alive_period);
