@@ -7,6 +7,7 @@ namespace {
 
 // The nodes behind node 3 are dead, so what comes on the second line was turned back at node 1.
 struct FoldedAtNodeOne : LoneFold {
+  using LoneFold::LoneFold;
   void SetUp() override {
     LoneFold::SetUp();
     node.input_lost(Line::first, Time{});
@@ -35,6 +36,7 @@ TEST_F(FoldedAtNodeOne, IsFoldedUntilItTakesTheFirstLineAgain) {
 
 /// Packets on the second line have left no room; then the first one speaks.
 struct FoldedWithoutRoom : FoldedAtNodeOne {
+  using FoldedAtNodeOne::FoldedAtNodeOne;
   const Bytes packet = Foreign{7, 2}.with(pattern(512));
   void SetUp() override {
     FoldedAtNodeOne::SetUp();
@@ -78,6 +80,40 @@ TEST_F(FoldedAtNodeOne, HoldsSixtyFourKibibytesOfTheFirstLineAndDropsThemWhereMo
   hold(4);
   EXPECT_EQ(node.counters().fold_held_dropped, 129u);
   EXPECT_EQ(node.counters().broken_off_packets, 1u);
+}
+
+/// The same with lines that have a data rate.
+struct PacedFoldWithoutRoom : FoldedWithoutRoom {
+  void SetUp() override {
+    FoldedWithoutRoom::SetUp();
+    node.set_output_ready(Line::first, true);
+  }
+  PacedFoldWithoutRoom() : FoldedWithoutRoom(paced()) {}
+  static Settings paced() {
+    Settings s = settings();
+    s.byte_time_in = s.byte_time_out = std::chrono::nanoseconds(80);
+    return s;
+  }
+};
+
+// As many packets come as go, so that some are held all the time: the limit is one of what waits, not of what came.
+TEST_F(PacedFoldWithoutRoom, AFullLineIsTakenBackWithoutALoss) {
+  const Duration packet_time = node.settings().byte_time_out * static_cast<std::int64_t>(packet.size());
+  node.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, Time{});
+  ASSERT_EQ(node.input_line(), Line::first);
+  ASSERT_TRUE(node.holds_packets());
+  Time now{};
+  for (int packets = 0; packets < 500; ++packets) {
+    for (const Time next = now + packet_time; now < next; now += packet_time / 8) {
+      node.handle_timeout(now);
+      node.run(now);
+      node.output(Line::first).clear();
+      node.output(Line::second).clear();
+    }
+    node.receive(Line::first, {wire::SliceKind::whole, {packet.data(), packet.size()}}, now);
+  }
+  EXPECT_EQ(node.counters().fold_held_dropped, 0u);
+  EXPECT_GT(node.counters().relayed_data, 480u);
 }
 
 TEST_F(FoldedAtNodeOne, WhatItHoldsIsDroppedWithTheLineItCameFrom) {

@@ -10,9 +10,10 @@ namespace limb_ring::core {
 class HeldSlices {
  public:
   bool empty() const { return first_ == slices_.size(); }
-  /// Bytes that were put in since it was last empty.
-  std::size_t bytes() const { return bytes_.size(); }
+  /// Bytes of those that are in.
+  std::size_t bytes() const { return bytes_.size() - popped_bytes(); }
   void put(const wire::Slice& slice) {
+    if (popped_bytes() > bytes()) forget_popped();
     slices_.push_back({slice.kind, bytes_.size(), slice.bytes.size});
     bytes_.insert(bytes_.end(), slice.bytes.begin(), slice.bytes.end());
   }
@@ -36,7 +37,8 @@ class HeldSlices {
   /// archive.h
   template <class Archive>
   void archive(Archive& a) {
-    a("slices", slices_)("bytes", bytes_)("first", first_);
+    forget_popped();
+    a("slices", slices_)("bytes", bytes_);
   }
 
  private:
@@ -48,6 +50,16 @@ class HeldSlices {
       a("kind", kind)("at", at)("size", size);
     }
   };
+  std::size_t popped_bytes() const { return empty() ? 0 : slices_[first_].at; }
+  // Under load it may never be empty, and must not grow.
+  void forget_popped() {
+    const std::size_t popped = popped_bytes();
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(popped));
+    slices_.erase(slices_.begin(), slices_.begin() + static_cast<std::ptrdiff_t>(first_));
+    first_ = 0;
+    for (Held& held : slices_) held.at -= popped;
+  }
+
   std::vector<Held> slices_;
   std::vector<std::uint8_t> bytes_;
   std::size_t first_ = 0;
