@@ -1,15 +1,12 @@
 #include "runtime/babbling_cpu.h"
 
-#include <algorithm>
-
+#include "runtime/rejected_pause.h"
 #include "runtime/send_owner.h"
 
 namespace limb_ring::runtime {
 namespace {
 
 constexpr core::Owner kBabblingOwner = SendOwner::of(SendOwner::Kind::babbling_cpu).to_core();
-/// After a rejection, which comes at once: sending again at once would keep the event loop from all else.
-constexpr std::chrono::nanoseconds kRejectedPause = std::chrono::milliseconds(1);
 
 }  // namespace
 
@@ -52,7 +49,7 @@ void BabblingCpu::send_next() {
 void BabblingCpu::on_ended(const core::SendEnded& ended) {
   if (!on_ || ended.token != run_) return;
   ++sent_;
-  const auto pause = ended.outcome == core::Outcome::rejected ? std::max(period_, kRejectedPause) : period_;
+  const auto pause = pause_after(ended.outcome, period_);
   if (pause.count() > 0) return next_->expires_at(driver_.clock().now() + pause);
   send();
 }

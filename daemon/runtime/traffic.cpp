@@ -1,6 +1,7 @@
 #include "runtime/traffic.h"
 
 #include "limb_ring/host_port.h"
+#include "runtime/rejected_pause.h"
 #include "runtime/send_owner.h"
 #include "statistics/percentiles.h"
 
@@ -59,9 +60,9 @@ void Traffic::on_ended(const core::SendEnded& ended, const std::string& reason) 
   else
     ++run.reasons[reason];
   if (complete(run)) return finish(ended.token);
-  // A rejection comes at once: sending again at once would keep the event loop from all else.
-  if (run.request.interval.count() > 0 || ended.outcome == core::Outcome::rejected)
-    run.next->expires_at(driver_.clock().now() + run.request.interval);
+  const auto pause = pause_after(ended.outcome, run.request.interval);
+  if (pause.count() > 0)
+    run.next->expires_at(driver_.clock().now() + pause);
   else
     send(ended.token, run);
 }
