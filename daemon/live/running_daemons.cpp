@@ -144,7 +144,7 @@ void RunningDaemons::thaw(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::thaw, id)) return;
   signal(id, SIGCONT);
   if (!wait_for([&] { return !is_stopped(id); }, kSignalled))
-    throw NotDone("node " + node(id).name + " does not go on");
+    throw NotDone("node " + node(id).name + " does not go on (does a debugger hold it?)");
 }
 
 void RunningDaemons::start(wire::NodeId id, milliseconds patience) const {

@@ -7,7 +7,8 @@
 
 namespace limb_ring::process {
 
-/// What the kernel says a process does: 'R' runs, 'S' waits, 'T' stopped, 'Z' ended but not waited for ...
+/// What the kernel says a process does: 'R' runs, 'S' waits, 'T' stopped, 't' stopped by a debugger, 'Z' ended but not
+/// waited for ...
 /// (proc(5)); 0 where there is none.
 char process_state(pid_t pid);
 /// The same, out of an open /proc/PID/stat; 0 where the process has gone since that was opened.
@@ -16,7 +17,10 @@ char state_in(std::istream& stat);
 /// Name of the program that it runs, as /proc has it; empty where there is none.
 std::string program_of(pid_t pid);
 
-inline bool is_stopped(pid_t pid) { return process_state(pid) == 'T'; }
+inline bool is_stopped(pid_t pid) {
+  const char state = process_state(pid);
+  return state == 'T' || state == 't';
+}
 inline bool is_gone(pid_t pid) {
   const char state = process_state(pid);
   return state == 0 || state == 'Z' || state == 'X';

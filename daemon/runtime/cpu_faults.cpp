@@ -63,7 +63,8 @@ void CpuFaults::wake(const Done& done) {
   if (!hangs()) return done("");
   stopping_ = -1;
   cpu_.signal(SIGCONT);
-  wait([pid] { return !process::is_stopped(pid); }, "pid " + std::to_string(pid) + " does not go on", done);
+  wait([pid] { return !process::is_stopped(pid); },
+       "pid " + std::to_string(pid) + " does not go on (does a debugger hold it?)", done);
 }
 
 void CpuFaults::read_on() {

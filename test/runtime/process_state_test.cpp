@@ -1,6 +1,7 @@
 #include "process/process_state.h"
 
 #include <gtest/gtest.h>
+#include <sys/ptrace.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +33,19 @@ TEST(ProcessState, TellsAStoppedOneFromOneThatHasEnded) {
   EXPECT_TRUE(is_stopped(child));
   end(child);
   EXPECT_TRUE(is_gone(child));
+}
+
+TEST(ProcessState, OneThatADebuggerHoldsIsStopped) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::ptrace(PTRACE_TRACEME);
+    ::raise(SIGSTOP);
+    ::_exit(0);
+  }
+  ::waitpid(child, nullptr, WUNTRACED);
+  EXPECT_EQ(process_state(child), 't');
+  EXPECT_TRUE(is_stopped(child));
+  end(child);
 }
 
 /// Whoever waits for the end of another's child reads its state just as that goes away.
