@@ -17,7 +17,8 @@ namespace limb_ring::client {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenTries{10};
-constexpr std::chrono::seconds kWelcomeDeadline{2};
+/// For the answer of a daemon that is there, where one try is all.
+constexpr std::chrono::milliseconds kWelcomeDeadline{2000};
 
 struct Target {
   std::string ring;
@@ -105,13 +106,19 @@ std::optional<UnixSocket> open_socket(const Target& target, std::string& problem
   return std::nullopt;
 }
 
+/// A daemon that comes late has as long to answer as one that was there from the start.
+Clock::time_point answers_by(const ConnectOptions& options, Clock::time_point deadline) {
+  const bool one_try = options.timeout.count() <= 0;
+  return std::max(deadline, Clock::now() + (one_try ? kWelcomeDeadline : std::min(options.timeout, kWelcomeDeadline)));
+}
+
 /// One attempt to connect and greet. @return nothing if a later one may succeed
 std::optional<Connection> try_once(const Target& target, const ConnectOptions& options, Clock::time_point deadline,
                                    std::string& problem) {
   std::optional<UnixSocket> socket = open_socket(target, problem);
   if (!socket) return std::nullopt;
   Connection connection(std::move(*socket), options);
-  switch (connection.greet(target.ring, std::max(deadline, Clock::now() + kWelcomeDeadline))) {
+  switch (connection.greet(target.ring, answers_by(options, deadline))) {
     case Connection::Handshake::welcome:
       return connection;
     case Connection::Handshake::refused:

@@ -18,8 +18,8 @@ class ObservedDaemon {
   ObservedDaemon(const std::string& ring, std::uint8_t node, std::string what, const std::string& runtime = {});
 
   bool connected() const { return port_.has_value(); }
-  /// Tries to connect, at most four times a second, and waits at most 200 ms for an answer. @return true if connected
-  /// now
+  /// Tries to connect, at most four times a second, and waits 200 ms for a daemon that is starting, and 200 ms for its
+  /// answer. @return true if connected now
   bool look_for();
   /// The next observation. @return nothing if none is waiting, or the daemon is gone
   std::optional<std::string> next();

@@ -25,7 +25,7 @@ class PromiseWatch {
   };
   PromiseWatch(const Ring& ring, promises::PromiseJudge::OnBreach on_breach);
 
-  /// Reads from all connected nodes and looks for the others. May wait 200 ms for each that does not answer.
+  /// Reads from all connected nodes and looks for the others. May wait 400 ms for each that does not answer.
   /// @throw NotDone once for each node that cannot be observed; the others are, in the next poll()
   void poll();
   /// Reads what is left, and judges it: some rounds more.

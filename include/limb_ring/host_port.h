@@ -115,7 +115,8 @@ struct ConnectOptions {
   /// waits, in receive(), wait(), ask() or sleep_until(). False: it does not wait for this program, as it does for no
   /// tool; for a CPU that waits elsewhere, such as in poll().
   bool lockstep = true;
-  /// How long to go on trying while the daemon is not there yet.
+  /// How long to go on trying while the daemon is not there yet. As soon as it is, it has as long to answer, 2 s where
+  /// this is more or 0.
   std::chrono::milliseconds timeout{2000};
   /// Folder in the place of $XDG_RUNTIME_DIR, for rings that keep apart; empty: the environment's.
   std::string runtime;
