@@ -26,14 +26,19 @@ Child::Child(Spawned process, std::string name) : name_(std::move(name)), proces
 
 bool Child::reap() {
   int wait_status = 0;
-  if (ended_ || ::waitpid(process_.pid, &wait_status, WNOHANG) == 0) return false;
-  note(wait_status);
+  if (ended_) return false;
+  const pid_t waited = ::waitpid(process_.pid, &wait_status, WNOHANG);
+  if (waited == 0) return false;
+  note(waited, wait_status);
   return true;
 }
 
-void Child::note(int wait_status) {
+void Child::note(pid_t waited, int wait_status) {
   const int error = exec_error(process_);
-  ended_ = error != 0 ? not_executed(name_, error) : exit_status(wait_status);
+  if (error != 0)
+    ended_ = not_executed(name_, error);
+  else
+    ended_ = waited == process_.pid ? exit_status(wait_status) : unknown_status();
 }
 
 void Child::signal(int number) const {
@@ -55,9 +60,10 @@ void Child::kill() {
   if (ended_) return;
   signal(SIGKILL);
   int wait_status = 0;
-  while (::waitpid(process_.pid, &wait_status, 0) < 0 && errno == EINTR) {
-  }
-  note(wait_status);
+  pid_t waited = -1;
+  do waited = ::waitpid(process_.pid, &wait_status, 0);
+  while (waited < 0 && errno == EINTR);
+  note(waited, wait_status);
 }
 
 }  // namespace limb_ring::process

@@ -30,7 +30,8 @@ class Child {
   void kill();
 
  private:
-  void note(int wait_status);
+  /// @param waited what waitpid has returned
+  void note(pid_t waited, int wait_status);
 
   std::string name_;
   Spawned process_;

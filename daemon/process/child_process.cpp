@@ -104,7 +104,7 @@ std::optional<ExitStatus> ChildProcess::reap() {
   const int error = exec_error(child_);
   child_ = Spawned{};
   if (error != 0) return not_executed(path_, error);
-  if (!reaped) return ExitStatus{true, false, false, "ended, status unknown (SIGCHLD is ignored)", {}};
+  if (!reaped) return unknown_status();
   return exit_status(wait_status);
 }
 

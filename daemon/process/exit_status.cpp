@@ -17,6 +17,8 @@ ExitStatus exit_status(int wait_status) {
   return {true, code == 0, false, "exit " + std::to_string(code), code};
 }
 
+ExitStatus unknown_status() { return {true, false, false, "ended, status unknown (SIGCHLD is ignored)", {}}; }
+
 ExitStatus not_executed(const std::string& path, int error) {
   return not_started("cannot execute " + path + ": " + std::generic_category().message(error));
 }

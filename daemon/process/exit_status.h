@@ -16,6 +16,8 @@ struct ExitStatus {
 
 /// From what waitpid gives.
 ExitStatus exit_status(int wait_status);
+/// Of one that somebody else has waited for: the kernel, where SIGCHLD is ignored.
+ExitStatus unknown_status();
 /// The program at `path` could not be executed.
 ExitStatus not_executed(const std::string& path, int error);
 ExitStatus not_started(std::string why);

@@ -1,7 +1,9 @@
 // daemon/process: programs found and started, how they ended, what the kernel says of them.
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/wait.h>
 
+#include <csignal>
 #include <filesystem>
 
 #include "process/back_off.h"
@@ -89,6 +91,17 @@ TEST(Child, HasEndedWhenKillReturns) {
   EXPECT_EQ(child.ended()->text, "signal 9 (Killed)");
   EXPECT_EQ(child.ended()->code, std::nullopt);
   EXPECT_TRUE(is_gone(child.pid()));
+}
+
+TEST(Child, ThatTheKernelHasWaitedForHasNotEndedCleanlyAsFarAsOneKnows) {
+  const auto before = ::signal(SIGCHLD, SIG_IGN);
+  Child child(spawn_copy([] { return 3; }), "it");
+  const ProcessHandle handle(child.pid());
+  while (!handle.ended()) ::sched_yield();
+  while (!child.ended()) child.reap();
+  EXPECT_FALSE(child.ended()->clean);
+  EXPECT_EQ(child.ended()->text, "ended, status unknown (SIGCHLD is ignored)");
+  ::signal(SIGCHLD, before);
 }
 
 class Handle : public ::testing::TestWithParam<ProcessHandle::By> {};
