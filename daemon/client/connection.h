@@ -67,6 +67,8 @@ class Connection {
   const std::string& reason() const { return reason_; }
   int fd() const { return socket_.fd(); }
   Inbox& inbox() { return inbox_; }
+  /// Nobody waits for its end any more: that is dropped when it comes.
+  void forget(std::uint32_t token) { pending_.remove(token); }
   bool outstanding(std::uint32_t token) const { return pending_.contains(token); }
 
   std::uint8_t id = 0;
