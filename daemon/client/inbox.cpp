@@ -14,7 +14,7 @@ constexpr std::size_t kMaxOthers = 65536;
 
 void Inbox::put(Packet packet) {
   packet_turns_.push_back(arrivals_++);
-  packets_[packet.priority % packets_.size()].push_back(std::move(packet));
+  packets_[packet.priority].push_back(std::move(packet));
 }
 
 void Inbox::put(Interrupt interrupt) { interrupts_.push_back(interrupt); }

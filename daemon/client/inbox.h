@@ -17,6 +17,7 @@ namespace limb_ring::client {
 /// which packets are few by the credit granted to the daemon.
 class Inbox {
  public:
+  /// @pre its priority is 0 to 3
   void put(Packet packet);
   void put(Interrupt interrupt);
   void put(Observed observed);
