@@ -1,5 +1,8 @@
 #include "runtime/re_exec.h"
 
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
 #include <fstream>
 #include <string>
 #include <system_error>
@@ -25,7 +28,8 @@ void re_exec(const std::optional<cpu_set_t>& cores) {
   process::close_descriptors_on_exec();
   if (cores) ::sched_setaffinity(0, sizeof *cores, &*cores);
   const int error = process::execute("/proc/self/exe", arguments);
-  throw std::system_error(error, std::generic_category(), "cannot execute this program again");
+  spdlog::critical("ends: cannot execute this program again: {}", std::generic_category().message(error));
+  ::_exit(1);  // as by kill -9: its CPU is gone already
 }
 
 }  // namespace limb_ring::runtime
