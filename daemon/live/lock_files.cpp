@@ -88,10 +88,18 @@ std::string noted_fault(const std::string& folder, std::uint8_t node) {
   return note ? note->name() : "";
 }
 
+/// A note whose writer was killed (node_notes.cpp): 3.fault.4711
+bool is_unfinished_note(const fs::path& file) {
+  const std::string pid = file.extension(), kind = file.stem().extension();
+  return pid.size() > 1 && pid.find_first_not_of("0123456789", 1) == std::string::npos &&
+         (kind == ".fault" || kind == ".killed");
+}
+
 bool is_leftover(const fs::path& file) {
-  const std::array<const char*, 12> ours{".boot",  ".fault", ".former", ".host",   ".killed", ".link",
-                                         ".link2", ".lock",  ".log",    ".record", ".sock",   ".watch"};
-  return std::any_of(ours.begin(), ours.end(), [&](const char* extension) { return file.extension() == extension; });
+  const std::array<const char*, 13> ours{".boot", ".fault", ".former", ".host",   ".killed", ".link", ".link2",
+                                         ".lock", ".log",   ".new",    ".record", ".sock",   ".watch"};
+  return is_unfinished_note(file) ||
+         std::any_of(ours.begin(), ours.end(), [&](const char* extension) { return file.extension() == extension; });
 }
 
 }  // namespace

@@ -93,7 +93,8 @@ TEST_F(RingFolder, ADaemonThatStartsGetsItsNodeWhileOthersAskWhoHoldsIt) {
 }
 
 TEST_F(RingFolder, LeftoversGoWithTheirFolder) {
-  for (const char* name : {"3.boot", "3.lock", "3.host", "3.killed", "3.link", "3.log"})
+  for (const char* name :
+       {"3.boot", "3.lock", "3.host", "3.killed", "3.link", "3.log", "3.record.new", "3.fault.4711", "3.killed.4711"})
     std::ofstream(ring + "/" + name);
   std::filesystem::create_symlink("3.host", ring + "/left_knee.host");
   remove_leftovers(ring);
@@ -102,7 +103,9 @@ TEST_F(RingFolder, LeftoversGoWithTheirFolder) {
 
 TEST_F(RingFolder, LeftoversOfOthersStay) {
   std::ofstream(ring + "/notes.txt") << "mine";
+  std::ofstream(ring + "/notes.4711") << "mine";
   remove_leftovers(ring);
+  EXPECT_TRUE(std::filesystem::exists(ring + "/notes.4711"));
   EXPECT_TRUE(std::filesystem::exists(ring + "/notes.txt"));
 }
 
