@@ -59,7 +59,7 @@ void HostServer::accept_again_later() {
 void HostServer::listen_again() {
   accept_timer_.cancel();
   listener_.listen_again();
-  accept();
+  if (!came_while_frozen_.valid()) accept();  // else the next one is taken when we go on
 }
 
 void HostServer::admit(process::UniqueFd socket) {
