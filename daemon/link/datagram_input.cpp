@@ -49,7 +49,13 @@ bool DatagramInput::present(const LinkHeader& header) const {
 }
 
 void DatagramInput::take_slices(const LinkHeader& header, wire::ByteView bytes, const UdpAddress& sender, Time now) {
-  if (!present(header) && !take_up_offer(header, now)) return on_stale(header, sender);
+  if (!present(header)) {
+    const auto offer = offers_.find(header.sender);
+    if (offer == offers_.end() || offer->second.number != header.session) return on_stale(header, sender);
+    const Session session = offer->second;
+    offers_.erase(offer);
+    if (!take_up(session, header, now)) return;
+  }
   if (closed_) return;
   silence_.heard();
   const SequenceCheck::Arrival arrival = sequence_.check(header.sequence);
@@ -207,11 +213,8 @@ void DatagramInput::accept(const Session& session, std::uint8_t node) {
   send_tagged({bytes.data(), size}, session.asker, node, session.address);
 }
 
-bool DatagramInput::take_up_offer(const LinkHeader& header, Time now) {
-  const auto found = offers_.find(header.sender);
-  if (found == offers_.end() || found->second.number != header.session) return false;
-  Session offer = found->second;
-  offers_.erase(found);
+// A nearer neighbour may have come in since the offer was made.
+bool DatagramInput::take_up(Session offer, const LinkHeader& header, Time now) {
   if (admission_.judge(header, upstream_.from()) != Refusal::none) {
     ++report_.counters.refused;
     tell(LinkHeaderType::refuse, offer, Refusal::busy);

@@ -69,7 +69,8 @@ class DatagramInput {
   bool is_unsealed(const LinkHeader& header, wire::ByteView& datagram);
   void hint(const LinkHeader& connect, Refusal refusal, const UdpAddress& sender);
   void accept(const Session& session, std::uint8_t node);
-  bool take_up_offer(const LinkHeader& header, Time now);
+  /// @return false where it has become too late; the sender has been told then
+  bool take_up(Session offer, const LinkHeader& header, Time now);
   void on_stale(const LinkHeader& header, const UdpAddress& sender);
   bool present(const LinkHeader& header) const;
   void gap(std::uint32_t lost);

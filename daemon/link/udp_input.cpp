@@ -73,8 +73,7 @@ void UdpInput::read() {
 // The neighbour may have given this end up meanwhile. Its bye is behind all that waits, or found no room there. What
 // waits is old then: packets have taken the way past this node since, and their copies would come behind them.
 void UdpInput::read_after_standstill(Time now) {
-  const std::uint32_t dropped = dropped_datagrams(socket_.native_handle());
-  bool given_up = std::exchange(dropped_, dropped) != dropped;
+  bool given_up = dropped_datagrams(socket_.native_handle()) != dropped_;
   std::vector<Run> waiting;
   while (waiting.size() < kMostWaiting) {
     UdpAddress sender;
@@ -113,6 +112,7 @@ void UdpInput::take_run(wire::ByteView run, std::size_t segment, const UdpAddres
 
 void UdpInput::tick(Time now) {
   if (datagrams_.stood_still(now)) read_after_standstill(now);
+  dropped_ = dropped_datagrams(socket_.native_handle());
   if (!datagrams_.tick(now)) return;
   drain();  // this end may not have been scheduled: see what has come
   datagrams_.lose_if_silent();

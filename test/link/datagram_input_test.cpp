@@ -165,6 +165,22 @@ TEST_F(DatagramInputFromHand, RefusesANodeThatIsFartherAway) {
   EXPECT_EQ(report.counters.refused, 1u);
 }
 
+TEST_F(DatagramInputFromHand, TellsANodeWhoseOfferCameToNothingSinceANearerOneCameIn) {
+  while (input.from()) tick();
+  const std::uint64_t farther = ask_for_session(5, 2);
+  session = ask_for_session(8);
+  datagram(1, {});
+  ASSERT_EQ(input.from(), 0);
+  answers.clear();
+  LinkHeader slices = header(LinkHeaderType::slices, farther, 2);
+  slices.sequence = 1;
+  send(slices);
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers.front().refusal, Refusal::busy);
+  EXPECT_EQ(report.counters.refused, 1u);
+  EXPECT_EQ(report.counters.datagrams_stale, 0u);
+}
+
 TEST_F(DatagramInputFromHand, AnswersAnotherVersionOnceATick) {
   answers.clear();
   LinkHeader other = header(LinkHeaderType::connect, 1);

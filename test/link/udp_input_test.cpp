@@ -16,7 +16,8 @@ using testing::ElementsAre;
 
 /// Node 1's input on its socket, with this test as node 0 sending datagrams by hand.
 struct UdpInputFromHand : testing::Test {
-  LinkRig rig{3, Endpoint::Transport::udp};
+  explicit UdpInputFromHand(Timing timing = LinkRig::kQuick) : rig(3, Endpoint::Transport::udp, timing) {}
+  LinkRig rig;
   boost::asio::io_context io;
   UdpSocket line{io};
   std::uint64_t session = 0;
@@ -58,6 +59,11 @@ struct UdpInputFromHand : testing::Test {
     });
     return found;
   }
+  void forget_answers() {
+    std::array<std::uint8_t, kLinkHeaderSize> bytes;
+    while (receive_now(line.native_handle(), bytes.data(), bytes.size()) > 0) {
+    }
+  }
   std::uint64_t ask_for_session(std::uint32_t nonce) {
     send(header(LinkHeaderType::connect, std::uint64_t{nonce} << 32));
     const auto accept = answer(LinkHeaderType::accept);
@@ -83,6 +89,29 @@ TEST_F(UdpInputFromHand, CountsAsGivenUpWhereItStoodStillAndItsSocketOverflowed)
   EXPECT_EQ(counters().given_up, 1u);
   EXPECT_GT(counters().datagrams_stale, 0u);
   EXPECT_THAT(heard.slices, testing::IsEmpty());
+}
+
+/// It takes a burst without standing still, also on a busy machine.
+struct PatientUdpInput : UdpInputFromHand {
+  static constexpr Timing kPatient{milliseconds(20), milliseconds(600)};
+  PatientUdpInput() : UdpInputFromHand(kPatient) {}
+};
+
+TEST_F(PatientUdpInput, StandsStillWithoutBeingGivenUpThoughItsSocketOverflowedLongBefore) {
+  for (std::uint32_t i = 0; i < 5000; ++i) datagram(2 + i, std::uint8_t{1});
+  std::uint32_t next = 6000;
+  ASSERT_TRUE(rig.until([&] {
+    datagram(next++, std::uint8_t{2});
+    return counters().datagrams_lost > 0;
+  }));
+  forget_answers();
+  ASSERT_TRUE(answer(LinkHeaderType::alive)) << "a tick since";
+  ASSERT_EQ(counters().given_up, 0u) << "it has not stood still so far";
+  datagram(next, std::uint8_t{3});
+  std::this_thread::sleep_until(Clock::now() + kPatient.silence);
+  ASSERT_TRUE(rig.until([&] { return values().back() == 3; }));
+  EXPECT_EQ(counters().given_up, 0u);
+  EXPECT_TRUE(rig.node(1).input->up());
 }
 
 TEST_F(UdpInputFromHand, TakesRunsOfDatagramsInFewerReadsWhereTheKernelCan) {
