@@ -19,21 +19,29 @@ constexpr double kStep = 2.0 * 0.01;                // rad in a period: 2 rad/s
 struct Joint {
   double position = 0, goal = 0;  // rad
   payload::JointState state;
-  std::optional<std::int64_t> commanded_ns, stopped_ns;  // stamp of the last command obeyed; when a stop came
+  // Stamp of the last command obeyed; and of that which gave the goal; when a stop came.
+  std::optional<std::int64_t> obeyed_ns, commanded_ns, stopped_ns;
 
   void obey(const payload::JointCommand& command, std::int64_t now_ns) {
     const std::int64_t age = now_ns - command.stamp_ns;
     const bool late = std::abs(age) > command.valid_for_us * std::int64_t{1000};
-    const bool stale = late || (commanded_ns && command.stamp_ns <= *commanded_ns);
+    const bool stale = late || (obeyed_ns && command.stamp_ns <= *obeyed_ns);
     const bool held = stopped_ns && (!command.resume || command.stamp_ns <= *stopped_ns);
     if (stale || held || command.joints.size() > 1) {
       state.mode.command_refused = true;
       ++state.refused;
       return;
     }
-    commanded_ns = command.stamp_ns;
+    obeyed_ns = command.stamp_ns;
     stopped_ns.reset();
-    if (!command.joints.empty() && command.joints[0].position) goal = *command.joints[0].position;
+    if (command.joints.empty() || !command.joints[0].position) return;
+    goal = *command.joints[0].position;
+    commanded_ns = command.stamp_ns;
+  }
+
+  void stop(std::int64_t now_ns) {
+    stopped_ns = now_ns;
+    commanded_ns.reset();  // what resumes says no goal, and the old one is given up
   }
 
   payload::Encoded next_state(std::int64_t now_ns) {
@@ -67,7 +75,7 @@ int main(int argc, char** argv) try {
       if (packet && packet->channel == payload::kJointChannel)
         if (const auto command = payload::decode_joint_command(packet->data))
           joint.obey(*command, port.stamp().count());
-      if (interrupt && interrupt->action == Interrupt::Action::stop) joint.stopped_ns = port.stamp().count();
+      if (interrupt && interrupt->action == Interrupt::Action::stop) joint.stop(port.stamp().count());
     }
     if (port.now() < due) continue;
     due = std::max(due + kPeriod, port.now());  // what was missed, as in a hang, is not made up for

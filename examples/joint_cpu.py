@@ -14,20 +14,25 @@ STEP = 2.0 * PERIOD    # rad in a period: 2 rad/s
 class Joint:
     def __init__(self):
         self.position = self.goal = 0.0    # rad
-        self.commanded_ns = self.stopped_ns = None   # stamp of the last command obeyed; when a stop came
+        # Stamp of the last command obeyed; and of that which gave the goal; when a stop came.
+        self.obeyed_ns = self.commanded_ns = self.stopped_ns = None
         self.sequence = self.refused = 0
         self.refused_one = False
 
     def obey(self, command, now):
         late = abs(now - command.stamp_ns) > command.valid_for_us * 1000
-        stale = self.commanded_ns is not None and command.stamp_ns <= self.commanded_ns
+        stale = self.obeyed_ns is not None and command.stamp_ns <= self.obeyed_ns
         held = self.stopped_ns is not None and not (command.resume and command.stamp_ns > self.stopped_ns)
         if late or stale or held or len(command.joints) > 1:
             self.refused, self.refused_one = (self.refused + 1) & 0xFFFF, True
             return
-        self.commanded_ns, self.stopped_ns = command.stamp_ns, None
+        self.obeyed_ns, self.stopped_ns = command.stamp_ns, None
         if command.joints and command.joints[0].position is not None:
-            self.goal = command.joints[0].position
+            self.goal, self.commanded_ns = command.joints[0].position, command.stamp_ns
+
+    def stop(self, now):
+        # What resumes says no goal, and the old one is given up.
+        self.stopped_ns, self.commanded_ns = now, None
 
     def next_state(self, now):
         stopped = self.stopped_ns is not None
@@ -52,7 +57,7 @@ def main():
             if isinstance(message, Packet) and isinstance(message.payload, JointCommand):
                 joint.obey(message.payload, port.stamp_ns())
             elif isinstance(message, Interrupt) and message.action == 'stop':
-                joint.stopped_ns = port.stamp_ns()
+                joint.stop(port.stamp_ns())
             if port.now() >= due:
                 due = max(due + PERIOD, port.now())   # what was missed, as in a hang, is not made up for
                 port.send(0, joint.next_state(port.stamp_ns()), priority=0)
