@@ -113,7 +113,7 @@ class FromOneHostToTheOther(HostsTest):
         self.on('waist', 'wait', 'head0', 'down', '--timeout', 30)
         self.assertIn('head0.kill', self.on('waist', '--ssh', 'dump', 'head0', '-n', 1, code=3) +
                       self.on('head', 'fault', 'list'))
-        self.on('waist', '--ssh', 'fault', 'start', 'head0')
+        self.on('waist', '--ring', self.ring, '--ssh', 'fault', 'start', 'head0')
         self.on('waist', 'wait', 'up', '--timeout', 30)
         with open(log) as file:
             self.assertIn('BatchMode=yes', file.read())

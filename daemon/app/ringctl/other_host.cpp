@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "app/common/shell_word.h"
+#include "app/ringctl/names_to_complete.h"
 #include "process/execute.h"
 #include "process/find_program.h"
 
@@ -20,6 +21,11 @@ std::string with_our_codes() {
 
 }  // namespace
 
+std::vector<std::string> arguments_there(const std::string& ring, std::vector<std::string> arguments) {
+  if (!ring.empty() && typed_ring(arguments).empty()) arguments.insert(arguments.begin(), {"--ring", ring});
+  return arguments;
+}
+
 std::string command_there(const std::string& program, const std::string& folder,
                           const std::vector<std::string>& arguments) {
   std::string command = "cd " + app::shell_word(folder) + " 2>/dev/null; p=" + app::shell_word(program) +
@@ -29,11 +35,10 @@ std::string command_there(const std::string& program, const std::string& folder,
 }
 
 int run_there(const Elsewhere& where, const std::vector<std::string>& arguments) {
-  std::vector<std::string> all = arguments;
-  if (!where.ring.empty()) all.insert(all.begin(), {"--ring", where.ring});
   std::error_code ignored;
   const std::string command =
-      command_there(process::own_folder() + "/ringctl", std::filesystem::current_path(ignored).string(), all);
+      command_there(process::own_folder() + "/ringctl", std::filesystem::current_path(ignored).string(),
+                    arguments_there(where.ring, arguments));
   const int error = process::execute(
       "/bin/sh", {"sh", "-c", with_our_codes(), "sh", "-n", "-o", "BatchMode=yes", "-o",
                   "ConnectTimeout=" + std::to_string(kSecondsToConnect), "--", where.destination, command});

@@ -14,6 +14,9 @@ namespace limb_ring::ringctl {
 /// @return an ExitCode, only where ssh cannot be started
 int run_there(const Elsewhere& where, const std::vector<std::string>& arguments);
 
+/// What is asked of the ringctl there: these, and the ring's name where they do not say it.
+std::vector<std::string> arguments_there(const std::string& ring, std::vector<std::string> arguments);
+
 /// What the shell there is told.
 std::string command_there(const std::string& program, const std::string& folder,
                           const std::vector<std::string>& arguments);

@@ -44,7 +44,7 @@ struct Elsewhere : NoRing {
   Elsewhere(const std::string& what, std::string ssh_destination, std::string of_ring = {})
       : NoRing(what), destination(std::move(ssh_destination)), ring(std::move(of_ring)) {}
   std::string destination;  ///< as ssh takes it
-  std::string ring;         ///< empty where the command line names it
+  std::string ring;         ///< empty where no ring runs yet
 };
 
 }  // namespace limb_ring::ringctl

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/completed_help.h"
+#include "app/ringctl/other_host.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/run_ringctl.h"
 #include "support/own_folder.h"
@@ -14,6 +15,7 @@ namespace limb_ring::ringctl {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 using Usage = test::OwnFolder;
@@ -56,6 +58,13 @@ TEST_F(Usage, BadPriorityIsRefusedWithTheRange) {
   const CliRun said = ringctl({"send", "--from", "0", "--to", "1", "--size", "8", "--priority", "4"});
   EXPECT_EQ(said.code, kUsage);
   EXPECT_THAT(said.errors, AllOf(HasSubstr("--priority"), HasSubstr("4"), HasSubstr("3")));
+}
+
+TEST_F(Usage, OnAnotherHostTheRingIsNamedOnce) {
+  EXPECT_THAT(arguments_there("robot", {"wait", "up"}), ElementsAre("--ring", "robot", "wait", "up"));
+  EXPECT_THAT(arguments_there("robot", {"wait", "--ring", "robot"}), ElementsAre("wait", "--ring", "robot"));
+  EXPECT_THAT(arguments_there("robot", {"--ring=robot", "wait"}), ElementsAre("--ring=robot", "wait"));
+  EXPECT_THAT(arguments_there("", {"up"}), ElementsAre("up"));
 }
 
 TEST_F(Usage, ChannelOfTheNetworkControllersIsRefused) {
