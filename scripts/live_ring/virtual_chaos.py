@@ -9,6 +9,7 @@ import time
 from collections import Counter
 
 from live_ring import drawn_scenario
+from live_ring.ring import PROGRAM_TIMEOUT
 from limb_ring.launcher import Launcher
 
 DONE, NOT_DONE = 0, 1     # exit codes of ringctl
@@ -45,9 +46,13 @@ class VirtualChaos:
         self.problems += ['scenario %d: %s' % (number, problem) for problem in self.judge(drawn, first, second)]
 
     def play(self, file):
-        done = subprocess.run([os.path.join(self.options.programs, 'ringctl'), 'scenario', 'run', '--virtual', file, '--json'],
-                              env=self.launcher.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, universal_newlines=True)
+        command = [os.path.join(self.options.programs, 'ringctl'), 'scenario', 'run', '--virtual', file, '--json']
+        try:
+            done = subprocess.run(command, env=self.launcher.environment, stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True,
+                                  timeout=PROGRAM_TIMEOUT)
+        except subprocess.TimeoutExpired as hangs:
+            raise RuntimeError('it does not end: %s' % hangs)
         if done.returncode not in (DONE, NOT_DONE) or not done.stdout:
             raise RuntimeError('ringctl ended with %d: %s' % (done.returncode, done.stderr))
         return json.loads(done.stdout)[0]

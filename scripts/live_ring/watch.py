@@ -3,7 +3,7 @@ import functools
 import time
 
 from live_ring.port import Port
-from live_ring.ring import NODES
+from live_ring.ring import NODES, RingFailed
 from limb_ring import Observed, ObservedLost, Reply
 
 KINDS = ('state', 'ring', 'link', 'noise', 'cpu', 'watchdog', 'sent')
@@ -23,7 +23,6 @@ class Watch:
         self.nodes = {node: Seen() for node in ring.nodes}
         self.events = {kind: [] for kind in KINDS}   # of (node, event), in order of arrival
         self.answers = {}   # (node, token): reply
-        self.lost = 0       # events that came too fast for us
         loop.turns.append(self.connect)
 
     def connect(self):
@@ -44,13 +43,15 @@ class Watch:
         return (node, port.host.request(order)) if port else None
 
     def handle(self, node, message):
+        """@raise RingFailed where events are missing: what was measured by them, or is waited for, is not known"""
         if isinstance(message, Reply):
             answer = message.content
             self.answers[(node, message.token)] = answer
             if 'ring_size' in answer:
                 self.note_status(self.nodes[node], answer)
         elif isinstance(message, ObservedLost):
-            self.lost += message.count
+            raise RingFailed('%d events of node %d came faster than they were read, and were left out' % (
+                message.count, node))
         elif isinstance(message, Observed):
             event = message.content
             self.events[event['kind']].append((node, event))

@@ -10,6 +10,7 @@ import tempfile
 import time
 import types
 import unittest
+import unittest.mock
 
 import ring_process
 from ring_process import GUARD, STEP
@@ -17,7 +18,10 @@ from ring_process import GUARD, STEP
 from live_ring import faults, footprint, payload, report
 from live_ring.loop import Loop
 from live_ring.promises import Promises
+from live_ring.ring import RingFailed
 from live_ring.traffic import Send, Traffic
+from live_ring.virtual_chaos import VirtualChaos
+from live_ring.watch import Watch
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'scripts')
 
@@ -226,6 +230,22 @@ class Program(unittest.TestCase):
         said = self.end(chaos)
         self.assertRegex(said, r'FAILED after .* round [0-9]+.*ringd of node [0-9]+ .* has ended by itself')
         self.assertIn('--seed 4', said)
+
+    def test_events_that_were_left_out_end_the_run(self):
+        watch = Watch(types.SimpleNamespace(turns=[]), types.SimpleNamespace(nodes=[0, 1]))
+        lost = types.SimpleNamespace(count=3)
+        with unittest.mock.patch('live_ring.watch.ObservedLost', types.SimpleNamespace):
+            self.assertRaisesRegex(RingFailed, '3 events of node 1 ', watch.handle, 1, lost)
+
+    def test_a_virtual_run_that_hangs_is_ended(self):
+        hangs = os.path.join(self.folder, 'ringctl')
+        with open(hangs, 'w') as script:
+            script.write('#!/bin/sh\nexec tail -f /dev/null\n')
+        os.chmod(hangs, 0o755)
+        chaos = VirtualChaos(types.SimpleNamespace(programs=self.folder, redundancy='none', seed=1), None)
+        self.addCleanup(chaos.stop)
+        with unittest.mock.patch('live_ring.virtual_chaos.PROGRAM_TIMEOUT', 0.1):
+            self.assertRaisesRegex(RuntimeError, 'it does not end: ', chaos.play, 'scenario.yaml')
 
     def test_wrong_arguments_are_named(self):
         for arguments, words in ((('--minutes', '0'), 'more than 0'), (('--seed', '-1'), '0 or more'),
