@@ -5,7 +5,9 @@
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_access.h"
 #include "app/ringctl/status_rows.h"
+#include "core/events.h"
 #include "process/signal_wait.h"
+#include "wire/control_message.h"
 
 namespace limb_ring::ringctl {
 
@@ -75,8 +77,12 @@ std::string lack_of_state(const std::vector<json>& rows, const std::string& node
 }
 
 std::vector<std::string> state_words() {
-  return {"up",     "joining", "open_chain", "folded", "alone",  "down", "frozen",  "starting", "none",
-          "absent", "booting", "running",    "silent", "failed", "hung", "stopped", "latched"};
+  std::vector<std::string> words{"down", "frozen", "hung", "stopped", "latched"};  // ringctl's own
+  for (unsigned i = 0; i <= static_cast<unsigned>(core::NodeState::duplicate_id); ++i)
+    words.emplace_back(to_string(static_cast<core::NodeState>(i)));
+  for (unsigned i = 0; i <= static_cast<unsigned>(wire::CpuState::failed); ++i)
+    words.emplace_back(to_string(static_cast<wire::CpuState>(i)));
+  return words;
 }
 
 std::string wait_for(const std::string& ring, milliseconds timeout, const Lack& lack) {

@@ -9,6 +9,7 @@ namespace limb_ring::ringctl {
 namespace {
 
 using nlohmann::json;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 /// Two nodes that fold back, each with a CPU that its ringd starts.
@@ -58,6 +59,11 @@ TEST(State, IsThatOfTheNodeOrOfItsCpu) {
   for (const char* node : {"node1", "1"})
     for (const char* state : {"up", "running"}) EXPECT_EQ(lack_of_state(whole_ring(), node, state), "");
   EXPECT_EQ(lack_of_state(whole_ring(), "node1", "hung"), "node 1 (node1): it is up, its CPU running");
+}
+
+TEST(State, IsAnyThatStatusShows) {
+  for (const char* word : {"duplicate_id", "open_chain", "down", "frozen", "absent", "failed", "latched"})
+    EXPECT_THAT(state_words(), Contains(word));
 }
 
 TEST(State, OfANodeThatIsNotThereIsRefusedWithAGuess) {
