@@ -68,6 +68,17 @@ class Recorder(RingTest):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn('cannot make the folder', done.stderr)
 
+    def test_are_those_of_the_ring_that_the_environment_names(self):
+        self.start_ring(plain_nodes(2), recorder={'enabled': True})
+        first, self.ring = self.ring, self.ring + 'r'
+        self.start_ring(plain_nodes(2), recorder={'enabled': True})
+        named = dict(self.environment, LIMB_RING_RING=first)
+        done = self.ctl('record', 'save', self.saved, env=named)
+        self.assertIn('2 recordings of ring %s,' % first, done.stdout, done.stderr)
+        for command in ('save', 'keep'):
+            done = self.ctl('--ring', 'no/ring', 'record', command, self.saved + '2')
+            self.assertEqual(done.returncode, 2, done.stderr)
+
     def test_that_could_not_be_saved_are_named_before_anything_is_started(self):
         place = os.path.join(self.write('a_file', ''), 'saves')
         config = self.write_ring(plain_nodes(2), recorder={'enabled': True, 'save': ['crash'], 'folder': place})

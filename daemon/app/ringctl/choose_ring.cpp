@@ -25,10 +25,15 @@ std::string valid(const std::string& ring) {
 
 }  // namespace
 
-std::string choose_ring(const std::string& given) {
+std::string named_ring(const std::string& given) {
   if (!given.empty()) return valid(given);
   const char* environment = std::getenv("LIMB_RING_RING");
-  if (environment != nullptr && *environment != '\0') return valid(environment);
+  return environment != nullptr && *environment != '\0' ? valid(environment) : "";
+}
+
+std::string choose_ring(const std::string& given) {
+  const std::string named = named_ring(given);
+  if (!named.empty()) return named;
   const std::vector<std::string> rings = running_rings();
   if (rings.empty()) {
     const std::vector<std::string> killed = live::killed_rings();

@@ -33,8 +33,9 @@ struct RecordOptions {
 constexpr std::chrono::seconds kStarts{60};
 
 /// The only ring with recordings, where none is named: also one whose daemons are all dead.
-std::string recorded_ring(const std::string& asked) {
-  if (!asked.empty()) return asked;
+std::string recorded_ring(const std::string& given) {
+  const std::string named = named_ring(given);
+  if (!named.empty()) return named;
   std::vector<std::string> rings;
   std::error_code error;
   for (fs::directory_iterator it(rings_directory(), error), end; !error && it != end; it.increment(error))
@@ -92,7 +93,7 @@ RingAccess wait_for_ring(const std::string& ring, process::SignalWait& signals) 
 
 int keep(const RecordOptions& options, const Context& context) {
   process::SignalWait signals;
-  const RingAccess ring = wait_for_ring(context.ring.empty() ? choose_ring("") : context.ring, signals);
+  const RingAccess ring = wait_for_ring(choose_ring(context.ring), signals);
   require_recordings(ring.ring());
   const std::string folder = fs::absolute(options.folder).lexically_normal().string();
   require_writable(folder);
