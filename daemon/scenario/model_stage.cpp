@@ -21,15 +21,21 @@ void ModelStage::do_it(const Fault& fault) {
   // All are off before the first is on again.
   if (fault.name == Name::power_cycle)
     for (const NodeId id : fault.nodes) ring().kill(id);
-  for (const NodeId id : fault.nodes) apply_to_node(fault, id);
-  if (fault.lasts.count() != 0) end_later(fault);
+  for (const NodeId id : fault.nodes) {
+    lasting_.begins(fault.name, id);
+    apply_to_node(fault, id);
+    if (fault.lasts.count() != 0) end_later(fault, id);
+  }
 }
 
-void ModelStage::end_later(const Fault& fault) {
+void ModelStage::end_later(const Fault& fault, NodeId id) {
   Fault end;
   end.name = fault.name == Name::freeze ? Name::thaw : Name::resume;
-  end.nodes = fault.nodes;
-  ring().at(ring().now() + core::Duration(fault.lasts), [this, end] { do_it(end); });
+  end.nodes = {id};
+  const unsigned number = lasting_.number(fault.name, id);
+  ring().at(ring().now() + core::Duration(fault.lasts), [this, end, lasts = fault.name, number] {
+    if (lasting_.number(lasts, end.nodes.front()) == number) do_it(end);
+  });
 }
 
 void ModelStage::apply_to_node(const Fault& fault, NodeId id) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "scenario/lasting_faults.h"
 #include "scenario/ring_stage.h"
 #include "sim_tools/virtual_line_faults.h"
 
@@ -30,13 +31,14 @@ class ModelStage : public RingStage {
   virtual void started(NodeId) {}
   void do_it(const Fault& fault);
   void apply_to_node(const Fault& fault, NodeId id);
-  void end_later(const Fault& fault);
+  void end_later(const Fault& fault, NodeId id);
   void freeze(NodeId id);
   void start(NodeId id);
   void thaw(NodeId id);
 
   sim::VirtualLineFaults lines_;
   std::vector<bool> frozen_;
+  LastingFaults lasting_;
 };
 
 }  // namespace limb_ring::scenario

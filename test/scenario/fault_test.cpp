@@ -72,6 +72,22 @@ TEST(Faults, KillAndStart) {
             "");
 }
 
+// A second one has no end of its own.
+TEST(Faults, WhatTakesThePlaceOfOneThatLastsForATimeDoesNotEndWithIt) {
+  for (const char* again : {"  - {at: 110ms, do: {thaw: node3}}\n  - {at: 120ms, do: {freeze: node3}}\n",
+                            "  - {at: 110ms, do: {freeze: node3}}\n",
+                            "  - {at: 110ms, do: {kill: node3}}\n  - {at: 120ms, do: {start: node3}}\n"
+                            "  - {at: 130ms, do: {freeze: node3}}\n"})
+    EXPECT_EQ(unmet_of(after_joining("{freeze: {nodes: node3, for: 1s}}",
+                                     std::string(again) + "  - {at: 2s, when: {node: node3, is: down}, within: 0s}\n")),
+              "");
+  EXPECT_EQ(unmet_of(after_joining("{hang: {nodes: node3, for: 1s}}",
+                                   "  - {at: 110ms, do: {resume: node3}}\n"
+                                   "  - {at: 120ms, do: {hang: node3}}\n"
+                                   "  - {at: 2s, when: {cpu: node3, is: silent}, within: 0s}\n")),
+            "");
+}
+
 TEST(Faults, FreezeAndThaw) {
   EXPECT_EQ(unmet_of(after_joining("{freeze: node3}",
                                    "  - {when: {node: node3, is: down}, within: 0s}\n"

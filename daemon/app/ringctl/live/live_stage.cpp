@@ -152,19 +152,24 @@ void LiveStage::poll() {
 
 LiveStage::Clock::time_point LiveStage::turn() {
   auto next = senders_.act();
-  for (auto& [when, fault] : endings_) {
-    if (when > Clock::now()) {
-      next = std::min(next, when);
+  const auto now = Clock::now();
+  for (auto it = endings_.begin(); it != endings_.end();) {
+    if (it->when > now) {
+      next = std::min(next, it++->when);
       continue;
     }
-    for (const NodeId id : std::exchange(fault.nodes, {})) {
-      if (fault.name == fault::Name::freeze)
-        nodes_.thaw(id);
-      else
-        senders_.set_hung(id, false);
-    }
+    end(*it);
+    it = endings_.erase(it);
   }
   return next;
+}
+
+void LiveStage::end(const Ending& ending) {
+  if (lasting_.number(ending.of, ending.node) != ending.number) return;
+  if (ending.of == fault::Name::freeze)
+    nodes_.thaw(ending.node);
+  else
+    senders_.set_hung(ending.node, false);
 }
 
 // ---- actions --------------------------------------------------------------------------------
@@ -184,13 +189,16 @@ void LiveStage::do_it(const Fault& fault) {
   if (fault.name == fault::Name::power_cycle)
     for (const NodeId id : fault.nodes) nodes_.kill(id);
   for (const NodeId id : fault.nodes) {
+    if (of != fault::Of::line) lasting_.begins(fault.name, id);
     if (of == fault::Of::node)
       apply_to_node(fault.name, id);
     else
       apply_at_daemon(fault, id);
   }
   const bool ours = fault.name == fault::Name::freeze || fault.name == fault::Name::hang;
-  if (ours && fault.lasts.count() != 0) endings_.emplace_back(Clock::now() + fault.lasts, fault);
+  if (!ours || fault.lasts.count() == 0) return;
+  for (const NodeId id : fault.nodes)
+    endings_.push_back({Clock::now() + fault.lasts, fault.name, id, lasting_.number(fault.name, id)});
 }
 
 void LiveStage::apply_to_node(fault::Name name, std::size_t place) {

@@ -5,6 +5,7 @@
 #include "app/ringctl/live/live_senders.h"
 #include "app/ringctl/ring_plan.h"
 #include "app/scenario_cpu/taken_board.h"
+#include "scenario/lasting_faults.h"
 #include "scenario/stage.h"
 
 namespace limb_ring::ringctl {
@@ -51,6 +52,15 @@ class LiveStage final : public scenario::Stage {
   void apply_at_daemon(fault::Fault fault, std::size_t place);
   Clock::time_point turn();
 
+  /// When a freeze or a hang that lasts for a time is over.
+  struct Ending {
+    Clock::time_point when;
+    fault::Name of = fault::Name::freeze;
+    wire::NodeId node;
+    unsigned number = 0;  ///< see LastingFaults
+  };
+  void end(const Ending& ending);
+
   const scenario::Scenario& scenario_;
   const RingPlan& plan_;
   LiveNodes nodes_;
@@ -61,8 +71,9 @@ class LiveStage final : public scenario::Stage {
   std::vector<std::optional<nlohmann::json>>
       first_rows_;  ///< at the start: what joining counted is not part of the scenario
   std::optional<Failure> broken_;
-  std::vector<std::pair<Clock::time_point, scenario::Fault>> endings_;  ///< of faults that last for a time
-  mutable scenario::Tally with_taken_;                                  ///< what tally() said last
+  scenario::LastingFaults lasting_;
+  std::vector<Ending> endings_;         ///< to come
+  mutable scenario::Tally with_taken_;  ///< what tally() said last
 };
 
 }  // namespace limb_ring::ringctl
