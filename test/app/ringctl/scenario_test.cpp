@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -78,6 +79,16 @@ TEST_F(ScenarioCommand, ListsAFolderAndNamesWhatIsNoScenario) {
   EXPECT_THAT(said.errors, AllOf(HasSubstr("not a scenario: "), HasSubstr("a_ring.yaml"), HasSubstr("c_text.yaml")));
 }
 
+TEST_F(ScenarioCommand, AFolderWithoutAnyFileIsRefusedAlsoAfterOneWithOthers) {
+  const std::string full = folder + "/full", empty = folder + "/empty";
+  std::filesystem::create_directory(full);
+  std::filesystem::create_directory(empty);
+  write("full/text.yaml", "- just\n- a list\n");
+  const CliRun said = ringctl({"scenario", "list", full, empty});
+  EXPECT_EQ(said.code, kUsage);
+  EXPECT_THAT(said.errors, HasSubstr("/empty: no scenario there (*.yaml)"));
+}
+
 TEST_F(ScenarioCommand, AFileNamedToListThatIsNoneIsAnError) {
   EXPECT_EQ(ringctl({"scenario", "list", write("bad.yaml", "- a list\n")}).code, kUsage);
 }
@@ -101,6 +112,16 @@ TEST_F(ScenarioCommand, NamesTheFileThatAFullDiskHasNoRoomFor) {
     EXPECT_EQ(said.code, kNotDone) << option;
     EXPECT_THAT(said.errors, HasSubstr("/dev/full: not all could be written: No space left on device")) << option;
   }
+}
+
+TEST_F(ScenarioCommand, WhatWasFoundIsToldAlsoWhereSomethingGoesWrongAfterIt) {
+  const std::string report = folder + "/report.xml";
+  const CliRun said = run_scenarios({write("good.yaml", kGood), "--json", "--junit", report, "--capture", "/dev/full"});
+  EXPECT_EQ(said.code, kNotDone);
+  const auto rows = nlohmann::json::parse(said.out);
+  EXPECT_EQ(rows[0].at("met"), true);
+  EXPECT_EQ(rows[0].at("log").size(), 1u);
+  EXPECT_NE(std::filesystem::file_size(report), 0u);
 }
 
 TEST_F(ScenarioCommand, AFileThatCannotBeWrittenIsNamedBeforeAnyIsRun) {

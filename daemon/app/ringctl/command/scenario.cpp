@@ -57,6 +57,7 @@ app::Row row_of(const ScenarioRun& run) {
   }
   row["sends"] = app::Row::array();
   for (const auto& send : run.sends) row["sends"].push_back(results_of(send));
+  row["log"] = app::Row::array();
   for (const auto& line : run.log) row["log"].push_back({{"at_ns", line.at.count()}, {"what", line.words}});
   return row;
 }
@@ -150,6 +151,21 @@ ScenarioRun play(const Scenario& scenario, const ScenarioOptions& options, std::
   return run_scenario(scenario, seed, capture, at);
 }
 
+/// What is whole only when all have been run: JSON and JUnit. @throw NotDone where it cannot be written
+void report(const std::vector<ScenarioRun>& runs, const ScenarioOptions& options, std::ofstream& junit) {
+  std::vector<app::Row> rows;
+  for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
+  if (options.json) std::cout << app::format_rows(rows, app::Format::json) << std::endl;
+  if (junit.is_open()) finish(junit << scenario::junit_of(runs), options.junit);
+}
+
+/// The same where something else has gone wrong, which is what counts.
+void report_so_far(const std::vector<ScenarioRun>& runs, const ScenarioOptions& options, std::ofstream& junit) try {
+  report(runs, options, junit);
+} catch (const NotDone& problem) {
+  std::cerr << "ringctl: " << problem.what() << '\n';
+}
+
 int run(const ScenarioOptions& options) {
   if (const std::string problem = app::why_no_file(options.log); !problem.empty()) throw UsageError("--log " + problem);
   require_none_of(options.files, options.log);
@@ -158,24 +174,18 @@ int run(const ScenarioOptions& options) {
   std::ofstream capture = open_capture(options), junit = open_output(options.junit, options.files);
   std::vector<ScenarioRun> runs;
   std::string log_problem;
-  const auto write_junit = [&] {
-    if (junit.is_open()) finish(junit << scenario::junit_of(runs), options.junit);
-  };
   try {
     for (const Scenario& scenario : scenarios) {
       runs.push_back(play(scenario, options, capture.is_open() ? &capture : nullptr, log_problem));
       if (!options.json) std::cout << text_of(runs.back()) << std::endl;
     }
+    if (capture.is_open()) finish(capture, options.capture);
   } catch (...) {  // interrupted, for one: what was found so far is not lost
-    write_junit();
+    report_so_far(runs, options, junit);
     throw;
   }
   if (!options.json && runs.size() > 1) std::cout << verdict_of(runs) << std::endl;
-  if (capture.is_open()) finish(capture, options.capture);
-  std::vector<app::Row> rows;
-  for (const ScenarioRun& each : runs) rows.push_back(row_of(each));
-  if (options.json) std::cout << app::format_rows(rows, app::Format::json) << '\n';
-  write_junit();
+  report(runs, options, junit);
   if (!log_problem.empty()) throw NotDone(log_problem);
   const bool unmet =
       std::any_of(runs.begin(), runs.end(), [](const ScenarioRun& each) { return each.unmet.has_value(); });

@@ -52,7 +52,7 @@ app::Row row_of(const std::string& file, bool json) {
 
 /// Adds all scenarios of a folder. Other files there are only named.
 void add_folder(const std::string& folder, bool json, std::vector<app::Row>& rows, std::vector<NoScenario>& others) {
-  const std::size_t before = rows.size();
+  const std::size_t before = rows.size() + others.size();
   for (const std::string& file : files_in(folder)) {
     try {
       rows.push_back(row_of(file, json));
@@ -60,7 +60,7 @@ void add_folder(const std::string& folder, bool json, std::vector<app::Row>& row
       others.push_back({file, error.what()});
     }
   }
-  if (rows.size() == before && others.empty()) throw UsageError(folder + ": no scenario there (*.yaml)");
+  if (rows.size() + others.size() == before) throw UsageError(folder + ": no scenario there (*.yaml)");
 }
 
 int run(const ScenarioListOptions& options) {
