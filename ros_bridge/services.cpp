@@ -8,6 +8,7 @@
 
 #include "ask/known_stops.h"
 #include "ask/reset_node.h"
+#include "ask/send_on.h"
 #include "config/characters.h"
 #include "config/names.h"
 #include "config/quantity.h"
@@ -81,6 +82,11 @@ void fill(Response& response, const std::string& outcome, double round_trip, con
   response.message = message;
 }
 
+void take_result(const json& reply, Stop::Response& response) {
+  fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,
+       reply.value("reason", ""));
+}
+
 }  // namespace
 
 Services::Services(const ros::NodeHandle& nodes, const config::RingConfig& ring, ConnectOptions daemon, RingPort& port,
@@ -149,32 +155,22 @@ bool Services::stop(Stop::Request& request, Stop::Response& response) {
   return answered(port_, response, [&] {
     const auto timeout = timeout_of(request.timeout, kServiceAnswer);
     const bool all = request.node.empty() || request.node == "all";
-    json ask_stop = {{"do", "stop"}};
-    if (!all) ask_stop["node"] = std::to_string(one_node(request.node));
-    ask::SentStop sent{ring_.ring, nodes_to_ask(request.node), std::chrono::steady_clock::now()};
+    json order = {{"do", "stop"}};
+    if (!all) order["node"] = std::to_string(one_node(request.node));
+    ask::SentStop sent{ring_.ring, nodes_to_ask(request.node), std::chrono::steady_clock::now(), all};
     auto port = HostPort::connect(daemon_);
-    const auto reply = answer_to(port, ask_stop, timeout);
-    fill(response, reply.value("outcome", "unknown"), reply.value("round_trip_us", 0.0) * 1e-6,
-         reply.value("reason", ""));
+    take_result(answer_to(port, order, timeout), response);
     sent.delivered = response.success;
-    if (all) stop_other_parts(sent, port.id(), timeout);
+    ask::send_on(sent, port.id(), sent.sent + timeout, [&](std::uint8_t node, milliseconds left) {
+      ConnectOptions other = daemon_;
+      other.node = std::to_string(node);
+      auto other_port = HostPort::connect(other);
+      const json reply = answer_to(other_port, order, left);
+      if (!all) take_result(reply, response);
+      return reply.value("outcome", "") == to_string(Outcome::delivered);
+    });
     response.message += (response.message.empty() ? "" : "; ") + sentence_of(ask::wait_for_stops(sent));
   });
-}
-
-// As 'ringctl stop' does: in an open chain, or a ring that has folded into parts, one node does not reach all.
-void Services::stop_other_parts(const ask::SentStop& sent, std::uint8_t own, std::chrono::milliseconds timeout) {
-  std::set<std::uint8_t> asked{own};
-  while (const auto next = ask::next_to_ask(ask::wait_until_reached(sent), asked)) {
-    asked.insert(next->id);
-    ConnectOptions other = daemon_;
-    other.node = next->name;
-    try {
-      auto port = HostPort::connect(other);
-      answer_to(port, {{"do", "stop"}}, timeout);
-    } catch (const std::exception&) {  // it has gone meanwhile: of its node nothing is known then
-    }
-  }
 }
 
 std::vector<ask::Node> Services::nodes_to_ask(const std::string& which) const {

@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 
-#include "ask/known_stops.h"
 #include "ask/status_rows.h"
 #include "config/ring_config.h"
 #include "ros_bridge/call_threads.h"
@@ -38,9 +37,6 @@ class Services {
   bool stop(Stop::Request& request, Stop::Response& response);
   bool resume(Resume::Request& request, Resume::Response& response);
   std::future<Result> ask_to_resume(std::uint8_t node);
-
-  /// Asks daemons of nodes that were not reached to stop all, until that reaches no further.
-  void stop_other_parts(const ask::SentStop& sent, std::uint8_t own, std::chrono::milliseconds timeout);
 
   /// Id of a node by id or name, kBroadcast for "all".
   /// @throw std::invalid_argument naming the nodes there are

@@ -42,6 +42,7 @@ struct SentStop {
   std::string ring;
   std::vector<Node> nodes;                     ///< to be stopped, in ring order
   std::chrono::steady_clock::time_point sent;  ///< when it was asked for
+  bool of_all = true;                          ///< `nodes` are all of the ring, else it is one
   bool delivered = false;                      ///< the INTP came home
 };
 

@@ -1,15 +1,14 @@
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <iostream>
 #include <memory>
-#include <optional>
-#include <set>
 
 #include "app/ringctl/answers.h"
 #include "app/ringctl/choose_ring.h"
 #include "app/ringctl/command/commands.h"
 #include "app/ringctl/problems.h"
 #include "app/ringctl/results.h"
-#include "ask/known_stops.h"
+#include "ask/send_on.h"
 #include "config/names.h"
 
 namespace limb_ring::ringctl {
@@ -55,35 +54,21 @@ int code_of(const std::string& outcome, const std::vector<ask::KnownStop>& stops
 /// A stop of one node or of all, from one node or from as many as it takes to reach them.
 class Stop {
  public:
-  Stop(const RingAccess& ring, const StopOptions& options) : ring_(ring), all_(options.node == "all") {
+  Stop(const RingAccess& ring, const StopOptions& options) : ring_(ring) {
     stop_.ring = ring.ring();
     stop_.nodes = ring.ask_nodes();
-    if (!all_) stop_.nodes = {{ring.node(options.node).id, ring.node(options.node).name}};
+    stop_.of_all = options.node == "all";
+    if (!stop_.of_all) stop_.nodes = {{ring.node(options.node).id, ring.node(options.node).name}};
     stop_.sent = std::chrono::steady_clock::now();
   }
 
-  void send_from(const NodeName& node) {
-    senders_.insert(node.id);
-    HostPort port = ring_.connect(node);
-    const nlohmann::json to = all_ ? nlohmann::json("all") : nlohmann::json(stop_.nodes[0].id);
-    const nlohmann::json answer = ask(port, {{"do", "stop"}, {"node", to}}, kInterruptTime);
-    const bool delivered = answer.at("outcome") == to_string(Outcome::delivered);
-    stop_.delivered = delivered && (!all_ || answer_.is_null() || stop_.delivered);
-    const nlohmann::json senders = answer_.is_null() ? nlohmann::json::array() : answer_["sent_from"];
-    if (answer_.is_null() || !all_) answer_ = answer;
-    answer_["sent_from"] = senders;
-    answer_["sent_from"].push_back(node.name);
-  }
+  void send_from(const NodeName& node) { stop_.delivered = sent_from(node, kInterruptTime); }
 
-  void send_from_others() {
-    for (;;) {
-      const auto next = next_sender(ask::wait_until_reached(stop_));
-      if (!next) return;
-      try {
-        send_from(ring_.node(std::to_string(*next)));
-      } catch (const std::runtime_error&) {  // it has gone meanwhile: of its node nothing is known then
-      }
-    }
+  void send_on(const NodeName& from) {
+    const auto deadline = std::chrono::steady_clock::now() + kInterruptTime;
+    ask::send_on(stop_, from.id, deadline, [this](std::uint8_t node, std::chrono::milliseconds timeout) {
+      return sent_from(ring_.node(std::to_string(node)), timeout);
+    });
   }
 
   /// What the daemon has said, and what is known of each node.
@@ -91,20 +76,20 @@ class Stop {
   std::vector<ask::KnownStop> wait() const { return ask::wait_for_stops(stop_); }
 
  private:
-  std::optional<std::uint8_t> next_sender(const std::vector<ask::KnownStop>& stops) const {
-    if (all_) {
-      const auto next = ask::next_to_ask(stops, senders_);
-      return next ? std::optional(next->id) : std::nullopt;
-    }
-    if (stops[0].state != ask::StopState::not_reached) return std::nullopt;
-    const auto next = ask::who_reaches(ask::status_rows_here(stop_.ring, ask::kRowTimeout), stops[0].node.id);
-    return next && senders_.count(*next) == 0 ? next : std::nullopt;
+  /// @return it was delivered
+  bool sent_from(const NodeName& node, std::chrono::milliseconds timeout) {
+    HostPort port = ring_.connect(node);
+    const nlohmann::json to = stop_.of_all ? nlohmann::json("all") : nlohmann::json(stop_.nodes[0].id);
+    const nlohmann::json answer = ask(port, {{"do", "stop"}, {"node", to}}, timeout);
+    const nlohmann::json senders = answer_.is_null() ? nlohmann::json::array() : answer_["sent_from"];
+    if (answer_.is_null() || !stop_.of_all) answer_ = answer;
+    answer_["sent_from"] = senders;
+    answer_["sent_from"].push_back(node.name);
+    return answer.at("outcome") == to_string(Outcome::delivered);
   }
 
   const RingAccess& ring_;
-  const bool all_;
   ask::SentStop stop_;
-  std::set<std::uint8_t> senders_;
   nlohmann::json answer_;
 };
 
@@ -112,8 +97,9 @@ class Stop {
 int run(const Context& context, const StopOptions& options) {
   const RingAccess ring = RingAccess::open(choose_ring(context.ring), options.from);
   Stop stop(ring, options);
-  stop.send_from(ring.source(options.from));
-  if (options.from.empty()) stop.send_from_others();
+  const NodeName from = ring.source(options.from);
+  stop.send_from(from);
+  if (options.from.empty()) stop.send_on(from);
   const auto stops = stop.wait();
   nlohmann::json& answer = stop.answer();
   answer["nodes"] = to_json(stops);
