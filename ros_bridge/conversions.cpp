@@ -50,11 +50,6 @@ geometry_msgs::Vector3 to_vector(const std::array<double, 3>& v) {
 
 }  // namespace
 
-ros::Time to_ros_time(std::int64_t stamp_ns) {
-  constexpr std::int64_t kSecond = 1000000000;
-  return {static_cast<std::uint32_t>(stamp_ns / kSecond), static_cast<std::uint32_t>(stamp_ns % kSecond)};
-}
-
 CommandSplit split_command(const sensor_msgs::JointState& message, const JointMap& joints) {
   check(message);
   CommandSplit split;
@@ -74,10 +69,10 @@ CommandSplit split_command(const sensor_msgs::JointState& message, const JointMa
   return split;
 }
 
-sensor_msgs::JointState to_joint_state(const JointStore::Snapshot& snapshot) {
+sensor_msgs::JointState to_joint_state(const std::vector<JointStore::Joint>& joints, ros::Time stamp) {
   sensor_msgs::JointState message;
-  message.header.stamp = to_ros_time(snapshot.oldest_stamp_ns);
-  for (const auto& joint : snapshot.fresh) {
+  message.header.stamp = stamp;
+  for (const auto& joint : joints) {
     message.name.push_back(joint.name);
     message.position.push_back(joint.state.position);
     message.velocity.push_back(joint.state.velocity);
@@ -86,9 +81,9 @@ sensor_msgs::JointState to_joint_state(const JointStore::Snapshot& snapshot) {
   return message;
 }
 
-sensor_msgs::Imu to_imu(const payload::SensorReading& reading, const std::string& frame) {
+sensor_msgs::Imu to_imu(const payload::SensorReading& reading, ros::Time stamp, const std::string& frame) {
   sensor_msgs::Imu message;
-  message.header.stamp = to_ros_time(reading.stamp_ns);
+  message.header.stamp = stamp;
   message.header.frame_id = frame;
   message.orientation_covariance[0] = -1;
   message.linear_acceleration = to_vector(reading.linear);
@@ -96,9 +91,10 @@ sensor_msgs::Imu to_imu(const payload::SensorReading& reading, const std::string
   return message;
 }
 
-geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading, const std::string& frame) {
+geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading, ros::Time stamp,
+                                       const std::string& frame) {
   geometry_msgs::WrenchStamped message;
-  message.header.stamp = to_ros_time(reading.stamp_ns);
+  message.header.stamp = stamp;
   message.header.frame_id = frame;
   message.wrench.force = to_vector(reading.linear);
   message.wrench.torque = to_vector(reading.angular);

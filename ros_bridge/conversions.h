@@ -15,9 +15,6 @@
 
 namespace limb_ring::bridge {
 
-/// Nanoseconds since 1970, not negative, as ROS writes them (until the year 2106).
-ros::Time to_ros_time(std::int64_t stamp_ns);
-
 /// One command of the robot, taken apart for the nodes that own its joints.
 struct CommandSplit {
   struct Part {
@@ -33,11 +30,11 @@ struct CommandSplit {
 ///        neither empty nor as long as `name`, a value that is not finite, a joint named twice.
 CommandSplit split_command(const sensor_msgs::JointState& message, const JointMap& joints);
 
-/// Stamp: of the oldest sample in it. Empty where no joint is fresh.
-sensor_msgs::JointState to_joint_state(const JointStore::Snapshot& snapshot);
+sensor_msgs::JointState to_joint_state(const std::vector<JointStore::Joint>& joints, ros::Time stamp);
 
 /// Covariances are unknown, orientation is not given (first covariance -1). (REP 145)
-sensor_msgs::Imu to_imu(const payload::SensorReading& reading, const std::string& frame);
-geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading, const std::string& frame);
+sensor_msgs::Imu to_imu(const payload::SensorReading& reading, ros::Time stamp, const std::string& frame);
+geometry_msgs::WrenchStamped to_wrench(const payload::SensorReading& reading, ros::Time stamp,
+                                       const std::string& frame);
 
 }  // namespace limb_ring::bridge

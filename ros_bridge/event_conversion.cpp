@@ -1,7 +1,8 @@
 #include "ros_bridge/event_conversion.h"
 
-#include <algorithm>
 #include <cstdlib>
+
+#include "ros_bridge/ros_clock.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -30,15 +31,9 @@ std::int64_t number_of(const json& said, const char* member, std::int64_t otherw
   return found != said.end() && found->is_number_integer() ? found->get<std::int64_t>() : otherwise;
 }
 
-ros::Time time_of(const json& said) {
-  ros::Time time;
-  time.fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(0, number_of(said, "time_ns", 0))));
-  return time;
-}
-
 RingEvent event(std::uint8_t kind, const json& said) {
   RingEvent made;
-  made.header.stamp = time_of(said);
+  made.header.stamp = to_ros_time(number_of(said, "time_ns", 0));
   made.kind = kind;
   return made;
 }

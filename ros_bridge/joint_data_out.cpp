@@ -71,10 +71,9 @@ void JointDataOut::publish_sample(std::uint8_t node, const payload::JointState& 
   const Sampled& sampled = sampled_.at(node);
   if (sampled.states.getNumSubscribers() == 0) return;
   port_.tell_time();
-  JointStore::Snapshot sample;
-  sample.oldest_stamp_ns = port_.ros_clock().outer(state.stamp_ns);
-  for (std::size_t i = 0; i < sampled.joints.size(); ++i) sample.fresh.push_back({sampled.joints[i], state.joints[i]});
-  sampled.states.publish(to_joint_state(sample));
+  std::vector<JointStore::Joint> joints;
+  for (std::size_t i = 0; i < sampled.joints.size(); ++i) joints.push_back({sampled.joints[i], state.joints[i]});
+  sampled.states.publish(to_joint_state(joints, port_.ros_clock().to_ros(state.stamp_ns)));
 }
 
 void JointDataOut::take_reading(const Packet& packet) {
@@ -87,12 +86,11 @@ void JointDataOut::take_reading(const Packet& packet) {
   counters_.add("readings_in");
   if (sensor.publisher.getNumSubscribers() == 0) return;
   port_.tell_time();
-  payload::SensorReading stamped = *reading;
-  stamped.stamp_ns = port_.ros_clock().outer(reading->stamp_ns);
+  const ros::Time stamp = port_.ros_clock().to_ros(reading->stamp_ns);
   if (sensor.kind == Kind::imu)
-    sensor.publisher.publish(to_imu(stamped, sensor.frame));
+    sensor.publisher.publish(to_imu(*reading, stamp, sensor.frame));
   else
-    sensor.publisher.publish(to_wrench(stamped, sensor.frame));
+    sensor.publisher.publish(to_wrench(*reading, stamp, sensor.frame));
 }
 
 void JointDataOut::publish_states() {
@@ -107,8 +105,7 @@ void JointDataOut::publish_states() {
   port_.tell_time();
   publishing_();
   if (log_.is_open()) note(snapshot);
-  snapshot.oldest_stamp_ns = port_.ros_clock().outer(snapshot.oldest_stamp_ns);
-  const sensor_msgs::JointState states = to_joint_state(snapshot);
+  const auto states = to_joint_state(snapshot.fresh, port_.ros_clock().to_ros(snapshot.oldest_stamp_ns));
   states_.publish(states);
   published_(states.header.stamp);
 }

@@ -8,6 +8,13 @@
 
 namespace limb_ring::bridge {
 
+/// Nanoseconds since 1970 as ROS writes them, as far as its times reach: 0 to 2^32 s, in the year 2106.
+inline ros::Time to_ros_time(std::int64_t stamp_ns) {
+  static const auto latest_ns = static_cast<std::int64_t>(ros::TIME_MAX.toNSec());
+  ros::Time time;
+  return time.fromNSec(static_cast<std::uint64_t>(std::clamp<std::int64_t>(stamp_ns, 0, latest_ns)));
+}
+
 /// The clock for stamps of what the bridge publishes: the machine's, on a virtual ring the ring's, and if that follows
 /// an outer clock, the outer one. Any thread.
 class RosClock {
@@ -25,15 +32,11 @@ class RosClock {
     const auto now = ros::WallTime::now();
     return {now.sec, now.nsec};
   }
-  /// A stamp of the ring's as one for ROS, ns.
-  std::int64_t outer(std::int64_t stamp_ns) const {
-    return ring_ns_ == kMachine ? stamp_ns : std::max<std::int64_t>(0, stamp_ns + outer_zero_ns_);
-  }
-  /// As far as a time of ROS reaches: 0 to 2^32 s.
+  /// A stamp of the ring's, ns, as one for ROS.
   ros::Time to_ros(std::int64_t stamp_ns) const {
-    static const auto latest_ns = static_cast<std::int64_t>(ros::TIME_MAX.toNSec());
-    ros::Time time;
-    return time.fromNSec(static_cast<std::uint64_t>(std::clamp<std::int64_t>(outer(stamp_ns), 0, latest_ns)));
+    const ros::Time stamp = to_ros_time(stamp_ns);
+    if (ring_ns_ == kMachine) return stamp;
+    return to_ros_time(static_cast<std::int64_t>(stamp.toNSec()) + outer_zero_ns_);
   }
 
  private:

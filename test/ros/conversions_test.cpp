@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "ros/small_robot.h"
+#include "ros_bridge/ros_clock.h"
 #include "ros_bridge/waiting_commands.h"
 
 namespace limb_ring::bridge {
@@ -136,27 +137,39 @@ TEST(RosTime, KeepsEveryNanosecond) {
   EXPECT_EQ(time.nsec, 650440123u);
 }
 
+TEST(RosTime, EndsWhereRosHasNoFurtherTimes) {
+  EXPECT_EQ(to_ros_time(std::numeric_limits<std::int64_t>::max()), ros::TIME_MAX);
+  EXPECT_EQ(to_ros_time(-1), ros::Time());
+}
+
+TEST(RosTime, OfARingThatFollowsAClockIsThatClocks) {
+  RosClock clock;
+  clock.set_ring(0);
+  clock.set_outer_zero(5000000000);
+  EXPECT_EQ(clock.to_ros(7), ros::Time(5, 7));
+  EXPECT_EQ(clock.to_ros(std::numeric_limits<std::int64_t>::max()), ros::TIME_MAX) << "a CPU may write any stamp";
+  EXPECT_EQ(clock.to_ros(std::numeric_limits<std::int64_t>::min()), ros::Time(5, 0));
+  clock.set_outer_zero(-5000000000);
+  EXPECT_EQ(clock.to_ros(7), ros::Time());
+}
+
 TEST(SensorMessages, CarryAxesStampAndFrame) {
   payload::SensorReading reading;
-  reading.stamp_ns = 5000000007;
   reading.linear = {1, 2, 3};
   reading.angular = {4, 5, 6};
-  const auto imu = to_imu(reading, "hip_imu");
+  const auto imu = to_imu(reading, ros::Time(5, 7), "hip_imu");
   EXPECT_EQ(imu.header.frame_id, "hip_imu");
   EXPECT_EQ(imu.header.stamp, ros::Time(5, 7));
   EXPECT_EQ(imu.linear_acceleration.y, 2);
   EXPECT_EQ(imu.angular_velocity.z, 6);
   EXPECT_EQ(imu.orientation_covariance[0], -1) << "orientation is not known (REP 145)";
-  const auto wrench = to_wrench(reading, "hip_force");
+  const auto wrench = to_wrench(reading, ros::Time(5, 7), "hip_force");
   EXPECT_EQ(wrench.wrench.force.x, 1);
   EXPECT_EQ(wrench.wrench.torque.x, 4);
 }
 
 TEST(JointStateMessage, HasOneEntryPerFreshJointInEveryArray) {
-  JointStore::Snapshot snapshot;
-  snapshot.oldest_stamp_ns = 3000000000;
-  snapshot.fresh = {{"a", {1, 2, 3}}, {"b", {4, 5, 6}}};
-  const auto message = to_joint_state(snapshot);
+  const auto message = to_joint_state({{"a", {1, 2, 3}}, {"b", {4, 5, 6}}}, ros::Time(3, 0));
   EXPECT_EQ(message.header.stamp, ros::Time(3, 0));
   EXPECT_THAT(message.name, ElementsAre("a", "b"));
   EXPECT_THAT(message.position, ElementsAre(1, 4));
