@@ -25,8 +25,9 @@ void LineLoad::take(const RingStatus& ring) {
     const Count now{bytes_in(node), node.pid, ring.header.stamp};
     Count& before = counts_[node.id];
     const double seconds = (now.at - before.at).toSec();
-    if (seconds < kShortest && now.pid == before.pid) continue;
-    if (now.pid != 0 && now.pid == before.pid && now.bytes >= before.bytes)
+    const bool goes_on = seconds >= 0 && now.pid == before.pid;  // not where a bag is played once more
+    if (goes_on && seconds < kShortest) continue;
+    if (goes_on && now.pid != 0 && now.bytes >= before.bytes)
       bytes_per_second_[node.id] = static_cast<double>(now.bytes - before.bytes) / seconds;
     else
       bytes_per_second_.erase(node.id);

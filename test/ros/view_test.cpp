@@ -115,6 +115,23 @@ TEST_F(Picture, KnowsALoadFromTwoSamples) {
   EXPECT_EQ(load.of(7), std::nullopt);
 }
 
+TEST_F(Picture, KnowsALoadInEachLoopOfABag) {
+  status.nodes[1].counter_names = {"input_bytes"};
+  status.nodes[0].output_rate = 80000;
+  const auto played = [this](double at, std::uint64_t bytes) {
+    status.header.stamp = ros::Time(at);
+    status.nodes[1].counter_values = {bytes};
+    load.take(status);
+  };
+  played(100, 1000);
+  played(200, 1001000);
+  EXPECT_DOUBLE_EQ(*load.of(7), 1.0);
+  played(100, 1000);
+  EXPECT_EQ(load.of(7), std::nullopt);
+  played(101, 6000);
+  EXPECT_DOUBLE_EQ(*load.of(7), 0.5);
+}
+
 TEST(Limbs, AreMarkedInTheirFramesWhereTheirNodeIsDown) {
   const auto ring = config::load_ring(LIMB_RING_CONFIG_DIR "/humanoid16.yaml");
   const LimbMarks limbs(ring, humanoid_urdf());
