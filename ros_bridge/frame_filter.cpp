@@ -68,6 +68,21 @@ class Reader {
     return list;
   }
 
+  /// One named twice would be observed twice, and each of its frames shown twice.
+  std::vector<const config::NodeConfig*> observed(const std::string& name) const {
+    std::vector<const config::NodeConfig*> nodes;
+    for (const auto& word : words(name)) {
+      if (word == "all")
+        for (const auto& each : ring_.nodes) nodes.push_back(&each);
+      else
+        nodes.push_back(&node(name, word));
+    }
+    for (auto each = nodes.begin(); each != nodes.end(); ++each)
+      if (std::find(nodes.begin(), each, *each) != each)
+        throw std::invalid_argument("parameter ~frames/" + name + ": node '" + (*each)->name + "' is named twice");
+    return nodes;
+  }
+
   json numbers(const std::string& name, int most) const {
     json list = json::array();
     for (const auto& word : words(name)) list.push_back(number(name, word, 0, most));
@@ -114,12 +129,7 @@ FrameFilter read_frame_filter(XmlRpcValue parameters, const config::RingConfig& 
   check_names(parameters);
   const Reader reader(parameters, ring);
   FrameFilter filter;
-  for (const auto& word : reader.words("nodes")) {
-    if (word != "all")
-      filter.nodes.push_back(&reader.node("nodes", word));
-    else
-      for (const auto& node : ring.nodes) filter.nodes.push_back(&node);
-  }
+  filter.nodes = reader.observed("nodes");
   if (filter.nodes.empty()) filter.nodes.push_back(&own);
   json packets{{"kinds", reader.among("kinds", {"data", "control", "interrupt"})},
                {"source", reader.nodes("source")},

@@ -130,6 +130,12 @@ TEST_F(Frames, AreRefusedForWrongParametersWithWhatWouldBeRight) {
   wrong["nodes"] = "tail";
   EXPECT_THAT(refusal(wrong), HasSubstr("~frames/nodes: tail; it must be of: all, body, knee, hip"));
   wrong = XmlRpcValue();
+  wrong["nodes"][0] = "knee";
+  wrong["nodes"][1] = 7;
+  EXPECT_THAT(refusal(wrong), HasSubstr("~frames/nodes: node 'knee' is named twice"));
+  wrong["nodes"][0] = "all";
+  EXPECT_THAT(refusal(wrong), HasSubstr("node 'knee' is named twice"));
+  wrong = XmlRpcValue();
   wrong["kinds"] = "beacon";
   EXPECT_THAT(refusal(wrong), HasSubstr("data, control, interrupt"));
   wrong = XmlRpcValue();
