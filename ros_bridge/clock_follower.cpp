@@ -54,7 +54,7 @@ void ClockFollower::run() {
     try {
       HostPort port = HostPort::connect(daemon_);
       take_over(port);
-      while (const auto time_ns = await_time()) pass_on(port, *time_ns);
+      while (const auto time_ns = await_time()) pass_on_or_keep(port, *time_ns);
     } catch (const std::exception& problem) {
       if (std::exchange(told, problem.what()) != problem.what())
         ROS_WARN("the ring's clock does not follow /clock: %s (trying again)", problem.what());
@@ -72,6 +72,17 @@ void ClockFollower::take_over(HostPort& port) {
   zero_ns_ = state.value("outer_zero_ns", std::int64_t{0});
   last_ns_ = *zero_ns_ + allowed_ns;
   clock_.set_outer_zero(*zero_ns_);
+}
+
+// The clock may stand for long: what is lost then is not made up for by a next time.
+void ClockFollower::pass_on_or_keep(HostPort& port, std::int64_t time_ns) {
+  try {
+    pass_on(port, time_ns);
+  } catch (const std::exception&) {
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (!newest_ns_) newest_ns_ = time_ns;
+    throw;
+  }
 }
 
 // What has not been allowed has not been reached, so it is kept only when the daemon has said yes.

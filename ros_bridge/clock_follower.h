@@ -32,6 +32,7 @@ class ClockFollower {
   void run();
   /// Waits for a `/clock` that has not been passed on yet, in ns; nothing when this object is being destroyed.
   std::optional<std::int64_t> await_time();
+  void pass_on_or_keep(HostPort& port, std::int64_t time_ns);
   void pass_on(HostPort& port, std::int64_t time_ns);
   /// Takes over the zero and the allowed time that a previous bridge has set.
   void take_over(HostPort& port);
