@@ -96,16 +96,11 @@ void RingPort::run() {
   while (!stopping_) {
     if (!port_) try_connect();
     wait_for_something();
-    // Everything that talks to the daemon is below; a connection that breaks ends up here.
-    try {
-      notice_time();
-      take_messages();
-      run_posted();
-      run_ticks();
-      if (post_alive_.exchange(false) && port_ && !in_lockstep()) port_->alive();
-    } catch (const HostPortError& error) {
-      lost(error.what());
-    }
+    notice_time();
+    take_messages();
+    run_posted();
+    run_ticks();
+    if (post_alive_.exchange(false) && port_ && !in_lockstep()) port_->alive();
   }
   port_.reset();
 }
