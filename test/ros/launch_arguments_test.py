@@ -9,6 +9,7 @@ import socket
 import subprocess
 import tempfile
 import unittest
+import xml.etree.ElementTree
 
 import rosgraph
 import rospkg
@@ -169,6 +170,14 @@ class LaunchArguments(unittest.TestCase):
                               timeout=60).stdout
         for parameter in parameters:
             self.assertIn('~' + parameter, said)
+
+    def test_the_bridge_gets_the_same_arguments_on_any_host(self):
+        def passed_on(file):
+            launch = xml.etree.ElementTree.parse(os.path.join(HERE, 'launch', file))
+            include, = [each for each in launch.iter('include') if each.get('file').endswith('/bridge.launch')]
+            return {argument.get('name') for argument in include.iter('arg')}
+        # A ring on a clock of its own is on one host.
+        self.assertEqual(passed_on('host.launch') - {'machine'}, passed_on('ring.launch') - {'clock'})
 
     def test_the_virtual_demo_has_help_and_says_nothing_else(self):
         ended = subprocess.run([os.path.join(HERE, 'scripts', 'virtual_demo'), '--help'], text=True,
