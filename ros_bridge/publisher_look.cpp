@@ -1,11 +1,14 @@
 #include "ros_bridge/publisher_look.h"
 
-#include "ros_bridge/publisher_counts.h"
+#include <algorithm>
+
+#include "ros_bridge/master_state.h"
 
 namespace limb_ring::bridge {
 namespace {
 
 const ros::WallDuration kPublisherLook{1.0};
+constexpr unsigned kLookInAnyCase = 10;  // turns of it
 
 }  // namespace
 
@@ -23,11 +26,14 @@ PublisherLook::~PublisherLook() {
 }
 
 void PublisherLook::look() {
-  const auto counts = publisher_counts();
-  for (const auto& topic : topics_) {
-    const auto found = counts.find(topic->full_name());
-    topic->look(found == counts.end() ? 0 : found->second);
-  }
+  const bool wanted =
+      std::any_of(topics_.begin(), topics_.end(), [](const auto& topic) { return topic->wants_look(); });
+  if (!wanted && ++passed_over_ < kLookInAnyCase) return;
+  passed_over_ = 0;
+  const auto state = master_state();
+  if (!state) return;
+  for (const auto& topic : topics_)
+    topic->look(static_cast<unsigned>(MasterState::of(state->publishers, topic->full_name()).size()));
 }
 
 }  // namespace limb_ring::bridge

@@ -10,7 +10,8 @@
 
 namespace limb_ring::bridge {
 
-/// Tells each TopicIn once a second how many publish its topic. In a thread of its own, since a master that is out of
+/// Asks the master how many publish the topics of each TopicIn: once a second where one wants to know, else every ten
+/// seconds, since the master has more to do than to answer this. In a thread of its own, since a master that is out of
 /// reach does not answer for minutes, and the other threads are the CPU's.
 class PublisherLook {
  public:
@@ -26,6 +27,7 @@ class PublisherLook {
   ros::NodeHandle nodes_;
   ros::AsyncSpinner thread_;
   ros::WallTimer timer_;
+  unsigned passed_over_ = 0;  ///< turns in which nobody was asked
 };
 
 }  // namespace limb_ring::bridge

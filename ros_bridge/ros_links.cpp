@@ -7,7 +7,8 @@
 
 #include <cstdint>
 #include <optional>
-#include <set>
+
+#include "ros_bridge/master_state.h"
 
 namespace limb_ring::bridge {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 using XmlRpc::XmlRpcValue;
-using RosNodes = std::set<std::string>;
+using RosNodes = MasterState::Nodes;
 
 constexpr auto kLinksAnswer = 500ms;
 constexpr auto kSubscribesWithin = 1s;
@@ -41,13 +42,7 @@ bool ask_master(const char* method, const XmlRpcValue& request, XmlRpcValue& ans
   return ros::master::execute(method, request, response, answer, false);
 }
 
-/// The nodes of a topic in a list [[topic, [node ...]] ...].
-RosNodes nodes_of(XmlRpcValue list, const std::string& topic) {
-  RosNodes nodes;
-  for (int i = 0; i < list.size(); ++i) {
-    if (std::string(list[i][0]) != topic) continue;
-    for (int n = 0; n < list[i][1].size(); ++n) nodes.insert(std::string(list[i][1][n]));
-  }
+RosNodes without_this(RosNodes nodes) {
   nodes.erase(ros::this_node::getName());
   return nodes;
 }
@@ -80,14 +75,13 @@ bool RosLinks::is_patient_with(const std::string& node) {
 }
 
 bool RosLinks::answers_arrive(const std::string& heard, const std::string& answered) {
-  XmlRpcValue request, state;
-  request[0] = ros::this_node::getName();
-  if (!ask_master("getSystemState", request, state) || state.size() < 2) return false;
+  const auto state = master_state();
+  if (!state) return false;
   const std::string& own = ros::this_node::getName();
-  const RosNodes subscribed = nodes_of(state[1], heard);
+  const RosNodes subscribed = without_this(MasterState::of(state->subscribers, heard));
   const RosNodes hearing = nodes_reached_by(own, heard).value_or(RosNodes{});
   unsigned there = 0;
-  for (const std::string& node : nodes_of(state[0], answered)) {
+  for (const std::string& node : without_this(MasterState::of(state->publishers, answered))) {
     const auto reached = nodes_reached_by(node, answered);
     if (!reached) continue;  // it has ended without telling the master
     if (reached->count(own) == 0) return false;

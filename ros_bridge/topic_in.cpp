@@ -1,12 +1,9 @@
 #include "ros_bridge/topic_in.h"
 
-#include <utility>
-
 namespace limb_ring::bridge {
 namespace {
 
 constexpr auto kAnnouncePeriod = std::chrono::seconds(1);
-constexpr unsigned kLooks = 2;  // a publisher that has just come is not yet connected
 
 TopicMessage to_message(const ros::MessageEvent<topic_tools::ShapeShifter const>& event) {
   const auto& shape = *event.getConstMessage();
@@ -42,24 +39,23 @@ TopicIn::TopicIn(ros::NodeHandle& nodes, std::uint8_t number, const config::Topi
   full_name_ = subscriber_.getTopic();
 }
 
-// roscpp takes type and definition of the first publisher for those of the subscription, and publishers with others
-// refuse it. The master does not know definitions, so where none of those that it knows is connected for two looks, the
-// subscription is made anew. One that died without telling the master counts as connected: then a person has to.
 void TopicIn::look(unsigned published) {
   const unsigned connected = subscriber_.getNumPublishers();
-  missing_ = published > connected ? missing_ + 1 : 0;
-  if (missing_ == 0) warned_ = false;
-  if (missing_ < kLooks) return;
-  if (connected == 0) return renew();
-  if (std::exchange(warned_, true)) return;
-  ROS_WARN(
-      "topic '%s': %u of its %u publishers are not connected: of another type than the others, or dead. Where one "
-      "has died without a word, the next one of another type is heard after 'rosnode cleanup'",
-      topic_.input.c_str(), published - connected, published);
+  switch (check_.look(published, connected)) {
+    case PublisherCheck::Verdict::well:
+      return;
+    case PublisherCheck::Verdict::renew:
+      return renew();
+    case PublisherCheck::Verdict::warn:
+      // One that died without telling the master counts as connected.
+      ROS_WARN(
+          "topic '%s': %u of its %u publishers are not connected: of another type than the others, or dead. Where one "
+          "has died without a word, the next one of another type is heard after 'rosnode cleanup'",
+          topic_.input.c_str(), published - connected, published);
+  }
 }
 
 void TopicIn::renew() {
-  missing_ = 0;
   subscriber_.shutdown();
   subscriber_ = nodes_.subscribe(options_);
 }
@@ -74,6 +70,7 @@ void TopicIn::take_type(const payload::Announcement& type) {
 }
 
 void TopicIn::on_message(const Event& event) {
+  check_.heard();
   auto message = to_message(event);
   take_type(message.type);
   bool first = false;

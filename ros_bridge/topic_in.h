@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 
+#include "ros_bridge/publisher_check.h"
 #include "ros_bridge/topic_sender.h"
 
 namespace limb_ring::bridge {
@@ -24,7 +25,9 @@ class TopicIn {
   const config::TopicConfig& topic() const { return topic_; }
   /// The input's, as the master has it.
   const std::string& full_name() const { return full_name_; }
-  /// Once a second, one thread: so many nodes publish it, as far as the master knows. (PublisherLook)
+  /// One thread: the master should be asked how many nodes publish it. (PublisherLook)
+  bool wants_look() { return check_.wants_look(subscriber_.getNumPublishers()); }
+  /// The same thread: so many, as far as the master knows.
   void look(unsigned published);
 
  private:
@@ -44,8 +47,7 @@ class TopicIn {
   ros::SubscribeOptions options_;
   ros::Subscriber subscriber_;  ///< after the constructor look()'s thread alone
   std::string full_name_;
-  unsigned missing_ = 0;           ///< looks in a row at which a publisher was there, and not connected
-  bool warned_ = false;            ///< of those
+  PublisherCheck check_;
   std::string datatype_, md5sum_;  ///< of the last message
 };
 

@@ -2,9 +2,10 @@
 
 #include <ros/ros.h>
 
-#include <map>
 #include <string>
 #include <vector>
+
+#include "ros_bridge/master_state.h"
 
 namespace limb_ring::bridge {
 
@@ -28,7 +29,7 @@ class TwoNames {
   bool belongs_to_another(const std::string& name);
 
   ros::NodeHandle short_, own_;
-  std::map<std::string, std::string> providers_;  ///< node of each service that the master knew of at the start
+  MasterState::ByName providers_;  ///< of services that the master knew of at the start
   std::vector<ros::ServiceServer> servers_;
 };
 
