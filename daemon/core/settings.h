@@ -60,8 +60,8 @@ struct Settings {
 
   bool fold_back = false;  ///< there is a second, counter-rotating line (ours)
 
-  std::array<bool, 8> wired{};  ///< pins wired to something
-  std::array<std::optional<InterruptInput>, 8> inputs{};
+  std::array<bool, wire::kFactors> wired{};  ///< pins wired to something
+  std::array<std::optional<InterruptInput>, wire::kFactors> inputs{};
 
   template <class Archive>
   void archive(Archive& a) {

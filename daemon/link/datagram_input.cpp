@@ -64,7 +64,7 @@ void DatagramInput::take_slices(const LinkHeader& header, wire::ByteView bytes, 
     return;
   }
   report_.counters.datagrams_lost += arrival.lost;
-  if (arrival.lost != 0) gap(arrival.lost);
+  if (arrival.lost != 0) gap();
   hand_on(bytes);
 }
 
@@ -73,7 +73,7 @@ void DatagramInput::hand_on(wire::ByteView bytes) {
     const wire::SliceParse parse = wire::parse_slice(bytes);
     if (parse.status != wire::SliceParse::Status::slice) {
       ++report_.counters.malformed;
-      return gap(1);
+      return gap();
     }
     bytes = bytes.from(parse.consumed);
     if (parse.slice.kind == wire::SliceKind::idle) {
@@ -86,9 +86,9 @@ void DatagramInput::hand_on(wire::ByteView bytes) {
   }
 }
 
-void DatagramInput::gap(std::uint32_t lost) {
+void DatagramInput::gap() {
   batch_ = true;
-  handler_.on_input_gap(lost);
+  handler_.on_input_gap();
 }
 
 void DatagramInput::end_batch() {

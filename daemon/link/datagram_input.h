@@ -73,7 +73,7 @@ class DatagramInput {
   bool take_up(Session offer, const LinkHeader& header, Time now);
   void on_stale(const LinkHeader& header, const UdpAddress& sender);
   bool present(const LinkHeader& header) const;
-  void gap(std::uint32_t lost);
+  void gap();
   void lose(std::string_view reason);
   void drop_old_offers(Time now);
   void tell(LinkHeaderType type, Session& session, Refusal refusal = Refusal::none);

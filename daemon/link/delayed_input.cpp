@@ -29,7 +29,7 @@ struct DelayedInput::Line : std::enable_shared_from_this<Line> {
       events.pop_front();
       size -= event.size;
       if (event.kind == Event::Kind::gap)
-        next->on_input_gap(event.lost);
+        next->on_input_gap();
       else
         event.deliver(*next);
     }
@@ -37,10 +37,9 @@ struct DelayedInput::Line : std::enable_shared_from_this<Line> {
 
   bool ends_with_batch() const { return !events.empty() && events.back().kind == Event::Kind::batch_end; }
 
-  /// The gap behind which no slice follows; null: there is none.
-  Event* open_gap() {
+  bool ends_with_gap() const {
     const auto last = events.rbegin() + (ends_with_batch() ? 1 : 0);
-    return last != events.rend() && last->kind == Event::Kind::gap ? &*last : nullptr;
+    return last != events.rend() && last->kind == Event::Kind::gap;
   }
 
   event_loop::PacketTimer timer;
@@ -59,41 +58,37 @@ void DelayedInput::close() {
 }
 
 void DelayedInput::on_slice(const wire::Slice& slice) {
-  const std::size_t size = wire::kMaxSliceSize;
+  const std::size_t size = wire::kSliceHeaderSize + slice.bytes.size;
   if (line_->size + size > kLimit) {
     ++counters_.delay_dropped;
-    return on_input_gap(1);
+    return on_input_gap();
   }
   std::vector<std::uint8_t> bytes(slice.bytes.begin(), slice.bytes.end());
-  add({Event::Kind::other, size, 0, [kind = slice.kind, bytes = std::move(bytes)](InputHandler& next) {
+  add({Event::Kind::other, size, [kind = slice.kind, bytes = std::move(bytes)](InputHandler& next) {
          next.on_slice({kind, {bytes.data(), bytes.size()}});
        }});
 }
 
 void DelayedInput::on_batch_end() {
   if (line_->ends_with_batch()) return;
-  add({Event::Kind::batch_end, 0, 0, [](InputHandler& next) { next.on_batch_end(); }});
+  add({Event::Kind::batch_end, 0, [](InputHandler& next) { next.on_batch_end(); }});
 }
 
 // One for all that is lost before the next slice: a line that is full would else hold ever more of them.
-void DelayedInput::on_input_gap(std::uint32_t lost) {
-  if (Event* gap = line_->open_gap()) {
-    gap->lost += lost;
-    return;
-  }
-  add({Event::Kind::gap, 0, lost, {}});
+void DelayedInput::on_input_gap() {
+  if (!line_->ends_with_gap()) add({Event::Kind::gap, 0, {}});
 }
 
 void DelayedInput::on_input_up(std::uint8_t from) {
-  add({Event::Kind::other, 0, 0, [from](InputHandler& next) { next.on_input_up(from); }});
+  add({Event::Kind::other, 0, [from](InputHandler& next) { next.on_input_up(from); }});
 }
 
 void DelayedInput::on_input_lost(std::string_view reason) {
-  add({Event::Kind::other, 0, 0, [reason = std::string(reason)](InputHandler& next) { next.on_input_lost(reason); }});
+  add({Event::Kind::other, 0, [reason = std::string(reason)](InputHandler& next) { next.on_input_lost(reason); }});
 }
 
 void DelayedInput::on_unknown_peer(std::string_view reason) {
-  add({Event::Kind::other, 0, 0, [reason = std::string(reason)](InputHandler& next) { next.on_unknown_peer(reason); }});
+  add({Event::Kind::other, 0, [reason = std::string(reason)](InputHandler& next) { next.on_unknown_peer(reason); }});
 }
 
 void DelayedInput::add(Event event) {

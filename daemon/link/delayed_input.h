@@ -11,7 +11,7 @@
 namespace limb_ring::link {
 
 /// A long line: hands everything on to another handler `delay` later, in order. (ours)
-/// Holds up to kLimit bytes; slices beyond that are dropped and become one gap.
+/// Holds up to kLimit bytes of slices, framed; slices beyond that are dropped and become one gap.
 class DelayedInput : public InputHandler {
  public:
   static constexpr std::size_t kLimit = 4 << 20;
@@ -23,7 +23,7 @@ class DelayedInput : public InputHandler {
 
   void on_slice(const wire::Slice& slice) override;
   void on_batch_end() override;
-  void on_input_gap(std::uint32_t lost) override;
+  void on_input_gap() override;
   void on_input_up(std::uint8_t from) override;
   void on_input_lost(std::string_view reason) override;
   void on_unknown_peer(std::string_view reason) override;
@@ -31,8 +31,7 @@ class DelayedInput : public InputHandler {
  private:
   struct Event {
     enum class Kind : std::uint8_t { gap, batch_end, other } kind;
-    std::size_t size;                            ///< bytes of its slice; 0 where it is none
-    std::uint32_t lost;                          ///< gap
+    std::size_t size;                            ///< bytes of its slice, framed; 0 where it is none
     std::function<void(InputHandler&)> deliver;  ///< not of a gap
     Time due{};
   };

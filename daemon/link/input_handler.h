@@ -20,8 +20,8 @@ struct InputHandler {
   virtual void on_slice(const wire::Slice& slice) = 0;
   /// After all slices of one read: now write what they led to.
   virtual void on_batch_end() = 0;
-  /// `lost` datagrams (or a garbled one) are missing here: a packet in flight cannot be finished.
-  virtual void on_input_gap(std::uint32_t lost) = 0;
+  /// Datagrams are missing here, or one was garbled: a packet that is coming in cannot be finished.
+  virtual void on_input_gap() = 0;
   /// An upstream neighbour has connected. Another one's on_input_lost has come before.
   virtual void on_input_up(std::uint8_t from) = 0;
   /// It is gone, or another one takes its place. `reason` is for people.

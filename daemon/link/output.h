@@ -37,7 +37,7 @@ struct Candidate {
   Endpoint endpoint;
 };
 
-/// What one end of a line is told of those at the other end.
+/// Where an Output may connect, in which order, and its times.
 struct OutputSettings {
   Identity self;
   std::vector<Candidate> candidates;  ///< ring order: the configured successor first, we last

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <stdexcept>
 
 namespace limb_ring::link {
@@ -86,15 +85,13 @@ bool ReplayWindow::take(std::uint64_t number) {
   return true;
 }
 
-bool Sealer::seal(std::uint8_t* datagram, std::size_t size) {
-  if (number_ == std::numeric_limits<std::uint64_t>::max()) return false;
+void Sealer::seal(std::uint8_t* datagram, std::size_t size) {
   const CipherNonce nonce = cipher_nonce(++number_);
   wire::store_u64(datagram + size, number_);
   unsigned long long tag_size = 0;
   std::uint8_t nothing = 0;  // nothing is encrypted, but libsodium wants a place for it that is not null
   ::crypto_aead_chacha20poly1305_ietf_encrypt_detached(&nothing, datagram + size + 8, &tag_size, nullptr, 0, datagram,
                                                        size, nullptr, nonce.data(), key_.data());
-  return true;
 }
 
 Opener::Verdict Opener::open(wire::ByteView datagram) {

@@ -48,10 +48,10 @@ class Sealer {
  public:
   explicit Sealer(const Key& key) : key_(key) {}
 
-  /// Appends number and tag. A number is never used twice, also if the datagram is not sent.
+  /// Appends number and tag. A number is never used twice, also if the datagram is not sent: 64 bits outlast any
+  /// session.
   /// @param datagram has room for kSealSize bytes behind `size`
-  /// @return false: all 2^64 - 1 numbers are used up, and the session is over
-  bool seal(std::uint8_t* datagram, std::size_t size);
+  void seal(std::uint8_t* datagram, std::size_t size);
 
  private:
   Key key_;

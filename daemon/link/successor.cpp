@@ -23,16 +23,11 @@ void Successor::busy(std::size_t candidate, Time now) {
   set(candidate, Candidate::State::busy, now + timing_.candidate_retry(candidates_.size()));
 }
 
-bool Successor::accepted(std::size_t candidate, Time now) {
-  if (current_ && *current_ < candidate) {
-    set(candidate, Candidate::State::untried, now);
-    return false;
-  }
+void Successor::accepted(std::size_t candidate, Time now) {
   for (std::size_t i = candidate; i < candidates_.size(); ++i) candidates_[i] = {};
   current_ = candidate;
   up_since_ = now;
   patience_.reset();
-  return true;
 }
 
 void Successor::lost(Loss loss, Time now) {

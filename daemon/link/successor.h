@@ -23,8 +23,8 @@ class Successor {
 
   void absent(std::size_t candidate, Time now);  ///< nobody there, or no node of this ring
   void busy(std::size_t candidate, Time now);    ///< alive, with a nearer upstream than us
-  /// @return true: use it, instead of what is in use. False: we have a nearer one; drop it.
-  bool accepted(std::size_t candidate, Time now);
+  /// Is in use from here on. @pre it is nearer than the one that was
+  void accepted(std::size_t candidate, Time now);
   enum class Loss { ended, silent, replaced };
   void lost(Loss loss, Time now);  ///< the one in use
 

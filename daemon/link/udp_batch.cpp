@@ -16,7 +16,7 @@ constexpr std::size_t kMaxRunBytes = 60000;
 
 std::size_t slice_size(wire::ByteView slices) {
   if (slices.size < wire::kSliceHeaderSize) return slices.size;
-  return std::min(slices.size, wire::kSliceHeaderSize + wire::load_u16(slices.data + 2));
+  return std::min(slices.size, wire::kSliceHeaderSize + wire::load_u16(slices.data + wire::kSliceSizeAt));
 }
 
 bool no_segments(int error) { return error == EIO || error == EINVAL || error == EOPNOTSUPP; }

@@ -45,7 +45,7 @@ class NodeLine final : private link::InputHandler, private link::OutputHandler {
  private:
   void on_slice(const wire::Slice& slice) override { handler_.on_slice(line_, slice); }
   void on_batch_end() override { handler_.on_batch_end(); }
-  void on_input_gap(std::uint32_t) override { handler_.on_input_gap(line_); }
+  void on_input_gap() override { handler_.on_input_gap(line_); }
   void on_input_up(std::uint8_t from) override { handler_.on_input_up(line_, wire::NodeId{from}); }
   void on_input_lost(std::string_view reason) override { handler_.on_input_lost(line_, reason); }
   void on_output_up(std::uint8_t to) override { handler_.on_output_up(line_, wire::NodeId{to}); }

@@ -35,6 +35,9 @@ using Priority = Number<struct PriorityNumber>;        ///< 0 (highest) to 3
 using ChannelId = Number<struct ChannelNumber>;        ///< 0..63
 using Factor = Number<struct FactorNumber>;            ///< 0..7, which pin an INTP pulls
 
+constexpr std::uint8_t kPriorities = 4;
+constexpr std::uint8_t kChannels = 64;
+
 constexpr NodeId kBroadcast{0xFF};  ///< as DID: every node but the source
 constexpr std::uint8_t kSop = 0xFB;
 constexpr std::uint8_t kEop = 0xFD;

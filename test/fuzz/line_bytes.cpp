@@ -12,7 +12,7 @@ namespace {
 struct Slices : link::InputHandler {
   void on_slice(const wire::Slice& slice) override { taken.put(slice.kind, slice.bytes); }
   void on_batch_end() override {}
-  void on_input_gap(std::uint32_t) override {}
+  void on_input_gap() override {}
   void on_input_up(std::uint8_t) override {}
   void on_input_lost(std::string_view) override {}
   void on_unknown_peer(std::string_view) override {}

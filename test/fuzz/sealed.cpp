@@ -15,7 +15,7 @@ using Bytes = std::vector<std::uint8_t>;
 Bytes sealed(link::Sealer& sealer, wire::ByteView content) {
   Bytes bytes(content.begin(), content.end());
   bytes.resize(content.size + link::kSealSize);
-  fuzz::require(sealer.seal(bytes.data(), content.size), "there are numbers enough");
+  sealer.seal(bytes.data(), content.size);
   return bytes;
 }
 

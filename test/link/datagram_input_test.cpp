@@ -97,7 +97,7 @@ TEST_F(DatagramInputFromHand, SaysWhereDatagramsAreMissing) {
   datagram(2, 2);
   datagram(6, 6);
   input.end_batch();
-  EXPECT_THAT(heard.log, ElementsAre("up 0", "slice", "gap 3", "slice", "batch end"));
+  EXPECT_THAT(heard.log, ElementsAre("up 0", "slice", "gap", "slice", "batch end"));
   EXPECT_EQ(report.counters.datagrams_lost, 3u);
 }
 
@@ -198,7 +198,7 @@ TEST_F(DatagramInputFromHand, MakesAGapOfAGarbledDatagram) {
   send(h, {garbage.data(), garbage.size()});
   input.end_batch();
   EXPECT_EQ(report.counters.malformed, 1u);
-  EXPECT_THAT(heard.log, ElementsAre("up 0", "gap 1", "batch end"));
+  EXPECT_THAT(heard.log, ElementsAre("up 0", "gap", "batch end"));
   EXPECT_EQ(input.from(), 0);
 }
 

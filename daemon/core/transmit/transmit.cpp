@@ -6,8 +6,9 @@ namespace limb_ring::core {
 
 Reject Transmit::check(const SendRequest& request) const {
   if (request.data.size < 1 || request.data.size > wire::kMaxPayload) return Reject::bad_size;
-  if (request.priority > 3) return Reject::bad_priority;
-  if (request.channel > 63 || request.channel == wire::id_of(wire::Channel::control)) return Reject::bad_channel;
+  if (request.priority >= wire::kPriorities) return Reject::bad_priority;
+  if (request.channel >= wire::kChannels || request.channel == wire::id_of(wire::Channel::control))
+    return Reject::bad_channel;
   return exists(request.destination) ? Reject::none : Reject::bad_destination;
 }
 
