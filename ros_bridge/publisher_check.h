@@ -29,8 +29,9 @@ class PublisherCheck {
     connected_ = connected;
     missing_ = published > connected ? missing_ + 1 : 0;
     if (missing_ == 0) warned_ = false;
-    if (connected == 0 && (missing_ >= kLooks || (published == 0 && has_type_))) {
-      missing_ = 0;
+    alone_ = connected == 0 && (published > 0 || has_type_) ? alone_ + 1 : 0;
+    if (alone_ >= kLooks) {
+      alone_ = missing_ = 0;
       has_type_ = false;
       return Verdict::renew;
     }
@@ -39,12 +40,14 @@ class PublisherCheck {
   }
 
  private:
-  static constexpr unsigned kLooks = 2;  // a publisher that has just come is not yet connected
+  // A publisher that has just come is not yet connected, and of one that has just gone messages may still wait.
+  static constexpr unsigned kLooks = 2;
 
   std::atomic<bool> has_type_{false};
   unsigned connected_ = 0;  ///< at the last look
   unsigned missing_ = 0;    ///< looks in a row at which a publisher was there, and not connected
   bool warned_ = false;     ///< of those
+  unsigned alone_ = 0;      ///< looks in a row at which none was connected, though there is or was one
 };
 
 }  // namespace limb_ring::bridge

@@ -24,6 +24,8 @@ TEST(PublisherCheck, RenewsASubscriptionThatHasLostItsPublisher) {
   check.look(1, 1);
   check.heard();
   EXPECT_TRUE(check.wants_look(0));
+  EXPECT_EQ(check.look(0, 0), Verdict::well) << "its last messages may still wait";
+  EXPECT_TRUE(check.wants_look(0));
   EXPECT_EQ(check.look(0, 0), Verdict::renew) << "the next publisher may have another type";
   EXPECT_FALSE(check.wants_look(0));
 }
@@ -32,6 +34,7 @@ TEST(PublisherCheck, RenewsOneThatHadAPublisherBetweenTwoLooks) {
   PublisherCheck check;
   check.heard();
   EXPECT_TRUE(check.wants_look(0));
+  EXPECT_EQ(check.look(0, 0), Verdict::well);
   EXPECT_EQ(check.look(0, 0), Verdict::renew);
 }
 
