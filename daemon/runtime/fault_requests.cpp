@@ -57,12 +57,6 @@ void require_own(const Fault& fault, const FaultTargets& to) {
   if (fault.name == Name::reorder) require_udp(fault, to);
 }
 
-/// Sends no answer: the process ends.
-void power_cycle(const FaultTargets& to) {
-  if (!to.power_cycle) throw RequestError("power_cycle: not possible on a virtual ring");
-  to.power_cycle();
-}
-
 /// Answers an empty object when all is mended, or the problem.
 Faults::Done answer_when_mended(const Answer& answer) {
   return [answer](const std::string& problem) { answer(problem.empty() ? json::object() : json{{"error", problem}}); };
@@ -75,7 +69,7 @@ void begin_fault(const FaultTargets& to, const json& request, const Answer& answ
   require_own(fault, to);
   const std::string words = fault::to_words(fault, to.faults.nodes());
   spdlog::warn("fault on purpose: {}", words);
-  if (fault.name == Name::power_cycle) return power_cycle(to);
+  if (fault.name == Name::power_cycle) return to.power_cycle();
   if (to.faults.full())
     throw RequestError("there are " + std::to_string(Faults::kMost) + " faults here; remove some first");
   to.faults.begin(fault, [answer, words](Faults::Id id, const std::string& problem) {

@@ -17,7 +17,7 @@ struct FaultTargets {
   const config::NodeConfig& node;
   const NodeDriver& driver;
   Faults& faults;
-  std::function<void()> power_cycle;  ///< null: cannot be done
+  std::function<void()> power_cycle;  ///< sends no answer: the process, or the node, ends
 };
 
 /// @name Requests about faults, as daemon/host/requests.md describes them

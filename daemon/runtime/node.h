@@ -36,7 +36,7 @@ struct NodeBase {
   std::shared_ptr<NodeFolder> folder;
   /// Makes the driver of the node to which the folder belongs. The listener must not be called before it returns.
   std::function<std::unique_ptr<NodeDriver>(const NodeFolder&, DriverListener&)> make_driver;
-  /// Starts this process anew, as if the node's power went off and on; null: that cannot be done.
+  /// Starts the node anew, as if its power went off and on: a daemon its process.
   std::function<void()> start_anew;
   std::optional<cpu_set_t> cpu_cores;  ///< for the CPU's processes; empty: as this one
   host::TurnKeeper* turns = nullptr;   ///< of a virtual clock
