@@ -3,9 +3,8 @@
 namespace limb_ring::runtime {
 
 void PinBoard::latch(std::uint8_t source, std::int64_t clock_ns) {
-  latch_ = {latch_.count + 1, source, clock_ns};
-  cpu_.clock_latched(
-      {static_cast<std::uint32_t>(latch_.count), wire::NodeId{source}, static_cast<std::uint64_t>(clock_ns)});
+  latch_ = {latch_.count + 1, wire::NodeId{source}, static_cast<std::uint64_t>(clock_ns)};
+  cpu_.clock_latched(latch_);
 }
 
 std::string PinBoard::pull(std::uint8_t factor, std::uint8_t source, std::int64_t clock_ns) {

@@ -109,11 +109,7 @@ void Requests::stop_latched(const Json& request, bool of_cpu, const Answer& answ
   answer(Json::object());
 }
 
-void Requests::latch(const Json&, const Answer& answer) {
-  const ClockLatch& latch = to_.pins.last_latch();
-  answer(
-      {{"latched", latch.count != 0}, {"source", latch.source}, {"count", latch.count}, {"clock_ns", latch.clock_ns}});
-}
+void Requests::latch(const Json&, const Answer& answer) { answer(latch_json(to_.pins.last_latch())); }
 
 void Requests::ping(const Json& request, const Answer& answer) {
   TrafficRequest traffic;

@@ -130,14 +130,6 @@ json refusals_json(const StatusSources& from) {
   return all;
 }
 
-/// As the request `latch` answers.
-json latch_json(const wire::ClockLatch& latch) {
-  return {{"latched", latch.count != 0},
-          {"source", std::uint8_t{latch.source}},
-          {"count", latch.count},
-          {"clock_ns", latch.clock_ns}};
-}
-
 json told_break_json(const wire::Beacon& beacon) {
   if (!beacon.break_known) return {};
   return {{"before", std::uint8_t{beacon.break_before}}, {"behind", std::uint8_t{beacon.break_behind}}};
@@ -189,6 +181,13 @@ json supervisor_json(const StatusSources& from) {
 }
 
 }  // namespace
+
+json latch_json(const wire::ClockLatch& latch) {
+  return {{"latched", latch.count != 0},
+          {"source", std::uint8_t{latch.source}},
+          {"count", latch.count},
+          {"clock_ns", latch.clock_ns}};
+}
 
 json status_row(const StatusSources& from) {
   const NodeDriver& driver = from.driver;

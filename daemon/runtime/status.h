@@ -28,4 +28,7 @@ struct StatusSources {
 /// A node's row of `ringctl status --json`, as daemon/host/requests.md describes it.
 nlohmann::json status_row(const StatusSources& from);
 
+/// A latch of a node's clock, as the request `latch` answers.
+nlohmann::json latch_json(const wire::ClockLatch& latch);
+
 }  // namespace limb_ring::runtime
