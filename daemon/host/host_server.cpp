@@ -158,11 +158,6 @@ void HostServer::give(const client::PacketView& packet) {
   cpu_->put(packet);
 }
 
-void HostServer::give(const Packet& packet) {
-  give(client::PacketView{
-      packet.source, packet.destination, packet.priority, packet.channel, {packet.data.data(), packet.data.size()}});
-}
-
 bool HostServer::interrupt(const limb_ring::Interrupt& interrupt) {
   if (!cpu_) {
     ++counters_.interrupts_lost;

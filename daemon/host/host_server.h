@@ -53,7 +53,6 @@ class HostServer final : private SessionOwner {
   bool cpu_can_take() const;
   /// Hands a packet to the CPU, using one credit. @pre cpu_can_take()
   void give(const client::PacketView& packet);
-  void give(const Packet& packet);
   /// Tells the CPU. @return false, and counted, where there is none
   bool interrupt(const limb_ring::Interrupt& interrupt);
 

@@ -47,7 +47,7 @@ class ProgramTest : public HostTest {
     Packet packet;
     packet.channel = channel;
     packet.data = data;
-    server->give(packet);
+    HostTest::give(packet);
   }
   void give(std::uint8_t channel, const std::string& text) {
     give(channel, std::vector<std::uint8_t>(text.begin(), text.end()));

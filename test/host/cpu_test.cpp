@@ -21,7 +21,7 @@ class Cpu : public HostTest {
   unsigned give_all(std::uint8_t priority) {
     unsigned given = 0;
     for (; server->cpu_can_take(); ++given) {
-      server->give(Packet{1, 3, priority, 0, {static_cast<std::uint8_t>(given)}});
+      give(Packet{1, 3, priority, 0, {static_cast<std::uint8_t>(given)}});
     }
     return given;
   }
@@ -52,7 +52,7 @@ TEST_F(Cpu, CanTakeNothingWhereThereIsNone) {
 
 TEST_F(Cpu, GetsThePacketAsItWas) {
   HostPort port = cpu();
-  server->give(Packet{1, kBroadcast, 2, 63, {0xFB, 0, 0xFD}});
+  give(Packet{1, kBroadcast, 2, 63, {0xFB, 0, 0xFD}});
   const auto packet = next<Packet>(port);
   EXPECT_EQ(packet.source, 1);
   EXPECT_EQ(packet.destination, kBroadcast);
@@ -99,7 +99,7 @@ class PatientCpu : public Cpu {
 TEST_F(PatientCpu, GetsAResultWithTheNextPacket) {
   // Where this process was not scheduled for 20 ms in between, it is out of time already.
   for (int tries = 0; result_comes_at_once(); ++tries) ASSERT_LT(tries, 20);
-  server->give(Packet{1, 3, 2, 0, {0xFC}});
+  give(Packet{1, 3, 2, 0, {0xFC}});
   EXPECT_EQ(next<Result>(port).outcome, Outcome::delivered);
   EXPECT_EQ(next<Packet>(port).data.at(0), 0xFC);
 }
@@ -138,7 +138,7 @@ TEST_F(Cpu, GetsAnyNumberOfPacketsWhenItReceivesOnCredit) {
   unsigned given = give_all(2);
   handler.when_credit = [&] {
     for (; server->cpu_can_take() && given < 200; ++given) {
-      server->give(Packet{1, 3, 2, 0, {static_cast<std::uint8_t>(given)}});
+      give(Packet{1, 3, 2, 0, {static_cast<std::uint8_t>(given)}});
     }
   };
   for (unsigned i = 0; i < 200; ++i) ASSERT_EQ(next<Packet>(port).data.at(0), i);
@@ -149,7 +149,7 @@ TEST_F(Cpu, GetsInterruptsFirstAndPacketsByPriority) {
   HostPort port = cpu();
   handler.when_asked = [&](const auto& call) { server->reply(call.client, call.token, "{}"); };
   for (const std::uint8_t priority : {3, 1, 0, 1}) {
-    server->give(Packet{1, 3, priority, 0, {priority}});
+    give(Packet{1, 3, priority, 0, {priority}});
   }
   EXPECT_TRUE(server->interrupt({Interrupt::Action::stop, 9, 1}));
   during([&] { return port.ask("{}", kGuard); });  // its reply comes behind all those

@@ -115,6 +115,11 @@ class HostTest : public testing::Test {
     return port;
   }
 
+  void give(const Packet& packet) {
+    server->give(
+        {packet.source, packet.destination, packet.priority, packet.channel, {packet.data.data(), packet.data.size()}});
+  }
+
   template <typename Kind>
   Kind next(HostPort& port) {
     const auto message = during([&] { return port.receive(kGuard); });
