@@ -3,12 +3,11 @@
 #include <sys/epoll.h>
 
 #include <boost/asio/post.hpp>
-#include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "event_loop/timer_fd.h"
 #include "event_loop/watch_state.h"
+#include "process/throw_errno.h"
 
 namespace limb_ring::event_loop {
 namespace {
@@ -18,11 +17,9 @@ constexpr int kMostEvents = 32;
 /// worth run_hot(): the beacons of a quiet ring come in handfuls.
 constexpr unsigned kTraffic = 8;
 
-[[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
-
 int make_set() {
   const int set = ::epoll_create1(EPOLL_CLOEXEC);
-  if (set < 0) fail("cannot make an epoll set");
+  if (set < 0) process::throw_errno("cannot make an epoll set");
   return set;
 }
 
@@ -40,7 +37,8 @@ PacketLoop::PacketLoop(boost::asio::execution_context& io)
       cold_timer_(make_timer()) {
   epoll_event event{};
   event.events = EPOLLIN | EPOLLET;
-  if (::epoll_ctl(set_.get(), EPOLL_CTL_ADD, cold_timer_.get(), &event) != 0) fail("cannot wait for a timer");
+  if (::epoll_ctl(set_.get(), EPOLL_CTL_ADD, cold_timer_.get(), &event) != 0)
+    process::throw_errno("cannot wait for a timer");
 }
 
 void PacketLoop::shutdown() {
@@ -66,7 +64,7 @@ void PacketLoop::change(const std::shared_ptr<Watch::State>& watch, int operatio
   event.data.ptr = watch.get();
   if (::epoll_ctl(set_.get(), operation, watch->fd, &event) == 0) return;
   watch->loop = nullptr;
-  fail("cannot wait for a descriptor");
+  process::throw_errno("cannot wait for a descriptor");
 }
 
 void PacketLoop::remove(std::shared_ptr<Watch::State> watch) {

@@ -3,17 +3,17 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <cstdint>
-#include <system_error>
+
+#include "process/throw_errno.h"
 
 namespace limb_ring::event_loop {
 
 /// @throw std::system_error
 inline int make_timer() {
   const int timer = ::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-  if (timer < 0) throw std::system_error(errno, std::generic_category(), "cannot make a timer");
+  if (timer < 0) process::throw_errno("cannot make a timer");
   return timer;
 }
 

@@ -6,13 +6,15 @@
 #include <cerrno>
 #include <stdexcept>
 
-#include "host/throw_errno.h"
 #include "limb_ring/ring_directory.h"
 #include "process/is_socket.h"
+#include "process/throw_errno.h"
 
 namespace limb_ring::host {
 
 namespace {
+
+using process::throw_errno;
 
 constexpr int kBacklog = 64;
 constexpr mode_t kOwnerOnly = 0600;

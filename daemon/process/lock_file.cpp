@@ -6,20 +6,16 @@
 
 #include <cerrno>
 #include <fstream>
-#include <system_error>
 
 #include "process/process_state.h"
+#include "process/throw_errno.h"
 
 namespace limb_ring::process {
 namespace {
 
-[[noreturn]] void cannot(const char* do_what, const std::string& path) {
-  throw std::system_error(errno, std::generic_category(), std::string("cannot ") + do_what + ' ' + path);
-}
-
 UniqueFd opened(const std::string& path) {
   UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.valid()) cannot("open", path);
+  if (!file.valid()) throw_errno("cannot open " + path);
   return file;
 }
 
@@ -37,7 +33,7 @@ std::optional<LockFile> LockFile::take(const std::string& path) {
   for (;;) {
     LockFile lock(path, opened(path));
     if (!try_lock(lock.file_.get())) {
-      if (errno != EAGAIN && errno != EACCES) cannot("lock", path);
+      if (errno != EAGAIN && errno != EACCES) throw_errno("cannot lock " + path);
       return std::nullopt;
     }
     if (lock.is_in_place()) return lock;
@@ -47,7 +43,7 @@ std::optional<LockFile> LockFile::take(const std::string& path) {
 void LockFile::write(const std::string& text) const {
   const bool written = ::ftruncate(file_.get(), 0) == 0 &&
                        ::pwrite(file_.get(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
-  if (!written) cannot("write", path_);
+  if (!written) throw_errno("cannot write " + path_);
 }
 
 bool LockFile::is_in_place() const {

@@ -2,16 +2,15 @@
 
 #include <stdlib.h>
 
-#include <cerrno>
 #include <filesystem>
-#include <system_error>
+
+#include "process/throw_errno.h"
 
 namespace limb_ring::process {
 
 TemporaryFolder::TemporaryFolder(const std::string& purpose)
     : path_((std::filesystem::temp_directory_path() / ("limb_ring_" + purpose + "_XXXXXX")).string()) {
-  if (::mkdtemp(path_.data()) == nullptr)
-    throw std::system_error(errno, std::generic_category(), "cannot make a folder " + path_);
+  if (::mkdtemp(path_.data()) == nullptr) throw_errno("cannot make a folder " + path_);
 }
 
 TemporaryFolder::~TemporaryFolder() {

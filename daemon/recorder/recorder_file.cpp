@@ -12,21 +12,22 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "process/throw_errno.h"
 #include "process/unique_fd.h"
 #include "recorder/recording.h"
 
 namespace limb_ring::recorder {
 namespace {
 
+using process::throw_errno;
+
 constexpr const char* kExtension = ".record";
 constexpr const char* kFormer = ".former";
 constexpr const char* kNew = ".new";
 
-[[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
-
 std::uint8_t* map(int fd, std::size_t size, int protection, const std::string& path) {
   void* memory = ::mmap(nullptr, size, protection, MAP_SHARED, fd, 0);
-  if (memory == MAP_FAILED) fail("cannot map " + path);
+  if (memory == MAP_FAILED) throw_errno("cannot map " + path);
   return static_cast<std::uint8_t*>(memory);
 }
 
@@ -40,7 +41,7 @@ void touch(std::uint8_t* memory, std::size_t size) {
 std::uint8_t* map_new(const std::string& path, std::size_t size) {
   ::unlink(path.c_str());
   const process::UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.valid()) fail("cannot make " + path);
+  if (!file.valid()) throw_errno("cannot make " + path);
   const int error = ::posix_fallocate(file.get(), 0, static_cast<off_t>(size));
   if (error != 0) {
     ::unlink(path.c_str());
@@ -63,12 +64,12 @@ bool write_all(int fd, const std::vector<std::uint8_t>& data) {
 // A part of a recording cannot be replayed; it would only be in the way of the next save.
 void write_whole(const std::vector<std::uint8_t>& data, const std::string& path) {
   const process::UniqueFd file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (!file.valid()) fail("cannot write " + path);
+  if (!file.valid()) throw_errno("cannot write " + path);
   if (write_all(file.get(), data)) return;
   const int error = errno;
   ::unlink(path.c_str());
   errno = error;
-  fail("cannot write " + path);
+  throw_errno("cannot write " + path);
 }
 
 }  // namespace
@@ -81,7 +82,7 @@ RecorderFile::RecorderFile(const std::string& path, std::size_t size, core::Netw
       recorder_(controller, memory_.get(), size, title, now, std::move(on_too_small)) {
   // Only now: a start that fails, as where the disk is full, leaves the recordings of both lives as they are.
   ::rename(path.c_str(), (path + kFormer).c_str());  // fails where there is none
-  if (::rename((path + kNew).c_str(), path.c_str()) != 0) fail("cannot make " + path);
+  if (::rename((path + kNew).c_str(), path.c_str()) != 0) throw_errno("cannot make " + path);
 }
 
 std::string recording_of(const std::string& folder, unsigned id) {
@@ -105,7 +106,7 @@ bool is_of_former_life(const std::string& recording) { return std::filesystem::p
 std::size_t save_file(const std::string& recording, const std::string& to) {
   const process::UniqueFd file(::open(recording.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   struct stat status {};
-  if (!file.valid() || ::fstat(file.get(), &status) != 0) fail("cannot read " + recording);
+  if (!file.valid() || ::fstat(file.get(), &status) != 0) throw_errno("cannot read " + recording);
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) throw std::runtime_error(recording + " is empty");
   const Mapping mapped(map(file.get(), size, PROT_READ, recording), {size});
