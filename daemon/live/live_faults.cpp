@@ -129,10 +129,10 @@ NodeNote LiveFaults::note(wire::NodeId node, const std::string& words) const {
 }
 
 // The note is written before, so that 'ringctl up --respawn' finds a kill however soon it looks, and nothing lasts that
-// nobody can list. It is written again after, because listing the faults meanwhile removes one that does not hold yet.
+// nobody can list.
 NodeNote LiveFaults::begin_noted(Name what, wire::NodeId node, const std::string& words) const {
   const auto former = note_of(daemons_.folder(), node);
-  note(node, words);
+  const NodeNote begun = note(node, words);
   try {
     what == Name::kill ? daemons_.kill(node) : daemons_.freeze(node);
   } catch (const std::exception&) {
@@ -140,7 +140,7 @@ NodeNote LiveFaults::begin_noted(Name what, wire::NodeId node, const std::string
     if (former) note(node, former->words);
     throw;
   }
-  return note(node, words);
+  return begun;
 }
 
 void LiveFaults::begin_at_node(const Fault& fault, wire::NodeId node) const {
@@ -169,7 +169,7 @@ void LiveFaults::wait_and_thaw(std::chrono::nanoseconds lasts, wire::NodeId node
 
 // Polled without a deadline: the ring's time may be slow or paused.
 void LiveFaults::wait_until_thawed(wire::NodeId node, const Wait& wait) const {
-  while (daemons_.is_stopped(node))
+  while (daemons_.is_frozen(node))
     if (wait(std::chrono::milliseconds(5))) return daemons_.thaw(node);
 }
 
@@ -184,13 +184,13 @@ Begun LiveFaults::begin_at_daemon(const Fault& fault, wire::NodeId node) const {
 
 // ---- what there is --------------------------------------------------------------------------
 
-/// A note is out of date where somebody else has ended its fault.
+/// A note stays, out of date, where somebody else has ended its fault.
 std::optional<LiveFault> LiveFaults::node_fault(wire::NodeId node) const {
   const auto note = note_of(daemons_.folder(), node);
   if (!note) return std::nullopt;
   const std::string name = note->name();
-  const bool holds = name == kKill ? !daemons_.holder(node).held : daemons_.is_stopped(node);
-  if (!holds) return remove_note(daemons_.folder(), node), std::nullopt;
+  const bool holds = name == kKill ? is_killed(daemons_.folder(), node) : daemons_.is_frozen(node);
+  if (!holds) return std::nullopt;
   LiveFault fault;
   fault.id = daemons_.node(node).name + '.' + name;
   fault.name = name;
@@ -241,7 +241,7 @@ void LiveFaults::remove(const std::string& id) const {
 }
 
 void LiveFaults::revive(wire::NodeId node, std::chrono::milliseconds patience) const {
-  if (daemons_.is_stopped(node)) daemons_.thaw(node);
+  if (daemons_.is_frozen(node)) daemons_.thaw(node);
   if (!daemons_.holder(node).held) daemons_.start(node, patience);
   remove_note(daemons_.folder(), node);
 }

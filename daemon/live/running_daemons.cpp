@@ -66,7 +66,7 @@ const fault::NamedNode& RunningDaemons::node(wire::NodeId id) const {
 }
 
 HostPort RunningDaemons::connect(wire::NodeId id) const {
-  if (is_stopped(id)) throw NotDone("node " + node(id).name + " is frozen: its daemon does not answer; thaw it first");
+  if (is_frozen(id)) throw NotDone("node " + node(id).name + " is frozen: its daemon does not answer; thaw it first");
   ConnectOptions options;
   options.ring = ring_;
   options.node = node(id).number;
@@ -104,7 +104,7 @@ json RunningDaemons::ask_through(HostPort& port, const json& request, millisecon
   }
 }
 
-bool RunningDaemons::is_stopped(wire::NodeId id) const { return holder(id).frozen; }
+bool RunningDaemons::is_frozen(wire::NodeId id) const { return holder(id).frozen; }
 
 /// On a virtual ring the process is asked to do it: a signal would hit all of its nodes.
 bool RunningDaemons::done_in_virtual_ring(fault::Name what, wire::NodeId id) const {
@@ -137,13 +137,13 @@ void RunningDaemons::kill(wire::NodeId id) const {
 void RunningDaemons::freeze(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::freeze, id)) return;
   signal(id, SIGSTOP);
-  if (!wait_for([&] { return is_stopped(id); }, kSignalled)) throw NotDone("node " + node(id).name + " does not stop");
+  if (!wait_for([&] { return is_frozen(id); }, kSignalled)) throw NotDone("node " + node(id).name + " does not stop");
 }
 
 void RunningDaemons::thaw(wire::NodeId id) const {
   if (done_in_virtual_ring(fault::Name::thaw, id)) return;
   signal(id, SIGCONT);
-  if (!wait_for([&] { return !is_stopped(id); }, kSignalled))
+  if (!wait_for([&] { return !is_frozen(id); }, kSignalled))
     throw NotDone("node " + node(id).name + " does not go on (does a debugger hold it?)");
 }
 

@@ -28,7 +28,7 @@ class RunningDaemons {
   const fault::NamedNode& node(wire::NodeId id) const;
   const std::string& folder() const { return folder_; }
   Holder holder(wire::NodeId node) const { return holder_of(folder_, node); }
-  bool is_stopped(wire::NodeId node) const;
+  bool is_frozen(wire::NodeId node) const;
 
   HostPort connect(wire::NodeId node) const;
   nlohmann::json ask(wire::NodeId node, const nlohmann::json& request) const;

@@ -9,6 +9,7 @@
 
 #include "host/node_lock.h"
 #include "limb_ring/ring_directory.h"
+#include "live/live_faults.h"
 #include "live/node_notes.h"
 #include "live/running_daemons.h"
 #include "process/lock_file.h"
@@ -142,6 +143,17 @@ TEST_F(KilledNode, IsNoneAnyMoreAsSoonAsAnotherDaemonHasBegun) {
   }
   EXPECT_FALSE(is_killed(ring, 3_id)) << "it has ended, but was not killed";
   EXPECT_THAT(killed_rings(), IsEmpty());
+}
+
+TEST_F(KilledNode, IsListedUntilAnotherDaemonHasBegunAndLookingChangesNothing) {
+  const LiveFaults faults("legs", {fault::NamedNode{"left_knee", "3", 3_id}});
+  EXPECT_THAT(faults.list(), SizeIs(1));
+  {
+    const auto held = lock_of(3);
+    EXPECT_THAT(faults.list(), IsEmpty());
+  }
+  EXPECT_THAT(faults.list(), IsEmpty());
+  EXPECT_TRUE(note_of(ring, 3_id));
 }
 
 TEST_F(KilledNode, OfARingThatGoesOnDoesNotMakeItDead) {

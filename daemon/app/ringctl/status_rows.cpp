@@ -34,7 +34,9 @@ std::string broken_line(const std::vector<json>& rows) {
 /// The fault of a whole node, as noted in the ring's folder. The note is ignored if it no longer fits the node's state.
 json faults_of_absent(const std::string& folder, std::uint8_t node, bool frozen) {
   const auto note = live::note_of(folder, wire::NodeId{node});
-  if (!note || (note->name() == fault::word_of(fault::Name::freeze).word) != frozen) return json::array();
+  const bool fits = frozen ? note && note->name() == fault::word_of(fault::Name::freeze).word
+                           : live::is_killed(folder, wire::NodeId{node});
+  if (!fits) return json::array();
   return {{{"id", note->name()}, {"fault", note->words}}};
 }
 
