@@ -92,7 +92,7 @@ void Session::end_turn(std::chrono::nanoseconds until) {
   waits_until_ = queued() > 0 ? std::min(until, turns_->now() + kGatherResults) : until;
 }
 
-bool Session::listen() {
+bool Session::await_message() {
   const auto self = shared_from_this();  // the owner may let go of us in its call
   const ssize_t got = ::recv(socket_.get(), in_.space(kReadSize), kReadSize, 0);
   if (got < 0 && not_now(errno)) return false;
@@ -106,8 +106,8 @@ void Session::wait_no_more() {
 }
 
 std::uint32_t Session::input_events() const {
-  const bool by_listen = turns_ != nullptr && waited_for_;
-  return by_listen ? EPOLLRDHUP : EPOLLIN | EPOLLRDHUP;
+  const bool by_await = turns_ != nullptr && waited_for_;
+  return by_await ? EPOLLRDHUP : EPOLLIN | EPOLLRDHUP;
 }
 
 void Session::on_ready(std::uint32_t events) {

@@ -46,7 +46,8 @@ class Session : public std::enable_shared_from_this<Session> {
   static constexpr std::chrono::milliseconds kGatherResults{20};
   static constexpr std::size_t kCapturedLot = 32 * 1024;
   static constexpr std::chrono::seconds kGreetingDeadline{2};
-  /// How long listen() waits for one client in lockstep before other work, such as the idle clients, has its turn.
+  /// How long await_message() waits for one client in lockstep before other work, such as the idle clients, has its
+  /// turn.
   static constexpr std::chrono::milliseconds kPatience{2};
 
   /// @throw std::system_error where it cannot be waited for
@@ -81,8 +82,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool has_news() const { return has_news_; }
   std::chrono::nanoseconds waits_until() const { return waits_until_; }
   /// Waits, in real time, for a message of the client and handles it. @return false if none came within kPatience
-  bool listen();
-  /// The client has taken too long. From now on its messages are read whenever they come, not only by listen().
+  bool await_message();
+  /// The client has taken too long. From now on its messages are read whenever they come, not only by await_message().
   void wait_no_more();
   ///@}
 
@@ -143,7 +144,7 @@ class Session : public std::enable_shared_from_this<Session> {
   TurnKeeper* turns_ = nullptr;  ///< of a client in lockstep
   bool greeted_ = false;         ///< and is not attached yet
   bool has_turn_ = false;
-  /// In lockstep: only listen() reads it, so that clients acting in the same instant are heard in their order.
+  /// In lockstep: only await_message() reads it, so that clients acting in the same instant are heard in their order.
   bool waited_for_ = true;
   bool has_news_ = false;
   std::chrono::nanoseconds waits_until_ = std::chrono::nanoseconds::max();

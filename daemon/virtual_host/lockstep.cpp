@@ -16,8 +16,8 @@ using std::chrono::steady_clock;
 
 namespace {
 
-/// How long listen() goes on before the event loop has its turn, real time.
-constexpr milliseconds kHearing{2};
+/// How long await_messages() goes on before the event loop has its turn, real time.
+constexpr milliseconds kAwaiting{2};
 /// So many turns in one instant has no program that waits for anything: it asks, or sends what is rejected, again and
 /// again, or waits for a time that is over. Time would stand for ever.
 constexpr unsigned kMostTurns = 10'000;
@@ -125,16 +125,16 @@ Lockstep::Entry* Lockstep::acting() {
   return nullptr;
 }
 
-void Lockstep::listen() {
-  const Instant end = steady_clock::now() + kHearing;
+void Lockstep::await_messages() {
+  const Instant end = steady_clock::now() + kAwaiting;
   while (Entry* entry = acting())
-    if (!hear(*entry) || steady_clock::now() >= end) return;
+    if (!await_message_of(*entry) || steady_clock::now() >= end) return;
 }
 
 /// @return false where it says nothing yet
-bool Lockstep::hear(Entry& entry) {
+bool Lockstep::await_message_of(Entry& entry) {
   auto& [key, program] = entry;
-  const bool heard = program.session->listen();
+  const bool heard = program.session->await_message();
   if (!program.session->open() || !program.session->has_turn()) return true;
   const bool stopped = !heard && process::is_stopped(program.session->info().pid);
   if (stopped || steady_clock::now() - program.turn_since >= patience_with(key.first)) gets_stuck(key.first, program);

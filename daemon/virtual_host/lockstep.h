@@ -56,7 +56,7 @@ class Lockstep final : public host::TurnKeeper {
   bool somebody_acts() { return acting() != nullptr; }
   /// Waits briefly for messages of the acting programs, one after the other, and handles them. A program that takes too
   /// long counts as stuck from then on.
-  void listen();
+  void await_messages();
   /// Gives a turn to programs that have messages, or whose wait is over: one per node at a time. Different nodes may
   /// act side by side, as they see each other's actions only later. @return false if there is none
   bool give_turns();
@@ -95,7 +95,7 @@ class Lockstep final : public host::TurnKeeper {
   void goes_on(std::uint8_t node);
   std::chrono::milliseconds patience_with(std::uint8_t node) const;
   Entry* acting();
-  bool hear(Entry& entry);
+  bool await_message_of(Entry& entry);
   void gets_stuck(std::uint8_t node, Program& program);
   std::chrono::nanoseconds next_turn(const Program& program) const;
   void begin_turn(std::uint8_t node, Program& program);

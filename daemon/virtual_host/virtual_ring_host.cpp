@@ -253,14 +253,14 @@ bool VirtualRingHost::run_until(const std::function<bool()>& done, core::Time en
 
 bool VirtualRingHost::all_wait() {
   if (lockstep_.somebody_acts()) {
-    lockstep_.listen();
+    lockstep_.await_messages();
     return false;
   }
   lockstep_.take_news();
   ring_.run_until(ring_.now());  // what was asked for in this instant
   if (lockstep_.take_news()) return false;
   if (lockstep_.give_turns()) {
-    lockstep_.listen();
+    lockstep_.await_messages();
     return false;
   }
   if (lockstep_.held_at() > ring_.now()) return true;

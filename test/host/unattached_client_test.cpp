@@ -105,7 +105,7 @@ TEST_F(UnattachedClient, IsReadUpToALimitAndTheRestOnceItIsIn) {
   turns.let_in();
   ASSERT_NE(turns.joined_session, nullptr);
   turns.joined_session->begin_turn({});
-  while (turns.joined_session->listen()) {
+  while (turns.joined_session->await_message()) {
   }
   EXPECT_GE(handler.alive, lots * kLot);
 }
