@@ -19,20 +19,17 @@ constexpr const char* kDaemonGone = "the daemon has closed the connection";
 
 Connection::Connection(UnixSocket socket, const ConnectOptions& options)
     : socket_(std::move(socket)),
-      role_(options.role),
-      restarted_by_owner_(options.restarted_by_owner),
-      results_may_wait_(options.results_may_wait),
-      lockstep_(options.lockstep && options.role == Role::cpu),
       alive_period_(std::clamp(options.alive_period, Milliseconds{0}, kMaxAlivePeriod)),
       meanwhile_(options.meanwhile),
       last_written_(now()) {}
 
-Connection::Handshake Connection::greet(const std::string& wanted_ring, Clock::time_point deadline) {
+Connection::Handshake Connection::greet(const ConnectOptions& options, const std::string& wanted_ring,
+                                        Clock::time_point deadline) {
   Greeting greeting;
-  greeting.role = role_;
-  greeting.restarted_by_owner = restarted_by_owner_;
-  greeting.results_may_wait = results_may_wait_;
-  greeting.lockstep = lockstep_;
+  greeting.role = options.role;
+  greeting.restarted_by_owner = options.restarted_by_owner;
+  greeting.results_may_wait = options.results_may_wait;
+  greeting.lockstep = options.lockstep && options.role == Role::cpu;
   greeting.pid = static_cast<std::uint32_t>(::getpid());
   greeting.alive_period = alive_period_;
   greeting.ring = wanted_ring;
@@ -43,7 +40,7 @@ Connection::Handshake Connection::greet(const std::string& wanted_ring, Clock::t
   }
   if (!connected_) return reason_ == kDaemonGone ? Handshake::closed : Handshake::refused;
   if (!welcome_) return Handshake::timed_out;
-  if (role_ == Role::cpu) send(Credit{kPacketWindow});
+  if (options.role == Role::cpu) send(Credit{kPacketWindow});
   if (clock_ == ClockKind::lockstep) await_turn();  // its boot takes the ring's time
   if (!connected_) return Handshake::refused;
   return Handshake::welcome;

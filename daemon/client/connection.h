@@ -25,9 +25,9 @@ class Connection {
  public:
   Connection(UnixSocket socket, const ConnectOptions& options);
 
-  /// Says who we are, and waits for the daemon's word.
+  /// Says who we are, and waits for the daemon's word. @param options as the constructor's
   enum class Handshake { welcome, refused, closed, timed_out };
-  Handshake greet(const std::string& ring, Clock::time_point deadline);
+  Handshake greet(const ConnectOptions& options, const std::string& ring, Clock::time_point deadline);
 
   /// Writes a message, waiting while the socket is full, for 5 s at most.
   template <typename Kind>
@@ -93,10 +93,6 @@ class Connection {
   }
 
   UnixSocket socket_;
-  Role role_;
-  bool restarted_by_owner_;
-  bool results_may_wait_;
-  bool lockstep_;
   std::chrono::milliseconds alive_period_;
   Meanwhile meanwhile_;
   StreamBuffer in_;

@@ -118,7 +118,7 @@ std::optional<Connection> try_once(const Target& target, const ConnectOptions& o
   std::optional<UnixSocket> socket = open_socket(target, problem);
   if (!socket) return std::nullopt;
   Connection connection(std::move(*socket), options);
-  switch (connection.greet(target.ring, answers_by(options, deadline))) {
+  switch (connection.greet(options, target.ring, answers_by(options, deadline))) {
     case Connection::Handshake::welcome:
       return connection;
     case Connection::Handshake::refused:
