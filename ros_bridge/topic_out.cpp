@@ -2,11 +2,15 @@
 
 #include <topic_tools/shape_shifter.h>
 
+#include <utility>
+
 #include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/topic_sender.h"
 
 namespace limb_ring::bridge {
 namespace {
+
+constexpr std::chrono::seconds kToAdvertise{1};
 
 topic_tools::ShapeShifter shape_of(const payload::Announcement& type) {
   topic_tools::ShapeShifter shape;
@@ -22,7 +26,7 @@ TopicOut::TopicOut(ros::NodeHandle& nodes, const config::RingConfig& ring, std::
   for (std::size_t i = 0; i < ring.bridge.topics.size(); ++i)
     if (ring.bridge.topics[i].to == own_id) outputs_[static_cast<std::uint8_t>(i)].topic = ring.bridge.topics[i];
   port.on_packet(payload::kTopicChannel, [this](const Packet& packet) { on_packet(packet); });
-  port.every(std::chrono::seconds(1), [this] { show_counters(); });
+  port.every(std::chrono::seconds(1), [this] { each_second(); });
 }
 
 void TopicOut::on_packet(const Packet& packet) {
@@ -35,18 +39,70 @@ void TopicOut::on_packet(const Packet& packet) {
 }
 
 void TopicOut::on_announced(Output& output, const payload::Announcement& type) {
-  if (output.publisher && is_same_type(output.type, type) && output.type.latching == type.latching) return;
+  if (output.type && is_same_type(*output.type, type) && output.type->latching == type.latching) return;
   if (type.name != output.topic.output)
     ROS_WARN("topic '%s' is announced as '%s': the two bridges read different configurations",
              output.topic.output.c_str(), type.name.c_str());
-  if (output.publisher) output.publisher.shutdown();
   output.type = type;
-  output.publisher = shape_of(type).advertise(nodes_, output.topic.output, output.topic.queue, type.latching);
+  drop(output, output.waiting.size());
+  if (output.is_advertising) return;  // take_advertised() sees that it has become another type
+  advertise(output, std::exchange(output.publisher, {}));
+  // On a virtual ring no time passes for what is done by another thread.
+  if (!port_.in_lockstep()) return;
+  const auto is_advertised = [&] {
+    take_advertised();
+    return static_cast<bool>(output.publisher);
+  };
+  port_.hold_time_until(is_advertised, kToAdvertise);
+}
+
+void TopicOut::advertise(Output& output, ros::Publisher before) {
+  output.is_advertising = true;
+  advertiser_.post([this, &output, before, type = *output.type]() mutable {
+    before.shutdown();
+    ros::Publisher publisher = shape_of(type).advertise(nodes_, output.topic.output, output.topic.queue, type.latching);
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      advertised_.push_back({&output, publisher, type});
+    }
+    port_.post([this] { take_advertised(); });  // where too much waits already, the next message or second does it
+  });
+}
+
+void TopicOut::take_advertised() {
+  std::vector<Advertised> all;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    all.swap(advertised_);
+  }
+  for (Advertised& one : all) {
+    Output& output = *one.output;
+    output.is_advertising = false;
+    if (!(one.type == *output.type)) {
+      advertise(output, one.publisher);
+      continue;
+    }
+    output.publisher = one.publisher;
+    for (; !output.waiting.empty(); output.waiting.pop_front()) publish(output, std::move(output.waiting.front()));
+  }
 }
 
 void TopicOut::on_message(Output& output, std::vector<std::uint8_t> bytes) {
-  if (!output.publisher) return counters_.add("topics_unfit");
-  auto shape = shape_of(output.type);
+  if (!output.type) return counters_.add("topics_unfit");
+  take_advertised();
+  if (output.publisher) return publish(output, std::move(bytes));
+  output.waiting.push_back(std::move(bytes));
+  if (output.waiting.size() > output.topic.queue) drop(output, 1);
+}
+
+void TopicOut::drop(Output& output, std::size_t oldest) {
+  if (oldest == 0) return;
+  output.waiting.erase(output.waiting.begin(), output.waiting.begin() + static_cast<std::ptrdiff_t>(oldest));
+  counters_.add("topic_" + output.topic.output + "_dropped_queue", oldest);
+}
+
+void TopicOut::publish(Output& output, std::vector<std::uint8_t> bytes) {
+  auto shape = shape_of(*output.type);
   ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   shape.read(stream);
   port_.tell_time();
@@ -54,8 +110,9 @@ void TopicOut::on_message(Output& output, std::vector<std::uint8_t> bytes) {
   counters_.add("topic_" + output.topic.output + "_received");
 }
 
-void TopicOut::show_counters() {
+void TopicOut::each_second() {
   if (outputs_.empty()) return;
+  take_advertised();
   const auto& c = reassembler_.counters();
   counters_.set("topics_lost_a_fragment", c.lost);
   counters_.set("topics_unannounced", c.unannounced);
