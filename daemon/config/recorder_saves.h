@@ -12,7 +12,9 @@ struct RecorderSaves {
   unsigned keep = 5;              ///< so many saves of a ring, the newest
 };
 
-/// The entries `recorder.save`, `folder` and `keep` of a ring's file. @throw ConfigError
-RecorderSaves load_recorder_saves(const std::string& path);
+/// The entries `recorder.save`, `folder` and `keep` of a ring's file.
+/// @param records whether its nodes record
+/// @throw ConfigError, also where something is to be saved and nothing is recorded
+RecorderSaves load_recorder_saves(const std::string& path, bool records);
 
 }  // namespace limb_ring::config

@@ -64,13 +64,17 @@ const Section<RecorderConfig>& recorder_section() {
   return section;
 }
 
-RecorderSaves load_recorder_saves(const std::string& path) {
+RecorderSaves load_recorder_saves(const std::string& path, bool records) {
   Document document{path, {}, {}, {}};
   const Entry file(parse_yaml(read_file(path), path), "", document);
   RecorderSaves saves;
-  if (const auto recorder = file.find("recorder"))
+  if (const auto recorder = file.find("recorder")) {
     for (const Option<RecorderSaves>& option : saves_section())
       if (const auto entry = recorder->find(option.name)) option.read(*entry, saves);
+    if (!saves.when.empty() && !records)
+      recorder->find("save")->refuse("nothing is recorded, so nothing can be saved",
+                                     "with enabled: true, or 'ringctl up --record'");
+  }
   const auto beside = std::filesystem::absolute(path).parent_path();
   saves.folder = saves.folder.empty() ? usual_folder() : (beside / saves.folder).lexically_normal().string();
   return saves;

@@ -11,16 +11,22 @@
 namespace limb_ring::config {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-RecorderSaves saves_of(const std::string& recorder) {
+RecorderSaves saves_of(const std::string& recorder, bool records = true) {
   const auto path = std::filesystem::temp_directory_path() / ("saves" + std::to_string(::getpid()) + ".yaml");
   std::ofstream(path) << two_nodes(recorder);
-  const RecorderSaves saves = load_recorder_saves(path.string());
-  std::filesystem::remove(path);
-  return saves;
+  try {
+    const RecorderSaves saves = load_recorder_saves(path.string(), records);
+    std::filesystem::remove(path);
+    return saves;
+  } catch (const ConfigError&) {
+    std::filesystem::remove(path);
+    throw;
+  }
 }
 
 TEST(RecorderSaves, AreNoneWhereTheFileDoesNotSayWhen) {
@@ -40,6 +46,16 @@ TEST(RecorderSaves, LieWhereStateDoesElse) {
   ::setenv("XDG_STATE_HOME", "/some/state", 1);
   EXPECT_EQ(saves_of("recorder: {save: [crash]}\n").folder, "/some/state/limb_ring");
   ::unsetenv("XDG_STATE_HOME");
+}
+
+TEST(RecorderSaves, AreRefusedWithTheirPlaceWhereNothingIsRecorded) {
+  try {
+    saves_of("recorder:\n  folder: saves\n  save: [crash]\n", /*records=*/false);
+    FAIL() << "nothing is recorded";
+  } catch (const ConfigError& wrong) {
+    EXPECT_THAT(wrong.what(), ContainsRegex(":[0-9]+:[0-9]+: entry 'recorder.save': nothing is recorded"));
+  }
+  EXPECT_THAT(saves_of("recorder: {folder: saves}\n", /*records=*/false).when, IsEmpty());
 }
 
 TEST(RecorderSaves, OfAnotherKindAreRefused) {

@@ -58,13 +58,8 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   return arguments;
 }
 
-std::vector<std::string> keeper_arguments(const config::RecorderSaves& saves, const std::string& config,
-                                          const std::string& ring, bool records) {
+std::vector<std::string> keeper_arguments(const config::RecorderSaves& saves, const std::string& ring) {
   if (saves.when.empty()) return {};
-  if (!records)
-    throw config::ConfigError(config +
-                              ": entry 'recorder.save': nothing is recorded, so nothing can be saved; allowed: with "
-                              "enabled: true, or 'ringctl up --record'");
   std::string when;
   for (const std::string& word : saves.when) when += (when.empty() ? "" : ",") + word;
   return {"--ring", ring, "record", "keep", saves.folder, "--when", when, "--keep", std::to_string(saves.keep)};
@@ -104,10 +99,10 @@ RingPlan plan_ring(const UpRequest& given) {
   plan.is_virtual = request.clock.has_value();
   plan.arguments = daemon_arguments(request, plan.ring, config.nodes.size());
   plan.ring_size = config.nodes.size();
-  const bool records = config.recorder.enabled || request.record;
   if (!plan.is_virtual && !request.config.empty()) {
-    const config::RecorderSaves saves = config::load_recorder_saves(request.config);
-    plan.keeper = keeper_arguments(saves, request.config, plan.ring, records);
+    const bool records = config.recorder.enabled || request.record;
+    const config::RecorderSaves saves = config::load_recorder_saves(request.config, records);
+    plan.keeper = keeper_arguments(saves, plan.ring);
     plan.saves = saves.folder;
   }
   if (!plan.is_virtual) plan.host = chosen_host(config, request.host);
