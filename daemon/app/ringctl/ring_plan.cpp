@@ -38,7 +38,7 @@ std::string ring_name(const UpRequest& request, const config::RingConfig& config
   return name;
 }
 
-std::string pace_text(double pace) { return std::isinf(pace) ? "max" : std::to_string(pace); }
+std::string pace_argument(double pace) { return std::isinf(pace) ? "max" : std::to_string(pace); }
 
 std::vector<std::string> daemon_arguments(const UpRequest& request, const std::string& ring, std::size_t nodes) {
   std::vector<std::string> arguments;
@@ -51,7 +51,7 @@ std::vector<std::string> daemon_arguments(const UpRequest& request, const std::s
   if (request.record) arguments.push_back("--record");
   if (!request.clock) return arguments;
   arguments.insert(arguments.end(), {"--clock", request.clock->follows ? "follow" : "virtual", "--pace",
-                                     pace_text(request.clock->pace)});
+                                     pace_argument(request.clock->pace)});
   if (request.clock->lasts_s > 0) arguments.insert(arguments.end(), {"--for", std::to_string(request.clock->lasts_s)});
   if (!request.clock->capture.empty())
     arguments.insert(arguments.end(), {"--capture", std::filesystem::absolute(request.clock->capture).string()});
@@ -77,11 +77,11 @@ live::LaunchRequest launch_request(const RingPlan& plan, process::Lifetime lifet
   live::LaunchRequest request;
   request.ring = plan.ring;
   if (plan.is_virtual) {
-    const NodeName& first = plan.nodes.front().node;
+    const NodeName& first = plan.nodes.front();
     request.nodes.push_back({wire::NodeId{first.id}, first.name, plan.arguments, true});
   } else {
-    for (const PlannedNode& planned : plan.nodes)
-      request.nodes.push_back({wire::NodeId{planned.node.id}, planned.node.name, plan.arguments_of(planned.node)});
+    for (const NodeName& node : plan.nodes)
+      request.nodes.push_back({wire::NodeId{node.id}, node.name, plan.arguments_of(node)});
   }
   request.lifetime = lifetime;
   request.logged = logged;
@@ -111,8 +111,7 @@ RingPlan plan_ring(const UpRequest& given) {
     plan.arguments.push_back("--one-host");
   }
   for (const auto& node : config.nodes)
-    if (plan.host.empty() || config.host_of(node)->name == plan.host)
-      plan.nodes.push_back({{node.id, node.name}, node.cpu.kind == config::CpuConfig::Kind::child});
+    if (plan.host.empty() || config.host_of(node)->name == plan.host) plan.nodes.push_back({node.id, node.name});
   return plan;
 }
 

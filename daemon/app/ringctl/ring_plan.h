@@ -28,17 +28,11 @@ struct UpRequest {
   std::optional<VirtualClock> clock;  ///< none: the machine's
 };
 
-/// A node that `ringctl up` is to start.
-struct PlannedNode {
-  NodeName node;
-  bool has_child = false;  ///< its CPU is a process that ringd starts
-};
-
 /// A ring, or one host's part of it, that is to be started. Its configuration has been checked. It has one daemon per
 /// node, or on a virtual clock one for all.
 struct RingPlan {
   std::string ring;
-  std::vector<PlannedNode> nodes;      ///< those started here
+  std::vector<NodeName> nodes;         ///< those started here
   std::size_t ring_size = 0;           ///< how many the whole ring has
   std::string host;                    ///< whose nodes these are; empty: all of the ring
   std::vector<std::string> arguments;  ///< of every ringd, without --node

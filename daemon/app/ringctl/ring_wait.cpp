@@ -4,6 +4,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/ring_watch.h"
 #include "app/ringctl/status_rows.h"
 #include "core/events.h"
 #include "process/signal_wait.h"
@@ -19,22 +20,6 @@ namespace {
 
 std::string label_of(const json& row) {
   return "node " + label({row.at("id").get<std::uint8_t>(), row.at("name").get<std::string>()});
-}
-
-std::string lack_of_row(const json& row, std::size_t nodes) {
-  const std::string state = row.value("state", "");
-  if (state != "up") return "it is " + state;
-  if (row.value("elsewhere", false)) {  // its beacons say no more
-    const bool comes = cpu_word(row) == "booting" || cpu_word(row) == "failed";
-    return comes ? "its CPU is " + cpu_word(row) : "";
-  }
-  const std::size_t size = row.value("ring_size", std::size_t{0});
-  if (size != nodes) return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
-  if (row.value(json::json_pointer("/fold/second_input"), "up") != "up") return "its second line in is broken";
-  const bool child = row.value(json::json_pointer("/cpu/kind"), "") == "child";
-  const std::string cpu = cpu_word(row);
-  const bool runs = cpu == "running" || cpu == "latched";  // also after a stop
-  return child && !runs ? "its CPU is " + cpu : "";
 }
 
 /// Why a node will never get into the ring: it is refused. Empty if no node is.
@@ -58,7 +43,7 @@ std::vector<json> rows_of(const std::string& ring, std::string& why_none) {
 
 std::string lack_of_whole(const std::vector<json>& rows) {
   for (const json& row : rows) {
-    const std::string lack = lack_of_row(row, rows.size());
+    const std::string lack = lack_of_node(row, rows.size());
     if (!lack.empty()) return label_of(row) + ": " + lack + refusal_in(rows);
   }
   return {};

@@ -3,6 +3,7 @@
 #include "app/ringctl/answers.h"
 #include "app/ringctl/connect_node.h"
 #include "app/ringctl/node_name.h"
+#include "app/ringctl/status_rows.h"
 
 namespace limb_ring::ringctl {
 
@@ -10,31 +11,42 @@ using nlohmann::json;
 
 namespace {
 
-std::string cpu_missing(const json& cpu) {
-  const std::string state = cpu.value("state", "unknown");
-  if (state == "running") return {};
-  const std::string why =
-      cpu.contains("last_exit") && cpu["last_exit"].is_string() ? cpu["last_exit"].get<std::string>() : "";
-  return "its CPU is " + state + (why.empty() ? "" : " (" + why + ")");
+std::string knows_ring_of(std::size_t size) { return "it knows a ring of " + std::to_string(size) + " nodes"; }
+
+/// Also after a stop it runs.
+std::string lack_of_cpu(const json& row) {
+  const json cpu = row.value("cpu", json::object());
+  const std::string word = cpu_word(row);
+  if (cpu.value("kind", "") != "child" || word == "running" || word == "latched") return {};
+  const json why = cpu.value("last_exit", json());
+  return "its CPU is " + word + (why.is_string() ? " (" + why.get<std::string>() + ")" : "");
+}
+
+/// Of one on another host: its beacons say no more.
+std::string lack_elsewhere(const json& row) {
+  const std::string word = cpu_word(row);
+  return word == "booting" || word == "failed" ? "its CPU is " + word : "";
 }
 
 }  // namespace
 
-std::string missing(const PlannedNode& planned, const json& status, std::size_t nodes) {
-  const std::string state = status.value("state", "unknown");
+std::string lack_of_node(const json& row, std::size_t nodes) {
+  const std::string state = row.value("state", "unknown");
   if (state != "up") return "it is " + state;
-  const std::size_t size = status.value("ring_size", std::size_t{0});
-  if (size != nodes) return "it knows a ring of " + std::to_string(size) + " nodes, not " + std::to_string(nodes);
-  return planned.has_child ? cpu_missing(status.value("cpu", json::object())) : "";
+  if (row.value("elsewhere", false)) return lack_elsewhere(row);
+  const std::size_t size = row.value("ring_size", std::size_t{0});
+  if (size != nodes) return knows_ring_of(size) + ", not " + std::to_string(nodes);
+  if (row.value(json::json_pointer("/fold/second_input"), "up") != "up") return "its second line in is broken";
+  return lack_of_cpu(row);
 }
 
-std::string missing_in_part(const PlannedNode& planned, const json& status, std::size_t nodes) {
-  const std::string state = status.value("state", "unknown");
+std::string lack_in_part(const json& row, std::size_t nodes) {
+  const std::string state = row.value("state", "unknown");
   if (state == "starting" || state == "joining" || state == "duplicate_id") return "it is " + state;
-  const std::size_t size = status.value("ring_size", std::size_t{0});
+  const std::size_t size = row.value("ring_size", std::size_t{0});
   if (state != "open_chain" && size < nodes)
-    return "it knows a ring of " + std::to_string(size) + " nodes; " + std::to_string(nodes) + " are on this host";
-  return planned.has_child ? cpu_missing(status.value("cpu", json::object())) : "";
+    return knows_ring_of(size) + "; " + std::to_string(nodes) + " are on this host";
+  return lack_of_cpu(row);
 }
 
 RingWatch::RingWatch(const RingPlan& plan) : plan_(plan) { ports_.resize(plan.nodes.size()); }
@@ -42,7 +54,7 @@ RingWatch::RingWatch(const RingPlan& plan) : plan_(plan) { ports_.resize(plan.no
 std::optional<RingWatch::NotReady> RingWatch::first_not_ready() {
   for (std::size_t i = 0; i < plan_.nodes.size(); ++i) {
     const std::string lack = lack_of(i);
-    if (!lack.empty()) return NotReady{i, "node " + label(plan_.nodes[i].node) + ": " + lack + refusal()};
+    if (!lack.empty()) return NotReady{i, "node " + label(plan_.nodes[i]) + ": " + lack + refusal()};
   }
   return std::nullopt;
 }
@@ -67,12 +79,11 @@ json RingWatch::status_of(std::size_t index) {
 
 std::string RingWatch::lack_of(std::size_t index) {
   auto& port = ports_[index];
-  const PlannedNode& planned = plan_.nodes[index];
   try {
-    if (!port) port.emplace(connect_node(plan_.ring, std::to_string(planned.node.id)));
+    if (!port) port.emplace(connect_node(plan_.ring, std::to_string(plan_.nodes[index].id)));
     const json status = ask(*port, {{"do", "status"}}, kAnswerTime);
     ring_size_ = status.value("ring_size", std::size_t{0});
-    return (plan_.is_part() ? missing_in_part : missing)(planned, status, plan_.nodes.size());
+    return (plan_.is_part() ? lack_in_part : lack_of_node)(status, plan_.nodes.size());
   } catch (const std::exception& problem) {
     port.reset();
     return problem.what();

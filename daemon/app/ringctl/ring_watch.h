@@ -9,12 +9,13 @@
 
 namespace limb_ring::ringctl {
 
-/// What a node still lacks before the ring counts as closed: state up, a ring of all nodes, and
-/// its CPU running where that is a child of ringd. Empty where nothing.
-std::string missing(const PlannedNode& planned, const nlohmann::json& status, std::size_t nodes);
+/// What a node still lacks, by its status row, before the ring of so many nodes counts as whole: it has to be up in a
+/// ring of all of them, its second line, if it has one, to be connected, and its CPU to run where that is a child of
+/// ringd. Empty where nothing.
+std::string lack_of_node(const nlohmann::json& row, std::size_t nodes);
 /// The same for one host's part of a ring, while other hosts may still be missing: the node has to be in a ring of at
 /// least this host's `nodes`, or in an open chain.
-std::string missing_in_part(const PlannedNode& planned, const nlohmann::json& status, std::size_t nodes);
+std::string lack_in_part(const nlohmann::json& row, std::size_t nodes);
 
 /// Watches a ring that is being started, over connections that it keeps.
 class RingWatch {

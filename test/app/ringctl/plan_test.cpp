@@ -1,16 +1,14 @@
-// What `ringctl up` intends to start, and when it counts the ring as closed.
+// What `ringctl up` intends to start.
 #include <gmock/gmock.h>
 
 #include "app/ringctl/problems.h"
 #include "app/ringctl/ring_plan.h"
-#include "app/ringctl/ring_watch.h"
 #include "config/config_error.h"
 #include "support/own_folder.h"
 
 namespace limb_ring::ringctl {
 namespace {
 
-using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -26,7 +24,7 @@ TEST_F(Plan, PlainRingNeedsNoFile) {
   const RingPlan plan = plan_ring(plain(3));
   EXPECT_EQ(plan.ring, "plain");
   ASSERT_EQ(plan.nodes.size(), 3u);
-  EXPECT_THAT(plan.arguments_of(plan.nodes[2].node), ElementsAre("--nodes", "3", "--ring", "plain", "--node", "2"));
+  EXPECT_THAT(plan.arguments_of(plan.nodes[2]), ElementsAre("--nodes", "3", "--ring", "plain", "--node", "2"));
 }
 
 TEST_F(Plan, FileIsGivenToEveryDaemonByItsFullPath) {
@@ -38,9 +36,7 @@ TEST_F(Plan, FileIsGivenToEveryDaemonByItsFullPath) {
   request.transport = "udp";
   const RingPlan plan = plan_ring(request);
   EXPECT_EQ(plan.ring, "other");
-  EXPECT_TRUE(plan.nodes[0].has_child);
-  EXPECT_FALSE(plan.nodes[1].has_child);
-  EXPECT_THAT(plan.arguments_of(plan.nodes[0].node),
+  EXPECT_THAT(plan.arguments_of(plan.nodes[0]),
               ElementsAre("--config", request.config, "--ring", "other", "--transport", "udp", "--node", "4"));
 }
 
@@ -68,30 +64,6 @@ TEST_F(Plan, MissingFileIsAConfigurationError) {
   UpRequest request;
   request.config = folder + "/none.yaml";
   EXPECT_THROW(plan_ring(request), config::ConfigError);
-}
-
-json status(const char* state, unsigned size, const char* cpu) {
-  return {{"state", state}, {"ring_size", size}, {"cpu", {{"state", cpu}}}};
-}
-
-const PlannedNode kWithChild{{0, "knee"}, true};
-const PlannedNode kWithout{{0, "body"}, false};
-
-TEST(Closed, NodeUpInAWholeRingLacksNothing) {
-  EXPECT_EQ(missing(kWithout, status("up", 4, "absent"), 4), "");
-  EXPECT_EQ(missing(kWithChild, status("up", 4, "running"), 4), "");
-}
-
-TEST(Closed, NodeSaysWhatItLacks) {
-  EXPECT_THAT(missing(kWithout, status("joining", 4, "none"), 4), HasSubstr("joining"));
-  EXPECT_THAT(missing(kWithout, status("up", 3, "none"), 4), HasSubstr("3 nodes, not 4"));
-  EXPECT_THAT(missing(kWithChild, status("up", 4, "booting"), 4), HasSubstr("booting"));
-}
-
-TEST(Closed, CpuThatCannotBeStartedGivesItsReason) {
-  json failed = status("up", 4, "failed");
-  failed["cpu"]["last_exit"] = "no program 'x'";
-  EXPECT_THAT(missing(kWithChild, failed, 4), HasSubstr("no program 'x'"));
 }
 
 }  // namespace

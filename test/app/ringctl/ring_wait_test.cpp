@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "app/ringctl/problems.h"
+#include "app/ringctl/ring_watch.h"
 
 namespace limb_ring::ringctl {
 namespace {
@@ -53,6 +54,23 @@ TEST(Whole, NeedsNoCpuThatSomebodyElseStarts) {
   std::vector<json> rows = whole_ring();
   rows[0]["cpu"] = {{"kind", "attached"}, {"state", "absent"}};
   EXPECT_EQ(lack_of_whole(rows), "");
+}
+
+TEST(Whole, LacksACpuThatCannotBeStartedAndSaysWhy) {
+  std::vector<json> rows = whole_ring();
+  rows[0]["cpu"].update({{"state", "failed"}, {"last_exit", "no program 'x'"}});
+  EXPECT_EQ(lack_of_whole(rows), "node 0 (node0): its CPU is failed (no program 'x')");
+}
+
+TEST(Part, IsInARingOfAtLeastItsNodesOrInAnOpenChain) {
+  json row = whole_ring()[0];
+  row["ring_size"] = 3;
+  EXPECT_EQ(lack_in_part(row, 2), "");
+  EXPECT_EQ(lack_in_part(row, 4), "it knows a ring of 3 nodes; 4 are on this host");
+  row["state"] = "open_chain";
+  EXPECT_EQ(lack_in_part(row, 4), "");
+  row["state"] = "joining";
+  EXPECT_EQ(lack_in_part(row, 2), "it is joining");
 }
 
 TEST(State, IsThatOfTheNodeOrOfItsCpu) {

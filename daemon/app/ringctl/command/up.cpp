@@ -43,7 +43,7 @@ void require_not_running(const RingPlan& plan) {
   if (held.empty()) return;
   const auto is_planned = [&plan](const live::HeldNode& node) {
     return std::any_of(plan.nodes.begin(), plan.nodes.end(),
-                       [&node](const PlannedNode& planned) { return planned.node.id == node.node; });
+                       [&node](const NodeName& planned) { return planned.id == node.node; });
   };
   if (plan.is_part() && std::none_of(held.begin(), held.end(), is_planned))
     throw NotDone("ring " + plan.ring +

@@ -86,7 +86,7 @@ class LiveNodes {
 
   Asked request(std::size_t place, const nlohmann::json& request);
   void answered(std::size_t place, const Reply& reply);
-  const std::string& name(std::size_t place) const { return plan_.nodes[place].node.name; }
+  const std::string& name(std::size_t place) const { return plan_.nodes[place].name; }
   bool ask_for_rows();
   void connect(std::size_t place);
   void take_messages();

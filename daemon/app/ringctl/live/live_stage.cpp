@@ -47,8 +47,8 @@ LiveStage::LiveStage(const Scenario& scenario, std::uint64_t seed, const RingPla
       senders_(scenario, nodes_, seed),
       random_(seed),
       first_rows_(plan.nodes.size()) {
-  for (const PlannedNode& planned : plan.nodes)
-    boards_.push_back(std::make_unique<scenario_cpu::TakenBoard>(plan.ring, planned.node.id));
+  for (const NodeName& node : plan.nodes)
+    boards_.push_back(std::make_unique<scenario_cpu::TakenBoard>(plan.ring, node.id));
   nodes_.on_message = [this](std::size_t place, const Message& message) { senders_.came(place, message); };
   nodes_.on_turn = [this] { return turn(); };
 }
@@ -62,7 +62,7 @@ core::NodeState LiveStage::state(NodeId id) const {
 unsigned LiveStage::ring_size(NodeId id) const { return nodes_.row(id)->value("ring_size", 0u); }
 
 NodeId LiveStage::place_of(const json& id) const {
-  const auto is = [&](const PlannedNode& planned) { return planned.node.id == id; };
+  const auto is = [&](const NodeName& node) { return node.id == id; };
   return static_cast<NodeId>(std::find_if(plan_.nodes.begin(), plan_.nodes.end(), is) - plan_.nodes.begin());
 }
 
@@ -108,10 +108,9 @@ std::vector<std::size_t> LiveStage::present() const {
 std::string LiveStage::first_not_ready() const {
   const std::vector<std::size_t> places = present();
   for (const std::size_t place : places) {
-    const PlannedNode& planned = plan_.nodes[place];
     const json* row = nodes_.row(place);
-    const std::string lack = row ? missing(planned, *row, places.size()) : "it does not answer yet";
-    if (!lack.empty()) return "node " + label(planned.node) + ": " + lack + nodes_.last_lines(place);
+    const std::string lack = row ? lack_of_node(*row, places.size()) : "it does not answer yet";
+    if (!lack.empty()) return "node " + label(plan_.nodes[place]) + ": " + lack + nodes_.last_lines(place);
   }
   return "";
 }
