@@ -37,7 +37,11 @@ class Recorder(RingTest):
         self.wait('folded', lambda: {self.row(i)['state'] for i in range(4)} == {'folded'})
         daemons[1].kill()
         daemons[1].wait()
-        self.assertIn('5 recordings', self.save())
+        said = self.save()
+        self.assertIn('5 recordings', said)
+        date = r'\d{4}-\d\d-\d\d \d\d:\d\d:\d\d'
+        self.assertRegex(said, 'of lives that have ended:\n  1.record: node1, begun %s\n'
+                         '  3.record.former: node3, begun %s\n$' % (date, date))
         self.assertEqual(sorted(os.listdir(self.saved)),
                          ['0.record', '1.record', '2.record', '3.record', '3.record.former'])
         said = self.replay(self.saved)

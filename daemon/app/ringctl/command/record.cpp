@@ -10,6 +10,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/recording_keeper.h"
 #include "app/ringctl/ring_access.h"
+#include "app/ringctl/saved_lives.h"
 #include "cli/values.h"
 #include "config/names.h"
 #include "limb_ring/ring_directory.h"
@@ -72,9 +73,11 @@ int save(const RecordOptions& options, const Context& context) {
   require_recordings(ring);
   require_empty(options.folder);
   const recorder::SavedRing saved = recorder::save_ring(ring_directory(ring), options.folder);
+  const std::string ended = ended_lives(ring_directory(ring), options.folder);
   if (saved.recordings != 0)
     std::cout << "saved " << app::counted(saved.recordings, "recording") << " of ring " << ring << ", "
-              << saved.bytes / 1000 << " kB; 'ring_sim replay " << options.folder << "' does it all again" << std::endl;
+              << saved.bytes / 1000 << " kB; 'ring_sim replay " << options.folder << "' does it all again\n"
+              << (ended.empty() ? "" : "of lives that have ended:\n") << ended << std::flush;
   if (!saved.problems.empty()) throw NotDone("not saved: " + config::join(saved.problems, "; "));
   return kDone;
 }
