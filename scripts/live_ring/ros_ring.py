@@ -1,7 +1,9 @@
 """A ring with ROS: a roslaunch with a master of its own, and the ring as its topics show it. For scripts/demo."""
+import os
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -9,10 +11,23 @@ import time
 from live_ring.sessions import send_signal, session_members
 
 GUARD = 60.0     # s that each step may take; a busy machine is slow
+SETUP = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..', 'build', 'devel', 'setup.bash')
 
 
 class DemoFailed(Exception):
     """What was to be seen was not."""
+
+
+def enter_build():
+    """Runs this script again inside the build's ROS environment, unless it is in one that has limb_ring already."""
+    found = subprocess.run([sys.executable, '-c', 'import limb_ring.msg'], stderr=subprocess.DEVNULL)
+    if found.returncode == 0:
+        return
+    script = os.path.realpath(sys.argv[0])
+    if os.environ.get('LIMB_RING_DEMO_ENTERED') or not os.path.exists(SETUP):
+        sys.exit('%s: the ROS messages of limb_ring are not built; run `make build` first' % os.path.basename(script))
+    os.environ['LIMB_RING_DEMO_ENTERED'] = '1'
+    os.execvp('bash', ['bash', '-c', '. "$0" && exec /usr/bin/python3 "$@"', SETUP, script, *sys.argv[1:]])
 
 
 def free_port():
@@ -64,6 +79,10 @@ class Launch:
                 send_signal(pid, sign)
             while session_members(self.process.pid) and time.monotonic() < deadline:
                 time.sleep(0.05)
+
+    def remove_log(self):
+        """It has ended well, and nobody will look for what it said."""
+        os.unlink(self.log.name)
 
 
 class RosRing:
