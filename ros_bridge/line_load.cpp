@@ -2,19 +2,16 @@
 
 #include <algorithm>
 
+#include "ask/line_bytes.h"
 #include "ros_bridge/counter_growth.h"
 
 namespace limb_ring::bridge {
 namespace {
 
-constexpr std::uint64_t kSliceHeader = 4;  // the framing of the link: no bytes of the ring
-constexpr double kShortest = 0.5;          // s between readings: a status at every change tells no rate
+constexpr double kShortest = 0.5;  // s between readings: a status at every change tells no rate
 
 std::uint64_t bytes_in(const NodeStatus& node) {
-  const std::uint64_t slices = counter_of(node, "input_slices") + counter_of(node, "input_idle_slices");
-  const std::uint64_t framing = kSliceHeader * slices;
-  const std::uint64_t all = counter_of(node, "input_bytes");
-  return all - std::min(all, framing);
+  return ask::line_bytes_in([&node](const char* name) { return counter_of(node, name); });
 }
 
 }  // namespace

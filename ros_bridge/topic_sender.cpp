@@ -1,21 +1,12 @@
 #include "ros_bridge/topic_sender.h"
 
+#include "ask/arrived.h"
 #include "limb_ring/payload/packet_type.h"
 #include "ros_bridge/outcome_word.h"
 
 namespace limb_ring::bridge {
 
 using payload::Fragment;
-
-namespace {
-
-/// Or may have: in an open chain nothing returns, but what lies behind the break is known.
-bool arrived(const Result& result) {
-  if (result.outcome == Outcome::unconfirmed) return result.why != Reason::out_of_reach;
-  return result.outcome == Outcome::delivered;
-}
-
-}  // namespace
 
 TopicSender::TopicSender(std::uint8_t number, const config::TopicConfig& topic, Send send, Counters& counters)
     : fragmenter_(number),
@@ -120,7 +111,7 @@ void TopicSender::on_result(std::uint64_t serial, const Result& result) {
   Flight& flight = flights_[serial];
   --under_way_;
   --flight.unanswered;
-  if (!arrived(result) && !flight.failed) {
+  if (!ask::may_have_arrived(result) && !flight.failed) {
     fail(flight, serial, result.outcome);
     given_up_ = given_up_ || serial == serial_;
   }

@@ -140,7 +140,7 @@ const std::map<std::string, Parts> kMayInclude{
       "sim_tools", "event_loop", "limb_ring"}},
     {"program_stage", {"wire", "core", "fault", "config", "process", "runtime", "scenario", "sim", "virtual_host"}},
     {"live", {"fault", "wire", "process", "promises", "limb_ring"}},
-    {"ask", {"live", "payload", "process", "limb_ring"}},
+    {"ask", {"wire", "live", "payload", "process", "limb_ring"}},
     {"bench", {"wire", "capture", "core", "promises", "config", "live", "process", "statistics", "limb_ring"}},
     {"app/common", {}},
     {"app/capture_text", {"app/common", "wire", "capture", "limb_ring"}},
@@ -174,7 +174,7 @@ const std::map<std::string, Parts> kMayInclude{
      {"app/common", "app/capture_text", "wire", "capture", "core", "sim", "sim_tools", "scenario", "study", "config",
       "cli", "process", "promises", "recorder"}},
     {"app/scenario_cpu", {"limb_ring"}},
-    {"app/run_scenario", {"app/ringctl", "process"}},
+    {"app/run_scenario", {"app/common", "app/ringctl", "process"}},
 };
 
 TEST(House, ArrowsPointOneWay) {

@@ -11,6 +11,7 @@
 #include "app/ringctl/refusal_counters.h"
 #include "app/ringctl/result_wait.h"
 #include "app/ringctl/ring_access.h"
+#include "ask/arrived.h"
 #include "process/signal_wait.h"
 
 namespace limb_ring::ringctl {
@@ -27,10 +28,7 @@ double microseconds_of(const Result& result) { return static_cast<double>(result
 bool delivered(const Result& result) { return result.outcome == Outcome::delivered; }
 
 /// It was delivered, or may have been: nothing has come home that says otherwise.
-bool may_be(const Result& result) {
-  const bool reached = result.why != Reason::out_of_reach;
-  return delivered(result) || result.outcome == Outcome::lost || (result.outcome == Outcome::unconfirmed && reached);
-}
+bool may_be(const Result& result) { return ask::may_have_arrived(result) || result.outcome == Outcome::lost; }
 
 }  // namespace
 

@@ -13,14 +13,13 @@
 #include "app/common/text_table.h"
 #include "app/ringctl/status_rows.h"
 #include "app/ringctl/status_table.h"
+#include "ask/line_bytes.h"
 
 namespace limb_ring::ringctl {
 
 using nlohmann::json;
 
 namespace {
-
-constexpr unsigned kSliceHeader = 4;  // the framing of the link: no bytes of the ring
 
 std::uint64_t counter(const json& row, const char* name) {
   return row.contains("counters") ? row["counters"].value(name, std::uint64_t{0}) : 0;
@@ -37,8 +36,7 @@ std::uint64_t packets_out(const json& row) {
 }
 
 std::uint64_t bytes_in(const json& row) {
-  const std::uint64_t all = counter(row, "input_bytes");
-  return all - std::min(all, kSliceHeader * sum(row, {"input_slices", "input_idle_slices"}));
+  return ask::line_bytes_in([&row](const char* name) { return counter(row, name); });
 }
 
 /// Both rows are of the same boot, so the counters have not restarted at 0 in between.

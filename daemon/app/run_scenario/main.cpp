@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/common/from_roslaunch.h"
 #include "app/ringctl/problems.h"
 #include "process/execute.h"
 #include "process/find_program.h"
@@ -14,15 +15,11 @@ namespace {
 
 const std::string kResult = "--gtest_output=xml:";
 
-bool from_roslaunch(const std::string& argument) {
-  return argument.rfind("__", 0) == 0 && argument.find(":=") != std::string::npos;
-}
-
 std::vector<std::string> ringctl_arguments(int argc, char** argv) {
   std::vector<std::string> arguments{"ringctl", "scenario", "run"};
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (from_roslaunch(argument)) continue;
+    if (limb_ring::app::from_roslaunch(argument)) continue;
     if (argument.rfind(kResult, 0) != 0) {
       arguments.push_back(argument);
       continue;

@@ -1,6 +1,7 @@
 // scenario_cpu: the CPU of a node in a scenario on live daemons, started by ringd. It takes packets and counts them.
 // It sends nothing: the scenario sends in its place.
 #include <limb_ring/host_port.h>
+#include <limb_ring/payload/packet_type.h>
 
 #include <cstdio>
 #include <exception>
@@ -9,14 +10,13 @@
 
 namespace {
 
-constexpr std::uint8_t kUserChannel = 0;
 constexpr std::chrono::milliseconds kTick{50};
 
 void take_all(limb_ring::HostPort& port, limb_ring::scenario_cpu::TakenBoard& board) {
   while (port.connected()) {
     const auto message = port.receive(kTick);
     const auto* packet = message ? std::get_if<limb_ring::Packet>(&*message) : nullptr;
-    if (packet && packet->channel == kUserChannel) board.count(packet->data[0]);
+    if (packet && packet->channel == limb_ring::payload::kUserChannel) board.count(packet->data[0]);
   }
 }
 

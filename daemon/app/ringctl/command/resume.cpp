@@ -11,6 +11,7 @@
 #include "app/ringctl/problems.h"
 #include "app/ringctl/progress.h"
 #include "app/ringctl/results.h"
+#include "ask/arrived.h"
 #include "ask/known_stops.h"
 #include "ask/resume_cpu.h"
 
@@ -56,11 +57,6 @@ struct Resumed {
   bool done() const { return !is_latched && (result.outcome == Outcome::delivered || (was_latched && seen)); }
 };
 
-bool may_have_arrived(const Result& result) {
-  return result.outcome == Outcome::delivered ||
-         (result.outcome == Outcome::unconfirmed && result.why != Reason::out_of_reach);
-}
-
 /// From `port`; where that does not reach the node, and the user leaves it to us, from a node that does.
 Result send_resume(const RingAccess& ring, HostPort& port, const NodeName& node, bool from_is_free) {
   const Result result = ask::resume_cpu(port, node.id, kAnswer);
@@ -70,14 +66,14 @@ Result send_resume(const RingAccess& ring, HostPort& port, const NodeName& node,
   if (!sender) return result;
   HostPort nearer = ring.connect(ring.node(std::to_string(*sender)));
   const Result again = ask::resume_cpu(nearer, node.id, kAnswer);
-  return may_have_arrived(again) ? again : result;
+  return ask::may_have_arrived(again) ? again : result;
 }
 
 /// Fills in what can be seen of it: of a command that was not confirmed, it alone tells.
 void look_at(const RingAccess& ring, std::vector<Resumed>& all) {
   std::vector<ask::Node> taken;
   for (const Resumed& one : all)
-    if (may_have_arrived(one.result)) taken.push_back({one.node.id, one.node.name});
+    if (ask::may_have_arrived(one.result)) taken.push_back({one.node.id, one.node.name});
   ask::wait_for_resumes(ring.ring(), taken);
   std::map<std::uint8_t, ask::StopState> known;
   for (const ask::KnownStop& stop : ask::stops_now(ring.ring(), ring.ask_nodes())) known[stop.node.id] = stop.state;
