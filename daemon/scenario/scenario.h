@@ -34,6 +34,10 @@ struct Send {
   std::uint8_t priority = 0;
   nanoseconds every{0};     ///< 0: all at once
   std::uint64_t count = 0;  ///< from each node; 0: one, or with `every` without end
+
+  bool is_stream() const { return every.count() != 0; }
+  /// How many each node sends.
+  std::uint64_t times() const { return count != 0 ? count : is_stream() ? UINT64_MAX : 1; }
 };
 
 /// What only the world of `ring_sim soak` has: wires and cables that break, single slices, and sends that are given up.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "wire/data_packet.h"
+
 namespace limb_ring::scenario {
 
 namespace {
@@ -9,7 +11,6 @@ namespace {
 /// The period of a babble that gives none. In a ring of 16 at 1 Gbit/s a node cannot send that often, so its queue is
 /// full. (ours)
 constexpr std::chrono::microseconds kBabblePeriod{10};
-constexpr wire::ChannelId kUserChannel{0};
 
 }  // namespace
 
@@ -29,12 +30,9 @@ const Tally& Senders::tally(const std::string& name) const {
 }
 
 void Senders::begin(const Send& send) {
-  constexpr std::uint64_t kNoEnd = UINT64_MAX;
-  const bool stream = send.every.count() != 0;
-  const std::uint64_t count = send.count != 0 ? send.count : stream ? kNoEnd : 1;
   for (const NodeId from : send.from) {
-    Job& job = jobs_.emplace_back(Job{send, from, index_of(send.name), count});
-    if (!stream) {
+    Job& job = jobs_.emplace_back(Job{send, from, index_of(send.name), send.times()});
+    if (!send.is_stream()) {
       for (; job.left != 0; --job.left) ask(job);
       continue;
     }
@@ -83,7 +81,8 @@ std::optional<std::size_t> Senders::send_of(const core::ReceivedPacket& packet) 
   const auto is_it = [&](const Job& job) {
     return job.tally == send && job.from == packet.source && job.send.size == packet.bytes().size;
   };
-  const bool ours = packet.channel == kUserChannel && std::any_of(jobs_.begin(), jobs_.end(), is_it);
+  const bool ours =
+      packet.channel == wire::id_of(wire::Channel::user) && std::any_of(jobs_.begin(), jobs_.end(), is_it);
   return ours ? std::optional(send) : std::nullopt;
 }
 

@@ -31,13 +31,10 @@ std::uint8_t LiveSenders::id_of(std::uint8_t place_or_all) const {
 // ---- what is sent ---------------------------------------------------------------------------
 
 void LiveSenders::begin(const Send& send) {
-  constexpr std::uint64_t kNoEnd = UINT64_MAX;
-  const bool stream = send.every.count() != 0;
-  const std::uint64_t count = send.count != 0 ? send.count : stream ? kNoEnd : 1;
   for (const auto from : send.from) {
-    Job& job = jobs_.emplace_back(Job{send, from, mark_of(send.name), count, Clock::now()});
-    if (stream)
-      job.due += send.every * (random_() % 1000) / 1000;
+    Job& job = jobs_.emplace_back(Job{send, from, mark_of(send.name), send.times(), Clock::now()});
+    if (send.is_stream())
+      job.due += std::chrono::nanoseconds(random_() % static_cast<std::uint64_t>(send.every.count()));
     else
       while (job.left != 0) ask(job);
   }
