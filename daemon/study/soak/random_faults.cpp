@@ -28,7 +28,8 @@ RandomFaults::RandomFaults(std::uint64_t seed, FoldBack fold_back, World world)
 
 void RandomFaults::choose_mix(FoldBack fold_back) {
   nodes_ = once_in(3) ? 2 + random(15) : 16;
-  if (fold_back == FoldBack::all && nodes_ < 3) nodes_ = 3;  // a ring of two has no way round a break
+  // Rings of two fold back, too, and `ring_sim explore` has them; here the histories of their seeds would change.
+  if (fold_back == FoldBack::all && nodes_ < 3) nodes_ = 3;
   paced_ = once_in(2);
   const unsigned levels[] = {0, 2000, 200, 33};
   drop_ = levels[random(4)];
