@@ -14,14 +14,14 @@ enum class Sending { one, all };
 /// All processes of a ring on one core, or wherever the kernel puts them.
 enum class Pinning { one_core, free };
 
-/// What can be measured alone, beside the reference.
+/// What can be measured alone, beside the reference. `unix` has `watched` with it: the same ring, read along.
 constexpr const char* kCases[] = {"unix",        "shm",      "udp",           "keyed",           "cpu_to_cpu",
                                   "judged",      "recorded", "batch",         "placed",          "spin",
                                   "relay_chain", "idle",     "humanoid_1khz", "humanoid_virtual"};
 
 /// What is to be measured, and how.
 struct Setup {
-  unsigned nodes = 16;                ///< 2 to 255
+  unsigned nodes = 16;                ///< 2 to 64
   std::size_t payload = kMaxPayload;  ///< bytes of data per packet, 4 to 512
   double seconds = 2;                 ///< per case, over all rounds
   unsigned rounds = 3;                ///< reference and rings take turns, because machines are noisy

@@ -209,7 +209,7 @@ void LineFaults::swallow(const Slice& slice) {
 void LineFaults::pass_data(const Slice& slice, Time now) {
   if (begins(slice)) {
     on_data_ = decide(false, now);
-    data_source_ = wire::NodeId{slice.bytes[3]};
+    data_source_ = wire::NodeId{slice.bytes[wire::field::kSource]};
     copy_.clear();
   }
   const Effect effect = on_data_.value_or(Effect{});

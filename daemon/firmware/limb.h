@@ -19,7 +19,7 @@ class Limb {
   Limb(const config::NodeConfig& node, const config::Firmware& firmware, nanoseconds command_timeout,
        const Timestamps& now);
 
-  /// A packet that says it is a joint_command. Every verdict but `obey` is counted.
+  /// A packet that says it is a joint_command. Every verdict is counted; all but `obey` as refused, too.
   Verdict command(payload::ByteView packet, const Timestamps& now);
   /// All joints to their safe states, until a command resumes.
   void stop(const Timestamps& now);

@@ -17,6 +17,9 @@ using nlohmann::json;
 
 namespace {
 
+/// The host port of a virtual ring itself, of no node: 255.host (daemon/host/requests.md).
+const std::string kRingPort = std::to_string(kBroadcast);
+
 /// Below this the ring is on time: it goes on in steps.
 constexpr double kOnTime = 0.005;
 
@@ -34,7 +37,7 @@ std::string seconds(double value) { return app::number(value, 3) + " s"; }
 json ring_clock(const std::string& ring) {
   if (!answers_as_virtual(ring)) return json();
   try {
-    HostPort port = connect_node(ring, std::to_string(kBroadcast));
+    HostPort port = connect_node(ring, kRingPort);
     json clock = json::parse(port.ask(R"({"do": "clock"})", kAnswerTime));  // ask() itself tells of the clock
     clock["now_s"] = clock.at("now_ns").get<double>() / 1e9;
     clock.erase("now_ns");

@@ -121,7 +121,10 @@ int main(int argc, char** argv) {
       return cli::code_with_output("ringd", 0);
     }
     const config::RingConfig ring = ringd::ring_of(*options);
-    if (options->clock == "machine") return run(ring, ringd::node_of(*options, ring));
+    if (options->clock == "machine") {
+      ringd::check_machine(*options);
+      return run(ring, ringd::node_of(*options, ring));
+    }
     ringd::check_virtual(*options);
     return run_virtual(ring, *options);
   } catch (const ringd::UsageError& error) {

@@ -106,9 +106,12 @@ void check_virtual(const Options& options) {
     throw UsageError("--capture names the ring's file: " + options.capture + " would be lost; write to another one");
 }
 
-const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring) {
+void check_machine(const Options& options) {
   if (options.pace || options.lasts_s > 0 || !options.capture.empty())
     throw UsageError("--pace, --for and --capture go with --clock virtual");
+}
+
+const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring) {
   if (options.node.empty() == !options.index)
     throw UsageError("one of --node (id or name) and --index (place in ring order) is needed; see ringd --help");
   if (options.index) {

@@ -41,6 +41,9 @@ config::RingConfig ring_of(const Options& options);
 /// Checks that no option is given that cannot be used with a virtual clock. @throw UsageError
 void check_virtual(const Options& options);
 
+/// Checks that no option is given that goes with a virtual clock alone. @throw UsageError
+void check_machine(const Options& options);
+
 /// This daemon's node in it. @throw UsageError
 const config::NodeConfig& node_of(const Options& options, const config::RingConfig& ring);
 

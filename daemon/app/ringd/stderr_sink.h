@@ -11,8 +11,8 @@ namespace limb_ring::ringd {
 
 /// The daemon's log on standard error, which never waits: whoever reads it may be stopped (a
 /// terminal after Ctrl-S, a pipe nobody empties), and the ring must not stop with it. What does not
-/// fit is left out, counted, and told once there is room.
-class StderrSink final : public spdlog::sinks::stderr_color_sink_mt {
+/// fit is left out, counted, and told once there is room. The daemon has one thread.
+class StderrSink final : public spdlog::sinks::stderr_color_sink_st {
  public:
   void log(const spdlog::details::log_msg& message) override {
     if (!has_room()) {
@@ -24,7 +24,7 @@ class StderrSink final : public spdlog::sinks::stderr_color_sink_mt {
   }
 
  private:
-  using Base = spdlog::sinks::stderr_color_sink_mt;
+  using Base = spdlog::sinks::stderr_color_sink_st;
 
   /// A pipe that polls writable takes 4096 bytes (PIPE_BUF) without waiting.
   static bool has_room() {
@@ -39,7 +39,7 @@ class StderrSink final : public spdlog::sinks::stderr_color_sink_mt {
     Base::log(spdlog::details::log_msg("ringd", spdlog::level::warn, text));
   }
 
-  std::uint64_t left_out_ = 0;  ///< the daemon has one thread
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace limb_ring::ringd

@@ -64,7 +64,9 @@ void add_bench(CLI::App& app, Context& context) {
       ->transform(cli::seconds(0.1, 60.0));
   command->add_option("--rounds", setup.rounds, "Reference and rings take turns so many times, 1 to 100; default 3")
       ->transform(cli::whole(1, 100));
-  command->add_option("--only", setup.only, "Measure these alone, beside the reference; separated by commas")
+  command
+      ->add_option("--only", setup.only,
+                   "Measure these alone, beside the reference, unix also while a dump reads along; separated by commas")
       ->delimiter(',')
       ->check(cli::one_of({std::begin(bench::kCases), std::end(bench::kCases)}));
   command->add_flag("--no-ros", options->no_ros, "Leave the chain of topic_tools/relay out");
