@@ -41,9 +41,9 @@ bool is_host_name(const std::string& name) { return is_part_name(name) && name !
 bool is_part_name(const std::string& name) { return consists_of(name, "_-.", 64) && is_letter(name[0]); }
 
 bool is_topic_name(const std::string& name) {
-  if (name.empty() || !(is_letter(name[0]) || name[0] == '/' || name[0] == '~')) return false;
+  if (name.empty() || !(is_letter(name[0]) || name[0] == '/')) return false;
   const bool tidy = name.find("//") == std::string::npos && name.back() != '/';
-  return tidy && name != "~" && consists_of(name[0] == '~' ? name.substr(1) : name, "_/", 200);
+  return tidy && consists_of(name, "_/", 200);
 }
 
 std::string closest(const std::string& word, const std::vector<std::string>& candidates) {

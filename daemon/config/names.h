@@ -12,7 +12,7 @@ constexpr const char* kHostNameRule =
     "a letter, then letters, digits, '_', '-' and '.', 64 at most, and not the word 'all'";
 constexpr const char* kPartNameRule = "a letter, then letters, digits, '_', '-' and '.', 64 at most";
 constexpr const char* kTopicNameRule =
-    "a ROS topic name: a letter, '/' or '~', then letters, digits, '_' and '/', 200 at most";
+    "a ROS topic name, not a private one: a letter or '/', then letters, digits, '_' and '/', 200 at most";
 
 bool is_ring_name(const std::string& name);
 bool is_node_name(const std::string& name);

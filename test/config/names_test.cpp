@@ -22,8 +22,8 @@ TEST(Names, OfNodesCannotBeTakenForIds) {
 }
 
 TEST(Names, OfTopicsAreThoseOfRos) {
-  for (const char* name : {"wrench", "/camera/image", "~state", "a/b_c/d1"}) EXPECT_TRUE(is_topic_name(name)) << name;
-  for (const char* name : {"", "~", "/", "a//b", "a/", "1a", "a b", "a-b", "a~b"})
+  for (const char* name : {"wrench", "/camera/image", "a/b_c/d1"}) EXPECT_TRUE(is_topic_name(name)) << name;
+  for (const char* name : {"", "~state", "/", "a//b", "a/", "1a", "a b", "a-b", "a~b"})
     EXPECT_FALSE(is_topic_name(name)) << name;
 }
 
