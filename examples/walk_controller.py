@@ -11,7 +11,9 @@ import math
 import rospy
 from sensor_msgs.msg import JointState
 
-# Of each joint, rad: lifted with the left leg, with the right leg, swaying over the standing leg. Signs are iCub's.
+# The gait of the program `walk` made simpler, so that one can read it here: the arms swing at the shoulders alone and
+# with the sway, the torso does not turn, and the step grows evenly. Of each joint, rad: lifted with the left leg, with
+# the right leg, swaying over the standing leg. Signs are iCub's.
 SHARES = {
     'l_hip_pitch': (0.25, 0, 0), 'l_knee': (-0.50, 0, 0), 'l_ankle_pitch': (-0.25, 0, 0),
     'r_hip_pitch': (0, 0.25, 0), 'r_knee': (0, -0.50, 0), 'r_ankle_pitch': (0, -0.25, 0),
