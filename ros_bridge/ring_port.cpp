@@ -134,7 +134,9 @@ void RingPort::restart_ticks() {
   for (Tick& tick : ticks_) tick.due = first_due(tick, now());
 }
 
+// Without a connection the stamps stay with the clock that they had: a ring's time and the machine's are decades apart.
 void RingPort::notice_time() {
+  if (!port_) return;
   if (!in_lockstep()) return ros_clock_.set_ring(RosClock::kMachine);
   ros_clock_.set_ring(port_->now().count());
   if (port_->now() >= told_time_ + kClockPeriod) tell_time();

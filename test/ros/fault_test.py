@@ -80,6 +80,14 @@ class Faults(unittest.TestCase):
         self.assertEqual(self.list().ids, [])
         self.ring.wait_until_up()
 
+    def test_a_bridge_whose_daemon_is_gone_keeps_its_clock(self):
+        before = self.ring.status.get().header.stamp
+        killed = self.begin('kill body')
+        gone = self.ring.status.wait(lambda status: not status.connected, 'to notice it')
+        self.assertLess(abs((gone.header.stamp - before).to_sec()), 3600)
+        self.assertTrue(self.clear(id=killed.id).success)
+        self.ring.wait_until_up()
+
     def test_what_commands_the_robot_does_not_wait_for_nodes_that_are_frozen_for_a_time(self):
         nodes = ['right_elbow', 'left_ankle', 'left_elbow', 'right_ankle']   # more than calls are served at a time
         freezes = [threading.Thread(target=self.inject, kwargs={'fault': 'freeze %s for=300s' % node}) for node in nodes]
