@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
@@ -19,16 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxName = 32;
 constexpr std::size_t kMaxSocketPath = sizeof(sockaddr_un::sun_path) - 1;
 constexpr mode_t kOwnerOnly = 0700;
 constexpr mode_t kGroupAndOthers = 0077;
-
-bool name_fits(const std::string& name) {
-  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.'; };
-  return !name.empty() && name.size() <= kMaxName && name.front() != '.' &&
-         std::all_of(name.begin(), name.end(), allowed);
-}
 
 /// On one line, whatever was given; an exception's text would end at a null.
 std::string shown(std::string name) {
@@ -38,10 +30,10 @@ std::string shown(std::string name) {
 }
 
 void require_name(const char* what, const std::string& name) {
-  if (name_fits(name)) return;
+  if (is_ring_name(name)) return;
   throw std::invalid_argument(std::string(what) + " '" + shown(name) +
                               "': a name has 1 to 32 letters, digits, '-', '_' or '.', and does "
-                              "not begin with '.'");
+                              "not begin with '.' or '-'");
 }
 
 /// A folder that others have made or can write to could hold another user's sockets.
@@ -115,7 +107,7 @@ std::vector<std::string> running_rings(const std::string& runtime) {
   std::error_code error;
   for (fs::directory_iterator it(rings_directory(runtime), error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (name_fits(name) && any_daemon_answers(it->path())) rings.push_back(name);
+    if (is_ring_name(name) && any_daemon_answers(it->path())) rings.push_back(name);
   }
   std::sort(rings.begin(), rings.end());
   return rings;

@@ -6,7 +6,7 @@
 namespace limb_ring::config {
 
 /// What the names in a configuration may look like (ours), each with its rule in words.
-constexpr const char* kRingNameRule = "1 to 32 letters, digits, '-', '_' and '.', not beginning with '.'";
+constexpr const char* kRingNameRule = "1 to 32 letters, digits, '-', '_' and '.', not beginning with '.' or '-'";
 constexpr const char* kNodeNameRule = "a letter, then letters, digits and '_', 32 at most, and not the word 'all'";
 constexpr const char* kHostNameRule =
     "a letter, then letters, digits, '_', '-' and '.', 64 at most, and not the word 'all'";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -12,9 +13,19 @@ namespace limb_ring {
 /// @param runtime folder in the place of $XDG_RUNTIME_DIR; empty: the environment says it
 std::string rings_directory(const std::string& runtime = {});
 
+/// A ring may have that name: 1 to 32 letters (of ASCII, whatever the locale), digits, '-', '_' and '.', not beginning
+/// with '.', as a hidden file, or '-', as an option.
+inline bool is_ring_name(const std::string& name) {
+  const auto fits = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+           c == '.';
+  };
+  return !name.empty() && name.size() <= 32 && name.front() != '.' && name.front() != '-' &&
+         std::all_of(name.begin(), name.end(), fits);
+}
+
 /// The folder of one ring: `rings_directory()/RING`.
-/// @throw std::invalid_argument where the name is empty, longer than 32 characters, or holds
-///        anything but letters, digits, '-', '_' and '.' (no leading '.').
+/// @throw std::invalid_argument where that is no name of a ring
 std::string ring_directory(const std::string& ring, const std::string& runtime = {});
 
 /// Creates the folder of a ring (and those above it) with mode 0700.

@@ -36,7 +36,7 @@ TEST_F(RingDirectory, LiesInAFolderOfItsOwnBelowTheTemporaryOneOtherwise) {
 }
 
 TEST_F(RingDirectory, RefusesNamesThatAreNoNames) {
-  for (const char* bad : {"", "..", ".hidden", "a/b", "a b", "\xC3\xA4", "a23456789012345678901234567890123"}) {
+  for (const char* bad : {"", "..", ".hidden", "-o", "a/b", "a b", "\xC3\xA4", "a23456789012345678901234567890123"}) {
     EXPECT_THROW(ring_directory(bad), std::invalid_argument) << bad;
   }
   EXPECT_NO_THROW(ring_directory("a2345678901234567890123456789012"));

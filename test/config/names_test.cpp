@@ -9,7 +9,7 @@ namespace {
 
 TEST(Names, OfRingsMayBecomeFolders) {
   for (const char* name : {"humanoid16", "a", "left-arm_2.1", "16"}) EXPECT_TRUE(is_ring_name(name)) << name;
-  for (const char* name : {"", ".", "..", ".ring", "a/b", "a b", "r\xC3\xB6hre"})
+  for (const char* name : {"", ".", "..", ".ring", "-ring", "a/b", "a b", "r\xC3\xB6hre"})
     EXPECT_FALSE(is_ring_name(name)) << name;
   EXPECT_TRUE(is_ring_name(std::string(32, 'r')));
   EXPECT_FALSE(is_ring_name(std::string(33, 'r')));
